@@ -1,0 +1,41 @@
+# Functions that define the library's modules and tests, so that each module lists only its sources.
+
+add_library(resilin_options INTERFACE)
+target_compile_features(resilin_options INTERFACE cxx_std_20)
+target_compile_options(resilin_options INTERFACE
+  -Wall -Wextra -Wshadow -Wconversion -Wpedantic
+  $<$<BOOL:${RESILIN_WARNINGS_AS_ERRORS}>:-Werror>
+  $<$<BOOL:${RESILIN_SANITIZE}>:-fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer>
+  $<$<BOOL:${RESILIN_SANITIZE_THREAD}>:-fsanitize=thread -fno-omit-frame-pointer>
+  $<$<BOOL:${RESILIN_COVERAGE}>:--coverage>)
+target_link_options(resilin_options INTERFACE
+  $<$<BOOL:${RESILIN_SANITIZE}>:-fsanitize=address,undefined>
+  $<$<BOOL:${RESILIN_SANITIZE_THREAD}>:-fsanitize=thread>
+  $<$<BOOL:${RESILIN_COVERAGE}>:--coverage>)
+
+# resilin_module(NAME SOURCES a.cpp ... DEPENDS core ...): the static library resilin_NAME, alias resilin::NAME.
+function(resilin_module name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;LINK" ${ARGN})
+  set(target resilin_${name})
+  add_library(${target} STATIC ${ARG_SOURCES})
+  add_library(resilin::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  target_include_directories(${target} PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:resilin_options>)
+  foreach(dependency IN LISTS ARG_DEPENDS)
+    target_link_libraries(${target} PUBLIC resilin_${dependency})
+  endforeach()
+  target_link_libraries(${target} PUBLIC ${ARG_LINK})
+  set_property(GLOBAL APPEND PROPERTY RESILIN_MODULES ${target})
+endfunction()
+
+# resilin_test(NAME SOURCES a_test.cpp ... LINK resilin::x ...): a GoogleTest program; ctest runs each of its tests.
+function(resilin_test name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  set(target ${name}_test)
+  add_executable(${target} ${ARG_SOURCES})
+  target_link_libraries(${target} PRIVATE resilin_options resilin_test_support ${ARG_LINK})
+  gtest_discover_tests(${target} TEST_PREFIX "${name}/" DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60)
+endfunction()

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+namespace resilin {
+
+/// Number of threads that loops use; all cores unless `set_num_threads` was called.
+int num_threads();
+
+/// Limits every later loop to `count` threads (at least 1). Not to be called inside a loop.
+void set_num_threads(int count);
+
+namespace detail {
+void run_tasks(std::size_t count, const std::function<void(std::size_t)>& task);
+}
+
+/// Calls `body(begin, end)` for consecutive chunks of [0, size). Chunks depend on `chunk_size` alone, never
+/// on the number of threads, so that whatever a chunk computes is the same on every machine.
+template <class Body>
+void parallel_for(std::size_t size, std::size_t chunk_size, const Body& body) {
+  const std::size_t num_chunks = (size + chunk_size - 1) / chunk_size;
+  const auto run_chunk = [&](std::size_t chunk) {
+    const std::size_t begin = chunk * chunk_size;
+    body(begin, begin + chunk_size < size ? begin + chunk_size : size);
+  };
+  if (num_chunks <= 1 || num_threads() == 1) {
+    for (std::size_t chunk = 0; chunk < num_chunks; ++chunk) run_chunk(chunk);
+  } else {
+    detail::run_tasks(num_chunks, run_chunk);
+  }
+}
+
+/// Runs `task(i)` for i in [0, count), in any order and at the same time.
+template <class Task>
+void parallel_tasks(std::size_t count, const Task& task) {
+  if (count <= 1 || num_threads() == 1) {
+    for (std::size_t i = 0; i < count; ++i) task(i);
+  } else {
+    detail::run_tasks(count, task);
+  }
+}
+
+/// Sum of `body(begin, end)` over the chunks of [0, size), added in the order of the chunks: the same bits
+/// for any number of threads. `T` needs `T{}` and `+=`.
+template <class T, class Body>
+T parallel_sum(std::size_t size, std::size_t chunk_size, const Body& body) {
+  const std::size_t num_chunks = (size + chunk_size - 1) / chunk_size;
+  std::vector<T> partial(num_chunks, T{});
+  parallel_for(size, chunk_size,
+               [&](std::size_t begin, std::size_t end) { partial[begin / chunk_size] = body(begin, end); });
+  T sum{};
+  for (const T& part : partial) sum += part;
+  return sum;
+}
+
+}  // namespace resilin

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace resilin {
+
+/// "a, b, c".
+std::string join(std::span<const std::string> words, std::string_view separator = ", ");
+
+/// The candidate that differs least from `word` in single-letter edits; empty when none is near enough to be
+/// meant.
+std::string nearest_word(std::string_view word, std::span<const std::string> candidates);
+
+/// The shortest decimal text that reads back as the same double, independent of the locale.
+std::string format_number(double value);
+
+}  // namespace resilin

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "resilin/core/types.hpp"
+
+namespace resilin {
+
+/// Where the dim x dim blocks of a symmetric matrix stand: the upper triangle, by block rows.
+///
+/// Row i holds columns columns[row_begin[i]] .. columns[row_begin[i+1]-1], ascending, the diagonal i first.
+/// The position of a block in `columns` is its slot; values of slot s start at s * dim * dim, row-major.
+struct BlockPattern {
+  std::vector<Offset> row_begin;  ///< num_nodes + 1
+  std::vector<Index> columns;
+
+  Index num_nodes() const { return static_cast<Index>(row_begin.size()) - 1; }
+  Offset num_slots() const { return static_cast<Offset>(columns.size()); }
+
+  /// Slot of block (i, j), i <= j. The pair must be in the pattern.
+  Offset slot(Index i, Index j) const;
+};
+
+/// Collects which nodes are coupled.
+class BlockPatternBuilder {
+ public:
+  explicit BlockPatternBuilder(Index num_nodes) : num_nodes_(num_nodes) {}
+
+  /// All nodes of every cell are coupled with each other; `nodes` holds `nodes_per_cell` for each cell.
+  void add_cells(std::span<const Index> nodes, int nodes_per_cell);
+  void add_pair(Index i, Index j) { pairs_.emplace_back(i, j); }
+  Index num_nodes() const { return num_nodes_; }
+
+  BlockPattern build() const;
+
+ private:
+  Index num_nodes_;
+  std::vector<std::pair<std::vector<Index>, int>> cells_;
+  std::vector<std::pair<Index, Index>> pairs_;
+};
+
+}  // namespace resilin

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "resilin/linear/block_matrix.hpp"
+
+namespace resilin {
+
+struct LinearOptions {
+  std::string kind = "auto";  ///< a name in the catalogue, or "auto"
+  bool is_dynamic = false;    ///< helps "auto": mass makes iterative solvers quick
+  int max_iterations = 2000;  ///< of an iterative solver
+};
+
+/// What became of a factorisation or a solve.
+struct LinearReport {
+  enum class Status { ok, indefinite, not_converged, out_of_memory };
+  Status status = Status::ok;
+  int iterations = 0;            ///< of an iterative solver; 0 for a direct one
+  double relative_residual = 0;  ///< |b - A x| / |b|, where it is known
+  Index worst_node = -1;         ///< the node whose pivot failed, where it is known
+};
+
+/// Solves A x = b for symmetric positive definite A. Analysed once for each pattern, factorised again for new
+/// values.
+///
+/// An indefinite matrix is reported by `factorize` or, where only the iteration sees it, by `solve`.
+class LinearSolver {
+ public:
+  virtual ~LinearSolver() = default;
+  virtual std::string_view name() const = 0;
+  virtual bool is_direct() const = 0;
+  /// `node_positions` (dim per node) and rigid modes derived from them help multilevel solvers; may be empty.
+  virtual void analyze(const BlockMatrix& A, const VectorX& node_positions) = 0;
+  virtual LinearReport factorize(const BlockMatrix& A) = 0;
+  /// `x` is the start of an iterative solver (use zero) and holds the solution after. On `indefinite` and
+  /// `not_converged`, x is the last iterate, a descent direction when b is minus a gradient.
+  virtual LinearReport solve(const BlockMatrix& A, const VectorX& b, VectorX& x,
+                             double relative_tolerance) = 0;
+};
+
+/// A solver by name: see linear/catalog.cpp. Throws InputError for an unknown name.
+std::unique_ptr<LinearSolver> make_linear_solver(const LinearOptions& options, Index num_unknowns);
+
+/// Names of all solvers that this build holds, in the order of the catalogue.
+std::vector<std::string> linear_solver_names();
+
+}  // namespace resilin

@@ -1,0 +1,143 @@
+#pragma once
+
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "resilin/core/types.hpp"
+#include "resilin/mesh/mesh.hpp"
+
+/// What a user says about a simulation, as plain data: the scene file, the Python dict and C++ programs all
+/// fill these structs, and `World` is made from them. Defaults stand here and nowhere else.
+///
+/// `place` says where a struct came from ("beam.toml: [[load]] 1") and begins every message about it.
+namespace resilin {
+
+/// Which vertices of a body are meant, in its rest shape after scale, rotate and translate.
+struct Where {
+  enum class Kind { all, group, box, plane, sphere, vertices };
+  Kind kind = Kind::all;
+  std::string group;              ///< group: physical group of the mesh
+  Vector3 min = Vector3::Zero();  ///< box: corners, inclusive [m]
+  Vector3 max = Vector3::Zero();
+  int axis = 0;                      ///< plane: 0, 1, 2 for x, y, z
+  double at = 0;                     ///< plane: coordinate [m]
+  std::optional<double> tolerance;   ///< plane: half thickness [m]; default 1e-6 of the body's largest extent
+  Vector3 center = Vector3::Zero();  ///< sphere [m]
+  double radius = 0;                 ///< sphere [m]
+  std::vector<Index> vertices;       ///< vertices: numbers in the body's mesh, from 0
+};
+
+struct MaterialDescription {
+  std::string place = "material";
+  std::string law = "stable_neo_hookean";  ///< a name of material/catalog.hpp
+  /// "youngs_modulus" and "poissons_ratio", or the constants of the law's formula by name.
+  std::map<std::string, double> constants = {{"youngs_modulus", 1e5}, {"poissons_ratio", 0.4}};
+  /// A value for each cell in place of the single one of the same name.
+  std::map<std::string, std::vector<double>> cell_constants;
+  double density = 1000;  ///< [kg/m^3] of the rest shape
+};
+
+struct Rotation {
+  Vector3 axis = Vector3::UnitZ();
+  Vector3 center = Vector3::Zero();  ///< [m]
+  double degrees = 0;                ///< at load factor 1
+};
+
+struct BodyDescription {
+  std::string place = "body";
+  std::string name = "body";
+  Mesh mesh;
+  std::string mesh_name;       ///< the file, or "box", for messages
+  std::string element = "P1";  ///< a name of element/catalog.hpp
+  MaterialDescription material;
+  double scale = 1;
+  std::optional<Rotation> rotate;                               ///< about the origin, after scale
+  Vector3 translate = Vector3::Zero();                          ///< [m], after rotate
+  Vector3 velocity = Vector3::Zero();                           ///< at the start [m/s]
+  Eigen::Matrix3d velocity_gradient = Eigen::Matrix3d::Zero();  ///< adds G X [1/s]
+  std::vector<double> initial_positions;                        ///< dim per vertex [m]; empty: the rest shape
+  std::vector<double>
+      initial_velocities;       ///< dim per vertex [m/s]; empty: from velocity and velocity_gradient
+  std::string mass = "lumped";  ///< lumped | consistent
+};
+
+/// Prescribed displacement.
+struct FixDescription {
+  std::string place = "fix";
+  std::string name;  ///< reactions are reported under it
+  std::string body;  ///< may stay empty when there is one body
+  Where where;
+  std::array<bool, 3> components = {true, true, true};
+  Vector3 displacement = Vector3::Zero();              ///< at load factor 1 [m]
+  Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();  ///< adds G X, X the rest position
+  std::optional<Rotation> rotate;                      ///< in place of displacement and gradient
+  Vector3 velocity = Vector3::Zero();                  ///< in motion: moves on at this speed [m/s] ...
+  std::optional<double> until;                         ///< ... until this time, then stays [s]
+};
+
+struct LoadDescription {
+  enum class Kind { body_force, traction, pressure, nodal_force, spring };
+  std::string place = "load";
+  std::string name;
+  std::string body;
+  Kind kind = Kind::body_force;
+  Where where;
+  /// body_force [N/m^3], traction [N/m^2] dead on the rest surface, nodal_force [N] on each vertex.
+  Vector3 value = Vector3::Zero();
+  double pressure = 0;   ///< pressure [Pa], positive pushes inwards, follows the surface
+  double stiffness = 0;  ///< spring [N/m] on each vertex
+  Vector3 displacement =
+      Vector3::Zero();                 ///< spring: its far end stands at rest position + displacement [m] ...
+  Vector3 velocity = Vector3::Zero();  ///< ... and moves on at this speed [m/s]
+  double from = 0;                     ///< in motion: acts from this time [s] ...
+  std::optional<double> until;         ///< ... until this time [s]
+};
+
+struct ProbeDescription {
+  std::string place = "probe";
+  std::string name;
+  std::string body;
+  Vector3 at = Vector3::Zero();  ///< the vertex nearest to this rest position is watched [m]
+};
+
+struct NewtonOptions {
+  double tolerance = 1e-8;          ///< force residual relative to the load (docs/theory: stopping)
+  int max_iterations = 100;         ///< per load or time step; a smaller number truncates a step, safely
+  std::string projection = "auto";  ///< auto | none | clamp | absolute
+};
+
+struct SolverOptions {
+  std::string kind = "auto";  ///< a name of linear/catalog.cpp
+  int max_iterations = 2000;  ///< of an iterative solver, per solve
+};
+
+struct OutputOptions {
+  int every = 1;  ///< frames are written for each n-th step
+  std::vector<std::string> fields = {"displacement"};
+  std::vector<std::string> formats = {"vtu"};
+};
+
+/// A whole simulation.
+struct Description {
+  std::string place = "scene";
+  std::string title;
+  bool is_dynamic = false;
+  int dimension = 3;                  ///< 3, or 2: plane strain, unit thickness
+  Vector3 gravity = Vector3::Zero();  ///< [m/s^2]
+  double time_step = 0.01;            ///< in motion [s]
+  double end_time = 1;                ///< in motion [s]
+  std::string integrator = "backward_euler";
+  int load_steps = 1;  ///< static: first attempt; halved by itself when a step fails
+  std::vector<BodyDescription> bodies;
+  std::vector<FixDescription> fixes;
+  std::vector<LoadDescription> loads;
+  std::vector<ProbeDescription> probes;
+  NewtonOptions newton;
+  SolverOptions solver;
+  OutputOptions output;
+};
+
+}  // namespace resilin

@@ -1,0 +1,23 @@
+#include "shared_data.hpp"
+
+#include <cstdlib>
+#include <fstream>
+
+namespace resilin::testing {
+
+std::filesystem::path source_folder() { return RESILIN_SOURCE_DIR; }
+
+std::optional<std::filesystem::path> shared_folder() {
+  const char* variable = std::getenv("RESILIN_SHARED");
+  const std::filesystem::path folder =
+      variable != nullptr ? std::filesystem::path(variable) : source_folder().parent_path() / "shared";
+  if (!std::filesystem::is_directory(folder / "validation")) return std::nullopt;
+  return folder;
+}
+
+nlohmann::json read_validation_case(const std::string& name) {
+  std::ifstream file(shared_folder().value() / "validation" / (name + ".json"));
+  return nlohmann::json::parse(file);
+}
+
+}  // namespace resilin::testing

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+namespace resilin::testing {
+
+/// The folder with reference data that does not ship with the repository: $RESILIN_SHARED, else ../shared
+/// beside the checkout. Empty when there is none.
+std::optional<std::filesystem::path> shared_folder();
+
+/// The repository itself.
+std::filesystem::path source_folder();
+
+/// Reads shared/validation/NAME.json.
+nlohmann::json read_validation_case(const std::string& name);
+
+}  // namespace resilin::testing
+
+/// First line of a test that needs the reference data: such a test is counted as skipped where there is none.
+#define RESILIN_NEEDS_SHARED_DATA()         \
+  if (!::resilin::testing::shared_folder()) \
+  GTEST_SKIP() << "no reference data: set RESILIN_SHARED to the folder that holds them"
