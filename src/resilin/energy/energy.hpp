@@ -7,7 +7,7 @@
 
 #include "resilin/core/types.hpp"
 #include "resilin/linear/block_matrix.hpp"
-#include "resilin/material/projection.hpp"
+#include "resilin/core/projection.hpp"
 
 namespace resilin {
 

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <span>
+
+#include "resilin/energy/energy.hpp"
+#include "resilin/energy/facet.hpp"
+
+namespace resilin {
+
+/// When a load acts in motion: from < t <= until [s].
+struct ActiveTime {
+  double from = -std::numeric_limits<double>::infinity();
+  double until = std::numeric_limits<double>::infinity();
+
+  /// Times are met to a small part of a step, so that a window that ends at a step's end includes that step.
+  bool contains(double time) const;
+};
+
+/// Forces that keep their size and direction while the body deforms: E = -t f.(x - X), t the load factor.
+class DeadLoad final : public Energy {
+ public:
+  DeadLoad(std::string name, VectorX nodal_forces, VectorX rest_positions, ActiveTime active = {})
+      : name_(std::move(name)),
+        forces_(std::move(nodal_forces)),
+        rest_positions_(std::move(rest_positions)),
+        active_(active) {}
+
+  std::string_view name() const override { return name_; }
+  double value(const VectorX& x, const Conditions& c) const override;
+  double difference(const VectorX& from, const VectorX& to, const Conditions& c) const override;
+  void add_gradient(const VectorX& x, const Conditions& c, VectorX& gradient) const override;
+  void add_gradient_magnitude(const VectorX& x, const Conditions& c, VectorX& magnitude) const override;
+  void add_hessian(const VectorX&, const Conditions&, Projection, BlockMatrix&) const override {}
+
+ private:
+  double factor(const Conditions& c) const { return active_.contains(c.time) ? c.load : 0; }
+
+  std::string name_;
+  VectorX forces_;  ///< [N]
+  VectorX rest_positions_;
+  ActiveTime active_;
+};
+
+/// Adds a traction [N/m^2] (2D: [N/m^2] on unit thickness) over the facets of the rest shape, shared equally
+/// by their nodes, to nodal forces [N].
+void add_traction(int dim, std::span<const Facet> facets, const VectorX& rest_positions,
+                  const Vector3& traction, VectorX& nodal_forces);
+
+}  // namespace resilin

@@ -1,0 +1,60 @@
+#include "resilin/energy/handle_spring.hpp"
+
+namespace resilin {
+
+HandleSpring::HandleSpring(std::string name, int dim, std::vector<Index> nodes, double stiffness,
+                           Motion motion, VectorX rest_positions, ActiveTime active)
+    : name_(std::move(name)),
+      dim_(dim),
+      nodes_(std::move(nodes)),
+      stiffness_(stiffness),
+      motion_(std::move(motion)),
+      rest_positions_(std::move(rest_positions)),
+      active_(active) {}
+
+Vector3 HandleSpring::stretch(Index node, const VectorX& x, const Conditions& c) const {
+  const Vector3 far_end = node_position(dim_, node, rest_positions_) + c.load * motion_.displacement +
+                          (c.time - motion_.start) * motion_.velocity;
+  return node_position(dim_, node, x) - far_end;
+}
+
+double HandleSpring::value(const VectorX& x, const Conditions& c) const {
+  if (!active_.contains(c.time)) return 0;
+  double sum = 0;
+  for (const Index node : nodes_) sum += stretch(node, x, c).squaredNorm();
+  return 0.5 * stiffness_ * sum;
+}
+
+double HandleSpring::difference(const VectorX& from, const VectorX& to, const Conditions& c) const {
+  if (!active_.contains(c.time)) return 0;
+  double sum = 0;
+  for (const Index node : nodes_) {
+    const Vector3 motion = node_position(dim_, node, to) - node_position(dim_, node, from);
+    sum += motion.dot(stretch(node, to, c) + stretch(node, from, c));
+  }
+  return 0.5 * stiffness_ * sum;
+}
+
+void HandleSpring::add_gradient(const VectorX& x, const Conditions& c, VectorX& gradient) const {
+  if (!active_.contains(c.time)) return;
+  for (const Index node : nodes_) {
+    gradient.segment(Eigen::Index{node} * dim_, dim_) += stiffness_ * stretch(node, x, c).head(dim_);
+  }
+}
+
+void HandleSpring::add_gradient_magnitude(const VectorX& x, const Conditions& c, VectorX& magnitude) const {
+  if (!active_.contains(c.time)) return;
+  for (const Index node : nodes_) {
+    magnitude.segment(Eigen::Index{node} * dim_, dim_) +=
+        stiffness_ * stretch(node, x, c).head(dim_).cwiseAbs();
+  }
+}
+
+void HandleSpring::add_hessian(const VectorX&, const Conditions& c, Projection, BlockMatrix& hessian) const {
+  if (!active_.contains(c.time)) return;
+  for (const Index node : nodes_) {
+    for (int k = 0; k < dim_; ++k) hessian.add_to_diagonal(node, k, stiffness_);
+  }
+}
+
+}  // namespace resilin

@@ -1,0 +1,390 @@
+#include "resilin/optimize/newton.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace resilin {
+namespace {
+
+constexpr double epsilon = std::numeric_limits<double>::epsilon();
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Adds the time until its end to a counter.
+class Stopwatch {
+ public:
+  explicit Stopwatch(double& seconds) : seconds_(seconds) {}
+  ~Stopwatch() {
+    seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
+
+ private:
+  double& seconds_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// Which Hessian is tried first, given how the search went so far (docs/theory/newton.md).
+class ProjectionChooser {
+ public:
+  explicit ProjectionChooser(ProjectionPolicy policy) : policy_(policy) {}
+
+  Projection first_choice() const {
+    switch (policy_) {
+      case ProjectionPolicy::none:
+        return Projection::none;
+      case ProjectionPolicy::clamp:
+        return Projection::clamp;
+      case ProjectionPolicy::absolute:
+        return Projection::absolute;
+      case ProjectionPolicy::on_failure:
+        return cool_down_ > 0 ? Projection::clamp : Projection::none;
+      case ProjectionPolicy::adaptive:
+        break;
+    }
+    return adaptive_;
+  }
+
+  /// What to try after `failed` gave no direction; the same projection when there is nothing more to try.
+  Projection next_choice(Projection failed) const {
+    if (policy_ == ProjectionPolicy::none) return Projection::none;
+    if (policy_ == ProjectionPolicy::clamp) return Projection::clamp;
+    if (failed == Projection::none) return Projection::clamp;
+    return Projection::absolute;
+  }
+
+  void matrix_was_indefinite() {
+    cool_down_ = projected_iterations_after_failure;
+    if (adaptive_ == Projection::none) adaptive_ = Projection::clamp;
+  }
+
+  /// `ratio` is the actual over the predicted decrease of the accepted step of length `step`.
+  void step_was_taken(double ratio, double step) {
+    cool_down_ = std::max(cool_down_ - 1, 0);
+    const bool model_was_good = ratio >= 0.75 && step == 1;
+    const bool model_was_bad = ratio < 0.25 || step < 0.25;
+    if (model_was_good) {
+      adaptive_ = Projection::none;
+    } else if (model_was_bad && adaptive_ != Projection::none) {
+      adaptive_ = Projection::absolute;
+    } else {
+      adaptive_ = Projection::clamp;
+    }
+  }
+
+ private:
+  static constexpr int projected_iterations_after_failure = 4;
+
+  ProjectionPolicy policy_;
+  Projection adaptive_ = Projection::none;
+  int cool_down_ = 0;
+};
+
+}  // namespace
+
+std::string_view name(NewtonReport::Status status) {
+  switch (status) {
+    case NewtonReport::Status::converged:
+      return "converged";
+    case NewtonReport::Status::max_iterations:
+      return "max_iterations";
+    case NewtonReport::Status::stalled:
+      return "stalled";
+    case NewtonReport::Status::singular:
+      return "singular";
+    case NewtonReport::Status::interrupted:
+      return "interrupted";
+  }
+  return "";
+}
+
+/// One call of `minimize`.
+struct Newton::Search {
+  Newton& newton;
+  const Objective& objective;
+  std::span<const std::uint8_t> is_fixed;
+  const VectorX& targets;
+  const NewtonSettings& settings;
+  VectorX& x;
+
+  NewtonReport report;
+  ProjectionChooser chooser{settings.projection};
+  VectorX gradient, step, trial, trial_gradient, right_side;
+  bool gradient_at_trial_is_known = false;
+  double last_residual = 0;
+  double last_forcing = 0;
+
+  bool is_free(Eigen::Index i) const { return is_fixed[static_cast<std::size_t>(i)] == 0; }
+
+  /// What is still missing at the fixed unknowns; zero at the free ones.
+  VectorX boundary_gap() const {
+    VectorX gap = VectorX::Zero(x.size());
+    for (Eigen::Index i = 0; i < x.size(); ++i) {
+      if (!is_free(i)) gap[i] = targets[i] - x[i];
+    }
+    return gap;
+  }
+
+  void measure_residual() {
+    double sum = 0;
+    double worst = -1;
+    for (Eigen::Index i = 0; i < gradient.size(); ++i) {
+      if (!is_free(i)) continue;
+      sum += gradient[i] * gradient[i];
+      if (std::abs(gradient[i]) > worst) {
+        worst = std::abs(gradient[i]);
+        report.worst_unknown = static_cast<Index>(i);
+      }
+    }
+    report.residual = std::sqrt(sum);
+    report.force_scale = objective.force_scale(x, gradient);
+  }
+
+  double round_off() const {
+    VectorX magnitude;
+    objective.gradient_magnitude(x, magnitude);
+    for (Eigen::Index i = 0; i < magnitude.size(); ++i) {
+      if (!is_free(i)) magnitude[i] = 0;
+    }
+    return 10 * epsilon * magnitude.norm();
+  }
+
+  bool is_converged() const {
+    if (report.residual <= settings.tolerance * report.force_scale) return true;
+    // Round-off is asked for only when it can matter: it costs one evaluation.
+    return report.residual <= 1e-6 * report.force_scale && report.residual <= round_off();
+  }
+
+  /// How exactly the linear system is worth solving: Eisenstat & Walker 1996, choice 2, never finer than what
+  /// the stopping rule asks for.
+  double forcing_term() const {
+    const double goal = 0.3 * settings.tolerance * report.force_scale / report.residual;
+    double forcing = 1e-2;
+    if (last_residual > 0) {
+      const double ratio = report.residual / last_residual;
+      forcing = std::min(forcing, 0.9 * ratio * ratio);
+      const double safeguard = 0.9 * last_forcing * last_forcing;
+      if (safeguard > 0.1) forcing = std::max(forcing, safeguard);
+    }
+    return std::clamp(forcing, std::min(goal, 1e-2), 1e-2);
+  }
+
+  struct Direction {
+    bool found = false;
+    bool is_exact = true;
+    bool singular = false;
+    bool out_of_memory = false;
+  };
+
+  Direction solve_with(Projection projection, const VectorX& gap, bool boundary_moves) {
+    Direction direction;
+    direction.is_exact = projection == Projection::none;
+    {
+      const Stopwatch watch(report.assembly_seconds);
+      newton.hessian_.set_zero();
+      objective.hessian(x, projection, {}, newton.hessian_);
+      right_side = -gradient;
+      if (boundary_moves) {
+        VectorX pull;
+        multiply(newton.hessian_, gap, pull);
+        right_side -= pull;
+      }
+      for (Eigen::Index i = 0; i < right_side.size(); ++i) {
+        if (!is_free(i)) right_side[i] = 0;
+      }
+      eliminate(newton.hessian_, is_fixed);
+    }
+    const Stopwatch watch(report.solve_seconds);
+    LinearSolver& solver = *newton.solver_;
+    if (!newton.is_analyzed_) {
+      solver.analyze(newton.hessian_, newton.node_positions_);
+      newton.is_analyzed_ = true;
+    }
+    ++report.linear_solves;
+    if (!direction.is_exact) ++report.projected_solves;
+    LinearReport linear = solver.factorize(newton.hessian_);
+    direction.out_of_memory = linear.status == LinearReport::Status::out_of_memory;
+    if (linear.status != LinearReport::Status::ok) return direction;
+    step.setZero(x.size());
+    last_forcing = forcing_term();
+    linear = solver.solve(newton.hessian_, right_side, step, last_forcing);
+    report.linear_iterations += linear.iterations;
+    direction.found = linear.status != LinearReport::Status::indefinite && step.allFinite();
+    if (direction.found && boundary_moves) {
+      step += gap;
+    } else if (direction.found) {
+      direction.found = step.dot(right_side) > 0;
+    }
+    return direction;
+  }
+
+  /// A descent direction (towards the targets, too, when the boundary moves), or none.
+  Direction find_direction(const VectorX& gap, bool boundary_moves, Projection first) {
+    Projection projection = first;
+    while (true) {
+      const Direction direction = solve_with(projection, gap, boundary_moves);
+      if (direction.found || direction.out_of_memory) return direction;
+      if (projection == Projection::none) chooser.matrix_was_indefinite();
+      const Projection next = chooser.next_choice(projection);
+      if (next == projection) return direction;
+      projection = next;
+    }
+  }
+
+  struct LineSearch {
+    bool accepted = false;
+    double length = 0;
+    double ratio = 1;  ///< actual over predicted decrease
+  };
+
+  /// Armijo's rule on the sum of small differences; near round-off on the slope (Hager & Zhang 2005).
+  LineSearch search_line() {
+    LineSearch result;
+    const double slope = -step.dot(right_side);  // right side is minus the gradient, zero at fixed unknowns
+    double magnitude = -1;
+    result.length = objective.max_step(x, step);
+    for (int halving = 0; halving <= settings.max_halvings; ++halving) {
+      trial = x + result.length * step;
+      gradient_at_trial_is_known = false;
+      const double decrease = -objective.difference(x, trial);
+      const double t = result.length;
+      if (decrease >= -settings.armijo * t * slope && std::isfinite(decrease)) {
+        result.accepted = true;
+        result.ratio = decrease / (-slope * (t - 0.5 * t * t));
+        return result;
+      }
+      if (magnitude < 0) magnitude = objective.magnitude(x);
+      if (-t * slope <= 1e3 * epsilon * magnitude && std::isfinite(decrease)) {
+        objective.gradient(trial, trial_gradient);
+        gradient_at_trial_is_known = true;
+        double trial_slope = 0;
+        for (Eigen::Index i = 0; i < step.size(); ++i) {
+          if (is_free(i)) trial_slope += step[i] * trial_gradient[i];
+        }
+        if (std::abs(trial_slope) <= (1 - settings.armijo) * std::abs(slope)) {
+          result.accepted = true;
+          return result;
+        }
+      }
+      result.length *= 0.5;
+      ++report.line_search_halvings;
+    }
+    return result;
+  }
+
+  /// While the boundary moves there is no energy to compare with: the step goes as far as the domain allows.
+  LineSearch follow_boundary() {
+    LineSearch result;
+    result.length = objective.max_step(x, step);
+    for (int halving = 0; halving < 12; ++halving) {
+      trial = x + result.length * step;
+      gradient_at_trial_is_known = false;
+      if (std::isfinite(objective.difference(x, trial))) {
+        result.accepted = true;
+        return result;
+      }
+      result.length *= 0.5;
+    }
+    return result;
+  }
+
+  void accept_trial() {
+    x.swap(trial);
+    if (gradient_at_trial_is_known) {
+      gradient.swap(trial_gradient);
+    } else {
+      objective.gradient(x, gradient);
+    }
+    ++report.iterations;
+    last_residual = report.residual;
+    measure_residual();
+  }
+
+  NewtonReport finish(NewtonReport::Status status, std::string reason) {
+    report.status = status;
+    report.reason = std::move(reason);
+    return report;
+  }
+
+  NewtonReport run(const NewtonObserver& observer);
+};
+
+NewtonReport Newton::Search::run(const NewtonObserver& observer) {
+  using Status = NewtonReport::Status;
+  int short_boundary_steps = 0;
+  VectorX gap = boundary_gap();
+  bool boundary_moves = (gap.array() != 0).any();
+  objective.gradient(x, gradient);
+  measure_residual();
+  while (boundary_moves || !is_converged()) {
+    if (report.iterations >= settings.max_iterations) {
+      return finish(Status::max_iterations, "the limit of Newton iterations was reached");
+    }
+    Projection projection = chooser.first_choice();
+    LineSearch line;
+    bool was_exact = true;
+    while (!line.accepted) {
+      const Direction direction = find_direction(gap, boundary_moves, projection);
+      if (direction.out_of_memory) {
+        return finish(Status::singular, "the linear solver ran out of memory; try solver.kind = \"cg_ic0\"");
+      }
+      if (!direction.found) {
+        return finish(Status::singular,
+                      settings.projection == ProjectionPolicy::none
+                          ? "the stiffness matrix is indefinite; let newton.projection be \"auto\""
+                          : "the stiffness matrix is singular: a part of the body can move freely");
+      }
+      was_exact = direction.is_exact;
+      line = boundary_moves ? follow_boundary() : search_line();
+      if (line.accepted) break;
+      const Projection used = was_exact ? Projection::none : projection;
+      const Projection next = chooser.next_choice(used);
+      if (next == used || next == projection) {
+        return finish(Status::stalled,
+                      boundary_moves ? "the prescribed motion would invert an element"
+                                     : "the line search found no lower energy along the Newton direction");
+      }
+      projection = next;
+    }
+    if (boundary_moves && line.length < 0.05 && ++short_boundary_steps > 5) {
+      return finish(Status::stalled, "the prescribed motion would invert an element");
+    }
+    accept_trial();
+    chooser.step_was_taken(line.ratio, line.length);
+    if (boundary_moves) {
+      if (line.length == 1) {  // land on the targets exactly, whatever the rounding
+        for (Eigen::Index i = 0; i < x.size(); ++i) {
+          if (!is_free(i)) x[i] = targets[i];
+        }
+      }
+      gap = boundary_gap();
+      boundary_moves = (gap.array() != 0).any();
+      if (!boundary_moves) last_residual = 0;
+    }
+    if (observer && !observer(report)) return finish(Status::interrupted, "interrupted");
+  }
+  return finish(Status::converged, "converged");
+}
+
+Newton::Newton(int dim, std::shared_ptr<const BlockPattern> pattern, std::unique_ptr<LinearSolver> solver,
+               VectorX node_positions)
+    : hessian_(dim, std::move(pattern)),
+      solver_(std::move(solver)),
+      node_positions_(std::move(node_positions)) {}
+
+NewtonReport Newton::minimize(const Objective& objective, std::span<const std::uint8_t> is_fixed,
+                              const VectorX& targets, const NewtonSettings& settings, VectorX& x,
+                              const NewtonObserver& observer) {
+  Search search{.newton = *this,
+                .objective = objective,
+                .is_fixed = is_fixed,
+                .targets = targets,
+                .settings = settings,
+                .x = x};
+  return search.run(observer);
+}
+
+}  // namespace resilin

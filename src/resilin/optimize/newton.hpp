@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "resilin/linear/linear_solver.hpp"
+#include "resilin/optimize/objective.hpp"
+
+namespace resilin {
+
+/// How indefinite elements are treated. Sources: Teran et al. 2005 (clamp), Chen et al. 2024, arXiv
+/// 2406.05928 (absolute), arXiv 2410.10102 (switch by the trust-region ratio), Fernandez-Fernandez et al.
+/// 2025, arXiv 2505.21013 (project only where needed).
+enum class ProjectionPolicy {
+  none,        ///< never project; fails on an indefinite matrix
+  clamp,       ///< always
+  absolute,    ///< always
+  on_failure,  ///< exact first; after an indefinite matrix, project for some iterations. For motion
+  adaptive,    ///< exact, clamp or absolute by how well the last step was predicted. For statics
+};
+
+struct NewtonSettings {
+  double tolerance = 1e-8;  ///< of the force residual relative to the objective's force scale
+  int max_iterations = 100;
+  ProjectionPolicy projection = ProjectionPolicy::adaptive;
+  double armijo = 1e-4;   ///< share of the predicted decrease that a step must reach
+  int max_halvings = 40;  ///< of one line search
+};
+
+struct NewtonReport {
+  enum class Status { converged, max_iterations, stalled, singular, interrupted };
+  Status status = Status::converged;
+  std::string reason;  ///< in words
+  int iterations = 0;  ///< Newton steps taken
+  int linear_solves = 0;
+  int linear_iterations = 0;  ///< of iterative solvers, summed
+  int line_search_halvings = 0;
+  int projected_solves = 0;  ///< solves with projected elements
+  double residual = 0;       ///< |gradient on free unknowns| [N]
+  double force_scale = 0;    ///< [N]; converged means residual <= tolerance * force_scale, or round-off
+  Index worst_unknown = -1;  ///< free unknown with the largest residual
+  double assembly_seconds = 0, solve_seconds = 0;
+
+  bool converged() const { return status == Status::converged; }
+  double relative_residual() const { return force_scale > 0 ? residual / force_scale : 0; }
+};
+
+/// Called after every iteration; returning false stops at this place.
+using NewtonObserver = std::function<bool(const NewtonReport& so_far)>;
+
+/// Newton's method with all that it keeps between calls: the matrix and the analysed solver.
+///
+/// Nothing that it keeps changes a result: two calls with the same arguments give the same bits.
+class Newton {
+ public:
+  /// `solver` is analysed on first use. @param node_positions  dim per node, for multilevel solvers
+  Newton(int dim, std::shared_ptr<const BlockPattern> pattern, std::unique_ptr<LinearSolver> solver,
+         VectorX node_positions);
+
+  /// Minimises over the unknowns with is_fixed[i] == 0 from x, which is moved. The fixed ones are led to
+  /// `targets[i]`, all at once where the domain allows, else in several steps.
+  ///
+  /// Every accepted step lowers the objective (once the fixed unknowns are in place) and stays in the domain.
+  /// A missed tolerance is a status, never an exception; x is then the best point reached.
+  NewtonReport minimize(const Objective& objective, std::span<const std::uint8_t> is_fixed,
+                        const VectorX& targets, const NewtonSettings& settings, VectorX& x,
+                        const NewtonObserver& observer = {});
+
+  std::string_view solver_name() const { return solver_->name(); }
+
+ private:
+  struct Search;
+
+  BlockMatrix hessian_;
+  std::unique_ptr<LinearSolver> solver_;
+  VectorX node_positions_;
+  bool is_analyzed_ = false;
+};
+
+std::string_view name(NewtonReport::Status status);
+
+}  // namespace resilin

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "resilin/linear/block_matrix.hpp"
+#include "resilin/core/projection.hpp"
+
+namespace resilin {
+
+/// A function E(x) in joules to be minimised, as Newton sees it: it knows nothing of finite elements.
+class Objective {
+ public:
+  virtual ~Objective() = default;
+  /// E(to) - E(from) [J], summed from small differences; +infinity when `to` is outside the domain.
+  virtual double difference(const VectorX& from, const VectorX& to) const = 0;
+  /// |E(x)| summed over its parts [J]: the scale of the round-off in a difference.
+  virtual double magnitude(const VectorX& x) const = 0;
+  /// dE/dx [N] at all unknowns, fixed ones included.
+  virtual void gradient(const VectorX& x, VectorX& gradient) const = 0;
+  /// Sum of the |parts| of the gradient [N]: the scale of its round-off.
+  virtual void gradient_magnitude(const VectorX& x, VectorX& magnitude) const = 0;
+  /// d2E/dx2 [N/m]. Elements are projected as asked; when `project_node` is not empty, only those that touch
+  /// a marked node.
+  virtual void hessian(const VectorX& x, Projection projection, std::span<const std::uint8_t> project_node,
+                       BlockMatrix& hessian) const = 0;
+  /// The largest step t in (0, 1] that keeps x + t p inside the domain.
+  virtual double max_step(const VectorX& x, const VectorX& p) const = 0;
+  /// The forces that must balance [N]: a residual is small when it is small against this number.
+  virtual double force_scale(const VectorX& x, const VectorX& gradient) const = 0;
+};
+
+}  // namespace resilin
