@@ -1,0 +1,52 @@
+"""Installs the library into an empty folder and builds and runs examples/cpp against it, outside the tree."""
+
+import pathlib
+import re
+import shutil
+import subprocess
+import tempfile
+
+from files import ROOT
+
+EXAMPLE = ROOT / "examples" / "cpp"
+TIP = re.compile(r"tip: *(-?[0-9.eE+-]+) m")
+# Sag of the example's beam [m]: Euler-Bernoulli gives rho g L^4 / (8 E I) = 0.19; linear tetrahedra on a mesh this
+# coarse are stiffer, by no more than half.
+SAG_RANGE = (-0.20, -0.09)
+
+
+def find_problems():
+    with tempfile.TemporaryDirectory() as folder:
+        return problems_in(pathlib.Path(folder))
+
+
+def problems_in(folder):
+    prefix, source, build = folder / "prefix", folder / "source", folder / "build"
+    shutil.copytree(EXAMPLE, source)
+    steps = (
+        ["cmake", "--install", ROOT / "build" / "release", "--prefix", prefix],
+        ["cmake", "-S", source, "-B", build, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}"],
+        ["cmake", "--build", build],
+        [build / "cantilever"],
+    )
+    for step in steps:
+        run = subprocess.run(step, capture_output=True, text=True, check=False, timeout=300)
+        if run.returncode != 0:
+            command = " ".join(map(str, step))
+            return [f"{command}: exit code {run.returncode}", *(run.stdout + run.stderr).splitlines()[-30:]]
+    problems = [
+        f"{file.relative_to(prefix)}: names this checkout, so the package cannot move to another machine"
+        for file in prefix.rglob("*.cmake")
+        if str(ROOT) in file.read_text()
+    ]
+    return problems + problems_of_output(run.stdout)
+
+
+def problems_of_output(output):
+    match = TIP.search(output)
+    if match is None:
+        return [f"examples/cpp: expected a line `tip: NUMBER m`, got {output!r}"]
+    low, high = SAG_RANGE
+    if not low < float(match.group(1)) < high:
+        return [f"examples/cpp: expected a tip between {low} and {high} m, got {match.group(1)}"]
+    return []

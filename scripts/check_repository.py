@@ -1,0 +1,101 @@
+"""House rules that a machine can check; each problem is one line with its place."""
+
+import os
+import pathlib
+import re
+import sys
+
+from files import ROOT, relative, repository_files
+
+MAX_LINES = 400
+MAX_BYTES = 2_000_000
+CODE = (".cpp", ".hpp", ".py", ".sh", ".cmake", "CMakeLists.txt", ".toml", ".yaml", ".ts", "/run", "/test")
+COUNTED = (".cpp", ".hpp", ".py", ".sh", ".ts")
+
+# Written with a bracket in each word so that this file does not find itself.
+OPEN_END = re.compile(r"T[O]DO|F[I]XME|X[X]X|H[A]CK|not imple[m]ented")
+MACHINE_PATH = re.compile(r"""(^|[^A-Za-z0-9_.])/(w[o]rk|f[a]rm)/|[\s"(=]/(r[o]ot|h[o]me)/""")
+REGISTRY = re.compile(r"https?://[a-z0-9.-]*(p[y]pi|n[p]mjs|d[e]bian|cra[t]es)[a-z0-9.-]*/")
+SKIPPED_TEST = re.compile(r"D[I]SABLED_|GTEST_S[K]IP|pytest\.mark\.(s[k]ip|x[f]ail)")
+LINK = re.compile(r"\]\(([^)#\s]+)(#[^)]*)?\)")
+
+# GTEST_SKIP is for the one macro that tests without their reference data share.
+MAY_SKIP = {"tests/support/shared_data.hpp"}
+EXECUTABLES = ("run", "test", ".ci/run")
+
+
+def text_of(path):
+    """The text of a file, or None for a binary one."""
+    data = path.read_bytes()
+    if b"\0" in data:
+        return None
+    return data.decode("utf-8", errors="replace")
+
+
+def problems_of_text(name, text):
+    """Rules that look at the text of the file `name`, a path relative to the repository."""
+    problems = []
+    is_code = ("/" + name).endswith(CODE)
+    for number, line in enumerate(text.splitlines(), 1):
+        if is_code and OPEN_END.search(line):
+            problems.append(f"{name}:{number}: an open end; finish it or open an issue")
+        if MACHINE_PATH.search(line) or REGISTRY.search(line):
+            problems.append(f"{name}:{number}: a path or host that other machines do not have")
+        if name.startswith("tests/") and name not in MAY_SKIP and SKIPPED_TEST.search(line):
+            problems.append(f"{name}:{number}: a test that is left out; mend it or remove it")
+    lines = text.count("\n")
+    if ("/" + name).endswith(COUNTED) and lines > MAX_LINES:
+        problems.append(f"{name}: expected at most {MAX_LINES} lines, got {lines}; are there two ideas in it?")
+    if name.endswith(".hpp") and "#pragma once" not in text:
+        problems.append(f"{name}: a header without #pragma once")
+    return problems
+
+
+def broken_links(name, text, folder):
+    return [
+        f"{name}: the link to {target} leads nowhere"
+        for target, _ in LINK.findall(text)
+        if "://" not in target and not target.startswith("mailto:") and not (folder / target).exists()
+    ]
+
+
+def find_problems():
+    problems = [f"{name}: not executable" for name in EXECUTABLES if not os.access(ROOT / name, os.X_OK)]
+    for path in repository_files():
+        name = relative(path)
+        if path.stat().st_size > MAX_BYTES:
+            problems.append(f"{name}: {path.stat().st_size} bytes; a repository holds small files")
+        text = text_of(path)
+        if text is None or name.startswith("tests/data/bad_inputs/"):
+            continue
+        problems += problems_of_text(name, text)
+        if name.endswith(".md"):
+            problems += broken_links(name, text, path.parent)
+    return problems
+
+
+def find_faults_of_this_check():
+    """The check itself: each rule finds what it is for."""
+    cases = [  # name, text, number of problems
+        ("src/a.cpp", "// TO" + "DO later\n", 1),
+        ("src/a.cpp", 'open("/wo' + 'rk/shared")\n', 1),
+        ("docs/a.md", "see https://py" + "pi.org/x\n", 1),
+        ("tests/a_test.cpp", "TEST(A, DIS" + "ABLED_b)\n", 1),
+        ("src/a.cpp", "\n" * (MAX_LINES + 1), 1),
+        ("src/a.hpp", "int f();\n", 1),
+        ("src/a.hpp", "#pragma once\n/// network/cost and https://example.org/\n", 0),
+    ]
+    faults = []
+    for name, text, expected in cases:
+        found = problems_of_text(name, text)
+        if len(found) != expected:
+            faults.append(f"{name} with {text[:40]!r}: expected {expected} problems, got {found}")
+    if not broken_links("a.md", "[x](no-such-file.md)", pathlib.Path(ROOT)):
+        faults.append("a broken link is not found")
+    return faults
+
+
+if __name__ == "__main__":
+    found = find_problems()
+    print(*found, sep="\n", end="\n" if found else "")
+    sys.exit(bool(found))

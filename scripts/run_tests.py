@@ -1,0 +1,161 @@
+"""Runs the steps of ./test after the build and closes with one line: N passed, N failed[, N skipped].
+
+Every GoogleTest case, house rule, example and the consumer project counts as one test. With CI=true in the
+environment a skipped test counts as failed, since a machine that checks everything must be able to.
+"""
+
+import argparse
+import dataclasses
+import os
+import pathlib
+import subprocess
+import sys
+import time
+import xml.etree.ElementTree as ElementTree
+
+import check_consumer
+import check_examples
+import check_format
+import check_includes
+import check_repository
+import check_tidy
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+TIME_LIMIT = 600  # [s] for one GoogleTest case
+
+
+@dataclasses.dataclass
+class Outcome:
+    """What came of one test; `status` is "passed", "failed" or "skipped"."""
+
+    name: str
+    status: str
+    detail: str = ""
+
+
+def run_check(name, check):
+    """One test from a function that returns a list of problems, or None when it cannot be run here."""
+    problems = check()
+    if problems is None:
+        return Outcome(name, "skipped", "a tool that it needs is not there")
+    return Outcome(name, "failed" if problems else "passed", "\n".join(problems))
+
+
+def run_rules():
+    checks = {
+        "the direction check finds a violation": check_includes.find_faults_of_this_check,
+        "modules include only those below them": check_includes.find_problems,
+        "the house rules check finds violations": check_repository.find_faults_of_this_check,
+        "house rules": check_repository.find_problems,
+        "clang-format": check_format.find_cpp_problems,
+        "ruff": check_format.find_python_problems,
+        "shell scripts": check_format.find_shell_problems,
+        "clang-tidy": check_tidy.find_problems,
+    }
+    return [run_check(name, check) for name, check in checks.items()]
+
+
+def run_ctest(preset, *options, environment=None):
+    """Runs the tests of a build folder; a test program that cannot even list its tests is a failed test."""
+    folder = ROOT / "build" / preset
+    results = folder / "results.xml"
+    results.unlink(missing_ok=True)
+    command = ["ctest", "--test-dir", folder, "--output-junit", results, "--parallel", str(os.cpu_count())]
+    command += ["--timeout", str(TIME_LIMIT), "--no-tests=error", "--test-output-size-failed", "20000", *options]
+    with open(folder / "ctest.log", "w") as log:
+        subprocess.run(command, stdout=log, stderr=log, check=False, env={**os.environ, **(environment or {})})
+    if not results.exists():
+        tail = (folder / "ctest.log").read_text().splitlines()[-20:]
+        return [Outcome(f"ctest ({preset})", "failed", "\n".join(tail))]
+    return read_junit(results, preset)
+
+
+def read_junit(file, preset):
+    outcomes = []
+    for case in ElementTree.parse(file).getroot().iter("testcase"):
+        status = {"run": "passed", "fail": "failed", "notrun": "skipped", "disabled": "skipped"}[case.get("status")]
+        if status == "skipped" and not case_skipped_itself(case):
+            status = "failed"
+        outcomes.append(Outcome(f"{case.get('name')} ({preset})", status, case.findtext("system-out") or ""))
+    return outcomes
+
+
+def case_skipped_itself(case):
+    """True for GTEST_SKIP and the like; a program that was not built or crashed while listing is a failure."""
+    skipped = case.find("skipped")
+    message = (skipped.get("message") or "") if skipped is not None else ""
+    return case.get("status") == "disabled" or "SKIP" in message
+
+
+def run_release():
+    return run_ctest("release")
+
+
+def run_sanitizers():
+    environment = {
+        "ASAN_OPTIONS": "detect_stack_use_after_return=1:strict_string_checks=1",
+        "UBSAN_OPTIONS": "print_stacktrace=1:halt_on_error=1",
+    }
+    return run_ctest("asan", "--label-exclude", "slow", environment=environment)
+
+
+def run_examples():
+    return [run_check(f"example {name}", check) for name, check in check_examples.all_checks().items()]
+
+
+def run_consumer():
+    return [
+        run_check("a project outside the tree finds, builds with and runs the library", check_consumer.find_problems)
+    ]
+
+
+STEPS = {
+    "rules": run_rules,
+    "release": run_release,
+    "examples": run_examples,
+    "consumer": run_consumer,
+    "sanitizers": run_sanitizers,
+}
+NEEDED_BUILD = {"release": "release", "examples": "release", "consumer": "release", "sanitizers": "asan"}
+
+
+def report(outcomes):
+    """Prints what needs a look, then the closing line; returns the exit code."""
+    if os.environ.get("CI") == "true":
+        for outcome in outcomes:
+            if outcome.status == "skipped":
+                outcome.status, outcome.detail = "failed", f"skipped, which counts as failed here\n{outcome.detail}"
+    for outcome in outcomes:
+        if outcome.status == "failed":
+            lines = outcome.detail.strip().splitlines()
+            print(f"\nFAILED {outcome.name}", *(f"    {line}" for line in lines[-40:]), sep="\n")
+    counts = {status: sum(o.status == status for o in outcomes) for status in ("passed", "failed", "skipped")}
+    if counts["skipped"]:
+        print("\nSKIPPED", *(f"    {o.name}" for o in outcomes if o.status == "skipped"), sep="\n")
+    line = f"{counts['passed']} passed, {counts['failed']} failed"
+    print(line + (f", {counts['skipped']} skipped" if counts["skipped"] else ""), flush=True)
+    return 0 if counts["failed"] == 0 and counts["passed"] > 0 else 1
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--failed-build", action="append", default=[], metavar="PRESET")
+    parser.add_argument("steps", nargs="*", metavar="STEP", help=", ".join(STEPS))
+    arguments = parser.parse_args()
+    for step in arguments.steps:
+        if step not in STEPS:
+            parser.error(f"step: expected one of {', '.join(STEPS)}, got {step}")
+
+    outcomes = [Outcome(f"build ({preset})", "failed", "see above") for preset in arguments.failed_build]
+    for step in arguments.steps or STEPS:
+        if NEEDED_BUILD.get(step) in arguments.failed_build:
+            continue
+        start = time.monotonic()
+        print(f"Testing: {step} ...", file=sys.stderr, flush=True)
+        outcomes += STEPS[step]()
+        print(f"    {time.monotonic() - start:.0f} s", file=sys.stderr, flush=True)
+    return report(outcomes)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

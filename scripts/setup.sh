@@ -1,0 +1,119 @@
+# Functions that ./run and ./test share: install what is missing, configure when needed, build quietly.
+# Sourced by bash with `root` set to the repository.
+
+build_packages=(g++ cmake ninja-build libeigen3-dev libsuitesparse-dev libopenblas-dev libmetis-dev libtbb-dev
+  libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libspdlog-dev libfmt-dev)
+test_packages=(libgtest-dev libgmock-dev python3 python3-venv ccache)
+
+say() { printf '%s\n' "$*" >&2; }
+die() { say "$*"; exit 1; }
+
+# A tool on PATH serves as well as Debian's package of it: prints the package names that a tool stands in for.
+packages_replaced_by_tools() {
+  command -v g++ >/dev/null && echo g++
+  command -v ninja >/dev/null && echo ninja-build
+  command -v ccache >/dev/null && echo ccache
+  local version
+  version=$(cmake --version 2>/dev/null | sed -n '1s/[^0-9]*\([0-9.]*\).*/\1/p')
+  [ -n "$version" ] && [ "$(printf '%s\n' 3.25 "$version" | sort -V | head -n 1)" = 3.25 ] && echo cmake
+  return 0
+}
+
+# Prints the packages of "$@" that are absent.
+missing_packages() {
+  { packages_replaced_by_tools
+    dpkg-query -W -f='${db:Status-Status} ${Package}\n' "$@" 2>/dev/null | sed -n 's/^installed //p'
+    echo '--'
+    printf '%s\n' "$@"; } | awk '/^--$/ { wanted = 1; next } !wanted { have[$0] = 1; next } !($0 in have)'
+}
+
+# Installs the packages of "$@" that are absent; nothing is ever removed.
+install_packages() {
+  if ! command -v dpkg-query >/dev/null; then
+    say "This is not a Debian system: the equivalents of these packages must be there already: $*"
+    return 0
+  fi
+  local missing=()
+  mapfile -t missing < <(missing_packages "$@")
+  [ ${#missing[@]} -eq 0 ] && return 0
+
+  local options=(-y --no-install-recommends --no-remove) as_root=()
+  if [ "$(id -u)" -ne 0 ]; then
+    if command -v sudo >/dev/null && { [ -t 0 ] || sudo -n true 2>/dev/null; }; then
+      as_root=(sudo)
+    else
+      say "These packages are missing and this user cannot install them. Run as root, then start again:"
+      die "  apt-get update && apt-get install ${options[*]} ${missing[*]}"
+    fi
+  fi
+  local apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=120)
+  local log
+  log=$(mktemp)
+  say "Installing ${missing[*]} ..."
+  if ! "${apt[@]}" install "${options[@]}" "${missing[@]}" </dev/null >"$log" 2>&1; then
+    # The package lists are absent or old.
+    if ! { "${apt[@]}" update && "${apt[@]}" install "${options[@]}" "${missing[@]}"; } </dev/null >"$log" 2>&1; then
+      tail -n 20 "$log" >&2
+      die "The packages could not be installed: apt-get install ${options[*]} ${missing[*]}"
+    fi
+  fi
+  rm -f "$log"
+}
+
+# cached_value PRESET NAME: a value of that build folder's CMake cache.
+cached_value() { sed -n "s/^$2:[A-Z]*=//p" "$root/build/$1/CMakeCache.txt" 2>/dev/null; }
+
+# Runs a command with its output in a log; shows the end of the log and fails when the command fails.
+quietly() {
+  local log=$1
+  shift
+  "$@" >"$log" 2>&1 || { tail -n 40 "$log" >&2; say "The whole log: $log"; return 1; }
+}
+
+# configure PRESET [-DNAME=VALUE ...]: when the folder is new, moved, older than the presets or set otherwise.
+configure() {
+  local preset=$1 folder=$root/build/$1 options=() option current=1
+  shift
+  [ -f "$folder/build.ninja" ] && [ "$folder/build.ninja" -nt "$root/CMakePresets.json" ] || current=0
+  if [ -f "$folder/CMakeCache.txt" ] && [ "$(cached_value "$preset" CMAKE_HOME_DIRECTORY)" != "$root" ]; then
+    options=(--fresh)
+    current=0
+  fi
+  for option in "$@"; do
+    local name=${option#-D}
+    [ "$(cached_value "$preset" "${name%%=*}")" = "${name#*=}" ] || current=0
+  done
+  [ "$current" -eq 1 ] && return 0
+  mkdir -p "$folder"
+  command -v ccache >/dev/null && export RESILIN_COMPILER_LAUNCHER=${RESILIN_COMPILER_LAUNCHER-ccache}
+  say "Configuring ($preset) ..."
+  (cd "$root" && quietly "$folder/configure.log" cmake --preset "$preset" "${options[@]}" "$@")
+}
+
+# build PRESET [TARGET ...]: on all cores; progress on a terminal, otherwise silent unless it fails.
+build() {
+  local preset=$1 folder=$root/build/$1
+  shift
+  if [ -t 2 ]; then
+    ninja -C "$folder" -n "$@" | tail -n 1 | grep -q 'no work to do' && return 0
+    NINJA_STATUS="Building ($preset) [%f/%t] " ninja -C "$folder" "$@" >&2
+  else
+    quietly "$folder/build.log" ninja -C "$folder" "$@"
+  fi
+}
+
+# Puts the formatter and the linters on PATH, in the versions that .pre-commit-config.yaml names. Where they cannot
+# be fetched, the checks that need them are counted as skipped.
+install_tools() {
+  local folder=$root/build/tools/venv wanted
+  wanted=$(sed -n 's/^ *additional_dependencies: \[\(.*\)\]/\1/p' "$root/.pre-commit-config.yaml")
+  if [ "$(cat "$folder/installed" 2>/dev/null)" != "$wanted" ]; then
+    say "Fetching $(echo "$wanted" | paste -s -d ' ') ..."
+    mkdir -p "$root/build/tools"
+    # shellcheck disable=SC2086  # one word for each tool
+    { python3 -m venv "$folder" && "$folder/bin/pip" install --quiet --disable-pip-version-check $wanted; } \
+      >"$root/build/tools/install.log" 2>&1 || { say "That failed, see $root/build/tools/install.log"; return 0; }
+    echo "$wanted" >"$folder/installed"
+  fi
+  export PATH="$folder/bin:$PATH"
+}
