@@ -1,0 +1,46 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "resilin/optimize/newton.hpp"
+#include "resilin/simulation/state.hpp"
+#include "resilin/simulation/world.hpp"
+
+namespace resilin {
+
+/// What the report says about one instant.
+struct Frame {
+  struct ProbeValue {
+    std::string name;
+    Vector3 displacement = Vector3::Zero();  ///< [m]
+    Vector3 velocity = Vector3::Zero();      ///< [m/s]
+  };
+
+  int step = 0;
+  double time = 0;
+  double load = 0;
+  int newton_iterations = 0;
+  int linear_iterations = 0;
+  double residual = 0;         ///< force residual relative to the forces that balance
+  double residual_newton = 0;  ///< force residual [N]
+  bool converged = true;
+  double min_volume_ratio = 1;
+  Index worst_cell = -1;  ///< where the volume ratio is least, in its body ...
+  int worst_body = 0;     ///< ... this one
+  double elastic_energy = 0, kinetic_energy = 0, external_energy = 0;  ///< [J]
+  Vector3 linear_momentum = Vector3::Zero();                           ///< [kg m/s]
+  Vector3 angular_momentum = Vector3::Zero();                          ///< about the origin [kg m^2/s]
+  std::vector<ProbeValue> probes;
+  std::vector<std::pair<std::string, Vector3>>
+      reactions;  ///< forces that the supports exert on the bodies [N]
+
+  double total_energy() const { return elastic_energy + kinetic_energy + external_energy; }
+};
+
+/// Measures a state. `step_gradient` is dE/dx of the step that led to it, inertia included (from which
+/// reactions follow); null at the start, when it is taken from the loads and the elastic forces alone.
+Frame measure_frame(const World& world, const State& state, const VectorX* step_gradient);
+
+}  // namespace resilin

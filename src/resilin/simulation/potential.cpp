@@ -1,0 +1,68 @@
+#include "resilin/simulation/potential.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace resilin {
+
+Potential::Potential(const World& world, const Conditions& conditions, const Inertia* inertia)
+    : world_(world), conditions_(conditions), inertia_(inertia) {}
+
+template <class Function>
+void Potential::for_each_term(const Function& function) const {
+  for (const auto& energy : world_.elastic) function(*energy);
+  for (const auto& energy : world_.external) function(*energy);
+  if (inertia_ != nullptr) function(static_cast<const Energy&>(*inertia_));
+}
+
+double Potential::difference(const VectorX& from, const VectorX& to) const {
+  double sum = 0;
+  for_each_term([&](const Energy& energy) { sum += energy.difference(from, to, conditions_); });
+  return sum;
+}
+
+double Potential::magnitude(const VectorX& x) const {
+  double sum = 0;
+  for_each_term([&](const Energy& energy) { sum += std::abs(energy.value(x, conditions_)); });
+  return sum;
+}
+
+void Potential::gradient(const VectorX& x, VectorX& gradient) const {
+  gradient.setZero(x.size());
+  for_each_term([&](const Energy& energy) { energy.add_gradient(x, conditions_, gradient); });
+}
+
+void Potential::gradient_magnitude(const VectorX& x, VectorX& magnitude) const {
+  magnitude.setZero(x.size());
+  for_each_term([&](const Energy& energy) { energy.add_gradient_magnitude(x, conditions_, magnitude); });
+}
+
+void Potential::hessian(const VectorX& x, Projection projection,
+                        std::span<const std::uint8_t> /*project_node*/, BlockMatrix& hessian) const {
+  for_each_term([&](const Energy& energy) { energy.add_hessian(x, conditions_, projection, hessian); });
+}
+
+double Potential::max_step(const VectorX& x, const VectorX& p) const {
+  double step = 1;
+  for_each_term([&](const Energy& energy) { step = std::min(step, energy.max_step(x, p)); });
+  return step;
+}
+
+double Potential::force_scale(const VectorX& x, const VectorX& gradient) const {
+  double scale = 0;
+  VectorX force;
+  const auto include = [&](const Energy& energy) {
+    force.setZero(x.size());
+    energy.add_gradient(x, conditions_, force);
+    scale = std::max(scale, force.norm());
+  };
+  for (const auto& energy : world_.external) include(*energy);
+  if (inertia_ != nullptr) include(*inertia_);
+  double reaction = 0;
+  for (Eigen::Index i = 0; i < gradient.size(); ++i) {
+    if (world_.is_fixed[static_cast<std::size_t>(i)] != 0) reaction += gradient[i] * gradient[i];
+  }
+  return std::max(scale, std::sqrt(reaction));
+}
+
+}  // namespace resilin

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "resilin/energy/inertia.hpp"
+#include "resilin/optimize/objective.hpp"
+#include "resilin/simulation/world.hpp"
+
+namespace resilin {
+
+/// The sum of a world's energies at given conditions, with the inertia of a time step when there is one.
+class Potential final : public Objective {
+ public:
+  /// @param world, inertia  kept by reference; `inertia` may be null
+  Potential(const World& world, const Conditions& conditions, const Inertia* inertia);
+
+  double difference(const VectorX& from, const VectorX& to) const override;
+  double magnitude(const VectorX& x) const override;
+  void gradient(const VectorX& x, VectorX& gradient) const override;
+  void gradient_magnitude(const VectorX& x, VectorX& magnitude) const override;
+  void hessian(const VectorX& x, Projection projection, std::span<const std::uint8_t> project_node,
+               BlockMatrix& hessian) const override;
+  double max_step(const VectorX& x, const VectorX& p) const override;
+
+  /// The largest of: the loads, the reactions, the inertia force; each as the norm over all unknowns [N].
+  double force_scale(const VectorX& x, const VectorX& gradient) const override;
+
+ private:
+  template <class Function>
+  void for_each_term(const Function& function) const;
+
+  const World& world_;
+  Conditions conditions_;
+  const Inertia* inertia_;
+};
+
+}  // namespace resilin

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "resilin/integrator/integrator.hpp"
+#include "resilin/simulation/frame.hpp"
+#include "resilin/simulation/state.hpp"
+#include "resilin/simulation/world.hpp"
+
+namespace resilin {
+
+/// What became of one time step or load step.
+struct StepReport {
+  enum class Status {
+    converged,
+    not_converged,  ///< motion: the step was cut short, safely; statics: no smaller load step helped
+    interrupted,    ///< the observer asked to stop; the state is that before the step
+  };
+  Status status = Status::converged;
+  std::string reason;       ///< in words, with the place of the worst residual or the worst element
+  NewtonReport newton;      ///< summed over the stages and attempts of the step
+  int failed_attempts = 0;  ///< statics: load steps that were tried and halved
+};
+
+/// Times of all steps so far [s].
+struct Timing {
+  double assembly = 0;  ///< gradients excluded
+  double solve = 0;
+  double steps = 0;  ///< everything inside `step`
+};
+
+/// A running simulation: a world, a state and what is worth keeping between steps.
+///
+///   Simulation simulation(description);
+///   while (!simulation.is_finished()) simulation.step();
+class Simulation {
+ public:
+  /// Throws InputError.
+  explicit Simulation(const Description& description);
+
+  const World& world() const { return world_; }
+  const State& state() const { return state_; }
+  const Frame& frame() const { return frame_; }  ///< of the present state
+  const Timing& timing() const { return timing_; }
+  std::string_view solver_name() const { return newton_.solver_name(); }
+
+  /// One time step, or one load step as large as converges. `observer` is called after every Newton
+  /// iteration.
+  StepReport step(const NewtonObserver& observer = {});
+
+  /// The end time or the full load is reached.
+  bool is_finished() const;
+
+  /// About how many steps are needed in all, for progress: exact in motion, a guess in statics.
+  int expected_steps() const;
+
+  /// Goes on from a saved state. Throws InputError naming `place` when it does not fit this world.
+  void resume_from(const State& state, const std::string& place);
+
+ private:
+  StepReport step_in_time(const NewtonObserver& observer);
+  StepReport step_in_load(const NewtonObserver& observer);
+  NewtonSettings newton_settings() const;
+  std::string describe_failure(const NewtonReport& report, const VectorX& positions) const;
+
+  World world_;
+  std::unique_ptr<Integrator> integrator_;
+  Newton newton_;
+  State state_;
+  Frame frame_;
+  Timing timing_;
+};
+
+}  // namespace resilin

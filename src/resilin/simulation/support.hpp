@@ -1,0 +1,41 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "resilin/energy/energy.hpp"
+#include "resilin/simulation/description.hpp"
+
+namespace resilin {
+
+/// Nodes whose displacement is prescribed, whole or by component.
+struct Support {
+  std::string place;
+  std::string name;          ///< reactions are reported under it
+  std::vector<Index> nodes;  ///< of the world
+  std::array<bool, 3> components = {true, true, true};
+  Vector3 displacement = Vector3::Zero();
+  Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();
+  std::optional<Rotation> rotate;
+  Vector3 velocity = Vector3::Zero();
+  std::optional<double> until;
+
+  /// Where a node with rest position X belongs [m].
+  Vector3 target(const Vector3& X, const Conditions& c) const;
+};
+
+/// Which unknowns are prescribed, and by which support: dim numbers per node, -1 where free.
+std::vector<std::int32_t> supports_of_unknowns(int dim, Index num_nodes,
+                                               const std::vector<Support>& supports);
+
+/// Throws InputError when two supports ask for different places of one unknown; names the vertex and both.
+void check_support_conflicts(int dim, const std::vector<Support>& supports, const VectorX& rest_positions);
+
+/// Writes the prescribed places into `x`.
+void place_supports(int dim, const std::vector<Support>& supports, const VectorX& rest_positions,
+                    const Conditions& c, VectorX& x);
+
+}  // namespace resilin

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "resilin/energy/elastic.hpp"
+#include "resilin/energy/mass.hpp"
+#include "resilin/simulation/description.hpp"
+#include "resilin/simulation/support.hpp"
+
+namespace resilin {
+
+/// One body in the world's numbering of nodes.
+struct Body {
+  std::string name;
+  std::string law;
+  std::vector<std::pair<std::string, double>>
+      constants;  ///< of the law's formula; per-cell ones by their mean
+  std::string element;
+  std::string mass_kind;
+  Index first_node = 0;
+  Index num_nodes = 0;
+  CellKind cell_kind = CellKind::tetrahedron;
+  std::vector<Index> cells;  ///< nodes of the cells, in the world's numbering
+  std::shared_ptr<const ElasticEnergy> elastic;
+  double mass = 0;  ///< [kg]
+
+  Index num_cells() const { return static_cast<Index>(cells.size()) / resilin::num_nodes(cell_kind); }
+};
+
+struct Probe {
+  std::string name;
+  Index node = 0;
+};
+
+/// Everything about a simulation that does not change while it runs. A value: no step changes it.
+class World {
+ public:
+  /// Checks and assembles a description. Throws InputError, whose message begins with the place of the fault.
+  explicit World(const Description& description);
+
+  int dimension = 3;
+  bool is_dynamic = false;
+  std::string title;
+  std::string place;
+  double time_step = 0;
+  double end_time = 0;
+  int load_steps = 1;
+  std::string integrator;
+  NewtonOptions newton;
+  SolverOptions solver;
+  OutputOptions output;
+
+  VectorX rest_positions;    ///< [m], dim numbers per node, body after body
+  VectorX start_positions;   ///< [m]
+  VectorX start_velocities;  ///< [m/s]
+  std::vector<Body> bodies;
+  std::vector<Support> supports;
+  std::vector<Probe> probes;
+  std::vector<std::string> warnings;  ///< one line each
+
+  std::vector<std::shared_ptr<const Energy>> elastic;   ///< one for each body
+  std::vector<std::shared_ptr<const Energy>> external;  ///< loads
+  MassMatrix mass;
+  std::shared_ptr<const BlockPattern> pattern;
+  std::vector<std::uint8_t> is_fixed;    ///< per unknown: prescribed, or of a vertex that no cell uses
+  std::vector<std::int32_t> support_of;  ///< per unknown: which support prescribes it; -1: none
+
+  Index num_nodes() const { return static_cast<Index>(rest_positions.size() / dimension); }
+  Index num_free_unknowns() const;
+  const Body& body_of(Index node) const;
+
+ private:
+  std::vector<std::shared_ptr<Energy>> made_;  // not yet const: to be bound to the pattern
+
+  void add_body(const BodyDescription& description);
+  void add_support(const FixDescription& description);
+  void add_load(const LoadDescription& description);
+  void add_gravity(const Vector3& gravity);
+  void add_probe(const ProbeDescription& description);
+  void add_mass(const Description& description);
+  void build_pattern();
+  void find_fixed_unknowns();
+};
+
+/// Throws InputError naming the part of a body that static supports and springs do not hold.
+void check_is_held(const World& world);
+
+}  // namespace resilin
