@@ -1,0 +1,240 @@
+#include "resilin/mesh/check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
+#include "resilin/mesh/quality.hpp"
+#include "resilin/mesh/topology.hpp"
+
+namespace resilin {
+namespace {
+
+constexpr std::size_t most_issues_of_a_kind = 3;
+
+/// Collects the issues of one mesh.
+class Examiner {
+ public:
+  Examiner(const Mesh& mesh, const Numbering& numbering) : mesh_(mesh), numbering_(numbering) {}
+
+  MeshReport report;
+
+  /// The block of `kind`, when cells and vertices are fit to be computed with; else errors say why not.
+  const CellBlock* usable_block(CellKind kind) {
+    check_kinds(kind);
+    check_coordinates();
+    for (std::size_t b = 0; b < mesh_.blocks.size(); ++b) check_indices(b);
+    if (!report.errors.empty()) return nullptr;
+    block_number_ = static_cast<std::size_t>(mesh_.find_block(kind) - mesh_.blocks.data());
+    return &mesh_.blocks[block_number_];
+  }
+
+  void check_plane() {
+    std::vector<Index> outside;
+    for (std::size_t v = 0; v < mesh_.vertices.size(); ++v) {
+      if (mesh_.vertices[v].z() != 0) outside.push_back(static_cast<Index>(v));
+    }
+    if (!outside.empty()) {
+      error(numbering_.vertex_list(outside), "z is not zero, but a 2D mesh lies in the plane z = 0");
+    }
+  }
+
+  void check_volumes(const CellBlock& block) {
+    const bool is_solid = dimension(block.kind) == 3;
+    const std::string volume = is_solid ? "volume" : "area";
+    const CellSigns signs = cell_signs(mesh_, block);
+    if (!signs.not_finite.empty()) {
+      error(cells(signs.not_finite), volume + " is not finite: the coordinates are too large");
+    }
+    if (!signs.flat.empty()) {
+      error(cells(signs.flat), "zero " + volume + " (flat, up to rounding): remove or reshape it");
+    }
+    if (!signs.inverted.empty()) {
+      warning(cells(signs.inverted),
+              "inverted (negative " + volume +
+                  "): re-oriented by exchanging two of its nodes; the shape stays the same");
+    }
+  }
+
+  void check_duplicate_cells(const CellBlock& block, bool is_error) {
+    const auto pairs = duplicate_cells(block);
+    for (std::size_t i = 0; i < std::min(pairs.size(), most_issues_of_a_kind); ++i) {
+      const std::vector<Index> pair = {pairs[i].first, pairs[i].second};
+      const std::string problem = "the same cell twice" + more(pairs.size(), i) +
+                                  ": its mass and stiffness would count double; remove one";
+      is_error ? error(cells(pair), problem) : warning(cells(pair), problem);
+    }
+  }
+
+  void check_overlap(const CellBlock& block) {
+    std::vector<std::vector<Index>> crowded;
+    visit_facets(block, [&](std::span<const Facet> uses) {
+      if (uses.size() < 3) return;
+      std::vector<Index>& owners = crowded.emplace_back();
+      for (const Facet& use : uses) owners.push_back(use.cell);
+    });
+    std::sort(crowded.begin(), crowded.end());
+    for (std::size_t i = 0; i < std::min(crowded.size(), most_issues_of_a_kind); ++i) {
+      error(cells(crowded[i]), "share one side" + more(crowded.size(), i) +
+                                   ": only two cells fit there, so some of them overlap; remove the surplus");
+    }
+  }
+
+  void check_vertices(const CellBlock& block) {
+    const auto is_used = used_vertices(block, num_vertices());
+    std::vector<Index> unused;
+    for (Index v = 0; v < num_vertices(); ++v) {
+      if (!is_used[static_cast<std::size_t>(v)]) unused.push_back(v);
+    }
+    if (!unused.empty()) {
+      warning(numbering_.vertex_list(unused),
+              "used by no " + std::string(dimension(block.kind) == 3 ? "tetrahedron" : "triangle") +
+                  ": it stays where it is and takes no part");
+    }
+    const auto pairs = duplicate_vertices(mesh_);
+    for (std::size_t i = 0; i < std::min(pairs.size(), most_issues_of_a_kind); ++i) {
+      warning(numbering_.vertex_list(std::vector<Index>{pairs[i].first, pairs[i].second}),
+              "at the same place" + more(pairs.size(), i) + ": they are not joined");
+    }
+  }
+
+  void check_components(const CellBlock& block) {
+    const Components components = connected_components(block, num_vertices());
+    for (Index c = 1; c < components.count; ++c) {
+      if (static_cast<std::size_t>(c) > most_issues_of_a_kind) {
+        warning({}, std::to_string(components.count) + " separate components in all");
+        break;
+      }
+      std::vector<Index> members;
+      for (Index cell = 0; cell < block.num_cells(); ++cell) {
+        if (components.of_cell[static_cast<std::size_t>(cell)] == c) members.push_back(cell);
+      }
+      warning("component " + std::to_string(c + 1),
+              "not connected to the rest (" + cells(members) + "): it needs its own supports in statics");
+    }
+    const Components by_sides = facet_components(block);
+    if (by_sides.count > components.count) {
+      warning({}, "parts are joined only at a single vertex or edge (" + std::to_string(by_sides.count) +
+                      " parts, " + std::to_string(components.count) + " component" +
+                      (components.count == 1 ? "" : "s") + "): such a hinge may swing freely");
+    }
+  }
+
+  void check_surface_edges(const CellBlock& block) {
+    const auto edges = nonmanifold_edges(block);
+    for (std::size_t i = 0; i < std::min(edges.size(), most_issues_of_a_kind); ++i) {
+      warning("edge " + std::to_string(numbering_.vertex(edges[i][0])) + "-" +
+                  std::to_string(numbering_.vertex(edges[i][1])),
+              "shared by more than two triangles" + more(edges.size(), i) +
+                  ": the surface is not manifold there");
+    }
+  }
+
+  void check_areas(const CellBlock& block) {
+    const std::vector<double> areas = triangle_areas(mesh_, block);
+    std::vector<Index> flat;
+    for (Index cell = 0; cell < block.num_cells(); ++cell) {
+      const double area = areas[static_cast<std::size_t>(cell)];
+      if (!(area > volume_round_off(mesh_, block, cell)) || !std::isfinite(area)) flat.push_back(cell);
+    }
+    if (!flat.empty()) warning(cells(flat), "zero area (a line or a point)");
+  }
+
+ private:
+  Index num_vertices() const { return static_cast<Index>(mesh_.vertices.size()); }
+  std::string cells(std::span<const Index> list) const { return numbering_.cell_list(block_number_, list); }
+  std::string place(const std::string& what) const {
+    return what.empty() ? numbering_.file : numbering_.file + ": " + what;
+  }
+  void error(const std::string& what, const std::string& problem) {
+    report.errors.push_back({place(what), problem});
+  }
+  void warning(const std::string& what, const std::string& problem) {
+    report.warnings.push_back({place(what), problem});
+  }
+  /// Said with the last issue shown, when there are more of the kind.
+  static std::string more(std::size_t count, std::size_t i) {
+    return i + 1 == most_issues_of_a_kind && count > i + 1
+               ? " (and " + std::to_string(count - i - 1) + " more such)"
+               : "";
+  }
+
+  void check_kinds(CellKind wanted) {
+    const CellBlock* block = mesh_.find_block(wanted);
+    std::vector<std::string> found;
+    for (const CellBlock& b : mesh_.blocks) {
+      if (b.num_cells() > 0 && b.kind != wanted) found.emplace_back(name(b.kind));
+    }
+    if (block == nullptr || block->num_cells() == 0) {
+      error({}, found.empty() ? "no elements"
+                              : "no " + std::string(name(wanted)) + " (found " + join(found) + ")");
+    }
+    for (const CellBlock& b : mesh_.blocks) {
+      if (b.num_cells() > 0 && b.kind != wanted && dimension(b.kind) == dimension(wanted) &&
+          block != nullptr) {
+        error({}, std::to_string(b.num_cells()) + " " + std::string(name(b.kind)) + " beside " +
+                      std::string(name(wanted)) + ": only " + std::string(name(wanted)) +
+                      " can be simulated; split the others");
+      }
+    }
+  }
+
+  void check_coordinates() {
+    std::vector<Index> bad;
+    for (std::size_t v = 0; v < mesh_.vertices.size(); ++v) {
+      if (!mesh_.vertices[v].allFinite()) bad.push_back(static_cast<Index>(v));
+    }
+    if (!bad.empty()) error(numbering_.vertex_list(bad), "a coordinate is not a finite number");
+  }
+
+  void check_indices(std::size_t b) {
+    const CellBlock& block = mesh_.blocks[b];
+    for (Index cell = 0; cell < block.num_cells(); ++cell) {
+      for (const Index node : block.cell(cell)) {
+        if (node >= 0 && node < num_vertices()) continue;
+        error(numbering_.cell_list(b, std::vector<Index>{cell}),
+              "node " + std::to_string(numbering_.first_vertex + node) + " does not exist (the mesh has " +
+                  std::to_string(num_vertices()) + ")");
+        return;
+      }
+    }
+  }
+
+  const Mesh& mesh_;
+  const Numbering& numbering_;
+  std::size_t block_number_ = 0;
+};
+
+}  // namespace
+
+void MeshReport::require_no_errors() const {
+  if (!errors.empty()) throw InputError(errors[0].place, errors[0].problem);
+}
+
+MeshReport check_mesh(const Mesh& mesh, int dimension, const Numbering& numbering) {
+  Examiner examiner(mesh, numbering);
+  const CellBlock* block = examiner.usable_block(dimension == 3 ? CellKind::tetrahedron : CellKind::triangle);
+  if (block == nullptr) return std::move(examiner.report);
+  if (dimension == 2) examiner.check_plane();
+  examiner.check_volumes(*block);
+  examiner.check_duplicate_cells(*block, true);
+  if (examiner.report.errors.empty()) examiner.check_overlap(*block);
+  examiner.check_vertices(*block);
+  examiner.check_components(*block);
+  return std::move(examiner.report);
+}
+
+MeshReport check_surface(const Mesh& mesh, const Numbering& numbering) {
+  Examiner examiner(mesh, numbering);
+  const CellBlock* block = examiner.usable_block(CellKind::triangle);
+  if (block == nullptr) return std::move(examiner.report);
+  examiner.check_areas(*block);
+  examiner.check_duplicate_cells(*block, false);
+  examiner.check_surface_edges(*block);
+  examiner.check_vertices(*block);
+  return std::move(examiner.report);
+}
+
+}  // namespace resilin

@@ -1,0 +1,174 @@
+#include "resilin/mesh/quality.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <span>
+
+#include "resilin/mesh/topology.hpp"
+
+namespace resilin {
+namespace {
+
+const Vector3& corner(const Mesh& mesh, std::span<const Index> nodes, std::size_t i) {
+  return mesh.vertices[static_cast<std::size_t>(nodes[i])];
+}
+
+bool is_tetrahedral(const CellBlock& block) { return dimension(block.kind) == 3; }
+
+double signed_volume(const Mesh& mesh, const CellBlock& block, Index cell) {
+  const auto nodes = block.cell(cell);
+  const Vector3& origin = corner(mesh, nodes, 0);
+  const Vector3 a = corner(mesh, nodes, 1) - origin;
+  const Vector3 b = corner(mesh, nodes, 2) - origin;
+  if (!is_tetrahedral(block)) return 0.5 * (a.x() * b.y() - a.y() * b.x());
+  const Vector3 c = corner(mesh, nodes, 3) - origin;
+  return a.dot(b.cross(c)) / 6;
+}
+
+bool has_equal_nodes(std::span<const Index> nodes) {
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    for (std::size_t j = i + 1; j < nodes.size(); ++j) {
+      if (nodes[i] == nodes[j]) return true;
+    }
+  }
+  return false;
+}
+
+template <class Function>
+std::vector<double> per_cell(const CellBlock& block, const Function& function) {
+  std::vector<double> values(static_cast<std::size_t>(block.num_cells()));
+  for (Index cell = 0; cell < block.num_cells(); ++cell)
+    values[static_cast<std::size_t>(cell)] = function(cell);
+  return values;
+}
+
+/// Sum of squared edge lengths and their number.
+std::pair<double, int> squared_edges(const Mesh& mesh, std::span<const Index> nodes, std::size_t corners) {
+  double sum = 0;
+  int count = 0;
+  for (std::size_t i = 0; i < corners; ++i) {
+    for (std::size_t j = i + 1; j < corners; ++j, ++count) {
+      sum += (corner(mesh, nodes, i) - corner(mesh, nodes, j)).squaredNorm();
+    }
+  }
+  return {sum, count};
+}
+
+}  // namespace
+
+std::vector<double> signed_volumes(const Mesh& mesh, const CellBlock& block) {
+  return per_cell(block, [&](Index cell) { return signed_volume(mesh, block, cell); });
+}
+
+std::vector<double> triangle_areas(const Mesh& mesh, const CellBlock& block) {
+  return per_cell(block, [&](Index cell) {
+    const auto nodes = block.cell(cell);
+    const Vector3 a = corner(mesh, nodes, 1) - corner(mesh, nodes, 0);
+    const Vector3 b = corner(mesh, nodes, 2) - corner(mesh, nodes, 0);
+    return 0.5 * a.cross(b).norm();
+  });
+}
+
+double volume_round_off(const Mesh& mesh, const CellBlock& block, Index cell) {
+  const auto nodes = block.cell(cell);
+  const std::size_t corners = is_tetrahedral(block) ? 4 : 3;
+  double length = 0;
+  double coordinate = 0;
+  for (std::size_t i = 0; i < corners; ++i) {
+    coordinate = std::max(coordinate, corner(mesh, nodes, i).cwiseAbs().maxCoeff());
+    for (std::size_t j = i + 1; j < corners; ++j) {
+      length = std::max(length, (corner(mesh, nodes, i) - corner(mesh, nodes, j)).norm());
+    }
+  }
+  const double side = is_tetrahedral(block) ? length * length : length;
+  return 16 * std::numeric_limits<double>::epsilon() * side * std::max(length, coordinate);
+}
+
+CellSigns cell_signs(const Mesh& mesh, const CellBlock& block) {
+  CellSigns signs;
+  for (Index cell = 0; cell < block.num_cells(); ++cell) {
+    const double volume = signed_volume(mesh, block, cell);
+    const double round_off = volume_round_off(mesh, block, cell);
+    if (!std::isfinite(volume) || !std::isfinite(round_off)) {
+      signs.not_finite.push_back(cell);
+    } else if (std::abs(volume) <= round_off || has_equal_nodes(block.cell(cell))) {
+      signs.flat.push_back(cell);
+    } else if (volume < 0) {
+      signs.inverted.push_back(cell);
+    }
+  }
+  return signs;
+}
+
+std::vector<std::pair<Index, Index>> duplicate_cells(const CellBlock& block) {
+  const auto width = static_cast<std::size_t>(num_nodes(block.kind));
+  std::vector<Index> sorted_nodes = block.nodes;
+  const auto nodes_of = [&](Index cell) {
+    return std::span(sorted_nodes).subspan(static_cast<std::size_t>(cell) * width, width);
+  };
+  for (Index cell = 0; cell < block.num_cells(); ++cell)
+    std::sort(nodes_of(cell).begin(), nodes_of(cell).end());
+  std::vector<Index> order(static_cast<std::size_t>(block.num_cells()));
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) {
+    return std::lexicographical_compare(nodes_of(a).begin(), nodes_of(a).end(), nodes_of(b).begin(),
+                                        nodes_of(b).end());
+  });
+  std::vector<std::pair<Index, Index>> pairs;
+  for (std::size_t first = 0, i = 1; i < order.size(); ++i) {
+    if (std::equal(nodes_of(order[first]).begin(), nodes_of(order[first]).end(),
+                   nodes_of(order[i]).begin())) {
+      pairs.emplace_back(order[first], order[i]);
+    } else {
+      first = i;
+    }
+  }
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+std::vector<std::pair<Index, Index>> duplicate_vertices(const Mesh& mesh) {
+  const auto at = [&](Index i) -> const Vector3& { return mesh.vertices[static_cast<std::size_t>(i)]; };
+  std::vector<Index> order(mesh.vertices.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) {
+    return std::lexicographical_compare(at(a).begin(), at(a).end(), at(b).begin(), at(b).end());
+  });
+  std::vector<std::pair<Index, Index>> pairs;
+  for (std::size_t first = 0, i = 1; i < order.size(); ++i) {
+    if (at(order[first]) == at(order[i])) {
+      pairs.emplace_back(order[first], order[i]);
+    } else {
+      first = i;
+    }
+  }
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+std::vector<std::array<Index, 2>> nonmanifold_edges(const CellBlock& triangles) {
+  std::vector<std::array<Index, 2>> result;
+  visit_facets(triangles, [&](std::span<const Facet> uses) {
+    if (uses.size() < 3) return;
+    const auto nodes = facet_nodes(triangles, uses[0]);
+    result.push_back({std::min(nodes[0], nodes[1]), std::max(nodes[0], nodes[1])});
+  });
+  std::sort(result.begin(), result.end());
+  return result;
+}
+
+std::vector<double> shape_qualities(const Mesh& mesh, const CellBlock& block) {
+  return per_cell(block, [&](Index cell) {
+    const auto [sum, count] = squared_edges(mesh, block.cell(cell), is_tetrahedral(block) ? 4 : 3);
+    const double mean_square = sum / count;
+    if (mean_square == 0) return 0.0;
+    const double volume = signed_volume(mesh, block, cell);
+    return is_tetrahedral(block) ? 6 * std::numbers::sqrt2 * volume / std::pow(mean_square, 1.5)
+                                 : 4 / std::numbers::sqrt3 * volume / mean_square;
+  });
+}
+
+}  // namespace resilin

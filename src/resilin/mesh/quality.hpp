@@ -1,0 +1,44 @@
+#pragma once
+
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "resilin/mesh/mesh.hpp"
+
+namespace resilin {
+
+/// Signed volume [m^3] of each tetrahedron, or signed area [m^2] in the x-y plane of each triangle, by
+/// corners; negative when inverted.
+std::vector<double> signed_volumes(const Mesh& mesh, const CellBlock& block);
+
+/// Area [m^2] of each triangle in space, by corners.
+std::vector<double> triangle_areas(const Mesh& mesh, const CellBlock& block);
+
+/// What rounding alone may make of a flat cell's volume: a volume below it cannot be told from zero.
+/// 16 eps L^(d-1) max(L, |coordinate|), with L the longest edge.
+double volume_round_off(const Mesh& mesh, const CellBlock& block, Index cell);
+
+/// Cells by the sign of their volume; cells that are neither have positive volume. Each list ascends.
+struct CellSigns {
+  std::vector<Index> inverted;
+  std::vector<Index> flat;        ///< volume zero up to rounding, or two equal nodes
+  std::vector<Index> not_finite;  ///< volume overflows or a coordinate is not a number
+};
+CellSigns cell_signs(const Mesh& mesh, const CellBlock& block);
+
+/// Pairs (first, later) of cells with the same set of nodes.
+std::vector<std::pair<Index, Index>> duplicate_cells(const CellBlock& block);
+
+/// Pairs (first, later) of vertices with exactly the same coordinates.
+std::vector<std::pair<Index, Index>> duplicate_vertices(const Mesh& mesh);
+
+/// Edges that three or more triangles share, smaller vertex first.
+std::vector<std::array<Index, 2>> nonmanifold_edges(const CellBlock& triangles);
+
+/// Inverted or not, the shape of a tetrahedron: 6 sqrt(2) V / (root mean square edge)^3; 1 when regular, 0
+/// when flat, negative when inverted. In 2D 4/sqrt(3) A / (mean square edge). Source: Parthasarathy, Graichen
+/// & Hathaway 1994, "A comparison of tetrahedron quality measures".
+std::vector<double> shape_qualities(const Mesh& mesh, const CellBlock& block);
+
+}  // namespace resilin

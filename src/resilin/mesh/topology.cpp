@@ -1,0 +1,177 @@
+#include "resilin/mesh/topology.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace resilin {
+namespace {
+
+constexpr std::array<std::array<int, 3>, 4> tetrahedron_sides = {
+    {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
+constexpr std::array<std::array<int, 2>, 3> triangle_sides = {{{0, 1}, {1, 2}, {2, 0}}};
+
+bool is_tetrahedral(CellKind kind) {
+  return kind == CellKind::tetrahedron || kind == CellKind::tetrahedron10;
+}
+bool is_triangular(CellKind kind) { return kind == CellKind::triangle || kind == CellKind::triangle6; }
+
+int num_sides(CellKind kind) { return is_tetrahedral(kind) ? 4 : is_triangular(kind) ? 3 : 0; }
+int num_corners(CellKind kind) {
+  return is_tetrahedral(kind) ? 4 : is_triangular(kind) ? 3 : kind == CellKind::line3 ? 2 : num_nodes(kind);
+}
+
+std::array<Index, 3> sorted(std::array<Index, 3> nodes) {
+  std::sort(nodes.begin(), nodes.end());
+  return nodes;
+}
+
+/// Sets that merge, with the smallest member as their name.
+class UnionFind {
+ public:
+  explicit UnionFind(Index size) : parent_(static_cast<std::size_t>(size)) {
+    std::iota(parent_.begin(), parent_.end(), 0);
+  }
+  Index root(Index i) {
+    while (parent(i) != i) i = parent(i) = parent(parent(i));
+    return i;
+  }
+  void merge(Index a, Index b) {
+    a = root(a);
+    b = root(b);
+    parent(std::max(a, b)) = std::min(a, b);
+  }
+
+ private:
+  Index& parent(Index i) { return parent_[static_cast<std::size_t>(i)]; }
+  std::vector<Index> parent_;
+};
+
+/// Numbers the components 0, 1, ... in the order in which cells meet them; `root_of_cell` names the set of a
+/// cell.
+template <class RootOfCell>
+Components number_components(Index num_cells, Index num_sets, const RootOfCell& root_of_cell) {
+  Components result;
+  std::vector<Index> number_of_root(static_cast<std::size_t>(num_sets), -1);
+  for (Index cell = 0; cell < num_cells; ++cell) {
+    Index& number = number_of_root[static_cast<std::size_t>(root_of_cell(cell))];
+    if (number < 0) number = result.count++;
+    result.of_cell.push_back(number);
+  }
+  return result;
+}
+
+}  // namespace
+
+std::array<Index, 3> facet_nodes(const CellBlock& block, Facet facet) {
+  const auto nodes = block.cell(facet.cell);
+  const auto local = static_cast<std::size_t>(facet.local);
+  const auto node = [&](int corner) { return nodes[static_cast<std::size_t>(corner)]; };
+  if (is_tetrahedral(block.kind)) {
+    const auto& side = tetrahedron_sides[local];
+    return {node(side[0]), node(side[1]), node(side[2])};
+  }
+  const auto& side = triangle_sides[local];
+  return {node(side[0]), node(side[1]), -1};
+}
+
+void visit_facets(const CellBlock& block, const std::function<void(std::span<const Facet>)>& visit) {
+  struct Keyed {
+    std::array<Index, 3> key;
+    Facet facet;
+  };
+  std::vector<Keyed> facets;
+  facets.reserve(static_cast<std::size_t>(block.num_cells()) *
+                 static_cast<std::size_t>(num_sides(block.kind)));
+  Index largest = -1;
+  for (Index cell = 0; cell < block.num_cells(); ++cell) {
+    for (int local = 0; local < num_sides(block.kind); ++local) {
+      const auto key = sorted(facet_nodes(block, {cell, local}));
+      largest = std::max(largest, key[2]);
+      facets.push_back({key, {cell, local}});
+    }
+  }
+  // Counting sort by the largest node, then a short sort within each bucket.
+  std::vector<std::size_t> begin(static_cast<std::size_t>(largest) + 2, 0);
+  for (const Keyed& f : facets) ++begin[static_cast<std::size_t>(f.key[2]) + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<Keyed> ordered(facets.size());
+  std::vector<std::size_t> next = begin;
+  for (const Keyed& f : facets) ordered[next[static_cast<std::size_t>(f.key[2])]++] = f;
+
+  const auto at = [&](std::size_t i) { return ordered.begin() + static_cast<std::ptrdiff_t>(i); };
+  for (std::size_t bucket = 0; bucket + 1 < begin.size(); ++bucket) {
+    std::stable_sort(at(begin[bucket]), at(begin[bucket + 1]),
+                     [](const Keyed& a, const Keyed& b) { return a.key < b.key; });
+  }
+  std::vector<Facet> uses;
+  for (std::size_t i = 0; i < ordered.size(); ++i) {
+    uses.push_back(ordered[i].facet);
+    if (i + 1 < ordered.size() && ordered[i + 1].key == ordered[i].key) continue;
+    visit(uses);
+    uses.clear();
+  }
+}
+
+Boundary boundary(const CellBlock& block) {
+  Boundary result{{is_tetrahedral(block.kind) ? CellKind::triangle : CellKind::line, {}}, {}};
+  visit_facets(block, [&](std::span<const Facet> uses) {
+    if (uses.size() == 1) result.owners.push_back(uses[0]);
+  });
+  std::sort(result.owners.begin(), result.owners.end(),
+            [](Facet a, Facet b) { return a.cell != b.cell ? a.cell < b.cell : a.local < b.local; });
+  const auto num_facet_nodes = static_cast<std::ptrdiff_t>(num_nodes(result.facets.kind));
+  for (const Facet& owner : result.owners) {
+    const auto nodes = facet_nodes(block, owner);
+    result.facets.nodes.insert(result.facets.nodes.end(), nodes.begin(), nodes.begin() + num_facet_nodes);
+  }
+  return result;
+}
+
+std::vector<std::array<Index, 2>> edges(const CellBlock& block) {
+  const auto corners = static_cast<std::size_t>(num_corners(block.kind));
+  std::vector<std::array<Index, 2>> result;
+  for (Index cell = 0; cell < block.num_cells(); ++cell) {
+    const auto nodes = block.cell(cell);
+    for (std::size_t a = 0; a < corners; ++a) {
+      for (std::size_t b = a + 1; b < corners; ++b) {
+        result.push_back({std::min(nodes[a], nodes[b]), std::max(nodes[a], nodes[b])});
+      }
+    }
+  }
+  std::sort(result.begin(), result.end());
+  result.erase(std::unique(result.begin(), result.end()), result.end());
+  return result;
+}
+
+Components connected_components(const CellBlock& block, Index num_vertices) {
+  UnionFind sets(num_vertices);
+  for (Index cell = 0; cell < block.num_cells(); ++cell) {
+    const auto nodes = block.cell(cell);
+    for (const Index node : nodes) sets.merge(nodes[0], node);
+  }
+  Components result = number_components(block.num_cells(), num_vertices,
+                                        [&](Index cell) { return sets.root(block.cell(cell)[0]); });
+  result.of_vertex.assign(static_cast<std::size_t>(num_vertices), -1);
+  for (Index cell = 0; cell < block.num_cells(); ++cell) {
+    for (const Index node : block.cell(cell)) {
+      result.of_vertex[static_cast<std::size_t>(node)] = result.of_cell[static_cast<std::size_t>(cell)];
+    }
+  }
+  return result;
+}
+
+Components facet_components(const CellBlock& block) {
+  UnionFind sets(block.num_cells());
+  visit_facets(block, [&](std::span<const Facet> uses) {
+    for (const Facet& use : uses) sets.merge(uses[0].cell, use.cell);
+  });
+  return number_components(block.num_cells(), block.num_cells(), [&](Index cell) { return sets.root(cell); });
+}
+
+std::vector<bool> used_vertices(const CellBlock& block, Index num_vertices) {
+  std::vector<bool> is_used(static_cast<std::size_t>(num_vertices), false);
+  for (const Index node : block.nodes) is_used[static_cast<std::size_t>(node)] = true;
+  return is_used;
+}
+
+}  // namespace resilin

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "resilin/mesh/mesh.hpp"
+
+namespace resilin {
+
+/// Side number `local` of cell `cell`. Sides of a tetrahedron: (0,2,1), (0,1,3), (0,3,2), (1,2,3); of a
+/// triangle: (0,1), (1,2), (2,0): outward when the cell has positive volume (area).
+struct Facet {
+  Index cell;
+  int local;
+};
+
+/// Nodes of one side of a tetrahedron (3) or triangle (2); the third is -1 for a triangle.
+std::array<Index, 3> facet_nodes(const CellBlock& block, Facet facet);
+
+/// Sides of the cells that belong to one cell only.
+struct Boundary {
+  CellBlock facets;  ///< triangles of tetrahedra, lines of triangles; outward for cells of positive volume
+  std::vector<Facet> owners;  ///< the side that each facet is; ordered by cell, then by side
+};
+
+/// The boundary of a block of tetrahedra or triangles. Linear in the number of cells.
+Boundary boundary(const CellBlock& block);
+
+/// Calls `visit` once for every distinct side (set of nodes) with all its uses, in a fixed order.
+void visit_facets(const CellBlock& block, const std::function<void(std::span<const Facet>)>& visit);
+
+/// Every edge of lines, triangles or tetrahedra once, smaller node first, sorted.
+std::vector<std::array<Index, 2>> edges(const CellBlock& block);
+
+/// Cells that hang together. Components are numbered in the order of their first cells.
+struct Components {
+  Index count = 0;
+  std::vector<Index> of_cell;
+  std::vector<Index> of_vertex;  ///< -1 for a vertex of no cell; empty for `facet_components`
+};
+
+/// Components of cells that share a vertex, of blocks of any kind.
+Components connected_components(const CellBlock& block, Index num_vertices);
+
+/// Components of tetrahedra (triangles) that share a whole side: more of them than connected components means
+/// a joint at a single vertex or edge, a hinge that statics cannot hold.
+Components facet_components(const CellBlock& block);
+
+/// vertex_is_used[v] is true when a cell of the block has node v.
+std::vector<bool> used_vertices(const CellBlock& block, Index num_vertices);
+
+}  // namespace resilin
