@@ -27,9 +27,9 @@ void DeadLoad::add_gradient_magnitude(const VectorX&, const Conditions& c, Vecto
   magnitude += factor(c) * forces_.cwiseAbs();
 }
 
-void add_traction(int dim, std::span<const Facet> facets, const VectorX& rest_positions,
+void add_traction(int dim, std::span<const LoadedFacet> facets, const VectorX& rest_positions,
                   const Vector3& traction, VectorX& nodal_forces) {
-  for (const Facet& facet : facets) {
+  for (const LoadedFacet& facet : facets) {
     const double share = area_vector(dim, facet, rest_positions).norm() / dim;
     for (int a = 0; a < dim; ++a) {
       nodal_forces.segment(Eigen::Index{facet.nodes[static_cast<std::size_t>(a)]} * dim, dim) +=

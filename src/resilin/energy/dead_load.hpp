@@ -43,7 +43,7 @@ class DeadLoad final : public Energy {
 
 /// Adds a traction [N/m^2] (2D: [N/m^2] on unit thickness) over the facets of the rest shape, shared equally
 /// by their nodes, to nodal forces [N].
-void add_traction(int dim, std::span<const Facet> facets, const VectorX& rest_positions,
+void add_traction(int dim, std::span<const LoadedFacet> facets, const VectorX& rest_positions,
                   const Vector3& traction, VectorX& nodal_forces);
 
 }  // namespace resilin

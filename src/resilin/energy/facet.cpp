@@ -8,7 +8,7 @@ Vector3 node_position(int dim, Index node, const VectorX& x) {
   return position;
 }
 
-Vector3 area_vector(int dim, const Facet& facet, const VectorX& x) {
+Vector3 area_vector(int dim, const LoadedFacet& facet, const VectorX& x) {
   const Vector3 first = node_position(dim, facet.nodes[0], x);
   const Vector3 edge = node_position(dim, facet.nodes[1], x) - first;
   if (dim == 2) return {edge.y(), -edge.x(), 0};

@@ -9,7 +9,7 @@ namespace {
 ///
 /// 3D: N = 1/2 (x1 - x0) x (x2 - x0), so dN = 1/2 e_a x^T dx_a with e_a the edge opposite to node a, cyclic.
 /// 2D: N = (y1 - y0, -(x1 - x0)).
-Eigen::Matrix3d area_vector_slope(int dim, const Facet& facet, int a, const VectorX& x) {
+Eigen::Matrix3d area_vector_slope(int dim, const LoadedFacet& facet, int a, const VectorX& x) {
   Eigen::Matrix3d slope = Eigen::Matrix3d::Zero();
   if (dim == 2) {
     const double sign = a == 0 ? -1 : 1;
@@ -27,7 +27,7 @@ Eigen::Matrix3d area_vector_slope(int dim, const Facet& facet, int a, const Vect
 
 }  // namespace
 
-Pressure::Pressure(std::string name, int dim, std::vector<Facet> facets, double pressure,
+Pressure::Pressure(std::string name, int dim, std::vector<LoadedFacet> facets, double pressure,
                    VectorX rest_positions, ActiveTime active)
     : name_(std::move(name)),
       dim_(dim),
@@ -41,7 +41,7 @@ double Pressure::difference(const VectorX& from, const VectorX& to, const Condit
   if (p == 0) return 0;
   const VectorX middle = 0.5 * (from + to);
   double work = 0;
-  for (const Facet& facet : facets_) {
+  for (const LoadedFacet& facet : facets_) {
     const Vector3 mean_area = (area_vector(dim_, facet, from) + 4 * area_vector(dim_, facet, middle) +
                                area_vector(dim_, facet, to)) /
                               6;
@@ -58,7 +58,7 @@ double Pressure::difference(const VectorX& from, const VectorX& to, const Condit
 void Pressure::add_gradient(const VectorX& x, const Conditions& c, VectorX& gradient) const {
   const double p = factor(c);
   if (p == 0) return;
-  for (const Facet& facet : facets_) {
+  for (const LoadedFacet& facet : facets_) {
     const Vector3 share = p / dim_ * area_vector(dim_, facet, x);
     for (int a = 0; a < dim_; ++a) {
       gradient.segment(Eigen::Index{facet.nodes[static_cast<std::size_t>(a)]} * dim_, dim_) +=
@@ -69,7 +69,7 @@ void Pressure::add_gradient(const VectorX& x, const Conditions& c, VectorX& grad
 
 void Pressure::add_gradient_magnitude(const VectorX& x, const Conditions& c, VectorX& magnitude) const {
   const double p = std::abs(factor(c));
-  for (const Facet& facet : facets_) {
+  for (const LoadedFacet& facet : facets_) {
     const Vector3 share = p / dim_ * area_vector(dim_, facet, x).cwiseAbs();
     for (int a = 0; a < dim_; ++a) {
       magnitude.segment(Eigen::Index{facet.nodes[static_cast<std::size_t>(a)]} * dim_, dim_) +=
@@ -79,7 +79,7 @@ void Pressure::add_gradient_magnitude(const VectorX& x, const Conditions& c, Vec
 }
 
 void Pressure::add_pattern(BlockPatternBuilder& builder) const {
-  for (const Facet& facet : facets_) {
+  for (const LoadedFacet& facet : facets_) {
     for (int a = 0; a < dim_; ++a) {
       for (int b = a + 1; b < dim_; ++b) {
         builder.add_pair(facet.nodes[static_cast<std::size_t>(a)], facet.nodes[static_cast<std::size_t>(b)]);
@@ -91,7 +91,7 @@ void Pressure::add_pattern(BlockPatternBuilder& builder) const {
 void Pressure::add_hessian(const VectorX& x, const Conditions& c, Projection, BlockMatrix& hessian) const {
   const double p = factor(c);
   if (p == 0) return;
-  for (const Facet& facet : facets_) {
+  for (const LoadedFacet& facet : facets_) {
     std::array<Eigen::Matrix3d, 3> slopes;
     for (int a = 0; a < dim_; ++a) slopes[static_cast<std::size_t>(a)] = area_vector_slope(dim_, facet, a, x);
     for (int a = 0; a < dim_; ++a) {

@@ -15,8 +15,8 @@ namespace resilin {
 /// tangent.
 class Pressure final : public Energy {
  public:
-  Pressure(std::string name, int dim, std::vector<Facet> facets, double pressure, VectorX rest_positions,
-           ActiveTime active = {});
+  Pressure(std::string name, int dim, std::vector<LoadedFacet> facets, double pressure,
+           VectorX rest_positions, ActiveTime active = {});
 
   std::string_view name() const override { return name_; }
   double value(const VectorX& x, const Conditions& c) const override {
@@ -33,7 +33,7 @@ class Pressure final : public Energy {
 
   std::string name_;
   int dim_;
-  std::vector<Facet> facets_;
+  std::vector<LoadedFacet> facets_;
   double pressure_;  ///< [Pa]
   VectorX rest_positions_;
   ActiveTime active_;

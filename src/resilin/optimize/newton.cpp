@@ -110,9 +110,9 @@ struct Newton::Search {
   const NewtonSettings& settings;
   VectorX& x;
 
-  NewtonReport report;
+  NewtonReport report{};
   ProjectionChooser chooser{settings.projection};
-  VectorX gradient, step, trial, trial_gradient, right_side;
+  VectorX gradient{}, step{}, trial{}, trial_gradient{}, right_side{};
   bool gradient_at_trial_is_known = false;
   double last_residual = 0;
   double last_forcing = 0;

@@ -24,7 +24,8 @@ struct Body {
   CellKind cell_kind = CellKind::tetrahedron;
   std::vector<Index> cells;  ///< nodes of the cells, in the world's numbering
   std::shared_ptr<const ElasticEnergy> elastic;
-  double mass = 0;  ///< [kg]
+  double density = 0;  ///< [kg/m^3]
+  double mass = 0;     ///< [kg]
 
   Index num_cells() const { return static_cast<Index>(cells.size()) / resilin::num_nodes(cell_kind); }
 };
@@ -70,21 +71,10 @@ class World {
   Index num_nodes() const { return static_cast<Index>(rest_positions.size() / dimension); }
   Index num_free_unknowns() const;
   const Body& body_of(Index node) const;
-
- private:
-  std::vector<std::shared_ptr<Energy>> made_;  // not yet const: to be bound to the pattern
-
-  void add_body(const BodyDescription& description);
-  void add_support(const FixDescription& description);
-  void add_load(const LoadDescription& description);
-  void add_gravity(const Vector3& gravity);
-  void add_probe(const ProbeDescription& description);
-  void add_mass(const Description& description);
-  void build_pattern();
-  void find_fixed_unknowns();
 };
 
-/// Throws InputError naming the part of a body that static supports and springs do not hold.
-void check_is_held(const World& world);
+/// Throws InputError naming the part of a body that supports and springs do not hold: its free rigid motions
+/// would make the static problem singular. `held_nodes` are nodes that springs hold in all directions.
+void check_is_held(const World& world, const std::vector<Index>& held_nodes);
 
 }  // namespace resilin

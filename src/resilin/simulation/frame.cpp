@@ -1,0 +1,60 @@
+#include "resilin/simulation/frame.hpp"
+
+#include "resilin/energy/facet.hpp"
+
+namespace resilin {
+
+Frame measure_frame(const World& world, const State& state, const VectorX* step_gradient) {
+  const int dim = world.dimension;
+  const Conditions conditions{.time = state.time, .load = state.load};
+  Frame frame;
+  frame.step = state.step;
+  frame.time = state.time;
+  frame.load = state.load;
+
+  VectorX momentum;
+  world.mass.multiply(state.velocities, momentum);
+  frame.kinetic_energy = 0.5 * momentum.dot(state.velocities);
+  for (Index i = 0; i < world.num_nodes(); ++i) {
+    const Vector3 p = node_position(dim, i, momentum);
+    frame.linear_momentum += p;
+    frame.angular_momentum += node_position(dim, i, state.positions).cross(p);
+  }
+  for (const auto& energy : world.elastic) frame.elastic_energy += energy->value(state.positions, conditions);
+  for (const auto& energy : world.external)
+    frame.external_energy += energy->value(state.positions, conditions);
+
+  frame.min_volume_ratio = std::numeric_limits<double>::infinity();
+  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+    const auto [ratio, cell] = world.bodies[b].elastic->min_volume_ratio(state.positions);
+    if (ratio < frame.min_volume_ratio) {
+      frame.min_volume_ratio = ratio;
+      frame.worst_cell = cell;
+      frame.worst_body = static_cast<int>(b);
+    }
+  }
+  for (const Probe& probe : world.probes) {
+    frame.probes.push_back({.name = probe.name,
+                            .displacement = node_position(dim, probe.node, state.positions) -
+                                            node_position(dim, probe.node, world.rest_positions),
+                            .velocity = node_position(dim, probe.node, state.velocities)});
+  }
+
+  VectorX gradient;
+  if (step_gradient == nullptr) {
+    gradient = VectorX::Zero(state.positions.size());
+    for (const auto& energy : world.elastic) energy->add_gradient(state.positions, conditions, gradient);
+    for (const auto& energy : world.external) energy->add_gradient(state.positions, conditions, gradient);
+    step_gradient = &gradient;
+  }
+  for (const Support& support : world.supports) frame.reactions.emplace_back(support.name, Vector3::Zero());
+  for (std::size_t i = 0; i < world.support_of.size(); ++i) {
+    if (world.support_of[i] < 0) continue;
+    const auto component = static_cast<int>(i % static_cast<std::size_t>(dim));
+    frame.reactions[static_cast<std::size_t>(world.support_of[i])].second[component] +=
+        (*step_gradient)[static_cast<Eigen::Index>(i)];
+  }
+  return frame;
+}
+
+}  // namespace resilin

@@ -1,0 +1,84 @@
+#include "resilin/simulation/loads.hpp"
+
+#include <algorithm>
+
+#include "resilin/energy/handle_spring.hpp"
+#include "resilin/energy/pressure.hpp"
+#include "resilin/simulation/selection.hpp"
+
+namespace resilin {
+namespace {
+
+ActiveTime active_time(const LoadDescription& load, bool is_dynamic) {
+  if (!is_dynamic) return {};
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  return {.from = load.from > 0 ? load.from : -infinity, .until = load.until.value_or(infinity)};
+}
+
+/// Nodal forces [N] of a force per rest volume [N/m^3] on the cells whose vertices are all selected; each
+/// vertex of a linear cell carries the same share.
+void add_body_force(const std::vector<Index>& selected_vertices, const Vector3& force, const Body& body,
+                    int dim, VectorX& forces) {
+  std::vector<bool> is_selected(static_cast<std::size_t>(body.num_nodes), false);
+  for (const Index v : selected_vertices) is_selected[static_cast<std::size_t>(v)] = true;
+  const std::vector<double> volumes = body.elastic->rest_volumes();
+  const auto num_corners = static_cast<std::size_t>(num_nodes(body.cell_kind));
+  for (std::size_t cell = 0; cell < volumes.size(); ++cell) {
+    const auto nodes = std::span(body.cells).subspan(cell * num_corners, num_corners);
+    const bool is_whole = std::all_of(nodes.begin(), nodes.end(), [&](Index node) {
+      return is_selected[static_cast<std::size_t>(node - body.first_node)];
+    });
+    if (!is_whole) continue;
+    for (const Index node : nodes) {
+      forces.segment(Eigen::Index{node} * dim, dim) +=
+          volumes[cell] / static_cast<double>(num_corners) * force.head(dim);
+    }
+  }
+}
+
+}  // namespace
+
+std::shared_ptr<Energy> make_load(const LoadDescription& load, const World& world, const Body& body,
+                                  const Mesh& mesh) {
+  using Kind = LoadDescription::Kind;
+  const int dim = world.dimension;
+  const std::string where = load.place + ".where";
+  const std::string name = load.name.empty() ? load.place : load.name;
+  const ActiveTime active = active_time(load, world.is_dynamic);
+  const std::vector<Index> vertices =
+      select_vertices(load.where, mesh, body, world.rest_positions, dim, where);
+  std::vector<Index> nodes = vertices;
+  for (Index& node : nodes) node += body.first_node;
+  if (load.kind == Kind::spring) {
+    const HandleSpring::Motion motion{
+        .displacement = load.displacement, .velocity = load.velocity, .start = load.from};
+    return std::make_shared<HandleSpring>(name, dim, std::move(nodes), load.stiffness, motion,
+                                          world.rest_positions, active);
+  }
+  if (load.kind == Kind::pressure) {
+    return std::make_shared<Pressure>(name, dim,
+                                      select_facets(vertices, body, dim, world.rest_positions, where),
+                                      load.pressure, world.rest_positions, active);
+  }
+  VectorX forces = VectorX::Zero(world.rest_positions.size());
+  if (load.kind == Kind::body_force) add_body_force(vertices, load.value, body, dim, forces);
+  if (load.kind == Kind::traction) {
+    add_traction(dim, select_facets(vertices, body, dim, world.rest_positions, where), world.rest_positions,
+                 load.value, forces);
+  }
+  if (load.kind == Kind::nodal_force) {
+    for (const Index node : nodes) forces.segment(Eigen::Index{node} * dim, dim) = load.value.head(dim);
+  }
+  return std::make_shared<DeadLoad>(name, std::move(forces), world.rest_positions, active);
+}
+
+std::shared_ptr<Energy> make_gravity(const Vector3& gravity, const World& world) {
+  const int dim = world.dimension;
+  VectorX forces(world.rest_positions.size());
+  for (Index i = 0; i < world.num_nodes(); ++i) {
+    forces.segment(Eigen::Index{i} * dim, dim) = world.mass.nodal[i] * gravity.head(dim);
+  }
+  return std::make_shared<DeadLoad>("gravity", std::move(forces), world.rest_positions);
+}
+
+}  // namespace resilin

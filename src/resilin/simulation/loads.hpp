@@ -1,0 +1,17 @@
+#pragma once
+
+#include <memory>
+
+#include "resilin/simulation/description.hpp"
+#include "resilin/simulation/world.hpp"
+
+namespace resilin {
+
+/// The energy of one [[load]] on `body`, whose mesh is `mesh`.
+std::shared_ptr<Energy> make_load(const LoadDescription& load, const World& world, const Body& body,
+                                  const Mesh& mesh);
+
+/// The weight of all bodies [N] as dead nodal forces; needs the world's masses.
+std::shared_ptr<Energy> make_gravity(const Vector3& gravity, const World& world);
+
+}  // namespace resilin

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "resilin/energy/facet.hpp"
+#include "resilin/simulation/world.hpp"
+
+namespace resilin {
+
+/// Vertices of a body (numbers of its mesh, ascending) that a `where` means, in the placed rest shape.
+///
+/// Only vertices that a cell uses are selected. Throws InputError beginning with `place` when the group is
+/// unknown (and lists those there are), a vertex number is out of range, or nothing is selected.
+std::vector<Index> select_vertices(const Where& where, const Mesh& mesh, const Body& body,
+                                   const VectorX& rest_positions, int dim, const std::string& place);
+
+/// Surface facets of a body whose vertices are all selected, outward, in the world's numbering. Throws
+/// InputError when there is none.
+std::vector<LoadedFacet> select_facets(const std::vector<Index>& selected_vertices, const Body& body, int dim,
+                                       const VectorX& rest_positions, const std::string& place);
+
+}  // namespace resilin

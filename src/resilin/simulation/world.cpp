@@ -1,0 +1,315 @@
+#include "resilin/simulation/world.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
+#include "resilin/simulation/loads.hpp"
+#include "resilin/simulation/selection.hpp"
+
+namespace resilin {
+namespace {
+
+Eigen::Matrix3d rotation_matrix(const std::optional<Rotation>& rotation) {
+  if (!rotation) return Eigen::Matrix3d::Identity();
+  const double angle = rotation->degrees * std::numbers::pi / 180;
+  return Eigen::AngleAxisd(angle, rotation->axis.normalized()).toRotationMatrix();
+}
+
+/// The mesh of a body in the world: scaled, rotated, translated.
+VectorX placed_vertices(const BodyDescription& description, int dim) {
+  const Eigen::Matrix3d rotation = rotation_matrix(description.rotate);
+  const Vector3 center = description.rotate ? description.rotate->center : Vector3(Vector3::Zero());
+  VectorX positions(static_cast<Eigen::Index>(description.mesh.vertices.size()) * dim);
+  for (std::size_t v = 0; v < description.mesh.vertices.size(); ++v) {
+    const Vector3 scaled = description.scale * description.mesh.vertices[v];
+    const Vector3 X = center + rotation * (scaled - center) + description.translate;
+    positions.segment(static_cast<Eigen::Index>(v) * dim, dim) = X.head(dim);
+  }
+  return positions;
+}
+
+void append(VectorX& all, const VectorX& more) {
+  const Eigen::Index size = all.size();
+  all.conservativeResize(size + more.size());
+  all.tail(more.size()) = more;
+}
+
+VectorX per_vertex_values(const std::vector<double>& given, Eigen::Index expected, int dim,
+                          const std::string& place) {
+  if (static_cast<Eigen::Index>(given.size()) != expected) {
+    throw InputError(
+        place, std::to_string(dim) + " numbers for each of " + std::to_string(expected / dim) + " vertices",
+        std::to_string(given.size()) + " numbers");
+  }
+  const VectorX values = Eigen::Map<const VectorX>(given.data(), expected);
+  if (!values.allFinite()) throw InputError(place, "finite numbers", "inf or nan");
+  return values;
+}
+
+VectorX start_velocities_of(const BodyDescription& description, const VectorX& positions, int dim) {
+  VectorX velocities(positions.size());
+  for (Eigen::Index i = 0; i < positions.size() / dim; ++i) {
+    const Vector3 X = node_position(dim, static_cast<Index>(i), positions);
+    velocities.segment(i * dim, dim) = (description.velocity + description.velocity_gradient * X).head(dim);
+  }
+  return velocities;
+}
+
+/// Makes a world out of its description, part by part.
+class Builder {
+ public:
+  Builder(const Description& description, World& world) : description_(description), world_(world) {}
+  void build();
+
+ private:
+  std::size_t find_body(const std::string& name, const std::string& place) const;
+  void add_body(const BodyDescription& body);
+  void add_material(const BodyDescription& description, Body& body);
+  void add_support(const FixDescription& fix);
+  void add_load(const LoadDescription& load);
+  void add_probe(const ProbeDescription& probe);
+  void build_pattern();
+  void add_masses();
+  void find_fixed_unknowns();
+
+  const Description& description_;
+  World& world_;
+  std::vector<std::shared_ptr<ElasticEnergy>> elastic_;
+  std::vector<std::shared_ptr<Energy>> external_;
+  std::vector<Index> nodes_held_by_springs_;
+};
+
+void Builder::build() {
+  if (world_.dimension != 2 && world_.dimension != 3) {
+    throw InputError(world_.place + ": simulation.dimension", "2 or 3", std::to_string(world_.dimension));
+  }
+  if (description_.bodies.empty()) throw InputError(world_.place, "at least one [[body]]", "none");
+  for (const BodyDescription& body : description_.bodies) add_body(body);
+  for (std::size_t b = 0; b < world_.bodies.size(); ++b)
+    add_material(description_.bodies[b], world_.bodies[b]);
+  for (const FixDescription& fix : description_.fixes) add_support(fix);
+  check_support_conflicts(world_.dimension, world_.supports, world_.rest_positions);
+  for (const LoadDescription& load : description_.loads) add_load(load);
+  for (const ProbeDescription& probe : description_.probes) add_probe(probe);
+  build_pattern();
+  add_masses();
+  if (description_.gravity.head(world_.dimension).norm() > 0) {
+    world_.external.push_back(make_gravity(description_.gravity, world_));
+  }
+  find_fixed_unknowns();
+  if (!world_.is_dynamic) check_is_held(world_, nodes_held_by_springs_);
+}
+
+std::size_t Builder::find_body(const std::string& name, const std::string& place) const {
+  std::vector<std::string> names;
+  for (std::size_t b = 0; b < world_.bodies.size(); ++b) {
+    if (world_.bodies[b].name == name || (name.empty() && world_.bodies.size() == 1)) return b;
+    names.push_back(world_.bodies[b].name);
+  }
+  throw InputError(place + ".body", "one of " + join(names), name.empty() ? "nothing" : "\"" + name + "\"");
+}
+
+void Builder::add_body(const BodyDescription& description) {
+  for (const Body& other : world_.bodies) {
+    if (other.name == description.name) {
+      throw InputError(description.place + ".name", "a name of its own for each body",
+                       "\"" + other.name + "\" twice");
+    }
+  }
+  Body body;
+  body.name = description.name;
+  body.element = description.element;
+  body.mass_kind = description.mass;
+  body.first_node = world_.num_nodes();
+  body.num_nodes = static_cast<Index>(description.mesh.vertices.size());
+  body.cell_kind = world_.dimension == 3 ? CellKind::tetrahedron : CellKind::triangle;
+  const CellBlock* block = description.mesh.find_block(body.cell_kind);
+  if (block == nullptr || block->num_cells() == 0) {
+    std::vector<std::string> found;
+    for (const CellBlock& other : description.mesh.blocks) {
+      if (other.num_cells() > 0) found.emplace_back(resilin::name(other.kind));
+    }
+    throw InputError(description.mesh_name.empty() ? description.place + ".mesh" : description.mesh_name,
+                     "no " + std::string(resilin::name(body.cell_kind)) + " (found " +
+                         (found.empty() ? "no cells" : join(found)) + ")");
+  }
+  body.cells = block->nodes;
+  for (Index& node : body.cells) node += body.first_node;
+
+  const VectorX placed = placed_vertices(description, world_.dimension);
+  append(world_.rest_positions, placed);
+  append(world_.start_positions,
+         description.initial_positions.empty()
+             ? placed
+             : per_vertex_values(description.initial_positions, placed.size(), world_.dimension,
+                                 description.place + ".initial_positions"));
+  append(world_.start_velocities,
+         description.initial_velocities.empty()
+             ? start_velocities_of(description, placed, world_.dimension)
+             : per_vertex_values(description.initial_velocities, placed.size(), world_.dimension,
+                                 description.place + ".initial_velocities"));
+  world_.bodies.push_back(std::move(body));
+}
+
+/// Once all bodies are placed, so that every energy sees the whole world's vertices.
+void Builder::add_material(const BodyDescription& description, Body& body) {
+  const MaterialDescription& material = description.material;
+  const LawInfo& law = require_law(material.law, material.place + ".law");
+  const LawConstants constants =
+      resolve_constants(law, material.constants, material.cell_constants,
+                        static_cast<std::size_t>(body.num_cells()), material.place);
+  body.law = law.name;
+  body.constants = constants.named_means(law);
+  const auto elastic = std::make_shared<ElasticEnergy>(world_.dimension, body.element, body.cells,
+                                                       world_.rest_positions, law, constants);
+  body.elastic = elastic;
+  elastic_.push_back(elastic);
+  body.density = material.density;
+  body.mass = material.density * body.elastic->total_rest_volume();
+  if (world_.is_dynamic && !(material.density > 0)) {
+    throw InputError(material.place + ".density", "a positive number in motion",
+                     format_number(material.density));
+  }
+}
+
+void Builder::add_support(const FixDescription& fix) {
+  const std::size_t b = find_body(fix.body, fix.place);
+  const Body& body = world_.bodies[b];
+  Support support{.place = fix.place,
+                  .name = fix.name,
+                  .nodes = select_vertices(fix.where, description_.bodies[b].mesh, body,
+                                           world_.rest_positions, world_.dimension, fix.place + ".where"),
+                  .components = fix.components,
+                  .displacement = fix.displacement,
+                  .gradient = fix.gradient,
+                  .rotate = fix.rotate,
+                  .velocity = fix.velocity,
+                  .until = fix.until};
+  if (world_.dimension == 2) support.components[2] = false;
+  for (Index& node : support.nodes) node += body.first_node;
+  world_.supports.push_back(std::move(support));
+}
+
+void Builder::add_load(const LoadDescription& load) {
+  const std::size_t b = find_body(load.body, load.place);
+  external_.push_back(make_load(load, world_, world_.bodies[b], description_.bodies[b].mesh));
+  if (load.kind == LoadDescription::Kind::spring && load.stiffness > 0) {
+    for (const Index v : select_vertices(load.where, description_.bodies[b].mesh, world_.bodies[b],
+                                         world_.rest_positions, world_.dimension, load.place + ".where")) {
+      nodes_held_by_springs_.push_back(world_.bodies[b].first_node + v);
+    }
+  }
+}
+
+void Builder::add_probe(const ProbeDescription& probe) {
+  const Body& body = world_.bodies[find_body(probe.body, probe.place)];
+  Probe found{.name = probe.name, .node = body.first_node};
+  double nearest = std::numeric_limits<double>::infinity();
+  for (Index node = body.first_node; node < body.first_node + body.num_nodes; ++node) {
+    const double distance =
+        (node_position(world_.dimension, node, world_.rest_positions) - probe.at).squaredNorm();
+    if (distance < nearest) {
+      nearest = distance;
+      found.node = node;
+    }
+  }
+  world_.probes.push_back(std::move(found));
+}
+
+/// One pattern for all energies; each looks up its slots in it.
+void Builder::build_pattern() {
+  BlockPatternBuilder builder(world_.num_nodes());
+  for (const auto& energy : elastic_) energy->add_pattern(builder);
+  for (const auto& energy : external_) energy->add_pattern(builder);
+  world_.pattern = std::make_shared<const BlockPattern>(builder.build());
+  for (const auto& energy : elastic_) energy->bind(*world_.pattern);
+  for (const auto& energy : external_) energy->bind(*world_.pattern);
+  world_.elastic.assign(elastic_.begin(), elastic_.end());
+  world_.external.assign(external_.begin(), external_.end());
+}
+
+/// Lumped: each vertex of a linear cell carries its share of the cell. Consistent: rho V / ((d+1)(d+2)) (1 +
+/// delta_ab).
+void Builder::add_masses() {
+  MassMatrix& mass = world_.mass;
+  mass.dim = world_.dimension;
+  mass.nodal = VectorX::Zero(world_.num_nodes());
+  const bool any_consistent = std::any_of(world_.bodies.begin(), world_.bodies.end(),
+                                          [](const Body& body) { return body.mass_kind == "consistent"; });
+  if (any_consistent) {
+    mass.pattern = world_.pattern;
+    mass.slots.assign(static_cast<std::size_t>(world_.pattern->num_slots()), 0.0);
+  }
+  for (const Body& body : world_.bodies) {
+    const std::vector<double> volumes = body.elastic->rest_volumes();
+    const auto n = static_cast<std::size_t>(num_nodes(body.cell_kind));
+    const auto corners = static_cast<double>(n);
+    for (std::size_t cell = 0; cell < volumes.size(); ++cell) {
+      const double cell_mass = body.density * volumes[cell];
+      for (std::size_t a = 0; a < n; ++a) {
+        const Index i = body.cells[cell * n + a];
+        mass.nodal[i] += cell_mass / corners;
+        if (!any_consistent) continue;
+        const auto add = [&](Index j, double entry) {
+          mass.slots[static_cast<std::size_t>(world_.pattern->slot(std::min(i, j), std::max(i, j)))] += entry;
+        };
+        if (body.mass_kind != "consistent") {
+          add(i, cell_mass / corners);
+          continue;
+        }
+        const double entry = cell_mass / (corners * (corners + 1));
+        add(i, 2 * entry);
+        for (std::size_t b = a + 1; b < n; ++b) add(body.cells[cell * n + b], entry);
+      }
+    }
+  }
+}
+
+void Builder::find_fixed_unknowns() {
+  const int dim = world_.dimension;
+  world_.support_of = supports_of_unknowns(dim, world_.num_nodes(), world_.supports);
+  world_.is_fixed.assign(world_.support_of.size(), 0);
+  for (std::size_t i = 0; i < world_.is_fixed.size(); ++i)
+    world_.is_fixed[i] = world_.support_of[i] >= 0 ? 1 : 0;
+  // A vertex that no cell uses has no stiffness: it stays where it is.
+  std::vector<bool> is_used(static_cast<std::size_t>(world_.num_nodes()), false);
+  for (const Body& body : world_.bodies) {
+    for (const Index node : body.cells) is_used[static_cast<std::size_t>(node)] = true;
+  }
+  for (std::size_t i = 0; i < world_.is_fixed.size(); ++i) {
+    if (!is_used[i / static_cast<std::size_t>(dim)]) world_.is_fixed[i] = 1;
+  }
+}
+
+}  // namespace
+
+World::World(const Description& description)
+    : dimension(description.dimension),
+      is_dynamic(description.is_dynamic),
+      title(description.title),
+      place(description.place),
+      time_step(description.time_step),
+      end_time(description.end_time),
+      load_steps(description.load_steps),
+      integrator(description.integrator),
+      newton(description.newton),
+      solver(description.solver),
+      output(description.output) {
+  Builder(description, *this).build();
+}
+
+Index World::num_free_unknowns() const {
+  return static_cast<Index>(std::count(is_fixed.begin(), is_fixed.end(), std::uint8_t{0}));
+}
+
+const Body& World::body_of(Index node) const {
+  const auto after = std::find_if(bodies.begin(), bodies.end(), [node](const Body& body) {
+    return node < body.first_node + body.num_nodes;
+  });
+  return *after;
+}
+
+}  // namespace resilin
