@@ -1,0 +1,10 @@
+# CHOLMOD (libsuitesparse-dev), built with METIS. Sets RESILIN_CHOLMOD_FOUND; without it `cholesky` is another solver.
+find_path(RESILIN_CHOLMOD_INCLUDE_DIR cholmod.h PATH_SUFFIXES suitesparse)
+find_library(RESILIN_CHOLMOD_LIBRARY cholmod)
+mark_as_advanced(RESILIN_CHOLMOD_INCLUDE_DIR RESILIN_CHOLMOD_LIBRARY)
+if(RESILIN_CHOLMOD_INCLUDE_DIR AND RESILIN_CHOLMOD_LIBRARY)
+  set(RESILIN_CHOLMOD_FOUND TRUE)
+else()
+  set(RESILIN_CHOLMOD_FOUND FALSE)
+  message(STATUS "CHOLMOD not found (Debian: libsuitesparse-dev); the direct solver will be slower")
+endif()

@@ -12,7 +12,7 @@ namespace resilin {
 ///
 /// The base part never changes its pattern, so element-to-slot maps stay valid. Terms whose pairs change
 /// between iterations (contact) put blocks into `extra`, which is added to the base in every product and
-/// factorisation.
+/// factorisation. A pair may occur several times in `extra`.
 struct BlockMatrix {
   struct ExtraBlock {
     Index row, column;  ///< row <= column
@@ -42,8 +42,11 @@ struct BlockMatrix {
 
 /// y = A x. Parallel; the same bits for any number of threads.
 void multiply(const BlockMatrix& A, const VectorX& x, VectorX& y);
+/// The same, with memory that is kept between calls.
+void multiply(const BlockMatrix& A, const VectorX& x, VectorX& y, std::vector<double>& work);
 
 /// Takes the unknowns with is_fixed[i] != 0 out: their rows and columns become those of the identity.
+/// Cost: one pass over `is_fixed`, and the blocks of the nodes that are fixed.
 void eliminate(BlockMatrix& A, std::span<const std::uint8_t> is_fixed);
 
 }  // namespace resilin

@@ -1,0 +1,134 @@
+#include "resilin/linear/block_matrix.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+#include "resilin/core/parallel.hpp"
+#include "resilin/linear/block_kernels.hpp"
+
+namespace resilin {
+namespace {
+
+constexpr std::size_t gather_chunk = 4096;  // nodes
+
+void multiply_extra(const BlockMatrix& A, const VectorX& x, VectorX& y) {
+  const int dim = A.dim;
+  for (const BlockMatrix::ExtraBlock& extra : A.extra) {
+    const double* block = A.extra_values.data() + extra.begin;
+    for (int r = 0; r < dim; ++r)
+      for (int c = 0; c < dim; ++c) {
+        y[extra.row * dim + r] += block[r * dim + c] * x[extra.column * dim + c];
+        if (extra.row != extra.column)
+          y[extra.column * dim + c] += block[r * dim + c] * x[extra.row * dim + r];
+      }
+  }
+}
+
+/// Row `row` of a dim x dim block becomes that of the identity, or of zero off the diagonal.
+void clear_row(double* block, int dim, int row, double diagonal) {
+  for (int c = 0; c < dim; ++c) block[row * dim + c] = c == row ? diagonal : 0;
+}
+
+void clear_column(double* block, int dim, int column, double diagonal) {
+  for (int r = 0; r < dim; ++r) block[r * dim + column] = r == column ? diagonal : 0;
+}
+
+}  // namespace
+
+BlockMatrix::BlockMatrix(int dimension, std::shared_ptr<const BlockPattern> fixed_pattern)
+    : dim(dimension),
+      pattern(std::move(fixed_pattern)),
+      values(static_cast<std::size_t>(pattern->num_slots()) * dimension * dimension, 0.0) {
+  assert(pattern->product_plan.num_chunks() > 0 && "the pattern is not complete");
+}
+
+void BlockMatrix::set_zero() {
+  std::fill(values.begin(), values.end(), 0.0);
+  extra.clear();
+  extra_values.clear();
+}
+
+void BlockMatrix::add_block(Index i, Index j, const double* block_values) {
+  const Offset slot = pattern->find_slot(std::min(i, j), std::max(i, j));
+  if (slot < 0) {
+    extra.push_back({std::min(i, j), std::max(i, j), static_cast<Offset>(extra_values.size())});
+    extra_values.resize(extra_values.size() + static_cast<std::size_t>(dim * dim), 0.0);
+  }
+  double* to = slot < 0 ? extra_values.data() + extra.back().begin : block(slot);
+  for (int r = 0; r < dim; ++r)
+    for (int c = 0; c < dim; ++c)
+      to[r * dim + c] += i <= j ? block_values[r * dim + c] : block_values[c * dim + r];
+}
+
+void BlockMatrix::add_to_diagonal(Index node, int component, double value) {
+  block(pattern->row_begin[node])[component * (dim + 1)] += value;
+}
+
+void multiply(const BlockMatrix& A, const VectorX& x, VectorX& y) {
+  std::vector<double> work;
+  multiply(A, x, y, work);
+}
+
+void multiply(const BlockMatrix& A, const VectorX& x, VectorX& y, std::vector<double>& work) {
+  const BlockPattern& pattern = *A.pattern;
+  const BlockPattern::ProductPlan& plan = pattern.product_plan;
+  const auto multiply_rows = detail::block_kernels().multiply_rows[A.dim - 2];
+  const auto dim = static_cast<std::size_t>(A.dim);
+  assert(x.size() == A.num_unknowns());
+  y.resize(A.num_unknowns());
+  if (plan.num_chunks() == 1) {
+    y.setZero();
+    multiply_rows(pattern.row_begin.data(), pattern.columns.data(), pattern.columns.data(), A.values.data(),
+                  x.data(), y.data(), 0, A.num_nodes());
+  } else {
+    const auto num_nodes = static_cast<std::size_t>(A.num_nodes());
+    work.resize((num_nodes + static_cast<std::size_t>(plan.chunk_places.back())) * dim);
+    parallel_tasks(static_cast<std::size_t>(plan.num_chunks()), [&](std::size_t chunk) {
+      const Index first = plan.chunk_begin[chunk], last = plan.chunk_begin[chunk + 1];
+      std::fill(work.begin() + first * A.dim, work.begin() + last * A.dim, 0.0);
+      const auto places = work.begin() + static_cast<Offset>(num_nodes * dim);
+      std::fill(places + plan.chunk_places[chunk] * A.dim, places + plan.chunk_places[chunk + 1] * A.dim,
+                0.0);
+      multiply_rows(pattern.row_begin.data(), pattern.columns.data(), plan.targets.data(), A.values.data(),
+                    x.data(), work.data(), first, last);
+    });
+    parallel_for(num_nodes, gather_chunk, [&](std::size_t begin, std::size_t end) {
+      std::copy(work.begin() + static_cast<Offset>(begin * dim),
+                work.begin() + static_cast<Offset>(end * dim), y.data() + begin * dim);
+      for (std::size_t node = begin; node < end; ++node)
+        for (Index k = plan.gather_begin[node]; k < plan.gather_begin[node + 1]; ++k) {
+          const auto place = num_nodes + static_cast<std::size_t>(plan.gather_places[k]);
+          for (std::size_t d = 0; d < dim; ++d)
+            y[static_cast<Offset>(node * dim + d)] += work[place * dim + d];
+        }
+    });
+  }
+  multiply_extra(A, x, y);
+}
+
+void eliminate(BlockMatrix& A, std::span<const std::uint8_t> is_fixed) {
+  const BlockPattern& pattern = *A.pattern;
+  const int dim = A.dim;
+  assert(is_fixed.size() == static_cast<std::size_t>(A.num_unknowns()));
+  for (Index node = 0; node < A.num_nodes(); ++node) {
+    const std::uint8_t* fixed = is_fixed.data() + static_cast<Offset>(node) * dim;
+    for (int d = 0; d < dim; ++d) {
+      if (!fixed[d]) continue;
+      const Offset begin = pattern.row_begin[node], end = pattern.row_begin[node + 1];
+      clear_column(A.block(begin), dim, d, 1);
+      clear_row(A.block(begin), dim, d, 1);
+      for (Offset s = begin + 1; s < end; ++s) clear_row(A.block(s), dim, d, 0);
+      for (Offset k = pattern.lower_begin[node]; k < pattern.lower_begin[node + 1]; ++k)
+        clear_column(A.block(pattern.lower_slots[k]), dim, d, 0);
+    }
+  }
+  for (const BlockMatrix::ExtraBlock& extra : A.extra) {
+    double* block = A.extra_values.data() + extra.begin;
+    for (int d = 0; d < dim; ++d) {
+      if (is_fixed[extra.row * dim + d]) clear_row(block, dim, d, 0);
+      if (is_fixed[extra.column * dim + d]) clear_column(block, dim, d, 0);
+    }
+  }
+}
+
+}  // namespace resilin

@@ -1,0 +1,131 @@
+#include "resilin/linear/block_pattern.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+namespace resilin {
+namespace {
+
+/// Chunks of rows with about `slots_per_chunk` slots each; a matrix below two chunks stays whole.
+std::vector<Index> chunk_rows(const BlockPattern& pattern, Offset slots_per_chunk) {
+  std::vector<Index> chunk_begin = {0};
+  const Index num_nodes = pattern.num_nodes();
+  const Offset num_chunks = std::max<Offset>(pattern.num_slots() / slots_per_chunk, 1);
+  for (Offset chunk = 1; chunk < num_chunks; ++chunk) {
+    const Offset target = pattern.num_slots() * chunk / num_chunks;
+    const auto row = std::lower_bound(pattern.row_begin.begin(), pattern.row_begin.end(), target);
+    const auto begin = static_cast<Index>(row - pattern.row_begin.begin());
+    if (begin > chunk_begin.back() && begin < num_nodes) chunk_begin.push_back(begin);
+  }
+  chunk_begin.push_back(num_nodes);
+  return chunk_begin;
+}
+
+BlockPattern::ProductPlan make_product_plan(const BlockPattern& pattern, Offset slots_per_chunk) {
+  BlockPattern::ProductPlan plan;
+  plan.chunk_begin = chunk_rows(pattern, slots_per_chunk);
+  plan.targets = pattern.columns;
+  plan.chunk_places = {0};
+  const Index num_nodes = pattern.num_nodes();
+  std::vector<std::pair<Index, Index>> node_and_place;
+  std::vector<Index> place_of(static_cast<std::size_t>(num_nodes), -1);
+  for (Index chunk = 0; chunk < plan.num_chunks(); ++chunk) {
+    const Index first_place = plan.chunk_places.back();
+    const Index end = plan.chunk_begin[chunk + 1];
+    for (Offset s = pattern.row_begin[plan.chunk_begin[chunk]]; s < pattern.row_begin[end]; ++s) {
+      const Index column = pattern.columns[s];
+      if (column < end) continue;
+      if (place_of[column] < first_place) {
+        place_of[column] = static_cast<Index>(node_and_place.size());
+        node_and_place.emplace_back(column, place_of[column]);
+      }
+      plan.targets[s] = num_nodes + place_of[column];
+    }
+    plan.chunk_places.push_back(static_cast<Index>(node_and_place.size()));
+  }
+  std::sort(node_and_place.begin(), node_and_place.end());
+  plan.gather_begin.assign(static_cast<std::size_t>(num_nodes) + 1, 0);
+  for (const auto& [node, place] : node_and_place) {
+    ++plan.gather_begin[node + 1];
+    plan.gather_places.push_back(place);
+  }
+  for (Index i = 0; i < num_nodes; ++i) plan.gather_begin[i + 1] += plan.gather_begin[i];
+  return plan;
+}
+
+}  // namespace
+
+Offset BlockPattern::find_slot(Index i, Index j) const {
+  const auto begin = columns.begin() + row_begin[i];
+  const auto end = columns.begin() + row_begin[i + 1];
+  const auto found = std::lower_bound(begin, end, j);
+  return found != end && *found == j ? found - columns.begin() : -1;
+}
+
+Offset BlockPattern::slot(Index i, Index j) const {
+  const Offset found = find_slot(i, j);
+  assert(found >= 0);
+  return found;
+}
+
+void BlockPattern::complete(Offset slots_per_chunk) {
+  lower_begin.assign(row_begin.size(), 0);
+  for (const Index column : columns) ++lower_begin[column + 1];
+  for (Index i = 0; i < num_nodes(); ++i) lower_begin[i + 1] += lower_begin[i] - 1;  // less the diagonal
+  lower_slots.resize(columns.size() - static_cast<std::size_t>(num_nodes()));
+  std::vector<Offset> next(lower_begin.begin(), lower_begin.end() - 1);
+  for (Index i = 0; i < num_nodes(); ++i)
+    for (Offset s = row_begin[i] + 1; s < row_begin[i + 1]; ++s) lower_slots[next[columns[s]]++] = s;
+  product_plan = make_product_plan(*this, slots_per_chunk);
+}
+
+void BlockPatternBuilder::add_cells(std::span<const Index> nodes, int nodes_per_cell) {
+  cells_.emplace_back(std::vector<Index>(nodes.begin(), nodes.end()), nodes_per_cell);
+}
+
+BlockPattern BlockPatternBuilder::build() const {
+  // Node to cells, so that the neighbours of one node are found, sorted and stored at a time.
+  BlockPattern pattern;
+  std::vector<std::vector<Offset>> cells_begin(cells_.size());
+  std::vector<std::vector<Index>> cells_of(cells_.size());
+  for (std::size_t group = 0; group < cells_.size(); ++group) {
+    const auto& [nodes, per_cell] = cells_[group];
+    std::vector<Offset>& begin = cells_begin[group];
+    begin.assign(static_cast<std::size_t>(num_nodes_) + 1, 0);
+    for (const Index node : nodes) ++begin[node + 1];
+    for (Index i = 0; i < num_nodes_; ++i) begin[i + 1] += begin[i];
+    cells_of[group].resize(nodes.size());
+    std::vector<Offset> next(begin.begin(), begin.end() - 1);
+    for (std::size_t k = 0; k < nodes.size(); ++k)
+      cells_of[group][next[nodes[k]]++] = static_cast<Index>(k / static_cast<std::size_t>(per_cell));
+  }
+  std::vector<std::pair<Index, Index>> pairs = pairs_;
+  for (auto& [i, j] : pairs)
+    if (i > j) std::swap(i, j);
+  std::sort(pairs.begin(), pairs.end());
+
+  pattern.row_begin.assign(1, 0);
+  std::vector<Index> last_row(static_cast<std::size_t>(num_nodes_), -1);
+  auto pair = pairs.begin();
+  for (Index i = 0; i < num_nodes_; ++i) {
+    const auto couple = [&](Index j) {
+      if (j < i || last_row[j] == i) return;
+      last_row[j] = i;
+      pattern.columns.push_back(j);
+    };
+    couple(i);
+    for (std::size_t group = 0; group < cells_.size(); ++group) {
+      const auto& [nodes, per_cell] = cells_[group];
+      for (Offset k = cells_begin[group][i]; k < cells_begin[group][i + 1]; ++k)
+        for (int corner = 0; corner < per_cell; ++corner)
+          couple(nodes[static_cast<std::size_t>(cells_of[group][k]) * per_cell + corner]);
+    }
+    for (; pair != pairs.end() && pair->first == i; ++pair) couple(pair->second);
+    std::sort(pattern.columns.begin() + pattern.row_begin.back(), pattern.columns.end());
+    pattern.row_begin.push_back(static_cast<Offset>(pattern.columns.size()));
+  }
+  pattern.complete();
+  return pattern;
+}
+
+}  // namespace resilin

@@ -1,0 +1,187 @@
+#include <algorithm>
+#include <cmath>
+
+#include "resilin/linear/block_kernels.hpp"
+#include "resilin/linear/catalog.hpp"
+#include "resilin/linear/conjugate_gradients.hpp"
+#include "resilin/linear/merged_pattern.hpp"
+#include "resilin/linear/ordering.hpp"
+#include "resilin/linear/small_block.hpp"
+
+namespace resilin {
+namespace {
+
+/// Incomplete Cholesky factorisation without fill: A ~ U^T D^-1 U on the pattern of A, in dim x dim blocks,
+/// nodes in reverse Cuthill-McKee order. Computed in double, applied in float.
+///
+/// When a pivot block is not positive definite although that of A is, the diagonal of A is raised by a
+/// fraction of itself, ever larger, and the factorisation is begun again (Manteuffel 1980).
+class BlockIncompleteCholesky : public Preconditioner {
+ public:
+  void analyze(const BlockMatrix& A, const VectorX&) override {
+    if (pattern_.update(A, MergedPattern::Keep::same_pairs)) analyze_pattern(A.dim);
+  }
+
+  LinearReport factorize(const BlockMatrix& A) override {
+    if (pattern_.update(A, MergedPattern::Keep::same_pairs)) analyze_pattern(A.dim);
+    return dim_ == 3 ? factorize_blocks<3>(A) : factorize_blocks<2>(A);
+  }
+
+  void apply(const VectorX& r, VectorX& z) override {
+    z.resize(r.size());
+    const auto solve = detail::block_kernels().solve_incomplete[dim_ - 2];
+    for (Index i = 0; i < num_nodes_; ++i)
+      for (int d = 0; d < dim_; ++d)
+        permuted_[i * dim_ + d] = static_cast<float>(scale_ * r[node_at_[i] * dim_ + d]);
+    solve(row_begin_.data(), columns_.data(), upper_.data(), inverse_diagonal_.data(), permuted_.data(),
+          num_nodes_);
+    for (Index i = 0; i < num_nodes_; ++i)
+      for (int d = 0; d < dim_; ++d) z[node_at_[i] * dim_ + d] = static_cast<double>(permuted_[i * dim_ + d]);
+  }
+
+ private:
+  static constexpr double least_pivot =
+      1e-10;  // of the block's diagonal: below, float cannot hold the inverse
+
+  void analyze_pattern(int dim);
+  template <int dim>
+  LinearReport factorize_blocks(const BlockMatrix& A);
+  template <int dim>
+  void fill_work(const BlockMatrix& A, double shift);
+  template <int dim>
+  bool eliminate_rows();
+
+  /// Padded blocks of `work_`: slot i is the diagonal of position i, slot num_nodes + k is columns_[k].
+  int padded_size() const { return dim_ == 3 ? 12 : 4; }
+
+  MergedPattern pattern_;
+  int dim_ = 3;
+  Index num_nodes_ = 0;
+  std::vector<Index> node_at_;        // by position
+  std::vector<Offset> row_begin_;     // of the strictly upper part, by position
+  std::vector<Index> columns_;        // positions
+  std::vector<Offset> work_slots_;    // by slot of the merged pattern; ~slot when the transpose is stored
+  std::vector<Offset> pair_begin_;    // by position: first entry of slot_of_pair_
+  std::vector<Offset> slot_of_pair_;  // see BlockKernels::eliminate_row
+  std::vector<double> work_;
+  std::vector<double> inverse_;  // of the pivot blocks
+  std::vector<float> upper_, inverse_diagonal_;
+  std::vector<float> permuted_;
+  double scale_ = 1;  // brings residual and matrix into the range of float
+};
+
+void BlockIncompleteCholesky::analyze_pattern(int dim) {
+  dim_ = dim;
+  num_nodes_ = pattern_.num_nodes();
+  const NodeGraph graph(pattern_);
+  node_at_ = reverse_cuthill_mckee(graph);
+  std::vector<Index> position(node_at_.size());
+  for (Index i = 0; i < num_nodes_; ++i) position[node_at_[i]] = i;
+
+  row_begin_.assign(1, 0);
+  columns_.clear();
+  for (Index i = 0; i < num_nodes_; ++i) {
+    const Index node = node_at_[i];
+    for (Index k = graph.begin[node]; k < graph.begin[node + 1]; ++k)
+      if (position[graph.neighbours[k]] > i) columns_.push_back(position[graph.neighbours[k]]);
+    std::sort(columns_.begin() + row_begin_.back(), columns_.end());
+    row_begin_.push_back(static_cast<Offset>(columns_.size()));
+  }
+  const auto find = [&](Index i, Index j) -> Offset {
+    if (i == j) return i;
+    const auto end = columns_.begin() + row_begin_[i + 1];
+    const auto found = std::lower_bound(columns_.begin() + row_begin_[i], end, j);
+    return found != end && *found == j ? num_nodes_ + (found - columns_.begin()) : -1;
+  };
+  work_slots_.clear();
+  for (Index node = 0; node < num_nodes_; ++node)
+    for (Offset s = pattern_.row_begin[node]; s < pattern_.row_begin[node + 1]; ++s) {
+      const Index i = position[node], j = position[pattern_.columns[s]];
+      work_slots_.push_back(i <= j ? find(i, j) : ~find(j, i));
+    }
+  pair_begin_.clear();
+  slot_of_pair_.clear();
+  for (Index i = 0; i < num_nodes_; ++i) {
+    pair_begin_.push_back(static_cast<Offset>(slot_of_pair_.size()));
+    for (Offset a = row_begin_[i]; a < row_begin_[i + 1]; ++a)
+      for (Offset b = a; b < row_begin_[i + 1]; ++b) slot_of_pair_.push_back(find(columns_[a], columns_[b]));
+  }
+  const auto num_blocks = columns_.size(), size = static_cast<std::size_t>(dim * dim);
+  work_.resize((num_blocks + node_at_.size()) * static_cast<std::size_t>(padded_size()));
+  inverse_.resize(node_at_.size() * size);
+  upper_.assign(num_blocks * size + 1, 0.0F);  // padded: see BlockKernels::solve_incomplete
+  inverse_diagonal_.assign(node_at_.size() * size + 1, 0.0F);
+  permuted_.resize(node_at_.size() * static_cast<std::size_t>(dim));
+}
+
+template <int dim>
+void BlockIncompleteCholesky::fill_work(const BlockMatrix& A, double shift) {
+  constexpr int lanes = dim == 3 ? 4 : 2;
+  std::fill(work_.begin(), work_.end(), 0.0);
+  pattern_.for_each_block(A, [&](Offset slot, const double* block) {
+    const Offset target = work_slots_[slot];
+    double* to = work_.data() + (target >= 0 ? target : ~target) * dim * lanes;
+    for (int r = 0; r < dim; ++r)
+      for (int c = 0; c < dim; ++c)
+        to[r * lanes + c] += scale_ * (target >= 0 ? block[r * dim + c] : block[c * dim + r]);
+  });
+  if (shift > 0)
+    for (Index i = 0; i < num_nodes_; ++i)
+      for (int d = 0; d < dim; ++d)
+        work_[static_cast<std::size_t>(i) * dim * lanes + d * (lanes + 1)] *= 1 + shift;
+}
+
+template <int dim>
+bool BlockIncompleteCholesky::eliminate_rows() {
+  constexpr int lanes = dim == 3 ? 4 : 2;
+  const auto eliminate_row = detail::block_kernels().eliminate_row[dim - 2];
+  for (Index i = 0; i < num_nodes_; ++i) {
+    double pivot[dim * dim];
+    for (int r = 0; r < dim; ++r)
+      for (int c = 0; c < dim; ++c)
+        pivot[r * dim + c] = work_[(static_cast<std::size_t>(i) * dim + r) * lanes + c];
+    double* inverse = &inverse_[static_cast<std::size_t>(i) * dim * dim];
+    if (!invert_positive_definite<dim>(pivot, least_pivot, inverse)) return false;
+    eliminate_row(work_.data(), num_nodes_ + row_begin_[i], num_nodes_ + row_begin_[i + 1],
+                  slot_of_pair_.data() + pair_begin_[i], inverse);
+  }
+  return true;
+}
+
+template <int dim>
+LinearReport BlockIncompleteCholesky::factorize_blocks(const BlockMatrix& A) {
+  constexpr int lanes = dim == 3 ? 4 : 2;
+  LinearReport report;
+  double largest = 0;
+  for (Index i = 0; i < num_nodes_; ++i) {
+    const double* block = A.block(A.pattern->row_begin[i]);
+    for (int d = 0; d < dim; ++d) largest = std::max(largest, block[d * (dim + 1)]);
+    double inverse[dim * dim];
+    if (invert_positive_definite<dim>(block, 1e-14, inverse)) continue;
+    report.status = LinearReport::Status::indefinite;
+    report.worst_node = i;
+    return report;
+  }
+  scale_ = 1 / largest;
+  double shift = 0;
+  for (;;) {
+    fill_work<dim>(A, shift);
+    if (eliminate_rows<dim>()) break;
+    shift =
+        shift == 0 ? 1e-3 : 4 * shift;  // ends: the factors tend to the diagonal blocks, which are definite
+  }
+  const double* off_diagonal = work_.data() + static_cast<Offset>(num_nodes_) * dim * lanes;
+  for (Offset k = 0; k < static_cast<Offset>(columns_.size()) * dim; ++k)
+    for (int c = 0; c < dim; ++c) upper_[k * dim + c] = static_cast<float>(off_diagonal[k * lanes + c]);
+  for (std::size_t k = 0; k < inverse_.size(); ++k) inverse_diagonal_[k] = static_cast<float>(inverse_[k]);
+  return report;
+}
+
+}  // namespace
+
+std::unique_ptr<LinearSolver> make_cg_ic0(const LinearOptions& options) {
+  return std::make_unique<ConjugateGradients>("cg_ic0", options.max_iterations,
+                                              std::make_unique<BlockIncompleteCholesky>());
+}
+
+}  // namespace resilin

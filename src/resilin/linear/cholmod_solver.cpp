@@ -1,0 +1,129 @@
+#include <cholmod.h>
+
+#include "resilin/linear/blas.hpp"
+#include "resilin/linear/catalog.hpp"
+#include "resilin/linear/direct_solver.hpp"
+#include "resilin/linear/scalar_columns.hpp"
+
+namespace resilin {
+namespace {
+
+/// CHOLMOD's supernodal L L^T. METIS orders the graph of the nodes, which is quicker than that of the
+/// unknowns and gives the same fill.
+class CholmodSolver : public DirectSolver {
+ public:
+  CholmodSolver() {
+    cholmod_l_start(&common_);
+    common_.print = 0;
+    common_.nmethods = 1;
+    common_.method[0].ordering = CHOLMOD_GIVEN;
+    common_.postorder = 1;
+    common_.supernodal = CHOLMOD_SUPERNODAL;
+    common_.final_ll = 1;
+  }
+  ~CholmodSolver() override {
+    cholmod_l_free_dense(&solution_, &common_);
+    cholmod_l_free_dense(&solve_work_, &common_);
+    cholmod_l_free_dense(&solve_more_work_, &common_);
+    cholmod_l_free_factor(&factors_, &common_);
+    cholmod_l_finish(&common_);
+  }
+  CholmodSolver(const CholmodSolver&) = delete;
+  CholmodSolver& operator=(const CholmodSolver&) = delete;
+
+  std::string_view name() const override { return "cholesky"; }
+
+  void analyze(const BlockMatrix& A, const VectorX&) override {
+    if (pattern_.update(A, MergedPattern::Keep::superset)) analyze_pattern(A.dim);
+  }
+
+  LinearReport factorize(const BlockMatrix& A) override;
+
+ protected:
+  void solve_factored(const VectorX& b, VectorX& x) override;
+
+ private:
+  void analyze_pattern(int dim);
+  cholmod_sparse matrix();
+
+  MergedPattern pattern_;
+  ScalarColumns<SuiteSparse_long> columns_;
+  cholmod_common common_{};
+  cholmod_factor* factors_ = nullptr;
+  cholmod_dense *solution_ = nullptr, *solve_work_ = nullptr, *solve_more_work_ = nullptr;
+};
+
+cholmod_sparse lower_triangle(std::vector<SuiteSparse_long>& begin, std::vector<SuiteSparse_long>& rows) {
+  cholmod_sparse matrix{};
+  matrix.nrow = matrix.ncol = begin.size() - 1;
+  matrix.nzmax = rows.size();
+  matrix.p = begin.data();
+  matrix.i = rows.data();
+  matrix.stype = -1;
+  matrix.itype = CHOLMOD_LONG;
+  matrix.xtype = CHOLMOD_PATTERN;
+  matrix.dtype = CHOLMOD_DOUBLE;
+  matrix.sorted = matrix.packed = 1;
+  return matrix;
+}
+
+cholmod_sparse CholmodSolver::matrix() {
+  cholmod_sparse matrix = lower_triangle(columns_.begin, columns_.rows);
+  matrix.x = columns_.values.data();
+  matrix.xtype = CHOLMOD_REAL;
+  return matrix;
+}
+
+void CholmodSolver::analyze_pattern(int dim) {
+  std::vector<SuiteSparse_long> node_begin(pattern_.row_begin.begin(), pattern_.row_begin.end());
+  std::vector<SuiteSparse_long> node_rows(pattern_.columns.begin(), pattern_.columns.end());
+  cholmod_sparse nodes = lower_triangle(node_begin, node_rows);
+  std::vector<SuiteSparse_long> node_order(nodes.nrow), order;
+  cholmod_l_metis(&nodes, nullptr, 0, 1, node_order.data(), &common_);
+  for (const SuiteSparse_long node : node_order)
+    for (int d = 0; d < dim; ++d) order.push_back(node * dim + d);
+  columns_.set_pattern(pattern_, dim);
+  cholmod_sparse lower = matrix();
+  cholmod_l_free_factor(&factors_, &common_);
+  factors_ = cholmod_l_analyze_p(&lower, order.data(), nullptr, 0, &common_);
+}
+
+LinearReport CholmodSolver::factorize(const BlockMatrix& A) {
+  analyze(A, {});
+  LinearReport report;
+  if (factors_ == nullptr) {
+    report.status = LinearReport::Status::out_of_memory;
+    return report;
+  }
+  columns_.set_values(pattern_, A);
+  cholmod_sparse lower = matrix();
+  const SingleThreadedBlas single_threaded;
+  cholmod_l_factorize(&lower, factors_, &common_);
+  if (common_.status < CHOLMOD_OK) {
+    report.status = LinearReport::Status::out_of_memory;
+  } else if (factors_->minor < factors_->n) {
+    report.status = LinearReport::Status::indefinite;
+    report.worst_node =
+        static_cast<Index>(static_cast<SuiteSparse_long*>(factors_->Perm)[factors_->minor] / A.dim);
+  }
+  return report;
+}
+
+void CholmodSolver::solve_factored(const VectorX& b, VectorX& x) {
+  const SingleThreadedBlas single_threaded;
+  cholmod_dense right_side{};
+  right_side.nrow = right_side.d = right_side.nzmax = static_cast<std::size_t>(b.size());
+  right_side.ncol = 1;
+  right_side.x = const_cast<double*>(b.data());  // read only: CHOLMOD's interface has no const
+  right_side.xtype = CHOLMOD_REAL;
+  right_side.dtype = CHOLMOD_DOUBLE;
+  cholmod_l_solve2(CHOLMOD_A, factors_, &right_side, nullptr, &solution_, nullptr, &solve_work_,
+                   &solve_more_work_, &common_);
+  x = Eigen::Map<const VectorX>(static_cast<const double*>(solution_->x), b.size());
+}
+
+}  // namespace
+
+std::unique_ptr<LinearSolver> make_cholmod(const LinearOptions&) { return std::make_unique<CholmodSolver>(); }
+
+}  // namespace resilin

@@ -1,0 +1,75 @@
+#include "resilin/linear/conjugate_gradients.hpp"
+
+#include <cmath>
+
+#include "resilin/linear/block_kernels.hpp"
+
+namespace resilin {
+namespace {
+
+/// The node that contributes most to a negative curvature p^T A p.
+Index most_negative_node(const VectorX& p, const VectorX& Ap, int dim) {
+  Index worst = -1;
+  double lowest = 0;
+  for (Index node = 0; node < p.size() / dim; ++node) {
+    const double part = p.segment(node * dim, dim).dot(Ap.segment(node * dim, dim));
+    if (part < lowest) {
+      lowest = part;
+      worst = node;
+    }
+  }
+  return worst;
+}
+
+}  // namespace
+
+LinearReport ConjugateGradients::solve(const BlockMatrix& A, const VectorX& b, VectorX& x,
+                                       double relative_tolerance) {
+  const detail::BlockKernels& kernels = detail::block_kernels();
+  const Offset n = b.size();
+  const auto dot = [&](const VectorX& u, const VectorX& v) { return kernels.dot(u.data(), v.data(), n); };
+  LinearReport report;
+  if (x.size() != n) x.setZero(n);
+  r_ = b;
+  if (!x.isZero(0)) {
+    multiply(A, x, Ap_, work_);
+    r_ -= Ap_;
+  }
+  const double b_norm = std::sqrt(dot(b, b));
+  double r_norm = std::sqrt(dot(r_, r_));
+  if (r_norm <= relative_tolerance * b_norm) {
+    report.relative_residual = b_norm > 0 ? r_norm / b_norm : 0;
+    return report;
+  }
+  p_.setZero(n);
+  double previous_rz = 1;
+  report.status = LinearReport::Status::not_converged;
+  while (report.iterations < max_iterations_) {
+    preconditioner_->apply(r_, z_);
+    const double rz = dot(r_, z_);
+    if (!(rz > 0) || !std::isfinite(rz)) break;  // the preconditioner has lost definiteness to round-off
+    kernels.xpby(z_.data(), report.iterations == 0 ? 0.0 : rz / previous_rz, p_.data(), n);
+    multiply(A, p_, Ap_, work_);
+    const double curvature = dot(p_, Ap_);
+    if (!(curvature > 0)) {
+      report.status = LinearReport::Status::indefinite;
+      report.worst_node = most_negative_node(p_, Ap_, A.dim);
+      if (report.iterations == 0 && x.isZero(0)) x = p_;
+      break;
+    }
+    const double step = rz / curvature;
+    kernels.axpy(step, p_.data(), x.data(), n);
+    kernels.axpy(-step, Ap_.data(), r_.data(), n);
+    previous_rz = rz;
+    ++report.iterations;
+    r_norm = std::sqrt(dot(r_, r_));
+    if (r_norm <= relative_tolerance * b_norm) {
+      report.status = LinearReport::Status::ok;
+      break;
+    }
+  }
+  report.relative_residual = r_norm / b_norm;
+  return report;
+}
+
+}  // namespace resilin

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "resilin/linear/block_matrix.hpp"
+
+namespace resilin {
+
+/// The upper pattern of a matrix with its extra blocks merged in: what a factorisation sees.
+class MergedPattern {
+ public:
+  /// Which change of the extra couplings asks for a new analysis.
+  enum class Keep {
+    same_pairs,  ///< any change
+    superset,    ///< only new pairs: pairs that have gone stay as zeros
+  };
+
+  /// Takes the pattern of `A`; true when it is not the one held, so that the caller must analyse anew.
+  bool update(const BlockMatrix& A, Keep keep);
+  /// Forgets what is held: the next `update` is true.
+  void reset() { base_.reset(); }
+
+  Index num_nodes() const { return static_cast<Index>(row_begin.size()) - 1; }
+  Offset num_slots() const { return static_cast<Offset>(columns.size()); }
+  Offset find_slot(Index i, Index j) const;
+
+  /// Calls visit(slot, values) for every block of `A`, each with its slot in the merged pattern.
+  template <class Visit>
+  void for_each_block(const BlockMatrix& A, const Visit& visit) const {
+    const Offset num_base = A.pattern->num_slots();
+    if (base_slots_.empty()) {
+      for (Offset s = 0; s < num_base; ++s) visit(s, A.block(s));
+    } else {
+      for (Offset s = 0; s < num_base; ++s) visit(base_slots_[s], A.block(s));
+    }
+    for (const BlockMatrix::ExtraBlock& extra : A.extra)
+      visit(find_slot(extra.row, extra.column), A.extra_values.data() + extra.begin);
+  }
+
+  std::vector<Offset> row_begin;  ///< as in BlockPattern
+  std::vector<Index> columns;
+
+ private:
+  std::shared_ptr<const BlockPattern> base_;
+  std::vector<std::pair<Index, Index>> extra_pairs_;  ///< sorted, each once
+  std::vector<Offset> base_slots_;                    ///< slot by base slot; empty when they are the same
+};
+
+/// The neighbours of every node, itself left out, ascending: both triangles of the pattern.
+struct NodeGraph {
+  std::vector<Index> begin;
+  std::vector<Index> neighbours;
+
+  explicit NodeGraph(const MergedPattern& pattern);
+  Index num_nodes() const { return static_cast<Index>(begin.size()) - 1; }
+};
+
+}  // namespace resilin

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <vector>
+
+#include "resilin/linear/merged_pattern.hpp"
+
+namespace resilin {
+
+/// Node by position, such that neighbours stand close together (George & Liu 1981, ch. 4).
+std::vector<Index> reverse_cuthill_mckee(const NodeGraph& graph);
+
+}  // namespace resilin
