@@ -14,6 +14,7 @@ target_link_libraries(resilin_all INTERFACE ${RESILIN_INSTALLED_MODULES})
 set(RESILIN_DEPENDENCIES)
 foreach(module IN LISTS RESILIN_INSTALLED_MODULES)
   get_target_property(links ${module} INTERFACE_LINK_LIBRARIES)
+  string(REGEX REPLACE "\\$<BUILD_INTERFACE:[^>]*>" "" links "${links}")  # headers that no installed header sees
   string(REGEX MATCHALL "[A-Za-z0-9_]+::" namespaces "${links}")
   list(APPEND RESILIN_DEPENDENCIES ${namespaces})
 endforeach()
@@ -37,7 +38,4 @@ configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/resilinConfig.cmake.in
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/resilinConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/resilinConfig.cmake ${PROJECT_BINARY_DIR}/resilinConfigVersion.cmake
   DESTINATION ${RESILIN_PACKAGE_FOLDER})
-if(TARGET resilin)
-  install(TARGETS resilin RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-endif()
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})

@@ -5,6 +5,8 @@ import subprocess
 
 from files import ROOT, repository_files
 
+CPP = (".cpp", ".hpp", ".inl")
+
 
 def lines_of(command, files):
     """The complaints of `command` about `files`; None when the command is not there."""
@@ -17,7 +19,11 @@ def lines_of(command, files):
 
 
 def find_cpp_problems():
-    return lines_of(["clang-format", "--dry-run", "-Werror"], repository_files(".cpp", ".hpp"))
+    complaints = lines_of(["clang-format", "--dry-run", "-Werror"], repository_files(*CPP))
+    if complaints is None:
+        return None
+    names = sorted({line.split(":")[0].removeprefix(f"{ROOT}/") for line in complaints if ": error:" in line})
+    return [f"{name}: not formatted; clang-format -i {name}" for name in names]
 
 
 def find_python_problems():
