@@ -89,16 +89,12 @@ bool to_first_order(Mesh& mesh) {
   for (std::size_t b = 0; b < mesh.blocks.size(); ++b) {
     const CellKind kind = mesh.blocks[b].kind;
     const CellKind reduced = first_order(kind);
-    if (reduced == kind) continue;
+    if (reduced == kind || mesh.find_block(reduced) != nullptr) continue;
     had_any = true;
     std::vector<Index> corners;
     for (Index cell = 0; cell < mesh.blocks[b].num_cells(); ++cell) {
       const auto nodes = mesh.blocks[b].cell(cell).first(static_cast<std::size_t>(num_nodes(reduced)));
       corners.insert(corners.end(), nodes.begin(), nodes.end());
-    }
-    if (mesh.find_block(reduced) != nullptr) {
-      throw InputError("mesh", "has both " + std::string(name(kind)) + " and " + std::string(name(reduced)) +
-                                   "; use cells of one order");
     }
     mesh.blocks[b] = {reduced, std::move(corners)};
   }

@@ -11,7 +11,8 @@ namespace resilin {
 std::vector<Index> reorient(Mesh& mesh, CellKind kind);
 
 /// Replaces second-order cells by the cells of their corners; the nodes between corners stay as vertices
-/// until `remove_unused_nodes`. @return true when there were any
+/// until `remove_unused_nodes`. A kind that is there in both orders is left alone. @return true when there
+/// were any
 bool to_first_order(Mesh& mesh);
 
 /// Drops vertices of no cell. @return new number of each old vertex, -1 for a dropped one

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <iosfwd>
+#include <string>
+
+namespace resilin {
+
+/// Writes a file so that at every moment the path holds either its old content or all of the new.
+///
+/// `write` fills a file beside `path`, which is flushed to the disk and renamed; when it throws, or the disk
+/// is full, the old file stays as it was and nothing is left behind. A symbolic link is followed; a device
+/// (such as /dev/stdout) is written directly. The stream is binary and independent of the locale.
+///
+/// @throws FileError naming the path
+void write_atomically(const std::filesystem::path& path, const std::function<void(std::ostream&)>& write);
+
+/// The bytes of a regular file of at most 4 GiB. @throws FileError naming the path
+std::string read_file(const std::filesystem::path& path);
+
+}  // namespace resilin

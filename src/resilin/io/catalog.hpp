@@ -1,0 +1,47 @@
+#pragma once
+
+#include <iosfwd>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "resilin/io/mesh_file.hpp"
+
+namespace resilin {
+
+/// The bytes that a reader works on.
+struct MeshSource {
+  std::string name;  ///< as the user wrote it
+  std::string_view bytes;
+  Companion companion;  ///< may be empty
+
+  std::string extension() const;  ///< "msh", lower case, without the point
+};
+
+/// A file format: recognised by its first bytes (`signature`, may be null) or by its extension.
+struct MeshFormat {
+  std::string_view name;
+  std::vector<std::string_view> extensions;
+  bool (*has_signature)(std::string_view bytes);
+  MeshFile (*read)(const MeshSource& source);
+  void (*write)(std::ostream& stream, const Mesh& mesh);  ///< null when the format is only read
+};
+
+/// All formats. A new one is one file and one line here.
+std::span<const MeshFormat> mesh_formats();
+
+MeshFile read_medit(const MeshSource& source);
+MeshFile read_msh(const MeshSource& source);
+MeshFile read_obj(const MeshSource& source);
+MeshFile read_tetgen(const MeshSource& source);
+MeshFile read_vega(const MeshSource& source);
+MeshFile read_vtk(const MeshSource& source);
+MeshFile read_vtu_mesh(const MeshSource& source);
+
+void write_medit(std::ostream& stream, const Mesh& mesh);
+void write_msh(std::ostream& stream, const Mesh& mesh);
+void write_obj(std::ostream& stream, const Mesh& mesh);
+void write_vtu_mesh(std::ostream& stream, const Mesh& mesh);
+
+}  // namespace resilin

@@ -1,0 +1,109 @@
+#include "resilin/io/mesh_file.hpp"
+
+#include <algorithm>
+
+#include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
+#include "resilin/io/atomic_file.hpp"
+#include "resilin/io/catalog.hpp"
+#include "resilin/mesh/edit.hpp"
+
+namespace resilin {
+namespace {
+
+std::string lower_case_extension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  if (!extension.empty()) extension.erase(0, 1);
+  for (char& c : extension) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  return extension;
+}
+
+bool has_extension(const MeshFormat& format, const std::string& extension) {
+  return std::find(format.extensions.begin(), format.extensions.end(), extension) != format.extensions.end();
+}
+
+/// "MSH (.msh), Medit (.mesh), ..." of the formats that can be read or written.
+std::string known_formats(bool for_writing) {
+  std::vector<std::string> words;
+  for (const MeshFormat& format : mesh_formats()) {
+    if (for_writing && format.write == nullptr) continue;
+    std::vector<std::string> extensions;
+    for (const std::string_view extension : format.extensions)
+      extensions.push_back("." + std::string(extension));
+    words.push_back(std::string(format.name) + " (" + join(extensions) + ")");
+  }
+  return join(words);
+}
+
+const MeshFormat& format_of(const MeshSource& source) {
+  if (source.bytes.empty()) throw InputError(source.name, "the file is empty");
+  for (const MeshFormat& format : mesh_formats()) {
+    if (format.has_signature != nullptr && format.has_signature(source.bytes)) return format;
+  }
+  for (const MeshFormat& format : mesh_formats()) {
+    if (has_extension(format, source.extension())) return format;
+  }
+  throw InputError(source.name, "a mesh in one of the formats " + known_formats(false), "something else");
+}
+
+bool is_flat(const Mesh& mesh) {
+  return std::all_of(mesh.vertices.begin(), mesh.vertices.end(), [](const Vector3& X) { return X.z() == 0; });
+}
+
+}  // namespace
+
+std::string MeshSource::extension() const { return lower_case_extension(name); }
+
+MeshFile read_mesh(const std::filesystem::path& path) {
+  const std::string bytes = read_file(path);
+  return read_mesh_from_memory(path.string(), bytes, [&path](const std::string& extension) {
+    return read_file(std::filesystem::path(path).replace_extension(extension));
+  });
+}
+
+MeshFile read_mesh_from_memory(const std::string& name, std::string_view bytes, const Companion& companion) {
+  const MeshSource source{name, bytes, companion};
+  return format_of(source).read(source);
+}
+
+void prepare_solid_mesh(MeshFile& file, int dimension) {
+  if (to_first_order(file.mesh)) {
+    file.warnings.push_back(file.numbering.file +
+                            ": second-order cells are used by their corners (straight sides)");
+  }
+  const MeshReport report = check_mesh(file.mesh, dimension, file.numbering);
+  report.require_no_errors();
+  for (const MeshIssue& warning : report.warnings) file.warnings.push_back(warning.text());
+  reorient(file.mesh, dimension == 3 ? CellKind::tetrahedron : CellKind::triangle);
+}
+
+MeshFile read_solid_mesh(const std::filesystem::path& path, int dimension) {
+  MeshFile file = read_mesh(path);
+  prepare_solid_mesh(file, dimension);
+  return file;
+}
+
+MeshReport check_mesh_file(const MeshFile& file) {
+  Mesh mesh = file.mesh;
+  to_first_order(mesh);
+  const bool has_solid_cells = std::any_of(mesh.blocks.begin(), mesh.blocks.end(), [](const CellBlock& b) {
+    return resilin::dimension(b.kind) == 3;
+  });
+  if (has_solid_cells) return check_mesh(mesh, 3, file.numbering);
+  if (file.format == "OBJ" || !is_flat(mesh)) return check_surface(mesh, file.numbering);
+  return check_mesh(mesh, 2, file.numbering);
+}
+
+void write_mesh(const std::filesystem::path& path, const Mesh& mesh) {
+  for (const MeshFormat& format : mesh_formats()) {
+    if (format.write == nullptr || !has_extension(format, lower_case_extension(path))) continue;
+    write_atomically(path, [&](std::ostream& stream) { format.write(stream, mesh); });
+    return;
+  }
+  throw InputError(path.string(), "an extension of " + known_formats(true),
+                   "\"" + path.extension().string() + "\"");
+}
+
+}  // namespace resilin

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "resilin/mesh/check.hpp"
+#include "resilin/mesh/mesh.hpp"
+#include "resilin/mesh/numbering.hpp"
+
+namespace resilin {
+
+/// A mesh as a file gives it: nothing re-oriented, joined or left out.
+struct MeshFile {
+  Mesh mesh;
+  Numbering numbering;                ///< what the file calls its vertices and cells
+  std::string format;                 ///< "MSH 4.1", "Medit", ...
+  std::vector<std::string> warnings;  ///< one line each
+};
+
+/// Reads a mesh; the format is told by the first bytes, else by the extension (see io/catalog.hpp).
+///
+/// @throws InputError  naming file and line or element, when the content is wrong
+/// @throws FileError   when the file cannot be opened
+MeshFile read_mesh(const std::filesystem::path& path);
+
+/// Opens a file beside the mesh for the formats that use two: extension ("ele") -> its bytes.
+using Companion = std::function<std::string(const std::string& extension)>;
+
+/// As `read_mesh`, from bytes in memory. `name` opens every message and its extension helps to tell the
+/// format.
+MeshFile read_mesh_from_memory(const std::string& name, std::string_view bytes,
+                               const Companion& companion = {});
+
+/// Reads, checks and prepares a solid for simulation: second-order cells are reduced to their corners,
+/// inverted cells are re-oriented, and `warnings` tells of both and of everything else that is odd (see
+/// check_mesh).
+///
+/// @param dimension 3: tetrahedra, 2: triangles
+/// @throws InputError for the first error of check_mesh
+MeshFile read_solid_mesh(const std::filesystem::path& path, int dimension);
+
+/// The second half of `read_solid_mesh`, for a mesh from elsewhere.
+void prepare_solid_mesh(MeshFile& file, int dimension);
+
+/// What there is to say about a file of which only the name is known: a surface format (OBJ) is examined as
+/// a surface, tetrahedra as a 3D solid, triangles in the plane z = 0 as a 2D one, triangles in space as a
+/// surface.
+MeshReport check_mesh_file(const MeshFile& file);
+
+/// Writes a mesh in the format of the extension: .msh (MSH 4.1), .vtu, .mesh (Medit), .obj (surface).
+/// The file is written beside and renamed.
+void write_mesh(const std::filesystem::path& path, const Mesh& mesh);
+
+}  // namespace resilin

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <iosfwd>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "resilin/mesh/mesh.hpp"
+
+namespace resilin {
+
+/// Values on points or cells, `components` numbers each, one after another. Views: the numbers stay the
+/// caller's.
+struct VtuArray {
+  std::string name;
+  int components = 1;  ///< 1: scalars; 3: vectors; 9: tensors, row by row
+  std::span<const double> values;
+};
+
+/// One time of a result, or a mesh, for ParaView.
+struct VtuData {
+  std::span<const Vector3> points;    ///< [m]
+  std::span<const CellBlock> blocks;  ///< written one after another
+  std::vector<VtuArray> point_data;
+  std::vector<VtuArray> cell_data;  ///< over the cells of all blocks, in their order
+  std::optional<double> time = {};  ///< [s], shown by ParaView
+};
+
+/// Writes VTK XML (UnstructuredGrid) with raw appended doubles; beside and renamed.
+/// @throws InputError  when an array has another length than points or cells ask for
+void write_vtu(const std::filesystem::path& path, const VtuData& data);
+void write_vtu(std::ostream& stream, const VtuData& data);
+
+/// One frame of a series; `file` is relative to the .pvd file.
+struct PvdEntry {
+  double time;
+  std::string file;
+};
+void write_pvd(const std::filesystem::path& path, std::span<const PvdEntry> entries);
+
+/// VTK's number of a kind of cell.
+int vtk_cell_type(CellKind kind);
+/// The kind of a VTK cell type; empty for one that we do not read.
+std::optional<CellKind> kind_of_vtk_cell(std::int64_t type);
+/// Exchanges the nodes that VTK and MSH order differently (its own inverse).
+void exchange_vtk_nodes(CellKind kind, std::span<Index> nodes);
+
+}  // namespace resilin
