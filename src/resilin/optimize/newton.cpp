@@ -179,7 +179,22 @@ struct Newton::Search {
     bool out_of_memory = false;
   };
 
-  Direction solve_with(Projection projection, const VectorX& gap, bool boundary_moves) {
+  /// Largest entry on the diagonal of the free unknowns [N/m].
+  double largest_diagonal() const {
+    const BlockMatrix& H = newton.hessian_;
+    double largest = 0;
+    for (Eigen::Index i = 0; i < x.size(); ++i) {
+      if (!is_free(i)) continue;
+      const auto node = static_cast<std::size_t>(i / H.dim);
+      const auto k = static_cast<int>(i % H.dim);
+      largest = std::max(largest, std::abs(H.block(H.pattern->row_begin[node])[k * (H.dim + 1)]));
+    }
+    return largest;
+  }
+
+  /// `shift` times the largest diagonal entry is added to the diagonal: 0, or a little where a projected
+  /// matrix is still singular (Levenberg 1944).
+  Direction solve_with(Projection projection, double shift, const VectorX& gap, bool boundary_moves) {
     Direction direction;
     direction.is_exact = projection == Projection::none;
     {
@@ -195,6 +210,7 @@ struct Newton::Search {
       for (Eigen::Index i = 0; i < right_side.size(); ++i) {
         if (!is_free(i)) right_side[i] = 0;
       }
+      if (shift > 0) add_to_diagonal(shift * largest_diagonal());
       eliminate(newton.hessian_, is_fixed);
     }
     const Stopwatch watch(report.solve_seconds);
@@ -221,16 +237,31 @@ struct Newton::Search {
     return direction;
   }
 
+  void add_to_diagonal(double value) {
+    BlockMatrix& H = newton.hessian_;
+    for (Index node = 0; node < H.num_nodes(); ++node) {
+      for (int k = 0; k < H.dim; ++k) H.add_to_diagonal(node, k, value);
+    }
+  }
+
   /// A descent direction (towards the targets, too, when the boundary moves), or none.
   Direction find_direction(const VectorX& gap, bool boundary_moves, Projection first) {
     Projection projection = first;
     while (true) {
-      const Direction direction = solve_with(projection, gap, boundary_moves);
+      Direction direction = solve_with(projection, 0, gap, boundary_moves);
       if (direction.found || direction.out_of_memory) return direction;
       if (projection == Projection::none) chooser.matrix_was_indefinite();
       const Projection next = chooser.next_choice(projection);
-      if (next == projection) return direction;
-      projection = next;
+      if (next != projection) {
+        projection = next;
+        continue;
+      }
+      if (projection == Projection::none) return direction;
+      for (const double shift : {1e-6, 1e-3, 1.0}) {
+        direction = solve_with(projection, shift, gap, boundary_moves);
+        if (direction.found || direction.out_of_memory) return direction;
+      }
+      return direction;
     }
   }
 

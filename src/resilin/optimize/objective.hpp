@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <span>
 
-#include "resilin/linear/block_matrix.hpp"
 #include "resilin/core/projection.hpp"
+#include "resilin/linear/block_matrix.hpp"
 
 namespace resilin {
 

@@ -48,11 +48,16 @@ Frame measure_frame(const World& world, const State& state, const VectorX* step_
     step_gradient = &gradient;
   }
   for (const Support& support : world.supports) frame.reactions.emplace_back(support.name, Vector3::Zero());
+  frame.reaction_torques.assign(world.supports.size(), Vector3::Zero());
   for (std::size_t i = 0; i < world.support_of.size(); ++i) {
     if (world.support_of[i] < 0) continue;
-    const auto component = static_cast<int>(i % static_cast<std::size_t>(dim));
-    frame.reactions[static_cast<std::size_t>(world.support_of[i])].second[component] +=
+    const auto support = static_cast<std::size_t>(world.support_of[i]);
+    const auto node = static_cast<Index>(i / static_cast<std::size_t>(dim));
+    Vector3 force = Vector3::Zero();
+    force[static_cast<int>(i % static_cast<std::size_t>(dim))] =
         (*step_gradient)[static_cast<Eigen::Index>(i)];
+    frame.reactions[support].second += force;
+    frame.reaction_torques[support] += node_position(dim, node, state.positions).cross(force);
   }
   return frame;
 }

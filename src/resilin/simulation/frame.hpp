@@ -36,6 +36,8 @@ struct Frame {
   std::vector<std::pair<std::string, Vector3>>
       reactions;  ///< forces that the supports exert on the bodies [N]
 
+  std::vector<Vector3> reaction_torques;  ///< of the same supports about the origin, on the moved nodes [N m]
+
   double total_energy() const { return elastic_energy + kinetic_energy + external_energy; }
 };
 

@@ -37,8 +37,8 @@ void choose_lower_start(const Objective& objective, const VectorX& candidate, Ve
 
 }  // namespace
 
-Simulation::Simulation(const Description& description)
-    : world_(description),
+Simulation::Simulation(World world)
+    : world_(std::move(world)),
       integrator_(world_.is_dynamic
                       ? make_integrator(world_.integrator, world_.place + ": simulation.integrator")
                       : nullptr),

@@ -38,7 +38,9 @@ struct Timing {
 class Simulation {
  public:
   /// Throws InputError.
-  explicit Simulation(const Description& description);
+  explicit Simulation(const Description& description) : Simulation(World(description)) {}
+  /// A world may have got energies of the caller's own.
+  explicit Simulation(World world);
 
   const World& world() const { return world_; }
   const State& state() const { return state_; }
