@@ -3,19 +3,29 @@
 #include <array>
 
 namespace resilin {
+namespace {
+
+constexpr char msh_start[] = "$MeshFormat";
+constexpr char medit_start[] = "MeshVersionFormatted";
+constexpr char xml_start[] = "<?xml";
+constexpr char vtk_start[] = "# vtk DataFile";
+
+template <const char* start>
+bool starts_with(std::string_view bytes) {
+  return bytes.starts_with(start);
+}
+
+}  // namespace
 
 std::span<const MeshFormat> mesh_formats() {
   static const std::array formats = {
-      MeshFormat{"MSH",
-                 {"msh"},
-                 [](std::string_view bytes) { return bytes.starts_with("$MeshFormat"); },
-                 read_msh,
-                 write_msh},
-      MeshFormat{"Medit",
-                 {"mesh"},
-                 [](std::string_view bytes) { return bytes.starts_with("MeshVersionFormatted"); },
-                 read_medit,
-                 write_medit},
+      MeshFormat{"MSH", {"msh"}, starts_with<msh_start>, read_msh, write_msh},
+      MeshFormat{"Medit", {"mesh"}, starts_with<medit_start>, read_medit, write_medit},
+      MeshFormat{"VTU", {"vtu"}, starts_with<xml_start>, read_vtu_mesh, write_vtu_mesh},
+      MeshFormat{"VTK", {"vtk"}, starts_with<vtk_start>, read_vtk, nullptr},
+      MeshFormat{"TetGen", {"node", "ele"}, nullptr, read_tetgen, nullptr},
+      MeshFormat{"Vega", {"veg"}, nullptr, read_vega, nullptr},
+      MeshFormat{"OBJ", {"obj"}, nullptr, read_obj, write_obj},
   };
   return formats;
 }

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "resilin/io/mesh_file.hpp"
 #include "resilin/mesh/mesh.hpp"
 
 namespace resilin {
@@ -34,6 +35,26 @@ struct VtuData {
 /// @throws InputError  when an array has another length than points or cells ask for
 void write_vtu(const std::filesystem::path& path, const VtuData& data);
 void write_vtu(std::ostream& stream, const VtuData& data);
+
+/// Values read from a file: `components` numbers for each point or cell, one after another.
+struct VtuValues {
+  std::string name;
+  int components = 1;
+  std::vector<double> values;
+};
+
+/// What a .vtu file holds; cell data are in the order of the file, block by block when we wrote it.
+struct VtuContent {
+  MeshFile file;
+  std::vector<VtuValues> point_data;
+  std::vector<VtuValues> cell_data;
+  std::optional<double> time = {};
+};
+
+/// Reads VTK XML unstructured grids: one piece, ASCII, base64 or appended (raw or base64), not compressed.
+/// Scalars per cell are also in `file.mesh.cell_fields`. @throws InputError
+VtuContent read_vtu(const std::filesystem::path& path);
+VtuContent read_vtu_from_memory(const std::string& name, std::string_view bytes);
 
 /// One frame of a series; `file` is relative to the .pvd file.
 struct PvdEntry {

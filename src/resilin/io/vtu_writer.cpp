@@ -218,6 +218,16 @@ void write_vtu_mesh(std::ostream& stream, const Mesh& mesh) {
     add("group:" + group.name, std::move(values));
   }
   for (std::size_t i = 0; i < arrays.size(); ++i) data.cell_data[i].values = arrays[i];
+
+  // Vertices of groups, since a group may hold vertices without cells.
+  std::vector<std::vector<double>> on_vertices;
+  for (const Group& group : mesh.groups) {
+    std::vector<double>& values = on_vertices.emplace_back(mesh.vertices.size(), 0.0);
+    for (const Index v : group.vertices) values[static_cast<std::size_t>(v)] = 1;
+  }
+  for (std::size_t g = 0; g < mesh.groups.size(); ++g) {
+    data.point_data.push_back({"group:" + mesh.groups[g].name, 1, on_vertices[g]});
+  }
   write_vtu(stream, data);
 }
 
