@@ -50,9 +50,13 @@ def run_rules():
         "clang-format": check_format.find_cpp_problems,
         "ruff": check_format.find_python_problems,
         "shell scripts": check_format.find_shell_problems,
-        "clang-tidy": check_tidy.find_problems,
+        "clang-tidy on what changed last": check_tidy.find_problems_in_changes,
     }
     return [run_check(name, check) for name, check in checks.items()]
+
+
+def run_tidy():
+    return [run_check("clang-tidy on everything", check_tidy.find_problems_everywhere)]
 
 
 def run_ctest(preset, *options, environment=None):
@@ -111,6 +115,7 @@ def run_consumer():
 
 STEPS = {
     "rules": run_rules,
+    "tidy": run_tidy,
     "release": run_release,
     "examples": run_examples,
     "consumer": run_consumer,
@@ -140,14 +145,14 @@ def report(outcomes):
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--failed-build", action="append", default=[], metavar="PRESET")
-    parser.add_argument("steps", nargs="*", metavar="STEP", help=", ".join(STEPS))
+    parser.add_argument("steps", nargs="+", metavar="STEP", help=", ".join(STEPS))
     arguments = parser.parse_args()
     for step in arguments.steps:
         if step not in STEPS:
             parser.error(f"step: expected one of {', '.join(STEPS)}, got {step}")
 
     outcomes = [Outcome(f"build ({preset})", "failed", "see above") for preset in arguments.failed_build]
-    for step in arguments.steps or STEPS:
+    for step in arguments.steps:
         if NEEDED_BUILD.get(step) in arguments.failed_build:
             continue
         start = time.monotonic()
