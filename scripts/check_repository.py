@@ -80,7 +80,7 @@ def find_faults_of_this_check():
         ("docs/a.md", "see https://py" + "pi.org/x\n", 1),
         ("tests/a_test.cpp", "TEST(A, DIS" + "ABLED_b)\n", 1),
         ("tests/a_test.cpp", "GTEST_SK" + "IP();\n", 1),
-        ("tests/a_test.cpp", 'GTEST_SK' + 'IP() << "no CHOLMOD in this build";\n', 0),
+        ("tests/a_test.cpp", "GTEST_SK" + 'IP() << "no CHOLMOD in this build";\n', 0),
         ("src/a.cpp", "\n" * (MAX_LINES + 1), 1),
         ("src/a.hpp", "int f();\n", 1),
         ("src/a.hpp", "#pragma once\n/// network/cost and https://example.org/\n", 0),
