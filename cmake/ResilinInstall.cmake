@@ -38,4 +38,7 @@ configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/resilinConfig.cmake.in
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/resilinConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/resilinConfig.cmake ${PROJECT_BINARY_DIR}/resilinConfigVersion.cmake
   DESTINATION ${RESILIN_PACKAGE_FOLDER})
+if(TARGET resilin)
+  install(TARGETS resilin RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
