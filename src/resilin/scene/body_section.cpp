@@ -1,0 +1,77 @@
+#include <algorithm>
+
+#include "resilin/element/catalog.hpp"
+#include "resilin/scene/csv.hpp"
+#include "resilin/scene/sections.hpp"
+
+namespace resilin {
+namespace {
+
+/// Numbers of one row for each vertex.
+std::vector<double> read_vertex_table(const SceneNode& node, const Mesh& mesh) {
+  if (!std::holds_alternative<std::string>(node.value->data)) {
+    node.fail("the name of a CSV file with " + std::to_string(node.context->dimension) +
+              " numbers for each vertex");
+  }
+  const NumberTable table = read_csv(read_path(node));
+  const std::size_t rows = mesh.vertices.size();
+  const auto columns = static_cast<std::size_t>(node.context->dimension);
+  if (table.num_columns != columns || table.num_rows() != rows) {
+    node.fail_with("expected " + std::to_string(rows) + " rows of " + std::to_string(columns) +
+                   " numbers (one row for each vertex of the mesh), got " + std::to_string(table.num_rows()) +
+                   " rows of " + std::to_string(table.num_columns));
+  }
+  return table.values;
+}
+
+std::vector<std::string> element_names() {
+  std::vector<std::string> names;
+  for (const ElementInfo* element : elements()) {
+    if (std::ranges::find(names, element->name) == names.end()) names.emplace_back(element->name);
+  }
+  return names;
+}
+
+}  // namespace
+
+Keys<BodyDescription> body_keys() {
+  using B = BodyDescription;
+  return {
+      text_key("name", &B::name, "\"body\"", "Fixes, loads, probes and the report refer to it."),
+      key<B>({"mesh", "text or [box](#mesh)", "", "required",
+              "A mesh file beside the scene, or `{ box = { size, cells } }`."},
+             read_body_mesh),
+      choice_key("element", &B::element, element_names(), {"P2", "P2P0"},
+                 "P1: linear triangles or tetrahedra."),
+      key<B>({"material", "[material](#material)", "", "see there", "What the body is made of."},
+             [](const SceneNode& node, B& b) { read_material(node, b.mesh, b.material); }),
+      number_key("scale", &B::scale, "", positive, "Factor on the mesh's coordinates; first."),
+      key<B>({"rotate", "[rotate](#rotate)", "", "none", "Turns the scaled mesh, about the origin; second."},
+             [](const SceneNode& node, B& b) { read_rotation(node, b.rotate); }),
+      vector_key("translate", &B::translate, "m", "Moves the turned mesh; third."),
+      vector_key("velocity", &B::velocity, "m/s", "At the start of motion."),
+      matrix_key("velocity_gradient", &B::velocity_gradient, "1/s",
+                 "Adds velocity_gradient * X, X the rest position."),
+      key<B>({"initial_positions", "text", "m", "the rest shape",
+              "A CSV file of one row for each vertex: where the body starts."},
+             [](const SceneNode& node, B& b) { b.initial_positions = read_vertex_table(node, b.mesh); }),
+      key<B>({"initial_velocities", "text", "m/s", "from velocity and velocity_gradient",
+              "A CSV file of one row for each vertex, in place of velocity and velocity_gradient."},
+             [](const SceneNode& node, B& b) { b.initial_velocities = read_vertex_table(node, b.mesh); }),
+      choice_key("mass", &B::mass, {"lumped", "consistent"}, {}, "How mass is spread over the vertices."),
+      later_key<B>("skin", "text", "A fine surface carried by the cells.",
+                   "leave it out: the mesh's own surface is shown"),
+  };
+}
+
+void read_body(const SceneNode& node, BodyDescription& body) {
+  body.place = node.place();
+  body.material.place = node.place() + ".material";
+  read_section(node, body_keys(), body);
+  if (node.has("initial_velocities") && (node.has("velocity") || node.has("velocity_gradient"))) {
+    node.child("initial_velocities")
+        .fail_with("comes in place of velocity and velocity_gradient; leave out one or the other");
+  }
+}
+
+}  // namespace resilin

@@ -1,0 +1,11 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace resilin {
+
+std::string_view version();  ///< "0.1.0"
+std::string compiler();      ///< "gcc 12.2.0"
+
+}  // namespace resilin

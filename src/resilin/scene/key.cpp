@@ -1,0 +1,82 @@
+#include "resilin/scene/key.hpp"
+
+#include <algorithm>
+
+#include "resilin/io/text_scanner.hpp"
+
+namespace resilin {
+
+void refuse_unknown_keys(const SceneNode& table, const std::vector<std::string>& known) {
+  for (const SceneMember& member : table.value->table()) {
+    if (std::ranges::find(known, member.key) != known.end()) continue;
+    const std::string nearest = nearest_word(member.key, known);
+    SceneNode node{&member.value, table.path, table.context};
+    if (!node.path.empty()) node.path += '.';
+    node.path += printable(member.key);
+    node.fail_with("unknown key \"" + printable(member.key) + "\"; " +
+                   (nearest.empty() ? "known are " + join(known) : "did you mean \"" + nearest + "\"?"));
+  }
+}
+
+void refuse_missing_key(const SceneNode& table, const KeyDoc& key) {
+  table.fail_with("the key \"" + key.name + "\" is missing; give " + key.name + " = " + key.type + ": " +
+                  key.text);
+}
+
+void refuse_later(const SceneNode& node, const std::string& cure) {
+  node.fail_with("not part of this version; " + cure);
+}
+
+std::string default_text(double value) { return format_number(value); }
+std::string default_text(int value) { return std::to_string(value); }
+std::string default_text(bool value) { return value ? "true" : "false"; }
+std::string default_text(const std::string& value) { return one_of({value}); }
+
+std::string default_text(const Vector3& value) {
+  if (value.isZero()) return "zero";
+  const std::vector<std::string> numbers = {format_number(value[0]), format_number(value[1]),
+                                            format_number(value[2])};
+  std::string text(1, '[');
+  return text.append(join(numbers)).append(1, ']');
+}
+
+std::string default_text(const Eigen::Matrix3d& value) { return value.isZero() ? "zero" : "not zero"; }
+
+std::string default_text(const std::vector<std::string>& value) {
+  std::vector<std::string> quoted;
+  for (const std::string& word : value) quoted.push_back(default_text(word));
+  std::string text(1, '[');
+  return text.append(join(quoted)).append(1, ']');
+}
+
+std::string one_of(const std::vector<std::string>& words) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (i > 0) text += i + 1 == words.size() ? " or " : ", ";
+    text.append(1, '"').append(words[i]).append(1, '"');
+  }
+  return text;
+}
+
+std::string read_choice(const SceneNode& node, const std::vector<std::string>& there_is,
+                        const std::vector<std::string>& later) {
+  const std::string word = read_text(node);
+  if (std::ranges::find(there_is, word) != there_is.end()) return word;
+  if (std::ranges::find(later, word) != later.end()) {
+    node.fail_with("\"" + word + "\" is not part of this version; there is " + one_of(there_is));
+  }
+  const std::string nearest = nearest_word(word, there_is);
+  node.fail(one_of(there_is), nearest.empty() ? "" : "did you mean \"" + nearest + "\"?");
+}
+
+std::vector<std::string> read_choices(const SceneNode& node, const std::vector<std::string>& there_is,
+                                      const std::vector<std::string>& later) {
+  expect_list(node, "texts");
+  std::vector<std::string> words;
+  for (std::size_t i = 0; i < node.value->array().size(); ++i) {
+    words.push_back(read_choice(node.element(i), there_is, later));
+  }
+  return words;
+}
+
+}  // namespace resilin

@@ -1,0 +1,140 @@
+#include <algorithm>
+#include <cmath>
+
+#include "resilin/material/law.hpp"
+#include "resilin/scene/csv.hpp"
+#include "resilin/scene/sections.hpp"
+
+namespace resilin {
+namespace {
+
+std::vector<std::string> law_names() {
+  std::vector<std::string> names;
+  for (const LawInfo* law : laws()) names.emplace_back(law->name);
+  return names;
+}
+
+/// Laws of the contract that are still to come.
+const std::vector<std::string>& later_laws() {
+  static const std::vector<std::string> names = {
+      "corotated_linear",      "corotated", "mooney_rivlin", "yeoh", "ogden", "arruda_boyce",
+      "holzapfel_gasser_ogden"};
+  return names;
+}
+
+Keys<MaterialDescription> material_keys() {
+  using M = MaterialDescription;
+  return {
+      choice_key("law", &M::law, law_names(), later_laws(),
+                 "The strain energy; `resilin materials` and [laws](laws.md) describe each."),
+      number_key("density", &M::density, "kg/m^3", not_negative, "Mass per rest volume; in motion > 0."),
+  };
+}
+
+/// Constants that every law takes: the small-strain solid.
+const std::vector<std::string>& small_strain_names() {
+  static const std::vector<std::string> names = {"youngs_modulus", "poissons_ratio"};
+  return names;
+}
+
+/// Names that a law takes besides `law` and `density`.
+std::vector<std::string> constant_names(const LawInfo& law) {
+  std::vector<std::string> names = small_strain_names();
+  for (const ConstantText& constant : law.constants) names.emplace_back(constant.name);
+  return names;
+}
+
+const CellBlock& solid_cells(const SceneNode& node, const Mesh& mesh) {
+  const CellBlock* block =
+      mesh.find_block(node.context->dimension == 3 ? CellKind::tetrahedron : CellKind::triangle);
+  if (block == nullptr)
+    node.fail_with("values for each cell need a mesh with cells; is the key \"mesh\" of the body there?");
+  return *block;
+}
+
+std::vector<double> read_cell_file(const SceneNode& node, const Mesh& mesh) {
+  const auto num_cells = static_cast<std::size_t>(solid_cells(node, mesh).num_cells());
+  const NumberTable table = read_csv(read_path(node));
+  if (table.num_columns != 1 || table.num_rows() != num_cells) {
+    node.fail_with("expected " + std::to_string(num_cells) +
+                   " rows of 1 number (one row for each cell), got " + std::to_string(table.num_rows()) +
+                   " rows of " + std::to_string(table.num_columns));
+  }
+  return table.values;
+}
+
+std::vector<double> read_cell_field(const SceneNode& node, const Mesh& mesh) {
+  const std::string name = read_text(node);
+  const CellBlock& cells = solid_cells(node, mesh);
+  std::vector<std::string> names;
+  for (const CellField& field : mesh.cell_fields) {
+    if (&mesh.blocks[field.block] != &cells) continue;
+    if (field.name == name) return field.values;
+    names.push_back(field.name);
+  }
+  node.fail(names.empty() ? "a field of the mesh's cells; the mesh has none"
+                          : "a field of the mesh's cells: " + join(names),
+            "give the values in a file: { file = \"values.csv\" }");
+}
+
+/// A number, { file = "young.csv" } or { cell_field = "name" }.
+void read_constant(const SceneNode& node, const std::string& name, const Mesh& mesh,
+                   MaterialDescription& material) {
+  if (!node.value->is_table()) {
+    material.constants[name] = read_number(node);
+    return;
+  }
+  refuse_unknown_keys(node, {"file", "cell_field"});
+  if (node.value->table().size() != 1) node.fail("a number, { file = ... } or { cell_field = ... }");
+  material.cell_constants[name] = node.has("file") ? read_cell_file(node.child("file"), mesh)
+                                                   : read_cell_field(node.child("cell_field"), mesh);
+}
+
+}  // namespace
+
+void read_material(const SceneNode& node, const Mesh& mesh, MaterialDescription& material) {
+  expect_table(node);
+  material.place = node.place();
+  if (node.has("law")) material.law = read_choice(node.child("law"), law_names(), later_laws());
+  const std::vector<std::string> constants = constant_names(require_law(material.law, node.place() + ".law"));
+  read_section(node, material_keys(), material, constants);
+  const auto is_given = [&node](const std::string& name) { return node.has(name); };
+  if (std::ranges::any_of(constants, is_given)) material.constants.clear();
+  for (const std::string& name : constants) {
+    if (node.has(name)) read_constant(node.child(name), name, mesh, material);
+  }
+}
+
+SectionDoc material_doc() {
+  const MaterialDescription defaults;
+  SectionDoc doc = document("material",
+                            "Young's modulus and Poisson's ratio mean the small-strain solid; each law "
+                            "converts them to its own constants. "
+                            "Constants named as in a law's formula are taken literally instead, all of them. "
+                            "A constant may vary from cell to "
+                            "cell: `{ file = \"young.csv\" }` with one number for each cell, or `{ "
+                            "cell_field = \"name\" }` of the mesh.",
+                            material_keys());
+  const auto add = [&](const char* name, const char* type, const char* unit, const char* text) {
+    doc.keys.push_back({name, type, unit, default_text(defaults.constants.at(name)), text});
+  };
+  add("youngs_modulus", "number > 0", "Pa", "Stiffness of a small stretch.");
+  add("poissons_ratio", "number > -1 and < 0.5", "", "How much a stretched solid grows thinner.");
+  for (const LawInfo* law : laws()) {
+    for (const ConstantText& constant : law->constants) {
+      const std::string name(constant.name);
+      const auto known = std::ranges::find(doc.keys, name, &KeyDoc::name);
+      if (known == doc.keys.end()) {
+        const std::string type =
+            std::isfinite(constant.above) ? "number > " + format_number(constant.above) : "number";
+        doc.keys.push_back(
+            {name, type, std::string(constant.unit), "", "Of " + std::string(law->name) + "."});
+      } else {
+        known->text.insert(known->text.size() - 1, ", " + std::string(law->name));
+      }
+    }
+  }
+  return doc;
+}
+
+}  // namespace resilin

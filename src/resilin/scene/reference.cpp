@@ -1,0 +1,76 @@
+#include "resilin/scene/scene.hpp"
+#include "resilin/scene/sections.hpp"
+
+namespace resilin {
+namespace {
+
+constexpr std::string_view introduction = R"(# The scene file
+
+A scene is a TOML file. Paths in it are beside the file; units are SI. A key that is not listed here is an
+error that names the nearest known one. Any value can be set from the command line:
+
+    resilin run beam.toml --set newton.tolerance=1e-6 --set body.beam.scale=2 --set fix.0.displacement=[0,0,1]
+
+A *vector* is a list of as many numbers as `simulation.dimension`, a *matrix* a list of such rows.
+This page is printed by `resilin info --scene-reference` from the table that reads the file.
+
+```toml
+title = "A beam under its own weight"
+
+[simulation]
+gravity = [0, 0, -9.81]
+
+[[body]]
+name = "beam"
+mesh = { box = { size = [4, 1, 1], cells = [40, 10, 10] } }
+material = { law = "neo_hookean", youngs_modulus = 1e6, poissons_ratio = 0.3, density = 1000 }
+
+[[fix]]
+name = "wall"
+where = { group = "x_min" }
+
+[[probe]]
+name = "tip"
+at = [4, 0.5, 0.5]
+```
+)";
+
+std::string row(const KeyDoc& key) {
+  const std::string meaning = key.is_later ? "*Not part of this version.* " + key.text : key.text;
+  return "| `" + key.name + "` | " + key.type + " | " + key.unit + " | " + key.default_text + " | " +
+         meaning + " |\n";
+}
+
+}  // namespace
+
+std::string scene_reference() {
+  std::string page(introduction);
+  for (const SectionDoc& section : scene_sections()) {
+    page += "\n## " + section.title + "\n" + section.text + "\n\n";
+    page += "| key | type | unit | default | meaning |\n| --- | --- | --- | --- | --- |\n";
+    for (const KeyDoc& key : section.keys) page += row(key);
+  }
+  return page;
+}
+
+std::vector<SectionDoc> scene_sections() {
+  return {
+      document("[simulation]", "What is computed.", simulation_keys()),
+      document("[[body]]", "A solid; there may be several, of different materials.", body_keys()),
+      mesh_doc(),
+      material_doc(),
+      rotation_doc(),
+      document("[[fix]]", "Prescribed displacement, whole or by component; the reaction is reported.",
+               fix_keys()),
+      document("[[load]]",
+               "Loads are dead loads on the rest shape, but for pressure, which follows the surface.",
+               load_keys()),
+      where_doc(),
+      document("[newton]", "When the equations count as solved.", newton_keys()),
+      document("[solver]", "How linear systems are solved.", solver_keys()),
+      document("[[probe]]", "A vertex whose motion the report lists.", probe_keys()),
+      document("[output]", "What is written to the folder of results.", output_keys()),
+  };
+}
+
+}  // namespace resilin

@@ -1,0 +1,72 @@
+#include "resilin/scene/report.hpp"
+
+#include <sys/resource.h>
+
+#include "resilin/element/catalog.hpp"
+
+namespace resilin {
+namespace {
+
+Json vector_json(const Vector3& vector, int dimension) {
+  Json list = Json::array();
+  for (int i = 0; i < dimension; ++i) list.push_back(vector[i]);
+  return list;
+}
+
+}  // namespace
+
+Json frame_json(const Frame& frame, int dimension) {
+  Json json;
+  json["step"] = frame.step;
+  json["time"] = frame.time;
+  json["load"] = frame.load;
+  json["newton_iterations"] = frame.newton_iterations;
+  json["linear_iterations"] = frame.linear_iterations;
+  json["converged"] = frame.converged;
+  json["residual"] = frame.residual;
+  json["residual_newton"] = frame.residual_newton;
+  json["min_volume_ratio"] = frame.min_volume_ratio;
+  json["worst_cell"] = frame.worst_cell;
+  json["worst_body"] = frame.worst_body;
+  json["energy"] = {{"elastic", frame.elastic_energy},
+                    {"kinetic", frame.kinetic_energy},
+                    {"external", frame.external_energy},
+                    {"total", frame.total_energy()}};
+  json["momentum"]["linear"] = vector_json(frame.linear_momentum, dimension);
+  json["momentum"]["angular"] =
+      dimension == 3 ? vector_json(frame.angular_momentum, 3) : Json::array({frame.angular_momentum[2]});
+  json["probes"] = Json::object();
+  for (const Frame::ProbeValue& probe : frame.probes) {
+    json["probes"][probe.name] = {{"displacement", vector_json(probe.displacement, dimension)},
+                                  {"velocity", vector_json(probe.velocity, dimension)}};
+  }
+  json["reactions"] = Json::object();
+  for (const auto& [name, force] : frame.reactions) json["reactions"][name] = vector_json(force, dimension);
+  return json;
+}
+
+Json bodies_json(const World& world) {
+  Json list = Json::array();
+  for (const Body& body : world.bodies) {
+    Json constants = Json::object();
+    for (const auto& [name, value] : body.constants) constants[name] = value;
+    list.push_back({{"name", body.name},
+                    {"law", body.law},
+                    {"constants", constants},
+                    {"element", body.element},
+                    {"quadrature", require_element(body.element, world.dimension, world.place).quadrature},
+                    {"mass", body.mass_kind},
+                    {"cells", body.num_cells()},
+                    {"vertices", body.num_nodes},
+                    {"unknowns", Offset{body.num_nodes} * world.dimension}});
+  }
+  return list;
+}
+
+double peak_memory_MiB() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+}  // namespace resilin

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "resilin/simulation/simulation.hpp"
+
+/// The parts of report.json. Included by sources only: the JSON header is heavy.
+namespace resilin {
+
+using Json = nlohmann::ordered_json;  // keys stay in the order of the contract
+
+/// One entry of "frames". Vectors have `dimension` numbers; angular momentum has 3, in 2D 1.
+Json frame_json(const Frame& frame, int dimension);
+
+/// "bodies".
+Json bodies_json(const World& world);
+
+/// Largest memory that the process has had [MiB].
+double peak_memory_MiB();
+
+}  // namespace resilin

@@ -1,0 +1,166 @@
+#include "resilin/scene/results.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <ostream>
+
+#include "resilin/core/error.hpp"
+#include "resilin/core/parallel.hpp"
+#include "resilin/io/atomic_file.hpp"
+#include "resilin/io/vtu.hpp"
+#include "resilin/scene/build_info.hpp"
+#include "resilin/scene/frame_file.hpp"
+#include "resilin/scene/report.hpp"
+
+namespace resilin {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+constexpr const char* checkpoint_name = "checkpoint.bin";
+constexpr const char* report_name = "report.json";
+
+void write_text(const std::filesystem::path& path, const std::string& text) {
+  write_atomically(path, [&text](std::ostream& stream) { stream << text; });
+}
+
+std::string frame_name(std::size_t number) {
+  const std::string digits = std::to_string(number);
+  return "frames/" + std::string(digits.size() < 4 ? 4 - digits.size() : 0, '0') + digits + ".vtu";
+}
+
+/// The list of frames that ParaView opens; statics count in load factors.
+void write_frame_list(const std::filesystem::path& path, const Json& frames, bool is_dynamic) {
+  std::vector<PvdEntry> entries;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    entries.push_back({frames[i][is_dynamic ? "time" : "load"].get<double>(), frame_name(i)});
+  }
+  write_pvd(path, entries);
+}
+
+}  // namespace
+
+std::string_view name(RunStatus status) {
+  switch (status) {
+    case RunStatus::running:
+      return "running";
+    case RunStatus::done:
+      return "done";
+    case RunStatus::not_converged:
+      return "not_converged";
+    case RunStatus::budget:
+      return "budget";
+  }
+  return "";
+}
+
+struct ResultFolder::Contents {
+  std::filesystem::path folder;
+  Json frames = Json::array();
+  Clock::time_point start = Clock::now();
+  Clock::time_point next_save = Clock::now();
+  double output_seconds = 0;
+  double seconds_before = 0;  ///< until the folder was made, and of the run that this one resumes
+
+  void save(const Simulation& simulation, RunStatus status, const std::string& reason) {
+    const Clock::time_point begin = Clock::now();
+    const World& world = simulation.world();
+    if (!frames.empty() && writes_vtu(world))
+      write_frame_list(folder / "frames.pvd", frames, world.is_dynamic);
+    Json report;
+    report["status"] = name(status);
+    report["reason"] = reason;
+    report["title"] = world.title;
+    report["version"] = version();
+    report["dimension"] = world.dimension;
+    report["kind"] = world.is_dynamic ? "dynamic" : "static";
+    report["frames"] = std::move(frames);
+    report["bodies"] = bodies_json(world);
+    report["solver"] = simulation.solver_name();
+    report["timing"] = {{"total", seconds_before + seconds_since(start)},
+                        {"assembly", simulation.timing().assembly},
+                        {"solve", simulation.timing().solve},
+                        {"output", output_seconds}};
+    report["peak_memory_MiB"] = peak_memory_MiB();
+    report["threads"] = num_threads();
+    // The report first: a checkpoint never runs ahead of the frames that go with it.
+    write_text(folder / report_name, report.dump(1) + "\n");
+    frames = std::move(report["frames"]);
+    write_text(folder / checkpoint_name, serialize(simulation.state()));
+    const double cost = seconds_since(begin);
+    output_seconds += cost;
+    // At most a tenth of the time goes into saving, however long the report has grown.
+    next_save = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                   std::chrono::duration<double>(std::max(1.0, 10 * cost)));
+  }
+
+  static bool writes_vtu(const World& world) {
+    return std::ranges::find(world.output.formats, "vtu") != world.output.formats.end();
+  }
+};
+
+ResultFolder::ResultFolder(std::filesystem::path folder, double seconds_before)
+    : contents_(std::make_unique<Contents>()) {
+  std::error_code error;
+  std::filesystem::create_directories(folder / "frames", error);
+  if (error)
+    throw FileError(folder.string(), "the folder for the results cannot be made (" + error.message() + ")");
+  write_text(folder / "frames" / ".probe", "");
+  std::filesystem::remove(folder / "frames" / ".probe", error);
+  contents_->folder = std::move(folder);
+  contents_->seconds_before = seconds_before;
+}
+
+ResultFolder::~ResultFolder() = default;
+
+const std::filesystem::path& ResultFolder::path() const { return contents_->folder; }
+
+double ResultFolder::output_seconds() const { return contents_->output_seconds; }
+
+std::optional<State> ResultFolder::resume() {
+  const std::filesystem::path checkpoint = contents_->folder / checkpoint_name;
+  if (!std::filesystem::exists(checkpoint)) return std::nullopt;
+  State state = deserialize_state(read_file(checkpoint), checkpoint.string());
+  const std::filesystem::path report_path = contents_->folder / report_name;
+  const Json report = Json::parse(read_file(report_path), nullptr, false);
+  if (!report.is_object() || !report.contains("frames") || !report["frames"].is_array()) {
+    throw InputError(report_path.string(), "the report of the run to go on with", "something else",
+                     "run without --resume to begin again");
+  }
+  for (const Json& frame : report["frames"]) {
+    if (frame.value("step", 0) <= state.step) contents_->frames.push_back(frame);
+  }
+  if (report.contains("timing")) contents_->seconds_before += report["timing"].value("total", 0.0);
+  return state;
+}
+
+void ResultFolder::record(const Simulation& simulation, bool is_last) {
+  const World& world = simulation.world();
+  const Frame& frame = simulation.frame();
+  Json& frames = contents_->frames;
+  const bool is_new = frames.empty() || frames.back()["step"].get<int>() < frame.step;
+  if (is_new && (is_last || frame.step % world.output.every == 0)) {
+    const Clock::time_point begin = Clock::now();
+    // The last frame of a run that was broken off is not one of the unbroken run, unless it was due.
+    if (!frames.empty() && frames.back()["step"].get<int>() % world.output.every != 0)
+      frames.erase(frames.size() - 1);
+    if (Contents::writes_vtu(world)) {
+      write_frame_file(contents_->folder / frame_name(frames.size()), world, simulation.state());
+    }
+    frames.push_back(frame_json(frame, world.dimension));
+    contents_->output_seconds += seconds_since(begin);
+  }
+  if (Clock::now() >= contents_->next_save) {
+    contents_->save(simulation, RunStatus::running, "the run had not ended when this was written");
+  }
+}
+
+void ResultFolder::finish(const Simulation& simulation, RunStatus status, const std::string& reason) {
+  contents_->save(simulation, status, reason);
+}
+
+}  // namespace resilin

@@ -1,0 +1,76 @@
+#include "resilin/scene/scene.hpp"
+
+#include "resilin/io/atomic_file.hpp"
+#include "resilin/scene/sections.hpp"
+
+namespace resilin {
+namespace {
+
+/// Calls `read(node, entry)` for each table of [[key]].
+template <class T, class Read>
+void read_list(const SceneNode& root, const std::string& key, std::vector<T>& entries, const Read& read) {
+  if (!root.has(key)) return;
+  const SceneNode list = root.child(key);
+  if (!list.value->is_array()) list.fail("a list of tables, each headed [[" + key + "]]");
+  for (std::size_t i = 0; i < list.value->array().size(); ++i) {
+    entries.emplace_back();
+    read(list.element(i), entries.back());
+  }
+}
+
+void read_probe(const SceneNode& node, ProbeDescription& probe) {
+  probe.place = node.place();
+  probe.name = node.path;
+  read_section(node, probe_keys(), probe);
+}
+
+template <class T>
+void read_optional(const SceneNode& root, const char* key, const Keys<T>& keys, T& target) {
+  if (root.has(key)) read_section(root.child(key), keys, target);
+}
+
+void read_root(const SceneNode& root, Description& d) {
+  refuse_unknown_keys(root, {"title", "simulation", "body", "fix", "load", "collider", "contact", "newton",
+                             "solver", "probe", "output"});
+  if (root.has("title")) d.title = read_text(root.child("title"));
+  read_optional(root, "simulation", simulation_keys(), d);
+  if (root.has("contact")) refuse_contact(root.child("contact"));
+  if (root.has("collider")) refuse_collider(root.child("collider"));
+  read_optional(root, "newton", newton_keys(), d.newton);
+  read_optional(root, "solver", solver_keys(), d.solver);
+  read_optional(root, "output", output_keys(), d.output);
+  read_list(root, "body", d.bodies, read_body);
+  read_list(root, "fix", d.fixes, read_fix);
+  read_list(root, "load", d.loads, read_load);
+  read_list(root, "probe", d.probes, read_probe);
+  if (d.bodies.empty()) root.fail_with("there is no [[body]]; a scene needs at least one, with a mesh");
+}
+
+}  // namespace
+
+Scene read_scene_from_values(SceneValue values, const std::string& name, const std::filesystem::path& folder,
+                             const SceneOptions& options) {
+  for (const std::string& assignment : options.overrides) apply_override(values, assignment);
+  SceneContext context;
+  context.folder = folder;
+  context.max_box_cells = options.max_box_cells;
+  values.source = std::make_shared<const std::string>(name);
+  values.line = 0;
+  Scene scene;
+  scene.description.place = name;
+  read_root({&values, "", &context}, scene.description);
+  check_names(scene.description);
+  scene.warnings = std::move(context.warnings);
+  return scene;
+}
+
+Scene read_scene_from_text(std::string_view text, const std::string& name,
+                           const std::filesystem::path& folder, const SceneOptions& options) {
+  return read_scene_from_values(parse_toml(text, name), name, folder, options);
+}
+
+Scene read_scene(const std::filesystem::path& path, const SceneOptions& options) {
+  return read_scene_from_text(read_file(path), path.string(), path.parent_path(), options);
+}
+
+}  // namespace resilin

@@ -1,0 +1,79 @@
+#include "resilin/integrator/integrator.hpp"
+#include "resilin/linear/linear_solver.hpp"
+#include "resilin/scene/sections.hpp"
+
+namespace resilin {
+
+Keys<Description> simulation_keys() {
+  using D = Description;
+  const D defaults;
+  return {
+      key<D>({"kind", one_of({"static", "dynamic"}), "", defaults.is_dynamic ? "\"dynamic\"" : "\"static\"",
+              "Equilibrium under the loads, or motion in time."},
+             [](const SceneNode& node, D& d) {
+               d.is_dynamic = read_choice(node, {"static", "dynamic"}) == "dynamic";
+               node.context->is_dynamic = d.is_dynamic;
+             }),
+      key<D>({"dimension", "2 or 3", "", default_text(defaults.dimension),
+              "3, or 2 for plane strain of unit thickness. It sets the length of every vector."},
+             [](const SceneNode& node, D& d) {
+               const int dimension = read_integer(node);
+               if (dimension != 2 && dimension != 3) node.fail("2 or 3");
+               d.dimension = node.context->dimension = dimension;
+             }),
+      vector_key("gravity", &D::gravity, "m/s^2", "Pulls every body in proportion to its density."),
+      number_key("time_step", &D::time_step, "s", positive, "Length of a step in motion."),
+      number_key("end_time", &D::end_time, "s", positive, "Motion stops here."),
+      choice_key("integrator", &D::integrator, integrator_names(), {"bdf2", "tr_bdf2", "newmark", "midpoint"},
+                 "How motion steps through time."),
+      integer_key(
+          "load_steps", &D::load_steps, at_least_one,
+          "Static: number of equal steps that the loads are first tried in. A step that fails is halved."),
+  };
+}
+
+Keys<NewtonOptions> newton_keys() {
+  using N = NewtonOptions;
+  return {
+      number_key("tolerance", &N::tolerance, "", positive, "Largest residual force, relative to the loads."),
+      integer_key("max_iterations", &N::max_iterations, at_least_one,
+                  "Newton iterations of a load or time step. A small number truncates a time step, safely."),
+      choice_key("projection", &N::projection, {"auto", "none", "clamp", "absolute"}, {},
+                 "What is done to negative eigenvalues of the elements' matrices."),
+  };
+}
+
+Keys<SolverOptions> solver_keys() {
+  using S = SolverOptions;
+  std::vector<std::string> kinds = linear_solver_names();
+  kinds.insert(kinds.begin(), "auto");
+  return {
+      choice_key("kind", &S::kind, kinds, {}, "Linear solver. `auto` picks by kind and size of the problem."),
+      integer_key("max_iterations", &S::max_iterations, at_least_one,
+                  "Iterations of an iterative solver, for each solve."),
+  };
+}
+
+Keys<OutputOptions> output_keys() {
+  using O = OutputOptions;
+  return {
+      integer_key("every", &O::every, at_least_one, "A frame is written for each n-th step."),
+      choices_key(
+          "fields", &O::fields,
+          {"displacement", "velocity", "cauchy_stress", "von_mises", "volume_ratio", "energy_density"}, {},
+          "What a frame holds."),
+      choices_key("formats", &O::formats, {"vtu"}, {"html"}, "Kinds of files that are written."),
+  };
+}
+
+Keys<ProbeDescription> probe_keys() {
+  using P = ProbeDescription;
+  return {
+      text_key("name", &P::name, "probe[0] ...", "The report lists the motion under it."),
+      text_key("body", &P::body, "the only body", "Name of the body that is watched."),
+      key<P>({"at", "vector", "m", "required", "The vertex nearest to this rest position is watched."},
+             [](const SceneNode& node, P& p) { p.at = read_vector(node); }),
+  };
+}
+
+}  // namespace resilin

@@ -1,0 +1,78 @@
+#include <toml++/toml.h>
+
+#include <string>
+#include <utility>
+
+#include "resilin/core/error.hpp"
+#include "resilin/scene/value.hpp"
+
+namespace resilin {
+namespace {
+
+using Source = std::shared_ptr<const std::string>;
+
+[[noreturn]] void refuse_type(const toml::node& node, const Source& source) {
+  throw InputError(*source + ":" + std::to_string(node.source().begin.line),
+                   "a number, a text, true or false, a list or a table", "a date or a time");
+}
+
+SceneValue convert(const toml::node& node, const Source& source) {
+  SceneValue value;
+  value.source = source;
+  value.line = static_cast<int>(node.source().begin.line);
+  switch (node.type()) {
+    case toml::node_type::table: {
+      SceneValue::Table table;
+      for (const auto& [key, child] : *node.as_table()) {
+        table.push_back({std::string(key.str()), convert(child, source)});
+      }
+      value.data = std::move(table);
+      break;
+    }
+    case toml::node_type::array: {
+      SceneValue::Array array;
+      array.reserve(node.as_array()->size());
+      for (const toml::node& child : *node.as_array()) array.push_back(convert(child, source));
+      value.data = std::move(array);
+      break;
+    }
+    case toml::node_type::boolean:
+      value.data = node.as_boolean()->get();
+      break;
+    case toml::node_type::integer:
+      value.data = node.as_integer()->get();
+      break;
+    case toml::node_type::floating_point:
+      value.data = node.as_floating_point()->get();
+      break;
+    case toml::node_type::string:
+      value.data = node.as_string()->get();
+      break;
+    default:
+      refuse_type(node, source);
+  }
+  return value;
+}
+
+/// The parser's sentence without control characters.
+std::string one_line(std::string_view text) {
+  std::string line(text);
+  for (char& c : line) {
+    if (static_cast<unsigned char>(c) < 0x20) c = ' ';
+  }
+  return line;
+}
+
+}  // namespace
+
+SceneValue parse_toml(std::string_view text, const std::string& name) {
+  try {
+    return convert(toml::parse(text, name), std::make_shared<const std::string>(name));
+  } catch (const toml::parse_error& error) {
+    const toml::source_position at = error.source().begin;
+    throw InputError(name + ":" + std::to_string(at.line) + ":" + std::to_string(at.column),
+                     one_line(error.description()));
+  }
+}
+
+}  // namespace resilin

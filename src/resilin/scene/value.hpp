@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace resilin {
+
+struct SceneMember;
+
+/// A piece of a scene before its meaning is known: what a TOML file, `--set` or a dictionary hold in common.
+struct SceneValue {
+  using Array = std::vector<SceneValue>;
+  using Table = std::vector<SceneMember>;  ///< in the order of the file
+
+  std::variant<bool, std::int64_t, double, std::string, Array, Table> data = Table{};
+  std::shared_ptr<const std::string> source;  ///< "beam.toml" or "--set newton.tolerance=1"
+  int line = 0;                               ///< from 1; 0 when the source has no lines
+
+  bool is_table() const { return std::holds_alternative<Table>(data); }
+  bool is_array() const { return std::holds_alternative<Array>(data); }
+  Table& table() { return std::get<Table>(data); }
+  const Table& table() const { return std::get<Table>(data); }
+  Array& array() { return std::get<Array>(data); }
+  const Array& array() const { return std::get<Array>(data); }
+
+  /// The value under `key`, or null when this is no table or has no such key.
+  const SceneValue* find(std::string_view key) const;
+  SceneValue* find(std::string_view key);
+};
+
+struct SceneMember {
+  std::string key;
+  SceneValue value;
+};
+
+/// "beam.toml:12", or the source alone when there is no line.
+std::string source_and_line(const SceneValue& value);
+
+/// How a value reads in a message: "0.5", "\"text\"", "an array of 2", "a table".
+std::string describe(const SceneValue& value);
+
+/// Reads a whole TOML document. Throws InputError "NAME:LINE:COLUMN: ..." when it is not TOML.
+SceneValue parse_toml(std::string_view text, const std::string& name);
+
+/// Sets one value of the scene. `assignment` is "KEY=VALUE": KEY a dotted path in which the entries of a list
+/// are named by number (from 0) or by their `name`; VALUE as in TOML, where a bare word is a text.
+/// Throws InputError when the path leads nowhere or the value cannot be read.
+void apply_override(SceneValue& scene, std::string_view assignment);
+
+}  // namespace resilin
