@@ -1,27 +1,35 @@
 #include "resilin/linear/block_kernels.hpp"
 
+#include "resilin/linear/kernel_dispatch.hpp"
+#include "resilin/linear/multigrid_kernels.hpp"
+
 namespace resilin::detail {
 
 extern const BlockKernels block_kernels_baseline;
-#ifdef RESILIN_X86_KERNELS
+extern const MultigridKernels multigrid_kernels_baseline;
+
+#if defined(RESILIN_X86_KERNELS)
 extern const BlockKernels block_kernels_avx2;
 extern const BlockKernels block_kernels_avx512;
+extern const MultigridKernels multigrid_kernels_avx2;
+extern const MultigridKernels multigrid_kernels_avx512;
+#else
+static const BlockKernels& block_kernels_avx2 = block_kernels_baseline;
+static const BlockKernels& block_kernels_avx512 = block_kernels_baseline;
+static const MultigridKernels& multigrid_kernels_avx2 = multigrid_kernels_baseline;
+static const MultigridKernels& multigrid_kernels_avx512 = multigrid_kernels_baseline;
 #endif
 
 const BlockKernels& block_kernels() {
-#ifdef RESILIN_X86_KERNELS
-  static const BlockKernels& best = []() -> const BlockKernels& {
-    __builtin_cpu_init();
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-        __builtin_cpu_supports("avx512vl"))
-      return block_kernels_avx512;
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return block_kernels_avx2;
-    return block_kernels_baseline;
-  }();
+  static const BlockKernels& best =
+      choose_kernels(block_kernels_baseline, block_kernels_avx2, block_kernels_avx512);
   return best;
-#else
-  return block_kernels_baseline;
-#endif
+}
+
+const MultigridKernels& multigrid_kernels() {
+  static const MultigridKernels& best =
+      choose_kernels(multigrid_kernels_baseline, multigrid_kernels_avx2, multigrid_kernels_avx512);
+  return best;
 }
 
 }  // namespace resilin::detail

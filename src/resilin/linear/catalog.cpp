@@ -19,9 +19,8 @@ const Entry entries[] = {
 #else
     {"cholesky", make_ldlt},
 #endif
-    {"ldlt", make_ldlt},
-    {"cg_ic0", make_cg_ic0},
-    {"cg_jacobi", make_cg_jacobi},
+    {"ldlt", make_ldlt},        {"cg_amg", make_cg_amg},
+    {"cg_ic0", make_cg_ic0},    {"cg_jacobi", make_cg_jacobi},
 };
 
 }  // namespace

@@ -11,6 +11,7 @@ std::unique_ptr<LinearSolver> make_cholmod(const LinearOptions& options);
 std::unique_ptr<LinearSolver> make_ldlt(const LinearOptions& options);
 std::unique_ptr<LinearSolver> make_cg_jacobi(const LinearOptions& options);
 std::unique_ptr<LinearSolver> make_cg_ic0(const LinearOptions& options);
+std::unique_ptr<LinearSolver> make_cg_amg(const LinearOptions& options);
 
 /// The choice of `auto`: see linear/auto_solver.cpp.
 std::unique_ptr<LinearSolver> make_auto(const LinearOptions& options, Index num_unknowns);

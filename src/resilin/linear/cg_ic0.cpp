@@ -4,8 +4,10 @@
 #include "resilin/linear/block_kernels.hpp"
 #include "resilin/linear/catalog.hpp"
 #include "resilin/linear/conjugate_gradients.hpp"
+#include "resilin/linear/diagonal_check.hpp"
 #include "resilin/linear/merged_pattern.hpp"
 #include "resilin/linear/ordering.hpp"
+#include "resilin/linear/permuted_pattern.hpp"
 #include "resilin/linear/small_block.hpp"
 
 namespace resilin {
@@ -29,14 +31,17 @@ class BlockIncompleteCholesky : public Preconditioner {
 
   void apply(const VectorX& r, VectorX& z) override {
     z.resize(r.size());
+    const double size = r.lpNorm<Eigen::Infinity>();  // keeps the numbers in the range of float
     const auto solve = detail::block_kernels().solve_incomplete[dim_ - 2];
     for (Index i = 0; i < num_nodes_; ++i)
       for (int d = 0; d < dim_; ++d)
-        permuted_[i * dim_ + d] = static_cast<float>(scale_ * r[node_at_[i] * dim_ + d]);
-    solve(row_begin_.data(), columns_.data(), upper_.data(), inverse_diagonal_.data(), permuted_.data(),
-          num_nodes_);
+        permuted_[i * dim_ + d] = static_cast<float>(r[upper_pattern_.node_at[i] * dim_ + d] / size);
+    solve(upper_pattern_.row_begin.data(), upper_pattern_.columns.data(), upper_.data(),
+          inverse_diagonal_.data(), permuted_.data(), num_nodes_);
     for (Index i = 0; i < num_nodes_; ++i)
-      for (int d = 0; d < dim_; ++d) z[node_at_[i] * dim_ + d] = static_cast<double>(permuted_[i * dim_ + d]);
+      for (int d = 0; d < dim_; ++d)
+        z[upper_pattern_.node_at[i] * dim_ + d] =
+            size * scale_ * static_cast<double>(permuted_[i * dim_ + d]);
   }
 
  private:
@@ -51,67 +56,44 @@ class BlockIncompleteCholesky : public Preconditioner {
   template <int dim>
   bool eliminate_rows();
 
-  /// Padded blocks of `work_`: slot i is the diagonal of position i, slot num_nodes + k is columns_[k].
+  /// Size of a block in `work_`, its rows padded.
   int padded_size() const { return dim_ == 3 ? 12 : 4; }
 
   MergedPattern pattern_;
   int dim_ = 3;
   Index num_nodes_ = 0;
-  std::vector<Index> node_at_;        // by position
-  std::vector<Offset> row_begin_;     // of the strictly upper part, by position
-  std::vector<Index> columns_;        // positions
-  std::vector<Offset> work_slots_;    // by slot of the merged pattern; ~slot when the transpose is stored
+  PermutedPattern upper_pattern_;
   std::vector<Offset> pair_begin_;    // by position: first entry of slot_of_pair_
   std::vector<Offset> slot_of_pair_;  // see BlockKernels::eliminate_row
   std::vector<double> work_;
   std::vector<double> inverse_;  // of the pivot blocks
   std::vector<float> upper_, inverse_diagonal_;
   std::vector<float> permuted_;
-  double scale_ = 1;  // brings residual and matrix into the range of float
+  double scale_ = 1;  // brings the matrix into the range of float
 };
 
 void BlockIncompleteCholesky::analyze_pattern(int dim) {
   dim_ = dim;
   num_nodes_ = pattern_.num_nodes();
   const NodeGraph graph(pattern_);
-  node_at_ = reverse_cuthill_mckee(graph);
-  std::vector<Index> position(node_at_.size());
-  for (Index i = 0; i < num_nodes_; ++i) position[node_at_[i]] = i;
-
-  row_begin_.assign(1, 0);
-  columns_.clear();
-  for (Index i = 0; i < num_nodes_; ++i) {
-    const Index node = node_at_[i];
-    for (Index k = graph.begin[node]; k < graph.begin[node + 1]; ++k)
-      if (position[graph.neighbours[k]] > i) columns_.push_back(position[graph.neighbours[k]]);
-    std::sort(columns_.begin() + row_begin_.back(), columns_.end());
-    row_begin_.push_back(static_cast<Offset>(columns_.size()));
-  }
-  const auto find = [&](Index i, Index j) -> Offset {
-    if (i == j) return i;
-    const auto end = columns_.begin() + row_begin_[i + 1];
-    const auto found = std::lower_bound(columns_.begin() + row_begin_[i], end, j);
-    return found != end && *found == j ? num_nodes_ + (found - columns_.begin()) : -1;
-  };
-  work_slots_.clear();
-  for (Index node = 0; node < num_nodes_; ++node)
-    for (Offset s = pattern_.row_begin[node]; s < pattern_.row_begin[node + 1]; ++s) {
-      const Index i = position[node], j = position[pattern_.columns[s]];
-      work_slots_.push_back(i <= j ? find(i, j) : ~find(j, i));
-    }
+  upper_pattern_ = PermutedPattern(pattern_, graph, reverse_cuthill_mckee(graph));
+  const std::vector<Offset>& row_begin = upper_pattern_.row_begin;
+  const std::vector<Index>& columns = upper_pattern_.columns;
   pair_begin_.clear();
   slot_of_pair_.clear();
   for (Index i = 0; i < num_nodes_; ++i) {
     pair_begin_.push_back(static_cast<Offset>(slot_of_pair_.size()));
-    for (Offset a = row_begin_[i]; a < row_begin_[i + 1]; ++a)
-      for (Offset b = a; b < row_begin_[i + 1]; ++b) slot_of_pair_.push_back(find(columns_[a], columns_[b]));
+    for (Offset a = row_begin[i]; a < row_begin[i + 1]; ++a)
+      for (Offset b = a; b < row_begin[i + 1]; ++b)
+        slot_of_pair_.push_back(upper_pattern_.find(columns[a], columns[b]));
   }
-  const auto num_blocks = columns_.size(), size = static_cast<std::size_t>(dim * dim);
-  work_.resize((num_blocks + node_at_.size()) * static_cast<std::size_t>(padded_size()));
-  inverse_.resize(node_at_.size() * size);
+  const auto num_nodes = static_cast<std::size_t>(num_nodes_), num_blocks = columns.size();
+  const auto size = static_cast<std::size_t>(dim * dim);
+  work_.resize((num_blocks + num_nodes) * static_cast<std::size_t>(padded_size()));
+  inverse_.resize(num_nodes * size);
   upper_.assign(num_blocks * size + 1, 0.0F);  // padded: see BlockKernels::solve_incomplete
-  inverse_diagonal_.assign(node_at_.size() * size + 1, 0.0F);
-  permuted_.resize(node_at_.size() * static_cast<std::size_t>(dim));
+  inverse_diagonal_.assign(num_nodes * size + 1, 0.0F);
+  permuted_.resize(num_nodes * static_cast<std::size_t>(dim));
 }
 
 template <int dim>
@@ -119,7 +101,7 @@ void BlockIncompleteCholesky::fill_work(const BlockMatrix& A, double shift) {
   constexpr int lanes = dim == 3 ? 4 : 2;
   std::fill(work_.begin(), work_.end(), 0.0);
   pattern_.for_each_block(A, [&](Offset slot, const double* block) {
-    const Offset target = work_slots_[slot];
+    const Offset target = upper_pattern_.block_of_slot[slot];
     double* to = work_.data() + (target >= 0 ? target : ~target) * dim * lanes;
     for (int r = 0; r < dim; ++r)
       for (int c = 0; c < dim; ++c)
@@ -142,8 +124,9 @@ bool BlockIncompleteCholesky::eliminate_rows() {
         pivot[r * dim + c] = work_[(static_cast<std::size_t>(i) * dim + r) * lanes + c];
     double* inverse = &inverse_[static_cast<std::size_t>(i) * dim * dim];
     if (!invert_positive_definite<dim>(pivot, least_pivot, inverse)) return false;
-    eliminate_row(work_.data(), num_nodes_ + row_begin_[i], num_nodes_ + row_begin_[i + 1],
-                  slot_of_pair_.data() + pair_begin_[i], inverse);
+    eliminate_row(work_.data(), num_nodes_ + upper_pattern_.row_begin[i],
+                  num_nodes_ + upper_pattern_.row_begin[i + 1], slot_of_pair_.data() + pair_begin_[i],
+                  inverse);
   }
   return true;
 }
@@ -152,17 +135,13 @@ template <int dim>
 LinearReport BlockIncompleteCholesky::factorize_blocks(const BlockMatrix& A) {
   constexpr int lanes = dim == 3 ? 4 : 2;
   LinearReport report;
-  double largest = 0;
-  for (Index i = 0; i < num_nodes_; ++i) {
-    const double* block = A.block(A.pattern->row_begin[i]);
-    for (int d = 0; d < dim; ++d) largest = std::max(largest, block[d * (dim + 1)]);
-    double inverse[dim * dim];
-    if (invert_positive_definite<dim>(block, 1e-14, inverse)) continue;
+  const DiagonalCheck diagonal = check_diagonal(A);
+  if (diagonal.bad_node >= 0) {
     report.status = LinearReport::Status::indefinite;
-    report.worst_node = i;
+    report.worst_node = diagonal.bad_node;
     return report;
   }
-  scale_ = 1 / largest;
+  scale_ = 1 / diagonal.largest;
   double shift = 0;
   for (;;) {
     fill_work<dim>(A, shift);
@@ -171,7 +150,7 @@ LinearReport BlockIncompleteCholesky::factorize_blocks(const BlockMatrix& A) {
         shift == 0 ? 1e-3 : 4 * shift;  // ends: the factors tend to the diagonal blocks, which are definite
   }
   const double* off_diagonal = work_.data() + static_cast<Offset>(num_nodes_) * dim * lanes;
-  for (Offset k = 0; k < static_cast<Offset>(columns_.size()) * dim; ++k)
+  for (Offset k = 0; k < static_cast<Offset>(upper_pattern_.columns.size()) * dim; ++k)
     for (int c = 0; c < dim; ++c) upper_[k * dim + c] = static_cast<float>(off_diagonal[k * lanes + c]);
   for (std::size_t k = 0; k < inverse_.size(); ++k) inverse_diagonal_[k] = static_cast<float>(inverse_[k]);
   return report;

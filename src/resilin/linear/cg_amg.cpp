@@ -1,0 +1,228 @@
+#include <Eigen/Cholesky>
+#include <algorithm>
+
+#include "resilin/linear/catalog.hpp"
+#include "resilin/linear/conjugate_gradients.hpp"
+#include "resilin/linear/diagonal_check.hpp"
+#include "resilin/linear/merged_pattern.hpp"
+#include "resilin/linear/multigrid_level.hpp"
+#include "resilin/linear/ordering.hpp"
+#include "resilin/linear/permuted_pattern.hpp"
+
+namespace resilin {
+namespace {
+
+/// Smoothed aggregation with the rigid body modes: one V-cycle with a forward Gauss-Seidel sweep on the way
+/// down and a backward one on the way up, in single precision.
+///
+/// Source: Vanek, Mandel, Brezina 1996. What depends on the pattern, on the positions and on which unknowns
+/// are fixed is set up once; new values refill the hierarchy.
+class SmoothedAggregation : public Preconditioner {
+ public:
+  void analyze(const BlockMatrix& A, const VectorX& node_positions) override {
+    if (positions_.size() != node_positions.size() || positions_ != node_positions) {
+      positions_ = node_positions;
+      pattern_.reset();
+    }
+    if (pattern_.update(A, MergedPattern::Keep::same_pairs)) analyze_pattern();
+  }
+
+  LinearReport factorize(const BlockMatrix& A) override;
+  void apply(const VectorX& r, VectorX& z) override;
+
+ private:
+  static constexpr Index most_coarse_unknowns = 240;  ///< solved densely
+
+  void analyze_pattern();
+  void build_levels(int dim);
+  void fill_finest(const BlockMatrix& A);
+  void factorize_coarsest();
+  void solve_coarsest();
+  void cycle(std::size_t depth);
+
+  MergedPattern pattern_;
+  PermutedPattern permuted_;
+  VectorX positions_;
+  std::vector<std::uint8_t> is_fixed_;  // by unknown, node by node as in A
+  std::vector<MultigridLevel> levels_;
+  double scale_ = 1;
+  Eigen::LLT<Eigen::MatrixXd> coarsest_;
+  VectorX coarse_vector_;
+  bool is_coarsest_dense_ = false;
+};
+
+void SmoothedAggregation::analyze_pattern() {
+  const NodeGraph graph(pattern_);
+  permuted_ = PermutedPattern(pattern_, graph, reverse_cuthill_mckee(graph));
+  levels_.clear();
+}
+
+/// Unknowns that are coupled with no other, as `eliminate` leaves them.
+std::vector<std::uint8_t> find_fixed(const BlockMatrix& A) {
+  const int dim = A.dim;
+  std::vector<std::uint8_t> is_fixed(static_cast<std::size_t>(A.num_unknowns()), 1);
+  const auto look_at = [&](Index i, Index j, const double* block) {
+    for (int r = 0; r < dim; ++r)
+      for (int c = 0; c < dim; ++c)
+        if (block[r * dim + c] != 0 && (i != j || r != c)) is_fixed[i * dim + r] = is_fixed[j * dim + c] = 0;
+  };
+  const BlockPattern& pattern = *A.pattern;
+  for (Index i = 0; i < A.num_nodes(); ++i)
+    for (Offset s = pattern.row_begin[i]; s < pattern.row_begin[i + 1]; ++s)
+      look_at(i, pattern.columns[s], A.block(s));
+  for (const BlockMatrix::ExtraBlock& extra : A.extra)
+    look_at(extra.row, extra.column, A.extra_values.data() + extra.begin);
+  return is_fixed;
+}
+
+void SmoothedAggregation::build_levels(int dim) {
+  const Index num_nodes = permuted_.num_nodes();
+  VectorX positions(positions_.size());
+  std::vector<std::uint8_t> is_fixed(is_fixed_.size()), is_active(static_cast<std::size_t>(num_nodes), 0);
+  for (Index i = 0; i < num_nodes; ++i)
+    for (int d = 0; d < dim; ++d) {
+      const Index from = permuted_.node_at[i] * dim + d;
+      if (positions.size() > 0) positions[i * dim + d] = positions_[from];
+      is_fixed[i * dim + d] = is_fixed_[from];
+      if (is_fixed_[from] == 0) is_active[i] = 1;
+    }
+  levels_.clear();
+  levels_.emplace_back();
+  levels_[0].dim = dim;
+  levels_[0].row_begin = permuted_.row_begin;
+  levels_[0].columns = permuted_.columns;
+  Modes modes = rigid_modes(dim, positions, is_fixed);
+  for (;;) {
+    MultigridLevel& fine = levels_.back();
+    fine.allocate();
+    if (fine.num_nodes() * fine.block_size() <= most_coarse_unknowns) break;
+    fine.full = FullPattern(fine.row_begin, fine.columns);
+    const Aggregates groups = aggregate(fine.full, is_active);
+    if (groups.count == 0 || groups.count > fine.num_nodes() * 2 / 3) break;
+    MultigridLevel coarse;
+    coarse.dim = dim;
+    coarse.is_given = false;
+    fine.connect(groups, coarse);
+    TentativeProlongation tentative = orthonormalize(modes, groups);
+    fine.set_tentative(tentative.fine);
+    coarse.is_absent = std::move(tentative.is_absent);
+    modes = std::move(tentative.coarse);
+    is_active.assign(static_cast<std::size_t>(groups.count), 1);
+    levels_.push_back(std::move(coarse));
+  }
+}
+
+void SmoothedAggregation::fill_finest(const BlockMatrix& A) {
+  MultigridLevel& finest = levels_.front();
+  const int dim = A.dim, lanes = finest.lanes();
+  std::fill(finest.blocks.begin(), finest.blocks.end(), 0.0F);
+  pattern_.for_each_block(A, [&](Offset slot, const double* block) {
+    const Offset target = permuted_.block_of_slot[slot];
+    float* to = finest.blocks.data() + (target >= 0 ? target : ~target) * dim * lanes;
+    for (int r = 0; r < dim; ++r)
+      for (int c = 0; c < dim; ++c)
+        to[r * lanes + c] +=
+            static_cast<float>(scale_ * (target >= 0 ? block[r * dim + c] : block[c * dim + r]));
+  });
+}
+
+LinearReport SmoothedAggregation::factorize(const BlockMatrix& A) {
+  if (pattern_.update(A, MergedPattern::Keep::same_pairs)) analyze_pattern();
+  LinearReport report;
+  const DiagonalCheck diagonal = check_diagonal(A);
+  if (diagonal.bad_node >= 0) {
+    report.status = LinearReport::Status::indefinite;
+    report.worst_node = diagonal.bad_node;
+    return report;
+  }
+  scale_ = 1 / diagonal.largest;
+  std::vector<std::uint8_t> is_fixed = find_fixed(A);
+  if (levels_.empty() || is_fixed != is_fixed_) {
+    is_fixed_ = std::move(is_fixed);
+    build_levels(A.dim);
+  }
+  fill_finest(A);
+  for (std::size_t depth = 0; depth < levels_.size(); ++depth) {
+    levels_[depth].invert_diagonal();
+    if (depth + 1 < levels_.size()) levels_[depth].project_to(levels_[depth + 1]);
+  }
+  factorize_coarsest();
+  return report;
+}
+
+void SmoothedAggregation::factorize_coarsest() {
+  const MultigridLevel& level = levels_.back();
+  const int size = level.block_size(), lanes = level.lanes();
+  is_coarsest_dense_ = level.num_nodes() * size <= most_coarse_unknowns;
+  if (!is_coarsest_dense_) return;
+  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(level.num_nodes() * size, level.num_nodes() * size);
+  const auto put = [&](Index i, Index j, Offset block) {
+    const float* from = level.blocks.data() + block * level.numbers_per_block();
+    for (int r = 0; r < size; ++r)
+      for (int c = 0; c < size; ++c)
+        dense(j * size + c, i * size + r) = static_cast<double>(from[r * lanes + c]);
+  };
+  for (Index i = 0; i < level.num_nodes(); ++i) {
+    put(i, i, i);
+    for (Offset k = level.row_begin[i]; k < level.row_begin[i + 1]; ++k)
+      put(i, level.columns[k], level.num_nodes() + k);
+  }
+  // Round-off of single precision may take away definiteness where the matrix is nearly singular.
+  const double largest = dense.diagonal().maxCoeff();
+  for (double shift = 1e-7; coarsest_.compute(dense).info() != Eigen::Success; shift *= 4)
+    dense.diagonal().array() += shift * largest;
+  coarse_vector_.resize(dense.rows());
+}
+
+void SmoothedAggregation::solve_coarsest() {
+  MultigridLevel& level = levels_.back();
+  const int size = level.block_size(), lanes = level.lanes();
+  for (Index i = 0; i < level.num_nodes(); ++i)
+    for (int d = 0; d < size; ++d) coarse_vector_[i * size + d] = static_cast<double>(level.r[i * lanes + d]);
+  coarsest_.solveInPlace(coarse_vector_);
+  for (Index i = 0; i < level.num_nodes(); ++i)
+    for (int d = 0; d < size; ++d) level.x[i * lanes + d] = static_cast<float>(coarse_vector_[i * size + d]);
+}
+
+/// x of the level from its r, which is destroyed.
+void SmoothedAggregation::cycle(std::size_t depth) {
+  MultigridLevel& level = levels_[depth];
+  const bool is_coarsest = depth + 1 == levels_.size();
+  if (is_coarsest && is_coarsest_dense_) return solve_coarsest();
+  const detail::MultigridKernels& kernels = detail::multigrid_kernels();
+  const int space = level.dim - 2, kind = level.is_given ? 0 : 1;
+  level.b = level.r;
+  kernels.pre_smooth[space][kind](level.view(), level.r.data(), level.x.data());
+  if (!is_coarsest) {
+    MultigridLevel& coarse = levels_[depth + 1];
+    std::fill(coarse.r.begin(), coarse.r.end(), 0.0F);
+    kernels.restrict_residual[space][kind](level.transfer(), level.num_nodes(), level.r.data(),
+                                           coarse.r.data());
+    cycle(depth + 1);
+    kernels.prolong_add[space][kind](level.transfer(), level.num_nodes(), coarse.x.data(), level.x.data());
+  }
+  kernels.post_smooth[space][kind](level.view(), level.b.data(), level.x.data());
+}
+
+void SmoothedAggregation::apply(const VectorX& r, VectorX& z) {
+  MultigridLevel& finest = levels_.front();
+  const int dim = finest.dim, lanes = finest.lanes();
+  const double size = r.lpNorm<Eigen::Infinity>();  // keeps the numbers in the range of float
+  z.resize(r.size());
+  for (Index i = 0; i < permuted_.num_nodes(); ++i)
+    for (int d = 0; d < dim; ++d)
+      finest.r[i * lanes + d] = static_cast<float>(r[permuted_.node_at[i] * dim + d] / size);
+  cycle(0);
+  for (Index i = 0; i < permuted_.num_nodes(); ++i)
+    for (int d = 0; d < dim; ++d)
+      z[permuted_.node_at[i] * dim + d] = size * scale_ * static_cast<double>(finest.x[i * lanes + d]);
+}
+
+}  // namespace
+
+std::unique_ptr<LinearSolver> make_cg_amg(const LinearOptions& options) {
+  return std::make_unique<ConjugateGradients>("cg_amg", options.max_iterations,
+                                              std::make_unique<SmoothedAggregation>());
+}
+
+}  // namespace resilin

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <stdint.h>  // and nothing else: see block_kernels.inl
+
+namespace resilin::detail {
+
+/// Views of the arrays of one level, for the inner loops. Numbers are float; a row of a block has `lanes`
+/// numbers, the power of two not below its size, and the padding is zero in blocks (in vectors it has no
+/// meaning).
+struct LevelView {
+  int32_t num_nodes;
+  const int64_t* row_begin;  ///< strictly upper part
+  const int32_t* columns;
+  const float* upper;     ///< size x lanes for every entry of `columns`
+  const float* diagonal;  ///< size x lanes for every node
+  const float* inverse_diagonal;
+};
+
+/// The prolongation of a level and the map of the Galerkin product. Rows are fine nodes, columns coarse ones.
+struct TransferView {
+  const int64_t* row_begin;
+  const int32_t* columns;
+  float* blocks;  ///< fine size x coarse lanes for every entry of `columns`
+
+  const float* tentative;      ///< fine size x coarse lanes for every fine node
+  const int64_t* full_begin;   ///< both triangles of the fine matrix by rows, the diagonal included
+  const int64_t* full_blocks;  ///< -1: the diagonal; k: upper entry k; -2 - k: its transpose
+  const int32_t* full_columns;
+  const int16_t*
+      smoothing_places;  ///< by full entry: place of its aggregate in the row of the prolongation; -1: none
+
+  const uint16_t* product_width;   ///< by fine node: number of coarse columns in its row of A P
+  const uint16_t* product_places;  ///< by full entry and prolongation entry of its column: place in that row
+  const int32_t* coarse_blocks;    ///< by prolongation entry and place: block of the coarse matrix, or -1
+};
+
+/// Inner loops of the multigrid, compiled once for each instruction set. First index: dim - 2; second: 0 for
+/// the level of the given matrix (blocks of dim), 1 for those below it (blocks of 3 in 2D, 6 in 3D).
+struct MultigridKernels {
+  /// x = (D + L)^-1 r, then r = the residual of x. Lower rows L are the transposes of the upper ones.
+  void (*pre_smooth[2][2])(const LevelView& level, float* r, float* x);
+  /// x = (D + U)^-1 (b - L x), b destroyed.
+  void (*post_smooth[2][2])(const LevelView& level, float* b, float* x);
+  /// y = A x.
+  void (*multiply[2][2])(const LevelView& level, const float* x, float* y);
+  /// x = D^-1 r.
+  void (*apply_inverse_diagonal[2][2])(const LevelView& level, const float* r, float* x);
+  /// coarse += P^T fine; fine += P coarse.
+  void (*restrict_residual[2][2])(const TransferView& transfer, int32_t num_nodes, const float* fine,
+                                  float* coarse);
+  void (*prolong_add[2][2])(const TransferView& transfer, int32_t num_nodes, const float* coarse,
+                            float* fine);
+  /// P = (I - damping D^-1 A) T. Writes transfer.blocks.
+  void (*smooth_prolongation[2][2])(const LevelView& level, const TransferView& transfer, float damping);
+  /// Adds the upper blocks of P^T A P to `coarse`; `row_work` holds the widest row of A P.
+  void (*galerkin_product[2][2])(const LevelView& level, const TransferView& transfer, float* row_work,
+                                 float* coarse);
+};
+
+const MultigridKernels& multigrid_kernels();
+
+}  // namespace resilin::detail

@@ -1,0 +1,262 @@
+// Inner loops of the multigrid. Included like block_kernels.inl, under the same rule: nothing of the standard
+// library or of Eigen.
+
+#include "resilin/linear/multigrid_kernels.hpp"
+
+namespace resilin::detail {
+namespace {
+
+#define RESILIN_INLINE inline __attribute__((always_inline))
+
+constexpr int lanes_of(int size) { return size <= 2 ? 2 : size <= 4 ? 4 : 8; }
+
+template <int lanes>
+struct FloatLanes {
+  typedef float type __attribute__((vector_size(sizeof(float) * lanes)));
+  typedef float loadable
+      __attribute__((vector_size(sizeof(float) * lanes), aligned(sizeof(float)), may_alias));
+};
+
+template <int lanes>
+using Lane = typename FloatLanes<lanes>::type;
+
+template <int lanes>
+RESILIN_INLINE Lane<lanes> load(const float* from) {
+  return *reinterpret_cast<const typename FloatLanes<lanes>::loadable*>(from);
+}
+
+template <int lanes>
+RESILIN_INLINE void store(float* to, Lane<lanes> value) {
+  *reinterpret_cast<typename FloatLanes<lanes>::loadable*>(to) = value;
+}
+
+/// Sum of the lanes that have a meaning.
+template <int size>
+RESILIN_INLINE float sum_of(Lane<lanes_of(size)> value) {
+  float sum = value[0];
+  for (int k = 1; k < size; ++k) sum += value[k];
+  return sum;
+}
+
+/// to = block * x, its padding zero.
+template <int size>
+RESILIN_INLINE void multiply_block(const float* block, const float* x, float* to) {
+  constexpr int lanes = lanes_of(size);
+  const Lane<lanes> v = load<lanes>(x);
+  float result[lanes] = {};
+  for (int r = 0; r < size; ++r) result[r] = sum_of<size>(load<lanes>(block + r * lanes) * v);
+  store<lanes>(to, load<lanes>(result));
+}
+
+/// sum[r] += (block * x)[r], the lanes not yet added up.
+template <int size>
+RESILIN_INLINE void accumulate_block(const float* block, const float* x, Lane<lanes_of(size)>* sum) {
+  constexpr int lanes = lanes_of(size);
+  const Lane<lanes> v = load<lanes>(x);
+  for (int r = 0; r < size; ++r) sum[r] += load<lanes>(block + r * lanes) * v;
+}
+
+/// block^T * x.
+template <int size>
+RESILIN_INLINE Lane<lanes_of(size)> multiply_transposed(const float* block, const float* x) {
+  constexpr int lanes = lanes_of(size);
+  Lane<lanes> sum = load<lanes>(block) * x[0];
+  for (int r = 1; r < size; ++r) sum += load<lanes>(block + r * lanes) * x[r];
+  return sum;
+}
+
+template <int size>
+void pre_smooth(const LevelView& level, float* r, float* x) {
+  constexpr int lanes = lanes_of(size), block_size = size * lanes;
+  for (int32_t i = 0; i < level.num_nodes; ++i) {
+    float x_i[lanes];
+    multiply_block<size>(level.inverse_diagonal + int64_t(i) * block_size, r + int64_t(i) * lanes, x_i);
+    store<lanes>(x + int64_t(i) * lanes, load<lanes>(x_i));
+    for (int64_t k = level.row_begin[i]; k < level.row_begin[i + 1]; ++k) {
+      float* r_j = r + int64_t(level.columns[k]) * lanes;
+      store<lanes>(r_j, load<lanes>(r_j) - multiply_transposed<size>(level.upper + k * block_size, x_i));
+    }
+  }
+  for (int32_t i = 0; i < level.num_nodes; ++i) {  // b - (D + L) x = 0: what is left is -U x
+    Lane<lanes> sum[size] = {};
+    for (int64_t k = level.row_begin[i]; k < level.row_begin[i + 1]; ++k)
+      accumulate_block<size>(level.upper + k * block_size, x + int64_t(level.columns[k]) * lanes, sum);
+    for (int c = 0; c < size; ++c) r[int64_t(i) * lanes + c] = -sum_of<size>(sum[c]);
+  }
+}
+
+template <int size>
+void post_smooth(const LevelView& level, float* b, float* x) {
+  constexpr int lanes = lanes_of(size), block_size = size * lanes;
+  for (int32_t i = 0; i < level.num_nodes; ++i) {
+    const float* x_i = x + int64_t(i) * lanes;
+    for (int64_t k = level.row_begin[i]; k < level.row_begin[i + 1]; ++k) {
+      float* b_j = b + int64_t(level.columns[k]) * lanes;
+      store<lanes>(b_j, load<lanes>(b_j) - multiply_transposed<size>(level.upper + k * block_size, x_i));
+    }
+  }
+  for (int32_t i = level.num_nodes - 1; i >= 0; --i) {
+    Lane<lanes> sum[size] = {};
+    for (int64_t k = level.row_begin[i]; k < level.row_begin[i + 1]; ++k)
+      accumulate_block<size>(level.upper + k * block_size, x + int64_t(level.columns[k]) * lanes, sum);
+    float rest[lanes] = {};
+    for (int c = 0; c < size; ++c) rest[c] = b[int64_t(i) * lanes + c] - sum_of<size>(sum[c]);
+    multiply_block<size>(level.inverse_diagonal + int64_t(i) * block_size, rest, x + int64_t(i) * lanes);
+  }
+}
+
+template <int size>
+void multiply(const LevelView& level, const float* x, float* y) {
+  constexpr int lanes = lanes_of(size), block_size = size * lanes;
+  for (int64_t k = 0; k < int64_t(level.num_nodes) * lanes; ++k) y[k] = 0;
+  for (int32_t i = 0; i < level.num_nodes; ++i) {
+    const float* x_i = x + int64_t(i) * lanes;
+    Lane<lanes> sum[size] = {};
+    accumulate_block<size>(level.diagonal + int64_t(i) * block_size, x_i, sum);
+    for (int64_t k = level.row_begin[i]; k < level.row_begin[i + 1]; ++k) {
+      const int64_t j = level.columns[k];
+      accumulate_block<size>(level.upper + k * block_size, x + j * lanes, sum);
+      float* y_j = y + j * lanes;
+      store<lanes>(y_j, load<lanes>(y_j) + multiply_transposed<size>(level.upper + k * block_size, x_i));
+    }
+    for (int c = 0; c < size; ++c) y[int64_t(i) * lanes + c] += sum_of<size>(sum[c]);
+  }
+}
+
+template <int size>
+void apply_inverse_diagonal(const LevelView& level, const float* r, float* x) {
+  constexpr int lanes = lanes_of(size), block_size = size * lanes;
+  for (int64_t i = 0; i < level.num_nodes; ++i)
+    multiply_block<size>(level.inverse_diagonal + i * block_size, r + i * lanes, x + i * lanes);
+}
+
+template <int fine, int coarse>
+void restrict_residual(const TransferView& transfer, int32_t num_nodes, const float* from, float* to) {
+  constexpr int fine_lanes = lanes_of(fine), lanes = lanes_of(coarse);
+  for (int64_t i = 0; i < num_nodes; ++i)
+    for (int64_t k = transfer.row_begin[i]; k < transfer.row_begin[i + 1]; ++k) {
+      const float* block = transfer.blocks + k * fine * lanes;
+      float* target = to + int64_t(transfer.columns[k]) * lanes;
+      Lane<lanes> sum = load<lanes>(target);
+      for (int r = 0; r < fine; ++r) sum += load<lanes>(block + r * lanes) * from[i * fine_lanes + r];
+      store<lanes>(target, sum);
+    }
+}
+
+template <int fine, int coarse>
+void prolong_add(const TransferView& transfer, int32_t num_nodes, const float* from, float* to) {
+  constexpr int fine_lanes = lanes_of(fine), lanes = lanes_of(coarse);
+  for (int64_t i = 0; i < num_nodes; ++i) {
+    Lane<lanes> sum[fine] = {};
+    for (int64_t k = transfer.row_begin[i]; k < transfer.row_begin[i + 1]; ++k) {
+      const Lane<lanes> x = load<lanes>(from + int64_t(transfer.columns[k]) * lanes);
+      for (int r = 0; r < fine; ++r) sum[r] += load<lanes>(transfer.blocks + (k * fine + r) * lanes) * x;
+    }
+    for (int r = 0; r < fine; ++r) to[i * fine_lanes + r] += sum_of<coarse>(sum[r]);
+  }
+}
+
+/// Where a full entry's block lies, and whether it is meant transposed.
+template <int size>
+RESILIN_INLINE const float* block_of(const LevelView& level, int64_t row, int64_t entry,
+                                     bool& is_transposed) {
+  constexpr int block_size = size * lanes_of(size);
+  is_transposed = entry < -1;
+  if (entry == -1) return level.diagonal + row * block_size;
+  return level.upper + (entry >= 0 ? entry : -2 - entry) * block_size;
+}
+
+/// to += block * B or block^T * B for a block of size x size and B of size x coarse.
+template <int size, int coarse>
+RESILIN_INLINE void add_product(const float* block, bool is_transposed, const float* B, float* to) {
+  constexpr int fine_lanes = lanes_of(size), lanes = lanes_of(coarse);
+  Lane<lanes> rows[size];
+  for (int k = 0; k < size; ++k) rows[k] = load<lanes>(B + k * lanes);
+  const int row_stride = is_transposed ? 1 : fine_lanes, column_stride = is_transposed ? fine_lanes : 1;
+  for (int r = 0; r < size; ++r) {
+    Lane<lanes> sum = load<lanes>(to + r * lanes);
+    for (int k = 0; k < size; ++k) sum += rows[k] * block[r * row_stride + k * column_stride];
+    store<lanes>(to + r * lanes, sum);
+  }
+}
+
+template <int fine, int coarse>
+void smooth_prolongation(const LevelView& level, const TransferView& transfer, float damping) {
+  constexpr int lanes = lanes_of(coarse), block_size = fine * lanes;
+  for (int64_t i = 0; i < level.num_nodes; ++i) {
+    const int64_t begin = transfer.row_begin[i], end = transfer.row_begin[i + 1];
+    for (int64_t k = begin * block_size; k < end * block_size; ++k) transfer.blocks[k] = 0;
+    int own_place = -1;
+    for (int64_t e = transfer.full_begin[i]; e < transfer.full_begin[i + 1]; ++e) {
+      const int place = transfer.smoothing_places[e];
+      if (transfer.full_blocks[e] == -1) own_place = place;
+      if (place < 0) continue;
+      bool is_transposed;
+      const float* block = block_of<fine>(level, i, transfer.full_blocks[e], is_transposed);
+      add_product<fine, coarse>(block, is_transposed,
+                                transfer.tentative + int64_t(transfer.full_columns[e]) * block_size,
+                                transfer.blocks + (begin + place) * block_size);
+    }
+    for (int64_t k = begin; k < end; ++k) {  // P_i = T_i - damping D_i^-1 (A T)_i
+      float* block = transfer.blocks + k * block_size;
+      float smoothed[block_size] = {};
+      add_product<fine, coarse>(level.inverse_diagonal + i * fine * lanes_of(fine), false, block, smoothed);
+      for (int e = 0; e < block_size; ++e) block[e] = -damping * smoothed[e];
+    }
+    if (own_place < 0) continue;
+    float* own = transfer.blocks + (begin + own_place) * block_size;
+    for (int e = 0; e < block_size; ++e) own[e] += transfer.tentative[i * block_size + e];
+  }
+}
+
+template <int fine, int coarse>
+void galerkin_product(const LevelView& level, const TransferView& transfer, float* row_work, float* to) {
+  constexpr int lanes = lanes_of(coarse), block_size = fine * lanes, coarse_block_size = coarse * lanes;
+  const uint16_t* place = transfer.product_places;
+  const int32_t* target = transfer.coarse_blocks;
+  for (int64_t i = 0; i < level.num_nodes; ++i) {
+    const int width = transfer.product_width[i];
+    for (int k = 0; k < width * block_size; ++k) row_work[k] = 0;
+    for (int64_t e = transfer.full_begin[i]; e < transfer.full_begin[i + 1]; ++e) {  // row i of A P
+      bool is_transposed;
+      const float* block = block_of<fine>(level, i, transfer.full_blocks[e], is_transposed);
+      const int64_t j = transfer.full_columns[e];
+      for (int64_t k = transfer.row_begin[j]; k < transfer.row_begin[j + 1]; ++k)
+        add_product<fine, coarse>(block, is_transposed, transfer.blocks + k * block_size,
+                                  row_work + *place++ * block_size);
+    }
+    for (int64_t k = transfer.row_begin[i]; k < transfer.row_begin[i + 1]; ++k) {  // P_i^T (A P)_i
+      const float* P = transfer.blocks + k * block_size;
+      for (int column = 0; column < width; ++column) {
+        const int64_t coarse_block = *target++;
+        if (coarse_block < 0) continue;
+        Lane<lanes> rows[fine];
+        for (int r = 0; r < fine; ++r) rows[r] = load<lanes>(row_work + column * block_size + r * lanes);
+        float* sum = to + coarse_block * coarse_block_size;
+        for (int c = 0; c < coarse; ++c) {
+          Lane<lanes> row = load<lanes>(sum + c * lanes);
+          for (int r = 0; r < fine; ++r) row += rows[r] * P[r * lanes + c];
+          store<lanes>(sum + c * lanes, row);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+
+extern const MultigridKernels RESILIN_KERNELS;
+const MultigridKernels RESILIN_KERNELS = {
+    {{pre_smooth<2>, pre_smooth<3>}, {pre_smooth<3>, pre_smooth<6>}},
+    {{post_smooth<2>, post_smooth<3>}, {post_smooth<3>, post_smooth<6>}},
+    {{multiply<2>, multiply<3>}, {multiply<3>, multiply<6>}},
+    {{apply_inverse_diagonal<2>, apply_inverse_diagonal<3>},
+     {apply_inverse_diagonal<3>, apply_inverse_diagonal<6>}},
+    {{restrict_residual<2, 3>, restrict_residual<3, 3>}, {restrict_residual<3, 6>, restrict_residual<6, 6>}},
+    {{prolong_add<2, 3>, prolong_add<3, 3>}, {prolong_add<3, 6>, prolong_add<6, 6>}},
+    {{smooth_prolongation<2, 3>, smooth_prolongation<3, 3>},
+     {smooth_prolongation<3, 6>, smooth_prolongation<6, 6>}},
+    {{galerkin_product<2, 3>, galerkin_product<3, 3>}, {galerkin_product<3, 6>, galerkin_product<6, 6>}},
+};
+
+}  // namespace resilin::detail

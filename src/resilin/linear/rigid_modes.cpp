@@ -1,0 +1,86 @@
+#include "resilin/linear/rigid_modes.hpp"
+
+#include <cmath>
+
+namespace resilin {
+
+Modes rigid_modes(int dim, const VectorX& positions, std::span<const std::uint8_t> is_fixed) {
+  const auto num_nodes = static_cast<Index>(is_fixed.size()) / dim;
+  Modes modes{.size = dim, .count = dim == 3 ? 6 : 3, .values = {}};
+  modes.values.assign(static_cast<std::size_t>(num_nodes) * dim * modes.count, 0.0);
+  const bool has_positions = positions.size() > 0;
+  const auto position = [&](Index i) {
+    return has_positions
+               ? Vector3(positions[i * dim], positions[i * dim + 1], dim == 3 ? positions[i * dim + 2] : 0)
+               : Vector3(0, 0, 0);
+  };
+  Vector3 center = Vector3::Zero();
+  for (Index i = 0; i < num_nodes; ++i) center += position(i) / num_nodes;
+  double radius = 0;
+  for (Index i = 0; i < num_nodes; ++i) radius = std::max(radius, (position(i) - center).norm());
+  for (Index i = 0; i < num_nodes; ++i) {
+    Eigen::Map<Eigen::Matrix<double, -1, -1, Eigen::RowMajor>> mode(modes.of(i), dim, modes.count);
+    mode.leftCols(dim).setIdentity();
+    if (radius > 0) {
+      const Vector3 X = (position(i) - center) / radius;
+      mode(0, dim) = -X.y();  // about z
+      mode(1, dim) = X.x();
+      if (dim == 3) {
+        mode(1, 4) = -X.z();  // about x
+        mode(2, 4) = X.y();
+        mode(0, 5) = X.z();  // about y
+        mode(2, 5) = -X.x();
+      }
+    }
+    for (int d = 0; d < dim; ++d)
+      if (is_fixed[i * dim + d] != 0) mode.row(d).setZero();
+  }
+  return modes;
+}
+
+TentativeProlongation orthonormalize(const Modes& modes, const Aggregates& groups) {
+  constexpr double least_norm = 1e-8;  // of the column before: what is left is round-off
+  const int count = modes.count;
+  TentativeProlongation result;
+  result.fine = {modes.size, count, std::vector<double>(modes.values.size(), 0.0)};
+  result.coarse = {count, count,
+                   std::vector<double>(static_cast<std::size_t>(groups.count) * count * count, 0.0)};
+  result.is_absent.assign(static_cast<std::size_t>(groups.count) * count, 0);
+
+  std::vector<std::vector<Index>> members(static_cast<std::size_t>(groups.count));
+  for (Index i = 0; i < static_cast<Index>(groups.of_node.size()); ++i)
+    if (groups.of_node[i] >= 0) members[groups.of_node[i]].push_back(i);
+  Eigen::MatrixXd Q;
+  using Block = Eigen::Matrix<double, -1, -1, Eigen::RowMajor>;
+  for (Index group = 0; group < groups.count; ++group) {
+    const std::vector<Index>& nodes = members[group];
+    Q.resize(static_cast<Offset>(nodes.size()) * modes.size, count);
+    for (std::size_t k = 0; k < nodes.size(); ++k)
+      Q.middleRows(static_cast<Offset>(k) * modes.size, modes.size) =
+          Eigen::Map<const Block>(modes.of(nodes[k]), modes.size, count);
+    Eigen::Map<Block> R(result.coarse.of(group), count, count);
+    for (int c = 0; c < count; ++c) {
+      const double norm_before = Q.col(c).norm();
+      for (int pass = 0; pass < 2; ++pass)  // twice is enough (Gram-Schmidt)
+        for (int k = 0; k < c; ++k) {
+          const double part = Q.col(k).dot(Q.col(c));
+          R(k, c) += part;
+          Q.col(c) -= part * Q.col(k);
+        }
+      const double norm = Q.col(c).norm();
+      if (norm > least_norm * norm_before) {
+        R(c, c) = norm;
+        Q.col(c) /= norm;
+      } else {
+        Q.col(c).setZero();
+        result.is_absent[group * count + c] = 1;
+      }
+    }
+    for (std::size_t k = 0; k < nodes.size(); ++k)
+      Eigen::Map<Block>(result.fine.of(nodes[k]), modes.size, count) =
+          Q.middleRows(static_cast<Offset>(k) * modes.size, modes.size);
+  }
+  return result;
+}
+
+}  // namespace resilin
