@@ -18,6 +18,7 @@ import check_examples
 import check_format
 import check_includes
 import check_repository
+import check_setup
 import check_tidy
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
@@ -49,6 +50,7 @@ def run_rules():
         "house rules": check_repository.find_problems,
         "clang-format": check_format.find_cpp_problems,
         "ruff": check_format.find_python_problems,
+        "set-up installs what is missing and nothing else": check_setup.find_problems,
         "shell scripts": check_format.find_shell_problems,
         "clang-tidy on what changed last": check_tidy.find_problems_in_changes,
     }

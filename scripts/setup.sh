@@ -22,7 +22,7 @@ packages_replaced_by_tools() {
 # Prints the packages of "$@" that are absent.
 missing_packages() {
   { packages_replaced_by_tools
-    dpkg-query -W -f='${db:Status-Status} ${Package}\n' "$@" 2>/dev/null | sed -n 's/^installed //p'
+    { dpkg-query -W -f='${db:Status-Status} ${Package}\n' "$@" 2>/dev/null || true; } | sed -n 's/^installed //p'
     echo '--'
     printf '%s\n' "$@"; } | awk '/^--$/ { wanted = 1; next } !wanted { have[$0] = 1; next } !($0 in have)'
 }
@@ -54,6 +54,7 @@ install_packages() {
     # The package lists are absent or old.
     if ! { "${apt[@]}" update && "${apt[@]}" install "${options[@]}" "${missing[@]}"; } </dev/null >"$log" 2>&1; then
       tail -n 20 "$log" >&2
+      rm -f "$log"
       die "The packages could not be installed: apt-get install ${options[*]} ${missing[*]}"
     fi
   fi
