@@ -228,5 +228,52 @@ TEST(LinearSolver, StopsAtTheLargestNumberOfIterations) {
   EXPECT_GT(problem.right_side.dot(x), 0);
 }
 
+/// The mesh refined three times: Jacobi's iterations grow like 1/h, those of the multigrid stay.
+TEST(MultigridSolver, NeedsAboutTheSameIterationsOnEveryMesh) {
+  for (const int dim : {2, 3}) {
+    std::vector<int> iterations;
+    for (const int n : dim == 2 ? std::vector<int>{8, 16, 32, 64} : std::vector<int>{3, 5, 8, 12}) {
+      const BarProblem bar = make_bar_problem({.dim = dim, .cells_per_height = n, .poissons_ratio = 0.3});
+      const auto solver = make_linear_solver({.kind = "cg_amg"}, bar.matrix.num_unknowns());
+      solver->analyze(bar.matrix, bar.node_positions);
+      ASSERT_EQ(solver->factorize(bar.matrix).status, Status::ok);
+      VectorX x;
+      const LinearReport report = solver->solve(bar.matrix, bar.right_side, x, 1e-8);
+      ASSERT_EQ(report.status, Status::ok);
+      iterations.push_back(report.iterations);
+    }
+    EXPECT_LE(iterations.back(), 2 * iterations.front()) << "dim " << dim;
+    EXPECT_LE(iterations.back(), 40) << "dim " << dim;
+  }
+}
+
+TEST(MultigridSolver, GainsFromThePositions) {
+  const BarProblem bar = make_bar_problem({.cells_per_height = 8});
+  int iterations[2];
+  for (const bool is_told : {false, true}) {
+    const auto solver = make_linear_solver({.kind = "cg_amg"}, bar.matrix.num_unknowns());
+    solver->analyze(bar.matrix, is_told ? bar.node_positions : VectorX{});
+    solver->factorize(bar.matrix);
+    VectorX x;
+    iterations[is_told ? 1 : 0] = solver->solve(bar.matrix, bar.right_side, x, 1e-8).iterations;
+  }
+  EXPECT_LT(iterations[1], 0.7 * iterations[0]);
+}
+
+TEST(AutomaticSolver, FallsBackToADirectOneWhereIterationsDoNotArrive) {
+  const BarProblem bar = make_bar_problem({.cells_per_height = 7, .poissons_ratio = 0.499999});
+  for (const bool is_dynamic : {false, true}) {
+    const auto solver =
+        make_linear_solver({.kind = "auto", .is_dynamic = is_dynamic}, bar.matrix.num_unknowns());
+    solver->analyze(bar.matrix, bar.node_positions);
+    ASSERT_EQ(solver->factorize(bar.matrix).status, Status::ok);
+    VectorX x;
+    const LinearReport report = solver->solve(bar.matrix, bar.right_side, x, 1e-7);
+    EXPECT_EQ(report.status, Status::ok);
+    EXPECT_GE(report.iterations, 200) << "the case is too easy to show it";
+    EXPECT_LT(relative_residual(bar.matrix, bar.right_side, x), 1.1e-7);
+  }
+}
+
 }  // namespace
 }  // namespace resilin

@@ -5,55 +5,71 @@
 namespace resilin {
 namespace {
 
-/// Conjugate gradients first; a direct factorisation where they do not arrive within some iterations.
+/// Tries solvers in turn: the next one where the one before does not converge.
 ///
-/// Every solve begins with conjugate gradients, so that a run which is taken up again gives the same bits.
-class IterativeThenDirect : public LinearSolver {
+/// Every solve begins with the first, so that a run that is taken up again gives the same bits as an unbroken
+/// one.
+class SolverChain : public LinearSolver {
  public:
-  IterativeThenDirect(std::unique_ptr<LinearSolver> iterative, std::unique_ptr<LinearSolver> direct)
-      : iterative_(std::move(iterative)), direct_(std::move(direct)) {}
+  explicit SolverChain(std::vector<std::unique_ptr<LinearSolver>> solvers) : solvers_(std::move(solvers)) {}
 
-  std::string_view name() const override { return iterative_->name(); }
-  bool is_direct() const override { return false; }
+  std::string_view name() const override { return solvers_.front()->name(); }
+  bool is_direct() const override { return solvers_.front()->is_direct(); }
+
   void analyze(const BlockMatrix& A, const VectorX& node_positions) override {
-    iterative_->analyze(A, node_positions);
+    solvers_.front()->analyze(A, node_positions);
+    node_positions_ = node_positions;
   }
-  LinearReport factorize(const BlockMatrix& A) override { return iterative_->factorize(A); }
+
+  LinearReport factorize(const BlockMatrix& A) override { return solvers_.front()->factorize(A); }
 
   LinearReport solve(const BlockMatrix& A, const VectorX& b, VectorX& x, double relative_tolerance) override {
-    LinearReport report = iterative_->solve(A, b, x, relative_tolerance);
-    if (report.status != LinearReport::Status::not_converged) return report;
-    const int iterations = report.iterations;
-    const LinearReport factors = direct_->factorize(A);
-    if (factors.status == LinearReport::Status::out_of_memory)
-      return report;  // the last iterate is all there is
-    if (factors.status == LinearReport::Status::indefinite) {
-      report.status = factors.status;
-      report.worst_node = factors.worst_node;
-      return report;
+    LinearReport report = solvers_.front()->solve(A, b, x, relative_tolerance);
+    int iterations = report.iterations;
+    for (std::size_t k = 1; k < solvers_.size(); ++k) {
+      if (report.status != LinearReport::Status::not_converged) break;
+      solvers_[k]->analyze(A, node_positions_);
+      LinearReport next = solvers_[k]->factorize(A);
+      if (next.status == LinearReport::Status::out_of_memory) break;  // the last iterate is all there is
+      if (next.status == LinearReport::Status::ok) next = solvers_[k]->solve(A, b, x, relative_tolerance);
+      report = next;
+      iterations += report.iterations;
     }
-    report = direct_->solve(A, b, x, relative_tolerance);
     report.iterations = iterations;
     return report;
   }
 
  private:
-  std::unique_ptr<LinearSolver> iterative_, direct_;
+  std::vector<std::unique_ptr<LinearSolver>> solvers_;
+  VectorX node_positions_;
 };
 
 }  // namespace
 
+// Limits from `resilin bench solvers` (docs/performance.md): in 3D at rest the multigrid overtakes the direct
+// solver at about 1,500 unknowns and is 8 times faster at 47,000; it gives way to it only where the material
+// is all but incompressible. With mass, incomplete Cholesky needs some 5 to 40 iterations and the cheapest
+// set-up.
 std::unique_ptr<LinearSolver> make_auto(const LinearOptions& options, Index num_unknowns) {
-  constexpr Index most_unknowns_direct = 60000;
-  constexpr int most_iterations = 300;  // about the cost of a factorisation
-  LinearOptions direct = options, iterative = options;
-  direct.kind = "cholesky";
-  iterative.kind = "cg_ic0";
-  iterative.max_iterations = num_unknowns <= most_unknowns_direct ? most_iterations : options.max_iterations;
-  if (!options.is_dynamic && num_unknowns <= most_unknowns_direct)
-    return make_linear_solver(direct, num_unknowns);
-  return std::make_unique<IterativeThenDirect>(make_linear_solver(iterative, num_unknowns),
-                                               make_linear_solver(direct, num_unknowns));
+  constexpr Index most_unknowns_direct_first = 1500;
+  constexpr Index most_unknowns_direct = 300000;  // about 4 GB
+  constexpr int iterations_incomplete = 80;       // then a multigrid set-up pays
+  constexpr int iterations_multigrid = 200;       // about the cost of a factorisation
+  std::vector<std::unique_ptr<LinearSolver>> solvers;
+  const auto add = [&](const char* kind, int max_iterations) {
+    LinearOptions choice = options;
+    choice.kind = kind;
+    choice.max_iterations = max_iterations;
+    solvers.push_back(make_linear_solver(choice, num_unknowns));
+  };
+  const bool has_direct = num_unknowns <= most_unknowns_direct;
+  const bool is_direct_first = !options.is_dynamic && num_unknowns <= most_unknowns_direct_first;
+  if (!is_direct_first) {
+    if (options.is_dynamic) add("cg_ic0", iterations_incomplete);
+    add("cg_amg", has_direct ? iterations_multigrid : options.max_iterations);
+  }
+  if (has_direct) add("cholesky", 0);
+  return std::make_unique<SolverChain>(std::move(solvers));
 }
 
 }  // namespace resilin
