@@ -66,10 +66,10 @@ void expect_keys_of_kind(const SceneNode& table, const LoadKind& kind) {
   const auto in = [](const std::vector<std::string>& words, const char* word) {
     return std::ranges::find(words, word) != words.end();
   };
+  for (const std::string& name : kind.needs) {
+    if (!table.has(name)) table.fail_with(std::string("a ") + kind.name + " needs the key \"" + name + "\"");
+  }
   for (const char* name : {"value", "where", "stiffness", "displacement", "velocity"}) {
-    if (in(kind.needs, name) && !table.has(name)) {
-      table.fail_with(std::string("a ") + kind.name + " needs the key \"" + name + "\"");
-    }
     if (table.has(name) && !in(kind.needs, name) && !in(kind.has, name)) {
       table.child(name).fail_with(std::string("a ") + kind.name + " has no such key; it has " +
                                   join(kind.needs) + (kind.has.empty() ? "" : ", " + join(kind.has)));

@@ -58,6 +58,10 @@ std::string one_of(const std::vector<std::string>& words) {
   return text;
 }
 
+std::string not_yet(const std::vector<std::string>& words) {
+  return words.empty() ? "" : " Not in this version: " + join(words) + ".";
+}
+
 std::string read_choice(const SceneNode& node, const std::vector<std::string>& there_is,
                         const std::vector<std::string>& later) {
   const std::string word = read_text(node);

@@ -76,7 +76,8 @@ std::string default_text(const std::string& value);
 std::string default_text(const Vector3& value);
 std::string default_text(const Eigen::Matrix3d& value);
 std::string default_text(const std::vector<std::string>& value);
-std::string one_of(const std::vector<std::string>& words);  ///< "`a` or `b`"
+std::string one_of(const std::vector<std::string>& words);   ///< "\"a\" or \"b\""
+std::string not_yet(const std::vector<std::string>& words);  ///< " Not in this version: a, b."; may be empty
 
 /// The text when it is one of `there_is`; one of `later` is refused as not part of this version.
 std::string read_choice(const SceneNode& node, const std::vector<std::string>& there_is,
@@ -121,7 +122,7 @@ Key<T> matrix_key(const char* name, Eigen::Matrix3d T::* member, const char* uni
 template <class T>
 Key<T> choice_key(const char* name, std::string T::* member, const std::vector<std::string>& there_is,
                   const std::vector<std::string>& later, const char* text) {
-  return {{name, one_of(there_is), "", default_text(T{}.*member), text},
+  return {{name, one_of(there_is), "", default_text(T{}.*member), text + not_yet(later)},
           [=](const SceneNode& node, T& target) { target.*member = read_choice(node, there_is, later); }};
 }
 
@@ -129,7 +130,7 @@ template <class T>
 Key<T> choices_key(const char* name, std::vector<std::string> T::* member,
                    const std::vector<std::string>& there_is, const std::vector<std::string>& later,
                    const char* text) {
-  return {{name, "list of " + one_of(there_is), "", default_text(T{}.*member), text},
+  return {{name, "list of " + one_of(there_is), "", default_text(T{}.*member), text + not_yet(later)},
           [=](const SceneNode& node, T& target) { target.*member = read_choices(node, there_is, later); }};
 }
 

@@ -36,7 +36,7 @@ at = [4, 0.5, 0.5]
 )";
 
 std::string row(const KeyDoc& key) {
-  const std::string meaning = key.is_later ? "*Not part of this version.* " + key.text : key.text;
+  const std::string meaning = key.is_later ? "Not in this version. " + key.text : key.text;
   return "| `" + key.name + "` | " + key.type + " | " + key.unit + " | " + key.default_text + " | " +
          meaning + " |\n";
 }
@@ -50,6 +50,10 @@ std::string scene_reference() {
     page += "| key | type | unit | default | meaning |\n| --- | --- | --- | --- | --- |\n";
     for (const KeyDoc& key : section.keys) page += row(key);
   }
+  page +=
+      "\n## [contact], [[collider]]\nNot in this version: bodies pass through each other. `[contact]` with "
+      "`enabled = false` "
+      "is accepted.\n";
   return page;
 }
 

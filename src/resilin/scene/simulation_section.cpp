@@ -48,7 +48,10 @@ Keys<SolverOptions> solver_keys() {
   std::vector<std::string> kinds = linear_solver_names();
   kinds.insert(kinds.begin(), "auto");
   return {
-      choice_key("kind", &S::kind, kinds, {}, "Linear solver. `auto` picks by kind and size of the problem."),
+      key<S>(
+          {"kind", "text", "", default_text(S{}.kind),
+           "Linear solver: \"auto\" picks by kind and size of the problem; `resilin info` lists the others."},
+          [kinds](const SceneNode& node, S& s) { s.kind = read_choice(node, kinds); }),
       integer_key("max_iterations", &S::max_iterations, at_least_one,
                   "Iterations of an iterative solver, for each solve."),
   };

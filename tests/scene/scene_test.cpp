@@ -1,0 +1,221 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "scene_text.hpp"
+
+namespace resilin::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+TEST(SceneFile, FillsTheDescription) {
+  const Description d = read_text(good_scene).description;
+  EXPECT_EQ(d.title, "A small beam");
+  EXPECT_FALSE(d.is_dynamic);
+  EXPECT_EQ(d.gravity, Vector3(0, 0, -9.81));
+  ASSERT_EQ(d.bodies.size(), 1u);
+  EXPECT_EQ(d.bodies[0].name, "beam");
+  EXPECT_EQ(d.bodies[0].mesh.find_block(CellKind::tetrahedron)->num_cells(), 12);
+  EXPECT_EQ(d.bodies[0].material.law, "neo_hookean");
+  EXPECT_EQ(d.bodies[0].material.constants.at("youngs_modulus"), 1e6);
+  ASSERT_EQ(d.fixes.size(), 1u);
+  EXPECT_EQ(d.fixes[0].where.group, "x_min");
+  ASSERT_EQ(d.loads.size(), 1u);
+  EXPECT_EQ(d.loads[0].kind, LoadDescription::Kind::traction);
+  EXPECT_EQ(d.loads[0].value, Vector3(0, 0, -100));
+  ASSERT_EQ(d.probes.size(), 1u);
+  EXPECT_EQ(d.probes[0].at, Vector3(2, 0.5, 0.5));
+}
+
+TEST(SceneFile, LeavesTheDefaultsOfTheStructsWhereItSaysNothing) {
+  const Description d =
+      read_text("[[body]]\nmesh = { box = { size = [1, 1, 1], cells = [1, 1, 1] } }").description;
+  const Description defaults;
+  EXPECT_EQ(d.time_step, defaults.time_step);
+  EXPECT_EQ(d.newton.tolerance, defaults.newton.tolerance);
+  EXPECT_EQ(d.output.fields, defaults.output.fields);
+  EXPECT_EQ(d.bodies[0].material.constants, MaterialDescription{}.constants);
+}
+
+TEST(SceneFile, TellsFileLineAndColumnOfASyntaxError) {
+  const std::string message = input_error([] { read_text("title = \"a\"\ngravity = [1, 2\n[[body]]\n"); });
+  EXPECT_THAT(message, StartsWith("beam.toml:3:")) << message;
+  EXPECT_EQ(std::ranges::count(message, '\n'), 0);
+}
+
+TEST(SceneFile, TellsFileLineAndKeyOfAWrongValue) {
+  EXPECT_EQ(error_after_replacing("poissons_ratio = 0.3", "poissons_ratio = \"soft\""),
+            "beam.toml:14: body[0].material.poissons_ratio: expected a number, got \"soft\"");
+  EXPECT_EQ(error_after_replacing("gravity = [0, 0, -9.81]", "gravity = [0, -9.81]"),
+            "beam.toml:5: simulation.gravity: expected 3 numbers since simulation.dimension is 3, got 2");
+}
+
+TEST(SceneFile, NamesTheNearestKnownKey) {
+  EXPECT_THAT(error_after_replacing("youngs_modulus", "youngs_modulos"),
+              AllOf(HasSubstr("beam.toml:13: body[0].material.youngs_modulos: unknown key"),
+                    HasSubstr("did you mean \"youngs_modulus\"?")));
+  EXPECT_THAT(error_after_replacing("[simulation]", "[simulaton]"),
+              HasSubstr("did you mean \"simulation\"?"));
+  EXPECT_THAT(error_with({"fix.wall.wheer=\"all\""}), HasSubstr("did you mean \"where\"?"));
+}
+
+TEST(SceneFile, AcceptsWholeNumbersWhereNumbersAre) {
+  EXPECT_EQ(read_good_scene_with({"simulation.end_time=2"}).description.end_time, 2.0);
+}
+
+TEST(SceneFile, RefusesNumbersThatAreNotFinite) {
+  EXPECT_THAT(error_with({"simulation.gravity=[0,0,nan]"}),
+              HasSubstr("simulation.gravity[2]: expected a number, got nan"));
+  EXPECT_THAT(error_with({"body.0.material.density=inf"}), HasSubstr("density"));
+}
+
+struct WrongValue {
+  std::string assignment;
+  std::string message;  ///< a part of it
+};
+
+void PrintTo(const WrongValue& value, std::ostream* stream) { *stream << value.assignment; }
+
+class EveryWrongValue : public ::testing::TestWithParam<WrongValue> {};
+
+TEST_P(EveryWrongValue, IsRefusedInOneLineThatNamesIt) {
+  const std::string message = error_with({GetParam().assignment});
+  EXPECT_THAT(message, HasSubstr(GetParam().message)) << GetParam().assignment;
+  EXPECT_EQ(std::ranges::count(message, '\n'), 0) << message;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Ranges, EveryWrongValue,
+    ::testing::Values(
+        WrongValue{"simulation.time_step=0", "simulation.time_step: expected a number > 0, got 0"},
+        WrongValue{"simulation.end_time=-1", "simulation.end_time: expected a number > 0"},
+        WrongValue{"simulation.load_steps=0", "simulation.load_steps: expected a whole number >= 1"},
+        WrongValue{"simulation.load_steps=1.5",
+                   "simulation.load_steps: expected a whole number >= 1, got 1.5"},
+        WrongValue{"simulation.load_steps=99999999999", "fits 32 bits"},
+        WrongValue{"simulation.dimension=4", "simulation.dimension: expected 2 or 3, got 4"},
+        WrongValue{"simulation.kind=quick", "simulation.kind: expected \"static\" or \"dynamic\""},
+        WrongValue{"newton.tolerance=0", "newton.tolerance: expected a number > 0"},
+        WrongValue{"newton.max_iterations=0", "newton.max_iterations: expected a whole number >= 1"},
+        WrongValue{"solver.kind=magic", "solver.kind: expected \"auto\""},
+        WrongValue{"solver.max_iterations=-1", "solver.max_iterations"},
+        WrongValue{"output.every=0", "output.every: expected a whole number >= 1"},
+        WrongValue{"output.fields=[\"stress\"]", "output.fields[0]"},
+        WrongValue{"body.0.scale=0", "body[0].scale: expected a number > 0"},
+        WrongValue{"body.0.material.density=-1", "body[0].material.density: expected a number >= 0"},
+        WrongValue{"body.0.mesh={box={size=[1,0,1],cells=[1,1,1]}}", "body[0].mesh.box.size"},
+        WrongValue{"body.0.mesh={box={size=[1,1,1],cells=[1,1,0]}}", "body[0].mesh.box.cells[2]"},
+        WrongValue{"body.0.mesh={box={size=[1,1],cells=[1,1]}}",
+                   "expected 3 numbers since simulation.dimension is 3"},
+        WrongValue{"body.0.mesh={box={size=[1,1,1],cells=[100000,100000,100000]}}", "use fewer cells"},
+        WrongValue{"body.0.mesh=missing.msh", "missing.msh"},
+        WrongValue{"body.0.rotate=[0,0,0,90]", "body[0].rotate"},
+        WrongValue{"body.0.rotate=[0,0,1]", "body[0].rotate: expected a list of 4"},
+        WrongValue{"body.0.velocity_gradient=[[1,0],[0,1]]", "expected 3 rows of numbers"},
+        WrongValue{"fix.0.components=xw", "fix[0].components: expected letters of \"xyz\""},
+        WrongValue{"fix.0.components=xx", "fix[0].components: expected letters of \"xyz\", each once"},
+        WrongValue{"fix.0.where={}", "fix[0].where"},
+        WrongValue{"fix.0.where={plane={axis=\"w\",at=0}}", "fix[0].where.plane.axis"},
+        WrongValue{"fix.0.where={box=[[1,0,0],[0,1,1]]}", "min > max in x"},
+        WrongValue{"fix.0.where={vertices=[-1]}", "fix[0].where.vertices[0]"},
+        WrongValue{"fix.0.where={sphere={center=[0,0,0],radius=-1}}", "radius"},
+        WrongValue{"fix.0.velocity=[0,0,1]", "fix[0].velocity: has a meaning only in motion"},
+        WrongValue{"load.0.until=1", "load[0].until: has a meaning only in motion"},
+        WrongValue{"load.0.stiffness=1", "load[0].stiffness: a traction has no such key"},
+        WrongValue{"load.0.kind=spring", "load[0]: a spring needs the key \"stiffness\""},
+        WrongValue{"load.0.value=3", "load[0].value: expected 3 numbers"},
+        WrongValue{"probe.0.name=\"\"", "probe[0].name"},
+        WrongValue{"fix=[{name=\"a\",where=\"all\"},{name=\"a\",where=\"all\"}]",
+                   "fix[1].name: expected a name of its own"},
+        WrongValue{"body=[]", "there is no [[body]]"}, WrongValue{"body={mesh=\"a\"}", "headed [[body]]"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    Later, EveryWrongValue,
+    ::testing::Values(
+        WrongValue{"simulation.integrator=bdf2",
+                   "\"bdf2\" is not part of this version; there is \"backward_euler\""},
+        WrongValue{"body.0.element=P2", "\"P2\" is not part of this version; there is \"P1\""},
+        WrongValue{"body.0.element=P2P0", "not part of this version"},
+        WrongValue{"body.0.material.law=ogden", "\"ogden\" is not part of this version"},
+        WrongValue{"body.0.skin=fine.obj", "body[0].skin: not part of this version"},
+        WrongValue{"output.formats=[\"html\"]", "\"html\" is not part of this version; there is \"vtu\""},
+        WrongValue{"contact={}", "contact: not part of this version"},
+        WrongValue{"contact.friction=-0.1", "contact.friction: expected a number >= 0, got -0.1"},
+        WrongValue{"collider=[{kind=\"half_space\"}]", "collider[0]: not part of this version"}));
+
+TEST(SceneFile, AcceptsContactThatIsSwitchedOff) { EXPECT_EQ(error_with({"contact.enabled=false"}), ""); }
+
+TEST(SceneFile, TakesTwoNumbersInTwoDimensions) {
+  const Scene scene = read_text(R"([simulation]
+dimension = 2
+gravity = [0, -9.81]
+[[body]]
+mesh = { box = { size = [2, 1], cells = [4, 2] } }
+rotate = [90]
+[[fix]]
+where = { plane = { axis = "y", at = 0 } }
+components = "y"
+)");
+  EXPECT_EQ(scene.description.gravity, Vector3(0, -9.81, 0));
+  EXPECT_EQ(scene.description.bodies[0].mesh.find_block(CellKind::triangle)->num_cells(), 16);
+  EXPECT_EQ(scene.description.bodies[0].rotate->degrees, 90);
+  EXPECT_EQ(scene.description.bodies[0].rotate->axis, Vector3(Vector3::UnitZ()));
+  EXPECT_THAT(error_with({"simulation.dimension=2"}), HasSubstr("since simulation.dimension is 2, got 3"));
+}
+
+TEST(SceneFile, ReadsSpringsAndMotion) {
+  const Scene scene = read_good_scene_with(
+      {"simulation.kind=dynamic",
+       "load=[{kind=\"spring\",where=\"all\",stiffness=10,velocity=[1,0,0],from=0.5,until=2}]"});
+  const LoadDescription& spring = scene.description.loads[0];
+  EXPECT_EQ(spring.kind, LoadDescription::Kind::spring);
+  EXPECT_EQ(spring.stiffness, 10);
+  EXPECT_EQ(spring.velocity, Vector3(1, 0, 0));
+  EXPECT_EQ(spring.from, 0.5);
+  EXPECT_EQ(spring.until, 2.0);
+}
+
+TEST(SceneFile, ReadsPressureAsANumber) {
+  EXPECT_EQ(read_good_scene_with({"load.0.kind=pressure", "load.0.value=20"}).description.loads[0].pressure,
+            20);
+}
+
+TEST(SceneFile, ReadsTablesOfVerticesAndCellsBesideTheScene) {
+  const TemporaryFolder folder;
+  folder.write("velocities.csv", "vx, vy, vz\n1,2,3\n4,5,6\n7,8,9\n-1,0,1e-3\n0,0,0\n0,0,0\n0,0,0\n0,0,0\n");
+  folder.write("young.csv", "# one per cell\n1e6\n2e6\n3e6\n4e6\n5e6\n6e6\n");
+  const std::filesystem::path path = folder.write("scene.toml", R"([[body]]
+mesh = { box = { size = [1, 1, 1], cells = [1, 1, 1] } }
+material = { youngs_modulus = { file = "young.csv" }, poissons_ratio = 0.3 }
+initial_velocities = "velocities.csv"
+)");
+  const BodyDescription body = read_scene(path).description.bodies[0];
+  ASSERT_EQ(body.initial_velocities.size(), 24u);
+  EXPECT_EQ(body.initial_velocities[11], 1e-3);
+  EXPECT_EQ(body.material.cell_constants.at("youngs_modulus"),
+            (std::vector<double>{1e6, 2e6, 3e6, 4e6, 5e6, 6e6}));
+  EXPECT_EQ(body.material.constants.count("youngs_modulus"), 0u);
+
+  const std::string message =
+      input_error([&] { read_scene(path, {.overrides = {"body.0.initial_velocities=young.csv"}}); });
+  EXPECT_THAT(
+      message,
+      HasSubstr("expected 8 rows of 3 numbers (one row for each vertex of the mesh), got 6 rows of 1"));
+}
+
+TEST(SceneFile, IsReadFromAFileThatIsThere) {
+  EXPECT_THAT(input_error([] { read_scene("nowhere/scene.toml"); }), HasSubstr("nowhere/scene.toml"));
+}
+
+TEST(SceneReference, IsThePageInTheDocumentation) {
+  std::ifstream file(source_folder() / "docs" / "scene.md");
+  const std::string page(std::istreambuf_iterator<char>(file), {});
+  EXPECT_EQ(page, scene_reference()) << "run: resilin info --scene-reference > docs/scene.md";
+}
+
+}  // namespace
+}  // namespace resilin::testing
