@@ -16,11 +16,18 @@ struct Entry {
 const Entry entries[] = {
 #ifdef RESILIN_HAS_CHOLMOD
     {"cholesky", make_cholmod},
+#elif defined(RESILIN_HAS_LAPACK)
+    {"cholesky", make_multifrontal},
 #else
     {"cholesky", make_ldlt},
 #endif
-    {"ldlt", make_ldlt},        {"cg_amg", make_cg_amg},
-    {"cg_ic0", make_cg_ic0},    {"cg_jacobi", make_cg_jacobi},
+#ifdef RESILIN_HAS_LAPACK
+    {"multifrontal", make_multifrontal},
+#endif
+    {"ldlt", make_ldlt},
+    {"cg_amg", make_cg_amg},
+    {"cg_ic0", make_cg_ic0},
+    {"cg_jacobi", make_cg_jacobi},
 };
 
 }  // namespace

@@ -8,6 +8,7 @@ namespace resilin {
 
 /// One function for each solver, defined in the file of that name; linear/catalog.cpp lists them.
 std::unique_ptr<LinearSolver> make_cholmod(const LinearOptions& options);
+std::unique_ptr<LinearSolver> make_multifrontal(const LinearOptions& options);
 std::unique_ptr<LinearSolver> make_ldlt(const LinearOptions& options);
 std::unique_ptr<LinearSolver> make_cg_jacobi(const LinearOptions& options);
 std::unique_ptr<LinearSolver> make_cg_ic0(const LinearOptions& options);

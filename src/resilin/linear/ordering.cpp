@@ -1,6 +1,13 @@
 #include "resilin/linear/ordering.hpp"
 
 #include <algorithm>
+#include <numeric>
+#ifdef RESILIN_HAS_METIS
+#include <metis.h>
+#else
+#include <Eigen/OrderingMethods>
+#include <Eigen/SparseCore>
+#endif
 
 namespace resilin {
 namespace {
@@ -61,5 +68,40 @@ std::vector<Index> reverse_cuthill_mckee(const NodeGraph& graph) {
   std::reverse(order.begin(), order.end());
   return order;
 }
+
+#ifdef RESILIN_HAS_METIS
+
+std::vector<Index> fill_reducing_order(const NodeGraph& graph) {
+  std::vector<idx_t> begin(graph.begin.begin(), graph.begin.end());
+  std::vector<idx_t> neighbours(graph.neighbours.begin(), graph.neighbours.end());
+  const auto n = static_cast<std::size_t>(graph.num_nodes());
+  std::vector<idx_t> node_at(n), position(n);
+  std::iota(node_at.begin(), node_at.end(), 0);
+  if (neighbours.empty())
+    return {node_at.begin(), node_at.end()};  // METIS has no answer to a graph without edges
+  idx_t options[METIS_NOPTIONS];
+  METIS_SetDefaultOptions(options);
+  options[METIS_OPTION_NUMBERING] = 0;
+  options[METIS_OPTION_SEED] = 1;
+  auto num_nodes = static_cast<idx_t>(n);
+  METIS_NodeND(&num_nodes, begin.data(), neighbours.data(), nullptr, options, node_at.data(),
+               position.data());
+  return {node_at.begin(), node_at.end()};
+}
+
+#else
+
+std::vector<Index> fill_reducing_order(const NodeGraph& graph) {
+  using Pattern = Eigen::SparseMatrix<double>;
+  const std::vector<double> ones(graph.neighbours.size(), 1.0);
+  const Eigen::Map<const Pattern> pattern(graph.num_nodes(), graph.num_nodes(),
+                                          static_cast<Offset>(graph.neighbours.size()), graph.begin.data(),
+                                          graph.neighbours.data(), ones.data());
+  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order;
+  Eigen::AMDOrdering<int>()(Pattern(pattern), order);
+  return {order.indices().data(), order.indices().data() + order.size()};
+}
+
+#endif
 
 }  // namespace resilin

@@ -1,0 +1,249 @@
+#include "resilin/linear/multifrontal_analysis.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "resilin/linear/ordering.hpp"
+
+namespace resilin {
+namespace {
+
+/// Positions of the lower neighbours and the elimination tree follow from the graph and an order.
+struct OrderedGraph {
+  const NodeGraph& graph;
+  const std::vector<Index>& node_at;
+  std::vector<Index> position;
+
+  OrderedGraph(const NodeGraph& the_graph, const std::vector<Index>& order)
+      : graph(the_graph), node_at(order), position(order.size()) {
+    for (Index i = 0; i < size(); ++i) position[node_at[i]] = i;
+  }
+  Index size() const { return static_cast<Index>(node_at.size()); }
+
+  template <class Visit>
+  void for_neighbours(Index i, const Visit& visit) const {
+    for (Index k = graph.begin[node_at[i]]; k < graph.begin[node_at[i] + 1]; ++k)
+      visit(position[graph.neighbours[k]]);
+  }
+};
+
+/// Parent of every column, -1 for a root. Source: Liu 1986, with path compression.
+std::vector<Index> elimination_tree(const OrderedGraph& ordered) {
+  std::vector<Index> parent(ordered.node_at.size(), -1), ancestor(ordered.node_at.size(), -1);
+  for (Index j = 0; j < ordered.size(); ++j)
+    ordered.for_neighbours(j, [&](Index i) {
+      while (i >= 0 && i < j) {
+        const Index next = ancestor[i];
+        ancestor[i] = j;
+        if (next < 0) parent[i] = j;
+        i = next;
+      }
+    });
+  return parent;
+}
+
+/// Columns such that children come before their parents and every subtree is consecutive.
+std::vector<Index> postorder(const std::vector<Index>& parent) {
+  const auto n = static_cast<Index>(parent.size());
+  std::vector<Index> first_child(parent.size(), -1), sibling(parent.size(), -1), order, stack;
+  for (Index i = n - 1; i >= 0; --i) {
+    if (parent[i] < 0) continue;
+    sibling[i] = first_child[parent[i]];
+    first_child[parent[i]] = i;
+  }
+  for (Index root = 0; root < n; ++root) {
+    if (parent[root] >= 0) continue;
+    stack.push_back(root);
+    while (!stack.empty()) {
+      const Index i = stack.back();
+      if (first_child[i] >= 0) {
+        stack.push_back(first_child[i]);
+        first_child[i] = sibling[first_child[i]];
+      } else {
+        order.push_back(i);
+        stack.pop_back();
+      }
+    }
+  }
+  return order;
+}
+
+struct Columns {
+  Index first, count;
+  std::vector<Index> rows;  // below
+  double zeros = 0;         // blocks stored for nothing
+};
+
+/// Supernodes in the strict sense: column j joins the one before when that is its only child and has its
+/// rows.
+std::vector<Columns> fundamental_supernodes(const OrderedGraph& ordered, const std::vector<Index>& parent) {
+  std::vector<Columns> supernodes;
+  std::vector<int> num_children(parent.size(), 0);
+  for (const Index p : parent)
+    if (p >= 0) ++num_children[p];
+  std::vector<Index> mark(parent.size(), -1);              // supernode in whose rows a position stands
+  std::vector<std::vector<Index>> waiting(parent.size());  // by column: supernodes whose parent it is
+  for (Index j = 0; j < ordered.size(); ++j) {
+    const auto current = static_cast<Index>(supernodes.size()) - 1;
+    bool joins = j > 0 && parent[j - 1] == j && num_children[j] == 1;
+    if (joins) ordered.for_neighbours(j, [&](Index i) { joins = joins && (i <= j || mark[i] == current); });
+    if (joins) {
+      ++supernodes.back().count;
+    } else {
+      const Index id = current + 1;
+      Columns next{.first = j, .count = 1, .rows = {}};
+      const auto add = [&](Index i) {
+        if (i <= j || mark[i] == id) return;
+        mark[i] = id;
+        next.rows.push_back(i);
+      };
+      for (const Index child : waiting[j])
+        for (const Index i : supernodes[child].rows) add(i);
+      ordered.for_neighbours(j, add);
+      supernodes.push_back(std::move(next));
+    }
+    // A supernode hands its rows to the parent of its last column; until the next column joins, that is this
+    // one.
+    if (parent[j] >= 0) waiting[parent[j]].push_back(static_cast<Index>(supernodes.size()) - 1);
+  }
+  for (Columns& supernode : supernodes) {
+    std::erase_if(supernode.rows, [&](Index i) { return i < supernode.first + supernode.count; });
+    std::sort(supernode.rows.begin(), supernode.rows.end());
+  }
+  return supernodes;
+}
+
+/// Merging a small supernode into its parent stores some zeros and spares many small operations.
+bool is_worth_merging(double width, double added_zeros, double share_of_zeros) {
+  return added_zeros <= 0 || width <= 2 || (width <= 6 && share_of_zeros < 0.8) ||
+         (width <= 16 && share_of_zeros < 0.15) || (width <= 32 && share_of_zeros < 0.08) ||
+         share_of_zeros < 0.03;
+}
+
+std::vector<Columns> relax(std::vector<Columns> supernodes) {
+  std::vector<Columns> result;
+  for (Columns& supernode : supernodes) {
+    Columns current = std::move(supernode);
+    while (!result.empty()) {
+      const Columns& child = result.back();
+      const bool is_last_child = child.first + child.count == current.first && !child.rows.empty() &&
+                                 child.rows.front() < current.first + current.count;
+      if (!is_last_child) break;
+      const auto num_rows = static_cast<double>(current.rows.size());
+      const double added = child.count * (current.count + num_rows - static_cast<double>(child.rows.size()));
+      const double width = child.count + current.count;
+      const double zeros = current.zeros + child.zeros + added;
+      if (!is_worth_merging(width, added, zeros / (width * (width + 1) / 2 + width * num_rows))) break;
+      current.first = child.first;
+      current.count += child.count;
+      current.zeros = zeros;
+      result.pop_back();
+    }
+    result.push_back(std::move(current));
+  }
+  return result;
+}
+
+double flops_of(const Supernode& supernode) {
+  const double c = supernode.num_columns, r = supernode.num_rows();
+  return c * c * c / 3 + c * c * r + c * r * r;
+}
+
+/// Subtrees below a share of the whole work, so that two or more threads are busy; the split does not depend
+/// on the number of threads.
+void split_tree(MultifrontalAnalysis& analysis) {
+  constexpr double largest_share = 1.0 / 16;
+  const auto n = static_cast<Index>(analysis.supernodes.size());
+  std::vector<double> work(static_cast<std::size_t>(n), 0.0);
+  std::vector<Index> first_descendant(static_cast<std::size_t>(n));
+  std::iota(first_descendant.begin(), first_descendant.end(), 0);
+  for (Index s = 0; s < n; ++s) {
+    work[s] += flops_of(analysis.supernodes[s]);
+    const Index parent = analysis.supernodes[s].parent;
+    if (parent < 0) continue;
+    work[parent] += work[s];
+    first_descendant[parent] = std::min(first_descendant[parent], first_descendant[s]);
+  }
+  double total = 0;
+  for (Index s = 0; s < n; ++s)
+    if (analysis.supernodes[s].parent < 0) total += work[s];
+  for (Index s = 0; s < n; ++s) {
+    const Index parent = analysis.supernodes[s].parent;
+    if (work[s] > largest_share * total) {
+      analysis.top.push_back(s);
+    } else if (parent < 0 || work[parent] > largest_share * total) {
+      const bool joins = !analysis.subtrees.empty() &&
+                         analysis.subtrees.back().second == first_descendant[s] &&
+                         parent < 0;  // many small roots are one task
+      if (joins) {
+        analysis.subtrees.back().second = s + 1;
+      } else {
+        analysis.subtrees.emplace_back(first_descendant[s], s + 1);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+MultifrontalAnalysis::MultifrontalAnalysis(const MergedPattern& pattern) {
+  const NodeGraph graph(pattern);
+  const std::vector<Index> order = fill_reducing_order(graph);
+  for (const Index i : postorder(elimination_tree(OrderedGraph(graph, order)))) node_at.push_back(order[i]);
+  const OrderedGraph ordered(graph, node_at);
+  const std::vector<Columns> columns = relax(fundamental_supernodes(ordered, elimination_tree(ordered)));
+
+  std::vector<Index> supernode_of(node_at.size());
+  for (const Columns& column : columns) {
+    Supernode supernode{.first = column.first, .num_columns = column.count};
+    supernode.rows_begin = static_cast<Offset>(rows.size());
+    rows.insert(rows.end(), column.rows.begin(), column.rows.end());
+    supernode.rows_end = static_cast<Offset>(rows.size());
+    supernode.factor_begin = factor_blocks;
+    factor_blocks += static_cast<Offset>(supernode.num_columns) * supernode.front_size();
+    for (Index i = column.first; i < column.first + column.count; ++i)
+      supernode_of[i] = static_cast<Index>(supernodes.size());
+    supernodes.push_back(supernode);
+  }
+  const auto place_in = [&](const Supernode& supernode, Index i) -> Index {
+    if (i < supernode.first + supernode.num_columns) return i - supernode.first;
+    const auto begin = rows.begin() + supernode.rows_begin;
+    return supernode.num_columns +
+           static_cast<Index>(std::lower_bound(begin, rows.begin() + supernode.rows_end, i) - begin);
+  };
+  places.resize(rows.size());
+  child_begin.assign(supernodes.size() + 1, 0);
+  for (Supernode& supernode : supernodes) {
+    if (supernode.num_rows() == 0) continue;
+    supernode.parent = supernode_of[rows[supernode.rows_begin]];
+    ++child_begin[supernode.parent + 1];
+    for (Offset k = supernode.rows_begin; k < supernode.rows_end; ++k)
+      places[k] = place_in(supernodes[supernode.parent], rows[k]);
+  }
+  for (std::size_t s = 0; s < supernodes.size(); ++s) child_begin[s + 1] += child_begin[s];
+  children.resize(static_cast<std::size_t>(child_begin.back()));
+  std::vector<Index> next(child_begin.begin(), child_begin.end() - 1);
+  for (Index s = 0; s < static_cast<Index>(supernodes.size()); ++s)
+    if (supernodes[s].parent >= 0) children[next[supernodes[s].parent]++] = s;
+
+  entry_begin.assign(supernodes.size() + 1, 0);
+  const auto for_slots = [&](const auto& visit) {
+    for (Index u = 0; u < pattern.num_nodes(); ++u)
+      for (Offset slot = pattern.row_begin[u]; slot < pattern.row_begin[u + 1]; ++slot) {
+        const Index i = ordered.position[u], j = ordered.position[pattern.columns[slot]];
+        visit(slot, i, j, supernode_of[std::min(i, j)]);
+      }
+  };
+  for_slots([&](Offset, Index, Index, Index s) { ++entry_begin[s + 1]; });
+  for (std::size_t s = 0; s < supernodes.size(); ++s) entry_begin[s + 1] += entry_begin[s];
+  entries.resize(static_cast<std::size_t>(entry_begin.back()));
+  std::vector<Offset> next_entry(entry_begin.begin(), entry_begin.end() - 1);
+  for_slots([&](Offset slot, Index i, Index j, Index s) {
+    // The slot holds A(i, j); the panel wants the block whose row is the later position.
+    entries[next_entry[s]++] = {slot, place_in(supernodes[s], std::max(i, j)),
+                                std::min(i, j) - supernodes[s].first, j > i};
+  });
+  split_tree(*this);
+}
+
+}  // namespace resilin

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <vector>
+
+#include "resilin/linear/merged_pattern.hpp"
+
+namespace resilin {
+
+/// Consecutive columns of the factor that share their rows below: one dense front.
+struct Supernode {
+  Index first = 0;  ///< position of its first column (a node)
+  Index num_columns = 0;
+  Index parent = -1;
+  Offset rows_begin = 0, rows_end = 0;  ///< its rows below, in MultifrontalAnalysis::rows
+  Offset factor_begin = 0;              ///< its columns in the factor, in blocks
+
+  Index num_rows() const { return static_cast<Index>(rows_end - rows_begin); }
+  Index front_size() const { return num_columns + num_rows(); }
+};
+
+/// The symbolic part of a multifrontal Cholesky factorisation, on the graph of the nodes.
+///
+/// Source: Liu 1992 (the method); Ashcraft & Grimes 1989 (relaxed supernodes).
+struct MultifrontalAnalysis {
+  explicit MultifrontalAnalysis(const MergedPattern& pattern);
+
+  /// Where a block of the matrix goes in the panel of its supernode.
+  struct Entry {
+    Offset slot;        ///< of the merged pattern
+    Index row, column;  ///< blocks, within the front
+    bool is_transposed;
+  };
+
+  std::vector<Index> node_at;         ///< by position
+  std::vector<Supernode> supernodes;  ///< children before parents, every subtree consecutive
+  std::vector<Index> rows;            ///< positions, ascending for each supernode
+  std::vector<Index> places;          ///< by row: its place in the parent's front
+  std::vector<Index> child_begin, children;
+  std::vector<Offset> entry_begin;  ///< by supernode
+  std::vector<Entry> entries;
+  Offset factor_blocks = 0;  ///< blocks stored for the factor
+
+  /// Subtrees that can be factorised at the same time, as ranges [first, last) of supernodes, and what is
+  /// above them.
+  std::vector<std::pair<Index, Index>> subtrees;
+  std::vector<Index> top;
+};
+
+}  // namespace resilin
