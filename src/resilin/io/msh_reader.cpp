@@ -40,6 +40,10 @@ void read_format(MshInput& in) {
   }
 }
 
+std::string version_name(double version) {
+  return version == 4 || version == 2 ? format_number(version) + ".0" : format_number(version);
+}
+
 /// Lines 'dimension tag "name"'.
 void read_physical_names(MshReading& file) {
   TextScanner& text = file.in.text;
@@ -128,7 +132,7 @@ void finish_section(TextScanner& text, const std::string& section) {
 MeshFile read_msh(const MeshSource& source) {
   MshInput in(source.name, source.bytes);
   read_format(in);
-  MshReading file{in, MeshBuilder(source.name, "MSH " + format_number(in.version))};
+  MshReading file{in, MeshBuilder(source.name, "MSH " + version_name(in.version))};
   TextScanner& text = file.in.text;
   finish_section(text, "$MeshFormat");
   bool has_nodes = false;

@@ -2,6 +2,7 @@
 #include <array>
 #include <bit>
 #include <limits>
+#include <memory>
 #include <ostream>
 #include <utility>
 
@@ -66,10 +67,10 @@ class Appended {
 
   /// Field data need the number of tuples.
   void single_value(std::string_view name, double value) {
-    kept_.push_back(value);
+    kept_.push_back(std::make_unique<double>(value));
     stream_ << "<DataArray type=\"Float64\" Name=\"" << name
             << "\" NumberOfTuples=\"1\" format=\"appended\" offset=\"" << offset_ << "\"/>\n";
-    add_bytes(std::as_bytes(std::span<const double>(kept_)));
+    add_bytes(std::as_bytes(std::span<const double>(kept_.back().get(), 1)));
   }
 
   void write() {
@@ -90,7 +91,7 @@ class Appended {
 
   std::ostream& stream_;
   std::vector<std::span<const std::byte>> arrays_;
-  std::vector<double> kept_;
+  std::vector<std::unique_ptr<double>> kept_;
   std::uint64_t offset_ = 0;
 };
 

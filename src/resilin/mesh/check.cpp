@@ -91,7 +91,7 @@ class Examiner {
     if (!unused.empty()) {
       warning(numbering_.vertex_list(unused),
               "used by no " + std::string(dimension(block.kind) == 3 ? "tetrahedron" : "triangle") +
-                  ": it stays where it is and takes no part");
+                  ": without effect on the simulation");
     }
     const auto pairs = duplicate_vertices(mesh_);
     for (std::size_t i = 0; i < std::min(pairs.size(), most_issues_of_a_kind); ++i) {

@@ -60,7 +60,8 @@ std::vector<Vector3> grid_vertices(const Grid& grid, const Vector3& size, const 
                    static_cast<std::size_t>(grid.nodes[2]));
   const auto coordinate = [&](int axis, int i) {
     const int n = grid.cells[static_cast<std::size_t>(axis)];
-    return origin[axis] + (n > 0 ? size[axis] * i / n : 0.0);
+    if (i == 0) return origin[axis];
+    return origin[axis] + (i == n ? size[axis] : size[axis] * i / n);
   };
   for (int k = 0; k < grid.nodes[2]; ++k) {
     for (int j = 0; j < grid.nodes[1]; ++j) {

@@ -1,0 +1,108 @@
+"""Makes the small meshes in meshes/ with programs that are not ours: pip install gmsh meshio vtk numpy.
+
+cube*: the unit cube with the physical groups "body" (volume), "left" (the side x = 0), "rim" (two of its edges) and
+"corner" (the origin), saved by Gmsh in every version of its format; second order in cube_p2*.
+"""
+
+from pathlib import Path
+
+import gmsh
+import meshio
+import numpy as np
+import vtk
+
+folder = Path(__file__).parent / "meshes"
+folder.mkdir(exist_ok=True)
+
+gmsh.initialize()
+gmsh.option.setNumber("General.Terminal", 0)
+gmsh.option.setNumber("Mesh.MeshSizeMin", 1)
+gmsh.option.setNumber("Mesh.MeshSizeMax", 1)
+gmsh.model.occ.addBox(0, 0, 0, 1, 1, 1)
+gmsh.model.occ.synchronize()
+
+
+def at_zero(dim, axes):
+    """Entities of `dim` whose coordinates along all of `axes` are zero."""
+    found = []
+    for _, tag in gmsh.model.getEntities(dim):
+        box = gmsh.model.getBoundingBox(dim, tag)
+        if all(abs(box[a]) < 1e-6 and abs(box[a + 3]) < 1e-6 for a in axes):
+            found.append(tag)
+    return found
+
+
+gmsh.model.addPhysicalGroup(3, [1], 7, "body")
+gmsh.model.addPhysicalGroup(2, at_zero(2, [0]), 8, "left")
+gmsh.model.addPhysicalGroup(1, at_zero(1, [0, 1]) + at_zero(1, [0, 2]), 9, "rim")
+gmsh.model.addPhysicalGroup(0, at_zero(0, [0, 1, 2]), 10, "corner")
+gmsh.model.mesh.generate(3)
+for order, stem in ((1, "cube"), (2, "cube_p2")):
+    gmsh.model.mesh.setOrder(order)
+    for version in (2.2, 4.0, 4.1) if order == 1 else (4.1,):
+        for binary in (0,) if version == 4.0 else (0, 1):  # Gmsh no longer writes 4.0 in binary
+            gmsh.option.setNumber("Mesh.MshFileVersion", version)
+            gmsh.option.setNumber("Mesh.Binary", binary)
+            name = f"{stem}_{str(version).replace('.', '')}_{'binary' if binary else 'ascii'}.msh"
+            gmsh.write(str(folder / name))
+    gmsh.option.setNumber("Mesh.Binary", 0)
+    if order == 1:
+        gmsh.write(str(folder / "cube.mesh"))
+gmsh.finalize()
+
+# Formats of VTK, by VTK itself, with a field on the cells and a vector on the points.
+msh = meshio.read(folder / "cube_p2_41_ascii.msh")
+for stem, kind, vtk_type in (("cube", "tetra", vtk.VTK_TETRA), ("cube_p2", "tetra10", vtk.VTK_QUADRATIC_TETRA)):
+    source = msh if kind == "tetra10" else meshio.read(folder / "cube_41_ascii.msh")
+    cells = source.cells_dict[kind].copy()
+    if kind == "tetra10":  # meshio keeps VTK's order of the last two edges inside
+        assert np.allclose(source.points[cells[:, 8]], source.points[cells[:, [1, 3]]].mean(axis=1))
+    grid = vtk.vtkUnstructuredGrid()
+    points = vtk.vtkPoints()
+    points.SetDataTypeToDouble()
+    for p in source.points:
+        points.InsertNextPoint(p)
+    grid.SetPoints(points)
+    for cell in cells:
+        grid.InsertNextCell(vtk_type, len(cell), [int(i) for i in cell])
+    young = vtk.vtkDoubleArray()
+    young.SetName("young")
+    for i in range(len(cells)):
+        young.InsertNextValue(1000.0 + i)
+    grid.GetCellData().AddArray(young)
+    velocity = vtk.vtkFloatArray()
+    velocity.SetName("velocity")
+    velocity.SetNumberOfComponents(3)
+    for p in source.points:
+        velocity.InsertNextTuple3(*(2 * p))
+    grid.GetPointData().AddArray(velocity)
+
+    for mode in ("ascii", "binary") if kind == "tetra" else ("binary",):
+        for version in (42, 51):
+            writer = vtk.vtkUnstructuredGridWriter()
+            writer.SetInputData(grid)
+            writer.SetFileVersion(version)
+            writer.SetFileTypeToASCII() if mode == "ascii" else writer.SetFileTypeToBinary()
+            writer.SetFileName(str(folder / f"{stem}_{version}_{mode}.vtk"))
+            writer.Write()
+    for mode in ("ascii", "inline", "raw", "base64") if kind == "tetra" else ("raw",):
+        writer = vtk.vtkXMLUnstructuredGridWriter()
+        writer.SetInputData(grid)
+        writer.SetCompressorTypeToNone()
+        if mode == "ascii":
+            writer.SetDataModeToAscii()
+        elif mode == "inline":
+            writer.SetDataModeToBinary()
+        else:
+            writer.SetDataModeToAppended()
+            writer.SetEncodeAppendedData(mode == "base64")
+        writer.SetHeaderTypeToUInt32() if mode == "inline" else writer.SetHeaderTypeToUInt64()
+        writer.SetFileName(str(folder / f"{stem}_{mode}.vtu"))
+        writer.Write()
+writer = vtk.vtkXMLUnstructuredGridWriter()
+writer.SetInputData(grid)
+writer.SetFileName(str(folder / "cube_compressed.vtu"))
+writer.Write()
+
+first_order = meshio.read(folder / "cube_41_ascii.msh")
+meshio.Mesh(first_order.points, [("tetra", first_order.cells_dict["tetra"])]).write(folder / "cube.node")

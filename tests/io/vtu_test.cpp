@@ -1,0 +1,107 @@
+#include "resilin/io/vtu.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include "refusal.hpp"
+#include "resilin/core/error.hpp"
+#include "resilin/io/atomic_file.hpp"
+#include "resilin/mesh/generators.hpp"
+#include "temporary_folder.hpp"
+
+namespace resilin {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(Vtu, GivesBackEveryArrayBitByBit) {
+  const Mesh box = make_box({1, 1, 1}, {2, 1, 1});
+  const std::vector<CellBlock> blocks = {box.blocks[0]};
+  std::vector<double> displacements;
+  for (std::size_t i = 0; i < 3 * box.vertices.size(); ++i)
+    displacements.push_back(std::sin(static_cast<double>(i)));
+  std::vector<double> stresses;
+  for (int i = 0; i < 9 * blocks[0].num_cells(); ++i) stresses.push_back(1e9 / (i + 1));
+  std::vector<double> ratios(static_cast<std::size_t>(blocks[0].num_cells()), 1.0);
+  ratios[3] = std::numeric_limits<double>::infinity();
+
+  const testing::TemporaryFolder folder;
+  write_vtu(folder / "frame.vtu",
+            {.points = box.vertices,
+             .blocks = blocks,
+             .point_data = {{"displacement", 3, displacements}},
+             .cell_data = {{"cauchy <\"stress\">", 9, stresses}, {"volume_ratio", 1, ratios}},
+             .time = 0.125});
+  const VtuContent back = read_vtu(folder / "frame.vtu");
+  EXPECT_EQ(back.file.mesh.vertices, box.vertices);
+  ASSERT_EQ(back.point_data.size(), 1u);
+  EXPECT_EQ(back.point_data[0].name, "displacement");
+  EXPECT_EQ(back.point_data[0].components, 3);
+  EXPECT_EQ(back.point_data[0].values, displacements);
+  ASSERT_EQ(back.cell_data.size(), 2u);
+  EXPECT_EQ(back.cell_data[0].name, "cauchy <\"stress\">");
+  EXPECT_EQ(back.cell_data[0].values, stresses);
+  EXPECT_EQ(back.cell_data[1].values, ratios);
+  EXPECT_EQ(back.time, 0.125);
+}
+
+TEST(Vtu, RefusesAnArrayOfTheWrongLength) {
+  const Mesh box = make_box({1, 1, 1}, {1, 1, 1});
+  const std::vector<double> values(5);
+  std::ostringstream stream;
+  EXPECT_THROW(
+      write_vtu(
+          stream,
+          {.points = box.vertices, .blocks = box.blocks, .point_data = {{"u", 3, values}}, .cell_data = {}}),
+      InputError);
+  EXPECT_EQ(stream.str(), "");
+}
+
+TEST(Vtu, RefusesAFileThatIsCutAnywhere) {
+  const Mesh box = make_box({1, 1, 1}, {1, 1, 1});
+  std::ostringstream stream;
+  write_vtu(stream, {.points = box.vertices, .blocks = box.blocks, .point_data = {}, .cell_data = {}});
+  const std::string whole = stream.str();
+  const std::size_t last_byte = whole.rfind("\n</AppendedData>");
+  for (std::size_t size = 0; size < last_byte; ++size) {
+    EXPECT_NE(testing::refusal("a.vtu", whole.substr(0, size)), "") << size;
+  }
+  EXPECT_EQ(testing::refusal("a.vtu", whole), "");
+}
+
+TEST(Vtu, RefusesCellsOfPointsThatDoNotExist) {
+  const auto file = [](const std::string& connectivity, const std::string& offsets,
+                       const std::string& types) {
+    return "<?xml version=\"1.0\"?><VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece "
+           "NumberOfPoints=\"3\" "
+           "NumberOfCells=\"1\"><Points><DataArray type=\"Float64\" NumberOfComponents=\"3\">0 0 0 1 0 0 0 1 "
+           "0</DataArray>"
+           "</Points><Cells><DataArray type=\"Int32\" Name=\"connectivity\">" +
+           connectivity + "</DataArray><DataArray type=\"Int32\" Name=\"offsets\">" + offsets +
+           "</DataArray><DataArray type=\"UInt8\" Name=\"types\">" + types +
+           "</DataArray></Cells></Piece></UnstructuredGrid></VTKFile>";
+  };
+  EXPECT_EQ(testing::refusal("a.vtu", file("0 1 2", "3", "5")), "");
+  EXPECT_THAT(testing::refusal("a.vtu", file("0 1 3", "3", "5")), HasSubstr("cell 0"));
+  EXPECT_THAT(testing::refusal("a.vtu", file("0 1 -2", "3", "5")), HasSubstr("cell 0"));
+  EXPECT_THAT(testing::refusal("a.vtu", file("0 1 2", "4", "5")), HasSubstr("offset"));
+  EXPECT_THAT(testing::refusal("a.vtu", file("0 1", "3", "5")), HasSubstr("offset"));
+  EXPECT_THAT(testing::refusal("a.vtu", file("0 1 2", "3", "42")), HasSubstr("cell type"));
+  EXPECT_THAT(testing::refusal("a.vtu", file("0 1 nan", "3", "5")), HasSubstr("connectivity"));
+  EXPECT_THAT(testing::refusal("a.vtu", file("0 1 2", "3 3", "5")), HasSubstr("offsets"));
+}
+
+TEST(Pvd, ListsFramesWithTheirTimes) {
+  const testing::TemporaryFolder folder;
+  write_pvd(folder / "frames.pvd", std::vector<PvdEntry>{{0, "frames/0.vtu"}, {0.5, "frames/1 & 2.vtu"}});
+  const std::string text = read_file(folder / "frames.pvd");
+  EXPECT_THAT(text, HasSubstr("timestep=\"0.5\""));
+  EXPECT_THAT(text, HasSubstr("file=\"frames/1 &amp; 2.vtu\""));
+}
+
+}  // namespace
+}  // namespace resilin

@@ -1,0 +1,82 @@
+#include "resilin/mesh/topology.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "resilin/mesh/generators.hpp"
+
+namespace resilin {
+namespace {
+
+const CellBlock one_tet = {CellKind::tetrahedron, {0, 1, 2, 3}};
+const std::vector<Vector3> unit_tet = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+
+TEST(Boundary, OfOneTetrahedronPointsOutwards) {
+  const Boundary result = boundary(one_tet);
+  ASSERT_EQ(result.facets.num_cells(), 4);
+  const Vector3 center(0.25, 0.25, 0.25);
+  for (Index f = 0; f < 4; ++f) {
+    const auto nodes = result.facets.cell(f);
+    const auto X = [&](std::size_t i) { return unit_tet[static_cast<std::size_t>(nodes[i])]; };
+    EXPECT_GT((X(1) - X(0)).cross(X(2) - X(0)).dot(X(0) - center), 0) << f;
+  }
+}
+
+TEST(Boundary, OfTwoTetrahedraLeavesOutTheSideThatTheyShare) {
+  const Boundary result = boundary({CellKind::tetrahedron, {0, 1, 2, 3, 1, 2, 3, 4}});
+  EXPECT_EQ(result.facets.num_cells(), 6);
+  for (const Facet& owner : result.owners) EXPECT_FALSE(owner.cell == 0 && owner.local == 3);
+}
+
+TEST(Boundary, OfATriangleRunsAroundIt) {
+  const Boundary result = boundary({CellKind::triangle, {4, 5, 6}});
+  EXPECT_EQ(result.facets.kind, CellKind::line);
+  EXPECT_EQ(result.facets.nodes, (std::vector<Index>{4, 5, 5, 6, 6, 4}));
+}
+
+TEST(Boundary, OfABoxIsClosed) {
+  const Mesh box = make_box({1, 2, 3}, {3, 4, 2});
+  const CellBlock facets = boundary(*box.find_block(CellKind::tetrahedron)).facets;
+  // Every edge of a closed surface belongs to two triangles, and V - E + F = 2 for a sphere.
+  visit_facets(facets, [](std::span<const Facet> uses) { EXPECT_EQ(uses.size(), 2u); });
+  const auto is_used = used_vertices(facets, static_cast<Index>(box.vertices.size()));
+  const auto num_used = std::count(is_used.begin(), is_used.end(), true);
+  EXPECT_EQ(num_used - static_cast<std::ptrdiff_t>(edges(facets).size()) + facets.num_cells(), 2);
+}
+
+TEST(Edges, AreListedOnceAndSorted) {
+  const auto result = edges({CellKind::tetrahedron, {3, 2, 1, 0, 1, 2, 3, 4}});
+  EXPECT_EQ(result.size(), 9u);
+  EXPECT_EQ(result.front(), (std::array<Index, 2>{0, 1}));
+  EXPECT_TRUE(std::is_sorted(result.begin(), result.end()));
+}
+
+TEST(Edges, OfABoxSatisfyEulersFormula) {
+  const Mesh box = make_box({1, 1, 1}, {2, 3, 4});
+  const CellBlock& tets = *box.find_block(CellKind::tetrahedron);
+  std::ptrdiff_t num_faces = 0;
+  visit_facets(tets, [&](std::span<const Facet>) { ++num_faces; });
+  const auto V = static_cast<std::ptrdiff_t>(box.vertices.size());
+  const auto E = static_cast<std::ptrdiff_t>(edges(tets).size());
+  EXPECT_EQ(V - E + num_faces - tets.num_cells(), 1);  // a ball
+}
+
+TEST(Components, AreNumberedInTheOrderOfTheirCells) {
+  const CellBlock block = {CellKind::triangle, {5, 6, 7, 0, 1, 2, 2, 3, 0}};
+  const Components result = connected_components(block, 9);
+  EXPECT_EQ(result.count, 2);
+  EXPECT_EQ(result.of_cell, (std::vector<Index>{0, 1, 1}));
+  EXPECT_EQ(result.of_vertex, (std::vector<Index>{1, 1, 1, 1, -1, 0, 0, 0, -1}));
+}
+
+TEST(Components, BySidesSeeAHinge) {
+  const CellBlock hinge = {CellKind::tetrahedron, {0, 1, 2, 3, 0, 1, 4, 5}};  // one edge in common
+  EXPECT_EQ(connected_components(hinge, 6).count, 1);
+  EXPECT_EQ(facet_components(hinge).count, 2);
+  const Mesh box = make_box({1, 1, 1}, {3, 3, 3});
+  EXPECT_EQ(facet_components(*box.find_block(CellKind::tetrahedron)).count, 1);
+}
+
+}  // namespace
+}  // namespace resilin
