@@ -5,6 +5,8 @@
 #include "resilin/core/error.hpp"
 #include "resilin/core/parallel.hpp"
 #include "resilin/linear/bar_problem.hpp"
+#include "resilin/linear/blas.hpp"
+#include "resilin/linear/solver_benchmark.hpp"
 #include "sample_matrix.hpp"
 
 namespace resilin {
@@ -175,6 +177,27 @@ TEST_P(EverySolver, GivesTheSameBitsForAnyNumberOfThreads) {
   EXPECT_EQ(x[0], x[1]);
 }
 
+TEST_P(EverySolver, NamesTheSameNodeForAnyNumberOfThreads) {
+  BarProblem problem = bar();
+  for (const Index node : {problem.matrix.num_nodes() / 3, problem.matrix.num_nodes() / 2})
+    for (int d = 0; d < dim; ++d)
+      problem.matrix.block(problem.matrix.pattern->slot(node, node))[d * (dim + 1)] *= 0.5;
+  const int threads_before = num_threads();
+  LinearReport reports[2];
+  for (const int threads : {1, 2}) {
+    set_num_threads(threads);
+    const auto solver = make(problem.matrix);
+    LinearReport& report = reports[threads - 1];
+    report = solver->factorize(problem.matrix);
+    VectorX x;
+    if (report.status == Status::ok) report = solver->solve(problem.matrix, problem.right_side, x, 1e-9);
+  }
+  set_num_threads(threads_before);
+  EXPECT_EQ(reports[0].status, Status::indefinite);
+  EXPECT_EQ(reports[1].status, Status::indefinite);
+  EXPECT_EQ(reports[0].worst_node, reports[1].worst_node);
+}
+
 TEST_P(EverySolver, RepeatsItsBitsWhenUsedAgain) {
   const BarProblem problem = bar(), other = bar(0.1);
   const auto solver = make(problem.matrix);
@@ -274,6 +297,19 @@ TEST(AutomaticSolver, FallsBackToADirectOneWhereIterationsDoNotArrive) {
     EXPECT_LT(relative_residual(bar.matrix, bar.right_side, x), 1.1e-7);
   }
 }
+
+TEST(SolverBenchmark, TimesEverySolver) {
+  const std::vector<SolverTiming> timings = benchmark_solvers({.bar = {.cells_per_height = 2}, .repeats = 1});
+  ASSERT_EQ(timings.size(), linear_solver_names().size());
+  for (const SolverTiming& timing : timings) {
+    EXPECT_EQ(timing.num_unknowns, 243);
+    EXPECT_EQ(timing.failure, "") << timing.solver;
+    EXPECT_GT(timing.factorize + timing.solve, 0) << timing.solver;
+    EXPECT_LT(timing.true_residual, 2e-8) << timing.solver;
+  }
+}
+
+TEST(Blas, SaysWhichKernelItUses) { EXPECT_FALSE(blas_kernel_name().empty()); }
 
 }  // namespace
 }  // namespace resilin

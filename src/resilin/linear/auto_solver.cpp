@@ -68,7 +68,11 @@ std::unique_ptr<LinearSolver> make_auto(const LinearOptions& options, Index num_
     if (options.is_dynamic) add("cg_ic0", iterations_incomplete);
     add("cg_amg", has_direct ? iterations_multigrid : options.max_iterations);
   }
+#ifdef RESILIN_HAS_LAPACK
+  if (has_direct) add("multifrontal", 0);
+#else
   if (has_direct) add("cholesky", 0);
+#endif
   return std::make_unique<SolverChain>(std::move(solvers));
 }
 

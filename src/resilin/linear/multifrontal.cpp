@@ -1,9 +1,9 @@
 #include <algorithm>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <new>
 #include <optional>
+#include <ranges>
 
 #include "resilin/core/parallel.hpp"
 #include "resilin/linear/blas.hpp"
@@ -15,39 +15,50 @@
 namespace resilin {
 namespace {
 
-/// Memory for the update matrices, which come and go along the tree; kept from one factorisation to the next.
-class BufferPool {
+/// Two stacks of numbers, kept from one factorisation to the next.
+class UpdateStacks {
  public:
-  struct Buffer {
-    std::unique_ptr<double[]> numbers;
-    std::size_t size = 0;
-  };
-
-  Buffer take(std::size_t size) {
-    {
-      const std::lock_guard lock(mutex_);
-      const auto fits = free_.lower_bound(size);
-      if (fits != free_.end() && fits->first <= 2 * size + 1024) {
-        Buffer buffer = std::move(fits->second);
-        free_.erase(fits);
-        return buffer;
+  void reserve(const MultifrontalAnalysis::StackSizes& sizes, int numbers_per_block) {
+    for (int k = 0; k < 2; ++k) {
+      const Offset size = sizes.blocks[k] * numbers_per_block;
+      if (size > capacity_[k]) {
+        numbers_[k] = std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(size));
+        capacity_[k] = size;
       }
+      used_[k] = 0;
     }
-    return {std::make_unique_for_overwrite<double[]>(size), size};
   }
+  double* push(int stack, Offset size) {
+    double* top = numbers_[stack].get() + used_[stack];
+    used_[stack] += size;
+    return top;
+  }
+  void pop(int stack, Offset size) { used_[stack] -= size; }
 
-  void give_back(Buffer buffer) {
-    if (buffer.size == 0) return;
+ private:
+  std::unique_ptr<double[]> numbers_[2];
+  Offset capacity_[2] = {0, 0}, used_[2] = {0, 0};
+};
+
+/// As many stacks as subtrees are being factorised at the same time.
+class StackPool {
+ public:
+  std::unique_ptr<UpdateStacks> take() {
     const std::lock_guard lock(mutex_);
-    const std::size_t size = buffer.size;
-    free_.emplace(size, std::move(buffer));
+    if (free_.empty()) return std::make_unique<UpdateStacks>();
+    std::unique_ptr<UpdateStacks> stacks = std::move(free_.back());
+    free_.pop_back();
+    return stacks;
   }
-
+  void give_back(std::unique_ptr<UpdateStacks> stacks) {
+    const std::lock_guard lock(mutex_);
+    free_.push_back(std::move(stacks));
+  }
   void clear() { free_.clear(); }
 
  private:
   std::mutex mutex_;
-  std::multimap<std::size_t, Buffer> free_;
+  std::vector<std::unique_ptr<UpdateStacks>> free_;
 };
 
 /// A multifrontal L L^T: METIS order on the graph of the nodes, relaxed supernodes, dense fronts.
@@ -64,7 +75,9 @@ class MultifrontalCholesky : public DirectSolver {
     analysis_.emplace(pattern_);
     dim_ = A.dim;
     factor_.reset();
-    pool_.clear();
+    root_updates_.reset();
+    stack_pool_.clear();
+    top_stacks_ = {};
   }
 
   LinearReport factorize(const BlockMatrix& A) override;
@@ -77,7 +90,14 @@ class MultifrontalCholesky : public DirectSolver {
     return factor_.get() + supernode.factor_begin * dim_ * dim_;
   }
   void gather_values(const BlockMatrix& A);
-  void factorize_front(Index s);
+  /// Where a front keeps its update matrix: the update of a subtree's root outlives the stacks of the
+  /// subtree.
+  struct Place {
+    UpdateStacks& stacks;
+    double* root_updates;  ///< null: on the stacks like the others
+  };
+  void factorize_front(Index s, const Place& place);
+  void factorize_all();
   void add_entries(Index s, double* panel);
   void add_child_to_panel(const Supernode& child, const double* update, double* panel, int stride);
   void add_child_to_update(const Supernode& child, const double* update, Index num_columns, double* to,
@@ -88,9 +108,11 @@ class MultifrontalCholesky : public DirectSolver {
   int dim_ = 3;
   std::vector<double> values_;  // by slot of the merged pattern
   std::unique_ptr<double[]> factor_;
-  std::vector<BufferPool::Buffer> updates_;  // by supernode, between the front and its parent
-  std::vector<Index> bad_position_;          // by supernode: the column whose pivot failed, or -1
-  BufferPool pool_;
+  std::vector<double*> updates_;  // by supernode: its update matrix, from its front to its parent's
+  std::unique_ptr<double[]> root_updates_;
+  StackPool stack_pool_;
+  UpdateStacks top_stacks_;
+  std::vector<Index> bad_position_;  // by supernode: the column whose pivot failed, or -1
   std::vector<double> solution_, work_;
 };
 
@@ -142,7 +164,7 @@ void MultifrontalCholesky::add_child_to_update(const Supernode& child, const dou
                            static_cast<Offset>(num_columns) * dim_);
 }
 
-void MultifrontalCholesky::factorize_front(Index s) {
+void MultifrontalCholesky::factorize_front(Index s, const Place& place) {
   const Supernode& supernode = analysis_->supernodes[s];
   const int num_columns = supernode.num_columns * dim_, num_rows = supernode.num_rows() * dim_;
   const int stride = num_columns + num_rows;
@@ -152,19 +174,62 @@ void MultifrontalCholesky::factorize_front(Index s) {
   std::fill(panel, panel + static_cast<Offset>(num_columns) * stride, 0.0);
   add_entries(s, panel);
   for (auto child = begin; child != end; ++child)
-    add_child_to_panel(analysis_->supernodes[*child], updates_[*child].numbers.get(), panel, stride);
+    add_child_to_panel(analysis_->supernodes[*child], updates_[*child], panel, stride);
 
   const int failed_column = detail::cholesky_panel(num_columns, num_rows, panel, stride);
   bad_position_[s] = failed_column < 0 ? -1 : supernode.first + failed_column / dim_;
+  const int own_stack = analysis_->stack_of[s];
+  const auto is_on_stack = [&](Index t) {
+    return place.root_updates == nullptr || analysis_->root_update_begin[t] < 0;
+  };
   if (num_rows > 0) {
-    updates_[s] = pool_.take(static_cast<std::size_t>(num_rows) * static_cast<std::size_t>(num_rows));
-    double* update = updates_[s].numbers.get();
+    double* update = is_on_stack(s) ? place.stacks.push(own_stack, static_cast<Offset>(num_rows) * num_rows)
+                                    : place.root_updates + analysis_->root_update_begin[s] * dim_ * dim_;
+    updates_[s] = update;
     detail::outer_product(num_rows, num_columns, panel + num_columns, stride, update);
     for (auto child = begin; child != end; ++child)
-      add_child_to_update(analysis_->supernodes[*child], updates_[*child].numbers.get(),
-                          supernode.num_columns, update, num_rows);
+      add_child_to_update(analysis_->supernodes[*child], updates_[*child], supernode.num_columns, update,
+                          num_rows);
   }
-  for (auto child = begin; child != end; ++child) pool_.give_back(std::move(updates_[*child]));
+  for (auto child = begin; child != end; ++child) {
+    const Offset child_rows = static_cast<Offset>(analysis_->supernodes[*child].num_rows()) * dim_;
+    if (is_on_stack(*child)) place.stacks.pop(1 - own_stack, child_rows * child_rows);
+  }
+}
+
+/// Stops at the first pivot that fails in every subtree, and before the top when there is one. Every front is
+/// computed alike however many threads there are; one thread needs less memory.
+void MultifrontalCholesky::factorize_all() {
+  const int numbers_per_block = dim_ * dim_;
+  const auto factorize_in_order = [&](const auto& supernodes, const Place& place) {
+    for (const Index s : supernodes) {
+      factorize_front(s, place);
+      if (bad_position_[s] >= 0) return;
+    }
+  };
+  if (num_threads() == 1) {
+    top_stacks_.reserve(analysis_->all_stacks, numbers_per_block);
+    const auto num_supernodes = static_cast<Index>(analysis_->supernodes.size());
+    return factorize_in_order(std::views::iota(0, num_supernodes), {top_stacks_, nullptr});
+  }
+  if (!root_updates_)
+    root_updates_ = std::make_unique_for_overwrite<double[]>(
+        static_cast<std::size_t>(analysis_->root_update_blocks * numbers_per_block + 1));
+  parallel_tasks(analysis_->subtrees.size(), [&](std::size_t k) {
+    std::unique_ptr<UpdateStacks> stacks = stack_pool_.take();
+    stacks->reserve(analysis_->subtree_stacks, numbers_per_block);
+    const auto [first, last] = analysis_->subtrees[k];
+    factorize_in_order(std::views::iota(first, last), {*stacks, root_updates_.get()});
+    stack_pool_.give_back(std::move(stacks));
+  });
+  // Fronts before the first failure have sound descendants: going on to it names the same node as one thread
+  // does.
+  const auto bad = std::find_if(bad_position_.begin(), bad_position_.end(), [](Index b) { return b >= 0; });
+  const auto first_bad = static_cast<Index>(bad - bad_position_.begin());
+  const auto top_end = std::lower_bound(analysis_->top.begin(), analysis_->top.end(), first_bad);
+  top_stacks_.reserve(analysis_->top_stacks, numbers_per_block);
+  factorize_in_order(std::ranges::subrange(analysis_->top.begin(), top_end),
+                     {top_stacks_, root_updates_.get()});
 }
 
 LinearReport MultifrontalCholesky::factorize(const BlockMatrix& A) {
@@ -173,38 +238,21 @@ LinearReport MultifrontalCholesky::factorize(const BlockMatrix& A) {
   const SingleThreadedBlas single_threaded;
   try {
     gather_values(A);
-    const auto size = static_cast<std::size_t>(analysis_->factor_blocks) * dim_ * dim_;
-    if (!factor_) factor_ = std::make_unique_for_overwrite<double[]>(size);
-    updates_.resize(analysis_->supernodes.size());
+    const auto block = static_cast<std::size_t>(dim_ * dim_);
+    if (!factor_)
+      factor_ = std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(analysis_->factor_blocks) *
+                                                         block);
+    updates_.assign(analysis_->supernodes.size(), nullptr);
     bad_position_.assign(analysis_->supernodes.size(), -1);
-    parallel_tasks(analysis_->subtrees.size(), [&](std::size_t k) {
-      const auto [first, last] = analysis_->subtrees[k];
-      for (Index s = first; s < last; ++s) {
-        factorize_front(s);
-        if (bad_position_[s] >= 0) return;  // its ancestors cannot be finished; other subtrees do not know
-      }
-    });
-    const auto has_failed = [&] {
-      return std::any_of(bad_position_.begin(), bad_position_.end(), [](Index bad) { return bad >= 0; });
-    };
-    if (!has_failed()) {
-      for (const Index s : analysis_->top) {
-        factorize_front(s);
-        if (bad_position_[s] >= 0) break;
-      }
-    }
+    factorize_all();
   } catch (const std::bad_alloc&) {
-    updates_.clear();
     report.status = LinearReport::Status::out_of_memory;
     return report;
   }
-  for (const Index bad : bad_position_) {
-    if (bad < 0) continue;
+  const auto bad = std::find_if(bad_position_.begin(), bad_position_.end(), [](Index b) { return b >= 0; });
+  if (bad != bad_position_.end()) {
     report.status = LinearReport::Status::indefinite;
-    report.worst_node = analysis_->node_at[bad];
-    for (BufferPool::Buffer& update : updates_) pool_.give_back(std::move(update));
-    updates_.clear();
-    break;
+    report.worst_node = analysis_->node_at[*bad];
   }
   return report;
 }

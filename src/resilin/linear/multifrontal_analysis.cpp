@@ -152,7 +152,7 @@ double flops_of(const Supernode& supernode) {
 /// Subtrees below a share of the whole work, so that two or more threads are busy; the split does not depend
 /// on the number of threads.
 void split_tree(MultifrontalAnalysis& analysis) {
-  constexpr double largest_share = 1.0 / 16;
+  constexpr double largest_share = 1.0 / 8;
   const auto n = static_cast<Index>(analysis.supernodes.size());
   std::vector<double> work(static_cast<std::size_t>(n), 0.0);
   std::vector<Index> first_descendant(static_cast<std::size_t>(n));
@@ -182,6 +182,41 @@ void split_tree(MultifrontalAnalysis& analysis) {
       }
     }
   }
+}
+
+Offset update_blocks(const Supernode& supernode) {
+  return static_cast<Offset>(supernode.num_rows()) * supernode.num_rows();
+}
+
+/// Plays the factorisation through to see how high the stacks grow.
+void size_stacks(MultifrontalAnalysis& analysis) {
+  const auto n = static_cast<Index>(analysis.supernodes.size());
+  analysis.stack_of.assign(static_cast<std::size_t>(n), 0);
+  for (Index s = n - 1; s >= 0; --s)
+    if (analysis.supernodes[s].parent >= 0)
+      analysis.stack_of[s] = 1 - analysis.stack_of[analysis.supernodes[s].parent];
+  analysis.root_update_begin.assign(static_cast<std::size_t>(n), -1);
+  for (const auto& [first, last] : analysis.subtrees) {
+    analysis.root_update_begin[last - 1] = analysis.root_update_blocks;
+    analysis.root_update_blocks += update_blocks(analysis.supernodes[last - 1]);
+  }
+  using Sizes = MultifrontalAnalysis::StackSizes;
+  const auto visit = [&](Index s, bool roots_are_apart, Sizes& used, Sizes& peak) {
+    const auto is_on_stack = [&](Index t) { return !roots_are_apart || analysis.root_update_begin[t] < 0; };
+    const int own = analysis.stack_of[s];
+    if (is_on_stack(s)) used.blocks[own] += update_blocks(analysis.supernodes[s]);
+    peak.blocks[own] = std::max(peak.blocks[own], used.blocks[own]);
+    for (Index k = analysis.child_begin[s]; k < analysis.child_begin[s + 1]; ++k)
+      if (is_on_stack(analysis.children[k]))
+        used.blocks[1 - own] -= update_blocks(analysis.supernodes[analysis.children[k]]);
+  };
+  Sizes used_by_all, used_by_top;
+  for (Index s = 0; s < n; ++s) visit(s, false, used_by_all, analysis.all_stacks);
+  for (const auto& [first, last] : analysis.subtrees) {
+    Sizes used;
+    for (Index s = first; s < last; ++s) visit(s, true, used, analysis.subtree_stacks);
+  }
+  for (const Index s : analysis.top) visit(s, true, used_by_top, analysis.top_stacks);
 }
 
 }  // namespace
@@ -244,6 +279,7 @@ MultifrontalAnalysis::MultifrontalAnalysis(const MergedPattern& pattern) {
                                 std::min(i, j) - supernodes[s].first, j > i};
   });
   split_tree(*this);
+  size_stacks(*this);
 }
 
 }  // namespace resilin
