@@ -106,3 +106,63 @@ writer.Write()
 
 first_order = meshio.read(folder / "cube_41_ascii.msh")
 meshio.Mesh(first_order.points, [("tetra", first_order.cells_dict["tetra"])]).write(folder / "cube.node")
+
+# Formats, or uses of them, that no program at hand writes.
+(folder / "two_tets.veg").write_text("""# two tetrahedra
+*VERTICES
+5 3 0 0
+1 0 0 0
+2 1 0 0
+3 0 1 0
+4 0 0 1
+5 1 1 1
+
+*ELEMENTS
+TET
+2 4 0
+1 1 2 3 4
+2 2 3 4 5
+
+*MATERIAL BODY
+ENU, 1000, 10000000, 0.45
+
+*REGION
+allElements, BODY
+
+*SET second
+2
+""")
+(folder / "pyramid.obj").write_text("""# a pyramid with a square base
+o pyramid
+v 0 0 0
+v 1 0 0
+v 1 1 0
+v 0 1 0
+v 0.5 0.5 1
+vt 0 0
+vn 0 0 -1
+g base
+f 1/1/1 4/1/1 3/1/1 2/1/1
+g sides
+f -5 -4 -1
+f 2 3 5
+f 3 4 5
+f 4 1 5
+""")
+(folder / "square.mesh").write_text("""MeshVersionFormatted 2
+Dimension 2
+Vertices
+4
+0 0 0
+1 0 0
+1 1 7
+0 1 0
+Triangles
+2
+1 2 3 1
+1 3 4 2
+Corners
+1
+1
+End
+""")
