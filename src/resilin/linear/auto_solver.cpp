@@ -47,11 +47,11 @@ class SolverChain : public LinearSolver {
 }  // namespace
 
 // Limits from `resilin bench solvers` (docs/performance.md): in 3D at rest the multigrid overtakes the direct
-// solver at about 1,500 unknowns and is 8 times faster at 47,000; it gives way to it only where the material
+// solver at about 2,500 unknowns and is 6 times faster at 47,000; it gives way to it only where the material
 // is all but incompressible. With mass, incomplete Cholesky needs some 5 to 40 iterations and the cheapest
 // set-up.
 std::unique_ptr<LinearSolver> make_auto(const LinearOptions& options, Index num_unknowns) {
-  constexpr Index most_unknowns_direct_first = 1500;
+  constexpr Index most_unknowns_direct_first = 2500;
   constexpr Index most_unknowns_direct = 300000;  // about 4 GB
   constexpr int iterations_incomplete = 80;       // then a multigrid set-up pays
   constexpr int iterations_multigrid = 200;       // about the cost of a factorisation
