@@ -16,13 +16,15 @@ namespace {
 /// down and a backward one on the way up, in single precision.
 ///
 /// Source: Vanek, Mandel, Brezina 1996. What depends on the pattern, on the positions and on which unknowns
-/// are fixed is set up once; new values refill the hierarchy.
+/// are fixed is set up once; new values refill the hierarchy. Positions that follow a large rotation keep the
+/// modes near to what the matrix leaves almost unmoved: `analyze` with new positions on the same pattern is
+/// cheap.
 class SmoothedAggregation : public Preconditioner {
  public:
   void analyze(const BlockMatrix& A, const VectorX& node_positions) override {
     if (positions_.size() != node_positions.size() || positions_ != node_positions) {
       positions_ = node_positions;
-      pattern_.reset();
+      modes_are_current_ = false;
     }
     if (pattern_.update(A, MergedPattern::Keep::same_pairs)) analyze_pattern();
   }
@@ -35,6 +37,7 @@ class SmoothedAggregation : public Preconditioner {
 
   void analyze_pattern();
   void build_levels(int dim);
+  void set_modes();
   void fill_finest(const BlockMatrix& A);
   void factorize_coarsest();
   void solve_coarsest();
@@ -45,6 +48,8 @@ class SmoothedAggregation : public Preconditioner {
   VectorX positions_;
   std::vector<std::uint8_t> is_fixed_;  // by unknown, node by node as in A
   std::vector<MultigridLevel> levels_;
+  std::vector<Aggregates> groups_;  // of every level but the last
+  bool modes_are_current_ = false;
   double scale_ = 1;
   Eigen::LLT<Eigen::MatrixXd> coarsest_;
   VectorX coarse_vector_;
@@ -77,39 +82,53 @@ std::vector<std::uint8_t> find_fixed(const BlockMatrix& A) {
 
 void SmoothedAggregation::build_levels(int dim) {
   const Index num_nodes = permuted_.num_nodes();
-  VectorX positions(positions_.size());
-  std::vector<std::uint8_t> is_fixed(is_fixed_.size()), is_active(static_cast<std::size_t>(num_nodes), 0);
+  std::vector<std::uint8_t> is_active(static_cast<std::size_t>(num_nodes), 0);
   for (Index i = 0; i < num_nodes; ++i)
-    for (int d = 0; d < dim; ++d) {
-      const Index from = permuted_.node_at[i] * dim + d;
-      if (positions.size() > 0) positions[i * dim + d] = positions_[from];
-      is_fixed[i * dim + d] = is_fixed_[from];
-      if (is_fixed_[from] == 0) is_active[i] = 1;
-    }
+    for (int d = 0; d < dim; ++d)
+      if (is_fixed_[permuted_.node_at[i] * dim + d] == 0) is_active[i] = 1;
+  groups_.clear();
   levels_.clear();
   levels_.emplace_back();
   levels_[0].dim = dim;
   levels_[0].row_begin = permuted_.row_begin;
   levels_[0].columns = permuted_.columns;
-  Modes modes = rigid_modes(dim, positions, is_fixed);
   for (;;) {
     MultigridLevel& fine = levels_.back();
     fine.allocate();
     if (fine.num_nodes() * fine.block_size() <= most_coarse_unknowns) break;
     fine.full = FullPattern(fine.row_begin, fine.columns);
-    const Aggregates groups = aggregate(fine.full, is_active);
+    Aggregates groups = aggregate(fine.full, is_active);
     if (groups.count == 0 || groups.count > fine.num_nodes() * 2 / 3) break;
     MultigridLevel coarse;
     coarse.dim = dim;
     coarse.is_given = false;
     fine.connect(groups, coarse);
-    TentativeProlongation tentative = orthonormalize(modes, groups);
-    fine.set_tentative(tentative.fine);
-    coarse.is_absent = std::move(tentative.is_absent);
-    modes = std::move(tentative.coarse);
     is_active.assign(static_cast<std::size_t>(groups.count), 1);
+    groups_.push_back(std::move(groups));
     levels_.push_back(std::move(coarse));
   }
+  modes_are_current_ = false;
+}
+
+/// The near null space of every level, from the positions.
+void SmoothedAggregation::set_modes() {
+  const int dim = levels_.front().dim;
+  VectorX positions(positions_.size());
+  std::vector<std::uint8_t> is_fixed(is_fixed_.size());
+  for (Index i = 0; i < permuted_.num_nodes(); ++i)
+    for (int d = 0; d < dim; ++d) {
+      const Index from = permuted_.node_at[i] * dim + d;
+      if (positions.size() > 0) positions[i * dim + d] = positions_[from];
+      is_fixed[i * dim + d] = is_fixed_[from];
+    }
+  Modes modes = rigid_modes(dim, positions, is_fixed);
+  for (std::size_t depth = 0; depth < groups_.size(); ++depth) {
+    TentativeProlongation tentative = orthonormalize(modes, groups_[depth]);
+    levels_[depth].set_tentative(tentative.fine);
+    levels_[depth + 1].is_absent = std::move(tentative.is_absent);
+    modes = std::move(tentative.coarse);
+  }
+  modes_are_current_ = true;
 }
 
 void SmoothedAggregation::fill_finest(const BlockMatrix& A) {
@@ -141,6 +160,7 @@ LinearReport SmoothedAggregation::factorize(const BlockMatrix& A) {
     is_fixed_ = std::move(is_fixed);
     build_levels(A.dim);
   }
+  if (!modes_are_current_) set_modes();
   fill_finest(A);
   for (std::size_t depth = 0; depth < levels_.size(); ++depth) {
     levels_[depth].invert_diagonal();
