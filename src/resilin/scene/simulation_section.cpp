@@ -1,5 +1,6 @@
 #include "resilin/integrator/integrator.hpp"
 #include "resilin/linear/linear_solver.hpp"
+#include "resilin/scene/frame_file.hpp"
 #include "resilin/scene/sections.hpp"
 
 namespace resilin {
@@ -61,10 +62,8 @@ Keys<OutputOptions> output_keys() {
   using O = OutputOptions;
   return {
       integer_key("every", &O::every, at_least_one, "A frame is written for each n-th step."),
-      choices_key(
-          "fields", &O::fields,
-          {"displacement", "velocity", "cauchy_stress", "von_mises", "volume_ratio", "energy_density"}, {},
-          "What a frame holds."),
+      choices_key("fields", &O::fields, frame_field_names(), {},
+                  "What a frame holds: displacement and velocity on its points, the others on its cells."),
       choices_key("formats", &O::formats, {"vtu"}, {"html"}, "Kinds of files that are written."),
   };
 }

@@ -1,0 +1,128 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "command.hpp"
+#include "resilin/io/mesh_file.hpp"
+#include "resilin/mesh/edit.hpp"
+#include "resilin/mesh/quality.hpp"
+#include "resilin/scene/plausibility.hpp"
+#include "resilin/scene/scene.hpp"
+#include "resilin/simulation/world.hpp"
+#include "terminal.hpp"
+
+namespace resilin::cli {
+namespace {
+
+struct CheckOptions {
+  std::string input;
+  std::vector<std::string> overrides;
+};
+
+std::string quality_text(const Mesh& mesh, const CellBlock& block) {
+  const std::vector<double> qualities = shape_qualities(mesh, block);
+  if (qualities.empty()) return "";
+  const auto worst = std::ranges::min_element(qualities);
+  double sum = 0;
+  for (const double quality : qualities) sum += quality;
+  return "worst " + format_short(*worst) + " (number " + std::to_string(worst - qualities.begin()) +
+         "), mean " + format_short(sum / static_cast<double>(qualities.size()));
+}
+
+std::string box_text(const BoundingBox& box) {
+  const auto point = [](const Vector3& p) {
+    return "(" + format_short(p.x()) + ", " + format_short(p.y()) + ", " + format_short(p.z()) + ")";
+  };
+  return point(box.min) + " to " + point(box.max);
+}
+
+std::vector<std::vector<std::string>> mesh_rows(const Mesh& mesh) {
+  std::vector<std::vector<std::string>> rows = {{"  vertices", std::to_string(mesh.vertices.size())}};
+  for (const CellBlock& block : mesh.blocks) {
+    rows.push_back({"  " + std::string(name(block.kind)), std::to_string(block.num_cells())});
+    if (block.kind == CellKind::tetrahedron || block.kind == CellKind::triangle) {
+      rows.push_back({"  shape (1 is best)", quality_text(mesh, block)});
+    }
+  }
+  rows.push_back({"  box", box_text(bounding_box(mesh)) + " m"});
+  for (const Group& group : mesh.groups) {
+    rows.push_back({"  group " + group.name, std::to_string(group.vertices.size()) + " vertices"});
+  }
+  for (const CellField& field : mesh.cell_fields) {
+    rows.push_back({"  cell field " + field.name, std::to_string(field.values.size()) + " values"});
+  }
+  return rows;
+}
+
+int check_mesh_path(const CheckOptions& options) {
+  const MeshFile file = read_mesh(options.input);
+  const MeshReport report = check_mesh_file(file);
+  std::vector<std::string> warnings = file.warnings;
+  for (const MeshIssue& issue : report.warnings) warnings.push_back(issue.text());
+  print_warnings(warnings);
+  report.require_no_errors();
+  print_line(options.input + ": " + file.format + ", no errors, " + std::to_string(warnings.size()) +
+             " warnings");
+  print_text(format_table(mesh_rows(file.mesh)));
+  return done;
+}
+
+void print_scene(const Scene& scene, const World& world) {
+  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+    const Body& body = world.bodies[b];
+    const BodyDescription& description = scene.description.bodies[b];
+    print_line("body " + body.name + ": " + body.law + ", " + description.mesh_name + ", mass " +
+               format_short(body.mass) + " kg");
+    std::vector<std::vector<std::string>> rows;
+    for (const auto& [constant, value] : body.constants)
+      rows.push_back({"  " + constant, format_short(value)});
+    for (auto& row : mesh_rows(description.mesh)) rows.push_back(std::move(row));
+    print_text(format_table(rows));
+  }
+  for (const Support& support : world.supports) {
+    print_line("fix " + support.name + ": " + std::to_string(support.nodes.size()) + " vertices");
+  }
+  for (const auto& load : world.external) print_line("load " + std::string(load->name()));
+  print_line(std::to_string(world.num_free_unknowns()) + " unknowns, " +
+             (world.is_dynamic ? format_short(world.end_time / world.time_step) + " time steps" : "static"));
+}
+
+int check_scene(const CheckOptions& options) {
+  const Scene scene = read_scene(options.input, {.overrides = options.overrides});
+  const World world(scene.description);
+  std::vector<std::string> warnings = scene.warnings;
+  warnings.insert(warnings.end(), world.warnings.begin(), world.warnings.end());
+  for (std::string& oddity : implausible_numbers(scene.description)) warnings.push_back(std::move(oddity));
+  print_warnings(warnings);
+  print_line(options.input + ": no errors, " + std::to_string(warnings.size()) + " warnings");
+  print_scene(scene, world);
+  return done;
+}
+
+int check(const CheckOptions& options) {
+  const bool is_scene = std::filesystem::path(options.input).extension() == ".toml";
+  return is_scene ? check_scene(options) : check_mesh_path(options);
+}
+
+}  // namespace
+
+void add_check(CLI::App& app, Action& action) {
+  auto options = std::make_shared<CheckOptions>();
+  CLI::App* command =
+      app.add_subcommand("check", "Say what is wrong with a scene or a mesh, where, and what to do");
+  command->add_option("input", options->input, "Scene (.toml) or mesh file")->required();
+  command
+      ->add_option("--set", options->overrides,
+                   "Change a value of the scene first; may be given several times")
+      ->type_name("KEY=VALUE")
+      ->expected(1)
+      ->take_all()
+      ->allow_extra_args(false);
+  command->footer("Example:\n  resilin check beam.toml\n\nExit codes: 0 it can be simulated; 1 it cannot.");
+  command->callback([options, &action] { action = [options] { return check(*options); }; });
+}
+
+}  // namespace resilin::cli

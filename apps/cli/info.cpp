@@ -1,0 +1,70 @@
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "command.hpp"
+#include "resilin/core/cpu.hpp"
+#include "resilin/core/parallel.hpp"
+#include "resilin/core/text.hpp"
+#include "resilin/linear/blas.hpp"
+#include "resilin/linear/linear_solver.hpp"
+#include "resilin/scene/build_info.hpp"
+#include "resilin/scene/scene.hpp"
+#include "terminal.hpp"
+
+namespace resilin::cli {
+namespace {
+
+std::vector<std::string> instruction_sets() {
+  std::vector<std::string> names;
+  for (const InstructionSet set : available_instruction_sets()) names.emplace_back(name(set));
+  return names;
+}
+
+int print_info(bool as_json) {
+  const std::string in_use(name(preferred_instruction_set()));
+  const std::string blas = blas_kernel_name();
+  const std::vector<std::string> solvers = linear_solver_names();
+  if (as_json) {
+    const nlohmann::ordered_json json = {
+        {"version", version()},      {"compiler", compiler()},
+        {"instruction_set", in_use}, {"instruction_sets", instruction_sets()},
+        {"blas_kernel", blas},       {"solvers", solvers},
+        {"threads", num_threads()}};
+    print_line(json.dump(1));
+    return done;
+  }
+  print_text(format_table({{"version", std::string(version())},
+                           {"compiler", compiler()},
+                           {"instruction set", in_use + " (of " + join(instruction_sets()) + ")"},
+                           {"BLAS kernel", blas},
+                           {"linear solvers", join(solvers)},
+                           {"threads", std::to_string(num_threads())}}));
+  return done;
+}
+
+}  // namespace
+
+void add_info(CLI::App& app, Action& action) {
+  struct Options {
+    bool json = false;
+    bool scene_reference = false;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("info", "Version, instruction set in use, BLAS kernel, solvers, threads");
+  command->add_flag("--json", options->json, "Print JSON");
+  command->add_flag("--scene-reference", options->scene_reference, "Print the page docs/scene.md");
+  command->footer("Example:\n  resilin info --json");
+  command->callback([options, &action] {
+    action = [options] {
+      if (!options->scene_reference) return print_info(options->json);
+      print_text(scene_reference());
+      return static_cast<int>(done);
+    };
+  });
+}
+
+}  // namespace resilin::cli

@@ -1,0 +1,9 @@
+#pragma once
+
+namespace resilin::cli {
+
+/// From now on Ctrl-C (SIGINT) and SIGTERM only set a flag; a second one ends the program at once.
+void catch_interrupts();
+bool is_interrupted();
+
+}  // namespace resilin::cli

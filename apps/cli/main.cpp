@@ -1,0 +1,74 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <string>
+
+#include "command.hpp"
+#include "resilin/core/error.hpp"
+#include "resilin/linear/blas.hpp"
+#include "resilin/scene/build_info.hpp"
+
+namespace resilin::cli {
+namespace {
+
+int fail(int code, const std::string& message) {
+  std::fprintf(stderr, "resilin: %s\n", message.c_str());
+  return code;
+}
+
+/// The commands that later versions have.
+int refuse_view() {
+  return fail(
+      wrong_input,
+      "view: the page in the browser is not part of this version; open frames.pvd of a run in ParaView");
+}
+
+int run_action(const Action& action) {
+  try {
+    return action();
+  } catch (const InputError& error) {
+    return fail(wrong_input, error.what());
+  } catch (const std::bad_alloc&) {
+    return fail(wrong_input, "out of memory: the problem is too large for this machine");
+  } catch (const std::exception& error) {
+    return fail(internal_error, std::string("internal error: ") + error.what());
+  }
+}
+
+std::string help_hint(const CLI::App& app) {
+  const auto chosen = app.get_subcommands();
+  return "; see resilin " + (chosen.empty() ? "" : chosen.front()->get_name() + " ") + "--help";
+}
+
+int main(int argc, char** argv) {
+  choose_blas_kernel();
+  CLI::App app("Resilin simulates hyperelastic solids with finite elements.", "resilin");
+  app.set_version_flag("--version", std::string(version()));
+  app.require_subcommand(1);
+  app.footer(
+      "Example:\n  resilin run examples/spot.toml --out out/spot\n\nEach command tells more: resilin run "
+      "--help");
+  Action action;
+  add_run(app, action);
+  add_check(app, action);
+  CLI::App* view = app.add_subcommand("view", "Not part of this version: the page in the browser");
+  view->allow_extras()->callback([&action] { action = refuse_view; });
+  add_mesh(app, action);
+  add_materials(app, action);
+  add_bench(app, action);
+  add_info(app, action);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& success) {  // --help, --version
+    return app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    return fail(wrong_input, error.what() + help_hint(app));
+  }
+  return run_action(action);
+}
+
+}  // namespace
+}  // namespace resilin::cli
+
+int main(int argc, char** argv) { return resilin::cli::main(argc, argv); }

@@ -1,0 +1,123 @@
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "command.hpp"
+#include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
+#include "resilin/io/mesh_file.hpp"
+#include "resilin/mesh/edit.hpp"
+#include "resilin/mesh/generators.hpp"
+#include "terminal.hpp"
+
+namespace resilin::cli {
+namespace {
+
+struct MeshOptions {
+  std::vector<std::string> files;  ///< IN OUT, or OUT with --box
+  std::vector<double> box;         ///< edge lengths; 2 or 3
+  std::vector<int> cells;
+  bool reorient = false;
+  bool remove_unused = false;
+  bool surface = false;
+  bool merge = false;
+};
+
+Mesh make_box_mesh(const MeshOptions& options) {
+  const std::string place = "mesh --box";
+  for (const double length : options.box) {
+    if (!(length > 0) || !std::isfinite(length))
+      throw InputError(place, "lengths > 0", format_number(length));
+  }
+  if (options.cells.size() != options.box.size()) {
+    throw InputError(place, "--cells with " + std::to_string(options.box.size()) + " numbers",
+                     std::to_string(options.cells.size()), "such as --box 4 1 1 --cells 40 10 10");
+  }
+  for (const int count : options.cells) {
+    if (count < 1) throw InputError("mesh --cells", "whole numbers >= 1", std::to_string(count));
+  }
+  if (options.box.size() == 2)
+    return make_rectangle({options.box[0], options.box[1]}, {options.cells[0], options.cells[1]});
+  return make_box({options.box[0], options.box[1], options.box[2]},
+                  {options.cells[0], options.cells[1], options.cells[2]});
+}
+
+/// The mesh to start from, and the name of the file that it goes to.
+Mesh read_input(const MeshOptions& options, std::string& out) {
+  if (!options.box.empty()) {
+    if (options.files.size() != 1)
+      throw InputError("mesh --box", "one file, OUT", std::to_string(options.files.size()));
+    out = options.files[0];
+    return make_box_mesh(options);
+  }
+  if (!options.cells.empty()) throw InputError("mesh --cells", "--box beside it", "none");
+  if (options.files.size() != 2) {
+    throw InputError("mesh", "two files, IN and OUT", std::to_string(options.files.size()),
+                     "see resilin mesh --help");
+  }
+  out = options.files[1];
+  MeshFile file = read_mesh(options.files[0]);
+  print_warnings(file.warnings);
+  return std::move(file.mesh);
+}
+
+void edit(Mesh& mesh, const MeshOptions& options) {
+  if (options.reorient) {
+    for (const CellKind kind : {CellKind::tetrahedron, CellKind::triangle}) {
+      const std::size_t count = reorient(mesh, kind).size();
+      if (count > 0) print_line("turned " + std::to_string(count) + " inverted " + std::string(name(kind)));
+    }
+  }
+  const std::size_t num_vertices = mesh.vertices.size();
+  if (options.merge) merge_duplicate_vertices(mesh);
+  if (options.remove_unused) remove_unused_nodes(mesh);
+  if (mesh.vertices.size() != num_vertices) {
+    print_line("dropped " + std::to_string(num_vertices - mesh.vertices.size()) + " vertices");
+  }
+  if (options.surface) mesh = extract_surface(mesh).mesh;
+}
+
+int convert(const MeshOptions& options) {
+  std::string out;
+  Mesh mesh = read_input(options, out);
+  edit(mesh, options);
+  write_mesh(out, mesh);
+  std::string summary = std::to_string(mesh.vertices.size()) + " vertices";
+  for (const CellBlock& block : mesh.blocks) {
+    summary += ", " + std::to_string(block.num_cells()) + " " + std::string(name(block.kind));
+  }
+  print_line(out + ": " + summary);
+  return done;
+}
+
+}  // namespace
+
+void add_mesh(CLI::App& app, Action& action) {
+  auto options = std::make_shared<MeshOptions>();
+  CLI::App* command =
+      app.add_subcommand("mesh", "Convert and mend a mesh, extract its surface, or make a box");
+  command
+      ->add_option("files", options->files,
+                   "IN and OUT, or OUT alone with --box; the extension tells the format")
+      ->expected(1, 2)
+      ->type_name("[IN] OUT");
+  command->add_option("--box", options->box, "Make a box (rectangle) with these edge lengths [m]")
+      ->expected(2, 3)
+      ->type_name("SX SY [SZ]");
+  command->add_option("--cells", options->cells, "Cubes (squares) along each direction of the box")
+      ->expected(2, 3)
+      ->type_name("NX NY [NZ]");
+  command->add_flag("--reorient", options->reorient, "Turn inverted cells round");
+  command->add_flag("--remove-unused", options->remove_unused, "Drop vertices that no cell uses");
+  command->add_flag("--merge", options->merge, "Join vertices at exactly the same place");
+  command->add_flag("--surface", options->surface, "Write the boundary as triangles");
+  command->footer(
+      "Examples:\n  resilin mesh armadillo.node armadillo.msh --remove-unused\n  resilin mesh bar.msh "
+      "bar.obj --surface\n"
+      "  resilin mesh bar.msh --box 4 1 1 --cells 40 10 10\n\nOUT is replaced when it exists, only once the "
+      "new file is whole.");
+  command->callback([options, &action] { action = [options] { return convert(*options); }; });
+}
+
+}  // namespace resilin::cli

@@ -1,0 +1,187 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "command.hpp"
+#include "interrupt.hpp"
+#include "log_file.hpp"
+#include "progress.hpp"
+#include "resilin/core/error.hpp"
+#include "resilin/core/log.hpp"
+#include "resilin/core/parallel.hpp"
+#include "resilin/core/text.hpp"
+#include "resilin/scene/results.hpp"
+#include "resilin/scene/scene.hpp"
+#include "terminal.hpp"
+
+namespace resilin::cli {
+namespace {
+
+struct RunOptions {
+  std::string scene;
+  std::string out;
+  std::vector<std::string> overrides;
+  int threads = 0;
+  int steps = 0;
+  bool resume = false;
+  bool quiet = false;
+};
+
+struct Outcome {
+  RunStatus status = RunStatus::done;
+  std::string reason;
+};
+
+std::filesystem::path out_folder(const RunOptions& options) {
+  if (!options.out.empty()) return options.out;
+  return std::filesystem::path("out") / std::filesystem::path(options.scene).stem();
+}
+
+std::string reached(const Simulation& simulation) {
+  const State& state = simulation.state();
+  if (simulation.world().is_dynamic)
+    return "t = " + format_short(state.time) + " s (step " + std::to_string(state.step) + ")";
+  return "load factor " + format_short(state.load) + " (step " + std::to_string(state.step) + ")";
+}
+
+/// Steps until the end, the budget, Ctrl-C or, in statics, a load that has no equilibrium.
+Outcome simulate(Simulation& simulation, ResultFolder& results, Progress& progress, int max_steps) {
+  const NewtonObserver observer = [&progress](const NewtonReport& so_far) {
+    progress.iteration(so_far);
+    return !is_interrupted();
+  };
+  int truncated_steps = 0;
+  std::string first_reason;
+  results.record(simulation, false);
+  for (int steps = 0; !simulation.is_finished(); ++steps) {
+    if (is_interrupted())
+      return {RunStatus::budget, "stopped by the user at " + reached(simulation) + "; --resume goes on"};
+    if (max_steps > 0 && steps == max_steps) {
+      return {RunStatus::budget, "stopped after " + std::to_string(steps) + " steps as asked, at " +
+                                     reached(simulation) + "; --resume goes on"};
+    }
+    const StepReport report = simulation.step(observer);
+    if (report.status == StepReport::Status::interrupted) continue;  // the loop ends above
+    if (report.status == StepReport::Status::not_converged) {
+      log_warning(reached(simulation) + ": " + report.reason);
+      if (!simulation.world().is_dynamic) return {RunStatus::not_converged, report.reason};
+      if (truncated_steps++ == 0) first_reason = "at " + reached(simulation) + ": " + report.reason;
+    }
+    results.record(simulation, simulation.is_finished());
+    progress.step(simulation, report);
+  }
+  if (truncated_steps == 0)
+    return {RunStatus::done, "reached " + reached(simulation) + ", every step converged"};
+  return {RunStatus::not_converged,
+          std::to_string(truncated_steps) + " of " + std::to_string(simulation.state().step) +
+              " steps were cut short before they converged; the first " + first_reason};
+}
+
+void resume(Simulation& simulation, ResultFolder& results, std::vector<std::string>& warnings) {
+  const std::optional<State> state = results.resume();
+  if (!state) {
+    warnings.push_back((results.path() / "checkpoint.bin").string() +
+                       ": there is none; the run begins at the start");
+    return;
+  }
+  simulation.resume_from(*state, (results.path() / "checkpoint.bin").string());
+  log_info("resumed at " + reached(simulation));
+}
+
+void print_start(const RunOptions& options, const Simulation& simulation) {
+  const World& world = simulation.world();
+  Offset cells = 0;
+  for (const Body& body : world.bodies) cells += body.num_cells();
+  print_line((world.title.empty() ? options.scene : world.title) + ": " +
+             std::to_string(world.bodies.size()) + (world.bodies.size() == 1 ? " body, " : " bodies, ") +
+             std::to_string(cells) + " cells, " + std::to_string(world.num_free_unknowns()) + " unknowns, " +
+             std::string(simulation.solver_name()) + ", " + std::to_string(num_threads()) +
+             (num_threads() == 1 ? " thread" : " threads"));
+}
+
+std::string vector_text(const Vector3& vector, int dimension) {
+  std::string text;
+  for (int i = 0; i < dimension; ++i) text += (i == 0 ? "" : ", ") + format_short(vector[i]);
+  return "(" + text + ")";
+}
+
+void print_end(const Simulation& simulation, const ResultFolder& results, const Outcome& outcome,
+               double setup_seconds, double total) {
+  const Frame& frame = simulation.frame();
+  const int dim = simulation.world().dimension;
+  for (const Frame::ProbeValue& probe : frame.probes) {
+    print_line("probe " + probe.name + ": displacement " + vector_text(probe.displacement, dim) + " m");
+  }
+  for (const auto& [name, force] : frame.reactions) {
+    print_line("reaction " + name + ": " + vector_text(force, dim) + " N");
+  }
+  print_line("smallest volume ratio " + format_short(frame.min_volume_ratio));
+  const Timing& timing = simulation.timing();
+  print_line(std::string(name(outcome.status)) + ": " + outcome.reason);
+  print_line("took " + format_seconds(total) + " (reading and setting up " + format_seconds(setup_seconds) +
+             ", assembly " + format_seconds(timing.assembly) + ", solving " + format_seconds(timing.solve) +
+             ", output " + format_seconds(results.output_seconds()) + ")");
+  print_line("results: " + (results.path() / "report.json").string() + ", " +
+             (results.path() / "frames.pvd").string() + " (opens in ParaView)");
+}
+
+int run(const RunOptions& options) {
+  catch_interrupts();
+  const Stopwatch stopwatch;
+  if (options.threads > 0) set_num_threads(options.threads);
+  Scene scene = read_scene(options.scene, {.overrides = options.overrides});
+  ResultFolder results(out_folder(options), stopwatch.seconds());
+  const LogFile log(results.path() / "log.txt", options.resume);
+  Simulation simulation(scene.description);
+  std::vector<std::string> warnings = std::move(scene.warnings);
+  warnings.insert(warnings.end(), simulation.world().warnings.begin(), simulation.world().warnings.end());
+  if (options.resume) resume(simulation, results, warnings);
+  for (const std::string& warning : warnings) log_warning(warning);
+  if (!options.quiet) print_warnings(warnings);
+  if (!options.quiet) print_start(options, simulation);
+
+  const double setup_seconds = stopwatch.seconds();
+  Progress progress(Progress::style_for_stdout(options.quiet), simulation);
+  const Outcome outcome = simulate(simulation, results, progress, options.steps);
+  progress.end();
+  results.record(simulation, true);
+  results.finish(simulation, outcome.status, outcome.reason);
+  log_info(std::string(name(outcome.status)) + ": " + outcome.reason);
+  if (!options.quiet) print_end(simulation, results, outcome, setup_seconds, stopwatch.seconds());
+  if (outcome.status == RunStatus::done) return done;
+  std::fprintf(stderr, "resilin: %s: %s\n", options.scene.c_str(), outcome.reason.c_str());
+  return not_converged;
+}
+
+}  // namespace
+
+void add_run(CLI::App& app, Action& action) {
+  auto options = std::make_shared<RunOptions>();
+  CLI::App* command = app.add_subcommand("run", "Simulate a scene");
+  command->add_option("scene", options->scene, "Scene file (TOML); its keys are listed in docs/scene.md")
+      ->required();
+  command->add_option("--out", options->out, "Folder for the results; default out/<name of the scene>");
+  command->add_option("--set", options->overrides, "Change a value of the scene; may be given several times")
+      ->type_name("KEY=VALUE")
+      ->expected(1)
+      ->take_all()
+      ->allow_extra_args(false);
+  command->add_option("--threads", options->threads, "Number of threads; default all cores")
+      ->check(CLI::Range(1, 1024));
+  command->add_option("--steps", options->steps, "Stop after this many steps")
+      ->check(CLI::Range(1, 1000000000));
+  command->add_flag("--resume", options->resume, "Go on from the checkpoint in the folder");
+  command->add_flag("--quiet", options->quiet, "Print nothing but errors");
+  command->footer(
+      "Example:\n  resilin run beam.toml --out out/stiff --set body.beam.material.youngs_modulus=1e7\n\n"
+      "Exit codes: 0 done; 1 the input is wrong; 2 did not converge or was stopped (results so far are "
+      "kept);\n"
+      "3 an internal error. Ctrl-C stops at a place from which --resume goes on.");
+  command->callback([options, &action] { action = [options] { return run(*options); }; });
+}
+
+}  // namespace resilin::cli

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <chrono>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace resilin::cli {
+
+/// Runs from its construction on.
+class Stopwatch {
+ public:
+  double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point start_ = Clock::now();
+};
+
+/// "warning: ..." on stderr, one line each.
+void print_warnings(const std::vector<std::string>& warnings);
+
+/// A line on stdout; text that has its own line ends.
+void print_line(std::string_view text);
+void print_text(std::string_view text);
+
+std::string format_seconds(double seconds);  ///< "0.52 s", "3 min 20 s", "2 h 05 min"
+std::string format_short(double value);      ///< three digits: "0.0123", "1.23e-09"
+
+/// Columns as wide as their widest entry, two blanks between.
+std::string format_table(const std::vector<std::vector<std::string>>& rows);
+
+}  // namespace resilin::cli
