@@ -16,8 +16,13 @@ Description broken_start(const nlohmann::json& reference, const std::string& law
   const double lambda = reference["parameters"]["lam"];
   Description description = one_body(3, reference_mesh(reference["mesh"]), reference_law(law, mu, lambda));
   description.fixes.push_back(fix("wall", plane(0, 0)));
-  for (const auto& position : start) {
-    for (const auto& coordinate : position) description.bodies[0].initial_positions.push_back(coordinate);
+  BodyDescription& body = description.bodies[0];
+  for (std::size_t v = 0; v < start.size(); ++v) {
+    const Vector3& rest = body.mesh.vertices[v];
+    for (int k = 0; k < 3; ++k) {
+      const double broken = start[v][static_cast<std::size_t>(k)];
+      body.initial_positions.push_back(rest.x() == 0 ? rest[k] : broken);  // held vertices start in place
+    }
   }
   return description;
 }
@@ -52,7 +57,8 @@ TEST(Recover, TruncatedStepsNeverRaiseTheEnergyAndTheBodyComesBack) {
         description.is_dynamic = true;
         description.time_step = 0.1;
         description.end_time = 2;
-        description.bodies[0].material.density = 1;
+        // So light that inertia does not carry the converged motion through inverted states after 20 steps.
+        description.bodies[0].material.density = 0.1;
         description.newton.max_iterations = iterations;
         Simulation simulation(description);
         const World& world = simulation.world();
@@ -69,7 +75,9 @@ TEST(Recover, TruncatedStepsNeverRaiseTheEnergyAndTheBodyComesBack) {
           const double moving = inertia.value(after.positions, {}) + simulation.frame().elastic_energy;
           ASSERT_LE(moving, staying * (1 + 1e-12));
         }
-        if (iterations == 5) EXPECT_GT(simulation.frame().min_volume_ratio, 0);
+        if (iterations == 5) {
+          EXPECT_GT(simulation.frame().min_volume_ratio, 0);
+        }
       }
     }
   }

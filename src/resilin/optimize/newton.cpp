@@ -114,6 +114,8 @@ struct Newton::Search {
   ProjectionChooser chooser{settings.projection};
   VectorX gradient{}, step{}, trial{}, trial_gradient{}, right_side{};
   bool gradient_at_trial_is_known = false;
+  VectorX diagonal{};  ///< |diagonal of the last Hessian| [N/m]
+  double first_residual = 0;
   double last_residual = 0;
   double last_forcing = 0;
 
@@ -143,9 +145,11 @@ struct Newton::Search {
     report.force_scale = objective.force_scale(x, gradient);
   }
 
+  /// What rounding may leave of the residual: of the sums of forces, and of the positions themselves.
   double round_off() const {
     VectorX magnitude;
     objective.gradient_magnitude(x, magnitude);
+    if (diagonal.size() == x.size()) magnitude += diagonal.cwiseProduct(x.cwiseAbs());
     for (Eigen::Index i = 0; i < magnitude.size(); ++i) {
       if (!is_free(i)) magnitude[i] = 0;
     }
@@ -155,7 +159,8 @@ struct Newton::Search {
   bool is_converged() const {
     if (report.residual <= settings.tolerance * report.force_scale) return true;
     // Round-off is asked for only when it can matter: it costs one evaluation.
-    return report.residual <= 1e-6 * report.force_scale && report.residual <= round_off();
+    const double small = 1e-6 * std::max(report.force_scale, first_residual);
+    return report.residual <= small && report.residual <= round_off();
   }
 
   /// How exactly the linear system is worth solving: Eisenstat & Walker 1996, choice 2, never finer than what
@@ -179,17 +184,14 @@ struct Newton::Search {
     bool out_of_memory = false;
   };
 
-  /// Largest entry on the diagonal of the free unknowns [N/m].
-  double largest_diagonal() const {
+  void remember_diagonal() {
     const BlockMatrix& H = newton.hessian_;
-    double largest = 0;
+    diagonal.resize(x.size());
     for (Eigen::Index i = 0; i < x.size(); ++i) {
-      if (!is_free(i)) continue;
       const auto node = static_cast<std::size_t>(i / H.dim);
       const auto k = static_cast<int>(i % H.dim);
-      largest = std::max(largest, std::abs(H.block(H.pattern->row_begin[node])[k * (H.dim + 1)]));
+      diagonal[i] = is_free(i) ? std::abs(H.block(H.pattern->row_begin[node])[k * (H.dim + 1)]) : 0;
     }
-    return largest;
   }
 
   /// `shift` times the largest diagonal entry is added to the diagonal: 0, or a little where a projected
@@ -201,6 +203,7 @@ struct Newton::Search {
       const Stopwatch watch(report.assembly_seconds);
       newton.hessian_.set_zero();
       objective.hessian(x, projection, {}, newton.hessian_);
+      remember_diagonal();
       right_side = -gradient;
       if (boundary_moves) {
         VectorX pull;
@@ -210,7 +213,7 @@ struct Newton::Search {
       for (Eigen::Index i = 0; i < right_side.size(); ++i) {
         if (!is_free(i)) right_side[i] = 0;
       }
-      if (shift > 0) add_to_diagonal(shift * largest_diagonal());
+      if (shift > 0) add_to_diagonal(shift * diagonal.maxCoeff());
       eliminate(newton.hessian_, is_fixed);
     }
     const Stopwatch watch(report.solve_seconds);
@@ -350,6 +353,7 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
   bool boundary_moves = (gap.array() != 0).any();
   objective.gradient(x, gradient);
   measure_residual();
+  first_residual = report.residual;
   while (boundary_moves || !is_converged()) {
     if (report.iterations >= settings.max_iterations) {
       return finish(Status::max_iterations, "the limit of Newton iterations was reached");

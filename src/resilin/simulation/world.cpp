@@ -6,6 +6,8 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/energy/facet.hpp"
+#include "resilin/mesh/quality.hpp"
 #include "resilin/simulation/loads.hpp"
 #include "resilin/simulation/selection.hpp"
 
@@ -67,6 +69,7 @@ class Builder {
  private:
   std::size_t find_body(const std::string& name, const std::string& place) const;
   void add_body(const BodyDescription& body);
+  std::vector<Index> oriented_cells(const BodyDescription& body, const CellBlock& block);
   void add_material(const BodyDescription& description, Body& body);
   void add_support(const FixDescription& fix);
   void add_load(const LoadDescription& load);
@@ -136,7 +139,7 @@ void Builder::add_body(const BodyDescription& description) {
                      "no " + std::string(resilin::name(body.cell_kind)) + " (found " +
                          (found.empty() ? "no cells" : join(found)) + ")");
   }
-  body.cells = block->nodes;
+  body.cells = oriented_cells(description, *block);
   for (Index& node : body.cells) node += body.first_node;
 
   const VectorX placed = placed_vertices(description, world_.dimension);
@@ -154,15 +157,39 @@ void Builder::add_body(const BodyDescription& description) {
   world_.bodies.push_back(std::move(body));
 }
 
+/// The cells with positive volumes: inverted ones are turned around with a warning, flat ones are refused.
+std::vector<Index> Builder::oriented_cells(const BodyDescription& body, const CellBlock& block) {
+  const std::string name = body.mesh_name.empty() ? body.place + ".mesh" : body.mesh_name;
+  const CellSigns signs = cell_signs(body.mesh, block);
+  for (const auto* bad : {&signs.not_finite, &signs.flat}) {
+    if (!bad->empty()) {
+      throw InputError(name + ": cell " + std::to_string(bad->front()), "a cell with a volume",
+                       bad == &signs.flat ? "volume zero" : "a coordinate that is not finite");
+    }
+  }
+  std::vector<Index> nodes = block.nodes;
+  const auto num_corners = static_cast<std::size_t>(num_nodes(block.kind));
+  for (const Index cell : signs.inverted) {
+    std::swap(nodes[static_cast<std::size_t>(cell) * num_corners],
+              nodes[static_cast<std::size_t>(cell) * num_corners + 1]);
+  }
+  if (!signs.inverted.empty()) {
+    world_.warnings.push_back(name + ": " + std::to_string(signs.inverted.size()) +
+                              " inverted cells were turned around, the first is cell " +
+                              std::to_string(signs.inverted.front()));
+  }
+  return nodes;
+}
+
 /// Once all bodies are placed, so that every energy sees the whole world's vertices.
 void Builder::add_material(const BodyDescription& description, Body& body) {
   const MaterialDescription& material = description.material;
   const LawInfo& law = require_law(material.law, material.place + ".law");
-  const LawConstants constants =
-      resolve_constants(law, material.constants, material.cell_constants,
-                        static_cast<std::size_t>(body.num_cells()), material.place);
+  const std::vector<double> constants = resolve_constants(law, material.constants, material.place);
   body.law = law.name;
-  body.constants = constants.named_means(law);
+  for (std::size_t i = 0; i < law.constants.size(); ++i) {
+    body.constants.emplace_back(law.constants[i].name, constants[i]);
+  }
   const auto elastic = std::make_shared<ElasticEnergy>(world_.dimension, body.element, body.cells,
                                                        world_.rest_positions, law, constants);
   body.elastic = elastic;

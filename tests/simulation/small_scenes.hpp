@@ -1,0 +1,37 @@
+#pragma once
+
+#include "resilin/mesh/generators.hpp"
+#include "resilin/simulation/simulation.hpp"
+
+namespace resilin::testing {
+
+/// A bar of 1 x 0.25 x 0.25 m (2D: 1 x 0.25 m) held at x = 0 under its weight; E = 0.1 MPa.
+inline Description small_bar(int dimension, bool is_dynamic) {
+  Description scene;
+  scene.dimension = dimension;
+  scene.is_dynamic = is_dynamic;
+  scene.time_step = 0.02;
+  scene.end_time = 0.2;
+  scene.gravity = dimension == 3 ? Vector3(0, 0, -9.81) : Vector3(0, -9.81, 0);
+  BodyDescription body;
+  body.mesh = dimension == 3 ? make_box({1, 0.25, 0.25}, {8, 2, 2}) : make_rectangle({1, 0.25}, {8, 2});
+  scene.bodies.push_back(std::move(body));
+  FixDescription wall;
+  wall.name = "wall";
+  wall.where.kind = Where::Kind::plane;
+  scene.fixes.push_back(wall);
+  ProbeDescription tip;
+  tip.name = "tip";
+  tip.at = {1, 0.25, dimension == 3 ? 0.25 : 0.0};
+  scene.probes.push_back(tip);
+  return scene;
+}
+
+inline Simulation run_all(const Description& scene) {
+  Simulation simulation(scene);
+  while (!simulation.is_finished() && simulation.step().status == StepReport::Status::converged) {
+  }
+  return simulation;
+}
+
+}  // namespace resilin::testing

@@ -1,0 +1,166 @@
+// What a world refuses and says, and what a step reports.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "resilin/core/error.hpp"
+#include "small_scenes.hpp"
+
+namespace resilin::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+std::string message_of(const std::function<void()>& function) {
+  try {
+    function();
+  } catch (const InputError& error) {
+    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(World, NamesTheFreeRigidMotionsOfAStaticBody) {
+  Description scene = small_bar(3, false);
+  scene.fixes.clear();
+  EXPECT_THAT(message_of([&] { World{scene}; }),
+              AllOf(HasSubstr("6 of 6 rigid motions"), HasSubstr("[[fix]]")));
+  scene = small_bar(2, false);
+  scene.fixes[0].components = {true, false, false};
+  EXPECT_THAT(message_of([&] { World{scene}; }), HasSubstr("1 of 3 rigid motions"));
+}
+
+TEST(World, NamesTheComponentThatIsNotHeld) {
+  Description scene = small_bar(3, false);
+  Mesh& mesh = scene.bodies[0].mesh;
+  const Mesh other = make_box({1, 0.25, 0.25}, {1, 1, 1}, {3, 0, 0});
+  const auto offset = static_cast<Index>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
+  for (const Index node : other.find_block(CellKind::tetrahedron)->nodes) {
+    mesh.block(CellKind::tetrahedron).nodes.push_back(offset + node);
+  }
+  EXPECT_THAT(message_of([&] { World{scene}; }), HasSubstr("component 2"));
+}
+
+TEST(World, SpringsHoldABodyToo) {
+  Description scene = small_bar(3, false);
+  scene.fixes.clear();
+  LoadDescription spring;
+  spring.kind = LoadDescription::Kind::spring;
+  spring.stiffness = 1e4;
+  spring.where.kind = Where::Kind::plane;
+  scene.loads.push_back(spring);
+  EXPECT_TRUE(run_all(scene).is_finished());
+}
+
+TEST(World, NamesVertexAndBothSupportsThatDisagree) {
+  Description scene = small_bar(3, false);
+  scene.fixes.push_back(scene.fixes[0]);
+  scene.fixes[0].place = "scene.toml: fix[0]";
+  scene.fixes[1].place = "scene.toml: fix[1]";
+  scene.fixes[1].displacement = {0.1, 0, 0};
+  EXPECT_THAT(message_of([&] { World{scene}; }),
+              AllOf(HasSubstr("fix[0]"), HasSubstr("fix[1]"), HasSubstr("vertex 0")));
+}
+
+TEST(World, ListsTheGroupsThatThereAre) {
+  Description scene = small_bar(3, false);
+  scene.fixes[0].where.kind = Where::Kind::group;
+  scene.fixes[0].where.group = "x_mim";
+  EXPECT_THAT(message_of([&] { World{scene}; }),
+              AllOf(HasSubstr("x_max"), HasSubstr("did you mean \"x_min\"?"), HasSubstr("x_mim")));
+}
+
+TEST(World, RefusesASelectionWithoutVertices) {
+  Description scene = small_bar(3, false);
+  scene.fixes[0].where.at = 7;
+  EXPECT_THAT(message_of([&] { World{scene}; }), HasSubstr("x = 0 to 1"));
+}
+
+TEST(World, RefusesMotionWithoutMass) {
+  Description scene = small_bar(3, true);
+  scene.bodies[0].material.density = 0;
+  EXPECT_THAT(message_of([&] { World{scene}; }), HasSubstr("density"));
+  scene = small_bar(3, false);
+  scene.bodies[0].material.density = 0;
+  scene.gravity.setZero();
+  EXPECT_TRUE(run_all(scene).is_finished());
+}
+
+TEST(World, LeavesAVertexOfNoCellWhereItIs) {
+  Description scene = small_bar(3, false);
+  scene.bodies[0].mesh.vertices.emplace_back(9, 9, 9);
+  const Simulation simulation = run_all(scene);
+  EXPECT_TRUE(simulation.is_finished());
+  EXPECT_EQ(simulation.state().positions.tail(3), Vector3(9, 9, 9));
+}
+
+TEST(World, TurnsInvertedCellsAroundAndSaysSo) {
+  Description scene = small_bar(3, false);
+  std::swap(scene.bodies[0].mesh.block(CellKind::tetrahedron).nodes[0],
+            scene.bodies[0].mesh.block(CellKind::tetrahedron).nodes[1]);
+  const Simulation simulation = run_all(scene);
+  ASSERT_EQ(simulation.world().warnings.size(), 1U);
+  EXPECT_THAT(simulation.world().warnings[0], HasSubstr("inverted"));
+  const Simulation expected = run_all(small_bar(3, false));
+  EXPECT_LT((simulation.state().positions - expected.state().positions).norm(), 1e-9);
+}
+
+TEST(LoadSteps, AreHalvedUntilTheyConvergeAndTheLoadReachedIsNamed) {
+  Description scene = small_bar(3, false);
+  // A hydrostatic pull beyond the largest Cauchy stress that the law has, lambda / e: no equilibrium exists.
+  scene.bodies[0].material.law = "neo_hookean";
+  LoadDescription pull;
+  pull.kind = LoadDescription::Kind::pressure;
+  pull.pressure = -1e6;
+  scene.loads.push_back(pull);
+  scene.newton.max_iterations = 30;
+  Simulation simulation(scene);
+  StepReport report;
+  int failed_attempts = 0;
+  do {
+    report = simulation.step();
+    failed_attempts += report.failed_attempts;
+  } while (report.status == StepReport::Status::converged && !simulation.is_finished());
+  EXPECT_EQ(report.status, StepReport::Status::not_converged);
+  EXPECT_LT(simulation.state().load, 1);
+  EXPECT_GT(failed_attempts, 3);
+  EXPECT_THAT(report.reason, HasSubstr("load factor"));
+}
+
+TEST(Reactions, BalanceTheWeight) {
+  for (const int dimension : {2, 3}) {
+    const Simulation simulation = run_all(small_bar(dimension, false));
+    const double weight = simulation.world().bodies[0].mass * 9.81;
+    const Vector3 reaction = simulation.frame().reactions[0].second;
+    EXPECT_NEAR(reaction[dimension - 1], weight, 1e-7 * weight);
+    EXPECT_NEAR(reaction[0], 0, 1e-7 * weight);
+  }
+}
+
+TEST(Interruption, LeavesTheStateBeforeTheStep) {
+  Simulation simulation(small_bar(3, true));
+  simulation.step();
+  const State before = simulation.state();
+  const StepReport report = simulation.step([](const NewtonReport&) { return false; });
+  EXPECT_EQ(report.status, StepReport::Status::interrupted);
+  EXPECT_EQ(simulation.state().step, before.step);
+  EXPECT_TRUE((simulation.state().positions.array() == before.positions.array()).all());
+}
+
+TEST(Checkpoint, RefusesADamagedImage) {
+  Simulation simulation(small_bar(3, true));
+  std::string image = serialize(simulation.state());
+  EXPECT_THAT(message_of([&] { deserialize_state(image.substr(0, image.size() / 2), "c.bin"); }),
+              HasSubstr("c.bin"));
+  image[image.size() / 2] = static_cast<char>(image[image.size() / 2] ^ 1);
+  EXPECT_THAT(message_of([&] { deserialize_state(image, "c.bin"); }), HasSubstr("damaged"));
+  EXPECT_THAT(message_of([] { deserialize_state("hello", "c.bin"); }), HasSubstr("c.bin"));
+}
+
+}  // namespace
+}  // namespace resilin::testing
