@@ -1,0 +1,29 @@
+# resilin_kernels(MODULE SOURCES a.cpp ...): compiles the sources once for each instruction set and puts them into the
+# library of the module. core/simd.hpp says what such a source has to keep to; core/cpu.hpp chooses at run time.
+
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$")
+  set(RESILIN_INSTRUCTION_SETS baseline avx2 avx512)
+else()
+  set(RESILIN_INSTRUCTION_SETS baseline)
+endif()
+set(RESILIN_FLAGS_baseline)
+set(RESILIN_FLAGS_avx2 -mavx2 -mfma)
+set(RESILIN_FLAGS_avx512 -mavx512f -mavx512dq -mavx512vl -mavx512bw -mavx2 -mfma)
+set(RESILIN_WIDTH_baseline 2)
+set(RESILIN_WIDTH_avx2 4)
+set(RESILIN_WIDTH_avx512 8)
+
+function(resilin_kernels module)
+  cmake_parse_arguments(ARG "" "" "SOURCES" ${ARGN})
+  foreach(set IN LISTS RESILIN_INSTRUCTION_SETS)
+    set(objects resilin_${module}_${set})
+    add_library(${objects} OBJECT ${ARG_SOURCES})
+    target_include_directories(${objects} PRIVATE ${PROJECT_SOURCE_DIR}/src)
+    target_link_libraries(${objects} PRIVATE resilin_options)
+    target_compile_definitions(${objects} PRIVATE
+      RESILIN_SIMD_NAMESPACE=${set} RESILIN_SIMD_WIDTH=${RESILIN_WIDTH_${set}})
+    # errno and floating-point traps would keep square roots and selections out of the lanes.
+    target_compile_options(${objects} PRIVATE -fno-math-errno -fno-trapping-math ${RESILIN_FLAGS_${set}})
+    target_sources(resilin_${module} PRIVATE $<TARGET_OBJECTS:${objects}>)
+  endforeach()
+endfunction()

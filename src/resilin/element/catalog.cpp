@@ -1,0 +1,50 @@
+#include "resilin/element/catalog.hpp"
+
+#include <algorithm>
+
+#include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
+
+namespace resilin {
+namespace {
+
+template <class Element>
+ElementInfo info() {
+  static const auto points = Element::points();
+  return {Element::name, Element::dim,          Element::num_nodes,      Element::quadrature,
+          points,        Element::shape_values, Element::shape_gradients};
+}
+
+template <class... Element>
+std::vector<ElementInfo> all_infos(ElementList<Element...>) {
+  return {info<Element>()...};
+}
+
+const std::vector<ElementInfo>& infos() {
+  static const std::vector<ElementInfo> table = all_infos(Elements{});
+  return table;
+}
+
+}  // namespace
+
+std::vector<const ElementInfo*> elements() {
+  std::vector<const ElementInfo*> all;
+  for (const ElementInfo& element : infos()) all.push_back(&element);
+  return all;
+}
+
+const ElementInfo* find_element(std::string_view name, int dim) {
+  for (const ElementInfo& element : infos())
+    if (element.name == name && element.dim == dim) return &element;
+  return nullptr;
+}
+
+const ElementInfo& require_element(std::string_view name, int dim, const std::string& place) {
+  if (const ElementInfo* element = find_element(name, dim)) return *element;
+  std::vector<std::string> names;
+  for (const ElementInfo& element : infos())
+    if (element.dim == dim) names.emplace_back(element.name);
+  throw InputError(place, "one of " + join(names), "\"" + std::string(name) + "\"");
+}
+
+}  // namespace resilin

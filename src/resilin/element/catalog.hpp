@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "resilin/element/element.hpp"
+#include "resilin/element/linear_tetrahedron.hpp"
+#include "resilin/element/linear_triangle.hpp"
+
+namespace resilin {
+
+template <class... Element>
+struct ElementList {};
+
+/// Every element. The scene reader, the documentation and the property tests walk this list.
+using Elements = ElementList<LinearTriangle, LinearTetrahedron>;
+
+/// All elements, in the order of the catalogue.
+std::vector<const ElementInfo*> elements();
+
+/// The element of this name in this dimension, or nullptr.
+const ElementInfo* find_element(std::string_view name, int dim);
+
+/// The element of this name in this dimension; throws InputError(place, ...) that lists them when there is
+/// none.
+const ElementInfo& require_element(std::string_view name, int dim, const std::string& place);
+
+}  // namespace resilin

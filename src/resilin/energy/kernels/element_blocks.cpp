@@ -1,0 +1,202 @@
+#include "resilin/energy/kernels/element_blocks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "resilin/core/error.hpp"
+#include "resilin/core/parallel.hpp"
+#include "resilin/core/simd.hpp"
+#include "resilin/core/text.hpp"
+
+namespace resilin {
+namespace {
+
+constexpr std::size_t nodes_per_chunk = 16384;
+
+/// Interleaves the bits of up to three coordinates of 21 bits: position on the Morton curve.
+std::uint64_t morton_key(const std::array<std::uint32_t, 3>& coordinates) {
+  std::uint64_t key = 0;
+  for (int bit = 20; bit >= 0; --bit)
+    for (const std::uint32_t c : coordinates) key = key << 1 | (c >> bit & 1u);
+  return key;
+}
+
+std::vector<Index> used_nodes(std::span<const Index> cells, Index num_world_nodes) {
+  std::vector<Index> nodes(cells.begin(), cells.end());
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  if (!nodes.empty() && (nodes.front() < 0 || nodes.back() >= num_world_nodes))
+    throw InputError("cells", "node numbers in [0, " + std::to_string(num_world_nodes) + ")",
+                     std::to_string(nodes.front() < 0 ? nodes.front() : nodes.back()));
+  return nodes;
+}
+
+/// Sorts nodes along the Morton curve, so that nodes that are near in space are near in memory.
+void sort_in_space(std::vector<Index>& nodes, int dim, const VectorX& positions) {
+  Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  const auto position = [&](Index node) {
+    Vector3 p = Vector3::Zero();
+    for (int i = 0; i < dim; ++i) p[i] = positions[Eigen::Index{dim} * node + i];
+    return p;
+  };
+  for (const Index node : nodes) {
+    low = low.cwiseMin(position(node));
+    high = high.cwiseMax(position(node));
+  }
+  const double extent = nodes.empty() ? 1 : (high - low).maxCoeff();
+  const double scale = extent > 0 ? 2097151.0 / extent : 0;
+  std::vector<std::pair<std::uint64_t, Index>> keys;
+  keys.reserve(nodes.size());
+  for (const Index node : nodes) {
+    const Vector3 p = (position(node) - low) * scale;
+    keys.emplace_back(morton_key({static_cast<std::uint32_t>(p[0]), static_cast<std::uint32_t>(p[1]),
+                                  static_cast<std::uint32_t>(p[2])}),
+                      node);
+  }
+  std::sort(keys.begin(), keys.end());
+  for (std::size_t i = 0; i < keys.size(); ++i) nodes[i] = keys[i].second;
+}
+
+/// Local nodes of every cell, in the cell's own order.
+std::vector<Index> local_cells(std::span<const Index> cells, const std::vector<Index>& world_nodes) {
+  std::vector<Index> local(
+      world_nodes.empty() ? 0 : static_cast<std::size_t>(*std::ranges::max_element(world_nodes)) + 1);
+  for (std::size_t i = 0; i < world_nodes.size(); ++i)
+    local[static_cast<std::size_t>(world_nodes[i])] = static_cast<Index>(i);
+  std::vector<Index> result(cells.size());
+  for (std::size_t i = 0; i < cells.size(); ++i) result[i] = local[static_cast<std::size_t>(cells[i])];
+  return result;
+}
+
+/// Order of the cells: by their local nodes, sorted.
+std::vector<Index> sorted_cells(const std::vector<Index>& cells, int num_nodes) {
+  const auto n = static_cast<std::size_t>(num_nodes);
+  std::vector<Index> keys = cells;
+  const std::size_t num_cells = cells.size() / n;
+  for (std::size_t c = 0; c < num_cells; ++c)
+    std::sort(keys.begin() + static_cast<std::ptrdiff_t>(c * n),
+              keys.begin() + static_cast<std::ptrdiff_t>((c + 1) * n));
+  std::vector<Index> order(num_cells);
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](Index a, Index b) {
+    const Index* ka = keys.data() + static_cast<std::size_t>(a) * n;
+    const Index* kb = keys.data() + static_cast<std::size_t>(b) * n;
+    for (std::size_t i = 0; i < n; ++i)
+      if (ka[i] != kb[i]) return ka[i] < kb[i];
+    return a < b;
+  });
+  return order;
+}
+
+/// Writes geometry and nodes of a cell into a lane, its nodes in ascending order of their world numbers.
+void fill_lane(const ElementInfo& element, std::span<const Index> cell, std::span<const Index> local_cell,
+               bool is_copy, std::size_t block, std::size_t lane, const VectorX& X, ElementBlocks& out) {
+  const auto n = static_cast<std::size_t>(element.num_nodes), dim = static_cast<std::size_t>(element.dim);
+  std::vector<std::size_t> order(n);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::sort(order, [&](std::size_t a, std::size_t b) { return cell[a] < cell[b]; });
+  for (std::size_t a = 0; a < n; ++a) out.nodes[(block * n + a) * block_size + lane] = local_cell[order[a]];
+
+  std::vector<double> positions(n * dim);
+  for (std::size_t a = 0; a < n; ++a)
+    for (std::size_t i = 0; i < dim; ++i)
+      positions[a * dim + i] = X[static_cast<Eigen::Index>(static_cast<std::size_t>(cell[a]) * dim + i)];
+  const PointGeometry geometry = point_geometry(element, element.points[0], positions);
+  const Index number = out.cells[block * block_size + lane];
+  if (!is_copy && !(geometry.weight > 0 && std::isfinite(geometry.weight)))
+    throw InputError("cell " + std::to_string(number), "a positive volume", format_number(geometry.weight),
+                     "number its nodes the other way round, or remove it");
+  out.weights[block * block_size + lane] = is_copy ? 0 : geometry.weight;
+  for (std::size_t a = 1; a < n; ++a)
+    for (std::size_t i = 0; i < dim; ++i)
+      out.gradients[((block * (n - 1) + a - 1) * dim + i) * block_size + lane] =
+          is_copy ? 0 : geometry.gradients[order[a] * dim + i];
+}
+
+}  // namespace
+
+std::vector<double> ElementBlocks::local_values(const VectorX& world_values) const {
+  std::vector<double> values(world_nodes.size() * stride());
+  parallel_for(world_nodes.size(), nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t node = begin; node < end; ++node) {
+      const double* from = world_values.data() + Eigen::Index{dim} * world_nodes[node];
+      for (int i = 0; i < dim; ++i) values[node * stride() + static_cast<std::size_t>(i)] = from[i];
+    }
+  });
+  return values;
+}
+
+std::vector<double> ElementBlocks::local_displacements(const VectorX& x) const {
+  std::vector<double> u(world_nodes.size() * stride());
+  parallel_for(world_nodes.size(), nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t node = begin; node < end; ++node) {
+      const double* from = x.data() + Eigen::Index{dim} * world_nodes[node];
+      for (int i = 0; i < dim; ++i) {
+        const std::size_t at = node * stride() + static_cast<std::size_t>(i);
+        u[at] = from[i] - rest_positions[at];
+      }
+    }
+  });
+  return u;
+}
+
+ElementBlocks make_element_blocks(const ElementInfo& element, std::span<const Index> cells,
+                                  const VectorX& rest_positions) {
+  ElementBlocks out;
+  out.dim = element.dim;
+  out.num_nodes = element.num_nodes;
+  const auto n = static_cast<std::size_t>(element.num_nodes);
+  out.num_cells = static_cast<Index>(cells.size() / n);
+  out.num_blocks = (cells.size() / n + block_size - 1) / block_size;
+
+  out.world_nodes = used_nodes(cells, static_cast<Index>(rest_positions.size() / element.dim));
+  sort_in_space(out.world_nodes, element.dim, rest_positions);
+  out.rest_positions = out.local_values(rest_positions);
+  const std::vector<Index> local = local_cells(cells, out.world_nodes);
+  const std::vector<Index> order = sorted_cells(local, element.num_nodes);
+
+  const std::size_t lanes = out.num_blocks * block_size;
+  out.cells.assign(lanes, -1);
+  std::copy(order.begin(), order.end(), out.cells.begin());
+  out.nodes.resize(lanes * n);
+  out.weights.resize(lanes);
+  out.gradients.resize(lanes * (n - 1) * static_cast<std::size_t>(element.dim));
+  for (std::size_t i = 0; i < lanes; ++i) {
+    const auto cell = static_cast<std::size_t>(order[std::min(i, order.size() - 1)]);
+    fill_lane(element, cells.subspan(cell * n, n), std::span(local).subspan(cell * n, n), i >= order.size(),
+              i / block_size, i % block_size, rest_positions, out);
+  }
+  return out;
+}
+
+std::vector<OwnerPart> split_by_owner(const ElementBlocks& blocks, int count) {
+  const auto num_nodes = static_cast<std::size_t>(blocks.num_local_nodes());
+  const std::size_t lanes_per_block = static_cast<std::size_t>(blocks.num_nodes) * block_size;
+  std::vector<std::size_t> touches(num_nodes, 0);
+  for (const Index node : blocks.nodes) ++touches[static_cast<std::size_t>(node)];
+
+  std::vector<OwnerPart> parts(static_cast<std::size_t>(count));
+  std::vector<int> owner(num_nodes);
+  std::size_t node = 0, touched = 0;
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    parts[p].owned.begin = static_cast<Index>(node);
+    const std::size_t target = blocks.nodes.size() * (p + 1) / parts.size();
+    while (node < num_nodes && (touched < target || p + 1 == parts.size())) {
+      touched += touches[node];
+      owner[node++] = static_cast<int>(p);
+    }
+    parts[p].owned.end = static_cast<Index>(node);
+  }
+  for (std::size_t block = 0; block < blocks.num_blocks; ++block)
+    for (std::size_t i = 0; i < lanes_per_block; ++i) {
+      auto& list = parts[static_cast<std::size_t>(
+                             owner[static_cast<std::size_t>(blocks.nodes[block * lanes_per_block + i])])]
+                       .blocks;
+      if (list.empty() || list.back() != static_cast<Index>(block)) list.push_back(static_cast<Index>(block));
+    }
+  return parts;
+}
+
+}  // namespace resilin

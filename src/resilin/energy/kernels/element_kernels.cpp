@@ -1,0 +1,213 @@
+// Compiled once for each instruction set: see core/simd.hpp.
+#include "resilin/energy/kernels/element_kernels.hpp"
+
+#include "resilin/energy/kernels/gather.hpp"
+#include "resilin/energy/kernels/lane_hessians.hpp"
+#include "resilin/material/law_kernels.hpp"
+
+namespace resilin::RESILIN_SIMD_NAMESPACE {
+namespace {
+
+constexpr int num_pairs(int dim) { return (dim + 1) * (dim + 2) / 2; }
+
+/// Where the data of one group of lanes begins.
+template <int dim>
+struct Place {
+  std::size_t in_tile;  ///< number of the block in the tile
+  std::size_t block;    ///< and among all blocks
+  int lane;             ///< first lane
+
+  const std::int32_t* nodes(const ElementTile& tile, int a) const {
+    return tile.nodes + (block * (dim + 1) + static_cast<std::size_t>(a)) * block_size + lane;
+  }
+  std::size_t row(int rows) const {
+    return in_tile * static_cast<std::size_t>(rows * block_size) + static_cast<std::size_t>(lane);
+  }
+  Lanes weight(const ElementTile& tile) const {
+    return Lanes::load(tile.weights + block * block_size + lane);
+  }
+  RESILIN_INLINE void gradients(const ElementTile& tile, Lanes g[dim][dim]) const {
+    load_rows(tile.gradients + block * (dim * dim * block_size) + lane, dim * dim, g[0]);
+  }
+};
+
+template <int dim, class Body>
+RESILIN_INLINE void for_lanes(const ElementTile& tile, const Body& body) {
+  for (std::size_t i = 0; i < tile.num_blocks; ++i)
+    for (int lane = 0; lane < block_size; lane += Lanes::width)
+      body(Place<dim>{i, static_cast<std::size_t>(tile.blocks[i]), lane});
+}
+
+template <int dim>
+void measure(const ElementTile& tile, LawKind kind, const double* displacements, double* H_rows,
+             double* variables) {
+  for_lanes<dim>(tile, [&](const Place<dim>& at) {
+    Lanes u0[dim], u[dim], g[dim][dim], H[dim * dim], out[3];
+    at.gradients(tile, g);
+    gather<dim>(displacements, at.nodes(tile, 0), u0);
+    for (int a = 0; a < dim; ++a) {
+      gather<dim>(displacements, at.nodes(tile, a + 1), u);
+      for (int i = 0; i < dim; ++i) {
+        u[i] -= u0[i];
+        for (int k = 0; k < dim; ++k)
+          H[dim * i + k] = a == 0 ? u[i] * g[a][k] : H[dim * i + k] + u[i] * g[a][k];
+      }
+    }
+    if (kind == LawKind::small_strain)
+      small_strain<dim>(H, out);
+    else
+      invariants<dim>(H, out);
+    store_rows(H, dim * dim, H_rows + at.row(dim * dim));
+    store_rows(out, 3, variables + at.row(3));
+  });
+}
+
+template <int dim>
+void add_energies(const ElementTile& tile, const double* psi, const double* psi_from, EnergySum& total) {
+  Mask is_outside = Lanes(0.0) > Lanes(1.0);
+  for_lanes<dim>(tile, [&](const Place<dim>& at) {
+    Lanes value = Lanes::load(psi + at.row(1));
+    is_outside |= ~(value < Lanes(__builtin_inf()));
+    if (psi_from != nullptr) value -= Lanes::load(psi_from + at.row(1));
+    const Lanes part = at.weight(tile) * value, sum = Lanes::load(total.sum + at.lane);
+    const Lanes next = sum + part, shown = next - sum;  // two-sum (Knuth)
+    const Lanes rest = (sum - (next - shown)) + (part - shown);
+    next.store(total.sum + at.lane);
+    (Lanes::load(total.rest + at.lane) + rest).store(total.rest + at.lane);
+  });
+  total.is_outside = total.is_outside || any(is_outside);
+}
+
+template <int dim>
+void add_forces(const ElementTile& tile, LawKind kind, const double* H_rows, const double* law_gradient,
+                bool is_magnitude, const OwnedNodes& owned, double* forces) {
+  for_lanes<dim>(tile, [&](const Place<dim>& at) {
+    Lanes H[dim * dim], law[3], P[dim * dim], g[dim][dim], f[dim + 1][dim];
+    load_rows(H_rows + at.row(dim * dim), dim * dim, H);
+    load_rows(law_gradient + at.row(gradient_rows), 3, law);
+    at.gradients(tile, g);
+    stress<dim>(kind, H, law, P);
+    const Lanes w = at.weight(tile);
+    for (int i = 0; i < dim * dim; ++i) P[i] *= w;
+    apply<dim>(P, g, f + 1);
+    for (int i = 0; i < dim; ++i) {
+      f[0][i] = -f[1][i];
+      for (int a = 2; a <= dim; ++a) f[0][i] -= f[a][i];
+    }
+    if (is_magnitude)
+      for (auto& node_force : f)
+        for (Lanes& component : node_force) component = abs(component);
+    for (int a = 0; a <= dim; ++a) scatter_add<dim>(f[a], at.nodes(tile, a), owned.begin, owned.end, forces);
+  });
+}
+
+template <int dim>
+RESILIN_INLINE void isotropic_hessian(const HessianForm& form, const Lanes H[], const double* law,
+                                      const Lanes g[dim][dim], Lanes w, ElementHessian<dim>& K) {
+  Lanes F[dim * dim];
+  for (int i = 0; i < dim * dim; ++i) F[i] = H[i];
+  add_identity<dim>(F);
+  if constexpr (dim == 2) {
+    const InvariantDerivatives d = plane_strain_derivatives(law, H[0] + H[3] + (H[0] * H[3] - H[1] * H[2]));
+    if (form.removed > 0)
+      projected_hessian2(F, d, g, w, form.removed, K);
+    else
+      plain_hessian2(F, d, g, w, K);
+  } else {
+    const InvariantDerivatives d = invariant_derivatives(law);
+    if (form.uses_second_invariant) {
+      if (form.removed > 0)
+        projected_hessian3<true>(F, d, g, w, form.removed, K);
+      else
+        plain_hessian3<true>(F, d, g, w, K);
+    } else if (form.removed > 0) {
+      projected_hessian3<false>(F, d, g, w, form.removed, K);
+    } else {
+      plain_hessian3<false>(F, d, g, w, K);
+    }
+  }
+}
+
+template <int dim>
+void hessians(const ElementTile& tile, const HessianForm& form, const double* H_rows,
+              const double* law_curvature, double* out) {
+  for_lanes<dim>(tile, [&](const Place<dim>& at) {
+    Lanes H[dim * dim], g[dim][dim];
+    load_rows(H_rows + at.row(dim * dim), dim * dim, H);
+    at.gradients(tile, g);
+    const double* law = law_curvature + at.row(curvature_rows);
+    const Lanes w = at.weight(tile);
+    ElementHessian<dim> K;
+    if (form.kind == LawKind::small_strain)
+      small_strain_hessian<dim>(Lanes::load(law), Lanes::load(law + 8 * block_size), g, w, K);
+    else
+      isotropic_hessian<dim>(form, H, law, g, w, K);
+    store_rows(K[0], num_pairs(dim) * dim * dim, out + at.row(num_pairs(dim) * dim * dim));
+  });
+}
+
+template <int dim>
+void scatter(const ElementTile& tile, const double* K, const std::uint32_t* slots, const OwnedNodes& owned,
+             double* values) {
+  constexpr int pairs = num_pairs(dim), entries = dim * dim;
+  for (std::size_t i = 0; i < tile.num_blocks; ++i) {
+    const auto block = static_cast<std::size_t>(tile.blocks[i]);
+    for (int a = 0, pair = 0; a <= dim; ++a) {
+      bool is_owned[block_size];
+      const std::int32_t* row_nodes =
+          tile.nodes + (block * (dim + 1) + static_cast<std::size_t>(a)) * block_size;
+      for (int lane = 0; lane < block_size; ++lane)
+        is_owned[lane] = row_nodes[lane] >= owned.begin && row_nodes[lane] < owned.end;
+      for (int b = a; b <= dim; ++b, ++pair) {
+        const double* rows = K + (i * pairs + static_cast<std::size_t>(pair)) * (entries * block_size);
+        const std::uint32_t* slot = slots + (block * pairs + static_cast<std::size_t>(pair)) * block_size;
+        if constexpr (dim == 3) {
+          add_blocks3(rows, slot, is_owned, values);
+        } else {
+          for (int lane = 0; lane < block_size; ++lane)
+            if (is_owned[lane])
+              for (int k = 0; k < entries; ++k)
+                values[std::size_t{entries} * slot[lane] + static_cast<std::size_t>(k)] +=
+                    rows[k * block_size + lane];
+        }
+      }
+    }
+  }
+}
+
+template <int dim>
+void volume_cubics(std::size_t num_blocks, const double* H_rows, const double* G_rows, double* cubics) {
+  for (std::size_t block = 0; block < num_blocks; ++block)
+    for (int lane = 0; lane < block_size; lane += Lanes::width) {
+      const Place<dim> at{block, block, lane};
+      Lanes F[dim * dim], G[dim * dim], c[4], variables[3];
+      load_rows(H_rows + at.row(dim * dim), dim * dim, F);
+      load_rows(G_rows + at.row(dim * dim), dim * dim, G);
+      invariants<dim>(F, variables);
+      add_identity<dim>(F);
+      c[0] = 1.0 + variables[2];
+      if constexpr (dim == 2) {
+        c[1] = F[3] * G[0] - F[2] * G[1] - F[1] * G[2] + F[0] * G[3];
+        c[2] = G[0] * G[3] - G[1] * G[2];
+        c[3] = 0.0;
+      } else {
+        Lanes cof_F[9], cof_G[9];
+        cofactor(F, cof_F);
+        cofactor(G, cof_G);
+        c[1] = dot<9>(cof_F, G);
+        c[2] = dot<9>(F, cof_G);
+        c[3] = dot<3>(G, cof_G);
+      }
+      store_rows(c, 4, cubics + at.row(4));
+    }
+}
+
+template <int dim>
+constexpr ElementKernels kernels = {measure<dim>,  add_energies<dim>, add_forces<dim>,
+                                    hessians<dim>, scatter<dim>,      volume_cubics<dim>};
+
+}  // namespace
+
+const ElementKernels& element_kernels(int dim) { return dim == 2 ? kernels<2> : kernels<3>; }
+
+}  // namespace resilin::RESILIN_SIMD_NAMESPACE

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "resilin/core/cpu.hpp"
+#include "resilin/material/law_text.hpp"
+
+// Law-independent loops over elements, `block_size` lanes (core/simd.hpp) at a time. A law is called between
+// them, once for each tile: measure -> law (material/law_kernels.hpp) -> energies, forces or Hessians.
+namespace resilin {
+
+/// Some blocks of P1 elements. Lanes are the fastest index of every array.
+struct ElementTile {
+  const std::int32_t* blocks;  ///< numbers of the blocks, `num_blocks` of them
+  std::size_t num_blocks;
+  const std::int32_t* nodes;  ///< of all blocks: [block][node][lane], local numbers
+  const double* gradients;    ///< of all blocks: [block][node - 1][component][lane], dN/dX of nodes 1, 2, ...
+  const double* weights;      ///< of all blocks: [block][lane], rest volumes
+};
+
+/// A sum of energies, each lane with its own compensation for round-off.
+struct EnergySum {
+  double sum[8] = {};
+  double rest[8] = {};
+  bool is_outside = false;  ///< some energy was infinite or not a number
+};
+
+/// Nodes begin <= node < end are written by this call and no others.
+struct OwnedNodes {
+  std::int32_t begin, end;
+};
+
+/// How the element Hessians are formed.
+struct HessianForm {
+  LawKind kind;
+  bool uses_second_invariant;
+  double removed;  ///< times the negative part of an element's eigenvalues is taken off: 0 none, 1 clamp, 2
+                   ///< absolute
+};
+
+struct ElementKernels {
+  /// H = sum_a (u_a - u_0) dN_a/dX, by rows, [tile block][dim * dim][lane], and the variables of the law's
+  /// kind.
+  void (*measure)(const ElementTile&, LawKind, const double* displacements, double* H, double* invariants);
+
+  /// Adds weight * (psi - psi_from); psi_from may be null.
+  void (*add_energies)(const ElementTile&, const double* psi, const double* psi_from, EnergySum&);
+
+  /// Adds dE/dx, or the absolute values of each element's share, at the owned nodes.
+  void (*add_forces)(const ElementTile&, LawKind, const double* H, const double* law_gradient,
+                     bool is_magnitude, const OwnedNodes&, double* forces);
+
+  /// Upper blocks (a, b), a <= b, of the element Hessians: [tile block][pair][dim * dim][lane].
+  void (*hessians)(const ElementTile&, const HessianForm&, const double* H, const double* law_curvature,
+                   double* K);
+
+  /// Adds element Hessians to the slots whose row node is owned. `slots`: of all blocks, [block][pair][lane].
+  void (*scatter)(const ElementTile&, const double* K, const std::uint32_t* slots, const OwnedNodes&,
+                  double* values);
+
+  /// J(t) = c0 + c1 t + c2 t^2 + c3 t^3 along H + t G: [block][4][lane].
+  void (*volume_cubics)(std::size_t num_blocks, const double* H, const double* G, double* cubics);
+};
+
+/// Displacements and forces are stored with this many numbers for each node.
+constexpr int node_stride(int dim) { return dim == 3 ? 4 : 2; }
+
+const ElementKernels& element_kernels(int dim, InstructionSet set);
+
+namespace baseline {
+const ElementKernels& element_kernels(int dim);
+}
+namespace avx2 {
+const ElementKernels& element_kernels(int dim);
+}
+namespace avx512 {
+const ElementKernels& element_kernels(int dim);
+}
+
+}  // namespace resilin

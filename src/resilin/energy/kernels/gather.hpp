@@ -1,0 +1,162 @@
+#pragma once
+
+#include "resilin/core/simd.hpp"
+
+/// Between lanes and the numbers of single nodes and matrix blocks.
+namespace resilin::RESILIN_SIMD_NAMESPACE {
+
+#if RESILIN_SIMD_WIDTH >= 4
+using Four = double __attribute__((vector_size(32)));
+
+RESILIN_INLINE Four load_four(const double* p) {
+  Four x;
+  __builtin_memcpy(&x, p, sizeof x);
+  return x;
+}
+RESILIN_INLINE void add_four(double* p, Four x) {
+  x += load_four(p);
+  __builtin_memcpy(p, &x, sizeof x);
+}
+#endif
+
+/// out[i] = component i of the nodes in these lanes. Three components are stored with stride 4, two with 2.
+template <int dim>
+RESILIN_INLINE void gather(const double* numbers, const std::int32_t* nodes, Lanes out[dim]) {
+#if RESILIN_SIMD_WIDTH == 8
+  if constexpr (dim == 3) {
+    Lanes::Vector z[4];
+    for (int i = 0; i < 4; ++i)
+      z[i] = __builtin_shufflevector(load_four(numbers + 4L * nodes[i]),
+                                     load_four(numbers + 4L * nodes[i + 4]), 0, 1, 2, 3, 4, 5, 6, 7);
+    const auto a = __builtin_shufflevector(z[0], z[1], 0, 8, 2, 10, 4, 12, 6, 14);
+    const auto b = __builtin_shufflevector(z[2], z[3], 0, 8, 2, 10, 4, 12, 6, 14);
+    const auto c = __builtin_shufflevector(z[0], z[1], 1, 9, 3, 11, 5, 13, 7, 15);
+    const auto d = __builtin_shufflevector(z[2], z[3], 1, 9, 3, 11, 5, 13, 7, 15);
+    out[0] = Lanes(__builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13));
+    out[1] = Lanes(__builtin_shufflevector(c, d, 0, 1, 8, 9, 4, 5, 12, 13));
+    out[2] = Lanes(__builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15));
+    return;
+  }
+#elif RESILIN_SIMD_WIDTH == 4
+  if constexpr (dim == 3) {
+    Four z[4];
+    for (int i = 0; i < 4; ++i) z[i] = load_four(numbers + 4L * nodes[i]);
+    const auto a = __builtin_shufflevector(z[0], z[1], 0, 4, 2, 6);
+    const auto b = __builtin_shufflevector(z[2], z[3], 0, 4, 2, 6);
+    const auto c = __builtin_shufflevector(z[0], z[1], 1, 5, 3, 7);
+    const auto d = __builtin_shufflevector(z[2], z[3], 1, 5, 3, 7);
+    out[0] = Lanes(__builtin_shufflevector(a, b, 0, 1, 4, 5));
+    out[1] = Lanes(__builtin_shufflevector(c, d, 0, 1, 4, 5));
+    out[2] = Lanes(__builtin_shufflevector(a, b, 2, 3, 6, 7));
+    return;
+  }
+#endif
+  constexpr long stride = dim == 3 ? 4 : 2;
+  for (int i = 0; i < dim; ++i) {
+    Lanes::Vector component = {};
+    for (int lane = 0; lane < Lanes::width; ++lane) component[lane] = numbers[stride * nodes[lane] + i];
+    out[i] = Lanes(component);
+  }
+}
+
+/// Adds component i of `values` to the nodes in these lanes, in the order of the lanes, where begin <= node <
+/// end.
+template <int dim>
+RESILIN_INLINE void scatter_add(const Lanes values[dim], const std::int32_t* nodes, std::int32_t begin,
+                                std::int32_t end, double* numbers) {
+#if RESILIN_SIMD_WIDTH == 8
+  if constexpr (dim == 3) {
+    const Lanes::Vector zero = {};
+    const auto a = __builtin_shufflevector(values[0].v, values[1].v, 0, 8, 2, 10, 4, 12, 6, 14);
+    const auto b = __builtin_shufflevector(values[0].v, values[1].v, 1, 9, 3, 11, 5, 13, 7, 15);
+    const auto c = __builtin_shufflevector(values[2].v, zero, 0, 8, 2, 10, 4, 12, 6, 14);
+    const auto d = __builtin_shufflevector(values[2].v, zero, 1, 9, 3, 11, 5, 13, 7, 15);
+    const Lanes::Vector even[2] = {__builtin_shufflevector(a, c, 0, 1, 8, 9, 2, 3, 10, 11),
+                                   __builtin_shufflevector(a, c, 4, 5, 12, 13, 6, 7, 14, 15)};
+    const Lanes::Vector odd[2] = {__builtin_shufflevector(b, d, 0, 1, 8, 9, 2, 3, 10, 11),
+                                  __builtin_shufflevector(b, d, 4, 5, 12, 13, 6, 7, 14, 15)};
+    for (int lane = 0; lane < 8; ++lane) {
+      const Lanes::Vector& pair = lane % 2 == 0 ? even[lane / 4] : odd[lane / 4];
+      const Four four = lane % 4 < 2 ? __builtin_shufflevector(pair, pair, 0, 1, 2, 3)
+                                     : __builtin_shufflevector(pair, pair, 4, 5, 6, 7);
+      if (nodes[lane] >= begin && nodes[lane] < end) add_four(numbers + 4L * nodes[lane], four);
+    }
+    return;
+  }
+#endif
+  constexpr long stride = dim == 3 ? 4 : 2;
+  for (int lane = 0; lane < Lanes::width; ++lane)
+    if (nodes[lane] >= begin && nodes[lane] < end)
+      for (int i = 0; i < dim; ++i) numbers[stride * nodes[lane] + i] += values[i].v[lane];
+}
+
+#if RESILIN_SIMD_WIDTH == 8
+/// Rows become columns.
+RESILIN_INLINE void transpose(Lanes::Vector r[8]) {
+  Lanes::Vector t[8];
+  for (int i = 0; i < 8; i += 2) {
+    t[i] = __builtin_shufflevector(r[i], r[i + 1], 0, 8, 2, 10, 4, 12, 6, 14);
+    t[i + 1] = __builtin_shufflevector(r[i], r[i + 1], 1, 9, 3, 11, 5, 13, 7, 15);
+  }
+  for (int i = 0; i < 2; ++i) {
+    const auto a = __builtin_shufflevector(t[i], t[i + 2], 0, 1, 4, 5, 8, 9, 12, 13);
+    const auto b = __builtin_shufflevector(t[i], t[i + 2], 2, 3, 6, 7, 10, 11, 14, 15);
+    const auto c = __builtin_shufflevector(t[i + 4], t[i + 6], 0, 1, 4, 5, 8, 9, 12, 13);
+    const auto d = __builtin_shufflevector(t[i + 4], t[i + 6], 2, 3, 6, 7, 10, 11, 14, 15);
+    r[i] = __builtin_shufflevector(a, c, 0, 1, 4, 5, 8, 9, 12, 13);
+    r[i + 4] = __builtin_shufflevector(a, c, 2, 3, 6, 7, 10, 11, 14, 15);
+    r[i + 2] = __builtin_shufflevector(b, d, 0, 1, 4, 5, 8, 9, 12, 13);
+    r[i + 6] = __builtin_shufflevector(b, d, 2, 3, 6, 7, 10, 11, 14, 15);
+  }
+}
+#elif RESILIN_SIMD_WIDTH == 4
+RESILIN_INLINE void transpose(Four r[4]) {
+  const auto a = __builtin_shufflevector(r[0], r[1], 0, 4, 2, 6),
+             b = __builtin_shufflevector(r[0], r[1], 1, 5, 3, 7);
+  const auto c = __builtin_shufflevector(r[2], r[3], 0, 4, 2, 6),
+             d = __builtin_shufflevector(r[2], r[3], 1, 5, 3, 7);
+  r[0] = __builtin_shufflevector(a, c, 0, 1, 4, 5);
+  r[1] = __builtin_shufflevector(b, d, 0, 1, 4, 5);
+  r[2] = __builtin_shufflevector(a, c, 2, 3, 6, 7);
+  r[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
+}
+#endif
+
+/// Adds the 3x3 block in each lane of rows[9][block_size] to values + 9 * slot of its lane.
+RESILIN_INLINE void add_blocks3(const double* rows, const std::uint32_t* slots, const bool* is_owned,
+                                double* values) {
+#if RESILIN_SIMD_WIDTH == 8
+  Lanes::Vector r[8];
+  for (int i = 0; i < 8; ++i) r[i] = Lanes::load(rows + i * 8).v;
+  transpose(r);
+  for (int lane = 0; lane < 8; ++lane) {
+    if (!is_owned[lane]) continue;
+    double* p = values + 9L * slots[lane];
+    (Lanes::load(p) + Lanes(r[lane])).store(p);
+    p[8] += rows[64 + lane];
+  }
+#elif RESILIN_SIMD_WIDTH == 4
+  for (int half = 0; half < 8; half += 4) {
+    Four low[4], high[4];
+    for (int i = 0; i < 4; ++i) {
+      low[i] = load_four(rows + i * 8 + half);
+      high[i] = load_four(rows + (i + 4) * 8 + half);
+    }
+    transpose(low);
+    transpose(high);
+    for (int lane = 0; lane < 4; ++lane) {
+      if (!is_owned[half + lane]) continue;
+      double* p = values + 9L * slots[half + lane];
+      add_four(p, low[lane]);
+      add_four(p + 4, high[lane]);
+      p[8] += rows[64 + half + lane];
+    }
+  }
+#else
+  for (int lane = 0; lane < block_size; ++lane)
+    if (is_owned[lane])
+      for (int i = 0; i < 9; ++i) values[9L * slots[lane] + i] += rows[i * block_size + lane];
+#endif
+}
+
+}  // namespace resilin::RESILIN_SIMD_NAMESPACE

@@ -1,0 +1,42 @@
+#pragma once
+
+#include "resilin/core/dual.hpp"
+
+namespace resilin {
+
+/// Invariants of the right Cauchy-Green tensor C = F^T F that vanish at rest, formed from the displacement
+/// gradient H = F - I without cancellation (material/derive.cpp and energy/kernels), so that a law keeps its
+/// digits at a strain of 1e-8. In 2D, plane strain: F = diag(F_2, 1).
+///
+/// i1, i2 and j are of first order in the strain and their first orders are 2 tr eps, 4 tr eps and tr eps; d1
+/// and d2 are what is left of i1 and i2 without them, of second order. A law that is written with d1, d2 and
+/// second-order functions of j (`log1p_minus`, squares) has no terms that cancel near rest.
+template <class T>
+struct Invariants {
+  T d1;  ///< i1 - 2 j
+  T d2;  ///< i2 - 4 j
+  T j;   ///< J - 1
+  T i1;  ///< I_C - 3
+  T i2;  ///< II_C - 3, II_C = |cof F|^2
+
+  static Invariants from_reduced(const T& d1, const T& d2, const T& j) {
+    return {d1, d2, j, d1 + 2.0 * j, d2 + 4.0 * j};
+  }
+};
+
+/// Invariants of the small strain eps = sym H.
+template <class T>
+struct SmallStrain {
+  T square;  ///< eps : eps
+  T trace;   ///< tr eps
+};
+
+/// J^(-2/3) I_C - 3. With t = J^(1/3): d1 / t^2 + (3 + 2 j - 3 t^2) / t^2, and 2 j = 2 t^3 - 2 makes the
+/// second numerator (t - 1)^2 (2 t + 1).
+template <class T>
+T isochoric_first_invariant(const Invariants<T>& c) {
+  const T s = cbrt1p(c.j);  // t - 1
+  return (c.d1 + square(s) * (3.0 + 2.0 * s)) * reciprocal(square(1.0 + s));
+}
+
+}  // namespace resilin

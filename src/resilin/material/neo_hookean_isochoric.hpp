@@ -1,0 +1,36 @@
+#pragma once
+
+#include <array>
+
+#include "resilin/material/hooke.hpp"
+#include "resilin/material/invariants.hpp"
+#include "resilin/material/law_text.hpp"
+
+namespace resilin {
+
+/// Neo-Hookean solid split into shape and volume.
+///
+///   Psi = mu/2 (J^(-2/3) I_C - 3) + kappa/2 (J - 1)^2
+template <class Real = double>
+struct NeoHookeanIsochoric {
+  static constexpr LawKind kind = LawKind::invariants;
+  static constexpr std::string_view name = "neo_hookean_isochoric";
+  static constexpr std::string_view formula = "mu/2 (J^(-2/3) I_C - 3) + kappa/2 (J - 1)^2";
+  static constexpr std::string_view source = "Bower 2009, sec. 3.5.5";
+  static constexpr std::string_view inversion = "energy is infinite at J <= 0";
+  static constexpr bool needs_positive_J = true;
+  static constexpr bool uses_second_invariant = false;
+  static constexpr std::array constants = {shear_modulus_text, bulk_modulus_text};
+
+  Real mu;     // shear modulus [Pa]
+  Real kappa;  // bulk modulus [Pa]
+
+  static NeoHookeanIsochoric from(const Hooke& hooke) { return {hooke.mu, hooke.bulk_modulus()}; }
+
+  template <class T>
+  T energy_density(const Invariants<T>& c) const {
+    return 0.5 * mu * isochoric_first_invariant(c) + 0.5 * kappa * square(c.j);
+  }
+};
+
+}  // namespace resilin

@@ -1,0 +1,69 @@
+#include "resilin/material/law.hpp"
+
+#include <gmock/gmock.h>
+
+#include "resilin/core/error.hpp"
+
+namespace resilin {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+std::string message_of(const auto& action) {
+  try {
+    action();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+std::string constants_message(const std::map<std::string, double>& given) {
+  return message_of([&] { resolve_constants(*find_law("neo_hookean"), given, "material"); });
+}
+
+TEST(Law, IsFoundByItsName) {
+  ASSERT_NE(find_law("stable_neo_hookean"), nullptr);
+  EXPECT_EQ(find_law("stable_neo_hookean")->name, "stable_neo_hookean");
+  EXPECT_EQ(find_law("rubber"), nullptr);
+  for (const LawInfo* law : laws()) EXPECT_EQ(find_law(law->name), law);
+}
+
+TEST(Law, UnknownNameListsTheLaws) {
+  EXPECT_THAT(message_of([] { require_law("neo_hokean", "material.law"); }),
+              AllOf(HasSubstr("material.law"), HasSubstr("saint_venant_kirchhoff"),
+                    HasSubstr("did you mean \"neo_hookean\"?")));
+}
+
+TEST(Law, YoungAndPoissonAreConvertedAndOwnConstantsAreLiteral) {
+  const LawInfo& law = *find_law("stable_neo_hookean");
+  const double mu = 1e5 / 2.6, lambda = 1e5 * 0.3 / (1.3 * 0.4);
+  const auto converted =
+      resolve_constants(law, {{"youngs_modulus", 1e5}, {"poissons_ratio", 0.3}}, "material");
+  EXPECT_NEAR(converted[0], mu, 1e-15 * mu);
+  EXPECT_NEAR(converted[1], lambda + mu, 1e-15 * (lambda + mu));
+  const auto literal = resolve_constants(law, {{"shear_modulus", 3.0}, {"lame_lambda", 2.0}}, "material");
+  EXPECT_EQ(literal, (std::vector<double>{3.0, 2.0}));
+}
+
+TEST(Law, WrongConstantsAreRefusedAtTheirPlace) {
+  EXPECT_THAT(constants_message({{"youngs_modulus", 1e5}, {"poissons_ratio", 0.5}}),
+              AllOf(HasSubstr("material.poissons_ratio"), HasSubstr("0.495")));
+  EXPECT_THAT(constants_message({{"youngs_modulus", -1.0}, {"poissons_ratio", 0.3}}),
+              HasSubstr("material.youngs_modulus"));
+  EXPECT_THAT(constants_message({{"youngs_modulus", 1e5}, {"poissons_ratio", -1.0}}), HasSubstr("(-1, 0.5)"));
+  EXPECT_THAT(constants_message({{"young_modulus", 1e5}, {"poissons_ratio", 0.3}}),
+              HasSubstr("did you mean \"youngs_modulus\"?"));
+  EXPECT_THAT(constants_message({{"youngs_modulus", 1e5}}), HasSubstr("add poissons_ratio"));
+  EXPECT_THAT(constants_message({}), HasSubstr("add youngs_modulus"));
+  EXPECT_THAT(constants_message({{"shear_modulus", 1.0}}), HasSubstr("add lame_lambda"));
+  EXPECT_THAT(constants_message({{"shear_modulus", 1.0}, {"poissons_ratio", 0.3}}), HasSubstr("mixture"));
+  EXPECT_THAT(constants_message({{"shear_modulus", -1.0}, {"lame_lambda", 1.0}}),
+              HasSubstr("material.shear_modulus"));
+  EXPECT_THAT(constants_message({{"youngs_modulus", std::nan("")}, {"poissons_ratio", 0.3}}),
+              HasSubstr("material.youngs_modulus"));
+}
+
+}  // namespace
+}  // namespace resilin
