@@ -160,7 +160,10 @@ struct Newton::Search {
     if (report.residual <= settings.tolerance * report.force_scale) return true;
     // Round-off is asked for only when it can matter: it costs one evaluation.
     const double small = 1e-6 * std::max(report.force_scale, first_residual);
-    return report.residual <= small && report.residual <= round_off();
+    const bool positions_matter =
+        diagonal.size() == x.size() &&
+        report.residual <= 1e3 * epsilon * diagonal.norm() * x.cwiseAbs().maxCoeff();
+    return (report.residual <= small || positions_matter) && report.residual <= round_off();
   }
 
   /// How exactly the linear system is worth solving: Eisenstat & Walker 1996, choice 2, never finer than what
@@ -372,12 +375,16 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
                           ? "the stiffness matrix is indefinite; let newton.projection be \"auto\""
                           : "the stiffness matrix is singular: a part of the body can move freely");
       }
+      // The Hessian tells what rounding of the positions leaves: with it the residual may already be small
+      // enough.
+      if (!boundary_moves && is_converged()) return finish(Status::converged, "converged");
       was_exact = direction.is_exact;
       line = boundary_moves ? follow_boundary() : search_line();
       if (line.accepted) break;
       const Projection used = was_exact ? Projection::none : projection;
       const Projection next = chooser.next_choice(used);
       if (next == used || next == projection) {
+        if (!boundary_moves && report.residual <= round_off()) return finish(Status::converged, "converged");
         return finish(Status::stalled,
                       boundary_moves ? "the prescribed motion would invert an element"
                                      : "the line search found no lower energy along the Newton direction");
