@@ -32,6 +32,14 @@ std::string quality_text(const Mesh& mesh, const CellBlock& block) {
          "), mean " + format_short(sum / static_cast<double>(qualities.size()));
 }
 
+/// The tetrahedra, or the triangles of a plane mesh; null for a surface in space.
+const CellBlock* solid_cells(const Mesh& mesh) {
+  if (const CellBlock* tetrahedra = mesh.find_block(CellKind::tetrahedron)) return tetrahedra;
+  const bool is_plane =
+      std::ranges::all_of(mesh.vertices, [](const Vector3& vertex) { return vertex.z() == 0; });
+  return is_plane ? mesh.find_block(CellKind::triangle) : nullptr;
+}
+
 std::string box_text(const BoundingBox& box) {
   const auto point = [](const Vector3& p) {
     return "(" + format_short(p.x()) + ", " + format_short(p.y()) + ", " + format_short(p.z()) + ")";
@@ -40,10 +48,11 @@ std::string box_text(const BoundingBox& box) {
 }
 
 std::vector<std::vector<std::string>> mesh_rows(const Mesh& mesh) {
+  const CellBlock* solid = solid_cells(mesh);
   std::vector<std::vector<std::string>> rows = {{"  vertices", std::to_string(mesh.vertices.size())}};
   for (const CellBlock& block : mesh.blocks) {
     rows.push_back({"  " + std::string(name(block.kind)), std::to_string(block.num_cells())});
-    if (block.kind == CellKind::tetrahedron || block.kind == CellKind::triangle) {
+    if (&block == solid) {
       rows.push_back({"  shape (1 is best)", quality_text(mesh, block)});
     }
   }

@@ -3,9 +3,11 @@
 #include <exception>
 #include <new>
 #include <string>
+#include <vector>
 
 #include "command.hpp"
 #include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
 #include "resilin/linear/blas.hpp"
 #include "resilin/scene/build_info.hpp"
 
@@ -36,6 +38,20 @@ int run_action(const Action& action) {
   }
 }
 
+/// A first word that is no command; empty when there is none.
+std::string unknown_command(const CLI::App& app, int argc, char** argv) {
+  if (argc < 2 || argv[1][0] == '-') return {};
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    if (command->get_name() == argv[1]) return {};
+    names.push_back(command->get_name());
+  }
+  const std::string nearest = nearest_word(argv[1], names);
+  return InputError("command", "one of " + join(names), '"' + std::string(argv[1]) + '"',
+                    nearest.empty() ? "see resilin --help" : "did you mean \"" + nearest + "\"?")
+      .what();
+}
+
 std::string help_hint(const CLI::App& app) {
   const auto chosen = app.get_subcommands();
   return "; see resilin " + (chosen.empty() ? "" : chosen.front()->get_name() + " ") + "--help";
@@ -58,6 +74,9 @@ int main(int argc, char** argv) {
   add_materials(app, action);
   add_bench(app, action);
   add_info(app, action);
+  if (const std::string message = unknown_command(app, argc, argv); !message.empty()) {
+    return fail(wrong_input, message);
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {  // --help, --version

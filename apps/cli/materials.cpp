@@ -42,6 +42,7 @@ double free_lateral_stretch(const Material& material, double stretch) {
   const auto side_stress = [&](double lateral) {
     return first_piola_kirchhoff_stress<3>(material, Vector3(stretch, lateral, lateral).asDiagonal())(1, 1);
   };
+  if (side_stress(1) == 0) return 1;
   double low = 1e-3, high = 10;
   if (!(side_stress(low) < 0 && side_stress(high) > 0)) return std::nan("");
   for (int i = 0; i < 200 && high - low > 1e-15 * high; ++i) {

@@ -81,7 +81,7 @@ std::vector<std::string> frame_field_names() {
   return names;
 }
 
-void write_frame_file(const std::filesystem::path& path, const World& world, const State& state) {
+void write_frame(std::ostream& stream, const World& world, const State& state) {
   std::vector<Vector3> points(static_cast<std::size_t>(world.num_nodes()), Vector3::Zero());
   for (Index node = 0; node < world.num_nodes(); ++node) {
     points[static_cast<std::size_t>(node)].head(world.dimension) =
@@ -108,7 +108,7 @@ void write_frame_file(const std::filesystem::path& path, const World& world, con
     auto& arrays = field.is_on_points ? data.point_data : data.cell_data;
     arrays.push_back({.name = field.name, .components = field.components, .values = storage.back()});
   }
-  write_vtu(path, data);
+  write_vtu(stream, data);
 }
 
 }  // namespace resilin

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <filesystem>
+#include <iosfwd>
 #include <string>
 #include <vector>
 
@@ -14,6 +14,6 @@ std::vector<std::string> frame_field_names();
 
 /// Writes a state as VTU: the points at their deformed places, the fields of `world.output` on points
 /// (displacement, velocity) and cells (the others), and the number of the body on each cell.
-void write_frame_file(const std::filesystem::path& path, const World& world, const State& state);
+void write_frame(std::ostream& stream, const World& world, const State& state);
 
 }  // namespace resilin

@@ -63,6 +63,21 @@ Json bodies_json(const World& world) {
   return list;
 }
 
+std::string report_text(const Json& report) {
+  std::string text = "{";
+  for (const auto& [key, value] : report.items()) {
+    text += (text.size() > 1 ? ",\n " : "\n ") + Json(key).dump() + ": ";
+    if (!value.is_array()) {
+      text += value.dump();
+      continue;
+    }
+    text += '[';
+    for (std::size_t i = 0; i < value.size(); ++i) text += (i > 0 ? ",\n  " : "\n  ") + value[i].dump();
+    text += ']';
+  }
+  return text + "\n}\n";
+}
+
 double peak_memory_MiB() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);

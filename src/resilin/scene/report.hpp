@@ -1,6 +1,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "resilin/simulation/simulation.hpp"
 
@@ -14,6 +15,9 @@ Json frame_json(const Frame& frame, int dimension);
 
 /// "bodies".
 Json bodies_json(const World& world);
+
+/// The report as text that people can read too: a line for each key, for each frame and for each body.
+std::string report_text(const Json& report);
 
 /// Largest memory that the process has had [MiB].
 double peak_memory_MiB();

@@ -1,8 +1,12 @@
 #include "resilin/scene/results.hpp"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <chrono>
-#include <ostream>
+#include <fstream>
+#include <vector>
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/parallel.hpp"
@@ -63,12 +67,39 @@ struct ResultFolder::Contents {
   Json frames = Json::array();
   Clock::time_point start = Clock::now();
   Clock::time_point next_save = Clock::now();
+  std::vector<std::filesystem::path> not_flushed;  ///< frames that the disk may not hold yet
   double output_seconds = 0;
   double seconds_before = 0;  ///< until the folder was made, and of the run that this one resumes
+
+  /// Beside and renamed, so that the file is whole even when the program is killed. The disk is asked to hold
+  /// it only before a checkpoint relies on it: asking for each frame takes longer than small simulations.
+  void write_frame(std::size_t number, const World& world, const State& state) {
+    const std::filesystem::path path = folder / frame_name(number);
+    std::filesystem::path partial = path;
+    partial += ".partial";
+    std::ofstream stream(partial, std::ios::binary | std::ios::trunc);
+    resilin::write_frame(stream, world, state);
+    stream.close();
+    std::error_code error;
+    if (stream) std::filesystem::rename(partial, path, error);
+    if (!stream || error) throw FileError(path.string(), "cannot be written; is the disk full?");
+    not_flushed.push_back(path);
+  }
+
+  void flush_frames() {
+    for (const std::filesystem::path& path : not_flushed) {
+      const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+      if (file < 0) continue;
+      ::fsync(file);  // best effort, as some file systems do not know it
+      ::close(file);
+    }
+    not_flushed.clear();
+  }
 
   void save(const Simulation& simulation, RunStatus status, const std::string& reason) {
     const Clock::time_point begin = Clock::now();
     const World& world = simulation.world();
+    flush_frames();
     if (!frames.empty() && writes_vtu(world))
       write_frame_list(folder / "frames.pvd", frames, world.is_dynamic);
     Json report;
@@ -88,7 +119,7 @@ struct ResultFolder::Contents {
     report["peak_memory_MiB"] = peak_memory_MiB();
     report["threads"] = num_threads();
     // The report first: a checkpoint never runs ahead of the frames that go with it.
-    write_text(folder / report_name, report.dump(1) + "\n");
+    write_text(folder / report_name, report_text(report));
     frames = std::move(report["frames"]);
     write_text(folder / checkpoint_name, serialize(simulation.state()));
     const double cost = seconds_since(begin);
@@ -149,7 +180,7 @@ void ResultFolder::record(const Simulation& simulation, bool is_last) {
     if (!frames.empty() && frames.back()["step"].get<int>() % world.output.every != 0)
       frames.erase(frames.size() - 1);
     if (Contents::writes_vtu(world)) {
-      write_frame_file(contents_->folder / frame_name(frames.size()), world, simulation.state());
+      contents_->write_frame(frames.size(), world, simulation.state());
     }
     frames.push_back(frame_json(frame, world.dimension));
     contents_->output_seconds += seconds_since(begin);
@@ -161,6 +192,11 @@ void ResultFolder::record(const Simulation& simulation, bool is_last) {
 
 void ResultFolder::finish(const Simulation& simulation, RunStatus status, const std::string& reason) {
   contents_->save(simulation, status, reason);
+  // Frames of an earlier, longer run into the same folder are not part of this one.
+  std::error_code error;
+  for (std::size_t i = contents_->frames.size();
+       std::filesystem::remove(contents_->folder / frame_name(i), error);)
+    ++i;
 }
 
 }  // namespace resilin
