@@ -1,6 +1,7 @@
 #include "benchmarks.hpp"
 
 #include "resilin/linear/solver_benchmark.hpp"
+#include "scenes.hpp"
 
 namespace resilin::cli {
 namespace {
@@ -22,12 +23,27 @@ std::vector<Measurement> bench_solvers(const BenchOptions& options) {
   return measurements;
 }
 
+std::vector<Measurement> bench_bar(const BenchOptions& options) {
+  return bench::measure_bar(options.n > 0 ? options.n : 9, options.dynamic);
+}
+
+std::vector<Measurement> bench_cube(const BenchOptions& options) {
+  return bench::measure_cube(options.n > 0 ? options.n : 10);
+}
+
+std::vector<Measurement> bench_seed001(const BenchOptions&) { return bench::measure_seed001(); }
+
 }  // namespace
 
 const std::vector<Benchmark>& benchmarks() {
   static const std::vector<Benchmark> table = {
       {"solvers", "Every linear solver on the matrix of a bar: --n cells across, --dynamic with mass",
        bench_solvers},
+      {"bar", "A clamped bar to its full load, --n cells across; --dynamic: 50 steps of falling", bench_bar},
+      {"cube", "A cube with one held face falls for a second in 60 steps, --n cells along an edge",
+       bench_cube},
+      {"seed001", "627 tetrahedra dragged and let go, every step converged; needs RESILIN_SHARED",
+       bench_seed001},
   };
   return table;
 }
