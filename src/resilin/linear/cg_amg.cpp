@@ -42,6 +42,7 @@ class SmoothedAggregation : public Preconditioner {
   void factorize_coarsest();
   void solve_coarsest();
   void cycle(std::size_t depth);
+  void visit_coarse(std::size_t depth);
 
   MergedPattern pattern_;
   PermutedPattern permuted_;
@@ -204,6 +205,20 @@ void SmoothedAggregation::solve_coarsest() {
     for (int d = 0; d < size; ++d) level.x[i * lanes + d] = static_cast<float>(coarse_vector_[i * size + d]);
 }
 
+/// Two cycles, the second for what the first has left: cheap, for the coarse levels are small.
+void SmoothedAggregation::visit_coarse(std::size_t depth) {
+  MultigridLevel& level = levels_[depth];
+  if (depth + 1 == levels_.size()) return cycle(depth);
+  level.first_r = level.r;
+  cycle(depth);
+  level.first_x = level.x;
+  const detail::MultigridKernels& kernels = detail::multigrid_kernels();
+  kernels.multiply[level.dim - 2][level.is_given ? 0 : 1](level.view(), level.x.data(), level.r.data());
+  for (std::size_t k = 0; k < level.r.size(); ++k) level.r[k] = level.first_r[k] - level.r[k];
+  cycle(depth);
+  for (std::size_t k = 0; k < level.x.size(); ++k) level.x[k] += level.first_x[k];
+}
+
 /// x of the level from its r, which is destroyed.
 void SmoothedAggregation::cycle(std::size_t depth) {
   MultigridLevel& level = levels_[depth];
@@ -218,7 +233,7 @@ void SmoothedAggregation::cycle(std::size_t depth) {
     std::fill(coarse.r.begin(), coarse.r.end(), 0.0F);
     kernels.restrict_residual[space][kind](level.transfer(), level.num_nodes(), level.r.data(),
                                            coarse.r.data());
-    cycle(depth + 1);
+    visit_coarse(depth + 1);
     kernels.prolong_add[space][kind](level.transfer(), level.num_nodes(), coarse.x.data(), level.x.data());
   }
   kernels.post_smooth[space][kind](level.view(), level.b.data(), level.x.data());

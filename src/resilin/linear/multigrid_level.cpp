@@ -32,100 +32,106 @@ void invert_block(const float* block, float* inverse) {
 }  // namespace
 
 void MultigridLevel::connect(const Aggregates& groups, MultigridLevel& coarse) {
-  const Index n = num_nodes();
-  // Prolongation: a node reaches the groups of its neighbours.
+  find_prolongation(groups);
+  const ProductRows product = find_product_rows(groups.count);
+  find_coarse_rows(groups.count, product, coarse);
+  const auto block_numbers = static_cast<std::size_t>(block_size() * lanes_of(num_modes()));
+  prolongation.resize(prolongation_columns.size() * block_numbers);
+  const auto widest = std::max_element(product_width.begin(), product_width.end());
+  row_work.resize((widest == product_width.end() ? 0U : *widest) * block_numbers);
+}
+
+/// A node reaches the groups of its neighbours, in the order in which they come.
+void MultigridLevel::find_prolongation(const Aggregates& groups) {
   prolongation_begin.assign(1, 0);
   prolongation_columns.clear();
   smoothing_places.assign(full.columns.size(), -1);
-  std::vector<Index> place(static_cast<std::size_t>(groups.count), -1);
-  for (Index i = 0; i < n; ++i) {
+  std::vector<Offset> entry_of(static_cast<std::size_t>(groups.count), -1);
+  for (Index i = 0; i < num_nodes(); ++i) {
     const Offset begin = prolongation_begin.back();
-    if (groups.of_node[i] >= 0) {
-      for (Offset e = full.begin[i]; e < full.begin[i + 1]; ++e) {
-        const Index group = groups.of_node[full.columns[e]];
-        if (group < 0) continue;
-        const bool is_new = place[group] < begin ||
-                            place[group] >= static_cast<Index>(prolongation_columns.size()) ||
-                            prolongation_columns[place[group]] != group;
-        if (is_new) {
-          place[group] = static_cast<Index>(prolongation_columns.size());
-          prolongation_columns.push_back(group);
-        }
-        smoothing_places[e] = static_cast<std::int16_t>(place[group] - begin);
+    for (Offset e = full.begin[i]; e < full.begin[i + 1]; ++e) {
+      const Index group = groups.of_node[full.columns[e]];
+      if (group < 0 || groups.of_node[i] < 0) continue;
+      if (entry_of[group] < begin) {
+        entry_of[group] = static_cast<Offset>(prolongation_columns.size());
+        prolongation_columns.push_back(group);
       }
+      smoothing_places[e] = static_cast<std::int16_t>(entry_of[group] - begin);
     }
     prolongation_begin.push_back(static_cast<Offset>(prolongation_columns.size()));
   }
-  // Rows of A P.
+}
+
+/// Rows of A P: the groups that the neighbours of a node reach.
+MultigridLevel::ProductRows MultigridLevel::find_product_rows(Index num_groups) {
+  ProductRows product;
+  product.begin.assign(1, 0);
   product_width.clear();
   product_places.clear();
-  std::vector<Offset> product_begin(1, 0);
-  std::vector<Index> product_columns;
-  std::vector<Offset> product_place(static_cast<std::size_t>(groups.count), -1);
-  for (Index i = 0; i < n; ++i) {
-    const Offset begin = product_begin.back();
+  std::vector<Offset> entry_of(static_cast<std::size_t>(num_groups), -1);
+  for (Index i = 0; i < num_nodes(); ++i) {
+    const Offset begin = product.begin.back();
     for (Offset e = full.begin[i]; e < full.begin[i + 1]; ++e) {
       const Index j = full.columns[e];
       for (Offset k = prolongation_begin[j]; k < prolongation_begin[j + 1]; ++k) {
         const Index group = prolongation_columns[k];
-        if (product_place[group] < begin) {
-          product_place[group] = static_cast<Offset>(product_columns.size());
-          product_columns.push_back(group);
+        if (entry_of[group] < begin) {
+          entry_of[group] = static_cast<Offset>(product.columns.size());
+          product.columns.push_back(group);
         }
-        product_places.push_back(static_cast<std::uint16_t>(product_place[group] - begin));
+        product_places.push_back(static_cast<std::uint16_t>(entry_of[group] - begin));
       }
     }
-    product_begin.push_back(static_cast<Offset>(product_columns.size()));
-    product_width.push_back(static_cast<std::uint16_t>(product_begin.back() - begin));
+    product.begin.push_back(static_cast<Offset>(product.columns.size()));
+    product_width.push_back(static_cast<std::uint16_t>(product.begin.back() - begin));
   }
-  // Coarse rows, each from the fine nodes that it reaches.
-  std::vector<Offset> target_begin(prolongation_columns.size());
-  std::vector<Offset> reach_begin(static_cast<std::size_t>(groups.count) + 1, 0);
-  Offset num_targets = 0;
-  for (Index i = 0; i < n; ++i)
-    for (Offset k = prolongation_begin[i]; k < prolongation_begin[i + 1]; ++k) {
-      target_begin[k] = num_targets;
-      num_targets += product_width[i];
-      ++reach_begin[prolongation_columns[k] + 1];
-    }
-  for (Index group = 0; group < groups.count; ++group) reach_begin[group + 1] += reach_begin[group];
-  std::vector<std::pair<Index, Offset>> reach(prolongation_columns.size());  // fine node, prolongation entry
+  return product;
+}
+
+/// Upper rows of P^T A P, each from the fine nodes that reach its group, and where every product is added.
+void MultigridLevel::find_coarse_rows(Index num_groups, const ProductRows& product, MultigridLevel& coarse) {
+  struct Reach {
+    Index fine_node;
+    Offset first_target;  // of the node's products with this group, in coarse_blocks
+  };
+  std::vector<Offset> reach_begin(static_cast<std::size_t>(num_groups) + 1, 0);
+  for (const Index group : prolongation_columns) ++reach_begin[group + 1];
+  for (Index group = 0; group < num_groups; ++group) reach_begin[group + 1] += reach_begin[group];
+  std::vector<Reach> reach(prolongation_columns.size());
   std::vector<Offset> next(reach_begin.begin(), reach_begin.end() - 1);
-  for (Index i = 0; i < n; ++i)
-    for (Offset k = prolongation_begin[i]; k < prolongation_begin[i + 1]; ++k)
-      reach[next[prolongation_columns[k]]++] = {i, k};
+  Offset num_targets = 0;
+  for (Index i = 0; i < num_nodes(); ++i)
+    for (Offset k = prolongation_begin[i]; k < prolongation_begin[i + 1]; ++k) {
+      reach[next[prolongation_columns[k]]++] = {i, num_targets};
+      num_targets += product_width[i];
+    }
+
   coarse.row_begin.assign(1, 0);
   coarse.columns.clear();
   coarse_blocks.assign(static_cast<std::size_t>(num_targets), -1);
-  std::vector<Index> block_of(static_cast<std::size_t>(groups.count), -1);
-  std::vector<Index> seen_in_row(static_cast<std::size_t>(groups.count), -1);
-  for (Index group = 0; group < groups.count; ++group) {
+  std::vector<Index> seen_in_row(static_cast<std::size_t>(num_groups), -1), block_of(seen_in_row);
+  for (Index group = 0; group < num_groups; ++group) {
     const Offset begin = coarse.row_begin.back();
-    for (Offset t = reach_begin[group]; t < reach_begin[group + 1]; ++t)
-      for (Offset c = product_begin[reach[t].first]; c < product_begin[reach[t].first + 1]; ++c) {
-        const Index column = product_columns[c];
-        if (column <= group || seen_in_row[column] == group) continue;
-        seen_in_row[column] = group;
-        coarse.columns.push_back(column);
+    const auto for_products = [&](const auto& visit) {
+      for (Offset t = reach_begin[group]; t < reach_begin[group + 1]; ++t) {
+        const Offset first = product.begin[reach[t].fine_node], last = product.begin[reach[t].fine_node + 1];
+        for (Offset c = first; c < last; ++c) visit(product.columns[c], reach[t].first_target + c - first);
       }
+    };
+    for_products([&](Index column, Offset) {
+      if (column <= group || seen_in_row[column] == group) return;
+      seen_in_row[column] = group;
+      coarse.columns.push_back(column);
+    });
     std::sort(coarse.columns.begin() + begin, coarse.columns.end());
     coarse.row_begin.push_back(static_cast<Offset>(coarse.columns.size()));
-    for (Offset k = begin; k < coarse.row_begin.back(); ++k)
-      block_of[coarse.columns[k]] = groups.count + static_cast<Index>(k);
     block_of[group] = group;
-    for (Offset t = reach_begin[group]; t < reach_begin[group + 1]; ++t) {
-      const auto [i, k] = reach[t];
-      for (Offset c = product_begin[i]; c < product_begin[i + 1]; ++c)
-        if (product_columns[c] >= group)
-          coarse_blocks[target_begin[k] + c - product_begin[i]] = block_of[product_columns[c]];
-    }
+    for (Offset k = begin; k < coarse.row_begin.back(); ++k)
+      block_of[coarse.columns[k]] = num_groups + static_cast<Index>(k);
+    for_products([&](Index column, Offset target) {
+      if (column >= group) coarse_blocks[target] = block_of[column];
+    });
   }
-  const int mode_lanes = lanes_of(num_modes());
-  const auto block_numbers = static_cast<std::size_t>(block_size() * mode_lanes);
-  prolongation.resize(prolongation_columns.size() * block_numbers);
-  const std::uint16_t widest =
-      product_width.empty() ? 0 : *std::max_element(product_width.begin(), product_width.end());
-  row_work.resize(widest * block_numbers);
 }
 
 void MultigridLevel::set_tentative(const Modes& modes) {

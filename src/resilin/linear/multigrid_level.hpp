@@ -37,7 +37,7 @@ struct MultigridLevel {
   std::vector<std::int32_t> coarse_blocks;
   std::vector<float> row_work;
 
-  std::vector<float> x, r, b;  ///< vectors of a cycle, `lanes` numbers for each node
+  std::vector<float> x, r, b, first_x, first_r;  ///< vectors of a cycle, `lanes` numbers for each node
 
   /// Sets up the way down by these groups of nodes, and the structure of the next level.
   void connect(const Aggregates& groups, MultigridLevel& coarse);
@@ -53,6 +53,15 @@ struct MultigridLevel {
 
   detail::LevelView view() const;
   detail::TransferView transfer();
+
+ private:
+  struct ProductRows {
+    std::vector<Offset> begin;
+    std::vector<Index> columns;
+  };
+  void find_prolongation(const Aggregates& groups);
+  ProductRows find_product_rows(Index num_groups);
+  void find_coarse_rows(Index num_groups, const ProductRows& product, MultigridLevel& coarse);
 };
 
 }  // namespace resilin
