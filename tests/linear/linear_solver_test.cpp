@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "resilin/core/error.hpp"
 #include "resilin/core/parallel.hpp"
 #include "resilin/linear/bar_problem.hpp"
@@ -160,6 +162,22 @@ TEST_P(EverySolver, NamesTheNodeWhoseDiagonalIsNegative) {
   if (report.status == Status::ok) GTEST_SKIP() << "seen by the iteration only";
   EXPECT_EQ(report.status, Status::indefinite);
   EXPECT_EQ(report.worst_node, bad_node);
+}
+
+TEST_P(EverySolver, NeitherHangsNorSaysOkWhenANumberIsNone) {
+  for (const bool is_diagonal : {true, false}) {
+    BarProblem problem = bar();
+    const Index node = problem.matrix.num_nodes() / 2;
+    const Offset diagonal = problem.matrix.pattern->slot(node, node);
+    problem.matrix.block(is_diagonal ? diagonal : diagonal + 1)[1] = std::numeric_limits<double>::quiet_NaN();
+    if (is_diagonal) problem.matrix.block(diagonal)[dim] = std::numeric_limits<double>::quiet_NaN();
+    const auto solver = make(problem.matrix);
+    solver->analyze(problem.matrix, problem.node_positions);
+    LinearReport report = solver->factorize(problem.matrix);
+    VectorX x;
+    if (report.status == Status::ok) report = solver->solve(problem.matrix, problem.right_side, x, 1e-9);
+    EXPECT_NE(report.status, Status::ok);
+  }
 }
 
 TEST_P(EverySolver, GivesTheSameBitsForAnyNumberOfThreads) {

@@ -12,7 +12,7 @@
 namespace resilin {
 namespace {
 
-/// Smoothed aggregation with the rigid body modes: one V-cycle with a forward Gauss-Seidel sweep on the way
+/// Smoothed aggregation with the rigid body modes: a W-cycle with a forward Gauss-Seidel sweep on the way
 /// down and a backward one on the way up, in single precision.
 ///
 /// Source: Vanek, Mandel, Brezina 1996. What depends on the pattern, on the positions and on which unknowns
@@ -39,7 +39,7 @@ class SmoothedAggregation : public Preconditioner {
   void build_levels(int dim);
   void set_modes();
   void fill_finest(const BlockMatrix& A);
-  void factorize_coarsest();
+  bool factorize_coarsest();
   void solve_coarsest();
   void cycle(std::size_t depth);
   void visit_coarse(std::size_t depth);
@@ -164,18 +164,19 @@ LinearReport SmoothedAggregation::factorize(const BlockMatrix& A) {
   if (!modes_are_current_) set_modes();
   fill_finest(A);
   for (std::size_t depth = 0; depth < levels_.size(); ++depth) {
-    levels_[depth].invert_diagonal();
+    if (!levels_[depth].invert_diagonal()) report.status = LinearReport::Status::indefinite;
+    if (report.status != LinearReport::Status::ok) return report;
     if (depth + 1 < levels_.size()) levels_[depth].project_to(levels_[depth + 1]);
   }
-  factorize_coarsest();
+  if (!factorize_coarsest()) report.status = LinearReport::Status::indefinite;
   return report;
 }
 
-void SmoothedAggregation::factorize_coarsest() {
+bool SmoothedAggregation::factorize_coarsest() {
   const MultigridLevel& level = levels_.back();
   const int size = level.block_size(), lanes = level.lanes();
   is_coarsest_dense_ = level.num_nodes() * size <= most_coarse_unknowns;
-  if (!is_coarsest_dense_) return;
+  if (!is_coarsest_dense_) return true;
   Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(level.num_nodes() * size, level.num_nodes() * size);
   const auto put = [&](Index i, Index j, Offset block) {
     const float* from = level.blocks.data() + block * level.numbers_per_block();
@@ -190,9 +191,12 @@ void SmoothedAggregation::factorize_coarsest() {
   }
   // Round-off of single precision may take away definiteness where the matrix is nearly singular.
   const double largest = dense.diagonal().maxCoeff();
-  for (double shift = 1e-7; coarsest_.compute(dense).info() != Eigen::Success; shift *= 4)
+  for (double shift = 1e-7; coarsest_.compute(dense).info() != Eigen::Success; shift *= 4) {
+    if (!(shift < 1) || !dense.allFinite()) return false;
     dense.diagonal().array() += shift * largest;
+  }
   coarse_vector_.resize(dense.rows());
+  return true;
 }
 
 void SmoothedAggregation::solve_coarsest() {

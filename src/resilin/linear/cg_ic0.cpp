@@ -31,20 +31,12 @@ class BlockIncompleteCholesky : public Preconditioner {
 
   void apply(const VectorX& r, VectorX& z) override {
     z.resize(r.size());
-    const double size = r.lpNorm<Eigen::Infinity>();  // keeps the numbers in the range of float
-    const auto solve = detail::block_kernels().solve_incomplete[dim_ - 2];
-    for (Index i = 0; i < num_nodes_; ++i)
-      for (int d = 0; d < dim_; ++d)
-        permuted_[i * dim_ + d] = static_cast<float>(r[upper_pattern_.node_at[i] * dim_ + d] / size);
-    solve(upper_pattern_.row_begin.data(), upper_pattern_.columns.data(), upper_.data(),
-          inverse_diagonal_.data(), permuted_.data(), num_nodes_);
-    for (Index i = 0; i < num_nodes_; ++i)
-      for (int d = 0; d < dim_; ++d)
-        z[upper_pattern_.node_at[i] * dim_ + d] =
-            size * scale_ * static_cast<double>(permuted_[i * dim_ + d]);
+    dim_ == 3 ? apply_blocks<3>(r, z) : apply_blocks<2>(r, z);
   }
 
  private:
+  /// The factors tend to the diagonal blocks, which are definite: only numbers that are none get as far.
+  static constexpr double largest_shift = 1e3;
   static constexpr double least_pivot =
       1e-10;  // of the block's diagonal: below, float cannot hold the inverse
 
@@ -55,6 +47,8 @@ class BlockIncompleteCholesky : public Preconditioner {
   void fill_work(const BlockMatrix& A, double shift);
   template <int dim>
   bool eliminate_rows();
+  template <int dim>
+  void apply_blocks(const VectorX& r, VectorX& z);
 
   /// Size of a block in `work_`, its rows padded.
   int padded_size() const { return dim_ == 3 ? 12 : 4; }
@@ -142,18 +136,34 @@ LinearReport BlockIncompleteCholesky::factorize_blocks(const BlockMatrix& A) {
     return report;
   }
   scale_ = 1 / diagonal.largest;
-  double shift = 0;
-  for (;;) {
+  for (double shift = 0;; shift = shift == 0 ? 1e-3 : 4 * shift) {
     fill_work<dim>(A, shift);
     if (eliminate_rows<dim>()) break;
-    shift =
-        shift == 0 ? 1e-3 : 4 * shift;  // ends: the factors tend to the diagonal blocks, which are definite
+    if (shift > largest_shift) {
+      report.status = LinearReport::Status::indefinite;
+      return report;
+    }
   }
   const double* off_diagonal = work_.data() + static_cast<Offset>(num_nodes_) * dim * lanes;
   for (Offset k = 0; k < static_cast<Offset>(upper_pattern_.columns.size()) * dim; ++k)
     for (int c = 0; c < dim; ++c) upper_[k * dim + c] = static_cast<float>(off_diagonal[k * lanes + c]);
   for (std::size_t k = 0; k < inverse_.size(); ++k) inverse_diagonal_[k] = static_cast<float>(inverse_[k]);
   return report;
+}
+
+template <int dim>
+void BlockIncompleteCholesky::apply_blocks(const VectorX& r, VectorX& z) {
+  const double size = r.lpNorm<Eigen::Infinity>();  // keeps the numbers in the range of float
+  const double into = 1 / size, back = size * scale_;
+  const Index* node_at = upper_pattern_.node_at.data();
+  float* permuted = permuted_.data();
+  for (Index i = 0; i < num_nodes_; ++i)
+    for (int d = 0; d < dim; ++d) permuted[i * dim + d] = static_cast<float>(r[node_at[i] * dim + d] * into);
+  detail::block_kernels().solve_incomplete[dim - 2](upper_pattern_.row_begin.data(),
+                                                    upper_pattern_.columns.data(), upper_.data(),
+                                                    inverse_diagonal_.data(), permuted, num_nodes_);
+  for (Index i = 0; i < num_nodes_; ++i)
+    for (int d = 0; d < dim; ++d) z[node_at[i] * dim + d] = back * static_cast<double>(permuted[i * dim + d]);
 }
 
 }  // namespace

@@ -14,12 +14,14 @@ using detail::multigrid_kernels;
 
 /// Inverts one padded block; its diagonal is raised until it is definite.
 template <int size>
-void invert_block(const float* block, float* inverse) {
+bool invert_block(const float* block, float* inverse) {
+  constexpr double largest_shift = 1;
   const int lanes = MultigridLevel::lanes_of(size);
   double dense[size * size], result[size * size];
   for (int r = 0; r < size; ++r)
     for (int c = 0; c < size; ++c) dense[r * size + c] = static_cast<double>(block[r * lanes + c]);
   for (double shift = 1e-5; !invert_positive_definite<size>(dense, 1e-6, result); shift *= 4) {
+    if (shift > largest_shift) return false;
     double largest = std::numeric_limits<float>::min();
     for (int d = 0; d < size; ++d) largest = std::max(largest, std::abs(dense[d * (size + 1)]));
     for (int d = 0; d < size; ++d) dense[d * (size + 1)] += shift * largest;
@@ -27,6 +29,7 @@ void invert_block(const float* block, float* inverse) {
   for (int r = 0; r < size; ++r)
     for (int c = 0; c < lanes; ++c)
       inverse[r * lanes + c] = c < size ? static_cast<float>(result[r * size + c]) : 0.0F;
+  return true;
 }
 
 }  // namespace
@@ -150,16 +153,18 @@ void MultigridLevel::allocate() {
   for (std::vector<float>* vector : {&x, &r, &b}) vector->assign(n * lanes(), 0.0F);
 }
 
-void MultigridLevel::invert_diagonal() {
+bool MultigridLevel::invert_diagonal() {
   const int size = block_size(), numbers = numbers_per_block();
   for (std::size_t unknown = 0; unknown < is_absent.size(); ++unknown) {
     const std::size_t node = unknown / size, d = unknown % size;
     if (is_absent[unknown] != 0) blocks[node * numbers + d * (lanes() + 1)] = 1;
   }
   const auto invert = size == 2 ? invert_block<2> : size == 3 ? invert_block<3> : invert_block<6>;
-  for (Index i = 0; i < num_nodes(); ++i)
-    invert(&blocks[static_cast<std::size_t>(i) * numbers],
-           &inverse_diagonal[static_cast<std::size_t>(i) * numbers]);
+  for (Index i = 0; i < num_nodes(); ++i) {
+    const std::size_t first = static_cast<std::size_t>(i) * numbers;
+    if (!invert(&blocks[first], &inverse_diagonal[first])) return false;
+  }
+  return true;
 }
 
 float MultigridLevel::largest_eigenvalue() {

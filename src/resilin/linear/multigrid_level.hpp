@@ -44,8 +44,9 @@ struct MultigridLevel {
   void set_tentative(const Modes& modes);
   void allocate();  ///< blocks and vectors, once the structure stands
 
-  /// After new blocks: the inverse of the diagonal, raised where a block is not definite.
-  void invert_diagonal();
+  /// After new blocks: the inverse of the diagonal, raised a little where single precision has cost a block
+  /// its definiteness. False where more is amiss.
+  bool invert_diagonal();
   /// The largest eigenvalue of D^-1 A, a little from below (power iteration).
   float largest_eigenvalue();
   /// Smooths the prolongation and writes P^T A P into the blocks of `coarse`.
