@@ -23,6 +23,7 @@
 extern "C" const char* __asan_default_options() {
   return "max_allocation_size_mb=512:hard_rss_limit_mb=4096";
 }
+extern "C" const char* __ubsan_default_options() { return "print_stacktrace=1:abort_on_error=1"; }
 #endif
 
 namespace resilin::testing {
@@ -60,8 +61,9 @@ void watch() {
 #else
   const rlimit limit{memory_limit, memory_limit};
   setrlimit(RLIMIT_AS, &limit);
-  for (const int number : {SIGSEGV, SIGABRT, SIGFPE, SIGBUS, SIGILL}) std::signal(number, die);
+  for (const int number : {SIGSEGV, SIGFPE, SIGBUS, SIGILL}) std::signal(number, die);
 #endif
+  std::signal(SIGABRT, die);
   std::signal(SIGALRM, die);  // a hang
 }
 

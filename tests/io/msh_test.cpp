@@ -73,6 +73,17 @@ TEST(Msh, RefusesNumbersGivenTwiceAndSectionsGivenTwice) {
   EXPECT_THAT(refusal("a.msh", head_22 + nodes_22 + nodes_22), HasSubstr("second one"));
 }
 
+TEST(Msh, AcceptsTheLargestNumbersThatThereAre) {
+  const std::string nodes =
+      "$Nodes\n4\n9223372036854775807 0 0 0\n-9223372036854775808 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n";
+  const std::string elements =
+      "$Elements\n1\n9223372036854775807 4 1 -9223372036854775808 9223372036854775807 -9223372036854775808 3 "
+      "4\n"
+      "$EndElements\n";
+  const MeshFile file = read_mesh_from_memory("a.msh", head_22 + nodes + elements);
+  EXPECT_EQ(file.mesh.blocks[0].nodes, (std::vector<Index>{0, 1, 2, 3}));
+}
+
 TEST(Msh, RefusesElementsItDoesNotKnow) {
   EXPECT_THAT(refusal("a.msh", head_22 + nodes_22 + "$Elements\n1\n5 29 0 10 20 30 40\n$EndElements\n"),
               AllOf(HasSubstr("element 5"), HasSubstr("type 29")));

@@ -10,7 +10,8 @@
 namespace resilin {
 
 void NumberIndex::add(std::int64_t number) {
-  if (is_consecutive_ && !numbers_.empty() && number != numbers_.back() + 1) is_consecutive_ = false;
+  const bool is_next = numbers_.empty() || (number > numbers_.back() && number - 1 == numbers_.back());
+  is_consecutive_ = is_consecutive_ && is_next;
   numbers_.push_back(number);
 }
 
