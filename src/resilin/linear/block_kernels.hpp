@@ -29,7 +29,7 @@ struct BlockKernels {
   /// (j, k), j <= k, row by row, -1 where absent. `work` holds padded rows: 4 doubles (3D) or 2 (2D) for
   /// each.
   void (*eliminate_row[2])(double* work, KernelOffset row_begin, KernelOffset row_end,
-                           const KernelOffset* slot_of_pair, const double* inverse_diagonal);
+                           const KernelIndex* slot_of_pair, const double* inverse_diagonal);
 
   double (*dot)(const double* a, const double* b, KernelOffset size);
   void (*axpy)(double factor, const double* x, double* y, KernelOffset size);  ///< y += factor x

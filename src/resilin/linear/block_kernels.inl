@@ -104,7 +104,7 @@ void solve_incomplete(const Offset* row_begin, const Index* columns, const float
 }
 
 template <int dim>
-void eliminate_row(double* work, Offset row_begin, Offset row_end, const Offset* slot_of_pair,
+void eliminate_row(double* work, Offset row_begin, Offset row_end, const Index* slot_of_pair,
                    const double* inverse_diagonal) {
   constexpr int lanes = dim == 3 ? 4 : 2;
   constexpr int size = dim * lanes;
@@ -117,7 +117,7 @@ void eliminate_row(double* work, Offset row_begin, Offset row_end, const Offset*
       scaled[r] = Row<double, dim>{};
       for (int c = 0; c < dim; ++c) scaled[r] += inverse_diagonal[r * dim + c] * *row_of(k, c);
     }
-    const Offset* slot = slot_of_pair + (k - row_begin);
+    const Index* slot = slot_of_pair + (k - row_begin);
     for (Offset j = row_begin; j <= k; ++j) {
       const Offset target = *slot;
       slot += row_end - j - 1;

@@ -57,8 +57,8 @@ class BlockIncompleteCholesky : public Preconditioner {
   int dim_ = 3;
   Index num_nodes_ = 0;
   PermutedPattern upper_pattern_;
-  std::vector<Offset> pair_begin_;    // by position: first entry of slot_of_pair_
-  std::vector<Offset> slot_of_pair_;  // see BlockKernels::eliminate_row
+  std::vector<Offset> pair_begin_;   // by position: first entry of slot_of_pair_
+  std::vector<Index> slot_of_pair_;  // see BlockKernels::eliminate_row
   std::vector<double> work_;
   std::vector<double> inverse_;  // of the pivot blocks
   std::vector<float> upper_, inverse_diagonal_;
@@ -79,7 +79,7 @@ void BlockIncompleteCholesky::analyze_pattern(int dim) {
     pair_begin_.push_back(static_cast<Offset>(slot_of_pair_.size()));
     for (Offset a = row_begin[i]; a < row_begin[i + 1]; ++a)
       for (Offset b = a; b < row_begin[i + 1]; ++b)
-        slot_of_pair_.push_back(upper_pattern_.find(columns[a], columns[b]));
+        slot_of_pair_.push_back(static_cast<Index>(upper_pattern_.find(columns[a], columns[b])));
   }
   const auto num_nodes = static_cast<std::size_t>(num_nodes_), num_blocks = columns.size();
   const auto size = static_cast<std::size_t>(dim * dim);
