@@ -110,6 +110,35 @@ TEST(World, TurnsInvertedCellsAroundAndSaysSo) {
   EXPECT_LT((simulation.state().positions - expected.state().positions).norm(), 1e-9);
 }
 
+/// A bar pulled by a dead traction, one half four times as stiff as the other: the halves stretch like
+/// springs in a row.
+TEST(CellConstants, MakeOnePartOfABodyStiffer) {
+  Description scene = small_bar(3, false);
+  scene.gravity.setZero();
+  BodyDescription& body = scene.bodies[0];
+  body.material.law = "linear_elastic";
+  body.material.constants = {{"youngs_modulus", 1e5}, {"poissons_ratio", 0.0}};
+  const CellBlock& cells = *body.mesh.find_block(CellKind::tetrahedron);
+  std::vector<double>& young = body.material.cell_constants["youngs_modulus"];
+  for (Index i = 0; i < cells.num_cells(); ++i) {
+    double x = 0;
+    for (const Index node : cells.cell(i)) x += body.mesh.vertices[static_cast<std::size_t>(node)].x() / 4;
+    young.push_back(x < 0.5 ? 1e5 : 4e5);
+  }
+  LoadDescription pull;
+  pull.kind = LoadDescription::Kind::traction;
+  pull.where.kind = Where::Kind::plane;
+  pull.where.at = 1;
+  pull.value = {100, 0, 0};
+  scene.loads.push_back(pull);
+  const Simulation simulation = run_all(scene);
+  EXPECT_NEAR(simulation.frame().probes[0].displacement.x(), 0.5 * 100 / 1e5 + 0.5 * 100 / 4e5, 1e-9);
+  EXPECT_NEAR(simulation.world().bodies[0].constants[0].second, 0.5 * 2.5e5, 1e-6);  // the mean shear modulus
+
+  young.pop_back();
+  EXPECT_THAT(message_of([&] { World{scene}; }), HasSubstr("a value for each of"));
+}
+
 TEST(LoadSteps, AreHalvedUntilTheyConvergeAndTheLoadReachedIsNamed) {
   Description scene = small_bar(3, false);
   // A hydrostatic pull beyond the largest Cauchy stress that the law has, lambda / e: no equilibrium exists.

@@ -60,6 +60,28 @@ VectorX start_velocities_of(const BodyDescription& description, const VectorX& p
   return velocities;
 }
 
+/// The law's constants in its order: one set, or one for each cell when some constant differs from cell to
+/// cell.
+std::vector<double> constants_of_cells(const LawInfo& law, const MaterialDescription& material,
+                                       Index num_cells) {
+  if (material.cell_constants.empty()) return resolve_constants(law, material.constants, material.place);
+  for (const auto& [name, values] : material.cell_constants) {
+    if (values.size() == static_cast<std::size_t>(num_cells)) continue;
+    throw InputError(material.place + "." + name,
+                     "a value for each of " + std::to_string(num_cells) + " cells",
+                     std::to_string(values.size()) + " values");
+  }
+  std::vector<double> constants;
+  std::map<std::string, double> of_cell = material.constants;
+  for (std::size_t cell = 0; cell < static_cast<std::size_t>(num_cells); ++cell) {
+    for (const auto& [name, values] : material.cell_constants) of_cell[name] = values[cell];
+    const std::vector<double> resolved =
+        resolve_constants(law, of_cell, material.place + ", cell " + std::to_string(cell));
+    constants.insert(constants.end(), resolved.begin(), resolved.end());
+  }
+  return constants;
+}
+
 /// Makes a world out of its description, part by part.
 class Builder {
  public:
@@ -185,10 +207,14 @@ std::vector<Index> Builder::oriented_cells(const BodyDescription& body, const Ce
 void Builder::add_material(const BodyDescription& description, Body& body) {
   const MaterialDescription& material = description.material;
   const LawInfo& law = require_law(material.law, material.place + ".law");
-  const std::vector<double> constants = resolve_constants(law, material.constants, material.place);
+  const std::vector<double> constants = constants_of_cells(law, material, body.num_cells());
   body.law = law.name;
-  for (std::size_t i = 0; i < law.constants.size(); ++i) {
-    body.constants.emplace_back(law.constants[i].name, constants[i]);
+  const std::size_t num_constants = law.constants.size();
+  for (std::size_t i = 0; i < num_constants; ++i) {
+    double sum = 0;
+    for (std::size_t k = i; k < constants.size(); k += num_constants) sum += constants[k];
+    const auto count = static_cast<double>(constants.size() / num_constants);
+    body.constants.emplace_back(law.constants[i].name, sum / count);
   }
   const auto elastic = std::make_shared<ElasticEnergy>(world_.dimension, body.element, body.cells,
                                                        world_.rest_positions, law, constants);
