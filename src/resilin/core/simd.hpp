@@ -27,7 +27,7 @@ namespace RESILIN_SIMD_NAMESPACE {
 
 struct Lanes {
   static constexpr int width = RESILIN_SIMD_WIDTH;
-  using Vector = double __attribute__((vector_size(sizeof(double) * width)));
+  using Vector = double __attribute__((vector_size(sizeof(double) * width), may_alias));
   using Mask = decltype(Vector{} < Vector{});  ///< all bits of a lane set where true
 
   Vector v;

@@ -74,7 +74,8 @@ ElasticEnergy::ElasticEnergy(int dim, std::string_view element, std::span<const 
 }
 
 ElementTile ElasticEnergy::tile(const Index* block_numbers, std::size_t count) const {
-  return {block_numbers, count, blocks_.nodes.data(), blocks_.gradients.data(), blocks_.weights.data()};
+  return {block_numbers,         count, blocks_.num_blocks, blocks_.nodes.data(), blocks_.gradients.data(),
+          blocks_.weights.data()};
 }
 
 HessianForm ElasticEnergy::form(Projection projection) const {
@@ -231,6 +232,7 @@ void ElasticEnergy::add_hessian_to(const VectorX& x, Projection projection,
         some = some || is_chosen(i / block_size, i % block_size);
         all = all && is_chosen(i / block_size, i % block_size);
       }
+      kernels_->prefetch(part, u.data(), slots_.data(), hessian.values.data());
       kernels_->measure(part, law_->kind, u.data(), scratch.H.data(), scratch.variables.data());
       call_law(law_kernels_->curvature, part, scratch, scratch.law.data());
       kernels_->hessians(part, form(some ? projection : Projection::none), scratch.H.data(),

@@ -24,13 +24,14 @@ void for_tiles(std::size_t begin, std::size_t end, const Body& body) {
 struct ElasticEnergy::Scratch {
   template <std::size_t rows>
   using Rows = std::array<double, blocks_per_tile * rows * block_size>;
-  Rows<max_entries> H;
+  alignas(64) Rows<max_entries> H;
   Rows<max_entries> G;
   Rows<3> variables;
   Rows<curvature_rows> law;
   Rows<1> energy, energy_from;
   Rows<max_constants> constants;
-  Rows<max_pairs * max_entries> K, exact_K;
+  alignas(64) Rows<max_pairs * max_entries> K;
+  alignas(64) Rows<max_pairs * max_entries> exact_K;
 };
 
 }  // namespace resilin

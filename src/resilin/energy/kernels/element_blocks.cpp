@@ -59,6 +59,19 @@ void sort_in_space(std::vector<Index>& nodes, int dim, const VectorX& positions)
   for (std::size_t i = 0; i < keys.size(); ++i) nodes[i] = keys[i].second;
 }
 
+/// Whether the nodes of a cell have near numbers as it is, like those of a grid that is numbered plane by
+/// plane.
+bool are_in_order(std::span<const Index> cells, const ElementInfo& element, std::size_t num_used_nodes) {
+  const auto n = static_cast<std::size_t>(element.num_nodes);
+  double sum_of_spans = 0;
+  for (std::size_t first = 0; first + n <= cells.size(); first += n) {
+    const auto [low, high] = std::ranges::minmax(cells.subspan(first, n));
+    sum_of_spans += high - low;
+  }
+  const double plane = std::pow(static_cast<double>(num_used_nodes), 1 - 1.0 / element.dim);
+  return sum_of_spans * static_cast<double>(n) <= 2 * plane * static_cast<double>(cells.size());
+}
+
 /// Local nodes of every cell, in the cell's own order.
 std::vector<Index> local_cells(std::span<const Index> cells, const std::vector<Index>& world_nodes) {
   std::vector<Index> local(
@@ -88,6 +101,22 @@ std::vector<Index> sorted_cells(const std::vector<Index>& cells, int num_nodes) 
     return a < b;
   });
   return order;
+}
+
+/// Puts cells that follow one another into one lane of the blocks of a run, not side by side: neighbours
+/// share nodes, and additions to the same place one right after the other wait for each other. -1 where a
+/// lane stays empty.
+std::vector<Index> spread_over_blocks(const std::vector<Index>& order) {
+  constexpr std::size_t blocks_per_run = 8;
+  const std::size_t num_blocks = (order.size() + block_size - 1) / block_size;
+  std::vector<Index> lanes(num_blocks * block_size, -1);
+  for (std::size_t first = 0, next = 0; first < num_blocks; first += blocks_per_run) {
+    const std::size_t count = std::min(blocks_per_run, num_blocks - first);
+    for (std::size_t lane = 0; lane < block_size; ++lane)
+      for (std::size_t block = first; block < first + count && next < order.size(); ++block)
+        lanes[block * block_size + lane] = order[next++];
+  }
+  return lanes;
 }
 
 /// Writes geometry and nodes of a cell into a lane, its nodes in ascending order of their world numbers.
@@ -152,20 +181,21 @@ ElementBlocks make_element_blocks(const ElementInfo& element, std::span<const In
   out.num_blocks = (cells.size() / n + block_size - 1) / block_size;
 
   out.world_nodes = used_nodes(cells, static_cast<Index>(rest_positions.size() / element.dim));
-  sort_in_space(out.world_nodes, element.dim, rest_positions);
+  if (!are_in_order(cells, element, out.world_nodes.size()))
+    sort_in_space(out.world_nodes, element.dim, rest_positions);
   out.rest_positions = out.local_values(rest_positions);
   const std::vector<Index> local = local_cells(cells, out.world_nodes);
   const std::vector<Index> order = sorted_cells(local, element.num_nodes);
 
   const std::size_t lanes = out.num_blocks * block_size;
-  out.cells.assign(lanes, -1);
-  std::copy(order.begin(), order.end(), out.cells.begin());
+  out.cells = spread_over_blocks(order);
   out.nodes.resize(lanes * n);
   out.weights.resize(lanes);
   out.gradients.resize(lanes * (n - 1) * static_cast<std::size_t>(element.dim));
   for (std::size_t i = 0; i < lanes; ++i) {
-    const auto cell = static_cast<std::size_t>(order[std::min(i, order.size() - 1)]);
-    fill_lane(element, cells.subspan(cell * n, n), std::span(local).subspan(cell * n, n), i >= order.size(),
+    const bool is_copy = out.cells[i] < 0;
+    const auto cell = static_cast<std::size_t>(is_copy ? order.back() : out.cells[i]);
+    fill_lane(element, cells.subspan(cell * n, n), std::span(local).subspan(cell * n, n), is_copy,
               i / block_size, i % block_size, rest_positions, out);
   }
   return out;

@@ -38,11 +38,26 @@ RESILIN_INLINE void for_lanes(const ElementTile& tile, const Body& body) {
       body(Place<dim>{i, static_cast<std::size_t>(tile.blocks[i]), lane});
 }
 
+/// Calls the geometry of the block after the next tile into the cache, when blocks follow in order.
+template <int dim>
+RESILIN_INLINE void prefetch_geometry(const ElementTile& tile, std::size_t block) {
+  constexpr std::size_t nodes_per_block = (dim + 1) * block_size,
+                        gradients_per_block = dim * dim * block_size;
+  const std::size_t ahead = block + 2 * tile.num_blocks;
+  if (ahead >= tile.total_blocks) return;
+  for (std::size_t i = 0; i < gradients_per_block; i += 8)
+    __builtin_prefetch(tile.gradients + ahead * gradients_per_block + i);
+  __builtin_prefetch(tile.weights + ahead * block_size);
+  for (std::size_t i = 0; i < nodes_per_block; i += 16)
+    __builtin_prefetch(tile.nodes + ahead * nodes_per_block + i);
+}
+
 template <int dim>
 void measure(const ElementTile& tile, LawKind kind, const double* displacements, double* H_rows,
              double* variables) {
   for_lanes<dim>(tile, [&](const Place<dim>& at) {
     Lanes u0[dim], u[dim], g[dim][dim], H[dim * dim], out[3];
+    if (at.lane == 0) prefetch_geometry<dim>(tile, at.block);
     at.gradients(tile, g);
     gather<dim>(displacements, at.nodes(tile, 0), u0);
     for (int a = 0; a < dim; ++a) {
@@ -78,6 +93,18 @@ void add_energies(const ElementTile& tile, const double* psi, const double* psi_
   total.is_outside = total.is_outside || any(is_outside);
 }
 
+RESILIN_INLINE bool owns(const OwnedNodes& owned, std::int32_t node) {
+  return node >= owned.begin && node < owned.end;
+}
+
+/// Whether all lanes of the first `count` nodes are owned.
+RESILIN_INLINE bool owns_all(const OwnedNodes& owned, const std::int32_t* nodes, int count) {
+  bool all = true;
+  for (int a = 0; a < count; ++a)
+    for (int lane = 0; lane < Lanes::width; ++lane) all &= owns(owned, nodes[a * block_size + lane]);
+  return all;
+}
+
 template <int dim>
 void add_forces(const ElementTile& tile, LawKind kind, const double* H_rows, const double* law_gradient,
                 bool is_magnitude, const OwnedNodes& owned, double* forces) {
@@ -97,7 +124,14 @@ void add_forces(const ElementTile& tile, LawKind kind, const double* H_rows, con
     if (is_magnitude)
       for (auto& node_force : f)
         for (Lanes& component : node_force) component = abs(component);
-    for (int a = 0; a <= dim; ++a) scatter_add<dim>(f[a], at.nodes(tile, a), owned.begin, owned.end, forces);
+    const bool is_complete = owns_all(owned, at.nodes(tile, 0), dim + 1);
+    for (int a = 0; a <= dim; ++a) {
+      if (is_complete)
+        scatter_add<dim>(f[a], at.nodes(tile, a), [](std::int32_t) { return true; }, forces);
+      else
+        scatter_add<dim>(
+            f[a], at.nodes(tile, a), [&](std::int32_t node) { return owns(owned, node); }, forces);
+    }
   });
 }
 
@@ -129,21 +163,51 @@ RESILIN_INLINE void isotropic_hessian(const HessianForm& form, const Lanes H[], 
 }
 
 template <int dim>
+RESILIN_INLINE void element_hessian(const HessianForm& form, const Lanes H[], const double* law,
+                                    const Lanes g[dim][dim], Lanes w, ElementHessian<dim>& K) {
+  if (form.kind == LawKind::small_strain)
+    small_strain_hessian<dim>(Lanes::load(law), Lanes::load(law + 8 * block_size), g, w, K);
+  else
+    isotropic_hessian<dim>(form, H, law, g, w, K);
+}
+
+template <int dim>
 void hessians(const ElementTile& tile, const HessianForm& form, const double* H_rows,
-              const double* law_curvature, double* out) {
+              const double* law_curvature, double* out_rows) {
+  constexpr int rows = num_pairs(dim) * dim * dim;
   for_lanes<dim>(tile, [&](const Place<dim>& at) {
     Lanes H[dim * dim], g[dim][dim];
     load_rows(H_rows + at.row(dim * dim), dim * dim, H);
     at.gradients(tile, g);
     const double* law = law_curvature + at.row(curvature_rows);
-    const Lanes w = at.weight(tile);
-    ElementHessian<dim> K;
-    if (form.kind == LawKind::small_strain)
-      small_strain_hessian<dim>(Lanes::load(law), Lanes::load(law + 8 * block_size), g, w, K);
-    else
-      isotropic_hessian<dim>(form, H, law, g, w, K);
-    store_rows(K[0], num_pairs(dim) * dim * dim, out + at.row(num_pairs(dim) * dim * dim));
+    double* out = out_rows + at.row(rows);
+    if constexpr (Lanes::width == block_size) {  // a row of lanes is a row of the block: no copy
+      element_hessian<dim>(form, H, law, g, at.weight(tile), *reinterpret_cast<ElementHessian<dim>*>(out));
+    } else {
+      ElementHessian<dim> K;
+      element_hessian<dim>(form, H, law, g, at.weight(tile), K);
+      store_rows(K[0], rows, out);
+    }
   });
+}
+
+template <int dim>
+void prefetch(const ElementTile& tile, const double* displacements, const std::uint32_t* slots,
+              const double* values) {
+  constexpr std::size_t nodes_per_block = (dim + 1) * block_size;
+  constexpr std::size_t slots_per_block = num_pairs(dim) * block_size, entries = dim * dim;
+  for (std::size_t i = 0; i < tile.num_blocks; ++i) {
+    const auto block = static_cast<std::size_t>(tile.blocks[i]);
+    const std::uint32_t* slot = slots + block * slots_per_block;
+    for (std::size_t k = 0; k < slots_per_block; ++k) {
+      __builtin_prefetch(values + entries * slot[k], 1);
+      if constexpr (dim == 3) __builtin_prefetch(values + entries * slot[k] + 8, 1);
+    }
+    const std::size_t next = block + tile.num_blocks;
+    if (next >= tile.total_blocks) continue;
+    for (std::size_t k = 0; k < nodes_per_block; ++k)
+      __builtin_prefetch(displacements + node_stride(dim) * tile.nodes[next * nodes_per_block + k]);
+  }
 }
 
 template <int dim>
@@ -156,8 +220,7 @@ void scatter(const ElementTile& tile, const double* K, const std::uint32_t* slot
       bool is_owned[block_size];
       const std::int32_t* row_nodes =
           tile.nodes + (block * (dim + 1) + static_cast<std::size_t>(a)) * block_size;
-      for (int lane = 0; lane < block_size; ++lane)
-        is_owned[lane] = row_nodes[lane] >= owned.begin && row_nodes[lane] < owned.end;
+      for (int lane = 0; lane < block_size; ++lane) is_owned[lane] = owns(owned, row_nodes[lane]);
       for (int b = a; b <= dim; ++b, ++pair) {
         const double* rows = K + (i * pairs + static_cast<std::size_t>(pair)) * (entries * block_size);
         const std::uint32_t* slot = slots + (block * pairs + static_cast<std::size_t>(pair)) * block_size;
@@ -203,8 +266,8 @@ void volume_cubics(std::size_t num_blocks, const double* H_rows, const double* G
 }
 
 template <int dim>
-constexpr ElementKernels kernels = {measure<dim>,  add_energies<dim>, add_forces<dim>,
-                                    hessians<dim>, scatter<dim>,      volume_cubics<dim>};
+constexpr ElementKernels kernels = {measure<dim>,  add_energies<dim>, add_forces<dim>,   hessians<dim>,
+                                    prefetch<dim>, scatter<dim>,      volume_cubics<dim>};
 
 }  // namespace
 

@@ -14,6 +14,7 @@ namespace resilin {
 struct ElementTile {
   const std::int32_t* blocks;  ///< numbers of the blocks, `num_blocks` of them
   std::size_t num_blocks;
+  std::size_t total_blocks;   ///< of the body: `nodes` and the arrays below hold so many
   const std::int32_t* nodes;  ///< of all blocks: [block][node][lane], local numbers
   const double* gradients;    ///< of all blocks: [block][node - 1][component][lane], dN/dX of nodes 1, 2, ...
   const double* weights;      ///< of all blocks: [block][lane], rest volumes
@@ -51,9 +52,15 @@ struct ElementKernels {
   void (*add_forces)(const ElementTile&, LawKind, const double* H, const double* law_gradient,
                      bool is_magnitude, const OwnedNodes&, double* forces);
 
-  /// Upper blocks (a, b), a <= b, of the element Hessians: [tile block][pair][dim * dim][lane].
+  /// Upper blocks (a, b), a <= b, of the element Hessians: [tile block][pair][dim * dim][lane]. K is aligned
+  /// to 64 bytes.
   void (*hessians)(const ElementTile&, const HessianForm&, const double* H, const double* law_curvature,
                    double* K);
+
+  /// Before `measure` of a tile that will be assembled: calls its slots and the displacements of the next one
+  /// into the cache.
+  void (*prefetch)(const ElementTile&, const double* displacements, const std::uint32_t* slots,
+                   const double* values);
 
   /// Adds element Hessians to the slots whose row node is owned. `slots`: of all blocks, [block][pair][lane].
   void (*scatter)(const ElementTile&, const double* K, const std::uint32_t* slots, const OwnedNodes&,

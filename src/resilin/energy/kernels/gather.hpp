@@ -59,11 +59,11 @@ RESILIN_INLINE void gather(const double* numbers, const std::int32_t* nodes, Lan
   }
 }
 
-/// Adds component i of `values` to the nodes in these lanes, in the order of the lanes, where begin <= node <
-/// end.
-template <int dim>
-RESILIN_INLINE void scatter_add(const Lanes values[dim], const std::int32_t* nodes, std::int32_t begin,
-                                std::int32_t end, double* numbers) {
+/// Adds component i of `values` to the nodes in these lanes, in the order of the lanes, where
+/// `is_owned(node)`.
+template <int dim, class IsOwned>
+RESILIN_INLINE void scatter_add(const Lanes values[dim], const std::int32_t* nodes, const IsOwned& is_owned,
+                                double* numbers) {
 #if RESILIN_SIMD_WIDTH == 8
   if constexpr (dim == 3) {
     const Lanes::Vector zero = {};
@@ -79,14 +79,14 @@ RESILIN_INLINE void scatter_add(const Lanes values[dim], const std::int32_t* nod
       const Lanes::Vector& pair = lane % 2 == 0 ? even[lane / 4] : odd[lane / 4];
       const Four four = lane % 4 < 2 ? __builtin_shufflevector(pair, pair, 0, 1, 2, 3)
                                      : __builtin_shufflevector(pair, pair, 4, 5, 6, 7);
-      if (nodes[lane] >= begin && nodes[lane] < end) add_four(numbers + 4L * nodes[lane], four);
+      if (is_owned(nodes[lane])) add_four(numbers + 4L * nodes[lane], four);
     }
     return;
   }
 #endif
   constexpr long stride = dim == 3 ? 4 : 2;
   for (int lane = 0; lane < Lanes::width; ++lane)
-    if (nodes[lane] >= begin && nodes[lane] < end)
+    if (is_owned(nodes[lane]))
       for (int i = 0; i < dim; ++i) numbers[stride * nodes[lane] + i] += values[i].v[lane];
 }
 
