@@ -34,7 +34,7 @@ struct VtuData {
 /// Writes VTK XML (UnstructuredGrid) with raw appended doubles; beside and renamed.
 /// @throws InputError  when an array has another length than points or cells ask for
 void write_vtu(const std::filesystem::path& path, const VtuData& data);
-void write_vtu(std::ostream& stream, const VtuData& data);
+void write_vtu(std::ostream& stream, const VtuData& data);  ///< a stream of the classic locale, binary
 
 /// Values read from a file: `components` numbers for each point or cell, one after another.
 struct VtuValues {
