@@ -80,7 +80,7 @@ ElementTile ElasticEnergy::tile(const Index* block_numbers, std::size_t count) c
 
 HessianForm ElasticEnergy::form(Projection projection) const {
   const double removed = projection == Projection::none ? 0 : projection == Projection::clamp ? 1 : 2;
-  return {law_->kind, law_->uses_second_invariant, removed};
+  return {law_form(), removed};
 }
 
 void ElasticEnergy::call_law(void (*kernel)(const LawBatch&), const ElementTile& tile, Scratch& scratch,
@@ -102,7 +102,7 @@ double ElasticEnergy::energy_sum(const double* displacements, const double* disp
                LaneSum sum;
                Scratch scratch;
                const auto evaluate = [&](const ElementTile& part, const double* u, double* energy) {
-                 kernels_->measure(part, law_->kind, u, scratch.H.data(), scratch.variables.data());
+                 kernels_->measure(part, law_form(), u, scratch.H.data(), scratch.variables.data());
                  call_law(law_kernels_->energy, part, scratch, energy);
                };
                for_tiles(begin, end, [&](std::size_t first, std::size_t count) {
@@ -142,9 +142,9 @@ void ElasticEnergy::add_forces(const VectorX& x, bool is_magnitude, VectorX& for
     Scratch scratch;
     for_tiles(0, share.blocks.size(), [&](std::size_t first, std::size_t count) {
       const ElementTile part = tile(share.blocks.data() + first, count);
-      kernels_->measure(part, law_->kind, u.data(), scratch.H.data(), scratch.variables.data());
+      kernels_->measure(part, law_form(), u.data(), scratch.H.data(), scratch.variables.data());
       call_law(law_kernels_->gradient, part, scratch, scratch.law.data());
-      kernels_->add_forces(part, law_->kind, scratch.H.data(), scratch.law.data(), is_magnitude, share.owned,
+      kernels_->add_forces(part, law_form(), scratch.H.data(), scratch.law.data(), is_magnitude, share.owned,
                            local.data());
     });
     for (auto node = static_cast<std::size_t>(share.owned.begin);
@@ -233,7 +233,7 @@ void ElasticEnergy::add_hessian_to(const VectorX& x, Projection projection,
         all = all && is_chosen(i / block_size, i % block_size);
       }
       kernels_->prefetch(part, u.data(), slots_.data(), hessian.values.data());
-      kernels_->measure(part, law_->kind, u.data(), scratch.H.data(), scratch.variables.data());
+      kernels_->measure(part, law_form(), u.data(), scratch.H.data(), scratch.variables.data());
       call_law(law_kernels_->curvature, part, scratch, scratch.law.data());
       kernels_->hessians(part, form(some ? projection : Projection::none), scratch.H.data(),
                          scratch.law.data(), scratch.K.data());
@@ -254,7 +254,7 @@ void ElasticEnergy::evaluate_hessians(const VectorX& x, Projection projection) c
     Scratch scratch;
     for_tiles(begin, end, [&](std::size_t first, std::size_t count) {
       const ElementTile part = tile(first, count);
-      kernels_->measure(part, law_->kind, u.data(), scratch.H.data(), scratch.variables.data());
+      kernels_->measure(part, law_form(), u.data(), scratch.H.data(), scratch.variables.data());
       call_law(law_kernels_->curvature, part, scratch, scratch.law.data());
       kernels_->hessians(part, form(projection), scratch.H.data(), scratch.law.data(), scratch.K.data());
     });
@@ -277,8 +277,8 @@ double ElasticEnergy::max_step(const VectorX& x, const VectorX& p) const {
         Scratch scratch;
         for_tiles(begin, end, [&](std::size_t first, std::size_t count) {
           const ElementTile part = tile(first, count);
-          kernels_->measure(part, law_->kind, v.data(), scratch.G.data(), scratch.variables.data());
-          kernels_->measure(part, law_->kind, u.data(), scratch.H.data(), scratch.variables.data());
+          kernels_->measure(part, law_form(), v.data(), scratch.G.data(), scratch.variables.data());
+          kernels_->measure(part, law_form(), u.data(), scratch.H.data(), scratch.variables.data());
           kernels_->volume_cubics(count, scratch.H.data(), scratch.G.data(), scratch.law.data());
           for (std::size_t i = 0; i < count * block_size; ++i) {
             const double* c = scratch.law.data() + i / block_size * 4 * block_size + i % block_size;

@@ -81,6 +81,7 @@ class ElasticEnergy final : public Energy {
   ElementTile tile(std::size_t begin, std::size_t count) const {
     return tile(all_blocks_.data() + begin, count);
   }
+  LawForm law_form() const { return {law_->kind, law_->uses_second_invariant}; }
   HessianForm form(Projection projection) const;
   void call_law(void (*kernel)(const LawBatch&), const ElementTile& tile, Scratch& scratch,
                 double* results) const;

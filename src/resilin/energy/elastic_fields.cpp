@@ -17,7 +17,7 @@ void ElasticEnergy::for_each_cell(
   parallel_for(blocks_.num_blocks, blocks_per_chunk, [&](std::size_t begin, std::size_t end) {
     Scratch scratch;
     for_tiles(begin, end, [&](std::size_t first, std::size_t count) {
-      kernels_->measure(tile(first, count), LawKind::invariants, u.data(), scratch.H.data(),
+      kernels_->measure(tile(first, count), LawForm{LawKind::invariants, false}, u.data(), scratch.H.data(),
                         scratch.variables.data());
       for (std::size_t i = 0; i < count * block_size; ++i) {
         const std::size_t block = i / block_size, lane = i % block_size;

@@ -53,7 +53,7 @@ RESILIN_INLINE void prefetch_geometry(const ElementTile& tile, std::size_t block
 }
 
 template <int dim>
-void measure(const ElementTile& tile, LawKind kind, const double* displacements, double* H_rows,
+void measure(const ElementTile& tile, const LawForm& law, const double* displacements, double* H_rows,
              double* variables) {
   for_lanes<dim>(tile, [&](const Place<dim>& at) {
     Lanes u0[dim], u[dim], g[dim][dim], H[dim * dim], out[3];
@@ -68,10 +68,10 @@ void measure(const ElementTile& tile, LawKind kind, const double* displacements,
           H[dim * i + k] = a == 0 ? u[i] * g[a][k] : H[dim * i + k] + u[i] * g[a][k];
       }
     }
-    if (kind == LawKind::small_strain)
+    if (law.kind == LawKind::small_strain)
       small_strain<dim>(H, out);
     else
-      invariants<dim>(H, out);
+      invariants<dim>(H, law.uses_second_invariant, out);
     store_rows(H, dim * dim, H_rows + at.row(dim * dim));
     store_rows(out, 3, variables + at.row(3));
   });
@@ -106,14 +106,14 @@ RESILIN_INLINE bool owns_all(const OwnedNodes& owned, const std::int32_t* nodes,
 }
 
 template <int dim>
-void add_forces(const ElementTile& tile, LawKind kind, const double* H_rows, const double* law_gradient,
+void add_forces(const ElementTile& tile, const LawForm& law, const double* H_rows, const double* law_gradient,
                 bool is_magnitude, const OwnedNodes& owned, double* forces) {
   for_lanes<dim>(tile, [&](const Place<dim>& at) {
-    Lanes H[dim * dim], law[3], P[dim * dim], g[dim][dim], f[dim + 1][dim];
+    Lanes H[dim * dim], slopes[3], P[dim * dim], g[dim][dim], f[dim + 1][dim];
     load_rows(H_rows + at.row(dim * dim), dim * dim, H);
-    load_rows(law_gradient + at.row(gradient_rows), 3, law);
+    load_rows(law_gradient + at.row(gradient_rows), 3, slopes);
     at.gradients(tile, g);
-    stress<dim>(kind, H, law, P);
+    stress<dim>(law, H, slopes, P);
     const Lanes w = at.weight(tile);
     for (int i = 0; i < dim * dim; ++i) P[i] *= w;
     apply<dim>(P, g, f + 1);
@@ -149,7 +149,7 @@ RESILIN_INLINE void isotropic_hessian(const HessianForm& form, const Lanes H[], 
       plain_hessian2(F, d, g, w, K);
   } else {
     const InvariantDerivatives d = invariant_derivatives(law);
-    if (form.uses_second_invariant) {
+    if (form.law.uses_second_invariant) {
       if (form.removed > 0)
         projected_hessian3<true>(F, d, g, w, form.removed, K);
       else
@@ -165,7 +165,7 @@ RESILIN_INLINE void isotropic_hessian(const HessianForm& form, const Lanes H[], 
 template <int dim>
 RESILIN_INLINE void element_hessian(const HessianForm& form, const Lanes H[], const double* law,
                                     const Lanes g[dim][dim], Lanes w, ElementHessian<dim>& K) {
-  if (form.kind == LawKind::small_strain)
+  if (form.law.kind == LawKind::small_strain)
     small_strain_hessian<dim>(Lanes::load(law), Lanes::load(law + 8 * block_size), g, w, K);
   else
     isotropic_hessian<dim>(form, H, law, g, w, K);
@@ -246,7 +246,7 @@ void volume_cubics(std::size_t num_blocks, const double* H_rows, const double* G
       Lanes F[dim * dim], G[dim * dim], c[4], variables[3];
       load_rows(H_rows + at.row(dim * dim), dim * dim, F);
       load_rows(G_rows + at.row(dim * dim), dim * dim, G);
-      invariants<dim>(F, variables);
+      invariants<dim>(F, false, variables);
       add_identity<dim>(F);
       c[0] = 1.0 + variables[2];
       if constexpr (dim == 2) {

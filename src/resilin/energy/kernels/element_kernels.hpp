@@ -32,10 +32,15 @@ struct OwnedNodes {
   std::int32_t begin, end;
 };
 
-/// How the element Hessians are formed.
-struct HessianForm {
+/// What the loops need to know about a law.
+struct LawForm {
   LawKind kind;
   bool uses_second_invariant;
+};
+
+/// How the element Hessians are formed.
+struct HessianForm {
+  LawForm law;
   double removed;  ///< times the negative part of an element's eigenvalues is taken off: 0 none, 1 clamp, 2
                    ///< absolute
 };
@@ -43,13 +48,14 @@ struct HessianForm {
 struct ElementKernels {
   /// H = sum_a (u_a - u_0) dN_a/dX, by rows, [tile block][dim * dim][lane], and the variables of the law's
   /// kind.
-  void (*measure)(const ElementTile&, LawKind, const double* displacements, double* H, double* invariants);
+  void (*measure)(const ElementTile&, const LawForm&, const double* displacements, double* H,
+                  double* invariants);
 
   /// Adds weight * (psi - psi_from); psi_from may be null.
   void (*add_energies)(const ElementTile&, const double* psi, const double* psi_from, EnergySum&);
 
   /// Adds dE/dx, or the absolute values of each element's share, at the owned nodes.
-  void (*add_forces)(const ElementTile&, LawKind, const double* H, const double* law_gradient,
+  void (*add_forces)(const ElementTile&, const LawForm&, const double* H, const double* law_gradient,
                      bool is_magnitude, const OwnedNodes&, double* forces);
 
   /// Upper blocks (a, b), a <= b, of the element Hessians: [tile block][pair][dim * dim][lane]. K is aligned

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "resilin/core/simd_svd.hpp"
-#include "resilin/material/law_text.hpp"
+#include "resilin/energy/kernels/element_kernels.hpp"
 
 /// Kinematics and stress of one element per lane. Matrices are stored by rows. Formulas: material/derive.cpp,
 /// the same ones written plainly.
@@ -42,9 +42,9 @@ RESILIN_INLINE void cofactor_minus_identity(const Lanes H[9], const Lanes cof_H[
   for (int i = 0; i < 3; ++i) Y[4 * i] += trace;
 }
 
-/// The reduced invariants d1, d2, j (material/invariants.hpp).
+/// The reduced invariants d1, d2, j (material/invariants.hpp); d2 = 0 where the law does not use it.
 template <int dim>
-RESILIN_INLINE void invariants(const Lanes H[], Lanes out[3]) {
+RESILIN_INLINE void invariants(const Lanes H[], bool has_second_invariant, Lanes out[3]) {
   if constexpr (dim == 2) {
     const Lanes off = H[1] * H[2], det = H[0] * H[3] - off;
     const Lanes J = (1.0 + H[0]) * (1.0 + H[3]) - off;
@@ -53,16 +53,20 @@ RESILIN_INLINE void invariants(const Lanes H[], Lanes out[3]) {
     out[1] = out[0] + j * j;
     out[2] = j;
   } else {
-    Lanes cof_H[9], Y[9];
+    Lanes cof_H[9];
     cofactor(H, cof_H);
-    cofactor_minus_identity(H, cof_H, Y);
     const Lanes m2 = cof_H[0] + cof_H[4] + cof_H[8];
     const Lanes det = H[0] * cof_H[0] + H[1] * cof_H[1] + H[2] * cof_H[2];
     const Lanes F0 = 1.0 + H[0], F4 = 1.0 + H[4], F8 = 1.0 + H[8];
     const Lanes J =
         F0 * (F4 * F8 - H[5] * H[7]) + H[1] * (H[5] * H[6] - H[3] * F8) + H[2] * (H[3] * H[7] - F4 * H[6]);
     out[0] = norm2<3>(H) - 2.0 * (m2 + det);
-    out[1] = norm2<3>(Y) - (2.0 * m2 + 4.0 * det);
+    out[1] = 0.0;
+    if (has_second_invariant) {
+      Lanes Y[9];
+      cofactor_minus_identity(H, cof_H, Y);
+      out[1] = norm2<3>(Y) - (2.0 * m2 + 4.0 * det);
+    }
     // Near J = 0 the determinant of F itself: a cell that is exactly flat must be seen as such.
     out[2] = select(J < Lanes(0.5), J - 1.0, H[0] + H[4] + H[8] + m2 + det);
   }
@@ -87,8 +91,8 @@ RESILIN_INLINE void small_strain(const Lanes H[], Lanes out[3]) {
 
 /// P from the derivatives g of Psi with respect to the variables of the law's kind.
 template <int dim>
-RESILIN_INLINE void stress(LawKind kind, const Lanes H[], const Lanes g[3], Lanes P[]) {
-  if (kind == LawKind::small_strain) {
+RESILIN_INLINE void stress(const LawForm& form, const Lanes H[], const Lanes g[3], Lanes P[]) {
+  if (form.kind == LawKind::small_strain) {
     for (int i = 0; i < dim; ++i)
       for (int k = 0; k < dim; ++k) P[dim * i + k] = g[0] * (H[dim * i + k] + H[dim * k + i]);
     for (int i = 0; i < dim; ++i) P[(dim + 1) * i] += g[2];
@@ -104,11 +108,11 @@ RESILIN_INLINE void stress(LawKind kind, const Lanes H[], const Lanes g[3], Lane
     Lanes cof_H[9], Y[9];
     cofactor(H, cof_H);
     cofactor_minus_identity(H, cof_H, Y);
-    const Lanes twice_g1 = g[0] + g[0], twice_g2 = g[1] + g[1];
-    for (int i = 0; i < 9; ++i) P[i] = twice_g1 * (H[i] - Y[i]) + g[2] * Y[i];
-    if (any((g[1] < Lanes(0)) | (g[1] > Lanes(0)))) {
+    const Lanes twice_g1 = g[0] + g[0], rest = g[2] - twice_g1;
+    for (int i = 0; i < 9; ++i) P[i] = twice_g1 * H[i] + rest * Y[i];
+    if (form.uses_second_invariant) {
       // d d2/dF = 2 (tr Y I - Y^T + H x Y - Y - cof H)
-      const Lanes trace = Y[0] + Y[4] + Y[8];
+      const Lanes trace = Y[0] + Y[4] + Y[8], twice_g2 = g[1] + g[1];
       for (int i = 0; i < 3; ++i)
         for (int k = 0; k < 3; ++k) {
           const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, k1 = (k + 1) % 3, k2 = (k + 2) % 3;
