@@ -21,7 +21,7 @@ struct LinearReport {
   Status status = Status::ok;
   int iterations = 0;            ///< of an iterative solver; 0 for a direct one
   double relative_residual = 0;  ///< |b - A x| / |b|, where it is known
-  Index worst_node = -1;         ///< the node whose pivot failed, where it is known
+  Index worst_node = -1;  ///< the node whose pivot failed or that bends the curvature most, where it is known
 };
 
 /// Solves A x = b for symmetric positive definite A. Analysed once for each pattern, factorised again for new
@@ -34,10 +34,16 @@ class LinearSolver {
   virtual std::string_view name() const = 0;
   virtual bool is_direct() const = 0;
   /// `node_positions` (dim per node) and rigid modes derived from them help multilevel solvers; may be empty.
+  /// After large rotations give current positions: again on the same pattern this costs little. May be left
+  /// out, and is needed before the bits of a run are to be repeated from a checkpoint when extra blocks came
+  /// and went.
   virtual void analyze(const BlockMatrix& A, const VectorX& node_positions) = 0;
   virtual LinearReport factorize(const BlockMatrix& A) = 0;
   /// `x` is the start of an iterative solver (use zero) and holds the solution after. On `indefinite` and
-  /// `not_converged`, x is the last iterate, a descent direction when b is minus a gradient.
+  /// `not_converged`, x is the last iterate, a descent direction when b is minus a gradient and x began as
+  /// zero. A direct solver refines its answer when it misses the tolerance and reports what is left. A may
+  /// have other values than the matrix that was factorised, as long as it is near to it: iterative solvers
+  /// then use old factors for new values.
   virtual LinearReport solve(const BlockMatrix& A, const VectorX& b, VectorX& x,
                              double relative_tolerance) = 0;
 };
