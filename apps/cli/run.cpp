@@ -134,9 +134,9 @@ int run(const RunOptions& options) {
   const Stopwatch stopwatch;
   if (options.threads > 0) set_num_threads(options.threads);
   Scene scene = read_scene(options.scene, {.overrides = options.overrides});
+  Simulation simulation(scene.description);
   ResultFolder results(out_folder(options), stopwatch.seconds());
   const LogFile log(results.path() / "log.txt", options.resume);
-  Simulation simulation(scene.description);
   std::vector<std::string> warnings = std::move(scene.warnings);
   warnings.insert(warnings.end(), simulation.world().warnings.begin(), simulation.world().warnings.end());
   if (options.resume) resume(simulation, results, warnings);

@@ -55,7 +55,7 @@ SceneValue parse_value(std::string_view text, std::string_view assignment) {
   } catch (const InputError&) {
     if (!is_bare_text(text)) {
       throw InputError(place_of(assignment), "a number, true, false, a text, [a, list] or { a = \"table\" }",
-                       '"' + std::string(text) + '"', "a text with special signs needs \"quotes\" in it");
+                       '"' + printable(text) + '"', "a text with special signs needs \"quotes\" in it");
     }
     value.data = std::string(text);
   }
@@ -69,7 +69,7 @@ std::vector<std::string> names_of(const SceneValue::Array& array) {
     names.push_back(std::to_string(i));
     const SceneValue* name = array[i].find("name");
     if (name != nullptr && std::holds_alternative<std::string>(name->data)) {
-      names.back() += " (" + std::get<std::string>(name->data) + ")";
+      names.back() += " (" + printable(std::get<std::string>(name->data)) + ")";
     }
   }
   return names;
@@ -88,7 +88,8 @@ SceneValue& element(SceneValue::Array& array, const std::string& part, std::stri
       return entry;
     }
   }
-  throw InputError(place_of(assignment), "the number or the name of an entry of a list", '"' + part + '"',
+  throw InputError(place_of(assignment), "the number or the name of an entry of a list",
+                   '"' + printable(part) + '"',
                    array.empty() ? "the list is empty" : "there are " + join(names_of(array)));
 }
 
@@ -96,7 +97,7 @@ SceneValue& element(SceneValue::Array& array, const std::string& part, std::stri
 SceneValue& descend(SceneValue& value, const std::string& part, std::string_view assignment) {
   if (value.is_array()) return element(value.array(), part, assignment);
   if (!value.is_table()) {
-    throw InputError(place_of(assignment), "a table before \"" + part + "\"", describe(value));
+    throw InputError(place_of(assignment), "a table before \"" + printable(part) + "\"", describe(value));
   }
   if (SceneValue* child = value.find(part)) return *child;
   SceneValue child;
@@ -112,7 +113,7 @@ void apply_override(SceneValue& scene, std::string_view assignment) {
   const std::string_view path = assignment.substr(0, equals);
   const std::vector<std::string> parts = split_path(path);
   if (equals == std::string_view::npos || std::ranges::any_of(parts, &std::string::empty)) {
-    throw InputError(place_of(assignment), "KEY=VALUE", '"' + std::string(assignment) + '"',
+    throw InputError(place_of(assignment), "KEY=VALUE", '"' + printable(assignment) + '"',
                      "write it as in --set newton.tolerance=1e-6 or --set body.0.scale=2");
   }
   SceneValue value = parse_value(assignment.substr(equals + 1), assignment);

@@ -1,8 +1,5 @@
 #include "resilin/scene/results.hpp"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <fstream>
@@ -67,12 +64,12 @@ struct ResultFolder::Contents {
   Json frames = Json::array();
   Clock::time_point start = Clock::now();
   Clock::time_point next_save = Clock::now();
-  std::vector<std::filesystem::path> not_flushed;  ///< frames that the disk may not hold yet
   double output_seconds = 0;
   double seconds_before = 0;  ///< until the folder was made, and of the run that this one resumes
 
-  /// Beside and renamed, so that the file is whole even when the program is killed. The disk is asked to hold
-  /// it only before a checkpoint relies on it: asking for each frame takes longer than small simulations.
+  /// Beside and renamed, so that the file is whole even when the program is killed. Report and checkpoint
+  /// also wait for the disk; a frame does not, for that takes longer than a step of a small body: a power cut
+  /// may take the last frames, never the way to go on.
   void write_frame(std::size_t number, const World& world, const State& state) {
     const std::filesystem::path path = folder / frame_name(number);
     std::filesystem::path partial = path;
@@ -83,23 +80,11 @@ struct ResultFolder::Contents {
     std::error_code error;
     if (stream) std::filesystem::rename(partial, path, error);
     if (!stream || error) throw FileError(path.string(), "cannot be written; is the disk full?");
-    not_flushed.push_back(path);
-  }
-
-  void flush_frames() {
-    for (const std::filesystem::path& path : not_flushed) {
-      const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-      if (file < 0) continue;
-      ::fsync(file);  // best effort, as some file systems do not know it
-      ::close(file);
-    }
-    not_flushed.clear();
   }
 
   void save(const Simulation& simulation, RunStatus status, const std::string& reason) {
     const Clock::time_point begin = Clock::now();
     const World& world = simulation.world();
-    flush_frames();
     if (!frames.empty() && writes_vtu(world))
       write_frame_list(folder / "frames.pvd", frames, world.is_dynamic);
     Json report;

@@ -1,0 +1,124 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "program.hpp"
+#include "shared_data.hpp"
+
+namespace resilin::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+struct Commands : ::testing::Test {
+  WorkFolder folder;
+  ProgramResult run(const std::vector<std::string>& arguments) {
+    return run_program(folder.path(), arguments);
+  }
+};
+
+TEST_F(Commands, ThatDoNotExistAreRefusedInOneLine) {
+  for (const std::vector<std::string>& arguments :
+       std::vector<std::vector<std::string>>{{},
+                                             {"rum"},
+                                             {"run"},
+                                             {"run", "a.toml", "b.toml"},
+                                             {"run", "a.toml", "--threads", "0"},
+                                             {"run", "a.toml", "--what"},
+                                             {"view", "a.toml"},
+                                             {"mesh", "a.msh"},
+                                             {"materials", "rubber"},
+                                             {"bench", "nothing"},
+                                             {"--what"}}) {
+    const ProgramResult result = run(arguments);
+    EXPECT_EQ(result.exit_code, 1) << result.err;
+    EXPECT_THAT(result.err, StartsWith("resilin: "));
+    EXPECT_EQ(std::ranges::count(result.err, '\n'), 1) << result.err;
+    EXPECT_EQ(result.out, "");
+  }
+  EXPECT_THAT(run({"rum"}).err, HasSubstr("did you mean \"run\"?"));
+  EXPECT_THAT(run({"view", "a.toml"}).err, HasSubstr("not part of this version"));
+}
+
+TEST_F(Commands, ExplainThemselvesWithAnExample) {
+  EXPECT_EQ(run({"--help"}).exit_code, 0);
+  for (const std::string command : {"run", "check", "mesh", "materials", "bench", "info"}) {
+    const ProgramResult result = run({command, "--help"});
+    EXPECT_EQ(result.exit_code, 0);
+    EXPECT_THAT(result.out, HasSubstr("Example"));
+    EXPECT_THAT(result.out, HasSubstr("resilin " + command));
+  }
+}
+
+TEST_F(Commands, CheckTellsAboutAScene) {
+  folder.write("box.toml", box_scene);
+  const ProgramResult good = run({"check", "box.toml"});
+  EXPECT_EQ(good.exit_code, 0) << good.err;
+  EXPECT_THAT(good.out, HasSubstr("no errors, 0 warnings"));
+  EXPECT_THAT(good.out, HasSubstr("108 unknowns"));
+  const ProgramResult soft = run({"check", "box.toml", "--set", "body.0.material.youngs_modulus=1"});
+  EXPECT_EQ(soft.exit_code, 0);
+  EXPECT_THAT(soft.err, HasSubstr("is youngs_modulus in Pa"));
+}
+
+TEST_F(Commands, CheckTellsAboutAMesh) {
+  const std::string meshes = source_folder() / "tests/data/bad_inputs";
+  const ProgramResult inverted = run({"check", meshes + "/tet_inverted.msh"});
+  EXPECT_THAT(inverted.err, HasSubstr("element 2"));
+  const ProgramResult nan = run({"check", meshes + "/coord_nan.msh"});
+  EXPECT_EQ(nan.exit_code, 1);
+  EXPECT_THAT(nan.err, HasSubstr("coord_nan.msh"));
+}
+
+TEST_F(Commands, MeshMakesConvertsAndSkinsABox) {
+  ASSERT_EQ(run({"mesh", "box.msh", "--box", "2", "1", "1", "--cells", "4", "2", "2"}).exit_code, 0);
+  const ProgramResult converted = run({"mesh", "box.msh", "box.vtu"});
+  EXPECT_EQ(converted.exit_code, 0) << converted.err;
+  EXPECT_THAT(converted.out, HasSubstr("45 vertices"));
+  EXPECT_THAT(converted.out, HasSubstr("96 tetrahedra"));
+  const ProgramResult surface = run({"mesh", "box.msh", "box.obj", "--surface"});
+  EXPECT_EQ(surface.exit_code, 0) << surface.err;
+  EXPECT_THAT(surface.out, HasSubstr("80 triangles"));  // 2 (4*2 + 4*2 + 2*2) squares
+  EXPECT_EQ(run({"mesh", "square.msh", "--box", "1", "1", "--cells", "3", "3"}).exit_code, 0);
+  EXPECT_EQ(run({"mesh", "box.msh", "--box", "2", "1", "0", "--cells", "4", "2", "2"}).exit_code, 1);
+  EXPECT_EQ(run({"mesh", "box.msh", "--box", "2", "1", "1", "--cells", "4", "2"}).exit_code, 1);
+  EXPECT_EQ(run({"mesh", "box.msh", "box.xyz"}).exit_code, 1);
+}
+
+TEST_F(Commands, MaterialsTellsConstantsFormulaAndCurves) {
+  const nlohmann::json all = nlohmann::json::parse(run({"materials", "--json"}).out);
+  EXPECT_GE(all.size(), 8u);
+  for (const nlohmann::json& law : all) {
+    EXPECT_FALSE(law["formula"].get<std::string>().empty());
+    EXPECT_FALSE(law["source"].get<std::string>().empty());
+    for (const nlohmann::json& point : law["curve"]) {
+      if (point["stretch"] == 1.0) {
+        EXPECT_EQ(point["shear_stress"], 0.0) << law["name"];
+      }
+    }
+  }
+  // Near rest every law is the same small-strain solid: 10 % pull is E * 0.1 up to its curvature.
+  const ProgramResult one = run({"materials", "linear_elastic"});
+  EXPECT_EQ(one.exit_code, 0);
+  EXPECT_THAT(one.out, HasSubstr("lame_lambda"));
+  EXPECT_THAT(one.out, HasSubstr("1e+05"));
+}
+
+TEST_F(Commands, InfoTellsHowItWasBuilt) {
+  const nlohmann::json info = nlohmann::json::parse(run({"info", "--json"}).out);
+  for (const char* key : {"version", "compiler", "instruction_set", "blas_kernel", "solvers", "threads"}) {
+    EXPECT_TRUE(info.contains(key)) << key;
+  }
+  EXPECT_THAT(run({"info", "--scene-reference"}).out, StartsWith("# The scene file"));
+}
+
+TEST_F(Commands, BenchListsTheBenchmarks) {
+  const ProgramResult result = run({"bench"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.out, HasSubstr("solvers"));
+}
+
+}  // namespace
+}  // namespace resilin::testing

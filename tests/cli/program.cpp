@@ -1,0 +1,117 @@
+#include "program.hpp"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+#include <thread>
+
+namespace resilin::testing {
+namespace {
+
+/// Starts the program with its output in files of the folder.
+pid_t start(const std::filesystem::path& folder, const std::vector<std::string>& arguments,
+            const std::vector<std::string>& environment) {
+  std::vector<std::string> words = {RESILIN_PROGRAM};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  const pid_t process = fork();
+  if (process != 0) return process;
+  const auto redirect = [&](const char* name, int descriptor) {
+    const int file = open((folder / name).c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
+    dup2(file, descriptor);
+  };
+  redirect("stdout.txt", STDOUT_FILENO);
+  redirect("stderr.txt", STDERR_FILENO);
+  for (const std::string& variable : environment) {
+    const std::size_t equals = variable.find('=');
+    setenv(variable.substr(0, equals).c_str(), variable.substr(equals + 1).c_str(), 1);
+  }
+  if (chdir(folder.c_str()) != 0) _exit(126);
+  alarm(60);  // a hang is a failure
+  execv(pointers[0], pointers.data());
+  _exit(127);
+}
+
+ProgramResult finish(pid_t process, const std::filesystem::path& folder) {
+  int status = 0;
+  waitpid(process, &status, 0);
+  ProgramResult result;
+  result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  result.out = read_text_file(folder / "stdout.txt");
+  result.err = read_text_file(folder / "stderr.txt");
+  return result;
+}
+
+}  // namespace
+
+const std::string box_scene = R"(title = "A box"
+[simulation]
+kind = "static"
+gravity = [0, 0, -9.81]
+[[body]]
+name = "box"
+mesh = { box = { size = [2, 1, 1], cells = [4, 2, 2] } }
+material = { law = "neo_hookean", youngs_modulus = 1e6, poissons_ratio = 0.3, density = 1000 }
+[[fix]]
+name = "wall"
+where = { group = "x_min" }
+[[probe]]
+name = "tip"
+at = [2, 0.5, 0.5]
+)";
+
+ProgramResult run_program(const std::filesystem::path& folder, const std::vector<std::string>& arguments,
+                          const std::vector<std::string>& environment) {
+  return finish(start(folder, arguments, environment), folder);
+}
+
+ProgramResult run_program_until(const std::filesystem::path& folder,
+                                const std::vector<std::string>& arguments, const std::filesystem::path& file,
+                                int signal) {
+  const pid_t process = start(folder, arguments, {});
+  const auto is_running = [process] {
+    siginfo_t ended{};
+    return waitid(P_PID, static_cast<id_t>(process), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+           ended.si_pid == 0;
+  };
+  while (!std::filesystem::exists(file) && is_running()) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  kill(process, signal);
+  return finish(process, folder);
+}
+
+std::string read_text_file(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+nlohmann::json read_json(const std::filesystem::path& path) {
+  return nlohmann::json::parse(read_text_file(path));
+}
+
+WorkFolder::WorkFolder() {
+  std::string name = (std::filesystem::temp_directory_path() / "resilin-XXXXXX").string();
+  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
+  path_ = name;
+}
+
+WorkFolder::~WorkFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+void WorkFolder::write(const std::string& name, const std::string& text) const {
+  std::ofstream(path_ / name, std::ios::binary) << text;
+}
+
+}  // namespace resilin::testing

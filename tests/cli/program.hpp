@@ -1,0 +1,45 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace resilin::testing {
+
+struct ProgramResult {
+  int exit_code = 0;  ///< 128 + signal when it was killed
+  std::string out, err;
+};
+
+/// Runs `resilin ARGUMENTS` in a folder, with variables such as "LC_ALL=C" in its environment.
+ProgramResult run_program(const std::filesystem::path& folder, const std::vector<std::string>& arguments,
+                          const std::vector<std::string>& environment = {});
+
+/// Starts it and sends a signal as soon as `file` exists.
+ProgramResult run_program_until(const std::filesystem::path& folder,
+                                const std::vector<std::string>& arguments, const std::filesystem::path& file,
+                                int signal);
+
+nlohmann::json read_json(const std::filesystem::path& path);
+std::string read_text_file(const std::filesystem::path& path);
+
+/// A small scene that is right: a static box held at one side, with a probe.
+extern const std::string box_scene;
+
+/// A folder for one test, removed at its end.
+class WorkFolder {
+ public:
+  WorkFolder();
+  ~WorkFolder();
+  WorkFolder(const WorkFolder&) = delete;
+  WorkFolder& operator=(const WorkFolder&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  void write(const std::string& name, const std::string& text) const;
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace resilin::testing
