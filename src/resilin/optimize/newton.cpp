@@ -64,7 +64,7 @@ class ProjectionChooser {
   /// `ratio` is the actual over the predicted decrease of the accepted step of length `step`.
   void step_was_taken(double ratio, double step) {
     cool_down_ = std::max(cool_down_ - 1, 0);
-    const bool model_was_good = ratio >= 0.75 && step == 1;
+    const bool model_was_good = ratio >= 0.75 && step >= 1;
     const bool model_was_bad = ratio < 0.25 || step < 0.25;
     if (model_was_good) {
       adaptive_ = Projection::none;
@@ -277,8 +277,21 @@ struct Newton::Search {
     double ratio = 1;  ///< actual over predicted decrease
   };
 
+  /// A projected Hessian is too stiff along directions of negative curvature, where a body leaves a saddle:
+  /// the step is doubled for as long as that lowers the energy.
+  void go_further(double decrease, double& length) {
+    while (objective.max_step(x, 2 * length * step) == 1) {
+      VectorX further = x + 2 * length * step;
+      const double more = -objective.difference(x, further);
+      if (!(more > decrease) || !std::isfinite(more)) return;
+      decrease = more;
+      length *= 2;
+      trial.swap(further);
+    }
+  }
+
   /// Armijo's rule on the sum of small differences; near round-off on the slope (Hager & Zhang 2005).
-  LineSearch search_line() {
+  LineSearch search_line(bool is_exact) {
     LineSearch result;
     const double slope = -step.dot(right_side);  // right side is minus the gradient, zero at fixed unknowns
     double magnitude = -1;
@@ -291,6 +304,7 @@ struct Newton::Search {
       if (decrease >= -settings.armijo * t * slope && std::isfinite(decrease)) {
         result.accepted = true;
         result.ratio = decrease / (-slope * (t - 0.5 * t * t));
+        if (!is_exact && t == 1 && result.ratio > 1) go_further(decrease, result.length);
         return result;
       }
       if (magnitude < 0) magnitude = objective.magnitude(x);
@@ -379,7 +393,7 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
       // enough.
       if (!boundary_moves && is_converged()) return finish(Status::converged, "converged");
       was_exact = direction.is_exact;
-      line = boundary_moves ? follow_boundary() : search_line();
+      line = boundary_moves ? follow_boundary() : search_line(direction.is_exact);
       if (line.accepted) break;
       const Projection used = was_exact ? Projection::none : projection;
       const Projection next = chooser.next_choice(used);
