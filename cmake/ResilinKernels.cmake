@@ -13,6 +13,14 @@ set(RESILIN_WIDTH_baseline 2)
 set(RESILIN_WIDTH_avx2 4)
 set(RESILIN_WIDTH_avx512 8)
 
+# errno and floating-point traps would keep square roots and selections out of the lanes.
+set(RESILIN_KERNEL_FLAGS -fno-math-errno -fno-trapping-math)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  # Loops over the entries of a 3x3 matrix must be unrolled for the entries to live in registers.
+  list(APPEND RESILIN_KERNEL_FLAGS --param=max-completely-peeled-insns=4000 --param=max-completely-peel-times=81
+    -fno-tree-loop-distribute-patterns)
+endif()
+
 function(resilin_kernels module)
   cmake_parse_arguments(ARG "" "" "SOURCES" ${ARGN})
   foreach(set IN LISTS RESILIN_INSTRUCTION_SETS)
@@ -22,8 +30,7 @@ function(resilin_kernels module)
     target_link_libraries(${objects} PRIVATE resilin_options)
     target_compile_definitions(${objects} PRIVATE
       RESILIN_SIMD_NAMESPACE=${set} RESILIN_SIMD_WIDTH=${RESILIN_WIDTH_${set}})
-    # errno and floating-point traps would keep square roots and selections out of the lanes.
-    target_compile_options(${objects} PRIVATE -fno-math-errno -fno-trapping-math ${RESILIN_FLAGS_${set}})
+    target_compile_options(${objects} PRIVATE ${RESILIN_KERNEL_FLAGS} ${RESILIN_FLAGS_${set}})
     target_sources(resilin_${module} PRIVATE $<TARGET_OBJECTS:${objects}>)
   endforeach()
 endfunction()

@@ -59,7 +59,8 @@ TEST(EveryLaw, TangentIsTheSlopeOfTheStress) {
                                    derive::first_piola_kirchhoff_stress<dim>(material, minus)) /
                                   (2 * step);
         const Eigen::Map<const Eigen::Matrix<double, dim * dim, 1>> expected(slope.data());
-        EXPECT_LT((A.col(i) - expected).norm(), 1e-6 * (A.norm() + stiffness())) << "dim " << dim << "\n" << H;
+        EXPECT_LT((A.col(i) - expected).norm(), 1e-6 * (A.norm() + stiffness())) << "dim " << dim << "\n"
+                                                                                 << H;
       }
     }
   });

@@ -31,7 +31,8 @@ std::array<double, 3 * lanes> sample_variables(double size, std::mt19937& random
 
 void expect_equal(double lane_value, double plain, double scale, const std::string& where) {
   if (std::isfinite(plain))
-    EXPECT_NEAR(lane_value, plain, 1e-14 * (scale + std::abs(plain))) << where;  // a few round-offs of the terms
+    EXPECT_NEAR(lane_value, plain, 1e-14 * (scale + std::abs(plain)))
+        << where;  // a few round-offs of the terms
   else
     EXPECT_TRUE(std::isnan(plain) ? std::isnan(lane_value) : lane_value == plain) << where;
 }
