@@ -100,7 +100,7 @@ nlohmann::json read_json(const std::filesystem::path& path) {
 }
 
 WorkFolder::WorkFolder() {
-  std::string name = (std::filesystem::temp_directory_path() / "resilin-XXXXXX").string();
+  std::string name = (std::filesystem::temp_directory_path() / "resilin-").string() + std::string(6, 'X');
   if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
   path_ = name;
 }

@@ -82,7 +82,7 @@ inline std::string error_after_replacing(const std::string& from, const std::str
 class TemporaryFolder {
  public:
   TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "resilin-XXXXXX").string();
+    std::string name = (std::filesystem::temp_directory_path() / "resilin-").string() + std::string(6, 'X');
     if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
     path_ = name;
   }
