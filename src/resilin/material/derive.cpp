@@ -119,9 +119,9 @@ TangentMatrix<dim> projected(const Matrix9& A, Projection projection) {
     for (int row = 0; row < dim * dim; ++row)
       part(row, column) = A(row % dim + 3 * (row / dim), column % dim + 3 * (column / dim));
   if (projection == Projection::none || !part.allFinite()) return part;
-  const Eigen::SelfAdjointEigenSolver<TangentMatrix<dim>> eigen(part);
-  const auto& values = eigen.eigenvalues();
-  const Eigen::Matrix<double, dim * dim, 1> treated =
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(part);  // dynamic size compiles sooner
+  const Eigen::VectorXd& values = eigen.eigenvalues();
+  const Eigen::VectorXd treated =
       projection == Projection::clamp ? values.cwiseMax(0.0).eval() : values.cwiseAbs().eval();
   return eigen.eigenvectors() * treated.asDiagonal() * eigen.eigenvectors().transpose();
 }
