@@ -8,10 +8,9 @@
 
 namespace resilin {
 
-/// Stable Neo-Hookean flesh with a logarithm of I_C that keeps the stiffness of a collapsed cell from being singular.
+/// Stable Neo-Hookean flesh with a regularising logarithm; finite for every F.
 ///
-///   Psi = mu/2 (I_C - 3) - mu/2 ln((I_C + 1)/4) + lambda/2 (J - alpha)^2 - const,  alpha = 1 + 3 mu/(4
-///   lambda)
+///   Psi = mu/2 (I_C - 3) - mu/2 ln(I_C + 1) + lambda/2 (J - alpha)^2 - const, alpha = 1 + 3 mu/(4 lambda)
 ///
 /// With i1 = d1 + 2 j the terms in j alone cancel and what is left is of second order; lambda divides
 /// nothing. Hooke's stiffness needs mu = 4/3 Hooke's mu, lambda = Hooke's lambda + 5/6 Hooke's mu.
