@@ -8,6 +8,7 @@
 #include "command.hpp"
 #include "resilin/material/derive.hpp"
 #include "resilin/material/law.hpp"
+#include "resilin/material/reference.hpp"
 #include "terminal.hpp"
 
 namespace resilin::cli {
@@ -20,6 +21,7 @@ struct MaterialsOptions {
   double youngs_modulus = 1e6;
   double poissons_ratio = 0.3;
   bool json = false;
+  bool reference = false;
 };
 
 Material example(const LawInfo& law, const MaterialsOptions& options) {
@@ -127,6 +129,10 @@ void print_catalogue() {
 }
 
 int materials(const MaterialsOptions& options) {
+  if (options.reference) {
+    print_text(law_reference());
+    return done;
+  }
   if (!options.law.empty()) {
     const LawInfo& law = require_law(options.law, "materials");
     if (options.json) {
@@ -155,6 +161,7 @@ void add_materials(CLI::App& app, Action& action) {
       ->capture_default_str();
   command->add_option("--poissons-ratio", options->poissons_ratio, "Of the example")->capture_default_str();
   command->add_flag("--json", options->json, "Print JSON");
+  command->add_flag("--reference", options->reference, "Print the page docs/laws.md");
   command->footer(
       "Example:\n  resilin materials stable_neo_hookean --youngs-modulus 1e5 --poissons-ratio 0.45");
   command->callback([options, &action] { action = [options] { return materials(*options); }; });

@@ -2,7 +2,12 @@
 
 #include <gmock/gmock.h>
 
+#include <fstream>
+#include <sstream>
+
 #include "resilin/core/error.hpp"
+#include "resilin/material/reference.hpp"
+#include "shared_data.hpp"
 
 namespace resilin {
 namespace {
@@ -63,6 +68,13 @@ TEST(Law, WrongConstantsAreRefusedAtTheirPlace) {
               HasSubstr("material.shear_modulus"));
   EXPECT_THAT(constants_message({{"youngs_modulus", std::nan("")}, {"poissons_ratio", 0.3}}),
               HasSubstr("material.youngs_modulus"));
+}
+
+TEST(LawReference, IsThePageInTheDocumentation) {
+  std::ifstream file(testing::source_folder() / "docs" / "laws.md");
+  std::ostringstream page;
+  page << file.rdbuf();
+  EXPECT_EQ(page.str(), law_reference()) << "run: resilin materials --reference > docs/laws.md";
 }
 
 }  // namespace

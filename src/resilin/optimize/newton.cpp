@@ -221,10 +221,7 @@ struct Newton::Search {
     }
     const Stopwatch watch(report.solve_seconds);
     LinearSolver& solver = *newton.solver_;
-    if (!newton.is_analyzed_) {
-      solver.analyze(newton.hessian_, newton.node_positions_);
-      newton.is_analyzed_ = true;
-    }
+    solver.analyze(newton.hessian_, x);  // quick on the same pattern; the rigid modes are those of the body as it stands
     ++report.linear_solves;
     if (!direction.is_exact) ++report.projected_solves;
     LinearReport linear = solver.factorize(newton.hessian_);

@@ -1,0 +1,82 @@
+#include "resilin/material/reference.hpp"
+
+#include <cmath>
+#include <initializer_list>
+#include <string_view>
+
+#include "resilin/core/text.hpp"
+#include "resilin/material/law.hpp"
+
+namespace resilin {
+namespace {
+
+/// "4/3" for 1.3333...; decimals for what is no small fraction.
+std::string fraction(double value) {
+  for (int denominator = 1; denominator <= 24; ++denominator) {
+    const double numerator = std::round(value * denominator);
+    if (std::abs(numerator - value * denominator) > 1e-12 * denominator) continue;
+    std::string text = format_number(numerator);
+    if (denominator > 1) text.append("/").append(std::to_string(denominator));
+    return text;
+  }
+  return format_number(value);
+}
+
+void add_term(std::string& sum, double factor, const std::string& symbol) {
+  if (factor == 0) return;
+  if (!sum.empty()) sum += factor < 0 ? " - " : " + ";
+  if (sum.empty() && factor < 0) sum += "-";
+  if (std::abs(factor) != 1) sum.append(fraction(std::abs(factor))).append(" ");
+  sum += symbol;
+}
+
+/// How a constant follows from Hooke's mu and lambda. Conversions are linear, so two samples tell all of it.
+std::string conversion(const LawInfo& law, std::size_t constant) {
+  std::string sum;
+  add_term(sum, law.constants_from({.mu = 0, .lambda = 1})[constant], "lambda_H");
+  add_term(sum, law.constants_from({.mu = 1, .lambda = 0})[constant], "mu_H");
+  return sum.empty() ? "0" : sum;
+}
+
+void append(std::string& text, std::initializer_list<std::string_view> parts) {
+  for (const std::string_view part : parts) text += part;
+}
+
+std::string section(const LawInfo& law) {
+  std::string text;
+  append(text, {"## `", law.name, "`\n\n    Psi = ", law.formula, "\n\n"});
+  append(text,
+         {"| constant | in the formula | unit | bound | from (E, nu) |\n| --- | --- | --- | --- | --- |\n"});
+  for (std::size_t i = 0; i < law.constants.size(); ++i) {
+    const ConstantText& constant = law.constants[i];
+    const std::string bound = std::isfinite(constant.above) ? format_number(constant.above) : std::string();
+    append(text, {"| `", constant.name, "` | ", constant.meaning, " | ", constant.unit, " | ",
+                  bound.empty() ? "any" : "> ", bound, " | ", conversion(law, i), " |\n"});
+  }
+  append(text, {"\nSource: ", law.source, ".  \nJ <= 0: ", law.inversion, ".\n\n"});
+  return text;
+}
+
+}  // namespace
+
+std::string law_reference() {
+  std::string page =
+      "# Laws\n\n"
+      "Made by `resilin materials --reference` from the catalogue (`src/resilin/material/catalog.hpp`).\n\n"
+      "A material is given in one of two ways:\n\n"
+      "- `youngs_modulus` [Pa] and `poissons_ratio` (above -1, below 0.5) always mean the small-strain "
+      "solid: every law "
+      "converts them to its own constants, so that E and nu measured on a slightly strained bar are those "
+      "asked for.\n"
+      "- The constants of the formula, all of them, by name: they are taken as they stand.\n\n"
+      "In 2D the state is plane strain: F = diag(F_2, 1) in the same formula. Psi is the strain energy per "
+      "rest volume "
+      "[J/m^3], zero at rest; F = dx/dX, J = det F, C = F^T F, I_C = tr C. mu_H = E / (2 (1 + nu)) and "
+      "lambda_H = E nu / "
+      "((1 + nu) (1 - 2 nu)) are Hooke's constants.\n\n";
+  for (const LawInfo* law : laws()) page += section(*law);
+  page += "How to add a law: [extending.md](extending.md).\n";
+  return page;
+}
+
+}  // namespace resilin
