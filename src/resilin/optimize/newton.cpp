@@ -1,87 +1,16 @@
 #include "resilin/optimize/newton.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <utility>
+
+#include "resilin/core/stopwatch.hpp"
 
 namespace resilin {
 namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-/// Adds the time until its end to a counter.
-class Stopwatch {
- public:
-  explicit Stopwatch(double& seconds) : seconds_(seconds) {}
-  ~Stopwatch() {
-    seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-  Stopwatch(const Stopwatch&) = delete;
-  Stopwatch& operator=(const Stopwatch&) = delete;
-
- private:
-  double& seconds_;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
-/// Which Hessian is tried first, given how the search went so far (docs/theory/newton.md).
-class ProjectionChooser {
- public:
-  explicit ProjectionChooser(ProjectionPolicy policy) : policy_(policy) {}
-
-  Projection first_choice() const {
-    switch (policy_) {
-      case ProjectionPolicy::none:
-        return Projection::none;
-      case ProjectionPolicy::clamp:
-        return Projection::clamp;
-      case ProjectionPolicy::absolute:
-        return Projection::absolute;
-      case ProjectionPolicy::on_failure:
-        return cool_down_ > 0 ? Projection::clamp : Projection::none;
-      case ProjectionPolicy::adaptive:
-        break;
-    }
-    return adaptive_;
-  }
-
-  /// What to try after `failed` gave no direction; the same projection when there is nothing more to try.
-  Projection next_choice(Projection failed) const {
-    if (policy_ == ProjectionPolicy::none) return Projection::none;
-    if (policy_ == ProjectionPolicy::clamp) return Projection::clamp;
-    if (failed == Projection::none) return Projection::clamp;
-    return Projection::absolute;
-  }
-
-  void matrix_was_indefinite() {
-    cool_down_ = projected_iterations_after_failure;
-    if (adaptive_ == Projection::none) adaptive_ = Projection::clamp;
-  }
-
-  /// `ratio` is the actual over the predicted decrease of the accepted step of length `step`.
-  void step_was_taken(double ratio, double step) {
-    cool_down_ = std::max(cool_down_ - 1, 0);
-    const bool model_was_good = ratio >= 0.75 && step >= 1;
-    const bool model_was_bad = ratio < 0.25 || step < 0.25;
-    if (model_was_good) {
-      adaptive_ = Projection::none;
-    } else if (model_was_bad && adaptive_ != Projection::none) {
-      adaptive_ = Projection::absolute;
-    } else {
-      adaptive_ = Projection::clamp;
-    }
-  }
-
- private:
-  static constexpr int projected_iterations_after_failure = 4;
-
-  ProjectionPolicy policy_;
-  Projection adaptive_ = Projection::none;
-  int cool_down_ = 0;
-};
 
 }  // namespace
 
@@ -221,7 +150,8 @@ struct Newton::Search {
     }
     const Stopwatch watch(report.solve_seconds);
     LinearSolver& solver = *newton.solver_;
-    solver.analyze(newton.hessian_, x);  // quick on the same pattern; the rigid modes are those of the body as it stands
+    solver.analyze(newton.hessian_,
+                   x);  // quick on the same pattern; the rigid modes are those of the body as it stands
     ++report.linear_solves;
     if (!direction.is_exact) ++report.projected_solves;
     LinearReport linear = solver.factorize(newton.hessian_);
@@ -422,11 +352,8 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
   return finish(Status::converged, "converged");
 }
 
-Newton::Newton(int dim, std::shared_ptr<const BlockPattern> pattern, std::unique_ptr<LinearSolver> solver,
-               VectorX node_positions)
-    : hessian_(dim, std::move(pattern)),
-      solver_(std::move(solver)),
-      node_positions_(std::move(node_positions)) {}
+Newton::Newton(int dim, std::shared_ptr<const BlockPattern> pattern, std::unique_ptr<LinearSolver> solver)
+    : hessian_(dim, std::move(pattern)), solver_(std::move(solver)) {}
 
 NewtonReport Newton::minimize(const Objective& objective, std::span<const std::uint8_t> is_fixed,
                               const VectorX& targets, const NewtonSettings& settings, VectorX& x,

@@ -9,19 +9,9 @@
 
 #include "resilin/linear/linear_solver.hpp"
 #include "resilin/optimize/objective.hpp"
+#include "resilin/optimize/projection_chooser.hpp"
 
 namespace resilin {
-
-/// How indefinite elements are treated. Sources: Teran et al. 2005 (clamp), Chen et al. 2024, arXiv
-/// 2406.05928 (absolute), arXiv 2410.10102 (switch by the trust-region ratio), Fernandez-Fernandez et al.
-/// 2025, arXiv 2505.21013 (project only where needed).
-enum class ProjectionPolicy {
-  none,        ///< never project; fails on an indefinite matrix
-  clamp,       ///< always
-  absolute,    ///< always
-  on_failure,  ///< exact first; after an indefinite matrix, project for some iterations. For motion
-  adaptive,    ///< exact, clamp or absolute by how well the last step was predicted. For statics
-};
 
 struct NewtonSettings {
   double tolerance = 1e-8;  ///< of the force residual relative to the objective's force scale
@@ -57,9 +47,7 @@ using NewtonObserver = std::function<bool(const NewtonReport& so_far)>;
 /// Nothing that it keeps changes a result: two calls with the same arguments give the same bits.
 class Newton {
  public:
-  /// `solver` is analysed on first use. @param node_positions  dim per node, for multilevel solvers
-  Newton(int dim, std::shared_ptr<const BlockPattern> pattern, std::unique_ptr<LinearSolver> solver,
-         VectorX node_positions);
+  Newton(int dim, std::shared_ptr<const BlockPattern> pattern, std::unique_ptr<LinearSolver> solver);
 
   /// Minimises over the unknowns with is_fixed[i] == 0 from x, which is moved. The fixed ones are led to
   /// `targets[i]`, all at once where the domain allows, else in several steps.
@@ -77,8 +65,6 @@ class Newton {
 
   BlockMatrix hessian_;
   std::unique_ptr<LinearSolver> solver_;
-  VectorX node_positions_;
-  bool is_analyzed_ = false;
 };
 
 std::string_view name(NewtonReport::Status status);

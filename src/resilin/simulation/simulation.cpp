@@ -46,8 +46,7 @@ Simulation::Simulation(World world)
               make_linear_solver({.kind = world_.solver.kind,
                                   .is_dynamic = world_.is_dynamic,
                                   .max_iterations = world_.solver.max_iterations},
-                                 world_.num_free_unknowns()),
-              world_.rest_positions) {
+                                 world_.num_free_unknowns())) {
   state_.positions = world_.start_positions;
   state_.velocities =
       world_.is_dynamic ? world_.start_velocities : VectorX::Zero(world_.start_positions.size());

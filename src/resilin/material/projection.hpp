@@ -1,3 +1,0 @@
-#pragma once
-
-#include "resilin/core/projection.hpp"
