@@ -1,5 +1,6 @@
 #include "benchmarks.hpp"
 
+#include "resilin/energy/kernel_benchmark.hpp"
 #include "resilin/linear/solver_benchmark.hpp"
 #include "scenes.hpp"
 
@@ -23,6 +24,18 @@ std::vector<Measurement> bench_solvers(const BenchOptions& options) {
   return measurements;
 }
 
+/// Nanoseconds of thread time for each tetrahedron, on one thread.
+std::vector<Measurement> bench_kernels(const BenchOptions& options) {
+  KernelBenchmarkOptions benchmark;
+  if (options.n > 0) benchmark.n = options.n;
+  std::vector<Measurement> measurements;
+  for (const KernelTiming& timing : benchmark_kernels(benchmark)) {
+    measurements.emplace_back(timing.kernel + ", median ns", timing.median_ns);
+    measurements.emplace_back(timing.kernel + ", least ns", timing.min_ns);
+  }
+  return measurements;
+}
+
 std::vector<Measurement> bench_bar(const BenchOptions& options) {
   return bench::measure_bar(options.n > 0 ? options.n : 9, options.dynamic);
 }
@@ -39,6 +52,8 @@ const std::vector<Benchmark>& benchmarks() {
   static const std::vector<Benchmark> table = {
       {"solvers", "Every linear solver on the matrix of a bar: --n cells across, --dynamic with mass",
        bench_solvers},
+      {"kernels", "Energy, forces and Hessians of 6 n^3 tetrahedra, assembled too: ns for each",
+       bench_kernels},
       {"bar", "A clamped bar to its full load, --n cells across; --dynamic: 50 steps of falling", bench_bar},
       {"cube", "A cube with one held face falls for a second in 60 steps, --n cells along an edge",
        bench_cube},
