@@ -104,6 +104,10 @@ struct Dual2 {
   }
 };
 
+/// Kernels use only some of what a function computes, such as its slope without its value: seen in place, the
+/// rest is dropped by the compiler.
+#define RESILIN_DUAL_INLINE [[gnu::always_inline]] inline
+
 /// A number with derivatives: Dual or Dual2 of some real type.
 template <class T>
 concept IsDual = requires(T a) {
@@ -112,7 +116,7 @@ concept IsDual = requires(T a) {
 };
 
 template <IsDual T>
-T operator-(const T& a, const T& b) {
+RESILIN_DUAL_INLINE T operator-(const T& a, const T& b) {
   return a + decltype(a.value)(-1.0) * b;
 }
 
@@ -133,12 +137,12 @@ inline double cbrt1p(double x) {
 }
 
 template <class T>
-T square(const T& a) {
+RESILIN_DUAL_INLINE T square(const T& a) {
   return a * a;
 }
 
 template <IsDual T>
-T reciprocal(const T& a) {
+RESILIN_DUAL_INLINE T reciprocal(const T& a) {
   const auto f = 1.0 / a.value;
   return T::chain(a, f, -f * f, 2.0 * f * f * f);
 }
@@ -148,19 +152,19 @@ T reciprocal(const T& a) {
 }
 
 template <IsDual T>
-T log1p(const T& a) {
+RESILIN_DUAL_INLINE T log1p(const T& a) {
   const auto slope = 1.0 / (1.0 + a.value);
   return T::chain(a, log1p(a.value), slope, -slope * slope);
 }
 
 template <IsDual T>
-T log1p_minus(const T& a) {
+RESILIN_DUAL_INLINE T log1p_minus(const T& a) {
   const auto r = 1.0 / (1.0 + a.value);
   return T::chain(a, log1p_minus(a.value), -a.value * r, -r * r);
 }
 
 template <IsDual T>
-T cbrt1p(const T& a) {
+RESILIN_DUAL_INLINE T cbrt1p(const T& a) {
   const auto s = cbrt1p(a.value), t = 1.0 + s;
   const auto f1 = 1.0 / (3.0 * t * t);
   return T::chain(a, s, f1, (-2.0 / 3.0) * f1 / (1.0 + a.value));

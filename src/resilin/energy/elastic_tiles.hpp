@@ -10,7 +10,7 @@
 /// How ElasticEnergy cuts its loops. For its own sources.
 namespace resilin {
 
-constexpr std::size_t blocks_per_tile = 4;     ///< what a tile holds stays in the nearest caches
+constexpr std::size_t blocks_per_tile = 8;     ///< what a tile holds stays in the nearest caches
 constexpr std::size_t blocks_per_chunk = 256;  ///< of a parallel loop
 constexpr std::size_t max_entries = 9, max_pairs = 10, max_constants = 8;
 

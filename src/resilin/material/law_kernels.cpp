@@ -39,7 +39,7 @@ RESILIN_INLINE void for_lanes(const LawBatch& batch, int rows, const Body& evalu
 }
 
 template <class Law>
-void energy(const LawBatch& batch) {
+[[gnu::flatten]] void energy(const LawBatch& batch) {
   for_lanes<Law>(batch, 1, [](const Law& law, Lanes a, Lanes b, Lanes c, Mask is_outside, double* out) {
     Lanes psi = evaluate<Lanes>(law, a, b, c);
     if constexpr (Law::needs_positive_J) psi = select(is_outside, __builtin_inf(), psi);
@@ -48,7 +48,7 @@ void energy(const LawBatch& batch) {
 }
 
 template <class Law>
-void gradient(const LawBatch& batch) {
+[[gnu::flatten]] void gradient(const LawBatch& batch) {
   using Number = Dual<Lanes>;
   for_lanes<Law>(
       batch, gradient_rows, [](const Law& law, Lanes a, Lanes b, Lanes c, Mask is_outside, double* out) {
@@ -60,7 +60,7 @@ void gradient(const LawBatch& batch) {
 }
 
 template <class Law>
-void curvature(const LawBatch& batch) {
+[[gnu::flatten]] void curvature(const LawBatch& batch) {
   using Number = Dual2<Lanes>;
   for_lanes<Law>(
       batch, curvature_rows, [](const Law& law, Lanes a, Lanes b, Lanes c, Mask is_outside, double* out) {

@@ -104,7 +104,7 @@ struct ProbeDescription {
 };
 
 struct NewtonOptions {
-  double tolerance = 1e-8;          ///< force residual relative to the load (docs/theory: stopping)
+  double tolerance = 1e-8;          ///< force residual relative to the load (docs/theory/stopping.md)
   int max_iterations = 100;         ///< per load or time step; a smaller number truncates a step, safely
   std::string projection = "auto";  ///< auto | none | clamp | absolute
 };

@@ -53,8 +53,8 @@ RESILIN_INLINE void prefetch_geometry(const ElementTile& tile, std::size_t block
 }
 
 template <int dim>
-void measure(const ElementTile& tile, const LawForm& law, const double* displacements, double* H_rows,
-             double* variables) {
+[[gnu::flatten]] void measure(const ElementTile& tile, const LawForm& law, const double* displacements,
+                              double* H_rows, double* variables) {
   for_lanes<dim>(tile, [&](const Place<dim>& at) {
     Lanes u0[dim], u[dim], g[dim][dim], H[dim * dim], out[3];
     if (at.lane == 0) prefetch_geometry<dim>(tile, at.block);
@@ -78,7 +78,8 @@ void measure(const ElementTile& tile, const LawForm& law, const double* displace
 }
 
 template <int dim>
-void add_energies(const ElementTile& tile, const double* psi, const double* psi_from, EnergySum& total) {
+[[gnu::flatten]] void add_energies(const ElementTile& tile, const double* psi, const double* psi_from,
+                                   EnergySum& total) {
   Mask is_outside = Lanes(0.0) > Lanes(1.0);
   for_lanes<dim>(tile, [&](const Place<dim>& at) {
     Lanes value = Lanes::load(psi + at.row(1));
@@ -109,8 +110,9 @@ RESILIN_INLINE bool owns_all(const OwnedNodes& owned, const std::int32_t* nodes,
 }
 
 template <int dim>
-void add_forces(const ElementTile& tile, const LawForm& law, const double* H_rows, const double* law_gradient,
-                bool is_magnitude, const OwnedNodes& owned, double* forces) {
+[[gnu::flatten]] void add_forces(const ElementTile& tile, const LawForm& law, const double* H_rows,
+                                 const double* law_gradient, bool is_magnitude, const OwnedNodes& owned,
+                                 double* forces) {
   for_lanes<dim>(tile, [&](const Place<dim>& at) {
     Lanes H[dim * dim], slopes[3], P[dim * dim], g[dim][dim], f[dim + 1][dim];
     load_rows(H_rows + at.row(dim * dim), dim * dim, H);

@@ -3,7 +3,7 @@
 #include "resilin/energy/kernels/lane_tensors.hpp"
 
 /// Hessians of one P1 element per lane, from the shape gradients g_a of nodes 1, 2, ...; node 0 follows from
-/// translation invariance. Derivation: notes in docs/theory, "closed element Hessians".
+/// translation invariance. Derivation: docs/theory/element_hessians.md.
 namespace resilin::RESILIN_SIMD_NAMESPACE {
 
 /// Place of block (a, b), a <= b, among the upper blocks of `num_nodes` nodes.
