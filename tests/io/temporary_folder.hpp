@@ -12,7 +12,8 @@ namespace resilin::testing {
 class TemporaryFolder {
  public:
   TemporaryFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "resilin_test_XXXXXX").string();
+    std::string pattern =
+        (std::filesystem::temp_directory_path() / "resilin-").string() + std::string(6, 'X');
     path_ = ::mkdtemp(pattern.data());
   }
   ~TemporaryFolder() {
