@@ -5,9 +5,9 @@
 #include <string_view>
 #include <vector>
 
+#include "resilin/core/projection.hpp"
 #include "resilin/core/types.hpp"
 #include "resilin/linear/block_matrix.hpp"
-#include "resilin/core/projection.hpp"
 
 namespace resilin {
 

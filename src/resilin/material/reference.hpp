@@ -4,7 +4,8 @@
 
 namespace resilin {
 
-/// The page docs/laws.md, in Markdown: every law of the catalogue with formula, constants, conversion and source.
+/// The page docs/laws.md, in Markdown: every law of the catalogue with formula, constants, conversion and
+/// source.
 std::string law_reference();
 
 }  // namespace resilin
