@@ -5,6 +5,7 @@ since then touched, and `./test tidy` at everything. A file whose text, headers 
 changed since it last came out clean is not looked at again (build/tools/tidy holds the memory).
 """
 
+import collections
 import concurrent.futures
 import hashlib
 import json
@@ -78,7 +79,9 @@ def find_problems(files):
     if shutil.which("clang-tidy") is None or not (BUILD / "compile_commands.json").exists():
         return None
     commands = json.loads((BUILD / "compile_commands.json").read_text(encoding="utf-8"))
-    built = {pathlib.Path(command["file"]).resolve() for command in commands}
+    counts = collections.Counter(pathlib.Path(command["file"]).resolve() for command in commands)
+    # Kernels are compiled once for each instruction set and speak g++'s vector extensions, which clang reads otherwise.
+    built = {file for file, count in counts.items() if count == 1}
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         return sorted({line for lines in pool.map(problems_of_file, built.intersection(files)) for line in lines})
 

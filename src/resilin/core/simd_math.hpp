@@ -12,11 +12,14 @@ struct BinaryParts {
 };
 
 RESILIN_INLINE BinaryParts binary_parts(Lanes x) {
+  using Bits =
+      unsigned long long __attribute__((vector_size(sizeof(Mask))));  // wraps around outside the domain
   BinaryParts parts;
-  Mask bits;
+  Bits bits;
   __builtin_memcpy(&bits, &x.v, sizeof bits);
-  const Mask exponent = (bits - 0x3fe6a09e667f3bcdLL) >> 52;  // the bits of sqrt(1/2)
-  bits -= exponent << 52;
+  const Bits above = bits - 0x3fe6a09e667f3bcdULL;  // the bits of sqrt(1/2)
+  const Mask exponent = reinterpret_cast<Mask>(above) >> 52;
+  bits -= reinterpret_cast<Bits>(exponent) << 52;
   __builtin_memcpy(&parts.mantissa.v, &bits, sizeof bits);
   // An integer below 2^51 becomes a double by adding it to the bits of 1.5 * 2^52.
   const Mask shifted = exponent + 0x4338000000000000LL;
