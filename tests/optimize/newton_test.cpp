@@ -49,8 +49,7 @@ class Chain final : public Objective {
       m.segment<2>(2 * (i + 1)) += pull;
     }
   }
-  void hessian(const VectorX& x, Projection projection, std::span<const std::uint8_t>,
-               BlockMatrix& H) const override {
+  void hessian(const VectorX& x, Projection projection, BlockMatrix& H) const override {
     for (Index i = 0; i + 1 < num_nodes_; ++i) {
       const Eigen::Vector2d d = span(x, i);
       const double l2 = d.squaredNorm();

@@ -134,7 +134,7 @@ struct Newton::Search {
     {
       const Stopwatch watch(report.assembly_seconds);
       newton.hessian_.set_zero();
-      objective.hessian(x, projection, {}, newton.hessian_);
+      objective.hessian(x, projection, newton.hessian_);
       remember_diagonal();
       right_side = -gradient;
       if (boundary_moves) {

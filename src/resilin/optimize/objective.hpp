@@ -1,8 +1,5 @@
 #pragma once
 
-#include <cstdint>
-#include <span>
-
 #include "resilin/core/projection.hpp"
 #include "resilin/linear/block_matrix.hpp"
 
@@ -20,10 +17,8 @@ class Objective {
   virtual void gradient(const VectorX& x, VectorX& gradient) const = 0;
   /// Sum of the |parts| of the gradient [N]: the scale of its round-off.
   virtual void gradient_magnitude(const VectorX& x, VectorX& magnitude) const = 0;
-  /// d2E/dx2 [N/m]. Elements are projected as asked; when `project_node` is not empty, only those that touch
-  /// a marked node.
-  virtual void hessian(const VectorX& x, Projection projection, std::span<const std::uint8_t> project_node,
-                       BlockMatrix& hessian) const = 0;
+  /// d2E/dx2 [N/m], its elements projected as asked.
+  virtual void hessian(const VectorX& x, Projection projection, BlockMatrix& hessian) const = 0;
   /// The largest step t in (0, 1] that keeps x + t p inside the domain.
   virtual double max_step(const VectorX& x, const VectorX& p) const = 0;
   /// The forces that must balance [N]: a residual is small when it is small against this number.

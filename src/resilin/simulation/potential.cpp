@@ -37,8 +37,7 @@ void Potential::gradient_magnitude(const VectorX& x, VectorX& magnitude) const {
   for_each_term([&](const Energy& energy) { energy.add_gradient_magnitude(x, conditions_, magnitude); });
 }
 
-void Potential::hessian(const VectorX& x, Projection projection,
-                        std::span<const std::uint8_t> /*project_node*/, BlockMatrix& hessian) const {
+void Potential::hessian(const VectorX& x, Projection projection, BlockMatrix& hessian) const {
   for_each_term([&](const Energy& energy) { energy.add_hessian(x, conditions_, projection, hessian); });
 }
 

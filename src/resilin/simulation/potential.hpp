@@ -19,8 +19,7 @@ class Potential final : public Objective {
   double magnitude(const VectorX& x) const override;
   void gradient(const VectorX& x, VectorX& gradient) const override;
   void gradient_magnitude(const VectorX& x, VectorX& magnitude) const override;
-  void hessian(const VectorX& x, Projection projection, std::span<const std::uint8_t> project_node,
-               BlockMatrix& hessian) const override;
+  void hessian(const VectorX& x, Projection projection, BlockMatrix& hessian) const override;
   double max_step(const VectorX& x, const VectorX& p) const override;
 
   /// The largest of: the loads, the reactions, the inertia force; each as the norm over all unknowns [N].

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <optional>
+#include <span>
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
@@ -30,7 +30,12 @@ void add_to(NewtonReport& sum, const NewtonReport& part) {
 }
 
 /// The one of two starts with the lower objective, so that a step cut short never has pumped energy in.
-void choose_lower_start(const Objective& objective, const VectorX& candidate, VectorX& x) {
+/// At fixed unknowns the candidate takes the values of `held`.
+void choose_lower_start(const Objective& objective, std::span<const std::uint8_t> is_fixed,
+                        const VectorX& held, VectorX candidate, VectorX& x) {
+  for (Eigen::Index k = 0; k < x.size(); ++k) {
+    if (is_fixed[static_cast<std::size_t>(k)] != 0) candidate[k] = held[k];
+  }
   const double difference = objective.difference(x, candidate);
   if (std::isfinite(difference) && difference < 0 && objective.max_step(x, candidate - x) == 1) x = candidate;
 }
@@ -110,11 +115,8 @@ StepReport Simulation::step_in_time(const NewtonObserver& observer) {
     VectorX targets = solutions.empty() ? start.positions : solutions.back();
     VectorX x = targets;
     place_supports(world_.dimension, world_.supports, world_.rest_positions, conditions, targets);
-    VectorX inertial_guess = stage.target;
-    for (Eigen::Index k = 0; k < x.size(); ++k) {
-      if (world_.is_fixed[static_cast<std::size_t>(k)] != 0) inertial_guess[k] = x[k];
-    }
-    choose_lower_start(potential, inertial_guess, x);
+    const VectorX held = x;
+    choose_lower_start(potential, world_.is_fixed, held, stage.target, x);
     const NewtonReport newton =
         newton_.minimize(potential, world_.is_fixed, targets, newton_settings(), x, observer);
     add_to(report.newton, newton);
@@ -150,11 +152,8 @@ StepReport Simulation::step_in_load(const NewtonObserver& observer) {
     VectorX x = state_.positions;
     if (state_.load > state_.previous_load) {
       const double ratio = (load - state_.load) / (state_.load - state_.previous_load);
-      VectorX guess = x + ratio * (x - state_.previous_positions);
-      for (Eigen::Index k = 0; k < x.size(); ++k) {
-        if (world_.is_fixed[static_cast<std::size_t>(k)] != 0) guess[k] = targets[k];
-      }
-      choose_lower_start(potential, guess, x);
+      const VectorX guess = x + ratio * (x - state_.previous_positions);
+      choose_lower_start(potential, world_.is_fixed, targets, guess, x);
     }
     const NewtonReport newton =
         newton_.minimize(potential, world_.is_fixed, targets, newton_settings(), x, observer);
