@@ -28,7 +28,8 @@ Material example(const LawInfo& law, const MaterialsOptions& options) {
   return {&law,
           resolve_constants(
               law, {{"youngs_modulus", options.youngs_modulus}, {"poissons_ratio", options.poissons_ratio}},
-              std::string(law.name))};
+              std::string(law.name)),
+          {}};
 }
 
 /// A point of a curve: the stretch and the nominal stress that holds it [Pa].

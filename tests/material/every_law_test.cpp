@@ -70,12 +70,15 @@ TEST(EveryLaw, IgnoresRotationsOfSpaceAndOfTheMaterial) {
   std::mt19937 random(3);
   for_every_law([&]<int dim>(const LawInfo& law, const Material& material) {
     if (law.kind == LawKind::small_strain) return;  // rotations strain it, by design
+    const bool is_isotropic = law.max_fibres == 0;
     for (const Matrix<dim>& H : sample_gradients<dim>(law)) {
       const Matrix<dim> F = Matrix<dim>::Identity() + H, Q = random_rotation<dim>(random);
       const double psi = energy_density<dim>(material, F), scale = std::abs(psi) + stiffness();
       const Matrix<dim> P = first_piola_kirchhoff_stress<dim>(material, F);
       EXPECT_NEAR(energy_density<dim>(material, Q * F), psi, 1e-12 * scale);
-      EXPECT_NEAR(energy_density<dim>(material, F * Q), psi, 1e-12 * scale);
+      if (is_isotropic) {
+        EXPECT_NEAR(energy_density<dim>(material, F * Q), psi, 1e-12 * scale);
+      }
       EXPECT_LT((first_piola_kirchhoff_stress<dim>(material, Q * F) - Q * P).norm(),
                 1e-12 * (P.norm() + scale));
     }
@@ -94,7 +97,8 @@ TEST(EveryLaw, IsHookeanAtRestForTheGivenYoungsModulusAndPoissonsRatio) {
   for (const double poissons_ratio : {-0.4, 0.0, 0.3, 0.495}) {
     const Hooke hooke = hooke_from_young_poisson(1e5, poissons_ratio);
     for (const LawInfo* law : laws()) {
-      const Material material{law, law->constants_from(hooke)};
+      if (!std::isnan(law->only_poissons_ratio) && poissons_ratio != law->only_poissons_ratio) continue;
+      const Material material = testing::material_for(*law, hooke);
       const TangentMatrix<3> A = derive::stress_tangent<3>(material, Matrix<3>::Zero());
       for (int column = 0; column < 9; ++column) {
         Matrix<3> dF = Matrix<3>::Zero();
@@ -109,9 +113,10 @@ TEST(EveryLaw, IsHookeanAtRestForTheGivenYoungsModulusAndPoissonsRatio) {
 }
 
 TEST(EveryLaw, KeepsItsDigitsAtAStrainOfOneInABillion) {
-  for_every_law([]<int dim>(const LawInfo&, const Material& material) {
+  for_every_law([]<int dim>(const LawInfo& law, Material material) {
     std::mt19937 random(11);
-    const Hooke hooke = sample_hooke();
+    const Hooke hooke = testing::hooke_of(law);
+    if (law.max_fibres > 0) material.constants[2] = 0;  // fibres in tension add to Hooke's law
     const Matrix<dim> H = 1e-9 * testing::random_matrix<dim>(random), eps = 0.5 * (H + H.transpose());
     const double psi = hooke.mu * eps.squaredNorm() + 0.5 * hooke.lambda * eps.trace() * eps.trace();
     const Matrix<dim> sigma = 2 * hooke.mu * eps + hooke.lambda * eps.trace() * Matrix<dim>::Identity();
@@ -129,7 +134,7 @@ TEST(EveryLaw, HasASymmetricTangentAndAPositiveProjectedOne) {
       for (const Projection projection : {Projection::clamp, Projection::absolute}) {
         const TangentMatrix<dim> B = derive::stress_tangent<dim>(material, H, projection);
         const Eigen::SelfAdjointEigenSolver<TangentMatrix<dim>> eigen(B);
-        EXPECT_GE(eigen.eigenvalues()[0], -1e-13 * B.norm());
+        EXPECT_GE(eigen.eigenvalues()[0], -1e-13 * A.norm());
       }
     }
   });
@@ -141,14 +146,16 @@ TEST(EveryLaw, SaysSoOutsideItsDomain) {
     flat(dim - 1, dim - 1) = 0;
     inverted(dim - 1, dim - 1) = -1;
     for (const Matrix<dim>& F : {flat, inverted, Matrix<dim>(0.3 * flat)}) {
+      // The reflection has no unique rotation, which laws of stretches need.
       const double psi = energy_density<dim>(material, F);
       const Matrix<dim> P = first_piola_kirchhoff_stress<dim>(material, F);
       if (law.needs_positive_J) {
         EXPECT_EQ(psi, std::numeric_limits<double>::infinity());
         EXPECT_TRUE(std::isnan(P(0, 0)));
       } else {
-        EXPECT_TRUE(std::isfinite(psi));
-        EXPECT_TRUE(P.allFinite());
+        const bool has_rotation = law.kind != LawKind::stretches || F(dim - 1, dim - 1) == 0;
+        EXPECT_EQ(std::isfinite(psi), has_rotation) << F;
+        EXPECT_EQ(P.allFinite(), has_rotation) << F;
       }
     }
   });

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <random>
 #include <vector>
 
@@ -11,7 +12,19 @@ namespace resilin::testing {
 /// Small-strain constants that every test of laws uses: E = 100 kPa, nu = 0.3.
 inline Hooke sample_hooke() { return hooke_from_young_poisson(1e5, 0.3); }
 
-inline Material sample_material(const LawInfo& law) { return {&law, law.constants_from(sample_hooke())}; }
+/// A law for a solid, with two families of fibres where it has such.
+inline Material material_for(const LawInfo& law, const Hooke& hooke) {
+  Material material{&law, law.constants_from(hooke), {}};
+  if (law.max_fibres > 0) material.fibres = {Vector3(0.8, 0.6, 0), Vector3(0.8, -0.6, 0)};
+  return material;
+}
+
+inline Material sample_material(const LawInfo& law) { return material_for(law, sample_hooke()); }
+
+/// The small-strain solid that the law can be: that of sample_hooke, unless it has but one Poisson's ratio.
+inline Hooke hooke_of(const LawInfo& law) {
+  return std::isnan(law.only_poissons_ratio) ? sample_hooke() : Hooke{sample_hooke().mu, 0};
+}
 
 template <int dim>
 Matrix<dim> random_matrix(std::mt19937& random) {
@@ -29,7 +42,7 @@ Matrix<dim> random_rotation(std::mt19937& random) {
 }
 
 /// Displacement gradients of moderate size with J > 0.1; for laws that allow it also inverted and flat ones,
-/// and two with equal singular values.
+/// and some with equal singular values.
 template <int dim>
 std::vector<Matrix<dim>> sample_gradients(const LawInfo& law, int count = 40) {
   std::mt19937 random(7);
@@ -40,10 +53,15 @@ std::vector<Matrix<dim>> sample_gradients(const LawInfo& law, int count = 40) {
     const double J = (I + H).determinant();
     if (J > 0.1 || (!law.needs_positive_J && samples.size() % 2 == 0)) samples.push_back(H);
   }
+  Matrix<dim> equal = 0.2 * I;
+  equal(0, 0) = -0.3;
+  samples.push_back(equal);
+  // Where fibres begin to bear load their laws have but one derivative.
+  if (law.max_fibres > 0) return samples;
   samples.push_back(Matrix<dim>::Zero());
   samples.push_back(0.2 * I);
   samples.push_back(1.3 * random_rotation<dim>(random) - I);
-  if (!law.needs_positive_J) {
+  if (!law.needs_positive_J && law.kind != LawKind::stretches) {  // those know no rotation there
     samples.push_back(-I);
     samples.push_back(-1.5 * I);
   }

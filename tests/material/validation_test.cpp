@@ -20,12 +20,39 @@ const std::map<std::string, std::string> law_names = {{"nh_log", "neo_hookean"},
                                                       {"nh_iso_j1", "neo_hookean_isochoric"},
                                                       {"nh_iso_simo", "neo_hookean_simo"},
                                                       {"stvk", "saint_venant_kirchhoff"},
-                                                      {"linear", "linear_elastic"}};
+                                                      {"linear", "linear_elastic"},
+                                                      {"corot_linear", "corotated_linear"},
+                                                      {"corot_fixed", "corotated"},
+                                                      {"mooney_rivlin", "mooney_rivlin"},
+                                                      {"yeoh", "yeoh"},
+                                                      {"ogden", "ogden"},
+                                                      {"arruda_boyce", "arruda_boyce"},
+                                                      {"hgo", "holzapfel_gasser_ogden"}};
+
+/// The files' names of constants in the order of ours; "alpha 0" is the first of a list.
+const std::map<std::string, std::vector<std::string>> constant_keys = {
+    {"mooney_rivlin", {"c10", "c01", "kappa"}},
+    {"yeoh", {"c10", "c20", "c30", "kappa"}},
+    {"ogden", {"mu 0", "alpha 0", "mu 1", "alpha 1", "mu 2", "alpha 2", "kappa"}},
+    {"arruda_boyce", {"mu", "N", "kappa"}},
+    {"hgo", {"mu", "kappa", "k1", "k2", "kd"}}};
 
 Material material_of(const Json& file, const std::string& key) {
   const Json& parameters = file["laws"][key]["parameters"];
-  const double second = parameters.contains("kappa") ? parameters["kappa"] : parameters["lam"];
-  return {find_law(law_names.at(key)), {parameters["mu"], second}};
+  std::vector<std::string> names = {"mu", parameters.contains("kappa") ? "kappa" : "lam"};
+  if (constant_keys.count(key) != 0) names = constant_keys.at(key);
+  Material material{find_law(law_names.at(key)), {}, {}};
+  for (const std::string& name : names) {
+    const std::size_t blank = name.find(' ');
+    const Json& value = parameters[name.substr(0, blank)];
+    material.constants.push_back(blank == std::string::npos ? value : value[std::stoul(name.substr(blank))]);
+  }
+  for (const char* fibre : {"a1", "a2"})
+    if (parameters.contains(fibre)) {
+      const std::vector<double> a = parameters[fibre];
+      material.fibres.emplace_back(a[0], a[1], a[2]);
+    }
+  return material;
 }
 
 /// Our energies are zero at rest; the formulas of the files are not.
@@ -48,22 +75,31 @@ constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
 /// The sum of the absolute terms of P: those of the invariants' gradients (F, |F|^3 where the second
 /// invariant is used, cof F), and what the rounding of J, a sum of products of entries of F and H, does to
-/// the last one.
+/// the last one. mu and lambda are those of small strains.
 template <int dim>
 double size_of_terms(const Material& material, const Matrix<dim>& F) {
   const double f = F.norm() + 1, cof = dim == 3 ? f * f : f, det_terms = cof * f;
   const double J = std::abs(F.determinant());
-  const double mu = material.constants[0], lambda = std::abs(material.constants[1]);
+  const TangentMatrix<3> rest = stress_tangent<3>(material, Matrix<3>(0.999 * Matrix<3>::Identity()));
+  const double mu = rest(1, 1), lambda = std::abs(rest(0, 4));
   if (material.law->kind == LawKind::small_strain) return (2 * mu + 3 * lambda) * f;
-  if (material.law->uses_second_invariant) return (mu + lambda) * f * f * f;
+  const bool has_root = material.law->constants.back().name == "bulk_modulus";
+  if (material.law->uses_second_invariant && !has_root) return (mu + lambda) * f * f * f;
   double slope = mu + lambda * (J + 1), curvature = lambda, shape = mu;
   if (material.law->needs_positive_J) {
-    const double t = material.law->constants[1].name == "bulk_modulus" ? std::pow(J, -2.0 / 3) : 1;
-    shape *= t;
-    slope += (mu * t * f * f + lambda * (1 + std::abs(std::log(J)))) / J;
-    curvature += (mu * t * f * f + lambda * (1 + std::abs(std::log(J)))) / (J * J);
+    const double t = has_root ? std::pow(J, -2.0 / 3) : 1;
+    shape *= t * (material.law->uses_second_invariant ? f * f * (1 + t) : 1);
+    slope += (shape * f * f + lambda * (1 + std::abs(std::log(J)))) / J;
+    curvature += (shape * f * f + lambda * (1 + std::abs(std::log(J)))) / (J * J);
   }
   return shape * f + slope * cof + curvature * cof * det_terms;
+}
+
+/// What a rounding of each entry of F on its way to I_C, and another on its way to J, does to P. Powers and
+/// exponentials magnify these beyond the size of their terms.
+template <int dim>
+double size_of_changes(const Matrix<dim>& F, const TangentMatrix<dim>& A) {
+  return 2 * A.norm() * (F.norm() + 1);
 }
 
 template <int dim>
@@ -75,20 +111,22 @@ void check_point(const Json& point, const std::string& key, const Material& mate
   const double psi = energy_density<dim>(material, F);
   const Matrix<dim> P = first_piola_kirchhoff_stress<dim>(material, F);
   const TangentMatrix<dim> A = stress_tangent<dim>(material, F);
+  if (truth.value("overflow", false)) {  // beyond the range of doubles
+    EXPECT_FALSE(std::isfinite(psi)) << where;
+    EXPECT_FALSE(P.allFinite()) << where;
+    return;
+  }
   if (truth.value("defined", true) == false) {
     EXPECT_FALSE(std::isfinite(psi)) << where;
     EXPECT_FALSE(P.allFinite()) << where;
     EXPECT_FALSE(A.allFinite()) << where;
     return;
   }
-  const double terms = size_of_terms<dim>(material, F);
+  const double terms = size_of_terms<dim>(material, F) + (A.allFinite() ? size_of_changes<dim>(F, A) : 0);
   Matrix<dim> P_true;
   TangentMatrix<dim> A_true;  // the file counts by rows, vec(F) by columns
   const auto row_major = [](int i) { return static_cast<std::size_t>(dim * (i % dim) + i / dim); };
-  for (int i = 0; i < dim * dim; ++i) {
-    P_true(i) = truth["P"][row_major(i)];
-    for (int j = 0; j < dim * dim; ++j) A_true(i, j) = truth["H"][row_major(i)][row_major(j)];
-  }
+  for (int i = 0; i < dim * dim; ++i) P_true(i) = truth["P"][row_major(i)];
   EXPECT_LE((P - P_true).cwiseAbs().maxCoeff(), 64 * epsilon * terms) << where;
 
   const double rest = energy_at_rest(key, material), psi_true = truth["psi"].get<double>() - rest;
@@ -96,6 +134,10 @@ void check_point(const Json& point, const std::string& key, const Material& mate
   if (point["kind"] == "tiny strain 1e-8" && rest == 0) {
     EXPECT_NEAR(psi, psi_true, 1e-8 * psi_true) << where;
   }
+
+  if (truth["H"].is_null()) return;  // where fibres begin to bear load the law has but one derivative
+  for (int i = 0; i < dim * dim; ++i)
+    for (int j = 0; j < dim * dim; ++j) A_true(i, j) = truth["H"][row_major(i)][row_major(j)];
 
   // Near J = 0 the tangent is as sensitive to the rounding of J as P is, once more.
   const double J = std::abs(F.determinant()),
@@ -126,7 +168,7 @@ void check_file() {
       check_point<dim>(point, key, material_of(file, key));
       ++checked;
     }
-  EXPECT_EQ(checked, 94 * 8);
+  EXPECT_EQ(checked, 94 * 15);
 }
 
 TEST(Validation, MaterialPointsInTwoDimensions) {
@@ -149,7 +191,9 @@ TEST(Validation, ClosedForms) {
       for (const Json& row : rows) {
         if (row.contains("no_state")) continue;
         const Matrix<3> F = matrix_of<3>(row["F"]), P = matrix_of<3>(row["P"]);
-        const double tolerance = 64 * epsilon * size_of_terms<3>(material, F);
+        const double tolerance =
+            64 * epsilon *
+            (size_of_terms<3>(material, F) + size_of_changes<3>(F, stress_tangent<3>(material, F)));
         const std::string where = key + " " + kind + " " + row["value"].dump();
         EXPECT_LE((first_piola_kirchhoff_stress<3>(material, F) - P).cwiseAbs().maxCoeff(), tolerance)
             << where;

@@ -2,8 +2,8 @@
 
 #include "resilin/core/simd.hpp"
 
-/// Logarithms and roots of lanes, for arguments inside their domain: positive normal numbers under the
-/// logarithm and the root. Elsewhere the result means nothing; callers mask it.
+/// Logarithms, exponentials and roots of lanes, for arguments inside their domain: positive normal numbers
+/// under the logarithm and the root. Elsewhere the result means nothing; callers mask it.
 namespace resilin::RESILIN_SIMD_NAMESPACE {
 
 /// x = mantissa 2^exponent with the mantissa in [sqrt(1/2), sqrt(2)).
@@ -84,5 +84,68 @@ RESILIN_INLINE Lanes cbrt1p(Lanes x) {
   const Lanes t = y * scale;
   return x / (t * t + t + 1.0);
 }
+
+/// 2^n for whole numbers -1022 <= n <= 1023.
+RESILIN_INLINE Lanes power_of_two(Lanes n) {
+  Mask bits;
+  const Lanes shifted = n + 6755399441055744.0;
+  __builtin_memcpy(&bits, &shifted.v, sizeof bits);
+  bits = (bits - 0x4338000000000000LL + 1023) << 52;
+  Lanes power;
+  __builtin_memcpy(&power.v, &bits, sizeof bits);
+  return power;
+}
+
+struct Exponentials {
+  Lanes exp;          ///< e^x
+  Lanes expm1;        ///< e^x - 1
+  Lanes expm1_minus;  ///< e^x - 1 - x, without cancellation
+};
+
+/// e^x is +infinity above 709.78 and e^-708 below -708. A number that is none stays none.
+RESILIN_INLINE Exponentials exponentials(Lanes x) {
+  constexpr double ln2_high = 0.693147180369123816490, ln2_low = 1.90821492927058770002e-10;
+  constexpr double round = 6755399441055744.0;  // adding and subtracting it rounds to an integer
+  const Lanes y = min(max(x, Lanes(-708.0)), Lanes(709.78));
+  const Lanes n = (y * 1.4426950408889634 + round) - round;
+  const Lanes r = (y - n * ln2_high) - n * ln2_low;  // |r| <= ln 2 / 2: the series below is cut at 1e-18
+  Lanes p = 1.0 / 1307674368000.0;
+  p = p * r + 1.0 / 87178291200.0;
+  p = p * r + 1.0 / 6227020800.0;
+  p = p * r + 1.0 / 479001600.0;
+  p = p * r + 1.0 / 39916800.0;
+  p = p * r + 1.0 / 3628800.0;
+  p = p * r + 1.0 / 362880.0;
+  p = p * r + 1.0 / 40320.0;
+  p = p * r + 1.0 / 5040.0;
+  p = p * r + 1.0 / 720.0;
+  p = p * r + 1.0 / 120.0;
+  p = p * r + 1.0 / 24.0;
+  p = p * r + 1.0 / 6.0;
+  p = p * r + 0.5;
+  const Lanes tail = r * r * p;
+  const Mask is_scaled = (n > Lanes(0)) | (n < Lanes(0));
+  const Lanes half = power_of_two(n - 1.0), power = half + half;  // 2^1024 would not fit
+  const Lanes scaled = half * (r + tail) * 2.0 + (power - 1.0);
+  const Mask is_huge = x > Lanes(709.78), is_none = ~((x < Lanes(0)) | (x > Lanes(0)) | (x > Lanes(-1)));
+  Lanes expm1 = select(is_scaled, scaled, r + tail);
+  expm1 = select(is_huge, __builtin_inf(), select(is_none, x, expm1));
+  const Lanes exp = select(is_huge | is_none, expm1, half * (1.0 + (r + tail)) * 2.0);
+  return {exp, expm1, select(is_scaled | is_huge | is_none, expm1 - x, tail)};
+}
+
+RESILIN_INLINE Lanes expm1(Lanes x) { return exponentials(x).expm1; }
+RESILIN_INLINE Lanes expm1_minus(Lanes x) { return exponentials(x).expm1_minus; }
+RESILIN_INLINE Lanes exp(Lanes x) { return exponentials(x).exp; }
+
+/// ((1 + x)^alpha - 1) / x, and alpha at x = 0.
+RESILIN_INLINE Lanes power_difference(Lanes x, Lanes alpha) {
+  const Mask is_zero = ~((x < Lanes(0)) | (x > Lanes(0)));
+  return select(is_zero, alpha, expm1(alpha * log1p(x)) / x);
+}
+
+RESILIN_INLINE Lanes positive_part(Lanes x) { return max(x, Lanes(0.0)); }
+/// 1 above zero, else 0.
+RESILIN_INLINE Lanes step(Lanes x) { return select(x > Lanes(0), 1.0, 0.0); }
 
 }  // namespace resilin::RESILIN_SIMD_NAMESPACE

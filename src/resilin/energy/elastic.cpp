@@ -9,6 +9,7 @@
 #include "resilin/core/error.hpp"
 #include "resilin/core/parallel.hpp"
 #include "resilin/core/simd.hpp"
+#include "resilin/core/text.hpp"
 #include "resilin/element/catalog.hpp"
 #include "resilin/energy/elastic_tiles.hpp"
 #include "resilin/energy/inversion_bound.hpp"
@@ -45,7 +46,8 @@ struct LaneSum {
 
 ElasticEnergy::ElasticEnergy(int dim, std::string_view element, std::span<const Index> cells,
                              const VectorX& rest_positions, const LawInfo& law,
-                             std::span<const double> constants, InstructionSet instruction_set)
+                             std::span<const double> constants, std::span<const Vector3> fibres,
+                             InstructionSet instruction_set)
     : blocks_(make_element_blocks(require_element(element, dim, "element"), cells, rest_positions)),
       law_(&law),
       instruction_set_(instruction_set),
@@ -70,12 +72,45 @@ ElasticEnergy::ElasticEnergy(int dim, std::string_view element, std::span<const 
     const Index cell = is_uniform ? 0 : std::max(blocks_.cells[block * block_size + lane], Index{0});
     constants_[i] = constants[static_cast<std::size_t>(cell) * count + k];
   }
+  set_directions(fibres);
   parts_ = std::make_shared<std::vector<OwnerPart>>(split_by_owner(blocks_, num_threads()));
 }
 
+void ElasticEnergy::set_directions(std::span<const Vector3> fibres) {
+  const auto num_cells = static_cast<std::size_t>(blocks_.num_cells);
+  const auto max_families = static_cast<std::size_t>(law_->max_fibres);
+  if (max_families == 0 && fibres.empty()) return;
+  num_families_ =
+      fibres.size() <= max_families ? fibres.size() : fibres.size() / std::max<std::size_t>(num_cells, 1);
+  const bool is_uniform = fibres.size() == num_families_;
+  if (num_families_ == 0 || num_families_ > max_families ||
+      (!is_uniform && fibres.size() != num_families_ * num_cells))
+    throw InputError("fibres",
+                     max_families == 0
+                         ? "none: " + std::string(law_->name) + " is isotropic"
+                         : "1 to " + std::to_string(max_families) + " directions, once or for every cell",
+                     std::to_string(fibres.size()));
+  for (const Vector3& fibre : fibres)
+    if (!(std::abs(fibre.norm() - 1) < 1e-9))
+      throw InputError("fibres", "vectors of length 1", "one of length " + format_number(fibre.norm()));
+  directions_.assign(blocks_.num_blocks * fibre_rows * block_size, 0.0);
+  for (std::size_t i = 0; i < blocks_.cells.size(); ++i) {
+    const auto cell = static_cast<std::size_t>(std::max(blocks_.cells[i], Index{0}));
+    for (std::size_t family = 0; family < num_families_; ++family)
+      for (std::size_t k = 0; k < 3; ++k)
+        directions_[(i / block_size * fibre_rows + 3 * family + k) * block_size + i % block_size] =
+            fibres[is_uniform ? family : cell * num_families_ + family][static_cast<Eigen::Index>(k)];
+  }
+}
+
 ElementTile ElasticEnergy::tile(const Index* block_numbers, std::size_t count) const {
-  return {block_numbers,         count, blocks_.num_blocks, blocks_.nodes.data(), blocks_.gradients.data(),
-          blocks_.weights.data()};
+  return {block_numbers,
+          count,
+          blocks_.num_blocks,
+          blocks_.nodes.data(),
+          blocks_.gradients.data(),
+          blocks_.weights.data(),
+          directions_.empty() ? nullptr : directions_.data()};
 }
 
 HessianForm ElasticEnergy::form(Projection projection) const {
@@ -102,7 +137,7 @@ double ElasticEnergy::energy_sum(const double* displacements, const double* disp
                LaneSum sum;
                Scratch scratch;
                const auto evaluate = [&](const ElementTile& part, const double* u, double* energy) {
-                 kernels_->measure(part, law_form(), u, scratch.H.data(), scratch.variables.data());
+                 kernels_->measure(part, law_form(), u, scratch.H.data(), scratch.variables.data(), nullptr);
                  call_law(law_kernels_->energy, part, scratch, energy);
                };
                for_tiles(begin, end, [&](std::size_t first, std::size_t count) {
@@ -142,10 +177,11 @@ void ElasticEnergy::add_forces(const VectorX& x, bool is_magnitude, VectorX& for
     Scratch scratch;
     for_tiles(0, share.blocks.size(), [&](std::size_t first, std::size_t count) {
       const ElementTile part = tile(share.blocks.data() + first, count);
-      kernels_->measure(part, law_form(), u.data(), scratch.H.data(), scratch.variables.data());
+      kernels_->measure(part, law_form(), u.data(), scratch.H.data(), scratch.variables.data(),
+                        scratch.frames.data());
       call_law(law_kernels_->gradient, part, scratch, scratch.law.data());
-      kernels_->add_forces(part, law_form(), scratch.H.data(), scratch.law.data(), is_magnitude, share.owned,
-                           local.data());
+      kernels_->add_forces(part, law_form(), scratch.H.data(), scratch.frames.data(), scratch.law.data(),
+                           is_magnitude, share.owned, local.data());
     });
     for (auto node = static_cast<std::size_t>(share.owned.begin);
          node < static_cast<std::size_t>(share.owned.end); ++node)
@@ -233,13 +269,14 @@ void ElasticEnergy::add_hessian_to(const VectorX& x, Projection projection,
         all = all && is_chosen(i / block_size, i % block_size);
       }
       kernels_->prefetch(part, u.data(), slots_.data(), hessian.values.data());
-      kernels_->measure(part, law_form(), u.data(), scratch.H.data(), scratch.variables.data());
+      kernels_->measure(part, law_form(), u.data(), scratch.H.data(), scratch.variables.data(),
+                        scratch.frames.data());
       call_law(law_kernels_->curvature, part, scratch, scratch.law.data());
       kernels_->hessians(part, form(some ? projection : Projection::none), scratch.H.data(),
-                         scratch.law.data(), scratch.K.data());
+                         scratch.frames.data(), scratch.law.data(), scratch.K.data());
       if (some && !all) {
-        kernels_->hessians(part, form(Projection::none), scratch.H.data(), scratch.law.data(),
-                           scratch.exact_K.data());
+        kernels_->hessians(part, form(Projection::none), scratch.H.data(), scratch.frames.data(),
+                           scratch.law.data(), scratch.exact_K.data());
         for (std::size_t i = 0; i < count * rows * block_size; ++i)
           if (!is_chosen(i / (rows * block_size), i % block_size)) scratch.K[i] = scratch.exact_K[i];
       }
@@ -254,9 +291,11 @@ void ElasticEnergy::evaluate_hessians(const VectorX& x, Projection projection) c
     Scratch scratch;
     for_tiles(begin, end, [&](std::size_t first, std::size_t count) {
       const ElementTile part = tile(first, count);
-      kernels_->measure(part, law_form(), u.data(), scratch.H.data(), scratch.variables.data());
+      kernels_->measure(part, law_form(), u.data(), scratch.H.data(), scratch.variables.data(),
+                        scratch.frames.data());
       call_law(law_kernels_->curvature, part, scratch, scratch.law.data());
-      kernels_->hessians(part, form(projection), scratch.H.data(), scratch.law.data(), scratch.K.data());
+      kernels_->hessians(part, form(projection), scratch.H.data(), scratch.frames.data(), scratch.law.data(),
+                         scratch.K.data());
     });
   });
 }
@@ -271,14 +310,15 @@ double ElasticEnergy::max_step(const VectorX& x, const VectorX& p) const {
       return *this;
     }
   };
+  constexpr LawForm any_law = {LawKind::invariants, false};  // H alone is wanted
   double step =
       parallel_sum<Bound>(blocks_.num_blocks, blocks_per_chunk, [&](std::size_t begin, std::size_t end) {
         Bound bound;
         Scratch scratch;
         for_tiles(begin, end, [&](std::size_t first, std::size_t count) {
           const ElementTile part = tile(first, count);
-          kernels_->measure(part, law_form(), v.data(), scratch.G.data(), scratch.variables.data());
-          kernels_->measure(part, law_form(), u.data(), scratch.H.data(), scratch.variables.data());
+          kernels_->measure(part, any_law, v.data(), scratch.G.data(), scratch.variables.data(), nullptr);
+          kernels_->measure(part, any_law, u.data(), scratch.H.data(), scratch.variables.data(), nullptr);
           kernels_->volume_cubics(count, scratch.H.data(), scratch.G.data(), scratch.law.data());
           for (std::size_t i = 0; i < count * block_size; ++i) {
             const double* c = scratch.law.data() + i / block_size * 4 * block_size + i % block_size;

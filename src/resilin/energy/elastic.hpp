@@ -23,9 +23,12 @@ class ElasticEnergy final : public Energy {
   /// @param cells           node numbers in the world, those of one cell after another
   /// @param rest_positions  of all nodes of the world, dim each [m]
   /// @param constants       of the law's formula, in its order: once, or for one cell after another
-  /// @throws InputError     when a cell has no positive volume
+  /// @param fibres          for a law with fibres: the rest direction of each family, once, or for one cell
+  ///                        after another; of length 1
+  /// @throws InputError     when a cell has no positive volume, or the fibres do not suit the law
   ElasticEnergy(int dim, std::string_view element, std::span<const Index> cells,
                 const VectorX& rest_positions, const LawInfo& law, std::span<const double> constants,
+                std::span<const Vector3> fibres = {},
                 InstructionSet instruction_set = preferred_instruction_set());
 
   std::string_view name() const override { return "elastic"; }
@@ -77,6 +80,7 @@ class ElasticEnergy final : public Energy {
 
  private:
   struct Scratch;
+  void set_directions(std::span<const Vector3> fibres);
   ElementTile tile(const Index* block_numbers, std::size_t count) const;
   ElementTile tile(std::size_t begin, std::size_t count) const {
     return tile(all_blocks_.data() + begin, count);
@@ -103,6 +107,8 @@ class ElasticEnergy final : public Energy {
   const LawKernels* law_kernels_;
   std::vector<double> constants_;     ///< rows of lanes: one set, or one for each block
   std::size_t constant_stride_;       ///< numbers from block to block in constants_; 0 when there is one set
+  std::size_t num_families_ = 0;      ///< of fibres
+  std::vector<double> directions_;    ///< of the fibres, [block][fibre_rows][lane]; empty without
   std::vector<Index> all_blocks_;     ///< 0, 1, 2, ...
   std::vector<Index> lane_of_cell_;   ///< block * block_size + lane
   std::vector<std::uint32_t> slots_;  ///< [block][pair][lane]

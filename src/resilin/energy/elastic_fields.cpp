@@ -18,7 +18,7 @@ void ElasticEnergy::for_each_cell(
     Scratch scratch;
     for_tiles(begin, end, [&](std::size_t first, std::size_t count) {
       kernels_->measure(tile(first, count), LawForm{LawKind::invariants, false}, u.data(), scratch.H.data(),
-                        scratch.variables.data());
+                        scratch.variables.data(), nullptr);
       for (std::size_t i = 0; i < count * block_size; ++i) {
         const std::size_t block = i / block_size, lane = i % block_size;
         const Index cell = blocks_.cells[(first + block) * block_size + lane];
@@ -48,14 +48,16 @@ double ElasticEnergy::total_rest_volume() const {
 }
 
 Material ElasticEnergy::material(Index cell) const {
-  Material material{law_, std::vector<double>(law_->constants.size())};
-  std::size_t at = 0;
-  if (constant_stride_ != 0) {
-    const auto place = static_cast<std::size_t>(lane_of_cell_[static_cast<std::size_t>(cell)]);
-    at = place / block_size * constant_stride_ + place % block_size;
-  }
+  Material material{law_, std::vector<double>(law_->constants.size()), {}};
+  const auto place = static_cast<std::size_t>(lane_of_cell_[static_cast<std::size_t>(cell)]);
+  const std::size_t block = place / block_size, lane = place % block_size;
+  const std::size_t at = constant_stride_ == 0 ? 0 : block * constant_stride_ + lane;
   for (std::size_t k = 0; k < material.constants.size(); ++k)
     material.constants[k] = constants_[at + k * block_size];
+  for (std::size_t family = 0; family < num_families_; ++family) {
+    const double* rows = directions_.data() + (block * fibre_rows + 3 * family) * block_size + lane;
+    material.fibres.emplace_back(rows[0], rows[block_size], rows[2 * block_size]);
+  }
   return material;
 }
 

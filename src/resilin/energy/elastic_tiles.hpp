@@ -12,7 +12,7 @@ namespace resilin {
 
 constexpr std::size_t blocks_per_tile = 8;     ///< what a tile holds stays in the nearest caches
 constexpr std::size_t blocks_per_chunk = 256;  ///< of a parallel loop
-constexpr std::size_t max_entries = 9, max_pairs = 10, max_constants = 8;
+constexpr std::size_t max_entries = 9, max_pairs = 10, max_constants = 8, max_frame_rows = 18;
 
 /// Calls `body(begin, count)` for the tiles of [begin, end).
 template <class Body>
@@ -26,8 +26,9 @@ struct ElasticEnergy::Scratch {
   using Rows = std::array<double, blocks_per_tile * rows * block_size>;
   alignas(64) Rows<max_entries> H;
   Rows<max_entries> G;
-  Rows<3> variables;
-  Rows<curvature_rows> law;
+  Rows<max_variables> variables;
+  Rows<max_frame_rows> frames;
+  Rows<max_curvature_rows> law;
   Rows<1> energy, energy_from;
   Rows<max_constants> constants;
   alignas(64) Rows<max_pairs * max_entries> K;

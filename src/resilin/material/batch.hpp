@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "resilin/core/cpu.hpp"
 #include "resilin/core/projection.hpp"
 #include "resilin/material/law.hpp"
 
@@ -32,6 +33,7 @@ struct StateBatch {
   const double* fibres = nullptr;
   std::size_t num_fibres = 0;    ///< families, 0 to law->max_fibres
   std::size_t fibre_stride = 0;  ///< numbers from state to state: 0 or 3 num_fibres
+  InstructionSet instruction_set = preferred_instruction_set();
 };
 
 /// Psi [J/m^3], (count).

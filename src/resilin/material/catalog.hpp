@@ -1,13 +1,22 @@
 #pragma once
 
+#include "resilin/material/arap.hpp"
+#include "resilin/material/arruda_boyce.hpp"
+#include "resilin/material/corotated.hpp"
+#include "resilin/material/corotated_linear.hpp"
+#include "resilin/material/gent.hpp"
+#include "resilin/material/holzapfel_gasser_ogden.hpp"
 #include "resilin/material/linear_elastic.hpp"
+#include "resilin/material/mooney_rivlin.hpp"
 #include "resilin/material/neo_hookean.hpp"
 #include "resilin/material/neo_hookean_isochoric.hpp"
 #include "resilin/material/neo_hookean_quadratic.hpp"
 #include "resilin/material/neo_hookean_simo.hpp"
+#include "resilin/material/ogden.hpp"
 #include "resilin/material/saint_venant_kirchhoff.hpp"
 #include "resilin/material/stable_neo_hookean.hpp"
 #include "resilin/material/stable_neo_hookean_log.hpp"
+#include "resilin/material/yeoh.hpp"
 
 namespace resilin {
 
@@ -17,7 +26,9 @@ struct LawList {
 };
 
 /// Every law. The kernels, the scene reader, the documentation's table and the property tests walk this list.
-using Laws = LawList<StableNeoHookean, StableNeoHookeanLog, NeoHookean, NeoHookeanQuadratic,
-                     NeoHookeanIsochoric, NeoHookeanSimo, SaintVenantKirchhoff, LinearElastic>;
+using Laws =
+    LawList<StableNeoHookean, StableNeoHookeanLog, NeoHookean, NeoHookeanQuadratic, NeoHookeanIsochoric,
+            NeoHookeanSimo, SaintVenantKirchhoff, LinearElastic, CorotatedLinear, Corotated, Arap,
+            MooneyRivlin, Yeoh, Ogden, ArrudaBoyce, Gent, HolzapfelGasserOgden>;
 
 }  // namespace resilin

@@ -12,6 +12,7 @@ namespace resilin {
 struct Material {
   const LawInfo* law;
   std::vector<double> constants;  ///< in the order of law->constants
+  std::vector<Vector3> fibres;    ///< rest directions of the families, of length 1; empty for isotropic laws
 };
 
 template <int dim>

@@ -1,72 +1,68 @@
 #include "resilin/material/law.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/material/catalog.hpp"
+#include "resilin/material/derive.hpp"
 
 namespace resilin {
 namespace {
 
+template <class Law>
+constexpr std::size_t num_free =
+    static_cast<std::size_t>(std::ranges::count_if(Law::constants, &ConstantText::is_free));
+
 template <class Law, std::size_t... i>
-Law law_from(const double* constants, std::index_sequence<i...>) {
-  return Law{constants[i]...};
+Law law_from(const Hooke& hooke, [[maybe_unused]] std::span<const double> free, std::index_sequence<i...>) {
+  return Law::from(hooke, free[i]...);
+}
+
+template <template <class> class Law>
+std::vector<double> convert(const Hooke& hooke, std::span<const double> free) {
+  constexpr std::size_t count = Law<double>::constants.size();
+  const Law<double> law =
+      law_from<Law<double>>(hooke, free, std::make_index_sequence<num_free<Law<double>>>{});
+  static_assert(sizeof(law) == count * sizeof(double), "a law's members are its constants, in their order");
+  const auto* members = reinterpret_cast<const double*>(&law);
+  return {members, members + count};
 }
 
 template <class Law>
-LawValues evaluate(const double* constants, const std::array<double, 3>& variables) {
-  using Number = Dual2<double>;
-  const auto law = law_from<Law>(constants, std::make_index_sequence<Law::constants.size()>{});
-  const auto psi_of = [&]<class T>(const T& a, const T& b, const T& c) {
-    if constexpr (Law::kind == LawKind::small_strain)
-      return law.energy_density(SmallStrain<T>{a, c});
-    else
-      return law.energy_density(Invariants<T>::from_reduced(a, b, c));
-  };
-  const Number psi = psi_of(Number::variable(variables[0], 0), Number::variable(variables[1], 1),
-                            Number::variable(variables[2], 2));
-  LawValues values{psi_of(variables[0], variables[1], variables[2]), {}, {}};
-  std::copy(std::begin(psi.slope), std::end(psi.slope), values.slope.begin());
-  std::copy(std::begin(psi.curvature), std::end(psi.curvature), values.curvature.begin());
-  if (Law::needs_positive_J && !(variables[2] > -1)) {
-    values.energy = std::numeric_limits<double>::infinity();
-    values.slope.fill(std::numeric_limits<double>::quiet_NaN());
-    values.curvature.fill(std::numeric_limits<double>::quiet_NaN());
-  }
-  return values;
+constexpr int max_fibres() {
+  if constexpr (requires { Law::max_fibres; })
+    return Law::max_fibres;
+  else
+    return 0;
 }
 
-template <template <class> class Law, std::size_t... i>
-std::vector<double> constants_from(const Hooke& hooke, std::index_sequence<i...>) {
-  const auto members = [](const Law<double>& law) {
-    std::array<double, sizeof...(i)> values;
-    static_assert(sizeof(law) == sizeof(values), "a law's members are its constants, in their order");
-    std::copy_n(reinterpret_cast<const double*>(&law), sizeof...(i), values.begin());
-    return values;
-  }(Law<double>::from(hooke));
-  return {members.begin(), members.end()};
+template <class Law>
+constexpr double only_poissons_ratio() {
+  if constexpr (requires { Law::only_poissons_ratio; })
+    return Law::only_poissons_ratio;
+  else
+    return std::numeric_limits<double>::quiet_NaN();
 }
 
 template <template <class> class Law>
 LawInfo info(int index) {
   using Plain = Law<double>;
-  return {index,
-          Plain::kind,
-          Plain::name,
-          Plain::formula,
-          Plain::source,
-          Plain::inversion,
-          Plain::needs_positive_J,
-          Plain::uses_second_invariant,
-          Plain::constants,
-          [](const Hooke& hooke) {
-            return constants_from<Law>(hooke, std::make_index_sequence<Plain::constants.size()>{});
-          },
-          evaluate<Plain>};
+  return {.index = index,
+          .kind = Plain::kind,
+          .name = Plain::name,
+          .formula = Plain::formula,
+          .source = Plain::source,
+          .inversion = Plain::inversion,
+          .needs_positive_J = Plain::needs_positive_J,
+          .uses_second_invariant = Plain::uses_second_invariant,
+          .max_fibres = max_fibres<Plain>(),
+          .only_poissons_ratio = only_poissons_ratio<Plain>(),
+          .constants = Plain::constants,
+          .convert = convert<Law>};
 }
 
 template <template <class> class... Law>
@@ -80,32 +76,131 @@ const std::vector<LawInfo>& infos() {
   return table;
 }
 
-std::vector<std::string> constant_names(const LawInfo& law) {
-  std::vector<std::string> names;
-  for (const ConstantText& constant : law.constants) names.emplace_back(constant.name);
-  return names;
+std::string unit_text(const ConstantText& constant) {
+  std::string text;
+  if (!constant.unit.empty()) text.append(" ").append(constant.unit);
+  return text;
 }
 
 void check_constant(const ConstantText& constant, double value, const std::string& place) {
-  if (std::isfinite(value) && value > constant.above) return;
-  const std::string expected =
-      std::isfinite(constant.above)
-          ? "a number above " + format_number(constant.above) + " " + std::string(constant.unit)
-          : "a finite number in " + std::string(constant.unit);
-  throw InputError(place + "." + std::string(constant.name), expected, format_number(value));
+  const bool is_inside = value > constant.above && value >= constant.at_least && value <= constant.at_most;
+  if (std::isfinite(value) && is_inside && !(constant.is_nonzero && value == 0)) return;
+  throw InputError(place + "." + std::string(constant.name), std::string("a ").append(range_text(constant)),
+                   format_number(value));
 }
 
-std::vector<double> from_young_poisson(const LawInfo& law, double youngs_modulus, double poissons_ratio,
-                                       const std::string& place) {
+Hooke checked_hooke(const LawInfo& law, double youngs_modulus, double poissons_ratio,
+                    const std::string& place) {
   if (!(std::isfinite(youngs_modulus) && youngs_modulus > 0))
     throw InputError(place + ".youngs_modulus", "a number above 0 Pa", format_number(youngs_modulus));
   if (!(poissons_ratio > -1 && poissons_ratio < 0.5))
     throw InputError(place + ".poissons_ratio", "a number in (-1, 0.5)", format_number(poissons_ratio),
                      poissons_ratio >= 0.5 ? "for a nearly incompressible solid use 0.495" : "");
-  return law.constants_from(hooke_from_young_poisson(youngs_modulus, poissons_ratio));
+  if (!std::isnan(law.only_poissons_ratio) && poissons_ratio != law.only_poissons_ratio)
+    throw InputError(
+        place + ".poissons_ratio",
+        format_number(law.only_poissons_ratio) + ", the only one that " + std::string(law.name) + " can have",
+        format_number(poissons_ratio), "choose another law, such as corotated");
+  return hooke_from_young_poisson(youngs_modulus, poissons_ratio);
 }
 
+/// Throws unless the law resists shear and change of volume at rest. Fibres are slack there.
+void check_rest(const LawInfo& law, const std::vector<double>& constants, const std::string& place) {
+  const Material material{&law, constants, {}};
+  const TangentMatrix<3> A = stress_tangent<3>(material, Matrix<3>(Matrix<3>::Identity()));
+  const double mu = A(1, 1), bulk_modulus = (A(0, 0) + 2 * A(0, 4)) / 3;
+  const double size = A.cwiseAbs().maxCoeff();
+  if (mu > 1e-14 * size && bulk_modulus > 1e-14 * size) return;
+  throw InputError(place, "constants of a solid that is stable at rest",
+                   "a small-strain shear modulus of " + format_number(mu) + " Pa and bulk modulus of " +
+                       format_number(bulk_modulus) + " Pa",
+                   "both must be positive");
+}
+
+class ConstantReader {
+ public:
+  ConstantReader(const LawInfo& law, const std::map<std::string, double>& given, std::string place)
+      : law_(law), given_(given), place_(std::move(place)) {}
+
+  std::vector<double> read() const {
+    refuse_unknown();
+    const bool gives_hooke = has("youngs_modulus") || has("poissons_ratio");
+    std::vector<double> constants = gives_hooke || given_.empty() ? from_hooke() : literal();
+    check_rest(law_, constants, place_);
+    return constants;
+  }
+
+ private:
+  bool has(std::string_view name) const { return given_.count(std::string(name)) != 0; }
+
+  std::string expected() const {
+    std::vector<std::string> beside = {"youngs_modulus", "poissons_ratio"}, own;
+    for (const ConstantText& constant : law_.constants) {
+      own.emplace_back(constant.name);
+      if (constant.is_free) beside.emplace_back(constant.name);
+    }
+    return join(beside, " and ") + ", or " + join(own, " and ");
+  }
+
+  void refuse_unknown() const {
+    std::vector<std::string> known = {"youngs_modulus", "poissons_ratio"};
+    for (const ConstantText& constant : law_.constants) known.emplace_back(constant.name);
+    for (const auto& [name, value] : given_) {
+      if (std::ranges::find(known, name) != known.end()) continue;
+      const std::string nearest = nearest_word(name, known);
+      throw InputError(place_ + "." + name, expected(), "an unknown constant",
+                       nearest.empty() ? "" : "did you mean \"" + nearest + "\"?");
+    }
+  }
+
+  double require(std::string_view name) const {
+    if (!has(name))
+      throw InputError(place_ + "." + std::string(name), expected(), "nothing", "add " + std::string(name));
+    return given_.at(std::string(name));
+  }
+
+  double value_of(const ConstantText& constant) const {
+    const double value =
+        has(constant.name) || std::isnan(constant.fallback) ? require(constant.name) : constant.fallback;
+    check_constant(constant, value, place_);
+    return value;
+  }
+
+  std::vector<double> from_hooke() const {
+    std::vector<double> free;
+    for (const ConstantText& constant : law_.constants)
+      if (!constant.is_free && has(constant.name))
+        throw InputError(place_, expected(), "a mixture of both",
+                         "leave " + std::string(constant.name) + " or youngs_modulus and poissons_ratio out");
+    const double youngs_modulus = require("youngs_modulus"), poissons_ratio = require("poissons_ratio");
+    const Hooke hooke = checked_hooke(law_, youngs_modulus, poissons_ratio, place_);
+    for (const ConstantText& constant : law_.constants)
+      if (constant.is_free) free.push_back(value_of(constant));
+    return law_.convert(hooke, free);
+  }
+
+  std::vector<double> literal() const {
+    std::vector<double> constants;
+    for (const ConstantText& constant : law_.constants) constants.push_back(value_of(constant));
+    return constants;
+  }
+
+  const LawInfo& law_;
+  const std::map<std::string, double>& given_;
+  std::string place_;
+};
+
 }  // namespace
+
+std::vector<double> LawInfo::constants_from(const Hooke& hooke) const {
+  std::vector<double> free;
+  for (const ConstantText& constant : constants)
+    if (constant.is_free)
+      free.push_back(!std::isnan(constant.fallback) ? constant.fallback
+                     : constant.unit.empty()        ? 1
+                                                    : hooke.mu);
+  return convert(hooke, free);
+}
 
 std::vector<const LawInfo*> laws() {
   std::vector<const LawInfo*> all;
@@ -130,33 +225,24 @@ const LawInfo& require_law(std::string_view name, const std::string& place) {
 
 std::vector<double> resolve_constants(const LawInfo& law, const std::map<std::string, double>& given,
                                       const std::string& place) {
-  const std::vector<std::string> own = constant_names(law);
-  const std::string expected = "youngs_modulus and poissons_ratio, or " + join(own, " and ");
-  std::vector<std::string> known = {"youngs_modulus", "poissons_ratio"};
-  known.insert(known.end(), own.begin(), own.end());
-  bool gives_hooke = false, gives_own = false;
-  for (const auto& [name, value] : given) {
-    if (std::find(known.begin(), known.end(), name) == known.end()) {
-      const std::string nearest = nearest_word(name, known);
-      throw InputError(place + "." + name, expected, "an unknown constant",
-                       nearest.empty() ? "" : "did you mean \"" + nearest + "\"?");
-    }
-    (name == "youngs_modulus" || name == "poissons_ratio" ? gives_hooke : gives_own) = true;
-  }
-  if (gives_hooke && gives_own) throw InputError(place, expected, "a mixture of both", "leave one pair out");
-  const std::vector<std::string> needed =
-      gives_own ? own : std::vector<std::string>{"youngs_modulus", "poissons_ratio"};
-  for (const std::string& name : needed)
-    if (given.count(name) == 0) throw InputError(place + "." + name, expected, "nothing", "add " + name);
-  if (!gives_own)
-    return from_young_poisson(law, given.at("youngs_modulus"), given.at("poissons_ratio"), place);
+  return ConstantReader(law, given, place).read();
+}
 
-  std::vector<double> constants;
-  for (std::size_t i = 0; i < own.size(); ++i) {
-    constants.push_back(given.at(own[i]));
-    check_constant(law.constants[i], constants.back(), place);
+std::string range_text(const ConstantText& constant) {
+  std::string text = constant.is_nonzero ? "number other than 0" : "number";
+  const auto bound = [&](const char* word, double value) {
+    text.append(word).append(format_number(value)).append(unit_text(constant));
+  };
+  if (std::isfinite(constant.above)) bound(" above ", constant.above);
+  if (std::isfinite(constant.at_least) && std::isfinite(constant.at_most)) {
+    bound(" from ", constant.at_least);
+    bound(" to ", constant.at_most);
+  } else if (std::isfinite(constant.at_least)) {
+    bound(" not below ", constant.at_least);
   }
-  return constants;
+  const bool is_bounded = std::isfinite(constant.above) || std::isfinite(constant.at_least);
+  if (!is_bounded && !constant.unit.empty()) text += " in" + unit_text(constant);
+  return text;
 }
 
 }  // namespace resilin

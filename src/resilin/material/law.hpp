@@ -1,6 +1,6 @@
 #pragma once
 
-#include <array>
+#include <limits>
 #include <map>
 #include <span>
 #include <string>
@@ -12,15 +12,6 @@
 
 namespace resilin {
 
-/// Energy density and its derivatives with respect to the variables of the law's kind: (d1, d2, j) of
-/// Invariants, or (eps:eps, nothing, tr eps) of SmallStrain. Outside the law's domain: +infinity, and nan for
-/// the rest.
-struct LawValues {
-  double energy;                    ///< Psi [J/m^3]
-  std::array<double, 3> slope;      ///< [Pa]
-  std::array<double, 6> curvature;  ///< 00 01 02 11 12 22 [Pa]
-};
-
 /// A law of the catalogue at run time.
 struct LawInfo {
   int index;  ///< place in the catalogue
@@ -31,11 +22,16 @@ struct LawInfo {
   std::string_view inversion;  ///< what happens at J <= 0, in words
   bool needs_positive_J;       ///< Psi = +infinity at J <= 0
   bool uses_second_invariant;
+  int max_fibres;              ///< families of fibres that it can have; 0 for an isotropic law
+  double only_poissons_ratio;  ///< the one that the law can have; not a number when it can have any
   std::span<const ConstantText> constants;
 
-  /// Constants that give this small-strain solid.
-  std::vector<double> (*constants_from)(const Hooke& hooke);
-  LawValues (*evaluate)(const double* constants, const std::array<double, 3>& variables);
+  /// Constants that give this small-strain solid (for a law with fibres: its ground substance). `free`: the
+  /// free constants (ConstantText::is_free), in their order.
+  std::vector<double> (*convert)(const Hooke& hooke, std::span<const double> free);
+
+  /// The same with the fallback of each free constant; for one that has none, hooke.mu or 1.
+  std::vector<double> constants_from(const Hooke& hooke) const;
 };
 
 /// All laws, in the order of the catalogue.
@@ -48,9 +44,14 @@ const LawInfo* find_law(std::string_view name);
 const LawInfo& require_law(std::string_view name, const std::string& place);
 
 /// Constants of the law's formula, in its order, from what a user gave: "youngs_modulus" [Pa] and
-/// "poissons_ratio", which always mean the small-strain solid, or all constants of the formula by name, taken
-/// literally. Throws InputError at `place`.CONSTANT for anything else.
+/// "poissons_ratio", which always mean the small-strain solid, with free constants beside them, or the
+/// constants of the formula by name, taken literally; those with a fallback may be left out. Throws
+/// InputError at `place`.CONSTANT for anything else, and at `place` when the solid would not be stable at
+/// rest.
 std::vector<double> resolve_constants(const LawInfo& law, const std::map<std::string, double>& given,
                                       const std::string& place);
+
+/// "number above 0 Pa": what a constant may be.
+std::string range_text(const ConstantText& constant);
 
 }  // namespace resilin

@@ -1,4 +1,5 @@
 #include "resilin/material/law_kernels.hpp"
+#include "resilin/material/point_kernels.hpp"
 
 namespace resilin {
 
@@ -9,6 +10,15 @@ const LawKernels& law_kernels(int law_index, InstructionSet set) {
 #endif
   static_cast<void>(set);
   return baseline::law_kernels(law_index);
+}
+
+const PointKernels& point_kernels(int dim, InstructionSet set) {
+#if defined(__x86_64__)
+  if (set == InstructionSet::avx512) return avx512::point_kernels(dim);
+  if (set == InstructionSet::avx2) return avx2::point_kernels(dim);
+#endif
+  static_cast<void>(set);
+  return baseline::point_kernels(dim);
 }
 
 }  // namespace resilin

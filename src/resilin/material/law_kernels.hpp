@@ -3,13 +3,31 @@
 #include <cstddef>
 
 #include "resilin/core/cpu.hpp"
+#include "resilin/material/law_text.hpp"
 
 namespace resilin {
+
+/// Rows of lanes that a law of this kind takes for each block: d1, d2, j of Invariants; eps:eps, nothing, tr
+/// eps of SmallStrain; e_1, e_2, e_3 of Stretches; d1, d2, j, the two stretches and the two weights of
+/// FibreInvariants.
+constexpr int num_variables(LawKind kind) { return kind == LawKind::fibres ? 7 : 3; }
+/// How many of them Psi is differentiated by.
+constexpr int num_slopes(LawKind kind) { return kind == LawKind::fibres ? 5 : 3; }
+/// Rows of `LawKernels::curvature`.
+constexpr int num_curvature_rows(LawKind kind) {
+  const int n = num_slopes(kind);
+  return n + n * (n + 1) / 2 + (kind == LawKind::stretches ? 6 : 0);
+}
+constexpr int max_variables = 7, max_slopes = 5, max_curvature_rows = 20;
+
+/// Rows of lanes that hold the rest directions of fibres: three components of one family, then those of the
+/// next; zero where there is no such family.
+constexpr std::size_t fibre_rows = 6;
 
 /// Points at which a law is evaluated, `block_size` lanes (core/simd.hpp) at a time.
 struct LawBatch {
   std::size_t num_blocks;
-  const double* invariants;     ///< per block d1, d2, j; for small-strain laws eps:eps, unused, tr eps
+  const double* variables;
   const double* constants;      ///< per block one row of lanes for each constant ...
   std::size_t constant_stride;  ///< ... so many numbers from block to block; 0 when all blocks share one
   double* results;
@@ -18,12 +36,16 @@ struct LawBatch {
 /// A law compiled for one instruction set. Outside the law's domain the energy is +infinity and its
 /// derivatives are not numbers, in the lanes concerned alone.
 struct LawKernels {
-  void (*energy)(const LawBatch&);     ///< per block: Psi
-  void (*gradient)(const LawBatch&);   ///< per block: dPsi/d(d1, d2, j)
-  void (*curvature)(const LawBatch&);  ///< per block: the gradient, then d2Psi by 00 01 02 11 12 22
+  void (*energy)(const LawBatch&);    ///< per block: Psi
+  void (*gradient)(const LawBatch&);  ///< per block: dPsi by the variables
+  /// Per block: the gradient, then d2Psi by 00 01 02 ... 11 12 ...; for stretches also three flips and three
+  /// twists (material/stretches.hpp).
+  void (*curvature)(const LawBatch&);
+  /// Per block: dPsi/dp, then the gradient of that by the variables, p being the constant of this place.
+  void (*constant_gradient)(const LawBatch&, int p);
+  /// Per block: d2Psi/(dp dq).
+  void (*constant_curvature)(const LawBatch&, int p, int q);
 };
-
-constexpr int gradient_rows = 3, curvature_rows = 9;
 
 /// Kernels of the law at this place in the catalogue.
 const LawKernels& law_kernels(int law_index, InstructionSet set);

@@ -9,14 +9,31 @@ namespace resilin {
 enum class LawKind {
   invariants,    ///< Invariants: isotropic, any strain
   small_strain,  ///< SmallStrain, quadratic: isotropic, rotations strain it
+  stretches,     ///< Stretches: isotropic, any strain
+  fibres,        ///< FibreInvariants: stiffer along one or two families of fibres
+};
+
+/// What loops over states need to know about a law.
+struct LawForm {
+  LawKind kind;
+  bool uses_second_invariant;
 };
 
 /// A constant of a law's formula.
 struct ConstantText {
+  static constexpr double infinity = std::numeric_limits<double>::infinity();
+
   std::string_view name;
-  std::string_view unit;
+  std::string_view unit;  ///< empty for a pure number
   std::string_view meaning;
-  double above = -std::numeric_limits<double>::infinity();  ///< the value must be greater than this
+  double above = -infinity;     ///< the value must be greater than this,
+  double at_least = -infinity;  ///< not less than this
+  double at_most = infinity;    ///< and not greater than this
+  bool is_nonzero = false;
+  /// Not determined by the small-strain solid: it may be given beside youngs_modulus and poissons_ratio ...
+  bool is_free = false;
+  /// ... and has this value otherwise; one that is no number must be given.
+  double fallback = std::numeric_limits<double>::quiet_NaN();
 };
 
 constexpr ConstantText shear_modulus_text = {"shear_modulus", "Pa", "mu", 0};

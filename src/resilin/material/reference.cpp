@@ -38,6 +38,22 @@ std::string conversion(const LawInfo& law, std::size_t constant) {
   return sum.empty() ? "0" : sum;
 }
 
+/// What a constant is when E and nu are given; exponents and the like do not depend on them.
+std::string from_hooke(const LawInfo& law, std::size_t i) {
+  const ConstantText& constant = law.constants[i];
+  if (constant.is_free)
+    return std::isnan(constant.fallback) ? "given beside"
+                                         : "given beside, or " + format_number(constant.fallback);
+  const double at_rest = law.constants_from({.mu = 1, .lambda = 0})[i];
+  if (constant.unit.empty()) return format_number(at_rest);
+  return conversion(law, i);
+}
+
+/// What it is when the constants of the formula are given and it is left out.
+std::string left_out(const ConstantText& constant) {
+  return std::isnan(constant.fallback) ? "" : format_number(constant.fallback);
+}
+
 void append(std::string& text, std::initializer_list<std::string_view> parts) {
   for (const std::string_view part : parts) text += part;
 }
@@ -45,14 +61,19 @@ void append(std::string& text, std::initializer_list<std::string_view> parts) {
 std::string section(const LawInfo& law) {
   std::string text;
   append(text, {"## `", law.name, "`\n\n    Psi = ", law.formula, "\n\n"});
-  append(text,
-         {"| constant | in the formula | unit | bound | from (E, nu) |\n| --- | --- | --- | --- | --- |\n"});
+  append(text, {"| constant | in the formula | unit | a | from (E, nu) | left out |\n"
+                "| --- | --- | --- | --- | --- | --- |\n"});
   for (std::size_t i = 0; i < law.constants.size(); ++i) {
     const ConstantText& constant = law.constants[i];
-    const std::string bound = std::isfinite(constant.above) ? format_number(constant.above) : std::string();
     append(text, {"| `", constant.name, "` | ", constant.meaning, " | ", constant.unit, " | ",
-                  bound.empty() ? "any" : "> ", bound, " | ", conversion(law, i), " |\n"});
+                  range_text(constant), " | ", from_hooke(law, i), " | ", left_out(constant), " |\n"});
   }
+  if (!std::isnan(law.only_poissons_ratio))
+    append(text, {"\nIts Poisson's ratio is ", format_number(law.only_poissons_ratio), ".\n"});
+  if (law.max_fibres > 0)
+    append(text,
+           {"\nNeeds one or two families of `fibres`, unit vectors of the rest shape. (E, nu) are those "
+            "of the ground substance, without fibres.\n"});
   append(text, {"\nSource: ", law.source, ".  \nJ <= 0: ", law.inversion, ".\n\n"});
   return text;
 }
@@ -68,10 +89,15 @@ std::string law_reference() {
       "solid: every law "
       "converts them to its own constants, so that E and nu measured on a slightly strained bar are those "
       "asked for.\n"
-      "- The constants of the formula, all of them, by name: they are taken as they stand.\n\n"
+      "- The constants of the formula, by name: they are taken as they stand. The last column says which may "
+      "be left out.\n\n"
+      "Constants that E and nu do not determine are given beside them. A set of constants that would not be "
+      "stable at rest is refused.\n\n"
       "In 2D the state is plane strain: F = diag(F_2, 1) in the same formula. Psi is the strain energy per "
       "rest volume "
-      "[J/m^3], zero at rest; F = dx/dX, J = det F, C = F^T F, I_C = tr C. mu_H = E / (2 (1 + nu)) and "
+      "[J/m^3], zero at rest; F = dx/dX, J = det F, C = F^T F, I_C = tr C, II_C = |cof F|^2, s_i are the "
+      "signed "
+      "singular values of F and R is its rotation. mu_H = E / (2 (1 + nu)) and "
       "lambda_H = E nu / "
       "((1 + nu) (1 - 2 nu)) are Hooke's constants.\n\n";
   for (const LawInfo* law : laws()) page += section(*law);

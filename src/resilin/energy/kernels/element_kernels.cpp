@@ -26,6 +26,10 @@ struct Place {
   Lanes weight(const ElementTile& tile) const {
     return Lanes::load(tile.weights + block * block_size + lane);
   }
+  /// Of the fibres; null where there are none.
+  const double* directions(const ElementTile& tile) const {
+    return tile.directions == nullptr ? nullptr : tile.directions + block * (fibre_rows * block_size) + lane;
+  }
   RESILIN_INLINE void gradients(const ElementTile& tile, Lanes g[dim][dim]) const {
     load_rows(tile.gradients + block * (dim * dim * block_size) + lane, dim * dim, g[0]);
   }
@@ -54,9 +58,10 @@ RESILIN_INLINE void prefetch_geometry(const ElementTile& tile, std::size_t block
 
 template <int dim>
 [[gnu::flatten]] void measure(const ElementTile& tile, const LawForm& law, const double* displacements,
-                              double* H_rows, double* variables) {
+                              double* H_rows, double* variables, double* frames) {
+  const int rows = num_variables(law.kind);
   for_lanes<dim>(tile, [&](const Place<dim>& at) {
-    Lanes u0[dim], u[dim], g[dim][dim], H[dim * dim], out[3];
+    Lanes u0[dim], u[dim], g[dim][dim], H[dim * dim], out[max_variables], frame[frame_rows(dim)];
     if (at.lane == 0) prefetch_geometry<dim>(tile, at.block);
     at.gradients(tile, g);
     gather<dim>(displacements, at.nodes(tile, 0), u0);
@@ -68,12 +73,11 @@ template <int dim>
           H[dim * i + k] = a == 0 ? u[i] * g[a][k] : H[dim * i + k] + u[i] * g[a][k];
       }
     }
-    if (law.kind == LawKind::small_strain)
-      small_strain<dim>(H, out);
-    else
-      invariants<dim>(H, law.uses_second_invariant, out);
+    const bool keeps_frame = law.kind == LawKind::stretches && frames != nullptr;
+    variables_of<dim>(law, H, at.directions(tile), out, keeps_frame ? frame : nullptr);
     store_rows(H, dim * dim, H_rows + at.row(dim * dim));
-    store_rows(out, 3, variables + at.row(3));
+    store_variables(law, out, variables + at.row(rows));
+    if (keeps_frame) store_rows(frame, frame_rows(dim), frames + at.row(frame_rows(dim)));
   });
 }
 
@@ -111,14 +115,16 @@ RESILIN_INLINE bool owns_all(const OwnedNodes& owned, const std::int32_t* nodes,
 
 template <int dim>
 [[gnu::flatten]] void add_forces(const ElementTile& tile, const LawForm& law, const double* H_rows,
-                                 const double* law_gradient, bool is_magnitude, const OwnedNodes& owned,
-                                 double* forces) {
+                                 const double* frames, const double* law_gradient, bool is_magnitude,
+                                 const OwnedNodes& owned, double* forces) {
+  const int rows = num_slopes(law.kind);
   for_lanes<dim>(tile, [&](const Place<dim>& at) {
-    Lanes H[dim * dim], slopes[3], P[dim * dim], g[dim][dim], f[dim + 1][dim];
+    Lanes H[dim * dim], frame[frame_rows(dim)], slopes[5], P[dim * dim], g[dim][dim], f[dim + 1][dim];
     load_rows(H_rows + at.row(dim * dim), dim * dim, H);
-    load_rows(law_gradient + at.row(gradient_rows), 3, slopes);
+    load_rows(law_gradient + at.row(rows), rows, slopes);
+    if (law.kind == LawKind::stretches) load_rows(frames + at.row(frame_rows(dim)), frame_rows(dim), frame);
     at.gradients(tile, g);
-    stress<dim>(law, H, slopes, P);
+    stress<dim>(law, H, frame, at.directions(tile), slopes, P);
     const Lanes w = at.weight(tile);
     for (int i = 0; i < dim * dim; ++i) P[i] *= w;
     apply<dim>(P, g, f + 1);
@@ -140,8 +146,9 @@ template <int dim>
   });
 }
 
+/// Of a law of invariants, by the shortest way.
 template <int dim>
-RESILIN_INLINE void isotropic_hessian(const HessianForm& form, const Lanes H[], const double* law,
+RESILIN_INLINE void invariant_hessian(const HessianForm& form, const Lanes H[], const double* law,
                                       const Lanes g[dim][dim], Lanes w, ElementHessian<dim>& K) {
   Lanes F[dim * dim];
   for (int i = 0; i < dim * dim; ++i) F[i] = H[i];
@@ -149,18 +156,21 @@ RESILIN_INLINE void isotropic_hessian(const HessianForm& form, const Lanes H[], 
   if constexpr (dim == 2) {
     const InvariantDerivatives d = plane_strain_derivatives(law, H[0] + H[3] + (H[0] * H[3] - H[1] * H[2]));
     if (form.removed > 0)
-      projected_hessian2(F, d, g, w, form.removed, K);
+      projected_hessian2(H, d, g, w, form.removed, K);
     else
       plain_hessian2(F, d, g, w, K);
   } else {
     const InvariantDerivatives d = invariant_derivatives(law);
-    if (form.law.uses_second_invariant) {
-      if (form.removed > 0)
-        projected_hessian3<true>(F, d, g, w, form.removed, K);
-      else
-        plain_hessian3<true>(F, d, g, w, K);
-    } else if (form.removed > 0) {
-      projected_hessian3<false>(F, d, g, w, form.removed, K);
+    if (form.removed > 0) {
+      const Svd3 m = svd(H);
+      PrincipalTangent t =
+          form.law.uses_second_invariant ? principal_tangent<true>(d, m.s) : principal_tangent<false>(d, m.s);
+      t.project(form.removed);
+      Lanes frame[18];
+      frame_of(m, frame);
+      principal_hessian3(t, frame, g, w, K);
+    } else if (form.law.uses_second_invariant) {
+      plain_hessian3<true>(F, d, g, w, K);
     } else {
       plain_hessian3<false>(F, d, g, w, K);
     }
@@ -168,29 +178,49 @@ RESILIN_INLINE void isotropic_hessian(const HessianForm& form, const Lanes H[], 
 }
 
 template <int dim>
-RESILIN_INLINE void element_hessian(const HessianForm& form, const Lanes H[], const double* law,
-                                    const Lanes g[dim][dim], Lanes w, ElementHessian<dim>& K) {
-  if (form.law.kind == LawKind::small_strain)
-    small_strain_hessian<dim>(Lanes::load(law), Lanes::load(law + 8 * block_size), g, w, K);
-  else
-    isotropic_hessian<dim>(form, H, law, g, w, K);
+RESILIN_INLINE void stretch_hessian3(const HessianForm& form, const Lanes frame[], const double* law,
+                                     const Lanes g[dim][dim], Lanes w, ElementHessian<dim>& K) {
+  PrincipalTangent t = principal_tangent(law);
+  if (form.removed > 0) t.project(form.removed);
+  principal_hessian3(t, frame, g, w, K);
 }
 
 template <int dim>
-void hessians(const ElementTile& tile, const HessianForm& form, const double* H_rows,
+RESILIN_INLINE void element_hessian(const HessianForm& form, const Lanes H[], const Lanes frame[],
+                                    const double* directions, const double* law, const Lanes g[dim][dim],
+                                    Lanes w, ElementHessian<dim>& K) {
+  if (form.law.kind == LawKind::small_strain) {
+    small_strain_hessian<dim>(Lanes::load(law), Lanes::load(law + 8 * block_size), g, w, K);
+  } else if (form.law.kind == LawKind::invariants) {
+    invariant_hessian<dim>(form, H, law, g, w, K);
+  } else if (dim == 3 && form.law.kind == LawKind::stretches) {
+    if constexpr (dim == 3) stretch_hessian3<dim>(form, frame, law, g, w, K);
+  } else {
+    Lanes A[dim * dim * dim * dim];
+    tangent<dim>(form.law, form.removed, H, frame, directions, law, A);
+    hessian_from_tangent<dim>(A, g, w, K);
+  }
+}
+
+template <int dim>
+void hessians(const ElementTile& tile, const HessianForm& form, const double* H_rows, const double* frames,
               const double* law_curvature, double* out_rows) {
   constexpr int rows = num_pairs(dim) * dim * dim;
+  const int law_rows = num_curvature_rows(form.law.kind);
   for_lanes<dim>(tile, [&](const Place<dim>& at) {
-    Lanes H[dim * dim], g[dim][dim];
+    Lanes H[dim * dim], frame[frame_rows(dim)], g[dim][dim];
     load_rows(H_rows + at.row(dim * dim), dim * dim, H);
+    if (form.law.kind == LawKind::stretches)
+      load_rows(frames + at.row(frame_rows(dim)), frame_rows(dim), frame);
     at.gradients(tile, g);
-    const double* law = law_curvature + at.row(curvature_rows);
+    const double* law = law_curvature + at.row(law_rows);
     double* out = out_rows + at.row(rows);
     if constexpr (Lanes::width == block_size) {  // a row of lanes is a row of the block: no copy
-      element_hessian<dim>(form, H, law, g, at.weight(tile), *reinterpret_cast<ElementHessian<dim>*>(out));
+      element_hessian<dim>(form, H, frame, at.directions(tile), law, g, at.weight(tile),
+                           *reinterpret_cast<ElementHessian<dim>*>(out));
     } else {
       ElementHessian<dim> K;
-      element_hessian<dim>(form, H, law, g, at.weight(tile), K);
+      element_hessian<dim>(form, H, frame, at.directions(tile), law, g, at.weight(tile), K);
       store_rows(K[0], rows, out);
     }
   });

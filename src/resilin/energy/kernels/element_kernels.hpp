@@ -18,6 +18,8 @@ struct ElementTile {
   const std::int32_t* nodes;  ///< of all blocks: [block][node][lane], local numbers
   const double* gradients;    ///< of all blocks: [block][node - 1][component][lane], dN/dX of nodes 1, 2, ...
   const double* weights;      ///< of all blocks: [block][lane], rest volumes
+  /// Of all blocks: [block][fibre_rows][lane], rest directions of the fibres; null for a law without.
+  const double* directions;
 };
 
 /// A sum of energies, each lane with its own compensation for round-off.
@@ -32,12 +34,6 @@ struct OwnedNodes {
   std::int32_t begin, end;
 };
 
-/// What the loops need to know about a law.
-struct LawForm {
-  LawKind kind;
-  bool uses_second_invariant;
-};
-
 /// How the element Hessians are formed.
 struct HessianForm {
   LawForm law;
@@ -47,21 +43,21 @@ struct HessianForm {
 
 struct ElementKernels {
   /// H = sum_a (u_a - u_0) dN_a/dX, by rows, [tile block][dim * dim][lane], and the variables of the law's
-  /// kind.
+  /// kind; for stretches the frame as well (material/lane_variables.hpp), unless `frames` is null.
   void (*measure)(const ElementTile&, const LawForm&, const double* displacements, double* H,
-                  double* invariants);
+                  double* variables, double* frames);
 
   /// Adds weight * (psi - psi_from); psi_from may be null.
   void (*add_energies)(const ElementTile&, const double* psi, const double* psi_from, EnergySum&);
 
   /// Adds dE/dx, or the absolute values of each element's share, at the owned nodes.
-  void (*add_forces)(const ElementTile&, const LawForm&, const double* H, const double* law_gradient,
-                     bool is_magnitude, const OwnedNodes&, double* forces);
+  void (*add_forces)(const ElementTile&, const LawForm&, const double* H, const double* frames,
+                     const double* law_gradient, bool is_magnitude, const OwnedNodes&, double* forces);
 
   /// Upper blocks (a, b), a <= b, of the element Hessians: [tile block][pair][dim * dim][lane]. K is aligned
   /// to 64 bytes.
-  void (*hessians)(const ElementTile&, const HessianForm&, const double* H, const double* law_curvature,
-                   double* K);
+  void (*hessians)(const ElementTile&, const HessianForm&, const double* H, const double* frames,
+                   const double* law_curvature, double* K);
 
   /// Before `measure` of a tile that will be assembled: calls its slots and the displacements of the next one
   /// into the cache.

@@ -1,23 +1,9 @@
 #pragma once
 
-#include "resilin/core/simd.hpp"
+#include "resilin/core/simd_arrays.hpp"
 
 /// Between lanes and the numbers of single nodes and matrix blocks.
 namespace resilin::RESILIN_SIMD_NAMESPACE {
-
-#if RESILIN_SIMD_WIDTH >= 4
-using Four = double __attribute__((vector_size(32)));
-
-RESILIN_INLINE Four load_four(const double* p) {
-  Four x;
-  __builtin_memcpy(&x, p, sizeof x);
-  return x;
-}
-RESILIN_INLINE void add_four(double* p, Four x) {
-  x += load_four(p);
-  __builtin_memcpy(p, &x, sizeof x);
-}
-#endif
 
 /// out[i] = component i of the nodes in these lanes. Three components are stored with stride 4, two with 2.
 template <int dim>
@@ -89,38 +75,6 @@ RESILIN_INLINE void scatter_add(const Lanes values[dim], const std::int32_t* nod
     if (is_owned(nodes[lane]))
       for (int i = 0; i < dim; ++i) numbers[stride * nodes[lane] + i] += values[i].v[lane];
 }
-
-#if RESILIN_SIMD_WIDTH == 8
-/// Rows become columns.
-RESILIN_INLINE void transpose(Lanes::Vector r[8]) {
-  Lanes::Vector t[8];
-  for (int i = 0; i < 8; i += 2) {
-    t[i] = __builtin_shufflevector(r[i], r[i + 1], 0, 8, 2, 10, 4, 12, 6, 14);
-    t[i + 1] = __builtin_shufflevector(r[i], r[i + 1], 1, 9, 3, 11, 5, 13, 7, 15);
-  }
-  for (int i = 0; i < 2; ++i) {
-    const auto a = __builtin_shufflevector(t[i], t[i + 2], 0, 1, 4, 5, 8, 9, 12, 13);
-    const auto b = __builtin_shufflevector(t[i], t[i + 2], 2, 3, 6, 7, 10, 11, 14, 15);
-    const auto c = __builtin_shufflevector(t[i + 4], t[i + 6], 0, 1, 4, 5, 8, 9, 12, 13);
-    const auto d = __builtin_shufflevector(t[i + 4], t[i + 6], 2, 3, 6, 7, 10, 11, 14, 15);
-    r[i] = __builtin_shufflevector(a, c, 0, 1, 4, 5, 8, 9, 12, 13);
-    r[i + 4] = __builtin_shufflevector(a, c, 2, 3, 6, 7, 10, 11, 14, 15);
-    r[i + 2] = __builtin_shufflevector(b, d, 0, 1, 4, 5, 8, 9, 12, 13);
-    r[i + 6] = __builtin_shufflevector(b, d, 2, 3, 6, 7, 10, 11, 14, 15);
-  }
-}
-#elif RESILIN_SIMD_WIDTH == 4
-RESILIN_INLINE void transpose(Four r[4]) {
-  const auto a = __builtin_shufflevector(r[0], r[1], 0, 4, 2, 6),
-             b = __builtin_shufflevector(r[0], r[1], 1, 5, 3, 7);
-  const auto c = __builtin_shufflevector(r[2], r[3], 0, 4, 2, 6),
-             d = __builtin_shufflevector(r[2], r[3], 1, 5, 3, 7);
-  r[0] = __builtin_shufflevector(a, c, 0, 1, 4, 5);
-  r[1] = __builtin_shufflevector(b, d, 0, 1, 4, 5);
-  r[2] = __builtin_shufflevector(a, c, 2, 3, 6, 7);
-  r[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
-}
-#endif
 
 /// Adds the 3x3 block in each lane of rows[9][block_size] to values + 9 * slot of its lane.
 RESILIN_INLINE void add_blocks3(const double* rows, const std::uint32_t* slots, const bool* is_owned,

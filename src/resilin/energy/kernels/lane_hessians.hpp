@@ -1,6 +1,6 @@
 #pragma once
 
-#include "resilin/energy/kernels/lane_tensors.hpp"
+#include "resilin/material/lane_tangent.hpp"
 
 /// Hessians of one P1 element per lane, from the shape gradients g_a of nodes 1, 2, ...; node 0 follows from
 /// translation invariance. Derivation: docs/theory/element_hessians.md.
@@ -38,23 +38,6 @@ RESILIN_INLINE void complete_node_zero(ElementHessian<dim>& K) {
       K[0][dim * i + k] = -sum;
     }
   make_symmetric<dim>(K[0]);
-}
-
-/// y_a = A g_a for all gradients.
-template <int dim>
-RESILIN_INLINE void apply(const Lanes A[], const Lanes g[][dim], Lanes y[][dim]) {
-  for (int a = 0; a < dim; ++a)
-    for (int i = 0; i < dim; ++i) {
-      y[a][i] = A[dim * i] * g[a][0];
-      for (int k = 1; k < dim; ++k) y[a][i] += A[dim * i + k] * g[a][k];
-    }
-}
-
-template <int dim>
-RESILIN_INLINE Lanes dot(const Lanes a[], const Lanes b[]) {
-  Lanes sum = a[0] * b[0];
-  for (int i = 1; i < dim; ++i) sum += a[i] * b[i];
-  return sum;
 }
 
 /// Unprojected, with f_a = F g_a, c_a = cof F g_a and e_a = (I_C I - b) f_a, b = F F^T:
@@ -172,98 +155,30 @@ RESILIN_INLINE void small_strain_hessian(Lanes slope, Lanes curvature, const Lan
   complete_node_zero<dim>(K);
 }
 
-/// Takes `removed` times the negative part off a number ...
-RESILIN_INLINE Lanes lifted(Lanes x, double removed) { return x - removed * min(x, Lanes(0.0)); }
-
-/// ... off a symmetric 3x3 matrix. Nothing is done when all lanes are safely positive definite.
-RESILIN_INLINE void lift(Symmetric3& A, double removed) {
-  const Lanes size = abs(A.m00) + abs(A.m11) + abs(A.m22);
-  const Lanes minor2 = A.m00 * A.m11 - A.m01 * A.m01;
-  const Lanes det = A.m22 * minor2 - A.m00 * (A.m12 * A.m12) - A.m02 * (A.m02 * A.m11 - A.m01 * A.m12) +
-                    A.m01 * A.m02 * A.m12;
-  const Mask is_safe =
-      (A.m00 > 1e-10 * size) & (minor2 > 1e-12 * size * size) & (det > 1e-14 * size * size * size);
-  if (!any(~is_safe)) return;
-  Symmetric3 D = A;
-  Column3 V[3];
-  diagonalize(D, V, 4);
-  const Lanes values[3] = {D.m00, D.m11, D.m22};
-  for (int i = 0; i < 3; ++i) {
-    const Lanes n = removed * min(values[i], Lanes(0.0));
-    const Lanes x = n * V[i][0], y = n * V[i][1], z = n * V[i][2];
-    A.m00 -= x * V[i][0];
-    A.m11 -= y * V[i][1];
-    A.m22 -= z * V[i][2];
-    A.m01 -= x * V[i][1];
-    A.m02 -= x * V[i][2];
-    A.m12 -= y * V[i][2];
-  }
-}
-
-/// Projected by the closed eigensystem of isotropic energies (Smith, de Goes & Kim 2019; Poya, Gil & Ortigosa
-/// 2023). With F = U diag(s) V^T and h_a = V^T g_a, K_ab = U Khat_ab U^T and
+/// From the closed eigensystem of isotropic energies. With F = U diag(s) V^T and h_a = V^T g_a, K_ab = U
+/// Khat_ab U^T and
 ///
-///   Khat_ii = A_ii h_ai h_bi + sum_j D_ij h_aj h_bj,   Khat_ij = A_ij h_ai h_bj + E_ij h_aj h_bi
+///   Khat_ii = S_ii h_ai h_bi + sum_j D_ij h_aj h_bj,   Khat_ij = S_ij h_ai h_bj + E_ij h_aj h_bi
 ///
-/// A is the Hessian of Psi in the singular values; D and E come from the flip and twist eigenvalues of the
-/// plane (i, j), k the third index, 2 Psi_1 + 2 Psi_2 (s_k^2 -/+ s_i s_j) -/+ Psi_J s_k: nothing is divided.
-template <bool has_second_invariant>
-RESILIN_INLINE void projected_hessian3(const Lanes F[9], const InvariantDerivatives& d, const Lanes g[3][3],
-                                       Lanes w, double removed, ElementHessian<3>& K) {
-  const Svd3 m = svd(F);
-  const Lanes* s = m.s;
-  const Lanes q[3] = {s[0] * s[0], s[1] * s[1], s[2] * s[2]};
-  const Lanes two_a1 = 2.0 * d.a1;
-  [[maybe_unused]] const Lanes two_a2 = 2.0 * d.a2;
-  Lanes d1[3], d2[3], dJ[3];  // derivatives of I_C, II_C, J by the singular values
-  for (int i = 0; i < 3; ++i) {
-    const int j = (i + 1) % 3, k = (i + 2) % 3;
-    d1[i] = 2.0 * s[i];
-    d2[i] = d1[i] * (q[j] + q[k]);
-    dJ[i] = s[j] * s[k];
-  }
-  const auto rank = [&](int i, int j) {
-    Lanes sum = d1[i] * (d.h11 * d1[j] + d.h1J * dJ[j]) + dJ[i] * (d.h1J * d1[j] + d.hJJ * dJ[j]);
-    if constexpr (has_second_invariant)
-      sum += d.h12 * (d1[i] * d2[j] + d2[i] * d1[j]) + d2[i] * (d.h22 * d2[j] + d.h2J * dJ[j]) +
-             d.h2J * dJ[i] * d2[j];
-    return sum;
-  };
-  const auto diagonal = [&](int i) {
-    Lanes sum = rank(i, i) + two_a1;
-    if constexpr (has_second_invariant) sum += two_a2 * (q[(i + 1) % 3] + q[(i + 2) % 3]);
-    return sum;
-  };
-  const auto mixed = [&](int i, int j) {
-    Lanes sum = rank(i, j) + d.aJ * s[3 - i - j];
-    if constexpr (has_second_invariant) sum += 2.0 * two_a2 * s[i] * s[j];
-    return sum;
-  };
-  Symmetric3 S = {diagonal(0), diagonal(1), diagonal(2), mixed(0, 1), mixed(0, 2), mixed(1, 2)};
-  lift(S, removed);
-  const Lanes A[3][3] = {{S.m00, S.m01, S.m02}, {S.m01, S.m11, S.m12}, {S.m02, S.m12, S.m22}};
-
+/// D and E come from the flip and twist eigenvalues of the plane (i, j). `frame`: columns of U, then of V.
+RESILIN_INLINE void principal_hessian3(const PrincipalTangent& t, const Lanes frame[18], const Lanes g[3][3],
+                                       Lanes w, ElementHessian<3>& K) {
+  const Lanes A[3][3] = {
+      {t.S.m00, t.S.m01, t.S.m02}, {t.S.m01, t.S.m11, t.S.m12}, {t.S.m02, t.S.m12, t.S.m22}};
   Lanes D[3], E[3];  // by the third index
   for (int k = 0; k < 3; ++k) {
-    Lanes flip = two_a1 - d.aJ * s[k], twist = two_a1 + d.aJ * s[k];
-    if constexpr (has_second_invariant) {
-      const Lanes product = s[(k + 1) % 3] * s[(k + 2) % 3];
-      flip += two_a2 * (q[k] - product);
-      twist += two_a2 * (q[k] + product);
-    }
-    flip = lifted(flip, removed);
-    twist = lifted(twist, removed);
-    D[k] = 0.5 * (flip + twist);
-    E[k] = 0.5 * (flip - twist);
+    D[k] = 0.5 * (t.flip[k] + t.twist[k]);
+    E[k] = 0.5 * (t.flip[k] - t.twist[k]);
   }
+  const Lanes *U = frame, *V = frame + 9;
 
   Lanes h[3][3];
   for (int a = 0; a < 3; ++a)
-    for (int i = 0; i < 3; ++i) h[a][i] = g[a][0] * m.V[i][0] + g[a][1] * m.V[i][1] + g[a][2] * m.V[i][2];
+    for (int i = 0; i < 3; ++i) h[a][i] = dot<3>(g[a], V + 3 * i);
   for (int a = 0; a < 3; ++a) {
     const Lanes wh[3] = {w * h[a][0], w * h[a][1], w * h[a][2]};
     for (int b = a; b < 3; ++b) {
-      Lanes k[9], t[9];
+      Lanes k[9], u[9];
       const Lanes p[3] = {wh[0] * h[b][0], wh[1] * h[b][1], wh[2] * h[b][2]};
       k[0] = A[0][0] * p[0] + D[2] * p[1] + D[1] * p[2];
       k[4] = D[2] * p[0] + A[1][1] * p[1] + D[0] * p[2];
@@ -272,12 +187,11 @@ RESILIN_INLINE void projected_hessian3(const Lanes F[9], const InvariantDerivati
         for (int j = 0; j < 3; ++j)
           if (i != j) k[3 * i + j] = A[i][j] * (wh[i] * h[b][j]) + E[3 - i - j] * (wh[j] * h[b][i]);
       for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j)
-          t[3 * i + j] = m.U[0][i] * k[j] + m.U[1][i] * k[3 + j] + m.U[2][i] * k[6 + j];
+        for (int j = 0; j < 3; ++j) u[3 * i + j] = U[i] * k[j] + U[3 + i] * k[3 + j] + U[6 + i] * k[6 + j];
       Lanes* out = K[pair_index(4, a + 1, b + 1)];
       for (int i = 0; i < 3; ++i)
         for (int j = a == b ? i : 0; j < 3; ++j)
-          out[3 * i + j] = t[3 * i] * m.U[0][j] + t[3 * i + 1] * m.U[1][j] + t[3 * i + 2] * m.U[2][j];
+          out[3 * i + j] = u[3 * i] * U[j] + u[3 * i + 1] * U[3 + j] + u[3 * i + 2] * U[6 + j];
       if (a == b) make_symmetric<3>(out);
     }
   }
@@ -285,32 +199,11 @@ RESILIN_INLINE void projected_hessian3(const Lanes F[9], const InvariantDerivati
 }
 
 /// The same in plane strain: flip and twist eigenvalues 2 Psi_1 -/+ Psi_J.
-RESILIN_INLINE void projected_hessian2(const Lanes F[4], const InvariantDerivatives& d, const Lanes g[2][2],
+RESILIN_INLINE void projected_hessian2(const Lanes H[4], const InvariantDerivatives& d, const Lanes g[2][2],
                                        Lanes w, double removed, ElementHessian<2>& K) {
-  // F V = U diag(s): one rotation diagonalises F^T F, a second one on F V gives back its lost digits.
-  Lanes V[2][2] = {{1.0, 0.0}, {0.0, 1.0}}, B[2][2] = {{F[0], F[2]}, {F[1], F[3]}};  // columns
-  for (int sweep = 0; sweep < 2; ++sweep) {
-    const Rotation2 r = jacobi_rotation(dot<2>(B[1], B[1]) - dot<2>(B[0], B[0]), dot<2>(B[0], B[1]));
-    for (auto* columns : {&V, &B})
-      for (int i = 0; i < 2; ++i) {
-        const Lanes x = (*columns)[0][i], y = (*columns)[1][i];
-        (*columns)[0][i] = r.c * x - r.s * y;
-        (*columns)[1][i] = r.s * x + r.c * y;
-      }
-  }
-  const Mask is_less = dot<2>(B[0], B[0]) < dot<2>(B[1], B[1]);
-  for (auto* columns : {&V, &B})
-    for (int i = 0; i < 2; ++i) {  // swap with a sign: stays a rotation
-      const Lanes x = (*columns)[0][i], y = (*columns)[1][i];
-      (*columns)[0][i] = select(is_less, y, x);
-      (*columns)[1][i] = select(is_less, -x, y);
-    }
-  const Lanes norm = dot<2>(B[0], B[0]), r0 = reciprocal_sqrt(norm + 1e-290);
-  const Mask is_null = norm < Lanes(1e-280);  // F = 0: any rotation serves
-  const Lanes u0 = select(is_null, 1.0, B[0][0] * r0), u1 = select(is_null, 0.0, B[0][1] * r0);
-  const Lanes U[2][2] = {{u0, u1}, {-u1, u0}};
-  const Lanes s[2] = {norm * r0, dot<2>(U[1], B[1])};
-
+  const Svd2 m = svd2(H);
+  const auto &U = m.U, &V = m.V;
+  const Lanes* s = m.s;
   const Lanes d1[2] = {2.0 * s[0], 2.0 * s[1]}, dJ[2] = {s[1], s[0]};
   const auto rank = [&](int i, int j) {
     return d1[i] * (d.h11 * d1[j] + d.h1J * dJ[j]) + dJ[i] * (d.h1J * d1[j] + d.hJJ * dJ[j]);
@@ -341,6 +234,29 @@ RESILIN_INLINE void projected_hessian2(const Lanes F[4], const InvariantDerivati
       if (a == b) make_symmetric<2>(out);
     }
   complete_node_zero<2>(K);
+}
+
+/// K_ab = w g_a^T A g_b of any stress tangent A (material/lane_tangent.hpp).
+template <int dim>
+RESILIN_INLINE void hessian_from_tangent(const Lanes A[], const Lanes g[dim][dim], Lanes w,
+                                         ElementHessian<dim>& K) {
+  constexpr int n = dim * dim;
+  for (int b = 0; b < dim; ++b) {
+    Lanes y[n][dim];  // sum_l A[(i k), (j l)] w g_bl
+    for (int row = 0; row < n; ++row)
+      for (int j = 0; j < dim; ++j) y[row][j] = w * dot<dim>(A + n * row + dim * j, g[b]);
+    for (int a = 0; a <= b; ++a) {
+      Lanes* block = K[pair_index(dim + 1, a + 1, b + 1)];
+      for (int i = 0; i < dim; ++i)
+        for (int j = 0; j < dim; ++j) {
+          Lanes sum = g[a][0] * y[dim * i][j];
+          for (int k = 1; k < dim; ++k) sum += g[a][k] * y[dim * i + k][j];
+          block[dim * i + j] = sum;
+        }
+      if (a == b) make_symmetric<dim>(block);
+    }
+  }
+  complete_node_zero<dim>(K);
 }
 
 }  // namespace resilin::RESILIN_SIMD_NAMESPACE

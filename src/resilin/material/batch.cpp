@@ -1,0 +1,226 @@
+#include "resilin/material/batch.hpp"
+
+#include <algorithm>
+#include <array>
+#include <type_traits>
+
+#include "resilin/core/parallel.hpp"
+#include "resilin/core/simd.hpp"
+#include "resilin/material/law_kernels.hpp"
+#include "resilin/material/point_kernels.hpp"
+
+namespace resilin {
+namespace {
+
+constexpr std::size_t blocks_per_tile = 8;  ///< what a tile holds stays in the nearest caches
+constexpr std::size_t states_per_tile = blocks_per_tile * block_size;
+constexpr std::size_t states_per_chunk = 2048;  ///< of a parallel loop
+constexpr std::size_t max_constants = 8;
+
+/// What one tile needs. Uninitialised: each kernel writes what the next one reads.
+struct Scratch {
+  template <std::size_t rows>
+  using Rows = std::array<double, rows * states_per_tile>;
+  alignas(64) Rows<9> H;
+  alignas(64) Rows<max_variables> variables;
+  alignas(64) Rows<18> frames;
+  alignas(64) Rows<max_curvature_rows> law;
+  alignas(64) Rows<max_constants> constants;
+  alignas(64) Rows<fibre_rows> directions;
+  alignas(64) Rows<9> P;
+};
+
+/// One tile of a batch: reads its states and calls the law for them.
+template <class Real>
+class Tile {
+ public:
+  Tile(const StateBatch<Real>& states, std::size_t begin, std::size_t count, Scratch& scratch)
+      : states_(states),
+        kernels_(point_kernels(states.dim, states.instruction_set)),
+        law_kernels_(law_kernels(states.law->index, states.instruction_set)),
+        begin_(begin),
+        count_(count),
+        scratch_(scratch) {}
+
+  std::size_t entries() const { return static_cast<std::size_t>(states_.dim * states_.dim); }
+  std::size_t num_blocks() const { return (count_ + block_size - 1) / block_size; }
+  const PointKernels& kernels() const { return kernels_; }
+  const LawKernels& law() const { return law_kernels_; }
+
+  void read(const Real* in, std::size_t entries, double* rows) const {
+    if constexpr (std::is_same_v<Real, float>)
+      kernels_.read_float(in + begin_ * entries, count_, entries, rows);
+    else
+      kernels_.read_double(in + begin_ * entries, count_, entries, rows);
+  }
+  void write(const double* rows, std::size_t entries, Real* out) const {
+    if constexpr (std::is_same_v<Real, float>)
+      kernels_.write_float(rows, count_, entries, out + begin_ * entries);
+    else
+      kernels_.write_double(rows, count_, entries, out + begin_ * entries);
+  }
+
+  StateTile states() const {
+    return {num_blocks(),
+            {states_.law->kind, states_.law->uses_second_invariant},
+            scratch_.H.data(),
+            scratch_.frames.data(),
+            states_.num_fibres == 0 ? nullptr : scratch_.directions.data(),
+            fibre_rows * block_size};
+  }
+
+  /// The variables of the law, and the frames when they are wanted.
+  void measure(bool wants_frames) const {
+    read(states_.deformation_gradients, entries(), scratch_.H.data());
+    if (states_.num_fibres != 0) read_fibres();
+    kernels_.variables(states(), !states_.holds_displacement_gradients, scratch_.H.data(),
+                       scratch_.variables.data(), wants_frames ? scratch_.frames.data() : nullptr);
+  }
+
+  LawBatch law_batch(double* results) const {
+    const std::size_t num_constants = states_.constants.size();
+    return {num_blocks(), scratch_.variables.data(), scratch_.constants.data(),
+            is_uniform() ? 0 : num_constants * block_size, results};
+  }
+
+  /// Puts the constants into lanes: once for all tiles when all states share them.
+  void read_constants(bool is_first) const {
+    if (is_uniform() && !is_first) return;
+    const std::size_t num_constants = states_.constants.size();
+    for (std::size_t block = 0; block < (is_uniform() ? 1 : num_blocks()); ++block)
+      for (std::size_t i = 0; i < num_constants; ++i)
+        for (std::size_t lane = 0; lane < block_size; ++lane) {
+          const std::size_t state = begin_ + std::min(block * block_size + lane, count_ - 1);
+          scratch_.constants[(block * num_constants + i) * block_size + lane] =
+              states_.constants[i].data[state * states_.constants[i].stride];
+        }
+  }
+
+ private:
+  bool is_uniform() const {
+    return std::ranges::all_of(states_.constants, [](const Column& column) { return column.stride == 0; });
+  }
+
+  void read_fibres() const {
+    scratch_.directions.fill(0);
+    for (std::size_t i = 0; i < num_blocks() * block_size; ++i) {
+      const double* from = states_.fibres + (begin_ + std::min(i, count_ - 1)) * states_.fibre_stride;
+      for (std::size_t k = 0; k < 3 * states_.num_fibres; ++k)
+        scratch_.directions[(i / block_size * fibre_rows + k) * block_size + i % block_size] = from[k];
+    }
+  }
+
+  const StateBatch<Real>& states_;
+  const PointKernels& kernels_;
+  const LawKernels& law_kernels_;
+  std::size_t begin_, count_;
+  Scratch& scratch_;
+};
+
+/// Calls `body(tile, scratch)` for all tiles, with the constants and the variables of the law in place.
+template <class Real, class Body>
+void for_tiles(const StateBatch<Real>& states, bool wants_frames, const Body& body) {
+  parallel_for(states.count, states_per_chunk, [&](std::size_t begin, std::size_t end) {
+    Scratch scratch;
+    for (std::size_t first = begin; first < end; first += states_per_tile) {
+      const Tile<Real> tile(states, first, std::min(states_per_tile, end - first), scratch);
+      tile.read_constants(first == begin);
+      tile.measure(wants_frames);
+      body(tile, scratch);
+    }
+  });
+}
+
+double removed_part(Projection projection) {
+  return projection == Projection::none ? 0 : projection == Projection::clamp ? 1 : 2;
+}
+
+}  // namespace
+
+template <class Real>
+void energy_densities(const StateBatch<Real>& states, Real* psi) {
+  for_tiles(states, false, [&](const Tile<Real>& tile, Scratch& scratch) {
+    tile.law().energy(tile.law_batch(scratch.law.data()));
+    tile.write(scratch.law.data(), 1, psi);
+  });
+}
+
+template <class Real>
+void first_piola_kirchhoff_stresses(const StateBatch<Real>& states, Real* P) {
+  for_tiles(states, true, [&](const Tile<Real>& tile, Scratch& scratch) {
+    tile.law().gradient(tile.law_batch(scratch.law.data()));
+    tile.kernels().stresses(tile.states(), scratch.law.data(), scratch.P.data());
+    tile.write(scratch.P.data(), tile.entries(), P);
+  });
+}
+
+template <class Real>
+void stress_tangents(const StateBatch<Real>& states, Projection projection, Real* A) {
+  for_tiles(states, true, [&](const Tile<Real>& tile, Scratch& scratch) {
+    alignas(64) std::array<double, 81 * states_per_tile> tangents;
+    tile.law().curvature(tile.law_batch(scratch.law.data()));
+    tile.kernels().tangents(tile.states(), removed_part(projection), scratch.law.data(), tangents.data());
+    tile.write(tangents.data(), tile.entries() * tile.entries(), A);
+  });
+}
+
+template <class Real>
+void elastic_forces(const StateBatch<Real>& states, const Real* rest_shape_inverses, const Real* rest_volumes,
+                    Real* forces) {
+  for_tiles(states, true, [&](const Tile<Real>& tile, Scratch& scratch) {
+    std::array<double, 9 * states_per_tile> gradients;
+    std::array<double, states_per_tile> volumes;
+    std::array<double, 12 * states_per_tile> rows;
+    tile.law().gradient(tile.law_batch(scratch.law.data()));
+    tile.kernels().stresses(tile.states(), scratch.law.data(), scratch.P.data());
+    tile.read(rest_shape_inverses, tile.entries(), gradients.data());
+    tile.read(rest_volumes, 1, volumes.data());
+    tile.kernels().corner_forces(tile.num_blocks(), scratch.P.data(), gradients.data(), volumes.data(),
+                                 rows.data());
+    tile.write(rows.data(), tile.entries() + static_cast<std::size_t>(states.dim), forces);
+  });
+}
+
+template <class Real>
+void constant_derivatives(const StateBatch<Real>& states, std::size_t constant, Real* dpsi, Real* dP) {
+  const auto rows = static_cast<std::size_t>(num_slopes(states.law->kind));
+  for_tiles(states, dP != nullptr, [&](const Tile<Real>& tile, Scratch& scratch) {
+    // By block: the derivative of Psi, then those of its slopes.
+    std::array<double, (max_slopes + 1) * states_per_tile> both;
+    std::array<double, states_per_tile> energies;
+    tile.law().constant_gradient(tile.law_batch(both.data()), static_cast<int>(constant));
+    for (std::size_t block = 0; block < tile.num_blocks(); ++block) {
+      const double* from = both.data() + block * (rows + 1) * block_size;
+      std::copy_n(from, block_size, energies.data() + block * block_size);
+      std::copy_n(from + block_size, rows * block_size, scratch.law.data() + block * rows * block_size);
+    }
+    if (dpsi != nullptr) tile.write(energies.data(), 1, dpsi);
+    if (dP == nullptr) return;
+    tile.kernels().stresses(tile.states(), scratch.law.data(), scratch.P.data());
+    tile.write(scratch.P.data(), tile.entries(), dP);
+  });
+}
+
+template <class Real>
+void second_constant_derivatives(const StateBatch<Real>& states, std::size_t p, std::size_t q, Real* d2psi) {
+  for_tiles(states, false, [&](const Tile<Real>& tile, Scratch& scratch) {
+    tile.law().constant_curvature(tile.law_batch(scratch.law.data()), static_cast<int>(p),
+                                  static_cast<int>(q));
+    tile.write(scratch.law.data(), 1, d2psi);
+  });
+}
+
+template void energy_densities(const StateBatch<double>&, double*);
+template void energy_densities(const StateBatch<float>&, float*);
+template void first_piola_kirchhoff_stresses(const StateBatch<double>&, double*);
+template void first_piola_kirchhoff_stresses(const StateBatch<float>&, float*);
+template void stress_tangents(const StateBatch<double>&, Projection, double*);
+template void stress_tangents(const StateBatch<float>&, Projection, float*);
+template void elastic_forces(const StateBatch<double>&, const double*, const double*, double*);
+template void elastic_forces(const StateBatch<float>&, const float*, const float*, float*);
+template void constant_derivatives(const StateBatch<double>&, std::size_t, double*, double*);
+template void constant_derivatives(const StateBatch<float>&, std::size_t, float*, float*);
+template void second_constant_derivatives(const StateBatch<double>&, std::size_t, std::size_t, double*);
+template void second_constant_derivatives(const StateBatch<float>&, std::size_t, std::size_t, float*);
+
+}  // namespace resilin
