@@ -155,8 +155,13 @@ std::optional<State> ResultFolder::resume() {
 }
 
 void ResultFolder::record(const Simulation& simulation, bool is_last) {
-  const World& world = simulation.world();
-  const Frame& frame = simulation.frame();
+  record(simulation.world(), simulation.state(), simulation.frame(), is_last);
+  if (Clock::now() >= contents_->next_save) {
+    contents_->save(simulation, RunStatus::running, "the run had not ended when this was written");
+  }
+}
+
+void ResultFolder::record(const World& world, const State& state, const Frame& frame, bool is_last) {
   Json& frames = contents_->frames;
   const bool is_new = frames.empty() || frames.back()["step"].get<int>() < frame.step;
   if (is_new && (is_last || frame.step % world.output.every == 0)) {
@@ -165,13 +170,10 @@ void ResultFolder::record(const Simulation& simulation, bool is_last) {
     if (!frames.empty() && frames.back()["step"].get<int>() % world.output.every != 0)
       frames.erase(frames.size() - 1);
     if (Contents::writes_vtu(world)) {
-      contents_->write_frame(frames.size(), world, simulation.state());
+      contents_->write_frame(frames.size(), world, state);
     }
     frames.push_back(frame_json(frame, world.dimension));
     contents_->output_seconds += seconds_since(begin);
-  }
-  if (Clock::now() >= contents_->next_save) {
-    contents_->save(simulation, RunStatus::running, "the run had not ended when this was written");
   }
 }
 

@@ -42,6 +42,9 @@ class ResultFolder {
   /// Records the simulation's present frame when it is due (each `output.every` steps), or when `is_last`.
   void record(const Simulation& simulation, bool is_last);
 
+  /// The same for a state that the simulation had; report and checkpoint wait for `finish`.
+  void record(const World& world, const State& state, const Frame& frame, bool is_last);
+
   /// Writes report and checkpoint with how the run ended.
   void finish(const Simulation& simulation, RunStatus status, const std::string& reason);
 
