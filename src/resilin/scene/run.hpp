@@ -3,16 +3,10 @@
 #include <functional>
 #include <string>
 
-#include "resilin/scene/results.hpp"
+#include "resilin/scene/summary.hpp"
 #include "resilin/simulation/simulation.hpp"
 
 namespace resilin {
-
-/// How a run ended, with the reason in words.
-struct RunOutcome {
-  RunStatus status = RunStatus::done;
-  std::string reason;
-};
 
 /// What is called while a simulation runs; each may be empty.
 struct RunHooks {
