@@ -304,11 +304,15 @@ def projection_named(name):
     return PROJECTIONS[name]
 
 
+_tensors = None
+
+
 def _for_tensors():
     """The part for torch, imported when the first tensor comes."""
-    from resilin import tensors
-
-    return tensors
+    global _tensors  # noqa: PLW0603 - asked for at every call: an import statement costs half a microsecond
+    if _tensors is None:
+        from resilin import tensors as _tensors
+    return _tensors
 
 
 def _rebuild(law, constants, fibres):

@@ -20,6 +20,9 @@ from resilin.constants import batch_law, own_constants
 from resilin.material import Material, projection_named
 
 
+REAL = (torch.float64, torch.float32)
+
+
 @dataclass(frozen=True)
 class Quantity:
     """What the core evaluates at each state, and its derivatives; None where there is none."""
@@ -289,14 +292,14 @@ def _conversion(given, info):
 
 def _checked(value, place):
     """A real tensor on the CPU, or the tensor of an array."""
+    if is_tensor(value) and value.dtype in REAL and value.is_cpu and value.layout is torch.strided:
+        return value
     if not is_tensor(value):
         return torch.from_numpy(np.array(real_array(value, place)))
-    if value.device.type != "cpu":
+    if not value.is_cpu:
         refuse(place, "a tensor on the CPU", f"one on {value.device}", "use .cpu()")
     if value.layout is not torch.strided:
         refuse(place, "a dense tensor", f"layout {value.layout}", "use .to_dense()")
-    if value.dtype in (torch.float64, torch.float32):
-        return value
     if value.dtype.is_floating_point or value.dtype.is_complex or value.dtype is torch.bool:
         refuse(place, "real numbers in float64 or float32", str(value.dtype).removeprefix("torch."))
     return value.double()
@@ -304,8 +307,9 @@ def _checked(value, place):
 
 def _matrices(value, place):
     tensor = _checked(value, place)
-    if tensor.ndim < 2 or tensor.shape[-1] != tensor.shape[-2] or not 2 <= tensor.shape[-1] <= 3:
-        refuse(place, "a tensor (..., 2, 2) or (..., 3, 3)", describe(tensor.shape))
+    shape = tensor.shape
+    if len(shape) < 2 or shape[-1] != shape[-2] or not 2 <= shape[-1] <= 3:
+        refuse(place, "a tensor (..., 2, 2) or (..., 3, 3)", describe(shape))
     return tensor
 
 
@@ -318,19 +322,25 @@ def _is_readable(tensor):
 
 
 def _is_forward_mode():
-    """Whether tensors may carry tangents (torch.autograd.forward_ad)."""
+    """Whether tensors may carry tangents."""
     return getattr(forward_ad, "_current_level", -1) >= 0
 
 
 def _arrays(material, *tensors):
     """Views of tensors as arrays; None where autograd or a transform of torch.func follows them."""
-    is_followed = torch.is_grad_enabled() and any(tensor.requires_grad for tensor in tensors)
-    if material.tensors or is_followed or _is_forward_mode():
+    if material.tensors or _is_forward_mode():
         return None
-    try:
-        return [tensor.detach().numpy() for tensor in tensors]
-    except RuntimeError:  # torch.func wraps tensors that hold no memory of their own
-        return None
+    arrays = []
+    for tensor in tensors:
+        if tensor.requires_grad:
+            if torch.is_grad_enabled():
+                return None
+            tensor = tensor.detach()
+        try:
+            arrays.append(tensor.numpy())
+        except RuntimeError:  # torch.func wraps tensors that hold no memory of their own
+            return None
+    return arrays
 
 
 def _array_of(out):
