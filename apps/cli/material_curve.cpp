@@ -37,7 +37,8 @@ std::string description(LoadCase load_case) {
 /// Evenly spaced from the first to the last.
 std::vector<double> chosen_stretches(LoadCase load_case, const CurveOptions& options) {
   const bool is_shear = load_case == LoadCase::shear;
-  const double from = options.from.value_or(is_shear ? 0 : 0.5), to = options.to.value_or(is_shear ? 1.5 : 2);
+  const LoadRange usual = usual_range(load_case);
+  const double from = options.from.value_or(usual.from), to = options.to.value_or(usual.to);
   const std::string expected = is_shear ? "a finite amount of shear" : "a stretch above 0";
   for (const auto& [option, value] : {std::pair("--from", from), std::pair("--to", to)}) {
     if (!std::isfinite(value) || (!is_shear && value <= 0)) {

@@ -10,7 +10,7 @@ namespace resilin::cli {
 /// What `resilin materials LAW --curve ...` is asked for.
 struct CurveOptions {
   std::string load_case;       ///< empty: no curve
-  std::optional<double> from;  ///< stretches; amounts of shear. Defaults 0.5 to 2, and 0 to 1.5 in shear
+  std::optional<double> from;  ///< stretches, or amounts of shear; default: usual_range
   std::optional<double> to;
   int points = 16;
   std::string csv;  ///< a file; empty: none

@@ -68,6 +68,9 @@ class Material:
         self._own = self._law = self._checked_versions = None
         if self.tensors:
             self.states_shape = () if self._fibres is None else self._fibres.shape[:-2]
+            self._conversion = None
+            if "youngs_modulus" in given or "youngs_modulus" in self.tensors:
+                self._conversion = _for_tensors().conversion_from_young_poisson(self._given, self._info)
             self.tensor_constants()
             return
         self._own = own_constants(self._info, self._given)
@@ -223,6 +226,27 @@ class Material:
                 sigma = sigma @ in_space.swapaxes(-1, -2) / np.linalg.det(in_space)[..., None, None]
         return sigma.astype(F.dtype, copy=False)
 
+    def curve(self, kind, stretches=None):
+        """Stress over stretch of a block of the material, with the free directions solved.
+
+        Parameters
+        ----------
+        kind : "uniaxial", "equibiaxial", "planar", "shear" or "volumetric"
+            F = diag(l, x, y), diag(l, l, x), diag(l, x, 1), I + l e1 (x) e2 or l I; the directions x and y are free
+            of stress.
+        stretches : array (N,), optional
+            Positive numbers l; amounts of shear for "shear". Otherwise 61 from 0.5 to 2, or from 0 to 1.5.
+
+        Returns
+        -------
+        StretchCurve
+            Arrays stretch, nominal_stress, cauchy_stress [Pa], volume_ratio, energy_density [J/m^3], is_stable;
+            plot(), to_csv(path), to_json(path). Warns where stability is lost.
+        """
+        from resilin.curve import stretch_curve
+
+        return stretch_curve(self, kind, stretches)
+
     def __repr__(self):
         parts = [repr(self.law)]
         for name, value in self.constants.items():
@@ -242,7 +266,7 @@ class Material:
         if versions != self._checked_versions:  # an optimiser has been at work
             _for_tensors().check_constants(self._given, self.tensors, self._info)
             self._checked_versions = versions
-        return _for_tensors().own_tensors(self._given, self.tensors, self._info)
+        return _for_tensors().own_tensors(self._given, self.tensors, self._conversion, self._info)
 
     def law_for(self, batch):
         """The core's law for states of the leading shape `batch`."""

@@ -21,6 +21,7 @@ NB_MODULE(_core, module) {
   module.def("num_threads", &num_threads);
   module.def("set_num_threads", &set_num_threads, nb::arg("count"));
   python::bind_material(module);
+  python::bind_curve(module);
   python::bind_mesh(module);
   python::bind_elastic(module);
   python::bind_simulation(module);

@@ -182,6 +182,10 @@ LoadCase require_load_case(std::string_view name, const std::string& place) {
                    nearest.empty() ? "" : "did you mean \"" + nearest + "\"?");
 }
 
+LoadRange usual_range(LoadCase load_case) {
+  return load_case == LoadCase::shear ? LoadRange{0, 1.5} : LoadRange{0.5, 2};
+}
+
 StretchCurve stretch_curve(const Material& material, LoadCase load_case, std::span<const double> stretches) {
   check_stretches(load_case, stretches);
   StretchCurve curve = empty_curve(load_case, stretches);

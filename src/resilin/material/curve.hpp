@@ -23,6 +23,12 @@ enum class LoadCase {
 std::string_view name(LoadCase load_case);
 LoadCase require_load_case(std::string_view name, const std::string& place);
 
+/// The loads that a curve shows when none are asked for: stretches 0.5 to 2, amounts of shear 0 to 1.5.
+struct LoadRange {
+  double from, to;
+};
+LoadRange usual_range(LoadCase load_case);
+
 /// What is lost first at a state of the curve.
 ///
 /// `stress_drops`: more stretch needs less nominal stress (less Cauchy stress in the volumetric case, where
