@@ -256,24 +256,30 @@ def check_constants(given, tensors, info):
         own_constants(info, {**given, **{name: tensor.detach().double().numpy() for name, tensor in tensors.items()}})
 
 
-def own_tensors(given, tensors, info):
-    """The constants of the law's formula as float64 tensors that depend on the given ones."""
+def own_tensors(given, tensors, conversion, info):
+    """The constants of the law's formula as float64 tensors that depend on the given ones.
+
+    `conversion` is what `conversion_from_young_poisson` makes of `given`, or None when those two are not given.
+    """
     tensors = {name: tensor.double() for name, tensor in tensors.items()}
-    if "youngs_modulus" not in given and "youngs_modulus" not in tensors:
-        return [tensors[c.name] if c.name in tensors else torch.from_numpy(given[c.name]) for c in info.constants]
-    young, poisson = (
-        tensors[name] if name in tensors else torch.from_numpy(given[name])
-        for name in ("youngs_modulus", "poissons_ratio")
-    )
+
+    def tensor(name):
+        if name not in tensors and name not in given:
+            refuse(f"{info.name}.{name}", "a number or a tensor", "nothing", f"add {name}")
+        return tensors[name] if name in tensors else torch.from_numpy(given[name])
+
+    if conversion is None:
+        return [tensor(constant.name) for constant in info.constants]
+    young, poisson = tensor("youngs_modulus"), tensor("poissons_ratio")
     mu = young / (2 * (1 + poisson))
     lame_lambda = young * poisson / ((1 + poisson) * (1 - 2 * poisson))
-    own = []
-    for constant, (base, by_mu, by_lambda) in _conversion(given, info).items():
-        own.append(tensors[constant] if constant in tensors else base + by_mu * mu + by_lambda * lame_lambda)
-    return own
+    return [
+        tensors[name] if name in tensors else base + by_mu * mu + by_lambda * lame_lambda
+        for name, (base, by_mu, by_lambda) in conversion.items()
+    ]
 
 
-def _conversion(given, info):
+def conversion_from_young_poisson(given, info):
     """{own constant: (base, by_mu, by_lambda)}: own = base + by_mu mu + by_lambda lambda, for Hooke's mu and lambda."""
     free = {name: values for name, values in given.items() if name not in ("youngs_modulus", "poissons_ratio")}
 
