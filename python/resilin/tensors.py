@@ -19,7 +19,6 @@ from resilin.arrays import describe, is_tensor, real_array, refuse
 from resilin.constants import batch_law, own_constants
 from resilin.material import Material, projection_named
 
-
 REAL = (torch.float64, torch.float32)
 
 
