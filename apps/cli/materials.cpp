@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -6,7 +7,10 @@
 #include <vector>
 
 #include "command.hpp"
-#include "resilin/material/derive.hpp"
+#include "material_curve.hpp"
+#include "material_options.hpp"
+#include "resilin/core/error.hpp"
+#include "resilin/material/curve.hpp"
 #include "resilin/material/law.hpp"
 #include "resilin/material/reference.hpp"
 #include "terminal.hpp"
@@ -18,55 +22,27 @@ using Json = nlohmann::ordered_json;
 
 struct MaterialsOptions {
   std::string law;
-  double youngs_modulus = 1e6;
-  double poissons_ratio = 0.3;
+  MaterialOptions material;
+  CurveOptions curve;
   bool json = false;
   bool reference = false;
 };
 
-Material example(const LawInfo& law, const MaterialsOptions& options) {
-  return {&law,
-          resolve_constants(
-              law, {{"youngs_modulus", options.youngs_modulus}, {"poissons_ratio", options.poissons_ratio}},
-              std::string(law.name)),
-          {}};
-}
+/// A small picture of a law: nominal stress of a bar pulled with free sides, and of simple shear by
+/// stretch - 1 [Pa]; nan where there is no state.
+struct Sample {
+  std::vector<double> stretch = {0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.4, 1.6, 1.8, 2.0};
+  std::vector<double> uniaxial, shear;
 
-/// A point of a curve: the stretch and the nominal stress that holds it [Pa].
-struct CurvePoint {
-  double stretch;
-  double uniaxial;  ///< sides free of stress
-  double shear;     ///< simple shear by stretch - 1: P_xy
+  explicit Sample(const Material& material) {
+    uniaxial = stretch_curve(material, LoadCase::uniaxial, stretch).nominal_stress;
+    std::vector<double> amounts;
+    for (const double value : stretch) amounts.push_back(value - 1);
+    shear = stretch_curve(material, LoadCase::shear, amounts).nominal_stress;
+  }
 };
 
-/// Lateral stretch at which the sides of a pulled bar are free of stress, by bisection; nan when there is
-/// none.
-double free_lateral_stretch(const Material& material, double stretch) {
-  const auto side_stress = [&](double lateral) {
-    return first_piola_kirchhoff_stress<3>(material, Vector3(stretch, lateral, lateral).asDiagonal())(1, 1);
-  };
-  if (side_stress(1) == 0) return 1;
-  double low = 1e-3, high = 10;
-  if (!(side_stress(low) < 0 && side_stress(high) > 0)) return std::nan("");
-  for (int i = 0; i < 200 && high - low > 1e-15 * high; ++i) {
-    const double middle = 0.5 * (low + high);
-    (side_stress(middle) < 0 ? low : high) = middle;
-  }
-  return 0.5 * (low + high);
-}
-
-std::vector<CurvePoint> curve(const Material& material) {
-  std::vector<CurvePoint> points;
-  for (const double stretch : {0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.4, 1.6, 1.8, 2.0}) {
-    const double lateral = free_lateral_stretch(material, stretch);
-    const Matrix<3> pulled = Vector3(stretch, lateral, lateral).asDiagonal();
-    Matrix<3> sheared = Matrix<3>::Identity();
-    sheared(0, 1) = stretch - 1;
-    points.push_back({stretch, first_piola_kirchhoff_stress<3>(material, pulled)(0, 0),
-                      first_piola_kirchhoff_stress<3>(material, sheared)(0, 1)});
-  }
-  return points;
-}
+std::string stress_text(double stress) { return std::isnan(stress) ? "no state" : format_short(stress); }
 
 Json law_json(const LawInfo& law, const MaterialsOptions& options) {
   Json json = {{"name", law.name},
@@ -74,7 +50,7 @@ Json law_json(const LawInfo& law, const MaterialsOptions& options) {
                {"source", law.source},
                {"inversion", law.inversion},
                {"needs_positive_volume_ratio", law.needs_positive_J}};
-  const Material material = example(law, options);
+  const Material material = chosen_material(law, options.material);
   for (std::size_t i = 0; i < law.constants.size(); ++i) {
     const ConstantText& constant = law.constants[i];
     Json entry = {{"name", constant.name}, {"unit", constant.unit}, {"meaning", constant.meaning}};
@@ -82,22 +58,28 @@ Json law_json(const LawInfo& law, const MaterialsOptions& options) {
     entry["example"] = material.constants[i];
     json["constants"].push_back(entry);
   }
-  json["example"] = {{"youngs_modulus", options.youngs_modulus}, {"poissons_ratio", options.poissons_ratio}};
-  for (const CurvePoint& point : curve(material)) {
-    json["curve"].push_back(
-        {{"stretch", point.stretch}, {"uniaxial_stress", point.uniaxial}, {"shear_stress", point.shear}});
+  if (options.material.constants.empty()) {
+    json["example"] = {{"youngs_modulus", options.material.youngs_modulus},
+                       {"poissons_ratio", options.material.poissons_ratio}};
+  } else {
+    json["example"] = options.material.constants;
+  }
+  const Sample sample(material);
+  for (std::size_t i = 0; i < sample.stretch.size(); ++i) {
+    json["curve"].push_back({{"stretch", sample.stretch[i]},
+                             {"uniaxial_stress", sample.uniaxial[i]},
+                             {"shear_stress", sample.shear[i]}});
   }
   return json;
 }
 
 void print_law(const LawInfo& law, const MaterialsOptions& options) {
-  const Material material = example(law, options);
+  const Material material = chosen_material(law, options.material);
   print_line(std::string(law.name));
   print_line("  Psi = " + std::string(law.formula));
   print_line("  source: " + std::string(law.source));
   print_line("  J <= 0: " + std::string(law.inversion));
-  print_line("\nConstants, and their values for E = " + format_short(options.youngs_modulus) +
-             " Pa, nu = " + format_short(options.poissons_ratio));
+  print_line("\nConstants, and their values for " + constants_text(options.material));
   std::vector<std::vector<std::string>> rows;
   for (std::size_t i = 0; i < law.constants.size(); ++i) {
     const ConstantText& constant = law.constants[i];
@@ -108,9 +90,10 @@ void print_law(const LawInfo& law, const MaterialsOptions& options) {
   print_text(format_table(rows));
   print_line("\nNominal stress [Pa]: a bar pulled with free sides, and simple shear by (stretch - 1)");
   rows = {{"  stretch", "pulled", "sheared"}};
-  for (const CurvePoint& point : curve(material)) {
-    rows.push_back(
-        {"  " + format_short(point.stretch), format_short(point.uniaxial), format_short(point.shear)});
+  const Sample sample(material);
+  for (std::size_t i = 0; i < sample.stretch.size(); ++i) {
+    rows.push_back({"  " + format_short(sample.stretch[i]), stress_text(sample.uniaxial[i]),
+                    stress_text(sample.shear[i])});
   }
   print_text(format_table(rows));
 }
@@ -129,14 +112,30 @@ void print_catalogue() {
       "tells more.");
 }
 
+/// Options that mean nothing without another.
+void check_options(const MaterialsOptions& options) {
+  const CurveOptions& curve = options.curve;
+  if (options.law.empty() && !(curve.load_case.empty() && options.material.constants.empty())) {
+    throw InputError("materials", "the name of a law with --curve or --set", "none",
+                     "resilin materials lists them");
+  }
+  if (curve.load_case.empty() && (curve.from || curve.to || !curve.csv.empty())) {
+    throw InputError("materials", "--curve with --from, --to or --csv", "none",
+                     "for example --curve uniaxial");
+  }
+}
+
 int materials(const MaterialsOptions& options) {
+  check_options(options);
   if (options.reference) {
     print_text(law_reference());
     return done;
   }
   if (!options.law.empty()) {
     const LawInfo& law = require_law(options.law, "materials");
-    if (options.json) {
+    if (!options.curve.load_case.empty()) {
+      print_curve(chosen_material(law, options.material), options.curve, options.json);
+    } else if (options.json) {
       print_line(law_json(law, options).dump(1));
     } else {
       print_law(law, options);
@@ -151,6 +150,29 @@ int materials(const MaterialsOptions& options) {
   return done;
 }
 
+std::array<CLI::Option*, 2> add_material_options(CLI::App& command, MaterialOptions& options) {
+  command.add_option("--set", options.constants, "A constant of the law; may be given several times")
+      ->type_name("NAME=VALUE")
+      ->expected(1)
+      ->take_all()
+      ->allow_extra_args(false);
+  return {command.add_option("--youngs-modulus", options.youngs_modulus, "Of small strains [Pa]")
+              ->capture_default_str(),
+          command.add_option("--poissons-ratio", options.poissons_ratio, "Of small strains")
+              ->capture_default_str()};
+}
+
+void add_curve_options(CLI::App& command, CurveOptions& options) {
+  command.add_option("--curve", options.load_case, "Stress over stretch, free directions solved")
+      ->type_name("uniaxial|equibiaxial|planar|shear|volumetric");
+  command.add_option("--from", options.from, "First stretch; default 0.5 (amount of shear: 0)");
+  command.add_option("--to", options.to, "Last stretch; default 2 (amount of shear: 1.5)");
+  command.add_option("--points", options.points, "Number of points")
+      ->capture_default_str()
+      ->check(CLI::Range(2, 1000000));
+  command.add_option("--csv", options.csv, "Write the curve to this file as well");
+}
+
 }  // namespace
 
 void add_materials(CLI::App& app, Action& action) {
@@ -158,14 +180,17 @@ void add_materials(CLI::App& app, Action& action) {
   CLI::App* command =
       app.add_subcommand("materials", "List the laws; for one: constants, formula, source, curves");
   command->add_option("law", options->law, "Name of a law");
-  command->add_option("--youngs-modulus", options->youngs_modulus, "Of the example [Pa]")
-      ->capture_default_str();
-  command->add_option("--poissons-ratio", options->poissons_ratio, "Of the example")->capture_default_str();
+  const std::array<CLI::Option*, 2> hooke = add_material_options(*command, options->material);
+  add_curve_options(*command, options->curve);
   command->add_flag("--json", options->json, "Print JSON");
   command->add_flag("--reference", options->reference, "Print the page docs/laws.md");
   command->footer(
-      "Example:\n  resilin materials stable_neo_hookean --youngs-modulus 1e5 --poissons-ratio 0.45");
-  command->callback([options, &action] { action = [options] { return materials(*options); }; });
+      "Examples:\n  resilin materials stable_neo_hookean --youngs-modulus 1e5 --poissons-ratio 0.45\n"
+      "  resilin materials neo_hookean --curve uniaxial --from 0.5 --to 3 --csv curve.csv");
+  command->callback([options, hooke, &action] {
+    for (const CLI::Option* option : hooke) options->material.gives_hooke |= option->count() > 0;
+    action = [options] { return materials(*options); };
+  });
 }
 
 }  // namespace resilin::cli

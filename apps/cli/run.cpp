@@ -15,6 +15,7 @@
 #include "resilin/core/parallel.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/scene/results.hpp"
+#include "resilin/scene/run.hpp"
 #include "resilin/scene/scene.hpp"
 #include "terminal.hpp"
 
@@ -31,54 +32,24 @@ struct RunOptions {
   bool quiet = false;
 };
 
-struct Outcome {
-  RunStatus status = RunStatus::done;
-  std::string reason;
-};
-
 std::filesystem::path out_folder(const RunOptions& options) {
   if (!options.out.empty()) return options.out;
   return std::filesystem::path("out") / std::filesystem::path(options.scene).stem();
 }
 
-std::string reached(const Simulation& simulation) {
-  const State& state = simulation.state();
-  if (simulation.world().is_dynamic)
-    return "t = " + format_short(state.time) + " s (step " + std::to_string(state.step) + ")";
-  return "load factor " + format_short(state.load) + " (step " + std::to_string(state.step) + ")";
-}
-
-/// Steps until the end, the budget, Ctrl-C or, in statics, a load that has no equilibrium.
-Outcome simulate(Simulation& simulation, ResultFolder& results, Progress& progress, int max_steps) {
-  const NewtonObserver observer = [&progress](const NewtonReport& so_far) {
-    progress.iteration(so_far);
-    return !is_interrupted();
-  };
-  int truncated_steps = 0;
-  std::string first_reason;
+RunOutcome simulate(Simulation& simulation, ResultFolder& results, Progress& progress, int max_steps) {
   results.record(simulation, false);
-  for (int steps = 0; !simulation.is_finished(); ++steps) {
-    if (is_interrupted())
-      return {RunStatus::budget, "stopped by the user at " + reached(simulation) + "; --resume goes on"};
-    if (max_steps > 0 && steps == max_steps) {
-      return {RunStatus::budget, "stopped after " + std::to_string(steps) + " steps as asked, at " +
-                                     reached(simulation) + "; --resume goes on"};
-    }
-    const StepReport report = simulation.step(observer);
-    if (report.status == StepReport::Status::interrupted) continue;  // the loop ends above
-    if (report.status == StepReport::Status::not_converged) {
-      log_warning(reached(simulation) + ": " + report.reason);
-      if (!simulation.world().is_dynamic) return {RunStatus::not_converged, report.reason};
-      if (truncated_steps++ == 0) first_reason = "at " + reached(simulation) + ": " + report.reason;
-    }
-    results.record(simulation, simulation.is_finished());
-    progress.step(simulation, report);
-  }
-  if (truncated_steps == 0)
-    return {RunStatus::done, "reached " + reached(simulation) + ", every step converged"};
-  return {RunStatus::not_converged,
-          std::to_string(truncated_steps) + " of " + std::to_string(simulation.state().step) +
-              " steps were cut short before they converged; the first " + first_reason};
+  const RunHooks hooks{.is_stopped = is_interrupted,
+                       .after_iteration = [&](const NewtonReport& so_far) { progress.iteration(so_far); },
+                       .after_step =
+                           [&](const StepReport& report) {
+                             results.record(simulation, simulation.is_finished());
+                             progress.step(simulation, report);
+                           },
+                       .max_steps = max_steps};
+  RunOutcome outcome = run_to_end(simulation, hooks);
+  if (outcome.status == RunStatus::budget) outcome.reason += "; --resume goes on";
+  return outcome;
 }
 
 void resume(Simulation& simulation, ResultFolder& results, std::vector<std::string>& warnings) {
@@ -109,7 +80,7 @@ std::string vector_text(const Vector3& vector, int dimension) {
   return "(" + text + ")";
 }
 
-void print_end(const Simulation& simulation, const ResultFolder& results, const Outcome& outcome,
+void print_end(const Simulation& simulation, const ResultFolder& results, const RunOutcome& outcome,
                double setup_seconds, double total) {
   const Frame& frame = simulation.frame();
   const int dim = simulation.world().dimension;
@@ -146,7 +117,7 @@ int run(const RunOptions& options) {
 
   const double setup_seconds = stopwatch.seconds();
   Progress progress(Progress::style_for_stdout(options.quiet), simulation);
-  const Outcome outcome = simulate(simulation, results, progress, options.steps);
+  const RunOutcome outcome = simulate(simulation, results, progress, options.steps);
   progress.end();
   results.record(simulation, true);
   results.finish(simulation, outcome.status, outcome.reason);

@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "resilin/core/text.hpp"  // format_short
+
 namespace resilin::cli {
 
 /// Runs from its construction on.
@@ -25,7 +27,6 @@ void print_line(std::string_view text);
 void print_text(std::string_view text);
 
 std::string format_seconds(double seconds);  ///< "0.52 s", "3 min 20 s", "2 h 05 min"
-std::string format_short(double value);      ///< three digits: "0.0123", "1.23e-09"
 
 /// Columns as wide as their widest entry, two blanks between.
 std::string format_table(const std::vector<std::vector<std::string>>& rows);

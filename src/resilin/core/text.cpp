@@ -53,4 +53,11 @@ std::string format_number(double value) {
   return {buffer.data(), end.ptr};
 }
 
+std::string format_short(double value) {
+  std::array<char, 32> buffer{};
+  const auto end =
+      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::general, 3);
+  return {buffer.data(), end.ptr};
+}
+
 }  // namespace resilin

@@ -17,4 +17,7 @@ std::string nearest_word(std::string_view word, std::span<const std::string> can
 /// The shortest decimal text that reads back as the same double, independent of the locale.
 std::string format_number(double value);
 
+/// Three digits: "0.0123", "1.23e-09", independent of the locale.
+std::string format_short(double value);
+
 }  // namespace resilin

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "resilin/linear/block_matrix.hpp"
@@ -22,5 +23,14 @@ struct MassMatrix {
   void add_to(double factor, BlockMatrix& A) const;
   double total() const { return nodal.sum(); }
 };
+
+/// Adds the mass of linear triangles or tetrahedra. Lumped: each node carries its share of the cell;
+/// consistent: m_ab = rho V / ((d + 1) (d + 2)) (1 + delta_ab), for which `mass.pattern` and `mass.slots`
+/// must be set.
+/// @param cells         nodes, those of one cell after another
+/// @param rest_volumes  one for each cell [m^3]
+/// @param density       [kg/m^3]
+void add_cell_masses(MassMatrix& mass, std::span<const Index> cells, std::span<const double> rest_volumes,
+                     double density, bool is_consistent);
 
 }  // namespace resilin

@@ -65,14 +65,14 @@ class Tile {
             {states_.law->kind, states_.law->uses_second_invariant},
             scratch_.H.data(),
             scratch_.frames.data(),
-            states_.num_fibres == 0 ? nullptr : scratch_.directions.data(),
+            has_fibres() ? scratch_.directions.data() : nullptr,
             fibre_rows * block_size};
   }
 
   /// The variables of the law, and the frames when they are wanted.
   void measure(bool wants_frames) const {
     read(states_.deformation_gradients, entries(), scratch_.H.data());
-    if (states_.num_fibres != 0) read_fibres();
+    if (has_fibres()) read_fibres();
     kernels_.variables(states(), !states_.holds_displacement_gradients, scratch_.H.data(),
                        scratch_.variables.data(), wants_frames ? scratch_.frames.data() : nullptr);
   }
@@ -101,9 +101,12 @@ class Tile {
     return std::ranges::all_of(states_.constants, [](const Column& column) { return column.stride == 0; });
   }
 
+  /// Without families, as when only the ground substance is asked about, all directions are zero.
+  bool has_fibres() const { return states_.law->max_fibres > 0; }
+
   void read_fibres() const {
     scratch_.directions.fill(0);
-    for (std::size_t i = 0; i < num_blocks() * block_size; ++i) {
+    for (std::size_t i = 0; i < num_blocks() * block_size && states_.num_fibres > 0; ++i) {
       const double* from = states_.fibres + (begin_ + std::min(i, count_ - 1)) * states_.fibre_stride;
       for (std::size_t k = 0; k < 3 * states_.num_fibres; ++k)
         scratch_.directions[(i / block_size * fibre_rows + k) * block_size + i % block_size] = from[k];

@@ -1,7 +1,6 @@
 #include <algorithm>
 
 #include "resilin/element/catalog.hpp"
-#include "resilin/scene/csv.hpp"
 #include "resilin/scene/sections.hpp"
 
 namespace resilin {
@@ -9,19 +8,9 @@ namespace {
 
 /// Numbers of one row for each vertex.
 std::vector<double> read_vertex_table(const SceneNode& node, const Mesh& mesh) {
-  if (!std::holds_alternative<std::string>(node.value->data)) {
-    node.fail("the name of a CSV file with " + std::to_string(node.context->dimension) +
-              " numbers for each vertex");
-  }
-  const NumberTable table = read_csv(read_path(node));
-  const std::size_t rows = mesh.vertices.size();
-  const auto columns = static_cast<std::size_t>(node.context->dimension);
-  if (table.num_columns != columns || table.num_rows() != rows) {
-    node.fail_with("expected " + std::to_string(rows) + " rows of " + std::to_string(columns) +
-                   " numbers (one row for each vertex of the mesh), got " + std::to_string(table.num_rows()) +
-                   " rows of " + std::to_string(table.num_columns));
-  }
-  return table.values;
+  return read_rows(node, mesh.vertices.size(), static_cast<std::size_t>(node.context->dimension),
+                   "vertex of the mesh")
+      .values;
 }
 
 std::vector<std::string> element_names() {
@@ -52,12 +41,13 @@ Keys<BodyDescription> body_keys() {
       vector_key("velocity", &B::velocity, "m/s", "At the start of motion."),
       matrix_key("velocity_gradient", &B::velocity_gradient, "1/s",
                  "Adds velocity_gradient * X, X the rest position."),
-      key<B>({"initial_positions", "text", "m", "the rest shape",
-              "A CSV file of one row for each vertex: where the body starts."},
+      key<B>({"initial_positions", "text or rows", "m", "the rest shape",
+              "A CSV file, or a list, of one row for each vertex: where the body starts."},
              [](const SceneNode& node, B& b) { b.initial_positions = read_vertex_table(node, b.mesh); }),
-      key<B>({"initial_velocities", "text", "m/s", "from velocity and velocity_gradient",
-              "A CSV file of one row for each vertex, in place of velocity and velocity_gradient."},
-             [](const SceneNode& node, B& b) { b.initial_velocities = read_vertex_table(node, b.mesh); }),
+      key<B>(
+          {"initial_velocities", "text or rows", "m/s", "from velocity and velocity_gradient",
+           "A CSV file, or a list, of one row for each vertex, in place of velocity and velocity_gradient."},
+          [](const SceneNode& node, B& b) { b.initial_velocities = read_vertex_table(node, b.mesh); }),
       choice_key("mass", &B::mass, {"lumped", "consistent"}, {}, "How mass is spread over the vertices."),
       later_key<B>("skin", "text", "A fine surface carried by the cells.",
                    "leave it out: the mesh's own surface is shown"),

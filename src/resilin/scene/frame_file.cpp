@@ -60,14 +60,7 @@ std::vector<double> cauchy_stress(const World& world, const State& state) {
   return all;
 }
 
-struct Field {
-  const char* name;
-  int components;
-  bool is_on_points;
-  std::vector<double> (*values)(const World& world, const State& state);
-};
-
-constexpr Field fields[] = {
+constexpr FrameField fields[] = {
     {"displacement", 3, true, displacement},    {"velocity", 3, true, velocity},
     {"cauchy_stress", 9, false, cauchy_stress}, {"von_mises", 1, false, von_mises},
     {"volume_ratio", 1, false, volume_ratio},   {"energy_density", 1, false, energy_density},
@@ -75,9 +68,11 @@ constexpr Field fields[] = {
 
 }  // namespace
 
+std::span<const FrameField> frame_fields() { return fields; }
+
 std::vector<std::string> frame_field_names() {
   std::vector<std::string> names;
-  for (const Field& field : fields) names.emplace_back(field.name);
+  for (const FrameField& field : fields) names.emplace_back(field.name);
   return names;
 }
 
@@ -102,7 +97,7 @@ void write_frame(std::ostream& stream, const World& world, const State& state) {
                .time = world.is_dynamic ? state.time : state.load};
   std::vector<std::vector<double>> storage;  // of which the arrays are views
   storage.reserve(std::size(fields));
-  for (const Field& field : fields) {
+  for (const FrameField& field : fields) {
     if (std::ranges::find(world.output.fields, field.name) == world.output.fields.end()) continue;
     storage.push_back(field.values(world, state));
     auto& arrays = field.is_on_points ? data.point_data : data.cell_data;

@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include "resilin/material/law.hpp"
-#include "resilin/scene/csv.hpp"
 #include "resilin/scene/sections.hpp"
 
 namespace resilin {
@@ -52,15 +51,9 @@ const CellBlock& solid_cells(const SceneNode& node, const Mesh& mesh) {
   return *block;
 }
 
-std::vector<double> read_cell_file(const SceneNode& node, const Mesh& mesh) {
-  const auto num_cells = static_cast<std::size_t>(solid_cells(node, mesh).num_cells());
-  const NumberTable table = read_csv(read_path(node));
-  if (table.num_columns != 1 || table.num_rows() != num_cells) {
-    node.fail_with("expected " + std::to_string(num_cells) +
-                   " rows of 1 number (one row for each cell), got " + std::to_string(table.num_rows()) +
-                   " rows of " + std::to_string(table.num_columns));
-  }
-  return table.values;
+/// A CSV file, a list or an array of one number for each cell.
+std::vector<double> read_cell_values(const SceneNode& node, const Mesh& mesh) {
+  return read_rows(node, static_cast<std::size_t>(solid_cells(node, mesh).num_cells()), 1, "cell").values;
 }
 
 std::vector<double> read_cell_field(const SceneNode& node, const Mesh& mesh) {
@@ -77,16 +70,20 @@ std::vector<double> read_cell_field(const SceneNode& node, const Mesh& mesh) {
             "give the values in a file: { file = \"values.csv\" }");
 }
 
-/// A number, { file = "young.csv" } or { cell_field = "name" }.
+/// A number, a list of one for each cell, { file = "young.csv" } or { cell_field = "name" }.
 void read_constant(const SceneNode& node, const std::string& name, const Mesh& mesh,
                    MaterialDescription& material) {
+  if (node.value->is_array() || std::holds_alternative<SceneValue::Numbers>(node.value->data)) {
+    material.cell_constants[name] = read_cell_values(node, mesh);
+    return;
+  }
   if (!node.value->is_table()) {
     material.constants[name] = read_number(node);
     return;
   }
   refuse_unknown_keys(node, {"file", "cell_field"});
   if (node.value->table().size() != 1) node.fail("a number, { file = ... } or { cell_field = ... }");
-  material.cell_constants[name] = node.has("file") ? read_cell_file(node.child("file"), mesh)
+  material.cell_constants[name] = node.has("file") ? read_cell_values(node.child("file"), mesh)
                                                    : read_cell_field(node.child("cell_field"), mesh);
 }
 
@@ -107,14 +104,15 @@ void read_material(const SceneNode& node, const Mesh& mesh, MaterialDescription&
 
 SectionDoc material_doc() {
   const MaterialDescription defaults;
-  SectionDoc doc = document("material",
-                            "Young's modulus and Poisson's ratio mean the small-strain solid; each law "
-                            "converts them to its own constants. "
-                            "Constants named as in a law's formula are taken literally instead, all of them. "
-                            "A constant may vary from cell to "
-                            "cell: `{ file = \"young.csv\" }` with one number for each cell, or `{ "
-                            "cell_field = \"name\" }` of the mesh.",
-                            material_keys());
+  SectionDoc doc =
+      document("material",
+               "Young's modulus and Poisson's ratio mean the small-strain solid; each law "
+               "converts them to its own constants. "
+               "Constants named as in a law's formula are taken literally instead, all of them. "
+               "A constant may vary from cell to "
+               "cell: a list, or `{ file = \"young.csv\" }`, with one number for each cell, or `{ "
+               "cell_field = \"name\" }` of the mesh.",
+               material_keys());
   const auto add = [&](const char* name, const char* type, const char* unit, const char* text) {
     doc.keys.push_back({name, type, unit, default_text(defaults.constants.at(name)), text});
   };

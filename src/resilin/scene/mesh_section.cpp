@@ -57,8 +57,15 @@ Keys<Mesh> mesh_keys() {
       [](const SceneNode& node, Mesh& mesh) { mesh = read_box(node); })};
 }
 
+/// A file, or the mesh that a program hands over.
 Mesh read_mesh_of(const SceneNode& node) {
-  MeshFile file = read_solid_mesh(read_path(node), node.context->dimension);
+  MeshFile file;
+  if (const auto* mesh = std::get_if<SceneValue::MeshHandle>(&node.value->data)) {
+    file = **mesh;
+  } else {
+    file = read_mesh(read_path(node));
+  }
+  prepare_solid_mesh(file, node.context->dimension);
   for (const std::string& warning : file.warnings) node.context->warnings.push_back(warning);
   return std::move(file.mesh);
 }
@@ -71,9 +78,13 @@ void read_body_mesh(const SceneNode& node, BodyDescription& body) {
     body.mesh_name = "box";
     return read_section(node, mesh_keys(), body.mesh);
   }
-  if (!std::holds_alternative<std::string>(node.value->data))
+  if (const auto* mesh = std::get_if<SceneValue::MeshHandle>(&node.value->data)) {
+    body.mesh_name = (*mesh)->numbering.file;
+  } else if (std::holds_alternative<std::string>(node.value->data)) {
+    body.mesh_name = read_text(node);
+  } else {
     node.fail("the name of a mesh file or { box = { size, cells } }");
-  body.mesh_name = read_text(node);
+  }
   body.mesh = read_mesh_of(node);
 }
 

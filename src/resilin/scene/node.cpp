@@ -101,6 +101,49 @@ Eigen::Matrix3d read_matrix(const SceneNode& node) {
   return matrix;
 }
 
+namespace {
+
+/// Of a list of rows; a row of one number may be the number itself.
+NumberTable table_of_list(const SceneNode& list, std::size_t num_columns) {
+  NumberTable table{.num_columns = num_columns, .values = {}};
+  for (std::size_t i = 0; i < list.value->array().size(); ++i) {
+    const SceneNode row = list.element(i);
+    if (!row.value->is_array() && num_columns == 1) {
+      table.values.push_back(read_number(row));
+      continue;
+    }
+    expect_list(row, "numbers", static_cast<int>(num_columns));
+    for (std::size_t k = 0; k < num_columns; ++k) table.values.push_back(read_number(row.element(k)));
+  }
+  return table;
+}
+
+}  // namespace
+
+NumberTable read_rows(const SceneNode& node, std::size_t num_rows, std::size_t num_columns,
+                      const std::string& of_what) {
+  const auto counted = [](std::size_t rows, std::size_t columns) {
+    return std::to_string(rows) + " rows of " + std::to_string(columns) +
+           (columns == 1 ? " number" : " numbers");
+  };
+  NumberTable table;
+  if (const auto* numbers = std::get_if<SceneValue::Numbers>(&node.value->data)) {
+    table = **numbers;
+  } else if (node.value->is_array()) {
+    table = table_of_list(node, num_columns);
+  } else if (std::holds_alternative<std::string>(node.value->data)) {
+    table = read_csv(read_path(node));
+  } else {
+    node.fail("the name of a CSV file or a list, with " + counted(num_rows, num_columns));
+  }
+  if (table.num_columns != num_columns || table.num_rows() != num_rows) {
+    node.fail_with("expected " + counted(num_rows, num_columns) + " (one row for each " + of_what +
+                   "), got " + std::to_string(table.num_rows()) + " rows of " +
+                   std::to_string(table.num_columns));
+  }
+  return table;
+}
+
 std::filesystem::path read_path(const SceneNode& node) {
   const std::string text = read_text(node);
   if (text.empty() || text.find('\0') != std::string::npos) node.fail("the name of a file");

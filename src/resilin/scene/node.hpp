@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "resilin/core/types.hpp"
+#include "resilin/scene/csv.hpp"
 #include "resilin/scene/value.hpp"
 
 /// Typed reading of scene values. Every failure is an InputError that begins with the place of the value.
@@ -60,6 +61,10 @@ std::string read_text(const SceneNode& node);
 Vector3 read_vector(const SceneNode& node);
 /// dimension x dimension numbers as a list of rows; the rest is zero in 2D.
 Eigen::Matrix3d read_matrix(const SceneNode& node);
+/// Rows of `num_columns` numbers: a CSV file, a list of rows (of numbers, for one column) or an array.
+/// `of_what` completes "one row for each ...".
+NumberTable read_rows(const SceneNode& node, std::size_t num_rows, std::size_t num_columns,
+                      const std::string& of_what);
 /// A path, beside the scene unless absolute.
 std::filesystem::path read_path(const SceneNode& node);
 /// Throws unless the value is a table or, for the second, a list of `count` entries (any number for -1).

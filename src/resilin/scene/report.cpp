@@ -2,7 +2,9 @@
 
 #include <sys/resource.h>
 
+#include "resilin/core/parallel.hpp"
 #include "resilin/element/catalog.hpp"
+#include "resilin/scene/build_info.hpp"
 
 namespace resilin {
 namespace {
@@ -14,6 +16,20 @@ Json vector_json(const Vector3& vector, int dimension) {
 }
 
 }  // namespace
+
+std::string_view name(RunStatus status) {
+  switch (status) {
+    case RunStatus::running:
+      return "running";
+    case RunStatus::done:
+      return "done";
+    case RunStatus::not_converged:
+      return "not_converged";
+    case RunStatus::budget:
+      return "budget";
+  }
+  return "";
+}
 
 Json frame_json(const Frame& frame, int dimension) {
   Json json;
@@ -61,6 +77,26 @@ Json bodies_json(const World& world) {
                     {"unknowns", Offset{body.num_nodes} * world.dimension}});
   }
   return list;
+}
+
+Json report_json(const World& world, Json frames, const RunSummary& summary) {
+  Json report;
+  report["status"] = name(summary.outcome.status);
+  report["reason"] = summary.outcome.reason;
+  report["title"] = world.title;
+  report["version"] = version();
+  report["dimension"] = world.dimension;
+  report["kind"] = world.is_dynamic ? "dynamic" : "static";
+  report["frames"] = std::move(frames);
+  report["bodies"] = bodies_json(world);
+  report["solver"] = summary.solver;
+  report["timing"] = {{"total", summary.total_seconds},
+                      {"assembly", summary.timing.assembly},
+                      {"solve", summary.timing.solve},
+                      {"output", summary.output_seconds}};
+  report["peak_memory_MiB"] = peak_memory_MiB();
+  report["threads"] = num_threads();
+  return report;
 }
 
 std::string report_text(const Json& report) {

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "resilin/scene/summary.hpp"
 #include "resilin/simulation/simulation.hpp"
 
 /// The parts of report.json. Included by sources only: the JSON header is heavy.
@@ -15,6 +16,9 @@ Json frame_json(const Frame& frame, int dimension);
 
 /// "bodies".
 Json bodies_json(const World& world);
+
+/// The whole report; `frames` is a list of frame_json.
+Json report_json(const World& world, Json frames, const RunSummary& summary);
 
 /// The report as text that people can read too: a line for each key, for each frame and for each body.
 std::string report_text(const Json& report);

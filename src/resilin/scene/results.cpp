@@ -6,10 +6,8 @@
 #include <vector>
 
 #include "resilin/core/error.hpp"
-#include "resilin/core/parallel.hpp"
 #include "resilin/io/atomic_file.hpp"
 #include "resilin/io/vtu.hpp"
-#include "resilin/scene/build_info.hpp"
 #include "resilin/scene/frame_file.hpp"
 #include "resilin/scene/report.hpp"
 
@@ -45,20 +43,6 @@ void write_frame_list(const std::filesystem::path& path, const Json& frames, boo
 
 }  // namespace
 
-std::string_view name(RunStatus status) {
-  switch (status) {
-    case RunStatus::running:
-      return "running";
-    case RunStatus::done:
-      return "done";
-    case RunStatus::not_converged:
-      return "not_converged";
-    case RunStatus::budget:
-      return "budget";
-  }
-  return "";
-}
-
 struct ResultFolder::Contents {
   std::filesystem::path folder;
   Json frames = Json::array();
@@ -82,31 +66,23 @@ struct ResultFolder::Contents {
     if (!stream || error) throw FileError(path.string(), "cannot be written; is the disk full?");
   }
 
-  void save(const Simulation& simulation, RunStatus status, const std::string& reason) {
+  RunSummary summary(const Simulation& simulation, RunStatus status, const std::string& reason) const {
+    return {.outcome = {status, reason},
+            .solver = std::string(simulation.solver_name()),
+            .timing = simulation.timing(),
+            .total_seconds = seconds_before + seconds_since(start),
+            .output_seconds = output_seconds};
+  }
+
+  void save(const World& world, const State& state, const RunSummary& summary) {
     const Clock::time_point begin = Clock::now();
-    const World& world = simulation.world();
     if (!frames.empty() && writes_vtu(world))
       write_frame_list(folder / "frames.pvd", frames, world.is_dynamic);
-    Json report;
-    report["status"] = name(status);
-    report["reason"] = reason;
-    report["title"] = world.title;
-    report["version"] = version();
-    report["dimension"] = world.dimension;
-    report["kind"] = world.is_dynamic ? "dynamic" : "static";
-    report["frames"] = std::move(frames);
-    report["bodies"] = bodies_json(world);
-    report["solver"] = simulation.solver_name();
-    report["timing"] = {{"total", seconds_before + seconds_since(start)},
-                        {"assembly", simulation.timing().assembly},
-                        {"solve", simulation.timing().solve},
-                        {"output", output_seconds}};
-    report["peak_memory_MiB"] = peak_memory_MiB();
-    report["threads"] = num_threads();
+    Json report = report_json(world, std::move(frames), summary);
     // The report first: a checkpoint never runs ahead of the frames that go with it.
     write_text(folder / report_name, report_text(report));
     frames = std::move(report["frames"]);
-    write_text(folder / checkpoint_name, serialize(simulation.state()));
+    write_text(folder / checkpoint_name, serialize(state));
     const double cost = seconds_since(begin);
     output_seconds += cost;
     // At most a tenth of the time goes into saving, however long the report has grown.
@@ -155,8 +131,15 @@ std::optional<State> ResultFolder::resume() {
 }
 
 void ResultFolder::record(const Simulation& simulation, bool is_last) {
-  const World& world = simulation.world();
-  const Frame& frame = simulation.frame();
+  record(simulation.world(), simulation.state(), simulation.frame(), is_last);
+  if (Clock::now() >= contents_->next_save) {
+    contents_->save(
+        simulation.world(), simulation.state(),
+        contents_->summary(simulation, RunStatus::running, "the run had not ended when this was written"));
+  }
+}
+
+void ResultFolder::record(const World& world, const State& state, const Frame& frame, bool is_last) {
   Json& frames = contents_->frames;
   const bool is_new = frames.empty() || frames.back()["step"].get<int>() < frame.step;
   if (is_new && (is_last || frame.step % world.output.every == 0)) {
@@ -165,18 +148,19 @@ void ResultFolder::record(const Simulation& simulation, bool is_last) {
     if (!frames.empty() && frames.back()["step"].get<int>() % world.output.every != 0)
       frames.erase(frames.size() - 1);
     if (Contents::writes_vtu(world)) {
-      contents_->write_frame(frames.size(), world, simulation.state());
+      contents_->write_frame(frames.size(), world, state);
     }
     frames.push_back(frame_json(frame, world.dimension));
     contents_->output_seconds += seconds_since(begin);
   }
-  if (Clock::now() >= contents_->next_save) {
-    contents_->save(simulation, RunStatus::running, "the run had not ended when this was written");
-  }
 }
 
 void ResultFolder::finish(const Simulation& simulation, RunStatus status, const std::string& reason) {
-  contents_->save(simulation, status, reason);
+  finish(simulation.world(), simulation.state(), contents_->summary(simulation, status, reason));
+}
+
+void ResultFolder::finish(const World& world, const State& state, const RunSummary& summary) {
+  contents_->save(world, state, summary);
   // Frames of an earlier, longer run into the same folder are not part of this one.
   std::error_code error;
   for (std::size_t i = contents_->frames.size();

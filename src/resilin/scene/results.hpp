@@ -4,20 +4,11 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 
+#include "resilin/scene/summary.hpp"
 #include "resilin/simulation/simulation.hpp"
 
 namespace resilin {
-
-/// The word that the report gives for how a run ended.
-enum class RunStatus {
-  running,        ///< it did not end: the report is that of a run that goes on or was killed
-  done,           ///< end time or full load reached
-  not_converged,  ///< the results up to the last converged step are kept
-  budget          ///< stopped before its end: by the user, or after --steps
-};
-std::string_view name(RunStatus status);
 
 /// The folder that a run leaves: report.json, frames/NNNN.vtu, frames.pvd, checkpoint.bin.
 ///
@@ -42,8 +33,14 @@ class ResultFolder {
   /// Records the simulation's present frame when it is due (each `output.every` steps), or when `is_last`.
   void record(const Simulation& simulation, bool is_last);
 
+  /// The same for a state that the simulation had; report and checkpoint wait for `finish`.
+  void record(const World& world, const State& state, const Frame& frame, bool is_last);
+
   /// Writes report and checkpoint with how the run ended.
   void finish(const Simulation& simulation, RunStatus status, const std::string& reason);
+
+  /// The same for a run that has ended already in this state.
+  void finish(const World& world, const State& state, const RunSummary& summary);
 
  private:
   struct Contents;

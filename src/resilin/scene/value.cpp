@@ -4,6 +4,7 @@
 
 #include "resilin/core/text.hpp"
 #include "resilin/io/text_scanner.hpp"
+#include "resilin/scene/csv.hpp"
 
 namespace resilin {
 
@@ -37,6 +38,10 @@ struct Describe {
   std::string operator()(const SceneValue::Table& value) const {
     return value.empty() ? "an empty table" : "a table";
   }
+  std::string operator()(const SceneValue::Numbers& value) const {
+    return "an array of " + std::to_string(value->num_rows()) + " x " + std::to_string(value->num_columns);
+  }
+  std::string operator()(const SceneValue::MeshHandle&) const { return "a mesh"; }
 };
 
 }  // namespace

@@ -9,14 +9,20 @@
 
 namespace resilin {
 
+struct MeshFile;
+struct NumberTable;
 struct SceneMember;
 
 /// A piece of a scene before its meaning is known: what a TOML file, `--set` or a dictionary hold in common.
+/// A program may hand over long arrays and meshes as they are.
 struct SceneValue {
   using Array = std::vector<SceneValue>;
   using Table = std::vector<SceneMember>;  ///< in the order of the file
 
-  std::variant<bool, std::int64_t, double, std::string, Array, Table> data = Table{};
+  using Numbers = std::shared_ptr<const NumberTable>;
+  using MeshHandle = std::shared_ptr<const MeshFile>;
+
+  std::variant<bool, std::int64_t, double, std::string, Array, Table, Numbers, MeshHandle> data = Table{};
   std::shared_ptr<const std::string> source;  ///< "beam.toml" or "--set newton.tolerance=1"
   int line = 0;                               ///< from 1; 0 when the source has no lines
 

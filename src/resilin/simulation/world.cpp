@@ -284,41 +284,17 @@ void Builder::build_pattern() {
   world_.external.assign(external_.begin(), external_.end());
 }
 
-/// Lumped: each vertex of a linear cell carries its share of the cell. Consistent: rho V / ((d+1)(d+2)) (1 +
-/// delta_ab).
 void Builder::add_masses() {
   MassMatrix& mass = world_.mass;
   mass.dim = world_.dimension;
   mass.nodal = VectorX::Zero(world_.num_nodes());
-  const bool any_consistent = std::any_of(world_.bodies.begin(), world_.bodies.end(),
-                                          [](const Body& body) { return body.mass_kind == "consistent"; });
-  if (any_consistent) {
+  const auto is_consistent = [](const Body& body) { return body.mass_kind == "consistent"; };
+  if (std::ranges::any_of(world_.bodies, is_consistent)) {
     mass.pattern = world_.pattern;
     mass.slots.assign(static_cast<std::size_t>(world_.pattern->num_slots()), 0.0);
   }
-  for (const Body& body : world_.bodies) {
-    const std::vector<double> volumes = body.elastic->rest_volumes();
-    const auto n = static_cast<std::size_t>(num_nodes(body.cell_kind));
-    const auto corners = static_cast<double>(n);
-    for (std::size_t cell = 0; cell < volumes.size(); ++cell) {
-      const double cell_mass = body.density * volumes[cell];
-      for (std::size_t a = 0; a < n; ++a) {
-        const Index i = body.cells[cell * n + a];
-        mass.nodal[i] += cell_mass / corners;
-        if (!any_consistent) continue;
-        const auto add = [&](Index j, double entry) {
-          mass.slots[static_cast<std::size_t>(world_.pattern->slot(std::min(i, j), std::max(i, j)))] += entry;
-        };
-        if (body.mass_kind != "consistent") {
-          add(i, cell_mass / corners);
-          continue;
-        }
-        const double entry = cell_mass / (corners * (corners + 1));
-        add(i, 2 * entry);
-        for (std::size_t b = a + 1; b < n; ++b) add(body.cells[cell * n + b], entry);
-      }
-    }
-  }
+  for (const Body& body : world_.bodies)
+    add_cell_masses(mass, body.cells, body.elastic->rest_volumes(), body.density, is_consistent(body));
 }
 
 void Builder::find_fixed_unknowns() {

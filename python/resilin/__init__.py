@@ -1,0 +1,32 @@
+"""Resilin: hyperelastic solids with finite elements.
+
+Material    a law at arrays of deformation gradients: energy, stress, tangent, forces
+Elastic     the energy of a mesh: value, gradient, Hessian
+Simulation  a scene step by step; `run` simulates it to the end
+Mesh        from arrays, files, meshio objects and recipes
+"""
+
+from resilin._core import InputError, __version__, num_threads, set_num_threads
+from resilin.elastic import Elastic
+from resilin.material import Material, laws
+from resilin.mesh import Mesh, MeshReport, read_mesh
+from resilin.simulation import Result, Simulation, Step, run
+
+InputError.__module__ = __name__
+
+__all__ = [
+    "Elastic",
+    "InputError",
+    "Material",
+    "Mesh",
+    "MeshReport",
+    "Result",
+    "Simulation",
+    "Step",
+    "__version__",
+    "laws",
+    "num_threads",
+    "read_mesh",
+    "run",
+    "set_num_threads",
+]

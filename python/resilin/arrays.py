@@ -1,0 +1,74 @@
+"""Arrays of a caller, made ready for the core: real, float64 or float32, C-contiguous; or refused in one line."""
+
+import sys
+
+import numpy as np
+
+from resilin._core import InputError
+
+FLOAT64 = np.dtype(np.float64)
+FLOAT32 = np.dtype(np.float32)
+
+
+def is_tensor(value):
+    """Whether `value` is a torch tensor; torch is never imported for the question."""
+    torch = sys.modules.get("torch")
+    return torch is not None and isinstance(value, torch.Tensor)
+
+
+def refuse(place, expected, got, cure=""):
+    raise InputError(f"{place}: expected {expected}, got {got}" + (f"; {cure}" if cure else ""))
+
+
+def real_array(value, place):
+    """`value` as a C-contiguous float64 or float32 array; the same object where it is one, else a copy.
+
+    Whole numbers become float64, exactly up to 2^53.
+    """
+    if type(value) is np.ndarray and (value.dtype is FLOAT64 or value.dtype is FLOAT32):
+        flags = value.flags
+        if flags.c_contiguous and flags.aligned:
+            return value
+    if is_tensor(value):
+        refuse(place, "a numpy array", "a torch tensor", "give all arguments as tensors, or this one as an array")
+    try:
+        array = np.asarray(value)
+    except ValueError:
+        refuse(place, "an array of real numbers", "rows of different lengths")
+    kind, size = array.dtype.kind, array.dtype.itemsize
+    if kind == "f" and size in (4, 8):
+        wanted = np.dtype(f"f{size}")
+    elif kind in "iu":
+        wanted = FLOAT64
+    else:
+        refuse(place, "real numbers in float64 or float32", array.dtype.name)
+    return np.require(array, dtype=wanted, requirements=["C", "A"])
+
+
+def square_matrices(value, place):
+    """`value` as an array (..., d, d) of 2 by 2 or 3 by 3 matrices."""
+    array = real_array(value, place)
+    shape = array.shape
+    if len(shape) < 2 or shape[-1] != shape[-2] or not 2 <= shape[-1] <= 3:
+        refuse(place, "an array (..., 2, 2) or (..., 3, 3)", describe(shape))
+    return array
+
+
+def result_array(out, shape, like, inputs=()):
+    """`out` once it has been found fit to hold a result, else a new array of the type of `like`."""
+    if out is None:
+        return np.empty(shape, like.dtype)
+    if type(out) is not np.ndarray or out.shape != shape or out.dtype != like.dtype:
+        got = f"{out.dtype} {describe(out.shape)}" if isinstance(out, np.ndarray) else type(out).__name__
+        refuse("out", f"a {like.dtype} array {describe(shape)}", got)
+    flags = out.flags
+    if not (flags.c_contiguous and flags.aligned and flags.writeable and out.dtype.isnative):
+        refuse("out", "a writeable C-contiguous array", "a strided, byte-swapped or read-only one")
+    if any(np.may_share_memory(out, array) for array in (like, *inputs)):
+        refuse("out", "memory of its own", "an array that overlaps an input")
+    return out
+
+
+def describe(shape):
+    """(3,) as "(3,)"; () as "a single number"."""
+    return str(tuple(shape)) if shape else "a single number"

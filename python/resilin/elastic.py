@@ -1,0 +1,177 @@
+"""The elastic energy of a mesh: value, gradient and Hessian as functions of the positions."""
+
+import numpy as np
+
+from resilin import _core
+from resilin.arrays import describe, real_array, refuse
+from resilin.material import PROJECTIONS
+from resilin.mesh import warn
+
+
+class Elastic:
+    """Strain energy of a body as a function of its positions, E(x) = sum over cells of V Psi(F(x)).
+
+    Positions are arrays (N, d) in metres, d = 3, or 2 for plane strain at unit thickness. A state outside the law's
+    domain (J <= 0 under a logarithm) has the energy inf, and nan in gradient and Hessian.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    material : Material
+        Its constants may be arrays (M,), one value for each cell.
+    element : "P1"
+        Linear triangles or tetrahedra.
+    dimension : 2 or 3, optional
+        By default that of the mesh.
+
+    Raises
+    ------
+    InputError
+        When the mesh or a constant cannot be used, with the reason.
+    """
+
+    def __init__(self, mesh, material, element="P1", dimension=None):
+        self._dim = mesh.dimension if dimension is None else dimension
+        if self._dim not in (2, 3):
+            refuse("dimension", "2 or 3", repr(dimension))
+        if getattr(material, "fibres", None) is not None:
+            refuse("material.fibres", "none: bodies with fibres are simulated from a scene", "fibres")
+        solid = mesh._core.prepared(self._dim)
+        warn(solid.warnings[len(mesh._core.warnings) :])
+        kind = _core.CellKind.tetrahedron if self._dim == 3 else _core.CellKind.triangle
+        self._cells = next(nodes for other, nodes in solid.cells() if other == kind)
+        self._rest_positions = np.ascontiguousarray(solid.positions()[:, : self._dim])
+        constants = _constant_rows(material.constants, len(self._cells))
+        self._material = material
+        self._core = _core.ElasticBody(self._dim, element, self._rest_positions, self._cells, material.law, constants)
+
+    @property
+    def rest_positions(self):
+        """(N, d) [m]; a copy."""
+        return self._rest_positions.copy()
+
+    @property
+    def cells(self):
+        """(M, d + 1); a copy, with positive volumes at rest."""
+        return self._cells.copy()
+
+    @property
+    def material(self):
+        """The material that the body was made with."""
+        return self._material
+
+    @property
+    def rest_volumes(self):
+        """(M,) [m^3], in 2D areas [m^2]."""
+        return self._core.rest_volumes()
+
+    def value(self, x):
+        """Energy [J] at positions `x` (N, d); zero at rest, inf outside the law's domain."""
+        return self._core.value(self._positions(x))
+
+    def gradient(self, x):
+        """Derivative of the energy (N, d) [N]; the elastic forces are its negative."""
+        return self._core.gradient(self._positions(x))
+
+    def hessian(self, x, projection=None, as_triplets=False):
+        """Second derivative of the energy [N/m].
+
+        Parameters
+        ----------
+        x : array (N, d)
+        projection : None, "clamp" or "absolute"
+            What becomes of the negative eigenvalues of each cell's Hessian: nothing, zero, or their absolute values.
+        as_triplets : bool
+
+        Returns
+        -------
+        scipy.sparse.csr_matrix (N d, N d)
+            Unknowns vertex by vertex, x.ravel(); symmetric, columns ascending. The pattern does not depend on `x`.
+        (i, j, v)
+            With `as_triplets`: rows, columns and values; each entry once.
+        """
+        if projection not in PROJECTIONS:
+            refuse("projection", 'None, "clamp" or "absolute"', repr(projection))
+        values, columns, row_begin = self._core.hessian(self._positions(x), PROJECTIONS[projection])
+        if as_triplets:
+            rows = np.repeat(np.arange(len(row_begin) - 1, dtype=np.int32), np.diff(row_begin))
+            return rows, columns, values
+        return _csr_matrix(values, columns, row_begin)
+
+    def mass(self, density=1000.0, kind="lumped"):
+        """Mass matrix [kg].
+
+        Parameters
+        ----------
+        density : float
+            [kg/m^3] of the rest shape.
+        kind : "lumped" or "consistent"
+            A diagonal matrix, each vertex with its share of its cells; or that of the shape functions.
+
+        Returns
+        -------
+        scipy.sparse.csr_matrix (N d, N d)
+        """
+        if kind not in ("lumped", "consistent"):
+            refuse("kind", '"lumped" or "consistent"', repr(kind))
+        if not (np.isfinite(density) and density > 0):
+            refuse("density", "a number above 0 kg/m^3", repr(density))
+        matrix = _csr_matrix(*self._core.mass(float(density), kind == "consistent"))
+        matrix.eliminate_zeros()
+        return matrix
+
+    def max_step(self, x, p):
+        """The largest t in (0, 1] such that no cell loses more than nine tenths of its volume along x + t p.
+
+        For laws that need J > 0; others give 1. `x` and `p` are (N, d).
+        """
+        return self._core.max_step(self._positions(x), self._positions(p, "p"))
+
+    def volume_ratios(self, x):
+        """J = det F of each cell (M,)."""
+        return self._core.volume_ratios(self._positions(x))
+
+    def energy_densities(self, x):
+        """Psi of each cell (M,) [J/m^3]."""
+        return self._core.energy_densities(self._positions(x))
+
+    def deformation_gradients(self, x):
+        """F of each cell (M, d, d)."""
+        return self._core.deformation_gradients(self._positions(x))[:, : self._dim, : self._dim]
+
+    def cauchy_stresses(self, x):
+        """Cauchy stress of each cell (M, 3, 3) [Pa]; in plane strain with the stress across the plane."""
+        return self._core.cauchy_stresses(self._positions(x))
+
+    def von_mises(self, x):
+        """Von Mises stress of each cell (M,) [Pa]."""
+        return self._core.von_mises_stresses(self._positions(x))
+
+    def _positions(self, x, place="x"):
+        x = real_array(x, place)
+        if x.shape != self._rest_positions.shape:
+            refuse(place, f"an array {describe(self._rest_positions.shape)}", describe(x.shape))
+        return x.astype(np.float64, copy=False)
+
+    def __repr__(self):
+        return f"<resilin.Elastic {self._material.law}: {len(self._cells)} cells, {self._rest_positions.size} unknowns>"
+
+
+def _constant_rows(constants, num_cells):
+    """The law's constants, (1, C) or (M, C) when some differ from cell to cell."""
+    columns = []
+    for name, value in constants.items():
+        column = np.asarray(real_array(value, f"material.{name}"), dtype=np.float64)
+        if column.ndim > 1 or (column.ndim == 1 and len(column) not in (1, num_cells)):
+            refuse(f"material.{name}", f"one number, or one for each of {num_cells} cells", describe(column.shape))
+        columns.append(column)
+    return np.ascontiguousarray(np.stack(np.broadcast_arrays(*map(np.atleast_1d, columns)), axis=-1))
+
+
+def _csr_matrix(values, columns, row_begin):
+    from scipy.sparse import csr_matrix  # takes longer to import than all else
+
+    size = len(row_begin) - 1
+    matrix = csr_matrix((values, columns, row_begin), shape=(size, size))
+    matrix.has_canonical_format = True
+    return matrix

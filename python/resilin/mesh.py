@@ -1,0 +1,284 @@
+"""Meshes from arrays, files, meshio objects and recipes."""
+
+import os
+import warnings
+
+import numpy as np
+
+from resilin import _core
+from resilin.arrays import describe, real_array, refuse
+
+# Names of meshio's cells; its order of nodes is ours but in second-order tetrahedra, whose last two are exchanged.
+MESHIO_KINDS = {
+    "vertex": "point",
+    "line": "line",
+    "triangle": "triangle",
+    "quad": "quadrilateral",
+    "tetra": "tetrahedron",
+    "hexahedron": "hexahedron",
+    "wedge": "prism",
+    "pyramid": "pyramid",
+    "line3": "line3",
+    "triangle6": "triangle6",
+    "tetra10": "tetrahedron10",
+}
+
+
+class MeshReport:
+    """What is wrong with a mesh (`errors`: it cannot be simulated) and what is odd (`warnings`), one line each."""
+
+    def __init__(self, errors, warnings):
+        self.errors = errors
+        self.warnings = warnings
+
+    def __bool__(self):
+        """True when there is no error."""
+        return not self.errors
+
+    def __repr__(self):
+        lines = [f"error: {line}" for line in self.errors] + [f"warning: {line}" for line in self.warnings]
+        return "\n".join(lines) or "nothing is wrong"
+
+
+class Mesh:
+    """Vertices and cells: triangles in 2D, tetrahedra in 3D.
+
+    Parameters
+    ----------
+    positions : array (N, 2) or (N, 3)
+        [m]. Two columns for a mesh in the plane.
+    cells : array (M, 3) or (M, 4), or dict
+        Vertices of each triangle or tetrahedron, from 0; or such arrays by the kind of cell, {"tetrahedron": ...,
+        "triangle": ...}. Triangles of a mesh of tetrahedra are facets.
+    groups : dict, optional
+        Vertices by the name of a group, to which supports and loads of a scene refer.
+    name : str
+        Opens messages about the mesh.
+    """
+
+    def __init__(self, positions, cells, groups=None, name="mesh"):
+        positions = np.asarray(real_array(positions, f"{name}: positions"), dtype=np.float64)
+        if positions.ndim != 2 or positions.shape[1] not in (2, 3):
+            refuse(f"{name}: positions", "an array (N, 2) or (N, 3)", describe(positions.shape))
+        blocks = cells if isinstance(cells, dict) else {_kind_of(cells, name): cells}
+        count = len(positions)
+        blocks = [(_kind(kind, name), _cell_array(kind, nodes, count, name)) for kind, nodes in blocks.items()]
+        groups = [
+            (str(group), _vertices(list_, count, f"{name}: group {group}")) for group, list_ in (groups or {}).items()
+        ]
+        self._take(_core.make_mesh(np.ascontiguousarray(positions), blocks, groups, name), positions.shape[1])
+
+    def _take(self, core, dimension=None):
+        """Keeps the core's mesh. Without a dimension: 2 for a mesh without solid cells that lies in the plane."""
+        self._core = core
+        self._positions = core.positions()
+        self._cells = {kind.name: nodes for kind, nodes in core.cells()}
+        if dimension is None:
+            is_flat = not np.any(self._positions[:, 2]) and not {"tetrahedron", "tetrahedron10"} & self._cells.keys()
+            dimension = 2 if is_flat else 3
+        self._positions = np.ascontiguousarray(self._positions[:, :dimension])
+        for array in (self._positions, *self._cells.values()):
+            array.flags.writeable = False
+        return self
+
+    @classmethod
+    def _of(cls, core, dimension=None):
+        return cls.__new__(cls)._take(core, dimension)
+
+    @classmethod
+    def read(cls, path):
+        """Reads a file as it is: MSH, Medit, TetGen, Vega, OBJ, VTK or VTU, told by its first bytes."""
+        core = _core.read_mesh(os.fspath(path))
+        warn(core.warnings)
+        return cls._of(core)
+
+    @classmethod
+    def from_meshio(cls, mesh, name="mesh"):
+        """From a meshio.Mesh; cell sets, point sets and physical groups become groups.
+
+        Raises
+        ------
+        InputError
+            For kinds of cells that resilin does not know.
+        """
+        blocks = {}
+        for block in mesh.cells:
+            if block.type not in MESHIO_KINDS:
+                refuse(f"{name}: cells", f"one of {', '.join(MESHIO_KINDS)}", f'"{block.type}"')
+            blocks.setdefault(MESHIO_KINDS[block.type], []).append(_our_order(block))
+        positions = np.asarray(mesh.points, dtype=np.float64)
+        if positions.ndim == 2 and positions.shape[1] == 3 and not np.any(positions[:, 2]) and "triangle" in blocks:
+            positions = positions if {"tetrahedron", "tetrahedron10"} & blocks.keys() else positions[:, :2]
+        cells = {kind: np.concatenate(arrays) for kind, arrays in blocks.items()}
+        return cls(positions, cells, _meshio_groups(mesh), name)
+
+    @classmethod
+    def box(cls, size, cells, origin=(0, 0, 0), pattern="kuhn6"):
+        """A box of tetrahedra with the groups body, x_min, x_max, y_min, ...
+
+        Parameters
+        ----------
+        size : (3,)
+            Edge lengths [m].
+        cells : (3,)
+            Number of cubes along x, y, z.
+        origin : (3,)
+            Corner with the smallest coordinates [m].
+        pattern : "kuhn6" or "five"
+            Tetrahedra of a cube: six around a diagonal, or five.
+        """
+        size, cells, origin = _recipe(size, cells, origin, 3, "box")
+        return cls._of(_core.make_box(size, cells, origin, _choice(_core.TetPattern, pattern, "box")), 3)
+
+    @classmethod
+    def rectangle(cls, size, cells, origin=(0, 0), pattern="uniform"):
+        """A rectangle of triangles, two for each of `cells` (2,); see `box`.
+
+        `pattern` "alternating" turns the diagonal of every other square, as on a chessboard.
+        """
+        size, cells, origin = _recipe(size, cells, origin, 2, "rectangle")
+        pattern = _choice(_core.TrianglePattern, pattern, "rectangle")
+        return cls._of(_core.make_rectangle(size, cells, origin, pattern), 2)
+
+    @property
+    def positions(self):
+        """Rest positions (N, 2) or (N, 3) [m]; read-only."""
+        return self._positions
+
+    @property
+    def dimension(self):
+        """Number of coordinates of a vertex, 2 or 3."""
+        return self._positions.shape[1]
+
+    @property
+    def cells(self):
+        """Vertices of the tetrahedra (M, 4), or of the triangles (M, 3) where there are no tetrahedra; read-only."""
+        for kind in ("tetrahedron", "triangle"):
+            if kind in self._cells:
+                return self._cells[kind]
+        return np.empty((0, self.dimension + 1), dtype=np.int32)
+
+    @property
+    def cells_by_kind(self):
+        """All cells, {"tetrahedron": (M, 4), "triangle": (F, 3), ...}."""
+        return dict(self._cells)
+
+    @property
+    def groups(self):
+        """Vertices of each group, {name: (K,)}, ascending."""
+        return dict(self._core.groups())
+
+    @property
+    def cell_fields(self):
+        """Numbers on cells that a file brought, {name: (M,)}."""
+        return {name: values for name, _, values in self._core.cell_fields()}
+
+    def check(self):
+        """What is wrong and what is odd, as `resilin check` says it.
+
+        Returns
+        -------
+        MeshReport
+            True as a condition when there is no error.
+        """
+        return MeshReport(*self._core.check())
+
+    def write(self, path):
+        """Writes .msh, .vtu, .mesh (Medit) or .obj (surface)."""
+        self._core.write(os.fspath(path))
+
+    def __repr__(self):
+        cells = ", ".join(f"{len(nodes)} {kind}" for kind, nodes in self._cells.items())
+        return f"<resilin.Mesh {self._core.name}: {len(self._positions)} vertices, cells: {cells}>"
+
+
+def read_mesh(path):
+    """The same as `Mesh.read`."""
+    return Mesh.read(path)
+
+
+def warn(lines):
+    """Gives each line as a Python warning at the place of the caller's caller."""
+    for line in lines:
+        warnings.warn(line, stacklevel=3)
+
+
+def _kind_of(cells, name):
+    shape = np.shape(cells)
+    if len(shape) != 2 or shape[1] not in (3, 4):
+        refuse(f"{name}: cells", "an array (M, 3) of triangles or (M, 4) of tetrahedra", describe(shape))
+    return "triangle" if shape[1] == 3 else "tetrahedron"
+
+
+def _kind(kind, name):
+    kinds = _core.CellKind.__members__
+    if kind not in kinds:
+        refuse(f"{name}: cells", f"one of {', '.join(kinds)}", repr(kind))
+    return kinds[kind]
+
+
+def _cell_array(kind, nodes, num_vertices, name):
+    nodes = _indices(nodes, num_vertices, f"{name}: {kind} cells")
+    columns = _core.num_nodes(_kind(kind, name))
+    if nodes.ndim != 2 or nodes.shape[1] != columns:
+        refuse(f"{name}: {kind} cells", f"an array (M, {columns})", describe(nodes.shape))
+    return nodes
+
+
+def _vertices(list_, num_vertices, place):
+    list_ = _indices(list_, num_vertices, place)
+    if list_.ndim != 1:
+        refuse(place, "a list of vertices", f"an array {describe(list_.shape)}")
+    return list_
+
+
+def _indices(values, count, place):
+    array = np.asarray(values)
+    if array.size == 0:
+        return np.empty(array.shape, dtype=np.int32)
+    if array.dtype.kind not in "iu":
+        refuse(place, "whole numbers", array.dtype.name)
+    outside = (array < 0) | (array >= count)
+    if np.any(outside):
+        refuse(place, f"vertices from 0 to {count - 1}", str(array[outside][0]))
+    return np.ascontiguousarray(array, dtype=np.int32)
+
+
+def _recipe(size, cells, origin, dim, name):
+    size, origin = np.asarray(size, dtype=np.float64), np.asarray(origin, dtype=np.float64)
+    cells = np.asarray(cells)
+    for key, array in (("size", size), ("cells", cells), ("origin", origin)):
+        if array.shape != (dim,):
+            refuse(f"{name}.{key}", f"{dim} numbers", f"an array {describe(array.shape)}")
+    if not np.all(np.isfinite(size) & (size > 0)):
+        refuse(f"{name}.size", "lengths above 0", str(size.tolist()))
+    if not np.all(np.isfinite(origin)):
+        refuse(f"{name}.origin", "finite numbers", str(origin.tolist()))
+    if cells.dtype.kind not in "iu" or np.any(cells < 1):
+        refuse(f"{name}.cells", "whole numbers of at least 1", str(cells.tolist()))
+    if 6 * np.prod(cells.astype(float)) > np.iinfo(np.int32).max:
+        refuse(f"{name}.cells", "fewer than 2^31 triangles or tetrahedra", str(cells.tolist()))
+    return size.tolist(), cells.tolist(), origin.tolist()
+
+
+def _choice(kinds, name, place):
+    if name not in kinds.__members__:
+        refuse(f"{place}.pattern", f"one of {', '.join(kinds.__members__)}", repr(name))
+    return kinds.__members__[name]
+
+
+def _our_order(block):
+    nodes = np.asarray(block.data)
+    return nodes[:, [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]] if block.type == "tetra10" else nodes
+
+
+def _meshio_groups(mesh):
+    groups = {name: np.asarray(vertices) for name, vertices in mesh.point_sets.items() if vertices is not None}
+    for name, cells_of_blocks in mesh.cell_sets.items():
+        parts = [
+            np.asarray(block.data)[np.asarray(chosen, dtype=np.int64)].ravel()
+            for block, chosen in zip(mesh.cells, cells_of_blocks, strict=True)
+            if chosen is not None and len(chosen)
+        ]
+        groups[name] = np.unique(np.concatenate(parts)) if parts else np.empty(0, dtype=np.int64)
+    return groups

@@ -1,0 +1,63 @@
+"""One line about a run that goes on: overwritten in a terminal and in a notebook, else repeated now and then."""
+
+import sys
+import time
+
+BETWEEN_DRAWS = 0.1  # [s]
+BETWEEN_LINES = 2.0  # [s]
+
+
+class Progress:
+    """Prints after steps of `simulation`.
+
+    Parameters
+    ----------
+    is_shown : bool or None
+        None: in a terminal and in a notebook only.
+    """
+
+    def __init__(self, simulation, is_shown=None):
+        self._simulation = simulation
+        self._overwrites = sys.stdout.isatty() or is_notebook()
+        self._is_shown = self._overwrites if is_shown is None else is_shown
+        self._width = 0
+        self._next = self._start = time.monotonic()
+
+    @property
+    def after_step(self):
+        """What the core is to call after each step, or None."""
+        return self._step if self._is_shown else None
+
+    def _step(self):
+        now = time.monotonic()
+        if now < self._next and not self._simulation.is_finished:
+            return
+        self._next = now + (BETWEEN_DRAWS if self._overwrites else BETWEEN_LINES)
+        text = self._text()
+        if self._overwrites:
+            print("\r" + text.ljust(self._width), end="", flush=True)
+            self._width = len(text)
+        else:
+            print(text, flush=True)
+
+    def _text(self):
+        simulation = self._simulation
+        if simulation.is_dynamic:
+            share = min(1.0, simulation.time / simulation.end_time)
+            state = f"step {simulation.step_number}/{simulation.expected_steps}, t = {simulation.time:.4g} s"
+        else:
+            share = simulation.load
+            state = f"step {simulation.step_number}, load {simulation.load:.4g}"
+        return f"{100 * share:3.0f} %  {state}, {time.monotonic() - self._start:.3g} s"
+
+    def end(self):
+        """Ends the line that was drawn."""
+        if self._width:
+            print(flush=True)
+        self._width = 0
+
+
+def is_notebook():
+    ipython = sys.modules.get("IPython")
+    shell = ipython.get_ipython() if ipython is not None else None
+    return type(shell).__name__ == "ZMQInteractiveShell"

@@ -1,0 +1,107 @@
+"""Scenes as dicts, made ready for the core: the keys are those of a scene file (docs/scene.md)."""
+
+import os
+from collections.abc import Mapping
+
+import numpy as np
+
+from resilin import _core
+from resilin.arrays import describe, refuse
+from resilin.material import Material
+from resilin.mesh import Mesh
+
+LIST_SIZE = 64  # longer arrays of floating-point numbers are handed over as they are
+MAX_DEPTH = 16
+
+
+def read_scene(scene, overrides=()):
+    """The core's scene of a path or of a dict.
+
+    Parameters
+    ----------
+    scene : path or dict
+        A dict may hold numpy arrays, `Mesh` objects and meshes as {"positions": ..., "cells": ..., "groups": ...}; its
+        paths are relative to the current folder. The law of a material may be a `Material`.
+    overrides : dict or list of str
+        As after `--set`: {"newton.tolerance": 1e-6} or ["newton.tolerance=1e-6"].
+    """
+    if isinstance(overrides, Mapping):
+        overrides = [f"{key}={_toml(value)}" for key, value in overrides.items()]
+    if isinstance(scene, Mapping):
+        return _core.read_scene_from_values(_plain(scene, ""), "scene", "", list(overrides))
+    if not isinstance(scene, str | os.PathLike):
+        refuse("scene", "a path or a dict", type(scene).__name__)
+    return _core.read_scene(os.fspath(scene), list(overrides))
+
+
+def _plain(value, path, depth=0):
+    """`value` as dicts, lists, texts, numbers, long float64 arrays (rows, columns) and the core's meshes."""
+    if depth > MAX_DEPTH:
+        refuse(f"scene: {path}", f"at most {MAX_DEPTH} levels", "more", "does it contain itself?")
+    if isinstance(value, Mapping):
+        return _plain_table(value, path, depth)
+    if isinstance(value, np.ndarray):
+        return _plain_array(value, path)
+    if isinstance(value, list | tuple):
+        return [_plain(entry, f"{path}[{i}]", depth + 1) for i, entry in enumerate(value)]
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, int) and not -(2**63) <= value < 2**63:
+        refuse(f"scene: {path}", "a whole number of 64 bits", str(value))
+    if isinstance(value, bool | int | float | str):
+        return value
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if isinstance(value, Mesh):
+        return value._core
+    refuse(f"scene: {path}", "a number, a text, a list, a dict, an array or a mesh", type(value).__name__)
+
+
+def _plain_table(table, path, depth):
+    if "positions" in table and path.endswith(".mesh"):
+        return _inline_mesh(table, f"scene: {path}")
+    plain = {}
+    for key, value in table.items():
+        if not isinstance(key, str):
+            refuse(f"scene: {path}", "keys that are texts", repr(key))
+        if isinstance(value, Material) and key == "law":
+            plain.update(_plain(material_entries(value), path, depth + 1))
+        else:
+            plain[key] = _plain(value, f"{path}.{key}" if path else key, depth + 1)
+    return plain
+
+
+def _inline_mesh(table, place):
+    for key in table:
+        if key not in ("positions", "cells", "groups"):
+            refuse(f"{place}.{key}", "positions, cells and groups", "an unknown key")
+    if "cells" not in table:
+        refuse(f"{place}.cells", "positions, cells and groups", "nothing", "add cells")
+    return Mesh(table["positions"], table["cells"], table.get("groups"), name=place)._core
+
+
+def _plain_array(array, path):
+    if array.dtype.kind not in "biuf" or array.ndim > 2:
+        refuse(
+            f"scene: {path}",
+            "an array of real numbers with one or two axes",
+            f"{array.dtype.name} {describe(array.shape)}",
+        )
+    if array.dtype.kind == "f" and array.size > LIST_SIZE:
+        return np.ascontiguousarray(array.reshape(len(array), -1), dtype=np.float64)
+    return array.tolist()
+
+
+def material_entries(material):
+    """The entries of a scene's material: law and constants."""
+    if material.fibres is not None:
+        refuse("material.fibres", "none: give the directions in the scene", "fibres")
+    return {"law": material.law, **material.constants}
+
+
+def _toml(value):
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, list | tuple | np.ndarray):
+        return "[" + ", ".join(_toml(entry) for entry in value) + "]"
+    return repr(float(value)) if isinstance(value, float | np.floating) else str(value)

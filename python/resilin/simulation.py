@@ -1,0 +1,244 @@
+"""Simulations of scenes: step by step, or to the end with all results as arrays."""
+
+import json
+import os
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from resilin import _core
+from resilin.arrays import refuse
+from resilin.mesh import warn
+from resilin.progress import Progress
+from resilin.scene import material_entries, read_scene
+
+
+class Step(NamedTuple):
+    """What became of one step; not converging is a result, not an error."""
+
+    status: str  #: "converged" or "not_converged"
+    reason: str  #: in words, when it did not converge
+    newton_iterations: int
+    residual: float  #: force residual relative to the forces that balance
+
+    def __bool__(self):
+        """True when the step converged."""
+        return self.status == "converged"
+
+
+class Fields(Mapping):
+    """Fields of a result by name, computed when they are asked for: {name: (T, N, d), (T, M) or (T, M, 3, 3)}."""
+
+    def __init__(self, evaluate):
+        self._evaluate = evaluate
+
+    def __getitem__(self, name):
+        return self._evaluate(name)
+
+    def __iter__(self):
+        return iter(_core.frame_field_names())
+
+    def __len__(self):
+        return len(_core.frame_field_names())
+
+    def __repr__(self):
+        return f"<fields {', '.join(self)}>"
+
+
+class Result:
+    """The recorded frames of a run; T of them, the first is the start.
+
+    Attributes
+    ----------
+    positions, velocities : array (T, N, d)
+        [m], [m/s]; the vertices of all bodies, one body after another.
+    times, loads : array (T,)
+        [s]; load factors of a static run.
+    fields : mapping
+        displacement, velocity (T, N, d); volume_ratio, von_mises [Pa], energy_density [J/m^3] (T, M); cauchy_stress
+        (T, M, 3, 3) [Pa]. Each access computes the field anew.
+    report : dict
+        As report.json: status, reason, frames with energies, probes and reactions, bodies, timing.
+    """
+
+    def __init__(self, core):
+        self._core = core
+        self.positions = core.positions()
+        self.velocities = core.velocities()
+        self.times = core.times()
+        self.loads = core.loads()
+        self.fields = Fields(core.field)
+        self.report = json.loads(core.report())
+
+    @property
+    def status(self):
+        """ "done", "not_converged", or "budget" when the run was stopped before its end."""
+        return self.report["status"]
+
+    def save(self, folder):
+        """Writes the folder that `resilin run --out` leaves: report.json, frames.pvd, frames/, checkpoint.bin."""
+        self._core.save(os.fspath(folder))
+
+    def __repr__(self):
+        return f"<resilin.Result {self.status}: {len(self.times)} frames; {self.report['reason']}>"
+
+
+class Simulation:
+    """A simulation that can be looked at between its steps.
+
+    Parameters
+    ----------
+    scene : path or dict
+        A scene file, or the same keys as a dict; see docs/scene.md. A dict may hold arrays and `Mesh` objects.
+    overrides : dict or list of str
+        Changes of the scene, as after `--set`: {"newton.tolerance": 1e-6}.
+
+    Raises
+    ------
+    InputError
+        With the text that the command line prints: where, what was expected, what came, what to do.
+
+    Examples
+    --------
+    >>> simulation = resilin.Simulation("beam.toml")
+    >>> while not simulation.is_finished:
+    ...     simulation.step()
+    >>> simulation.positions
+    """
+
+    def __init__(self, scene, overrides=()):
+        self._core = _core.Simulation(read_scene(scene, overrides))
+        warn(self._core.warnings)
+
+    def step(self):
+        """One time step, or one load step as large as converges.
+
+        Ctrl-C raises KeyboardInterrupt and leaves the state before the step.
+
+        Returns
+        -------
+        Step
+            True as a condition when it converged.
+        """
+        return Step(*self._core.step())
+
+    def run(self, out=None, *, resume=False, steps=None, progress=None):
+        """Steps to the end and records each `output.every`-th step.
+
+        Ctrl-C raises KeyboardInterrupt; the simulation keeps the last whole step, `out` everything up to it.
+
+        Parameters
+        ----------
+        out : path, optional
+            Folder for the files that `resilin run` writes.
+        resume : bool
+            Goes on from the checkpoint in `out`.
+        steps : int, optional
+            Stops after so many steps.
+        progress : bool, optional
+            Whether a line says how far it is; by default in a terminal and in a notebook.
+
+        Returns
+        -------
+        Result
+        """
+        if steps is not None and (not isinstance(steps, int | np.integer) or steps < 1):
+            refuse("steps", "a whole number of at least 1", repr(steps))
+        if resume and out is None:
+            refuse("resume", "a folder `out` with a checkpoint", "no folder")
+        line = Progress(self._core, progress)
+        try:
+            folder = None if out is None else os.fspath(out)
+            return Result(self._core.run(folder, resume, int(steps or 0), line.after_step))
+        finally:
+            line.end()
+
+    def set_material(self, body, material, density=None):
+        """Gives a body another material; the motion goes on from the present state.
+
+        Parameters
+        ----------
+        body : str
+            Its name in the scene.
+        material : Material
+            Its constants may be arrays (M,), one value for each cell.
+        density : float, optional
+            [kg/m^3]; by default as before.
+        """
+        entries = material_entries(material)
+        law = entries.pop("law")
+        uniform = {name: float(value) for name, value in entries.items() if np.ndim(value) == 0}
+        by_cell = {name: np.asarray(value).tolist() for name, value in entries.items() if np.ndim(value)}
+        self._core.set_material(body, law, uniform, by_cell, None if density is None else float(density))
+
+    @property
+    def positions(self):
+        """(N, d) [m], the vertices of all bodies, one body after another."""
+        return self._core.positions()
+
+    @property
+    def velocities(self):
+        """(N, d) [m/s]; zero in statics."""
+        return self._core.velocities()
+
+    @property
+    def rest_positions(self):
+        """(N, d) [m]."""
+        return self._core.rest_positions()
+
+    @property
+    def time(self):
+        """[s]"""
+        return self._core.time
+
+    @property
+    def load(self):
+        """Load factor of a static run; 1 in motion."""
+        return self._core.load
+
+    @property
+    def is_finished(self):
+        """Whether the end time or the full load is reached."""
+        return self._core.is_finished
+
+    @property
+    def frame(self):
+        """What report.json says about the present state: energies, momenta, probes, reactions."""
+        return json.loads(self._core.frame())
+
+    @property
+    def bodies(self):
+        """What report.json says about the bodies."""
+        return json.loads(self._core.bodies())
+
+    @property
+    def fields(self):
+        """Fields of the present state by name, (N, d), (M,) or (M, 3, 3); see `Result`."""
+        return Fields(lambda name: self._core.field(name)[0])
+
+    def cells(self, body):
+        """Vertices of the cells of a body (M, d + 1), as rows of `positions`."""
+        return self._core.cells(body)
+
+    def vertices(self, body):
+        """The rows of `positions` that belong to a body, as a slice."""
+        return slice(*self._core.vertex_range(body))
+
+    def __repr__(self):
+        return f"<resilin.Simulation {self._core.title}: {self._core.reached()}>"
+
+
+def run(scene, out=None, *, overrides=(), resume=False, steps=None, progress=None):
+    """Simulates a scene to its end; see `Simulation` and `Simulation.run`.
+
+    Returns
+    -------
+    Result
+
+    Examples
+    --------
+    >>> result = resilin.run("beam.toml", overrides={"body.beam.material.youngs_modulus": 1e6})
+    >>> result.report["frames"][-1]["probes"]["tip"]["displacement"]
+    """
+    return Simulation(scene, overrides).run(out, resume=resume, steps=steps, progress=progress)

@@ -1,0 +1,65 @@
+"""A drop-in for a class that is spread among simulators written in torch: change the import, keep the rest."""
+
+# ruff: noqa: N803, N806 - E, F and P are the letters of the field
+
+from resilin.material import Material
+
+
+class StableNeoHookean:
+    """Neo-Hookean solid of tetrahedra, Psi = mu/2 (I_C - 3) - mu ln J + lambda/2 (J - 1)^2, with the exact derivatives.
+
+    The names are those of the class that it replaces; the law is Resilin's "neo_hookean_quadratic". Tensors (or numpy
+    arrays) of F may have any leading shape and be 2 by 2 as well, and autograd goes through every method. What is not
+    as in the replaced class, which clamped its numbers, so that its forces were not the slope of its energy:
+
+    - J <= 0 gives inf as the energy and nan as the stress, of that element alone. There, J became 1e-6.
+    - `first_piola_kirchhoff_stress_analytic` and `compute_elastic_forces` are exact. There, J was clamped to [0.3, 3],
+      or to [0.1, 5] for all elements as soon as one of the batch had J < 0.01, the singular values of F^-T to
+      [0.2, 5], and every stress above 1e6 Pa in norm was scaled down to 1e6 Pa.
+    - `first_piola_kirchhoff_stress` keeps the graph of F, which the replaced method cut off.
+
+    Parameters
+    ----------
+    youngs_modulus, poissons_ratio : float or tensor
+        [Pa], [-]; tensors that require grad are differentiated through.
+    """
+
+    def __init__(self, youngs_modulus=1e6, poissons_ratio=0.45):
+        self._material = Material("neo_hookean_quadratic", youngs_modulus=youngs_modulus, poissons_ratio=poissons_ratio)
+        self._given = youngs_modulus, poissons_ratio
+
+    @property
+    def E(self):  # noqa: N802
+        """Young's modulus [Pa]."""
+        return self._given[0]
+
+    @property
+    def nu(self):
+        """Poisson's ratio."""
+        return self._given[1]
+
+    @property
+    def mu(self):
+        """Shear modulus [Pa]."""
+        return self._material.constants["shear_modulus"]
+
+    @property
+    def lam(self):
+        """Lame's lambda [Pa]."""
+        return self._material.constants["lame_lambda"]
+
+    def energy_density(self, F):
+        """Psi (M,) [J/m^3] at deformation gradients F (M, 3, 3)."""
+        return self._material.energy_density(F)
+
+    def first_piola_kirchhoff_stress(self, F):
+        """P = dPsi/dF (M, 3, 3) [Pa]."""
+        return self._material.first_piola_kirchhoff_stress(F)
+
+    def first_piola_kirchhoff_stress_analytic(self, F):
+        """The same: there is one stress."""
+        return self._material.first_piola_kirchhoff_stress(F)
+
+    def compute_elastic_forces(self, F, Dm_inv, volume):
+        """Forces on the corners (M, 4, 3) [N], from F (M, 3, 3), Dm_inv (M, 3, 3) [1/m] and volume (M,) [m^3]."""
+        return self._material.elastic_forces(F, Dm_inv, volume)

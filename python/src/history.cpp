@@ -1,0 +1,107 @@
+#include "history.hpp"
+
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
+#include "resilin/scene/frame_file.hpp"
+#include "resilin/scene/report.hpp"
+#include "resilin/scene/results.hpp"
+
+namespace resilin::python {
+namespace {
+
+const FrameField& find_field(const std::string& name) {
+  for (const FrameField& field : frame_fields())
+    if (field.name == name) return field;
+  const std::vector<std::string> names = frame_field_names();
+  const std::string nearest = nearest_word(name, names);
+  throw InputError("fields", "one of " + join(names), "\"" + name + "\"",
+                   nearest.empty() ? "" : "did you mean \"" + nearest + "\"?");
+}
+
+/// Vectors on vertices come with three components; in 2D the third is left out.
+std::vector<double> without_third(const std::vector<double>& vectors, std::size_t dim) {
+  std::vector<double> values;
+  values.reserve(vectors.size() / 3 * dim);
+  for (std::size_t i = 0; i < vectors.size(); ++i)
+    if (i % 3 < dim) values.push_back(vectors[i]);
+  return values;
+}
+
+}  // namespace
+
+NumpyArray<double> field_array(const World& world, std::span<const State> states, const std::string& name) {
+  const FrameField& field = find_field(name);
+  const auto dim = static_cast<std::size_t>(world.dimension);
+  std::vector<double> all;
+  for (const State& state : states) {
+    std::vector<double> values = field.values(world, state);
+    if (field.components == 3 && dim < 3) values = without_third(values, dim);
+    all.insert(all.end(), values.begin(), values.end());
+  }
+  const std::size_t components = field.components == 3 ? dim : static_cast<std::size_t>(field.components);
+  const std::size_t count = states.size(), places = count == 0 ? 0 : all.size() / count / components;
+  if (components == 9) return numpy_array(std::move(all), {count, places, 3, 3});
+  if (components == 1) return numpy_array(std::move(all), {count, places});
+  return numpy_array(std::move(all), {count, places, components});
+}
+
+void History::record(const Simulation& simulation, bool is_last) {
+  const State& state = simulation.state();
+  if (!states_.empty() && states_.back().step == state.step) return;
+  if (!is_last && !states_.empty() && state.step % world().output.every != 0) return;
+  if (!states_.empty()) states_.back().previous_positions.resize(0);  // only needed to go on from the last
+  states_.push_back(state);
+  frames_.push_back(simulation.frame());
+}
+
+void History::finish(const Simulation& simulation, const RunOutcome& outcome, double total_seconds,
+                     double output_seconds) {
+  summary_ = {.outcome = outcome,
+              .solver = std::string(simulation.solver_name()),
+              .timing = simulation.timing(),
+              .total_seconds = total_seconds,
+              .output_seconds = output_seconds};
+}
+
+void History::save(const std::filesystem::path& path) const {
+  ResultFolder folder(path, summary_.total_seconds);
+  for (std::size_t i = 0; i < states_.size(); ++i) folder.record(world(), states_[i], frames_[i], true);
+  folder.finish(world(), states_.back(), summary_);
+}
+
+std::string History::report() const {
+  Json frames = Json::array();
+  for (const Frame& frame : frames_) frames.push_back(frame_json(frame, world().dimension));
+  return report_json(world(), std::move(frames), summary_).dump();
+}
+
+NumpyArray<double> History::nodal(VectorX State::* member) const {
+  std::vector<double> all;
+  for (const State& state : states_) all.insert(all.end(), (state.*member).begin(), (state.*member).end());
+  return numpy_array(std::move(all), {states_.size(), static_cast<std::size_t>(world().num_nodes()),
+                                      static_cast<std::size_t>(world().dimension)});
+}
+
+NumpyArray<double> History::scalar(double State::* member) const {
+  std::vector<double> all;
+  for (const State& state : states_) all.push_back(state.*member);
+  return numpy_array(std::move(all), {states_.size()});
+}
+
+void bind_history(nb::module_& module) {
+  module.def("frame_field_names", &frame_field_names);
+  nb::class_<History>(module, "History")
+      .def("save", &History::save, nb::arg("folder"), nb::call_guard<nb::gil_scoped_release>())
+      .def("report", &History::report)
+      .def("positions", &History::positions)
+      .def("velocities", &History::velocities)
+      .def("times", &History::times)
+      .def("loads", &History::loads)
+      .def("field", &History::field, nb::arg("name"));
+}
+
+}  // namespace resilin::python

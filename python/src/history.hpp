@@ -1,0 +1,51 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "bindings.hpp"
+#include "resilin/scene/summary.hpp"
+#include "resilin/simulation/simulation.hpp"
+
+namespace resilin::python {
+
+/// A field of frame_file.hpp in each of the states: (T, N, dim) or (T, M), for tensors (T, M, 3, 3).
+NumpyArray<double> field_array(const World& world, std::span<const State> states, const std::string& name);
+
+/// The recorded states of a run.
+class History {
+ public:
+  explicit History(std::shared_ptr<const Simulation> simulation) : simulation_(std::move(simulation)) {}
+
+  /// Keeps the present state when it is due (each `output.every` steps), or when `is_last`.
+  void record(const Simulation& simulation, bool is_last);
+  void finish(const Simulation& simulation, const RunOutcome& outcome, double total_seconds,
+              double output_seconds);
+
+  /// Writes the folder that the run would have left.
+  void save(const std::filesystem::path& folder) const;
+  std::string report() const;  ///< as in report.json
+
+  NumpyArray<double> positions() const { return nodal(&State::positions); }    ///< (T, N, dim)
+  NumpyArray<double> velocities() const { return nodal(&State::velocities); }  ///< (T, N, dim)
+  NumpyArray<double> times() const { return scalar(&State::time); }
+  NumpyArray<double> loads() const { return scalar(&State::load); }
+  NumpyArray<double> field(const std::string& name) const { return field_array(world(), states_, name); }
+
+ private:
+  const World& world() const { return simulation_->world(); }
+  NumpyArray<double> nodal(VectorX State::* member) const;
+  NumpyArray<double> scalar(double State::* member) const;
+
+  std::shared_ptr<const Simulation> simulation_;  // for its world, which no step changes
+  std::vector<State> states_;
+  std::vector<Frame> frames_;
+  RunSummary summary_;
+};
+
+void bind_history(nb::module_& module);
+
+}  // namespace resilin::python

@@ -1,0 +1,162 @@
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "bindings.hpp"
+#include "resilin/io/mesh_file.hpp"
+#include "resilin/mesh/generators.hpp"
+
+namespace resilin::python {
+namespace {
+
+using Cells = std::vector<std::tuple<CellKind, Array2d<Index>>>;
+using VertexGroups = std::vector<std::pair<std::string, Vector1d<Index>>>;
+
+/// @param positions  (N, 2 or 3) [m]
+MeshFile make_mesh(const Array2d<double>& positions, const Cells& cells, const VertexGroups& groups,
+                   const std::string& name) {
+  MeshFile file;
+  file.numbering.file = name;
+  file.numbering.cell_word = "cell";
+  file.mesh.vertices.assign(positions.shape(0), Vector3::Zero());
+  for (std::size_t v = 0; v < positions.shape(0); ++v)
+    for (std::size_t i = 0; i < positions.shape(1); ++i)
+      file.mesh.vertices[v][static_cast<Eigen::Index>(i)] = positions(v, i);
+  for (const auto& [kind, nodes] : cells) {
+    std::vector<Index>& all = file.mesh.block(kind).nodes;
+    all.insert(all.end(), nodes.data(), nodes.data() + nodes.size());
+  }
+  for (const auto& [group, vertices] : groups) {
+    std::vector<Index> sorted(vertices.data(), vertices.data() + vertices.size());
+    std::ranges::sort(sorted);
+    sorted.erase(std::ranges::unique(sorted).begin(), sorted.end());
+    file.mesh.groups.push_back({.name = group, .cells = {}, .vertices = std::move(sorted)});
+  }
+  return file;
+}
+
+MeshFile generated(Mesh mesh, const std::string& name) {
+  MeshFile file;
+  file.mesh = std::move(mesh);
+  file.numbering.file = name;
+  file.numbering.cell_word = "cell";
+  return file;
+}
+
+/// (N, 3) [m]
+NumpyArray<double> positions(const MeshFile& file) {
+  std::vector<double> values;
+  values.reserve(3 * file.mesh.vertices.size());
+  for (const Vector3& vertex : file.mesh.vertices) values.insert(values.end(), vertex.begin(), vertex.end());
+  return numpy_array(std::move(values), {file.mesh.vertices.size(), 3});
+}
+
+std::vector<std::tuple<CellKind, NumpyArray<Index>>> cells(const MeshFile& file) {
+  std::vector<std::tuple<CellKind, NumpyArray<Index>>> all;
+  for (const CellBlock& block : file.mesh.blocks) {
+    const auto columns = static_cast<std::size_t>(num_nodes(block.kind));
+    all.emplace_back(block.kind, numpy_array(block.nodes, {block.nodes.size() / columns, columns}));
+  }
+  return all;
+}
+
+std::vector<std::pair<std::string, NumpyArray<Index>>> groups(const MeshFile& file) {
+  std::vector<std::pair<std::string, NumpyArray<Index>>> all;
+  for (const Group& group : file.mesh.groups)
+    all.emplace_back(group.name, numpy_array(group.vertices, {group.vertices.size()}));
+  return all;
+}
+
+std::vector<std::tuple<std::string, CellKind, NumpyArray<double>>> cell_fields(const MeshFile& file) {
+  std::vector<std::tuple<std::string, CellKind, NumpyArray<double>>> all;
+  for (const CellField& field : file.mesh.cell_fields)
+    all.emplace_back(field.name, file.mesh.blocks[field.block].kind,
+                     numpy_array(field.values, {field.values.size()}));
+  return all;
+}
+
+std::vector<std::string> texts(const std::vector<MeshIssue>& issues) {
+  std::vector<std::string> all;
+  for (const MeshIssue& issue : issues) all.push_back(issue.text());
+  return all;
+}
+
+/// (errors, warnings), one line each.
+std::pair<std::vector<std::string>, std::vector<std::string>> check(const MeshFile& file) {
+  const MeshReport report = check_mesh_file(file);
+  return {texts(report.errors), texts(report.warnings)};
+}
+
+MeshFile prepared(const MeshFile& file, int dimension) {
+  MeshFile solid = file;
+  prepare_solid_mesh(solid, dimension);
+  return solid;
+}
+
+}  // namespace
+
+void bind_mesh(nb::module_& module) {
+  nb::enum_<CellKind>(module, "CellKind")
+      .value("point", CellKind::point)
+      .value("line", CellKind::line)
+      .value("triangle", CellKind::triangle)
+      .value("quadrilateral", CellKind::quadrilateral)
+      .value("tetrahedron", CellKind::tetrahedron)
+      .value("hexahedron", CellKind::hexahedron)
+      .value("prism", CellKind::prism)
+      .value("pyramid", CellKind::pyramid)
+      .value("line3", CellKind::line3)
+      .value("triangle6", CellKind::triangle6)
+      .value("tetrahedron10", CellKind::tetrahedron10);
+  module.def("num_nodes", &num_nodes, nb::arg("kind"));
+  nb::enum_<TetPattern>(module, "TetPattern")
+      .value("kuhn6", TetPattern::kuhn6)
+      .value("five", TetPattern::five);
+  nb::enum_<TrianglePattern>(module, "TrianglePattern")
+      .value("uniform", TrianglePattern::uniform)
+      .value("alternating", TrianglePattern::alternating);
+
+  nb::class_<MeshFile>(module, "Mesh")
+      .def_prop_ro("name", [](const MeshFile& file) { return file.numbering.file; })
+      .def_ro("warnings", &MeshFile::warnings)
+      .def("positions", &positions)
+      .def("cells", &cells)
+      .def("groups", &groups)
+      .def("cell_fields", &cell_fields)
+      .def("check", &check, nb::call_guard<nb::gil_scoped_release>())
+      .def("prepared", &prepared, nb::arg("dimension"), nb::call_guard<nb::gil_scoped_release>())
+      .def(
+          "write",
+          [](const MeshFile& file, const std::filesystem::path& path) { write_mesh(path, file.mesh); },
+          nb::arg("path"), nb::call_guard<nb::gil_scoped_release>());
+  module.def("make_mesh", &make_mesh, nb::arg("positions"), nb::arg("cells"), nb::arg("groups"),
+             nb::arg("name"));
+  module.def("read_mesh", &read_mesh, nb::arg("path"), nb::call_guard<nb::gil_scoped_release>());
+  module.def(
+      "make_box",
+      [](const std::array<double, 3>& size, const std::array<int, 3>& cubes,
+         const std::array<double, 3>& origin, TetPattern pattern) {
+        return generated(make_box(Vector3(size.data()), cubes, Vector3(origin.data()), pattern), "box");
+      },
+      nb::arg("size"), nb::arg("cells"), nb::arg("origin"), nb::arg("pattern"));
+  module.def(
+      "make_rectangle",
+      [](const std::array<double, 2>& size, const std::array<int, 2>& squares,
+         const std::array<double, 2>& origin, TrianglePattern pattern) {
+        return generated(make_rectangle(Vector<2>(size.data()), squares, Vector<2>(origin.data()), pattern),
+                         "rectangle");
+      },
+      nb::arg("size"), nb::arg("cells"), nb::arg("origin"), nb::arg("pattern"));
+}
+
+}  // namespace resilin::python

@@ -1,0 +1,28 @@
+#include <nanobind/stl/string.h>
+
+#include <string>
+
+#include "bindings.hpp"
+#include "resilin/core/error.hpp"
+#include "resilin/core/parallel.hpp"
+#include "resilin/scene/build_info.hpp"
+
+namespace nb = nanobind;
+
+NB_MODULE(_core, module) {
+  using namespace resilin;
+  module.attr("__version__") = std::string(version());
+  const nb::exception<InputError> input_error(module, "InputError", PyExc_ValueError);
+  module.def(
+      "input_error_text",
+      [](const std::string& place, const std::string& expected, const std::string& got,
+         const std::string& cure) { return std::string(InputError(place, expected, got, cure).what()); },
+      nb::arg("place"), nb::arg("expected"), nb::arg("got"), nb::arg("cure"));
+  module.def("num_threads", &num_threads);
+  module.def("set_num_threads", &set_num_threads, nb::arg("count"));
+  python::bind_material(module);
+  python::bind_curve(module);
+  python::bind_mesh(module);
+  python::bind_elastic(module);
+  python::bind_simulation(module);
+}

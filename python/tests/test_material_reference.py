@@ -1,0 +1,169 @@
+"""Laws against 80-digit arithmetic: validation/material_points_*.json and closed_forms.json of the reference data.
+
+The data lie in the folder that RESILIN_SHARED names, or in `shared` beside the checkout.
+"""
+
+# ruff: noqa: N803, N806 - F, P, A and J are the letters of the field
+
+import functools
+import json
+import os
+import pathlib
+
+import numpy as np
+import pytest
+
+import resilin
+
+EPSILON = np.finfo(np.float64).eps
+SHARED = pathlib.Path(os.environ.get("RESILIN_SHARED") or pathlib.Path(__file__).resolve().parents[3] / "shared")
+
+pytestmark = pytest.mark.skipif(
+    not (SHARED / "validation").is_dir(),
+    reason=f"NO REFERENCE DATA in {SHARED}: set RESILIN_SHARED to the folder that holds validation/",
+)
+
+LAME = {"mu": "shear_modulus", "lam": "lame_lambda"}
+BULK = {"mu": "shear_modulus", "kappa": "bulk_modulus"}
+LAWS = {  # of the files: our name, and our names of its constants
+    "nh_log": ("neo_hookean", LAME),
+    "nh_j1_log": ("neo_hookean_quadratic", LAME),
+    "snh": ("stable_neo_hookean", LAME),
+    "snh_log": ("stable_neo_hookean_log", LAME),
+    "nh_iso_j1": ("neo_hookean_isochoric", BULK),
+    "nh_iso_simo": ("neo_hookean_simo", BULK),
+    "stvk": ("saint_venant_kirchhoff", LAME),
+    "linear": ("linear_elastic", LAME),
+    "corot_linear": ("corotated_linear", LAME),
+    "corot_fixed": ("corotated", LAME),
+}
+
+
+@functools.cache
+def case(name):
+    return json.loads((SHARED / "validation" / f"{name}.json").read_text(encoding="utf-8"))
+
+
+def material_of(file, key):
+    law, names = LAWS[key]
+    parameters = case(file)["laws"][key]["parameters"]
+    return resilin.Material(law, **{names[name]: value for name, value in parameters.items()})
+
+
+def energy_at_rest(file, key):
+    """Our energies are zero at rest; two formulas of the files are not."""
+    parameters = case(file)["laws"][key]["parameters"]
+    mu, lam = parameters.get("mu"), parameters.get("lam")
+    if key == "snh":
+        return mu**2 / (2 * lam)
+    if key == "snh_log":
+        return 9 * mu**2 / (32 * lam) - mu / 2 * np.log(4.0)
+    return 0.0
+
+
+def condition(F):
+    """How much the rounding of products of the entries of F outgrows its cofactors, which near J = 0 they form."""
+    dim = F.shape[-1]
+    cofactors = np.prod(np.linalg.svd(F, compute_uv=False)[..., : dim - 1], axis=-1)
+    return np.linalg.norm(F, axis=(-2, -1)) ** (dim - 1) / cofactors
+
+
+class Truth:
+    """The points of one law that are defined, as arrays, and F of those that are not."""
+
+    def __init__(self, dim, key):
+        points = case(f"material_points_{dim}d")["points"]
+        defined = [point for point in points if point["laws"][key].get("defined", True)]
+        self.kinds = [point["kind"] for point in defined]
+        self.F = np.array([point["F"] for point in defined])
+        self.undefined_F = np.array(
+            [point["F"] for point in points if not point["laws"][key].get("defined", True)]
+        ).reshape(-1, dim, dim)
+        values = [point["laws"][key] for point in defined]
+        self.psi = np.array([value["psi"] for value in values]) - energy_at_rest(f"material_points_{dim}d", key)
+        self.P = np.array([value["P"] for value in values]).reshape(-1, dim, dim)
+        self.A = np.array([value["H"] for value in values]).reshape(-1, dim * dim, dim * dim)
+        self.eigenvalues = np.array([value["H_eigenvalues"] for value in values])
+        assert len(self.F) + len(self.undefined_F) == 94
+
+    def is_within(self, tolerance, errors):
+        outside = ~(errors <= tolerance)
+        assert not outside.any(), [(kind, errors[i], tolerance[i]) for i, kind in enumerate(self.kinds) if outside[i]]
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("key", LAWS)
+def test_material_points(key, dim):
+    file = f"material_points_{dim}d"
+    material, truth = material_of(file, key), Truth(dim, key)
+    psi, P = material.energy_density(truth.F), material.first_piola_kirchhoff_stress(truth.F)
+    A = material.stress_tangent(truth.F).reshape(truth.A.shape)
+
+    # What one rounding of the terms of F does to P; near J = 0 those are larger than what they sum to.
+    size_A = np.linalg.norm(truth.A, axis=(1, 2))
+    size_F = np.linalg.norm(truth.F, axis=(1, 2)) + 1
+    terms = np.linalg.norm(truth.P, axis=(1, 2)) + size_A * size_F
+    if material.info.needs_positive_J:
+        terms *= condition(truth.F)
+    truth.is_within(64 * EPSILON * terms, np.abs(P - truth.P).max((1, 2)))
+    rest = abs(energy_at_rest(file, key))
+    truth.is_within(64 * EPSILON * (terms * size_F + rest), np.abs(psi - truth.psi))
+
+    J = np.abs(np.linalg.det(truth.F))
+    steep = 1 + 64 * EPSILON / (J * 1e-10) if material.info.needs_positive_J else np.ones(len(J))
+    tolerance = 1e-10 * steep * size_F * size_A
+    truth.is_within(tolerance, np.linalg.norm(A - truth.A, axis=(1, 2)))
+    for projection, treat in (("clamp", lambda values: np.maximum(values, 0)), ("absolute", np.abs)):
+        projected = material.stress_tangent(truth.F, projection).reshape(truth.A.shape)
+        expected = np.sort(treat(truth.eigenvalues), axis=1)
+        got = np.linalg.eigvalsh(projected)
+        truth.is_within(tolerance, np.abs(got - expected).max(1))
+        values, vectors = np.linalg.eigh(truth.A)
+        rebuilt = vectors * treat(values)[:, None, :] @ vectors.transpose(0, 2, 1)
+        truth.is_within(tolerance, np.linalg.norm(projected - rebuilt, axis=(1, 2)))
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("key", LAWS)
+def test_undefined_points_are_never_finite(key, dim):
+    material, F = material_of(f"material_points_{dim}d", key), Truth(dim, key).undefined_F
+    assert not np.isfinite(material.energy_density(F)).any()
+    assert not np.isfinite(material.first_piola_kirchhoff_stress(F)).all((1, 2)).any()
+    for projection in (None, "clamp", "absolute"):
+        assert not np.isfinite(material.stress_tangent(F, projection)).all((1, 2, 3, 4)).any()
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("key", LAWS)
+def test_energy_at_a_strain_of_1e_8_keeps_its_digits(key, dim):
+    file = f"material_points_{dim}d"
+    if energy_at_rest(file, key):
+        pytest.skip("the file's energy at rest swallows the digits")
+    truth = Truth(dim, key)
+    tiny = [place for place, kind in enumerate(truth.kinds) if kind == "tiny strain 1e-8"]
+    assert tiny
+    psi = material_of(file, key).energy_density(truth.F[tiny])
+    np.testing.assert_allclose(psi, truth.psi[tiny], rtol=1e-8)
+
+
+@pytest.mark.parametrize("key", LAWS)
+def test_closed_forms(key):
+    material = material_of("closed_forms", key)
+    rows = [row for kind in case("closed_forms")["results"][key].values() for row in kind if "no_state" not in row]
+    F, P, sigma = (np.array([row[name] for row in rows]) for name in ("F", "P", "cauchy"))
+    psi = np.array([row["psi"] for row in rows]) - energy_at_rest("closed_forms", key)
+    A = material.stress_tangent(F).reshape(-1, 9, 9)
+    size_F = np.linalg.norm(F, axis=(1, 2)) + 1
+    terms = np.linalg.norm(P, axis=(1, 2)) + np.linalg.norm(A, axis=(1, 2)) * size_F
+    assert (np.abs(material.first_piola_kirchhoff_stress(F) - P).max((1, 2)) <= 64 * EPSILON * terms).all()
+    rest = abs(energy_at_rest("closed_forms", key))
+    assert (np.abs(material.energy_density(F) - psi) <= 64 * EPSILON * (terms * size_F + rest)).all()
+    if not material.info.is_small_strain:
+        bound = 64 * EPSILON * terms * size_F / np.linalg.det(F)
+        assert (np.abs(material.cauchy_stress(F) - sigma).max((1, 2)) <= bound).all()
+
+
+@pytest.mark.parametrize("file", ["material_points_2d", "material_points_3d", "closed_forms"])
+def test_every_law_of_the_files_is_here(file):
+    assert set(case(file)["laws"]) == set(LAWS)
+    assert {law for law, _ in LAWS.values()} <= set(resilin.laws())

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "resilin/simulation/simulation.hpp"
+
+namespace resilin {
+
+/// The word that the report gives for how a run ended.
+enum class RunStatus {
+  running,        ///< it did not end: the report is that of a run that goes on or was killed
+  done,           ///< end time or full load reached
+  not_converged,  ///< the results up to the last converged step are kept
+  budget          ///< stopped before its end: by the user, or after --steps
+};
+std::string_view name(RunStatus status);
+
+/// How a run ended, with the reason in words.
+struct RunOutcome {
+  RunStatus status = RunStatus::done;
+  std::string reason;
+};
+
+/// What the report says about a whole run.
+struct RunSummary {
+  RunOutcome outcome;
+  std::string solver;
+  Timing timing;
+  double total_seconds = 0;
+  double output_seconds = 0;
+};
+
+}  // namespace resilin
