@@ -1,6 +1,7 @@
 #include "material_options.hpp"
 
 #include <charconv>
+#include <cmath>
 #include <map>
 
 #include "resilin/core/error.hpp"
@@ -23,32 +24,88 @@ std::pair<std::string, double> read_constant(const std::string& text) {
                    "for example --set shear_modulus=2e5");
 }
 
+/// Poisson's ratio of the example: the law's own where it can have no other.
+template <class Law>
+double example_poissons_ratio(const Law& law, double poissons_ratio) {
+  if constexpr (requires { law.only_poissons_ratio; })
+    if (!std::isnan(law.only_poissons_ratio)) return law.only_poissons_ratio;
+  return poissons_ratio;
+}
+
+template <class Law>
+std::size_t max_fibres(const Law& law) {
+  if constexpr (requires { law.max_fibres; })
+    return static_cast<std::size_t>(law.max_fibres);
+  else
+    return 0;
+}
+
+template <class Constant>
+bool is_free(const Constant& constant) {
+  if constexpr (requires { constant.is_free; }) return constant.is_free;
+  return false;
+}
+
+template <class AnyMaterial>
+void set_fibres(AnyMaterial& material, const std::vector<double>& numbers) {
+  const std::size_t most = max_fibres(*material.law), count = numbers.size() / 3;
+  if (numbers.size() % 3 != 0) {
+    throw InputError("--fibre", "three numbers for each family", std::to_string(numbers.size()));
+  }
+  if (count > most) {
+    throw InputError("--fibre",
+                     most == 0 ? "none: this law has no fibres" : std::to_string(most) + " at most",
+                     std::to_string(count));
+  }
+  if constexpr (requires { material.fibres; }) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const Vector3 direction(numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]);
+      if (!(direction.norm() > 0 && std::isfinite(direction.norm()))) {
+        throw InputError("--fibre", "a direction of finite length above 0", "one that has none");
+      }
+      material.fibres.push_back(direction.normalized());
+    }
+    if (most > 0 && count == 0) material.fibres = {Vector3::UnitX()};
+  }
+}
+
+/// Whether these constants stand beside Young's modulus and Poisson's ratio, not instead of them.
+bool join_hooke(const LawInfo& law, const std::map<std::string, double>& given) {
+  for (const ConstantText& constant : law.constants) {
+    if (given.count(std::string(constant.name)) != 0 && !is_free(constant)) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 Material chosen_material(const LawInfo& law, const MaterialOptions& options) {
   Material material{};
   material.law = &law;
+  set_fibres(material, options.fibres);
   std::map<std::string, double> given;
   for (const std::string& text : options.constants) {
     const auto [name, value] = read_constant(text);
     given.insert_or_assign(name, value);
   }
-  if (options.gives_hooke) {
+  const double ratio =
+      options.gives_hooke ? options.poissons_ratio : example_poissons_ratio(law, options.poissons_ratio);
+  if (options.gives_hooke || (!given.empty() && join_hooke(law, given))) {
     given.try_emplace("youngs_modulus", options.youngs_modulus);
-    given.try_emplace("poissons_ratio", options.poissons_ratio);
+    given.try_emplace("poissons_ratio", ratio);
   }
-  material.constants =
-      given.empty()
-          ? law.constants_from(hooke_from_young_poisson(options.youngs_modulus, options.poissons_ratio))
-          : resolve_constants(law, given, std::string(law.name));
+  material.constants = given.empty()
+                           ? law.constants_from(hooke_from_young_poisson(options.youngs_modulus, ratio))
+                           : resolve_constants(law, given, std::string(law.name));
   return material;
 }
 
-std::string constants_text(const MaterialOptions& options) {
+std::string constants_text(const LawInfo& law, const MaterialOptions& options) {
   std::vector<std::string> words;
   if (options.gives_hooke || options.constants.empty()) {
-    words = {"E = " + format_short(options.youngs_modulus) + " Pa",
-             "nu = " + format_short(options.poissons_ratio)};
+    const double ratio =
+        options.gives_hooke ? options.poissons_ratio : example_poissons_ratio(law, options.poissons_ratio);
+    words = {"E = " + format_short(options.youngs_modulus) + " Pa", "nu = " + format_short(ratio)};
   }
   words.insert(words.end(), options.constants.begin(), options.constants.end());
   return join(words);

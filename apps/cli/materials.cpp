@@ -79,7 +79,7 @@ void print_law(const LawInfo& law, const MaterialsOptions& options) {
   print_line("  Psi = " + std::string(law.formula));
   print_line("  source: " + std::string(law.source));
   print_line("  J <= 0: " + std::string(law.inversion));
-  print_line("\nConstants, and their values for " + constants_text(options.material));
+  print_line("\nConstants, and their values for " + constants_text(law, options.material));
   std::vector<std::vector<std::string>> rows;
   for (std::size_t i = 0; i < law.constants.size(); ++i) {
     const ConstantText& constant = law.constants[i];
@@ -156,6 +156,12 @@ std::array<CLI::Option*, 2> add_material_options(CLI::App& command, MaterialOpti
       ->expected(1)
       ->take_all()
       ->allow_extra_args(false);
+  command
+      .add_option("--fibre", options.fibres,
+                  "Direction of a family of fibres; may be given twice; default along x")
+      ->type_name("X Y Z")
+      ->expected(3, 6)
+      ->take_all();
   return {command.add_option("--youngs-modulus", options.youngs_modulus, "Of small strains [Pa]")
               ->capture_default_str(),
           command.add_option("--poissons-ratio", options.poissons_ratio, "Of small strains")

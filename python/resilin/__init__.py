@@ -6,11 +6,12 @@ Simulation  a scene step by step; `run` simulates it to the end
 Mesh        from arrays, files, meshio objects and recipes
 """
 
-from resilin._core import InputError, __version__, num_threads, set_num_threads
+from resilin._core import InputError, __version__
 from resilin.elastic import Elastic
 from resilin.material import Material, laws
 from resilin.mesh import Mesh, MeshReport, read_mesh
 from resilin.simulation import Result, Simulation, Step, run
+from resilin.threads import num_threads, set_num_threads
 
 InputError.__module__ = __name__
 

@@ -35,6 +35,10 @@ def real_array(value, place):
         array = np.asarray(value)
     except ValueError:
         refuse(place, "an array of real numbers", "rows of different lengths")
+    except TypeError:  # such as an array on another device
+        refuse(place, "an array of real numbers on the CPU", type(value).__name__)
+    if isinstance(value, np.ma.MaskedArray):
+        refuse(place, "an array without a mask", "a masked array", "use .filled()")
     kind, size = array.dtype.kind, array.dtype.itemsize
     if kind == "f" and size in (4, 8):
         wanted = np.dtype(f"f{size}")

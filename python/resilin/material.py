@@ -2,6 +2,7 @@
 
 # ruff: noqa: N803, N806 - F, P, A and J are the letters of the field
 
+import inspect
 import sys
 
 import numpy as np
@@ -345,13 +346,13 @@ def _rebuild(law, constants, fibres):
 
 def _law_table():
     """What help(Material) says about each law."""
-    lines = ["", "    Laws", "    ----"]
+    lines = ["Laws", "----"]
     for law in laws().values():
-        constants = ", ".join(f"{constant.name} [{constant.unit}]" for constant in law.constants)
-        lines += [f"    {law.name}", f"        Psi = {law.formula}", f"        Constants: {constants}."]
-        lines += [f"        Inversion: {law.inversion}. Source: {law.source}."]
+        constants = ", ".join(f"{constant.name} = {constant.meaning} [{constant.unit}]" for constant in law.constants)
+        lines += [law.name, f"    Psi = {law.formula}", f"    Constants: {constants}."]
+        lines += [f"    Inversion: {law.inversion}. Source: {law.source}."]
     return "\n".join(lines) + "\n"
 
 
 if sys.flags.optimize < 2:  # there are docstrings
-    Material.__doc__ = Material.__doc__.rstrip() + "\n" + _law_table()
+    Material.__doc__ = inspect.cleandoc(Material.__doc__) + "\n\n" + _law_table()

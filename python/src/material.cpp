@@ -52,7 +52,11 @@ void bind_law_info(nb::module_& module) {
       .def_ro("name", &ConstantText::name)
       .def_ro("unit", &ConstantText::unit)
       .def_ro("meaning", &ConstantText::meaning)
-      .def_ro("above", &ConstantText::above);
+      .def_ro("above", &ConstantText::above)
+      .def("__repr__", [](const ConstantText& constant) {
+        return "LawConstant(" + std::string(constant.name) + " = " + std::string(constant.meaning) + " [" +
+               std::string(constant.unit) + "])";
+      });
   nb::class_<LawInfo>(module, "LawInfo")
       .def_ro("name", &LawInfo::name)
       .def_ro("formula", &LawInfo::formula)
@@ -61,8 +65,12 @@ void bind_law_info(nb::module_& module) {
       .def_ro("needs_positive_J", &LawInfo::needs_positive_J)
       .def_prop_ro("max_fibres", [](const LawInfo&) { return 0; })
       .def_prop_ro("is_small_strain", [](const LawInfo& law) { return law.kind == LawKind::small_strain; })
-      .def_prop_ro("constants", [](const LawInfo& law) {
-        return std::vector<ConstantText>(law.constants.begin(), law.constants.end());
+      .def_prop_ro("constants",
+                   [](const LawInfo& law) {
+                     return std::vector<ConstantText>(law.constants.begin(), law.constants.end());
+                   })
+      .def("__repr__", [](const LawInfo& law) {
+        return "LawInfo(" + std::string(law.name) + ": Psi = " + std::string(law.formula) + ")";
       });
   module.def("laws", &laws, nb::rv_policy::reference);
   module.def("require_law", &require_law, nb::rv_policy::reference);

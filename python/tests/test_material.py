@@ -243,6 +243,7 @@ class TestEveryArray:
             (np.zeros((1, 1)), "F: expected an array (..., 2, 2) or (..., 3, 3), got (1, 1)"),
             (1.0, "F: expected an array (..., 2, 2) or (..., 3, 3), got a single number"),
             ([[1.0, 0.0], [0.0]], "F: expected an array of real numbers, got rows of different lengths"),
+            (np.ma.masked_array(np.eye(3)), "F: expected an array without a mask, got a masked array; use .filled()"),
             (None, "F: expected real numbers in float64 or float32, got object"),
         ],
     )

@@ -90,6 +90,8 @@ TEST_F(Curves, ThatCannotBeAreRefusedInOneLine) {
            {"neo_hookean", "--set", "shear_modulus=stiff"},
            {"neo_hookean", "--set", "shear_modulus=1e5"},
            {"neo_hookean", "--set", "shear_modulus=-1", "--set", "lame_lambda=1"},
+           {"neo_hookean", "--fibre", "1", "0", "0"},
+           {"neo_hookean", "--fibre", "1", "0"},
            {"neo_hookean", "--poissons-ratio", "0.5"}}) {
     const ProgramResult result = run(arguments);
     EXPECT_EQ(result.exit_code, 1) << ::testing::PrintToString(arguments);

@@ -5,13 +5,31 @@
 #include <cstdlib>
 #include <string_view>
 
+#ifdef RESILIN_HAS_LAPACK
+extern "C" void dgemm_(const char*, const char*, const int*, const int*, const int*, const double*,
+                       const double*, const int*, const double*, const int*, const double*, double*,
+                       const int*);
+#endif
+
 namespace resilin {
 namespace {
+
+/// The library that our calls of the BLAS go to. A Python extension and what it is linked with are not among
+/// the names that all may see, and the process may hold another BLAS beside ours.
+void* blas_library() {
+#ifdef RESILIN_HAS_LAPACK
+  Dl_info place{};
+  if (dladdr(reinterpret_cast<void*>(&dgemm_), &place) != 0)
+    if (void* library = dlopen(place.dli_fname, RTLD_LAZY | RTLD_NOLOAD)) return library;
+#endif
+  return RTLD_DEFAULT;
+}
 
 /// A function of the BLAS that is loaded, or null: Debian lets the user exchange the library.
 template <class Function>
 Function* find_function(const char* name) {
-  return reinterpret_cast<Function*>(dlsym(RTLD_DEFAULT, name));
+  static void* const library = blas_library();
+  return reinterpret_cast<Function*>(dlsym(library, name));
 }
 
 std::string_view openblas_core() {

@@ -1,0 +1,39 @@
+"""What README.md and examples/python show does what they say."""
+
+import pathlib
+import re
+import runpy
+
+import numpy as np
+import pytest
+from scenes import square
+
+import resilin
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+BLOCK = re.compile(r"```python\n(.*?)```", re.DOTALL)
+
+
+def test_forty_lines_of_scipy_step_like_the_built_in_solver():
+    example = runpy.run_path(str(ROOT / "examples" / "python" / "square.py"))
+    assert (ROOT / "examples" / "python" / "square.py").read_text().count("\n") < 40
+    result = resilin.run(square() | {"newton": {"tolerance": 1e-13}})
+    x, v = example["start"], np.zeros_like(example["start"])
+    for i in range(1, len(result.times)):
+        x, v = example["step"](x, v)
+        # Each step of either is solved to about 1e-12 m; velocities are differences of positions over 0.01 s.
+        np.testing.assert_allclose(x, result.positions[i], rtol=0, atol=1e-10)
+        np.testing.assert_allclose(v, result.velocities[i], rtol=0, atol=1e-8)
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/python.md"])
+def test_the_python_lines_of_a_page_run(page, tmp_path, monkeypatch):
+    text = (ROOT / page).read_text(encoding="utf-8")
+    scene = re.search(r"```toml\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)
+    (tmp_path / "beam.toml").write_text(scene.group(1), encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    blocks = BLOCK.findall(text)
+    assert blocks
+    names = {}
+    for block in blocks:  # one program, as a reader would type it
+        exec(compile(block, page, "exec"), names)

@@ -1,0 +1,92 @@
+import ast
+import importlib.metadata
+import pathlib
+import re
+import subprocess
+import sys
+
+import pytest
+
+import resilin
+
+FOLDER = pathlib.Path(resilin.__file__).parent
+
+
+def python(code):
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return run.stdout.strip()
+
+
+def test_importing_is_quick_and_leaves_big_packages_alone():
+    """Beside numpy, whose own time is not ours; the best of three, for the machine may be busy."""
+    code = """
+import sys, time, numpy
+start = time.perf_counter()
+import resilin
+seconds = time.perf_counter() - start
+print(seconds, *sorted({"torch", "scipy", "matplotlib", "meshio", "IPython"} & sys.modules.keys()))
+"""
+    seconds = []
+    for _ in range(3):
+        time, *loaded = python(code).split()
+        assert not loaded
+        seconds.append(float(time))
+    assert min(seconds) < 0.3
+
+
+def test_the_version_is_that_of_the_distribution():
+    assert re.fullmatch(r"\d+\.\d+\.\d+", resilin.__version__)
+    try:
+        distribution = importlib.metadata.distribution("resilin")
+    except importlib.metadata.PackageNotFoundError:
+        return  # the package is used from a build folder
+    assert distribution.version == resilin.__version__
+
+
+def test_everything_promised_is_there():
+    for name in resilin.__all__:
+        assert getattr(resilin, name) is not None
+    assert (FOLDER / "py.typed").exists()
+
+
+def names_in_stub():
+    """{name: set of members} of the classes and functions of _core.pyi."""
+    tree = ast.parse((FOLDER / "_core.pyi").read_text())
+    found = {}
+    for node in tree.body:
+        if isinstance(node, ast.ClassDef | ast.FunctionDef):
+            found[node.name] = {child.name for child in getattr(node, "body", []) if isinstance(child, ast.FunctionDef)}
+    return found
+
+
+def test_the_type_stub_is_that_of_this_extension():
+    from resilin import _core
+
+    stub = names_in_stub()
+    public = {name for name in vars(_core) if not name.startswith("_")}
+    assert public == stub.keys()
+    for name, members in stub.items():
+        if isinstance(vars(_core)[name], type) and not issubclass(vars(_core)[name], Exception):
+            there = {member for member in vars(vars(_core)[name]) if not member.startswith("_")}
+            assert {m for m in members if not m.startswith("_")} <= there
+
+
+def test_bundled_libraries_are_listed_with_their_licences():
+    """In a wheel: every library that it carries is named in the list, and none is under the GPL alone."""
+    libraries = FOLDER.parent / "resilin.libs"
+    if not libraries.exists():
+        assert "build" in FOLDER.parts or "site-packages" in FOLDER.parts  # not a repaired wheel
+        return
+    lists = [f for f in importlib.metadata.files("resilin") if f.name == "bundled-libraries.txt"]
+    text = lists[0].read_text()
+    names = [library.name for library in libraries.iterdir()]
+    assert names
+    for name in names:
+        assert name in text
+        assert "cholmod" not in name
+
+
+@pytest.mark.parametrize("wrong", [0, -1, 1.5, "2", 10**9])
+def test_the_number_of_threads_is_a_whole_number(wrong):
+    with pytest.raises(resilin.InputError, match="a whole number from 1 to 1024"):
+        resilin.set_num_threads(wrong)
