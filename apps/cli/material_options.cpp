@@ -25,30 +25,12 @@ std::pair<std::string, double> read_constant(const std::string& text) {
 }
 
 /// Poisson's ratio of the example: the law's own where it can have no other.
-template <class Law>
-double example_poissons_ratio(const Law& law, double poissons_ratio) {
-  if constexpr (requires { law.only_poissons_ratio; })
-    if (!std::isnan(law.only_poissons_ratio)) return law.only_poissons_ratio;
-  return poissons_ratio;
+double example_poissons_ratio(const LawInfo& law, double poissons_ratio) {
+  return std::isnan(law.only_poissons_ratio) ? poissons_ratio : law.only_poissons_ratio;
 }
 
-template <class Law>
-std::size_t max_fibres(const Law& law) {
-  if constexpr (requires { law.max_fibres; })
-    return static_cast<std::size_t>(law.max_fibres);
-  else
-    return 0;
-}
-
-template <class Constant>
-bool is_free(const Constant& constant) {
-  if constexpr (requires { constant.is_free; }) return constant.is_free;
-  return false;
-}
-
-template <class AnyMaterial>
-void set_fibres(AnyMaterial& material, const std::vector<double>& numbers) {
-  const std::size_t most = max_fibres(*material.law), count = numbers.size() / 3;
+void set_fibres(Material& material, const std::vector<double>& numbers) {
+  const auto most = static_cast<std::size_t>(material.law->max_fibres), count = numbers.size() / 3;
   if (numbers.size() % 3 != 0) {
     throw InputError("--fibre", "three numbers for each family", std::to_string(numbers.size()));
   }
@@ -57,22 +39,20 @@ void set_fibres(AnyMaterial& material, const std::vector<double>& numbers) {
                      most == 0 ? "none: this law has no fibres" : std::to_string(most) + " at most",
                      std::to_string(count));
   }
-  if constexpr (requires { material.fibres; }) {
-    for (std::size_t i = 0; i < count; ++i) {
-      const Vector3 direction(numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]);
-      if (!(direction.norm() > 0 && std::isfinite(direction.norm()))) {
-        throw InputError("--fibre", "a direction of finite length above 0", "one that has none");
-      }
-      material.fibres.push_back(direction.normalized());
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vector3 direction(numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]);
+    if (!(direction.norm() > 0 && std::isfinite(direction.norm()))) {
+      throw InputError("--fibre", "a direction of finite length above 0", "one that has none");
     }
-    if (most > 0 && count == 0) material.fibres = {Vector3::UnitX()};
+    material.fibres.push_back(direction.normalized());
   }
+  if (most > 0 && count == 0) material.fibres = {Vector3::UnitX()};
 }
 
 /// Whether these constants stand beside Young's modulus and Poisson's ratio, not instead of them.
 bool join_hooke(const LawInfo& law, const std::map<std::string, double>& given) {
   for (const ConstantText& constant : law.constants) {
-    if (given.count(std::string(constant.name)) != 0 && !is_free(constant)) return false;
+    if (given.count(std::string(constant.name)) != 0 && !constant.is_free) return false;
   }
   return true;
 }

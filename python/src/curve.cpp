@@ -10,11 +10,9 @@
 namespace resilin::python {
 namespace {
 
-template <class AnyMaterial>
-void set_fibres(AnyMaterial& material, const Array2d<double>& fibres) {
-  if constexpr (requires { material.fibres; })
-    for (std::size_t i = 0; i < fibres.shape(0); ++i)
-      material.fibres.emplace_back(fibres(i, 0), fibres(i, 1), fibres(i, 2));
+void set_fibres(Material& material, const Array2d<double>& fibres) {
+  for (std::size_t i = 0; i < fibres.shape(0); ++i)
+    material.fibres.emplace_back(fibres(i, 0), fibres(i, 1), fibres(i, 2));
 }
 
 nb::list limits(const StretchCurve& curve) {

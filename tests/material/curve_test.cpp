@@ -8,39 +8,26 @@
 #include <cmath>
 #include <map>
 
+#include "reference_material.hpp"
 #include "resilin/core/error.hpp"
-#include "shared_data.hpp"
+#include "sample_states.hpp"
 
 namespace resilin {
 namespace {
 
 using Json = nlohmann::json;
+using testing::file_laws;
+using testing::file_material;
 using ::testing::HasSubstr;
+using testing::material_for;
 
 constexpr LoadCase load_cases[] = {LoadCase::uniaxial, LoadCase::equibiaxial, LoadCase::planar,
                                    LoadCase::shear, LoadCase::volumetric};
 
-Material with_constants(const LawInfo* law, std::vector<double> constants) {
-  Material material{};
-  material.law = law;
-  material.constants = std::move(constants);
-  return material;
-}
-
-/// Two crossed families in the plane of x and y for a law that has fibres: alike along both.
-template <class AnyMaterial>
-bool add_sample_fibres(AnyMaterial& material) {
-  if constexpr (requires { material.law->max_fibres; })
-    if (material.law->max_fibres == 2) {
-      material.fibres = {Vector3(1, 1, 0).normalized(), Vector3(1, -1, 0).normalized()};
-      return true;
-    }
-  return false;
-}
-
+/// Fibres are alike along x and y.
 Material sample(const LawInfo& law) {
-  Material material = with_constants(&law, law.constants_from(hooke_from_young_poisson(1e5 /* Pa */, 0.3)));
-  add_sample_fibres(material);
+  Material material = material_for(law, hooke_from_young_poisson(1e5 /* Pa */, 0.3));
+  if (law.max_fibres > 0) material.fibres = {Vector3(1, 1, 0).normalized(), Vector3(1, -1, 0).normalized()};
   return material;
 }
 
@@ -48,47 +35,6 @@ Material sample(std::string_view law) { return sample(*find_law(law)); }
 
 std::string label(const Material& material, LoadCase load_case) {
   return std::string(material.law->name) + " " + std::string(name(load_case));
-}
-
-/// What the files call a law, and the names in the file of our constants.
-struct FileLaw {
-  std::string name;
-  std::vector<std::string> parameters;
-};
-const std::map<std::string, FileLaw> file_laws = {
-    {"nh_log", {"neo_hookean", {"mu", "lam"}}},
-    {"nh_j1_log", {"neo_hookean_quadratic", {"mu", "lam"}}},
-    {"snh", {"stable_neo_hookean", {"mu", "lam"}}},
-    {"snh_log", {"stable_neo_hookean_log", {"mu", "lam"}}},
-    {"nh_iso_j1", {"neo_hookean_isochoric", {"mu", "kappa"}}},
-    {"nh_iso_simo", {"neo_hookean_simo", {"mu", "kappa"}}},
-    {"stvk", {"saint_venant_kirchhoff", {"mu", "lam"}}},
-    {"linear", {"linear_elastic", {"mu", "lam"}}},
-    {"corot_linear", {"corotated_linear", {"mu", "lam"}}},
-    {"corot_fixed", {"corotated", {"mu", "lam"}}},
-    {"mooney_rivlin", {"mooney_rivlin", {"c10", "c01", "kappa"}}},
-    {"yeoh", {"yeoh", {"c10", "c20", "c30", "kappa"}}},
-    {"ogden", {"ogden", {"mu/0", "alpha/0", "mu/1", "alpha/1", "mu/2", "alpha/2", "kappa"}}},
-    {"arruda_boyce", {"arruda_boyce", {"mu", "N", "kappa"}}},
-    {"hgo", {"holzapfel_gasser_ogden", {"mu", "kappa", "k1", "k2", "kd"}}}};
-
-template <class AnyMaterial>
-void add_file_fibres(AnyMaterial& material, const Json& parameters) {
-  if constexpr (requires { material.fibres; })
-    for (const char* fibre : {"a1", "a2"})
-      if (parameters.contains(fibre)) {
-        const Json& a = parameters[fibre];
-        material.fibres.emplace_back(a[0], a[1], a[2]);
-      }
-}
-
-Material file_material(const Json& file, const std::string& key) {
-  const Json& parameters = file["laws"][key]["parameters"];
-  Material material = with_constants(find_law(file_laws.at(key).name), {});
-  for (const std::string& parameter : file_laws.at(key).parameters)
-    material.constants.push_back(parameters.at(Json::json_pointer("/" + parameter)));
-  add_file_fibres(material, parameters);
-  return material;
 }
 
 const std::map<std::string, LoadCase> file_cases = {{"uniaxial", LoadCase::uniaxial},
@@ -128,7 +74,7 @@ TEST(StretchCurve, EqualsTheClosedForms) {
   RESILIN_NEEDS_SHARED_DATA();
   const Json file = testing::read_validation_case("closed_forms");
   int checked = 0;
-  for (const auto& [key, file_law] : file_laws) {
+  for (const auto& [key, file_law] : file_laws()) {
     if (find_law(file_law.name) == nullptr) continue;
     const Material material = file_material(file, key);
     for (const auto& [kind, load_case] : file_cases) {
@@ -193,7 +139,7 @@ TEST(StretchCurve, BeginsWithTheModuliOfTheSmallStrainSolid) {
   const double e = 1e-7;
   for (const LawInfo* law : laws()) {
     Material material = sample(*law);
-    if (add_sample_fibres(material)) continue;  // they resist tension alone: no Hookean solid
+    if (material.law->max_fibres > 0) continue;  // they resist tension alone: no Hookean solid
     const TangentMatrix<3> A = stress_tangent<3>(material, Matrix<3>::Identity());
     const double mu = A(1, 1), lambda = A(0, 4), E = mu * (3 * lambda + 2 * mu) / (lambda + mu),
                  nu = lambda / (2 * (lambda + mu));
@@ -251,7 +197,7 @@ TEST(StretchCurve, SaintVenantKirchhoffHasNoSidesBeyondALimit) {
 
 /// p = mu (l^2 - 1)/J + lambda ln J / J; with mu << lambda it drops beyond J = e.
 TEST(StretchCurve, VolumetricStressOfNeoHookeanDropsBeyondE) {
-  const Material material = with_constants(find_law("neo_hookean"), {1e-6, 1.0});
+  const Material material{find_law("neo_hookean"), {1e-6, 1.0}, {}};
   const StretchCurve curve = stretch_curve(material, LoadCase::volumetric, std::vector<double>{0.5, 2.0});
   ASSERT_EQ(curve.limits.size(), 1u);
   EXPECT_EQ(curve.limits[0].loss, Stability::stress_drops);
@@ -260,7 +206,7 @@ TEST(StretchCurve, VolumetricStressOfNeoHookeanDropsBeyondE) {
 }
 
 TEST(StretchCurve, StateOfStableNeoHookeanIsGoneWhenTheSidesHaveClosed) {
-  const Material material = with_constants(find_law("stable_neo_hookean"), {1.25, 2.75});
+  const Material material{find_law("stable_neo_hookean"), {1.25, 2.75}, {}};
   const StretchCurve curve = stretch_curve(material, LoadCase::uniaxial, std::vector<double>{0.2, 0.4});
   ASSERT_EQ(curve.limits.size(), 2u);
   EXPECT_EQ(curve.limits[0].loss, Stability::stress_drops);

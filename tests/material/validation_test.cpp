@@ -5,55 +5,15 @@
 #include <limits>
 #include <map>
 
+#include "reference_material.hpp"
 #include "resilin/material/derive.hpp"
-#include "shared_data.hpp"
 
 namespace resilin {
 namespace {
 
 using Json = nlohmann::json;
-
-const std::map<std::string, std::string> law_names = {{"nh_log", "neo_hookean"},
-                                                      {"nh_j1_log", "neo_hookean_quadratic"},
-                                                      {"snh", "stable_neo_hookean"},
-                                                      {"snh_log", "stable_neo_hookean_log"},
-                                                      {"nh_iso_j1", "neo_hookean_isochoric"},
-                                                      {"nh_iso_simo", "neo_hookean_simo"},
-                                                      {"stvk", "saint_venant_kirchhoff"},
-                                                      {"linear", "linear_elastic"},
-                                                      {"corot_linear", "corotated_linear"},
-                                                      {"corot_fixed", "corotated"},
-                                                      {"mooney_rivlin", "mooney_rivlin"},
-                                                      {"yeoh", "yeoh"},
-                                                      {"ogden", "ogden"},
-                                                      {"arruda_boyce", "arruda_boyce"},
-                                                      {"hgo", "holzapfel_gasser_ogden"}};
-
-/// The files' names of constants in the order of ours; "alpha 0" is the first of a list.
-const std::map<std::string, std::vector<std::string>> constant_keys = {
-    {"mooney_rivlin", {"c10", "c01", "kappa"}},
-    {"yeoh", {"c10", "c20", "c30", "kappa"}},
-    {"ogden", {"mu 0", "alpha 0", "mu 1", "alpha 1", "mu 2", "alpha 2", "kappa"}},
-    {"arruda_boyce", {"mu", "N", "kappa"}},
-    {"hgo", {"mu", "kappa", "k1", "k2", "kd"}}};
-
-Material material_of(const Json& file, const std::string& key) {
-  const Json& parameters = file["laws"][key]["parameters"];
-  std::vector<std::string> names = {"mu", parameters.contains("kappa") ? "kappa" : "lam"};
-  if (constant_keys.count(key) != 0) names = constant_keys.at(key);
-  Material material{find_law(law_names.at(key)), {}, {}};
-  for (const std::string& name : names) {
-    const std::size_t blank = name.find(' ');
-    const Json& value = parameters[name.substr(0, blank)];
-    material.constants.push_back(blank == std::string::npos ? value : value[std::stoul(name.substr(blank))]);
-  }
-  for (const char* fibre : {"a1", "a2"})
-    if (parameters.contains(fibre)) {
-      const std::vector<double> a = parameters[fibre];
-      material.fibres.emplace_back(a[0], a[1], a[2]);
-    }
-  return material;
-}
+using testing::file_laws;
+using testing::file_material;
 
 /// Our energies are zero at rest; the formulas of the files are not.
 double energy_at_rest(const std::string& key, const Material& material) {
@@ -164,8 +124,8 @@ void check_file() {
   const Json file = testing::read_validation_case("material_points_" + std::to_string(dim) + "d");
   int checked = 0;
   for (const Json& point : file["points"])
-    for (const auto& [key, name] : law_names) {
-      check_point<dim>(point, key, material_of(file, key));
+    for (const auto& [key, law] : file_laws()) {
+      check_point<dim>(point, key, file_material(file, key));
       ++checked;
     }
   EXPECT_EQ(checked, 94 * 15);
@@ -185,8 +145,8 @@ TEST(Validation, ClosedForms) {
   RESILIN_NEEDS_SHARED_DATA();
   const Json file = testing::read_validation_case("closed_forms");
   int checked = 0;
-  for (const auto& [key, name] : law_names) {
-    const Material material = material_of(file, key);
+  for (const auto& [key, law] : file_laws()) {
+    const Material material = file_material(file, key);
     for (const auto& [kind, rows] : file["results"][key].items())
       for (const Json& row : rows) {
         if (row.contains("no_state")) continue;

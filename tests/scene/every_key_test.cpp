@@ -16,7 +16,7 @@ std::filesystem::path every_key() {
 TEST(EveryKey, MakesAWorld) {
   const Scene scene = read_scene(every_key());
   const World world(scene.description);
-  EXPECT_EQ(world.bodies.size(), 3u);
+  EXPECT_EQ(world.bodies.size(), 9u);
   EXPECT_EQ(world.supports.size(), 2u);
   EXPECT_EQ(world.external.size(), 6u);  // five loads and gravity
   EXPECT_EQ(scene.description.newton.projection, "clamp");

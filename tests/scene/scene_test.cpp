@@ -140,7 +140,7 @@ INSTANTIATE_TEST_SUITE_P(
                    "\"bdf2\" is not part of this version; there is \"backward_euler\""},
         WrongValue{"body.0.element=P2", "\"P2\" is not part of this version; there is \"P1\""},
         WrongValue{"body.0.element=P2P0", "not part of this version"},
-        WrongValue{"body.0.material.law=ogden", "\"ogden\" is not part of this version"},
+        WrongValue{"body.0.material.law=odgen", "did you mean \"ogden\"?"},
         WrongValue{"body.0.skin=fine.obj", "body[0].skin: not part of this version"},
         WrongValue{"output.formats=[\"html\"]", "\"html\" is not part of this version; there is \"vtu\""},
         WrongValue{"contact={}", "contact: not part of this version"},

@@ -30,13 +30,13 @@ Mesh distorted_mesh(int dimension) {
   return mesh;
 }
 
-Description patch(int dimension, std::string_view law, const Eigen::Matrix3d& gradient) {
+Description patch(int dimension, const LawInfo& law, const Eigen::Matrix3d& gradient) {
   Description scene;
   scene.dimension = dimension;
   scene.newton.tolerance = 1e-13;
   BodyDescription body;
   body.mesh = distorted_mesh(dimension);
-  body.material.law = law;
+  body.material = material_of(law);
   FixDescription sides;
   sides.where.kind = Where::Kind::vertices;
   sides.gradient = gradient;
@@ -54,7 +54,7 @@ TEST(EveryLaw, PassesThePatchTestOnADistortedMesh) {
   for (const LawInfo* law : laws()) {
     for (const int dimension : {2, 3}) {
       SCOPED_TRACE(std::string(law->name) + " in " + std::to_string(dimension) + "D");
-      const Simulation simulation = run_all(patch(dimension, law->name, gradient));
+      const Simulation simulation = run_all(patch(dimension, *law, gradient));
       ASSERT_TRUE(simulation.is_finished());
       const World& world = simulation.world();
       double largest_error = 0;
@@ -89,7 +89,7 @@ TEST(EveryStableLaw, BringsAScrambledBodyBackToRest) {
         Description scene = small_bar(dimension, false);
         scene.gravity.setZero();
         BodyDescription& body = scene.bodies[0];
-        body.material.law = law->name;
+        body.material = material_of(*law);
         std::mt19937 generator(seed);
         std::uniform_real_distribution<double> uniform(-0.12, 0.12);  // cells are 0.125 m wide
         for (const Vector3& X : body.mesh.vertices) {
@@ -113,7 +113,7 @@ TEST(EveryLaw, LosesEnergyInFreeMotion) {
   for (const LawInfo* law : laws()) {
     Description scene = small_bar(3, true);
     scene.gravity.setZero();
-    scene.bodies[0].material.law = law->name;
+    scene.bodies[0].material = material_of(*law);
     scene.bodies[0].velocity_gradient(2, 0) = 1;
     Simulation simulation(scene);
     double energy = simulation.frame().total_energy();

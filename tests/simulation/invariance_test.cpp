@@ -120,12 +120,14 @@ TEST(Result, IsTheSameInMillimetresTonnesAndMegapascals) {
     for (const bool is_dynamic : {false, true}) {
       SCOPED_TRACE(std::string(law->name) + (is_dynamic ? " in motion" : " at rest"));
       Description metres = small_bar(3, is_dynamic);
-      metres.bodies[0].material.law = law->name;
+      metres.bodies[0].material = material_of(*law);
       metres.gravity *= 0.3;
       Description millimetres = metres;
       for (Vector3& X : millimetres.bodies[0].mesh.vertices) X *= 1000;
       millimetres.gravity *= 1000;
-      millimetres.bodies[0].material.constants["youngs_modulus"] *= 1e-6;
+      for (const char* stiffness : {"youngs_modulus", "fibre_modulus"})
+        if (millimetres.bodies[0].material.constants.count(stiffness) != 0)
+          millimetres.bodies[0].material.constants[stiffness] *= 1e-6;
       millimetres.bodies[0].material.density *= 1e-12;
       const Simulation a = run_all(metres);
       const Simulation b = run_all(millimetres);
@@ -143,7 +145,7 @@ TEST(Motion, WithoutForcesKeepsItsMomentum) {
       scene.fixes.clear();
       scene.gravity.setZero();
       scene.newton.tolerance = 1e-12;
-      scene.bodies[0].material.law = law->name;
+      scene.bodies[0].material = material_of(*law);
       scene.bodies[0].velocity = {0.3, -0.2, dimension == 3 ? 0.1 : 0.0};
       scene.bodies[0].velocity_gradient(0, 1) = 0.5;
       Simulation simulation(scene);

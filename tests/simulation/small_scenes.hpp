@@ -1,9 +1,25 @@
 #pragma once
 
+#include <cmath>
+
+#include "resilin/material/law.hpp"
 #include "resilin/mesh/generators.hpp"
 #include "resilin/simulation/simulation.hpp"
 
 namespace resilin::testing {
+
+/// E = 0.1 MPa, nu = 0.4 unless the law has but one Poisson's ratio; two families of fibres where it has
+/// such.
+inline MaterialDescription material_of(const LawInfo& law) {
+  MaterialDescription material;
+  material.law = law.name;
+  if (!std::isnan(law.only_poissons_ratio)) material.constants["poissons_ratio"] = law.only_poissons_ratio;
+  for (const ConstantText& constant : law.constants)
+    if (constant.is_free && std::isnan(constant.fallback))
+      material.constants[std::string(constant.name)] = constant.unit.empty() ? 1 : 1e4;
+  if (law.max_fibres > 0) material.fibres = {{Vector3(1, 1, 0)}, {Vector3(1, -1, 0)}};
+  return material;
+}
 
 /// A bar of 1 x 0.25 x 0.25 m (2D: 1 x 0.25 m) held at x = 0 under its weight; E = 0.1 MPa.
 inline Description small_bar(int dimension, bool is_dynamic) {

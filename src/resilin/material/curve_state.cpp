@@ -8,13 +8,7 @@ namespace {
 
 constexpr double smallest_stretch = 1e-6, largest_stretch = 1e6;
 
-template <class AnyMaterial>
-bool has_fibres(const AnyMaterial& material) {
-  if constexpr (requires { material.fibres; })
-    return !material.fibres.empty();
-  else
-    return false;
-}
+bool has_fibres(const Material& material) { return !material.fibres.empty(); }
 
 /// dP_ii/dF_kk: the Hessian of Psi in the stretches.
 Matrix<3> stretch_hessian(const TangentMatrix<3>& A) {

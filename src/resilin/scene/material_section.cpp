@@ -13,18 +13,10 @@ std::vector<std::string> law_names() {
   return names;
 }
 
-/// Laws of the contract that are still to come.
-const std::vector<std::string>& later_laws() {
-  static const std::vector<std::string> names = {
-      "corotated_linear",      "corotated", "mooney_rivlin", "yeoh", "ogden", "arruda_boyce",
-      "holzapfel_gasser_ogden"};
-  return names;
-}
-
 Keys<MaterialDescription> material_keys() {
   using M = MaterialDescription;
   return {
-      choice_key("law", &M::law, law_names(), later_laws(),
+      choice_key("law", &M::law, law_names(), {},
                  "The strain energy; `resilin materials` and [laws](laws.md) describe each."),
       number_key("density", &M::density, "kg/m^3", not_negative, "Mass per rest volume; in motion > 0."),
   };
@@ -87,14 +79,41 @@ void read_constant(const SceneNode& node, const std::string& name, const Mesh& m
                                                    : read_cell_field(node.child("cell_field"), mesh);
 }
 
+/// A direction, a list or an array of one for each cell, or { file = "fibres.csv" }.
+std::vector<Vector3> read_directions(const SceneNode& node, const Mesh& mesh) {
+  const bool is_vector =
+      node.value->is_array() && !node.value->array().empty() && !node.value->array().front().is_array();
+  if (is_vector) return {read_vector(node)};
+  if (node.value->is_table()) refuse_unknown_keys(node, {"file"});
+  const SceneNode rows = node.value->is_table() ? node.child("file") : node;
+  const auto dim = static_cast<std::size_t>(node.context->dimension);
+  const NumberTable table =
+      read_rows(rows, static_cast<std::size_t>(solid_cells(node, mesh).num_cells()), dim, "cell");
+  std::vector<Vector3> directions(table.num_rows(), Vector3::Zero());
+  for (std::size_t i = 0; i < table.values.size(); ++i)
+    directions[i / dim][static_cast<Eigen::Index>(i % dim)] = table.values[i];
+  return directions;
+}
+
+void read_fibres(const SceneNode& node, const Mesh& mesh, MaterialDescription& material) {
+  expect_list(node, "directions, one for each family of fibres");
+  for (std::size_t i = 0; i < node.value->array().size(); ++i)
+    material.fibres.push_back(read_directions(node.element(i), mesh));
+}
+
 }  // namespace
 
 void read_material(const SceneNode& node, const Mesh& mesh, MaterialDescription& material) {
   expect_table(node);
   material.place = node.place();
-  if (node.has("law")) material.law = read_choice(node.child("law"), law_names(), later_laws());
-  const std::vector<std::string> constants = constant_names(require_law(material.law, node.place() + ".law"));
-  read_section(node, material_keys(), material, constants);
+  if (node.has("law")) material.law = read_choice(node.child("law"), law_names());
+  const LawInfo& law = require_law(material.law, node.place() + ".law");
+  const std::vector<std::string> constants = constant_names(law);
+  std::vector<std::string> known = constants;
+  known.emplace_back("fibres");
+  read_section(node, material_keys(), material, known);
+  if (!std::isnan(law.only_poissons_ratio)) material.constants["poissons_ratio"] = law.only_poissons_ratio;
+  if (node.has("fibres")) read_fibres(node.child("fibres"), mesh, material);
   const auto is_given = [&node](const std::string& name) { return node.has(name); };
   if (std::ranges::any_of(constants, is_given)) material.constants.clear();
   for (const std::string& name : constants) {
@@ -104,29 +123,34 @@ void read_material(const SceneNode& node, const Mesh& mesh, MaterialDescription&
 
 SectionDoc material_doc() {
   const MaterialDescription defaults;
-  SectionDoc doc =
-      document("material",
-               "Young's modulus and Poisson's ratio mean the small-strain solid; each law "
-               "converts them to its own constants. "
-               "Constants named as in a law's formula are taken literally instead, all of them. "
-               "A constant may vary from cell to "
-               "cell: a list, or `{ file = \"young.csv\" }`, with one number for each cell, or `{ "
-               "cell_field = \"name\" }` of the mesh.",
-               material_keys());
+  SectionDoc doc = document(
+      "material",
+      "Young's modulus and Poisson's ratio mean the small-strain solid; each law "
+      "converts them to its own constants. "
+      "Constants named as in a law's formula are taken literally instead; [laws](laws.md) says which may be "
+      "left out and which may be given beside Young's modulus. "
+      "A constant may vary from cell to "
+      "cell: a list, or `{ file = \"young.csv\" }`, with one number for each cell, or `{ "
+      "cell_field = \"name\" }` of the mesh.",
+      material_keys());
   const auto add = [&](const char* name, const char* type, const char* unit, const char* text) {
     doc.keys.push_back({name, type, unit, default_text(defaults.constants.at(name)), text});
   };
   add("youngs_modulus", "number > 0", "Pa", "Stiffness of a small stretch.");
   add("poissons_ratio", "number > -1 and < 0.5", "", "How much a stretched solid grows thinner.");
+  doc.keys.push_back(
+      {"fibres", "list of directions", "", "",
+       "Of holzapfel_gasser_ogden: for each family of fibres a rest direction, or `{ file = "
+       "\"fibres.csv\" }` or a list with one for each cell; they turn with the body's rotate."});
   for (const LawInfo* law : laws()) {
     for (const ConstantText& constant : law->constants) {
       const std::string name(constant.name);
       const auto known = std::ranges::find(doc.keys, name, &KeyDoc::name);
       if (known == doc.keys.end()) {
-        const std::string type =
-            std::isfinite(constant.above) ? "number > " + format_number(constant.above) : "number";
+        ConstantText pure = constant;
+        pure.unit = "";
         doc.keys.push_back(
-            {name, type, std::string(constant.unit), "", "Of " + std::string(law->name) + "."});
+            {name, range_text(pure), std::string(constant.unit), "", "Of " + std::string(law->name) + "."});
       } else {
         known->text.insert(known->text.size() - 1, ", " + std::string(law->name));
       }

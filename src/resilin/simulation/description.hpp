@@ -37,6 +37,9 @@ struct MaterialDescription {
   std::map<std::string, double> constants = {{"youngs_modulus", 1e5}, {"poissons_ratio", 0.4}};
   /// A value for each cell in place of the single one of the same name.
   std::map<std::string, std::vector<double>> cell_constants;
+  /// For a law with fibres: the rest directions of each family, one for all cells or one for each, in the
+  /// axes of the mesh; they turn with the body's `rotate`. Their length does not matter.
+  std::vector<std::vector<Vector3>> fibres;
   double density = 1000;  ///< [kg/m^3] of the rest shape
 };
 

@@ -82,6 +82,39 @@ std::vector<double> constants_of_cells(const LawInfo& law, const MaterialDescrip
   return constants;
 }
 
+/// Unit directions of the fibres, once or for one cell after another, as ElasticEnergy takes them.
+std::vector<Vector3> fibres_of_cells(const LawInfo& law, const BodyDescription& body, Index num_cells) {
+  const std::string place = body.material.place + ".fibres";
+  const auto& families = body.material.fibres;
+  const auto max_families = static_cast<std::size_t>(law.max_fibres);
+  if (max_families == 0 && !families.empty())
+    throw InputError(place, "nothing: " + std::string(law.name) + " has no fibres",
+                     std::to_string(families.size()) + " families",
+                     "leave them out or choose holzapfel_gasser_ogden");
+  if (max_families > 0 && (families.empty() || families.size() > max_families))
+    throw InputError(place, "1 to " + std::to_string(max_families) + " families of directions",
+                     families.empty() ? "none" : std::to_string(families.size()),
+                     "for example fibres = [[1, 0, 0]]");
+  const Eigen::Matrix3d turn = rotation_matrix(body.rotate);
+  const auto count = static_cast<std::size_t>(num_cells);
+  const bool is_uniform =
+      std::ranges::all_of(families, [](const auto& directions) { return directions.size() == 1; });
+  std::vector<Vector3> fibres;
+  for (std::size_t cell = 0; cell < (is_uniform ? 1 : count); ++cell)
+    for (const auto& directions : families) {
+      if (directions.size() != 1 && directions.size() != count)
+        throw InputError(place, "one direction, or one for each of " + std::to_string(count) + " cells",
+                         std::to_string(directions.size()));
+      const Vector3& direction = directions[directions.size() == 1 ? 0 : cell];
+      const double length = direction.norm();
+      if (!(length > 0 && std::isfinite(length)))
+        throw InputError(place + ", cell " + std::to_string(cell), "a direction other than zero",
+                         "length " + format_number(length));
+      fibres.push_back(turn * direction / length);
+    }
+  return fibres;
+}
+
 /// Makes a world out of its description, part by part.
 class Builder {
  public:
@@ -216,8 +249,9 @@ void Builder::add_material(const BodyDescription& description, Body& body) {
     const auto count = static_cast<double>(constants.size() / num_constants);
     body.constants.emplace_back(law.constants[i].name, sum / count);
   }
-  const auto elastic = std::make_shared<ElasticEnergy>(world_.dimension, body.element, body.cells,
-                                                       world_.rest_positions, law, constants);
+  const auto elastic =
+      std::make_shared<ElasticEnergy>(world_.dimension, body.element, body.cells, world_.rest_positions, law,
+                                      constants, fibres_of_cells(law, description, body.num_cells()));
   body.elastic = elastic;
   elastic_.push_back(elastic);
   body.density = material.density;
