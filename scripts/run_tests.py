@@ -17,6 +17,7 @@ import check_consumer
 import check_examples
 import check_format
 import check_includes
+import check_python
 import check_repository
 import check_setup
 import check_tidy
@@ -115,15 +116,42 @@ def run_consumer():
     ]
 
 
+def run_pytest(name, results_or_problems):
+    """Outcomes of the JUnit file that pytest wrote, or one failure when it could not even start."""
+    results, problems = results_or_problems
+    if problems:
+        return [Outcome(name, "failed", "\n".join(problems))]
+    outcomes = []
+    for case in ElementTree.parse(results).getroot().iter("testcase"):
+        faults = [child for child in case if child.tag in ("failure", "error")]
+        skipped = case.find("skipped")
+        status = "failed" if faults else "skipped" if skipped is not None else "passed"
+        detail = faults[0].text if faults else (skipped.get("message") if skipped is not None else "")
+        outcomes.append(Outcome(f"{case.get('classname')}.{case.get('name')} ({name})", status, detail or ""))
+    return outcomes
+
+
+def run_python():
+    return run_pytest("python", check_python.run_in_build_folder())
+
+
+def run_wheel():
+    return run_pytest("wheel", check_python.run_in_empty_environment())
+
+
 STEPS = {
     "rules": run_rules,
     "tidy": run_tidy,
     "release": run_release,
     "examples": run_examples,
     "consumer": run_consumer,
+    "python": run_python,
+    "wheel": run_wheel,
     "sanitizers": run_sanitizers,
 }
-NEEDED_BUILD = {"release": "release", "examples": "release", "consumer": "release", "sanitizers": "asan"}
+NEEDED_BUILD = {step: "release" for step in ("release", "examples", "consumer", "python", "wheel")} | {
+    "sanitizers": "asan"
+}
 
 
 def report(outcomes):

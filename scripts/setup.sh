@@ -4,6 +4,7 @@
 build_packages=(g++ cmake ninja-build libeigen3-dev libsuitesparse-dev libopenblas-dev libmetis-dev libtbb-dev
   libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libspdlog-dev libfmt-dev)
 test_packages=(libgtest-dev libgmock-dev python3 python3-venv ccache)
+python_packages=(python3-dev python3-venv python3-numpy python3-scipy python3-matplotlib python3-torch)
 
 say() { printf '%s\n' "$*" >&2; }
 die() { say "$*"; exit 1; }
@@ -101,6 +102,22 @@ build() {
   else
     quietly "$folder/build.log" ninja -C "$folder" "$@"
   fi
+}
+
+# The interpreter that Debian's Python packages belong to; another one on PATH would not see them.
+python_interpreter() { [ -x /usr/bin/python3 ] && echo /usr/bin/python3 || command -v python3; }
+
+# An environment with what builds and tests the Python package, in the versions of python/requirements-dev.txt, on top of
+# the packages of the system.
+install_python_environment() {
+  local folder=$root/build/python/venv wanted=$root/python/requirements-dev.txt
+  cmp -s "$wanted" "$folder/installed" && return 0
+  say "Fetching what builds and tests the Python package ..."
+  mkdir -p "$root/build/python"
+  quietly "$root/build/python/install.log" "$(python_interpreter)" -m venv --system-site-packages "$folder" || return 1
+  quietly "$root/build/python/install.log" "$folder/bin/pip" install --disable-pip-version-check \
+    -r "$wanted" numpy scipy matplotlib || return 1
+  cp "$wanted" "$folder/installed"
 }
 
 # Puts the formatter and the linters on PATH, in the versions that .pre-commit-config.yaml names. Where they cannot

@@ -71,7 +71,7 @@ class Material:
             self.states_shape = () if self._fibres is None else self._fibres.shape[:-2]
             self._conversion = None
             if "youngs_modulus" in given or "youngs_modulus" in self.tensors:
-                self._conversion = _for_tensors().conversion_from_young_poisson(self._given, self._info)
+                self._conversion = _for_tensors().conversion_from_young_poisson(self._given, self.tensors, self._info)
             self.tensor_constants()
             return
         self._own = own_constants(self._info, self._given)
@@ -348,10 +348,20 @@ def _law_table():
     """What help(Material) says about each law."""
     lines = ["Laws", "----"]
     for law in laws().values():
-        constants = ", ".join(f"{constant.name} = {constant.meaning} [{constant.unit}]" for constant in law.constants)
-        lines += [law.name, f"    Psi = {law.formula}", f"    Constants: {constants}."]
-        lines += [f"    Inversion: {law.inversion}. Source: {law.source}."]
+        lines += [law.name, f"    Psi = {law.formula}", *(f"    {_described(constant)}" for constant in law.constants)]
+        if law.max_fibres > 0:
+            lines.append(f"    Fibres: up to {law.max_fibres} families.")
+        if law.only_poissons_ratio is not None:
+            lines.append(f"    Poisson's ratio: {law.only_poissons_ratio:g} only.")
+        lines += [f"    Inversion: {law.inversion}.", f"    Source: {law.source}."]
     return "\n".join(lines) + "\n"
+
+
+def _described(constant):
+    text = f"{constant.name} = {constant.meaning}: {constant.range}"
+    if constant.is_free:
+        text += ", also beside youngs_modulus and poissons_ratio"
+    return text if constant.fallback is None else text + f"; {constant.fallback:g} unless given"
 
 
 if sys.flags.optimize < 2:  # there are docstrings

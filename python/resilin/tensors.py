@@ -6,6 +6,7 @@ Each quantity that the core evaluates knows what it becomes when it is different
 
 # ruff: noqa: N803, N806, N815 - F and P are the letters of the field
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -15,8 +16,9 @@ import numpy as np
 import torch
 from torch.autograd import forward_ad
 
+from resilin import _core
 from resilin.arrays import describe, is_tensor, real_array, refuse
-from resilin.constants import batch_law, own_constants
+from resilin.constants import batch_law, common_shape, own_constants, spread_over
 from resilin.material import Material, projection_named
 
 REAL = (torch.float64, torch.float32)
@@ -262,13 +264,13 @@ def own_tensors(given, tensors, conversion, info):
     """
     tensors = {name: tensor.double() for name, tensor in tensors.items()}
 
-    def tensor(name):
-        if name not in tensors and name not in given:
+    def tensor(name, fallback=None):
+        if name not in tensors and name not in given and fallback is None:
             refuse(f"{info.name}.{name}", "a number or a tensor", "nothing", f"add {name}")
-        return tensors[name] if name in tensors else torch.from_numpy(given[name])
+        return tensors[name] if name in tensors else torch.from_numpy(given.get(name, np.array(fallback)))
 
     if conversion is None:
-        return [tensor(constant.name) for constant in info.constants]
+        return [tensor(constant.name, constant.fallback) for constant in info.constants]
     young, poisson = tensor("youngs_modulus"), tensor("poissons_ratio")
     mu = young / (2 * (1 + poisson))
     lame_lambda = young * poisson / ((1 + poisson) * (1 - 2 * poisson))
@@ -278,14 +280,21 @@ def own_tensors(given, tensors, conversion, info):
     ]
 
 
-def conversion_from_young_poisson(given, info):
+def conversion_from_young_poisson(given, tensors, info):
     """{own constant: (base, by_mu, by_lambda)}: own = base + by_mu mu + by_lambda lambda, for Hooke's mu and lambda."""
-    free = {name: values for name, values in given.items() if name not in ("youngs_modulus", "poissons_ratio")}
-
-    def own(young, poisson):
-        return own_constants(info, {**free, "youngs_modulus": np.array(young), "poissons_ratio": np.array(poisson)})
-
-    at_11, at_22, at_14 = own(2.5, 0.25), own(5.0, 0.25), own(2.8, 0.4)  # at these (mu, lambda)
+    fallbacks = {constant.name: constant.fallback for constant in info.constants if constant.is_free}
+    free = {name: np.array(1.0 if value is None else value) for name, value in fallbacks.items()}
+    free.update((name, given[name]) for name in free.keys() & given.keys())
+    at_11, at_22, at_14 = (_converted(info, hooke, free) for hooke in ((1.0, 1.0), (2.0, 2.0), (1.0, 4.0)))
+    for name in free.keys() & tensors.keys():
+        elsewhere = _converted(info, (1.0, 1.0), {**free, name: 1.5 * free[name] + 0.1})
+        if any(not np.array_equal(elsewhere[other], at_11[other]) for other in at_11 if other != name):
+            refuse(
+                f"{info.name}.{name}",
+                "a number beside youngs_modulus, because other constants depend on it",
+                "a tensor that requires grad",
+                "give the constants of the law's formula instead",
+            )
     conversion = {}
     for name in at_11:
         by_lambda = (at_14[name] - at_11[name]) / 3
@@ -293,6 +302,14 @@ def conversion_from_young_poisson(given, info):
         terms = at_11[name] - by_both, by_both - by_lambda, by_lambda
         conversion[name] = tuple(torch.from_numpy(np.asarray(term)) for term in terms)
     return conversion
+
+
+def _converted(info, hooke, free):
+    shape = common_shape(free, info.name)
+    rows = np.empty((len(info.constants), math.prod(shape)))
+    spread = [array if array.ndim == 0 else spread_over(array, shape) for array in free.values()]
+    _core.convert_constants(info, *hooke, spread, rows)
+    return {constant.name: row.reshape(shape) for constant, row in zip(info.constants, rows, strict=True)}
 
 
 def _checked(value, place):

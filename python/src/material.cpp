@@ -1,15 +1,20 @@
 #include <nanobind/stl/map.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
+#include <cmath>
 #include <map>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "bindings.hpp"
 #include "resilin/core/error.hpp"
+#include "resilin/core/parallel.hpp"
 #include "resilin/core/projection.hpp"
 #include "resilin/material/law.hpp"
 
@@ -23,28 +28,65 @@ void require(bool is_so, const char* what) {
   if (!is_so) throw std::invalid_argument(what);
 }
 
-/// Own constants of a law for `count` states, (number of constants, count), from what the user gave: numbers,
-/// or one for every state. A refusal names the law and, where values differ, the state.
+double number_at(const Numbers& numbers, std::size_t i) {
+  return numbers.data()[numbers.ndim() == 0 ? 0 : i];
+}
+
+void require_count(const Numbers& numbers, std::size_t count) {
+  require(numbers.ndim() == 0 || numbers.size() == count, "one value of each constant for every state");
+}
+
+/// Own constants of a law for `count` states, (number of constants, count),
+/// from what the user gave: numbers, or one for every state. A refusal names
+/// the law and, where values differ, the first state that is wrong.
 void resolve_constants(const std::string& name, const std::map<std::string, Numbers>& given,
                        const NumbersOut& constants) {
   const LawInfo& law = require_law(name, "law");
   require(constants.ndim() == 2 && constants.shape(0) == law.constants.size(), "one row for each constant");
+  const std::size_t count = constants.shape(1), states_per_chunk = 256;
+  for (const auto& [constant, numbers] : given) require_count(numbers, count);
+  const auto resolve = [&](std::size_t i, const std::string& place) {
+    std::map<std::string, double> values;
+    for (const auto& [constant, numbers] : given) values[constant] = number_at(numbers, i);
+    const std::vector<double> own = resilin::resolve_constants(law, values, place);
+    for (std::size_t k = 0; k < own.size(); ++k) constants.data()[k * count + i] = own[k];
+  };
+  if (count == 1) return resolve(0, name);
+  std::vector<std::size_t> first_wrong(count / states_per_chunk + 1, count);
+  {
+    const nb::gil_scoped_release others_run;
+    parallel_for(count, states_per_chunk, [&](std::size_t begin, std::size_t end) {
+      std::size_t i = begin;
+      try {
+        for (; i < end; ++i) resolve(i, name);
+      } catch (const InputError&) {
+        first_wrong[begin / states_per_chunk] = i;
+      }
+    });
+  }
+  const std::size_t wrong = *std::ranges::min_element(first_wrong);
+  if (wrong < count) resolve(wrong, name + "[" + std::to_string(wrong) + "]");
+}
+
+/// Own constants, (number of constants, count), of the small-strain solid of
+/// these constants [Pa] beside the law's free constants, in their order.
+/// Nothing is checked.
+void convert_constants(const LawInfo& law, double mu, double lambda, const std::vector<Numbers>& free,
+                       const NumbersOut& constants) {
+  require(constants.ndim() == 2 && constants.shape(0) == law.constants.size(), "one row for each constant");
   const std::size_t count = constants.shape(1);
-  std::map<std::string, double> values;
-  for (const auto& [constant, numbers] : given)
-    require(numbers.ndim() == 0 || numbers.size() == count, "one value of each constant for every state");
+  for (const Numbers& numbers : free) require_count(numbers, count);
+  std::vector<double> values(free.size());
   for (std::size_t i = 0; i < count; ++i) {
-    for (const auto& [constant, numbers] : given)
-      values[constant] = numbers.data()[numbers.ndim() == 0 ? 0 : i];
-    std::vector<double> own;
-    try {
-      own = resilin::resolve_constants(law, values, name);
-    } catch (const InputError&) {
-      if (count == 1) throw;
-      own = resilin::resolve_constants(law, values, name + "[" + std::to_string(i) + "]");
-    }
+    for (std::size_t k = 0; k < free.size(); ++k) values[k] = number_at(free[k], i);
+    const std::vector<double> own = law.convert({mu, lambda}, values);
     for (std::size_t k = 0; k < own.size(); ++k) constants.data()[k * count + i] = own[k];
   }
+}
+
+/// What is not a number stands for nothing.
+std::optional<double> number_or_none(double value) {
+  return std::isnan(value) ? std::nullopt : std::optional<double>(value);
 }
 
 void bind_law_info(nb::module_& module) {
@@ -52,7 +94,9 @@ void bind_law_info(nb::module_& module) {
       .def_ro("name", &ConstantText::name)
       .def_ro("unit", &ConstantText::unit)
       .def_ro("meaning", &ConstantText::meaning)
-      .def_ro("above", &ConstantText::above)
+      .def_prop_ro("range", &range_text)
+      .def_ro("is_free", &ConstantText::is_free)
+      .def_prop_ro("fallback", [](const ConstantText& constant) { return number_or_none(constant.fallback); })
       .def("__repr__", [](const ConstantText& constant) {
         return "LawConstant(" + std::string(constant.name) + " = " + std::string(constant.meaning) + " [" +
                std::string(constant.unit) + "])";
@@ -63,7 +107,9 @@ void bind_law_info(nb::module_& module) {
       .def_ro("source", &LawInfo::source)
       .def_ro("inversion", &LawInfo::inversion)
       .def_ro("needs_positive_J", &LawInfo::needs_positive_J)
-      .def_prop_ro("max_fibres", [](const LawInfo&) { return 0; })
+      .def_ro("max_fibres", &LawInfo::max_fibres)
+      .def_prop_ro("only_poissons_ratio",
+                   [](const LawInfo& law) { return number_or_none(law.only_poissons_ratio); })
       .def_prop_ro("is_small_strain", [](const LawInfo& law) { return law.kind == LawKind::small_strain; })
       .def_prop_ro("constants",
                    [](const LawInfo& law) {
@@ -81,6 +127,7 @@ void bind_law_info(nb::module_& module) {
 void bind_material(nb::module_& module) {
   bind_law_info(module);
   module.def("resolve_constants", &resolve_constants);
+  module.def("convert_constants", &convert_constants);
   nb::enum_<Projection>(module, "Projection")
       .value("none", Projection::none)
       .value("clamp", Projection::clamp)

@@ -11,6 +11,7 @@ namespace nb = nanobind;
 
 NB_MODULE(_core, module) {
   using namespace resilin;
+  nb::set_leak_warnings(false);  // torch keeps what its graphs refer to until the interpreter has ended
   module.attr("__version__") = std::string(version());
   const nb::exception<InputError> input_error(module, "InputError", PyExc_ValueError);
   module.def(
@@ -21,6 +22,7 @@ NB_MODULE(_core, module) {
   module.def("num_threads", &num_threads);
   module.def("set_num_threads", &set_num_threads, nb::arg("count"));
   python::bind_material(module);
+  python::bind_batch_law(module);
   python::bind_curve(module);
   python::bind_mesh(module);
   python::bind_elastic(module);

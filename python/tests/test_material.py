@@ -8,15 +8,11 @@ import sys
 
 import numpy as np
 import pytest
+from every_law import LAWS, material_of
 
 import resilin
 
 EPSILON = np.finfo(np.float64).eps
-LAWS = sorted(resilin.laws())
-
-
-def material_of(law, youngs_modulus=1e5, poissons_ratio=0.3):
-    return resilin.Material(law, youngs_modulus=youngs_modulus, poissons_ratio=poissons_ratio)
 
 
 def states(dim, count=7, strain=0.3, seed=0):
@@ -87,12 +83,15 @@ class TestEveryLaw:
 
     def test_constant_derivatives_are_slopes_with_respect_to_the_constants(self, law, dim):
         material, F = material_of(law), states(dim)
+        nonzero = {name: value or 0.1 for name, value in material.constants.items()}
+        material = resilin.Material(law, **nonzero, fibres=material.fibres)
         derivatives = material.constant_derivatives(F)
         assert list(derivatives) == list(material.constants) == [c.name for c in material.info.constants]
         for name, value in material.constants.items():
             step = 1e-4 * abs(value)
             low, high = (
-                resilin.Material(law, **{**material.constants, name: value + change}) for change in (-step, step)
+                resilin.Material(law, **{**material.constants, name: value + change}, fibres=material.fibres)
+                for change in (-step, step)
             )
             dpsi, dP = derivatives[name]
             slopes = [
@@ -158,7 +157,7 @@ class TestEveryLaw:
 
     def test_inversion_is_undefined_exactly_where_the_law_says_so(self, law, dim):
         material = material_of(law)
-        F = np.stack([np.diag([-1.0] + [1.0] * (dim - 1)), np.diag([0.0] + [1.0] * (dim - 1))])
+        F = np.stack([np.diag([-0.5] + [1.0] * (dim - 1)), np.diag([0.0] + [1.0] * (dim - 1))])
         psi, P = material.energy_density(F), material.first_piola_kirchhoff_stress(F)
         if material.info.needs_positive_J:
             assert np.isposinf(psi).all()

@@ -1,0 +1,164 @@
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bindings.hpp"
+#include "resilin/material/batch.hpp"
+
+namespace resilin::python {
+namespace {
+
+// All arrays are C-contiguous and aligned already: the Python layer has seen to
+// that.
+using Input = nb::ndarray<nb::ro, nb::c_contig, nb::device::cpu>;  // double or float
+using Output = nb::ndarray<nb::c_contig, nb::device::cpu>;         // of the input's type
+using Numbers = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
+
+void require(bool is_so, const char* what) {
+  if (!is_so) throw std::invalid_argument(what);
+}
+
+/// A law with its constants and fibres; evaluates arrays of states and writes
+/// into arrays of the caller.
+class BatchLaw {
+ public:
+  /// @param constants  in the order of the law; each one number (no axis) or
+  /// one for every state
+  /// @param fibres     unit vectors, (families, 3) or (count, families, 3)
+  BatchLaw(const std::string& law, std::vector<Numbers> constants, std::optional<Numbers> fibres)
+      : law_(require_law(law, "law")), constants_(std::move(constants)), fibres_(std::move(fibres)) {
+    require(constants_.size() == law_.constants.size(), "one array for each constant");
+    if (!fibres_) return;
+    require((fibres_->ndim() == 2 || fibres_->ndim() == 3) && fibres_->shape(fibres_->ndim() - 1) == 3,
+            "fibres: (families, 3) or (count, families, 3)");
+  }
+
+  void energy_densities(const Input& F, bool holds_H, const Output& psi) const {
+    run(F, holds_H, [&]<class Real>(const StateBatch<Real>& states) {
+      resilin::energy_densities(states, written<Real>(psi, states.count));
+    });
+  }
+
+  void first_piola_kirchhoff_stresses(const Input& F, bool holds_H, const Output& P) const {
+    run(F, holds_H, [&]<class Real>(const StateBatch<Real>& states) {
+      resilin::first_piola_kirchhoff_stresses(states, written<Real>(P, states.count * entries(states)));
+    });
+  }
+
+  void stress_tangents(const Input& F, bool holds_H, Projection projection, const Output& A) const {
+    run(F, holds_H, [&]<class Real>(const StateBatch<Real>& states) {
+      const std::size_t size = states.count * entries(states) * entries(states);
+      resilin::stress_tangents(states, projection, written<Real>(A, size));
+    });
+  }
+
+  void elastic_forces(const Input& F, bool holds_H, const Input& rest_shape_inverses,
+                      const Input& rest_volumes, const Output& forces) const {
+    run(F, holds_H, [&]<class Real>(const StateBatch<Real>& states) {
+      const auto dim = static_cast<std::size_t>(states.dim);
+      resilin::elastic_forces(states, read<Real>(rest_shape_inverses, states.count * entries(states)),
+                              read<Real>(rest_volumes, states.count),
+                              written<Real>(forces, states.count * (dim + 1) * dim));
+    });
+  }
+
+  void constant_derivatives(const Input& F, bool holds_H, std::size_t constant,
+                            const std::optional<Output>& dpsi, const std::optional<Output>& dP) const {
+    require(constant < constants_.size(), "no such constant");
+    run(F, holds_H, [&]<class Real>(const StateBatch<Real>& states) {
+      resilin::constant_derivatives(states, constant, dpsi ? written<Real>(*dpsi, states.count) : nullptr,
+                                    dP ? written<Real>(*dP, states.count * entries(states)) : nullptr);
+    });
+  }
+
+  void second_constant_derivatives(const Input& F, bool holds_H, std::size_t p, std::size_t q,
+                                   const Output& d2psi) const {
+    require(p < constants_.size() && q < constants_.size(), "no such constant");
+    run(F, holds_H, [&]<class Real>(const StateBatch<Real>& states) {
+      resilin::second_constant_derivatives(states, p, q, written<Real>(d2psi, states.count));
+    });
+  }
+
+ private:
+  template <class Real>
+  static std::size_t entries(const StateBatch<Real>& states) {
+    return static_cast<std::size_t>(states.dim * states.dim);
+  }
+
+  template <class Real>
+  static const Real* read(const Input& array, std::size_t size) {
+    require(array.dtype() == nb::dtype<Real>(), "arrays of one type");
+    require(array.size() == size, "an input of another size");
+    return static_cast<const Real*>(array.data());
+  }
+
+  template <class Real>
+  static Real* written(const Output& array, std::size_t size) {
+    require(array.dtype() == nb::dtype<Real>(), "arrays of one type");
+    require(array.size() == size, "an output of another size");
+    return static_cast<Real*>(array.data());
+  }
+
+  template <class Real>
+  StateBatch<Real> states(const Input& F, bool holds_H) const {
+    const std::size_t axes = F.ndim();
+    require(axes >= 2 && F.shape(axes - 1) == F.shape(axes - 2), "square matrices");
+    const std::size_t dim = F.shape(axes - 1);
+    require(dim == 2 || dim == 3, "matrices of two or three dimensions");
+    const std::size_t count = F.size() / (dim * dim);
+    StateBatch<Real> batch{&law_, static_cast<int>(dim), count, static_cast<const Real*>(F.data()), holds_H,
+                           {}};
+    for (const Numbers& values : constants_) {
+      const bool is_one = values.ndim() == 0;
+      require(is_one || values.size() == count, "one value of each constant for every state");
+      batch.constants.push_back({values.data(), is_one ? 0u : 1u});
+    }
+    if (fibres_) {
+      const bool is_one = fibres_->ndim() == 2;
+      require(is_one || fibres_->shape(0) == count, "fibres for every state");
+      batch.fibres = fibres_->data();
+      batch.num_fibres = fibres_->shape(fibres_->ndim() - 2);
+      batch.fibre_stride = is_one ? 0 : 3 * batch.num_fibres;
+    }
+    return batch;
+  }
+
+  template <class Function>
+  void run(const Input& F, bool holds_H, const Function& function) const {
+    const auto run_as = [&]<class Real>(Real) {
+      const StateBatch<Real> batch = states<Real>(F, holds_H);
+      if (batch.count == 0) return;
+      const nb::gil_scoped_release others_run;
+      function(batch);
+    };
+    if (F.dtype() == nb::dtype<double>()) return run_as(double{});
+    require(F.dtype() == nb::dtype<float>(), "double or float");
+    run_as(float{});
+  }
+
+  const LawInfo& law_;
+  std::vector<Numbers> constants_;
+  std::optional<Numbers> fibres_;
+};
+
+}  // namespace
+
+void bind_batch_law(nb::module_& module) {
+  nb::class_<BatchLaw>(module, "BatchLaw")
+      .def(nb::init<const std::string&, std::vector<Numbers>, std::optional<Numbers>>(), nb::arg(), nb::arg(),
+           nb::arg().none())
+      .def("energy_densities", &BatchLaw::energy_densities)
+      .def("first_piola_kirchhoff_stresses", &BatchLaw::first_piola_kirchhoff_stresses)
+      .def("stress_tangents", &BatchLaw::stress_tangents)
+      .def("elastic_forces", &BatchLaw::elastic_forces)
+      .def("constant_derivatives", &BatchLaw::constant_derivatives)
+      .def("second_constant_derivatives", &BatchLaw::second_constant_derivatives);
+}
+
+}  // namespace resilin::python

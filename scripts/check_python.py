@@ -1,0 +1,81 @@
+"""Runs the tests of the Python package: on the build folder, and on a wheel in an environment of its own."""
+
+import os
+import shutil
+import subprocess
+
+from files import ROOT
+
+FOLDER = ROOT / "build" / "python"
+INTERPRETER = FOLDER / "venv" / "bin" / "python"  # made by setup.sh
+TIME_LIMIT = 600  # [s] for all tests; they take seconds
+
+
+def run_in_build_folder():
+    """All tests on the package as ./test has just built it."""
+    package = ROOT / "build" / "release" / "python"
+    return run_pytest(INTERPRETER, "build.xml", environment={"PYTHONPATH": str(package)})
+
+
+def run_in_empty_environment():
+    """All tests but those of torch, whose wheel is a gigabyte, on a wheel that carries what it needs."""
+    wheels = FOLDER / "wheels"
+    shutil.rmtree(wheels, ignore_errors=True)
+    environment = {"RESILIN_COMPILER_LAUNCHER": "ccache" if shutil.which("ccache") else ""}
+    # The same warnings as in the release build, so that ccache finds its objects again.
+    environment["RESILIN_WARNINGS_AS_ERRORS"] = "ON"
+    problems = problems_of([ROOT / "scripts" / "build_wheel.sh", wheels], environment)
+    if problems:
+        return None, problems
+    venv = FOLDER / "empty"
+    python = venv / "bin" / "python"
+    (wheel,) = wheels.glob("*.whl")
+    pinned = [line for line in requirements() if line.startswith(("pytest", "meshio"))]
+    install = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
+    for command in (
+        [INTERPRETER, "-m", "venv", "--clear", venv],
+        [*install, f"{wheel}[plot]", *pinned],
+    ):
+        problems = problems_of(command)
+        if problems:
+            return None, problems
+    # Nothing of the system's libraries but those of every machine: the wheel must bring the rest.
+    return run_pytest(python, "wheel.xml", "--ignore-glob=*test_torch*", environment={"PYTHONPATH": ""})
+
+
+def requirements():
+    return (ROOT / "python" / "requirements-dev.txt").read_text(encoding="utf-8").splitlines()
+
+
+def problems_of(command, environment=None):
+    """The end of what a command that failed said."""
+    run = subprocess.run(
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        check=False,
+        env={**os.environ, **(environment or {})},
+    )
+    lines = run.stdout.splitlines()[-30:]
+    return [f"{' '.join(map(str, command))}: exit code {run.returncode}", *lines] if run.returncode else []
+
+
+def run_pytest(python, results_name, *options, environment):
+    """(JUnit file, problems): one of them is empty."""
+    results = FOLDER / results_name
+    results.unlink(missing_ok=True)
+    command = [python, "-m", "pytest", "-p", "no:cacheprovider", "--quiet", f"--junit-xml={results}", *options]
+    run = subprocess.run(
+        command,
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        check=False,
+        timeout=TIME_LIMIT,
+        env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1", **environment},
+    )
+    if run.returncode not in (0, 1) or not results.exists():
+        return None, [f"pytest: exit code {run.returncode}", *run.stdout.splitlines()[-30:]]
+    return results, []
