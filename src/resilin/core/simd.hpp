@@ -61,9 +61,15 @@ RESILIN_INLINE Lanes min(Lanes a, Lanes b) { return select(a < b, a, b); }
 RESILIN_INLINE Lanes max(Lanes a, Lanes b) { return select(a > b, a, b); }
 RESILIN_INLINE Lanes abs(Lanes a) { return select(a < Lanes(0), -a, a); }
 RESILIN_INLINE bool any(Mask mask) {
+#if defined(__AVX512DQ__) && RESILIN_SIMD_WIDTH == 8
+  return _mm512_movepi64_mask(reinterpret_cast<__m512i>(mask)) != 0;
+#elif defined(__AVX2__) && RESILIN_SIMD_WIDTH == 4
+  return _mm256_movemask_pd(reinterpret_cast<__m256d>(mask)) != 0;
+#else
   auto bits = mask[0];
   for (int lane = 1; lane < Lanes::width; ++lane) bits |= mask[lane];
   return bits != 0;
+#endif
 }
 
 RESILIN_INLINE Lanes sqrt(Lanes a) {

@@ -113,34 +113,9 @@ RESILIN_INLINE void sort_columns(Lanes norm2[3], Column3 G[3], Column3 V[3]) {
     }
 }
 
-/// Three two-sided sweeps on F^T F - I, then one one-sided sweep on F V, which gives back the digits that
-/// F^T F lost: reconstruction to 2e-15 |F|, also at condition 1e6 (measured). F V is kept as V + H V.
-RESILIN_INLINE Svd3 svd(const Lanes H[9] /* row-major */) {
-  Svd3 r;
-  Column3 columns[3];
-  for (int j = 0; j < 3; ++j) columns[j] = {{H[j], H[3 + j], H[6 + j]}};
-  const auto strain = [&](int i, int j) { return H[3 * i + j] + H[3 * j + i] + dot(columns[i], columns[j]); };
-  Symmetric3 A = {strain(0, 0), strain(1, 1), strain(2, 2), strain(0, 1), strain(0, 2), strain(1, 2)};
-  diagonalize(A, r.V, 3);
-  Column3 G[3];  // H V
-  for (int j = 0; j < 3; ++j)
-    for (int i = 0; i < 3; ++i)
-      G[j][i] = columns[0][i] * r.V[j][0] + columns[1][i] * r.V[j][1] + columns[2][i] * r.V[j][2];
-  // |F v|^2 - 1 and (F v).(F w) for orthonormal v, w
-  const auto inner = [&](int p, int q) { return dot(r.V[p], G[q]) + dot(G[p], r.V[q]) + dot(G[p], G[q]); };
-  for (int p = 0; p < 2; ++p)
-    for (int q = p + 1; q < 3; ++q) {
-      const Rotation2 rotation = jacobi_rotation(inner(q, q) - inner(p, p), inner(p, q));
-      rotate(rotation, G[p], G[q]);
-      rotate(rotation, r.V[p], r.V[q]);
-    }
-  Lanes norm2[3];  // |F v|^2 - 1
-  for (int j = 0; j < 3; ++j) norm2[j] = inner(j, j);
-  sort_columns(norm2, G, r.V);
-  Column3 B[3];
-  for (int j = 0; j < 3; ++j)
-    for (int k = 0; k < 3; ++k) B[j][k] = r.V[j][k] + G[j][k];
-  // U by Gram-Schmidt, so that it is a rotation also where singular values vanish.
+/// Completes columns F v_j of falling length, v_j the columns of V, to U and s: Gram-Schmidt, so that U is a
+/// rotation also where singular values vanish.
+RESILIN_INLINE void complete_svd(const Column3 B[3], Svd3& r) {
   const Lanes length2 = dot(B[0], B[0]);
   const Mask is_null = length2 < Lanes(1e-280);
   const Lanes r0 = reciprocal_sqrt(length2 + 1e-290);
@@ -162,7 +137,49 @@ RESILIN_INLINE Svd3 svd(const Lanes H[9] /* row-major */) {
   r.s[0] = length2 * r0;
   r.s[1] = dot(r.U[1], B[1]);
   r.s[2] = dot(r.U[2], B[2]);
-  for (int i = 0; i < 3; ++i) r.e[i] = select(r.s[i] > Lanes(0.5), norm2[i] / (1.0 + r.s[i]), r.s[i] - 1.0);
+}
+
+/// Three two-sided sweeps on F^T F - I, then one one-sided sweep on F V, which gives back the digits that
+/// F^T F lost: reconstruction to 2e-15 |F|, also at condition 1e6 (measured). When `keeps_strain`, F V is
+/// kept as V + H V, and r.e has its digits at small strain; else r.e is not set.
+template <bool keeps_strain>
+RESILIN_INLINE Svd3 svd(const Lanes H[9] /* row-major */) {
+  Svd3 r;
+  Column3 columns[3];
+  for (int j = 0; j < 3; ++j) columns[j] = {{H[j], H[3 + j], H[6 + j]}};
+  const auto strain = [&](int i, int j) { return H[3 * i + j] + H[3 * j + i] + dot(columns[i], columns[j]); };
+  Symmetric3 A = {strain(0, 0), strain(1, 1), strain(2, 2), strain(0, 1), strain(0, 2), strain(1, 2)};
+  diagonalize(A, r.V, 3);
+  Column3 G[3];  // H V, or F V
+  for (int j = 0; j < 3; ++j)
+    for (int i = 0; i < 3; ++i) {
+      G[j][i] = columns[0][i] * r.V[j][0] + columns[1][i] * r.V[j][1] + columns[2][i] * r.V[j][2];
+      if (!keeps_strain) G[j][i] += r.V[j][i];
+    }
+  // (F v).(F w) for orthonormal v and w; less 1 for v = w, when the strain is kept
+  const auto inner = [&](int p, int q) {
+    Lanes product = dot(G[p], G[q]);
+    if (keeps_strain) product += dot(r.V[p], G[q]) + dot(G[p], r.V[q]);
+    return product;
+  };
+  for (int p = 0; p < 2; ++p)
+    for (int q = p + 1; q < 3; ++q) {
+      const Rotation2 rotation = jacobi_rotation(inner(q, q) - inner(p, p), inner(p, q));
+      rotate(rotation, G[p], G[q]);
+      rotate(rotation, r.V[p], r.V[q]);
+    }
+  Lanes norm2[3];
+  for (int j = 0; j < 3; ++j) norm2[j] = inner(j, j);
+  sort_columns(norm2, G, r.V);
+  if constexpr (keeps_strain) {
+    Column3 B[3];
+    for (int j = 0; j < 3; ++j)
+      for (int k = 0; k < 3; ++k) B[j][k] = r.V[j][k] + G[j][k];
+    complete_svd(B, r);
+    for (int i = 0; i < 3; ++i) r.e[i] = select(r.s[i] > Lanes(0.5), norm2[i] / (1.0 + r.s[i]), r.s[i] - 1.0);
+  } else {
+    complete_svd(G, r);
+  }
   return r;
 }
 

@@ -341,7 +341,7 @@ RESILIN_INLINE void tangent(const LawForm& law, double removed, const Lanes H[],
   } else if (dim == 3 && is_projected && law.kind == LawKind::invariants) {
     if constexpr (dim == 3) {
       const InvariantDerivatives d = invariant_derivatives(rows);
-      const Svd3 m = svd(H);
+      const Svd3 m = svd<false>(H);
       PrincipalTangent t =
           law.uses_second_invariant ? principal_tangent<true>(d, m.s) : principal_tangent<false>(d, m.s);
       t.project(removed);

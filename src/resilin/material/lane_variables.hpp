@@ -78,7 +78,7 @@ RESILIN_INLINE void stretches(const Lanes H[], Lanes e[3], Lanes frame[]) {
     e[2] = 0.0;
     fill(svd2(H));
   } else {
-    fill(svd(H));
+    fill(svd<true>(H));
   }
 }
 

@@ -162,13 +162,11 @@ RESILIN_INLINE void invariant_hessian(const HessianForm& form, const Lanes H[], 
   } else {
     const InvariantDerivatives d = invariant_derivatives(law);
     if (form.removed > 0) {
-      const Svd3 m = svd(H);
+      const Svd3 m = svd<false>(H);
       PrincipalTangent t =
           form.law.uses_second_invariant ? principal_tangent<true>(d, m.s) : principal_tangent<false>(d, m.s);
       t.project(form.removed);
-      Lanes frame[18];
-      frame_of(m, frame);
-      principal_hessian3(t, frame, g, w, K);
+      principal_hessian3(t, m.U, m.V, g, w, K);
     } else if (form.law.uses_second_invariant) {
       plain_hessian3<true>(F, d, g, w, K);
     } else {
@@ -182,7 +180,8 @@ RESILIN_INLINE void stretch_hessian3(const HessianForm& form, const Lanes frame[
                                      const Lanes g[dim][dim], Lanes w, ElementHessian<dim>& K) {
   PrincipalTangent t = principal_tangent(law);
   if (form.removed > 0) t.project(form.removed);
-  principal_hessian3(t, frame, g, w, K);
+  const auto* columns = reinterpret_cast<const Column3*>(frame);  // of U, then of V
+  principal_hessian3(t, columns, columns + 3, g, w, K);
 }
 
 template <int dim>

@@ -160,9 +160,9 @@ RESILIN_INLINE void small_strain_hessian(Lanes slope, Lanes curvature, const Lan
 ///
 ///   Khat_ii = S_ii h_ai h_bi + sum_j D_ij h_aj h_bj,   Khat_ij = S_ij h_ai h_bj + E_ij h_aj h_bi
 ///
-/// D and E come from the flip and twist eigenvalues of the plane (i, j). `frame`: columns of U, then of V.
-RESILIN_INLINE void principal_hessian3(const PrincipalTangent& t, const Lanes frame[18], const Lanes g[3][3],
-                                       Lanes w, ElementHessian<3>& K) {
+/// D and E come from the flip and twist eigenvalues of the plane (i, j).
+RESILIN_INLINE void principal_hessian3(const PrincipalTangent& t, const Column3 U[3], const Column3 V[3],
+                                       const Lanes g[3][3], Lanes w, ElementHessian<3>& K) {
   const Lanes A[3][3] = {
       {t.S.m00, t.S.m01, t.S.m02}, {t.S.m01, t.S.m11, t.S.m12}, {t.S.m02, t.S.m12, t.S.m22}};
   Lanes D[3], E[3];  // by the third index
@@ -170,11 +170,9 @@ RESILIN_INLINE void principal_hessian3(const PrincipalTangent& t, const Lanes fr
     D[k] = 0.5 * (t.flip[k] + t.twist[k]);
     E[k] = 0.5 * (t.flip[k] - t.twist[k]);
   }
-  const Lanes *U = frame, *V = frame + 9;
-
   Lanes h[3][3];
   for (int a = 0; a < 3; ++a)
-    for (int i = 0; i < 3; ++i) h[a][i] = dot<3>(g[a], V + 3 * i);
+    for (int i = 0; i < 3; ++i) h[a][i] = g[a][0] * V[i][0] + g[a][1] * V[i][1] + g[a][2] * V[i][2];
   for (int a = 0; a < 3; ++a) {
     const Lanes wh[3] = {w * h[a][0], w * h[a][1], w * h[a][2]};
     for (int b = a; b < 3; ++b) {
@@ -187,11 +185,11 @@ RESILIN_INLINE void principal_hessian3(const PrincipalTangent& t, const Lanes fr
         for (int j = 0; j < 3; ++j)
           if (i != j) k[3 * i + j] = A[i][j] * (wh[i] * h[b][j]) + E[3 - i - j] * (wh[j] * h[b][i]);
       for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) u[3 * i + j] = U[i] * k[j] + U[3 + i] * k[3 + j] + U[6 + i] * k[6 + j];
+        for (int j = 0; j < 3; ++j) u[3 * i + j] = U[0][i] * k[j] + U[1][i] * k[3 + j] + U[2][i] * k[6 + j];
       Lanes* out = K[pair_index(4, a + 1, b + 1)];
       for (int i = 0; i < 3; ++i)
         for (int j = a == b ? i : 0; j < 3; ++j)
-          out[3 * i + j] = u[3 * i] * U[j] + u[3 * i + 1] * U[3 + j] + u[3 * i + 2] * U[6 + j];
+          out[3 * i + j] = u[3 * i] * U[0][j] + u[3 * i + 1] * U[1][j] + u[3 * i + 2] * U[2][j];
       if (a == b) make_symmetric<3>(out);
     }
   }
