@@ -121,3 +121,44 @@ def test_a_refused_constant_says_what_to_do():
     text = refusal_of("neo_hookean", youngs_modulus=1.0, poissons_ratio=0.5)
     assert text.endswith("got 0.5; for a nearly incompressible solid use 0.495")
     assert 'did you mean "poissons_ratio"?' in refusal_of("neo_hookean", youngs_modulus=1.0, poissons_rato=0.3)
+
+
+TISSUE = {"shear_modulus": 1.0, "bulk_modulus": 3.0, "fibre_modulus": 2.0, "fibre_stiffening": 0.5}
+
+
+def test_fibres_are_directions_for_all_states_or_for_each():
+    F = states(5)
+    directions = np.random.default_rng(1).standard_normal((5, 2, 3))
+    each = resilin.Material("holzapfel_gasser_ogden", **TISSUE, fibres=directions)
+    np.testing.assert_allclose(np.linalg.norm(each.fibres, axis=-1), 1, rtol=1e-15)
+    psi = each.energy_density(F)
+    assert psi.shape == (5,)
+    for i in range(5):
+        one = resilin.Material("holzapfel_gasser_ogden", **TISSUE, fibres=3 * directions[i])
+        np.testing.assert_allclose(one.energy_density(F[i]), psi[i], rtol=1e-14)
+    pairs = np.broadcast_to(F, (2, 5, 3, 3))
+    np.testing.assert_array_equal(each.first_piola_kirchhoff_stress(pairs)[1], each.first_piola_kirchhoff_stress(F))
+
+
+def test_a_fibre_of_two_components_lies_in_the_plane():
+    F = np.array([[1.2, 0.1], [0.0, 1.1]])
+    flat = resilin.Material("holzapfel_gasser_ogden", **TISSUE, fibres=[3.0, 4.0])
+    solid = resilin.Material("holzapfel_gasser_ogden", **TISSUE, fibres=[[0.6, 0.8, 0.0]])
+    assert flat.energy_density(F) == solid.energy_density(F)
+    none = resilin.Material("holzapfel_gasser_ogden", **TISSUE)
+    assert none.energy_density(F) < solid.energy_density(F)
+
+
+@pytest.mark.parametrize("fibres", [np.ones((3, 3)), np.ones(4), 1.0, [0, 0, 0], [np.nan, 0, 1]])
+def test_what_is_no_fibre_is_refused(fibres):
+    assert "holzapfel_gasser_ogden.fibres: expected directions" in refusal_of(
+        "holzapfel_gasser_ogden", **TISSUE, fibres=fibres
+    )
+
+
+def test_free_constants_stand_beside_youngs_modulus():
+    given = {"youngs_modulus": 1.0, "poissons_ratio": 0.25}
+    assert resilin.Material("gent", **given).constants["limit"] == 97.2
+    assert resilin.Material("gent", **given, limit=[30.0, 40.0]).constants["limit"].tolist() == [30.0, 40.0]
+    assert refusal_of("gent", **given, limit=-1.0) == "gent.limit: expected a number above 0, got -1"
+    assert refusal_of("gent", **given, shear_modulus=1.0).startswith("gent: expected")

@@ -266,6 +266,28 @@ class TestRefusals:
         text = self.refusal_of(resilin.Material, "neo_hookean", youngs_modulus=1.0, poisson_ratio=number(0.3))
         assert 'did you mean "poissons_ratio"?' in text
 
+    def test_free_constants_that_others_depend_on(self):
+        given = {"youngs_modulus": 2.0, "poissons_ratio": 0.3}
+        text = self.refusal_of(resilin.Material, "arruda_boyce", **given, chain_segments=number(8.0))
+        assert text.startswith("arruda_boyce.chain_segments: expected a number beside youngs_modulus")
+        limit = number(30.0)
+        resilin.Material("gent", **given, limit=limit).energy_density(states(3)).sum().backward()
+        expected = resilin.Material("gent", **given, limit=30.0).constant_derivatives(states(3).numpy())["limit"][0]
+        assert float(limit.grad) == pytest.approx(expected.sum(), rel=1e-12)
+
+    def test_constants_that_are_missing(self):
+        text = self.refusal_of(resilin.Material, "neo_hookean", youngs_modulus=number(2.0))
+        assert text.startswith("neo_hookean.poissons_ratio: expected")
+        followed = resilin.Material("ogden", mu_1=number(2.0), alpha_1=1.3, bulk_modulus=5.0)
+        assert [float(value) for value in followed.constants.values()] == [2.0, 1.3, 0.0, 2.0, 0.0, -2.0, 5.0]
+
+    def test_fibres_that_require_grad(self):
+        constants = {"shear_modulus": 1.0, "bulk_modulus": 3.0, "fibre_modulus": 2.0, "fibre_stiffening": 0.5}
+        fibre = torch.tensor([1.0, 0.0, 0.0], requires_grad=True)
+        text = self.refusal_of(resilin.Material, "holzapfel_gasser_ogden", **constants, fibres=fibre)
+        assert text.endswith("got a tensor that does; use fibres.detach()")
+        resilin.Material("holzapfel_gasser_ogden", **constants, fibres=fibre.detach())
+
     def test_out_where_autograd_follows(self):
         out = torch.empty(4, dtype=torch.float64)
         text = self.refusal_of(self.material.energy_density, states(3).requires_grad_(), out=out)
