@@ -43,29 +43,22 @@ void resolve_constants(const std::string& name, const std::map<std::string, Numb
                        const NumbersOut& constants) {
   const LawInfo& law = require_law(name, "law");
   require(constants.ndim() == 2 && constants.shape(0) == law.constants.size(), "one row for each constant");
-  const std::size_t count = constants.shape(1), states_per_chunk = 256;
-  for (const auto& [constant, numbers] : given) require_count(numbers, count);
-  const auto resolve = [&](std::size_t i, const std::string& place) {
-    std::map<std::string, double> values;
-    for (const auto& [constant, numbers] : given) values[constant] = number_at(numbers, i);
-    const std::vector<double> own = resilin::resolve_constants(law, values, place);
-    for (std::size_t k = 0; k < own.size(); ++k) constants.data()[k * count + i] = own[k];
+  const std::size_t count = constants.shape(1), num_constants = law.constants.size();
+  std::map<std::string, Column> columns;
+  for (const auto& [constant, numbers] : given) {
+    require_count(numbers, count);
+    columns[constant] = {numbers.data(), numbers.ndim() == 0 ? 0u : 1u};
+  }
+  const auto name_of = [count](std::size_t i) {
+    return count == 1 ? std::string() : "[" + std::to_string(i) + "]";
   };
-  if (count == 1) return resolve(0, name);
-  std::vector<std::size_t> first_wrong(count / states_per_chunk + 1, count);
+  std::vector<double> own;
   {
     const nb::gil_scoped_release others_run;
-    parallel_for(count, states_per_chunk, [&](std::size_t begin, std::size_t end) {
-      std::size_t i = begin;
-      try {
-        for (; i < end; ++i) resolve(i, name);
-      } catch (const InputError&) {
-        first_wrong[begin / states_per_chunk] = i;
-      }
-    });
+    own = resilin::resolve_constants(law, columns, count, name, name_of);
   }
-  const std::size_t wrong = *std::ranges::min_element(first_wrong);
-  if (wrong < count) resolve(wrong, name + "[" + std::to_string(wrong) + "]");
+  for (std::size_t i = 0; i < own.size(); ++i)
+    constants.data()[i % num_constants * count + i / num_constants] = own[i];
 }
 
 /// Own constants, (number of constants, count), of the small-strain solid of

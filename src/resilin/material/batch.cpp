@@ -14,6 +14,9 @@ namespace {
 
 constexpr std::size_t blocks_per_tile = 8;  ///< what a tile holds stays in the nearest caches
 constexpr std::size_t states_per_tile = blocks_per_tile * block_size;
+/// Of the loop through which most arrays stream: longer tiles push out of the nearest cache what was called
+/// into it for the next one (23 against 13 ns per state, measured).
+constexpr std::size_t states_per_short_tile = 2 * block_size;
 constexpr std::size_t states_per_chunk = 2048;  ///< of a parallel loop
 constexpr std::size_t max_constants = 8;
 
@@ -120,13 +123,30 @@ class Tile {
   Scratch& scratch_;
 };
 
+/// Calls numbers that will be read or, with `is_written`, written soon into the cache: the hardware does not
+/// see several streams coming that are read a tile at a time.
+template <bool is_written, class Real>
+void prefetch(const Real* numbers, std::size_t begin, std::size_t end) {
+  constexpr std::size_t per_line = 64 / sizeof(Real);
+  for (std::size_t i = begin; i < end; i += per_line) __builtin_prefetch(numbers + i, is_written ? 1 : 0);
+}
+
+constexpr auto prefetch_nothing = [](std::size_t, std::size_t) {};
+
 /// Calls `body(tile, scratch)` for all tiles, with the constants and the variables of the law in place.
-template <class Real, class Body>
-void for_tiles(const StateBatch<Real>& states, bool wants_frames, const Body& body) {
+/// `prefetch_more(begin, end)` may call further arrays of a tile's states into the cache.
+template <std::size_t states_per_tile, class Real, class Prefetch, class Body>
+void for_tiles(const StateBatch<Real>& states, bool wants_frames, const Prefetch& prefetch_more,
+               const Body& body) {
+  const auto entries = static_cast<std::size_t>(states.dim * states.dim);
   parallel_for(states.count, states_per_chunk, [&](std::size_t begin, std::size_t end) {
     Scratch scratch;
     for (std::size_t first = begin; first < end; first += states_per_tile) {
-      const Tile<Real> tile(states, first, std::min(states_per_tile, end - first), scratch);
+      const std::size_t next = std::min(first + states_per_tile, end);
+      const Tile<Real> tile(states, first, next - first, scratch);
+      prefetch_more(first, next);
+      prefetch<false>(states.deformation_gradients, next * entries,
+                      std::min(next + states_per_tile, states.count) * entries);
       tile.read_constants(first == begin);
       tile.measure(wants_frames);
       body(tile, scratch);
@@ -142,7 +162,7 @@ double removed_part(Projection projection) {
 
 template <class Real>
 void energy_densities(const StateBatch<Real>& states, Real* psi) {
-  for_tiles(states, false, [&](const Tile<Real>& tile, Scratch& scratch) {
+  for_tiles<states_per_tile>(states, false, prefetch_nothing, [&](const Tile<Real>& tile, Scratch& scratch) {
     tile.law().energy(tile.law_batch(scratch.law.data()));
     tile.write(scratch.law.data(), 1, psi);
   });
@@ -150,7 +170,11 @@ void energy_densities(const StateBatch<Real>& states, Real* psi) {
 
 template <class Real>
 void first_piola_kirchhoff_stresses(const StateBatch<Real>& states, Real* P) {
-  for_tiles(states, true, [&](const Tile<Real>& tile, Scratch& scratch) {
+  const auto entries = static_cast<std::size_t>(states.dim * states.dim);
+  const auto prefetch_result = [&](std::size_t begin, std::size_t end) {
+    prefetch<true>(P, begin * entries, end * entries);
+  };
+  for_tiles<states_per_tile>(states, true, prefetch_result, [&](const Tile<Real>& tile, Scratch& scratch) {
     tile.law().gradient(tile.law_batch(scratch.law.data()));
     tile.kernels().stresses(tile.states(), scratch.law.data(), scratch.P.data());
     tile.write(scratch.P.data(), tile.entries(), P);
@@ -159,7 +183,7 @@ void first_piola_kirchhoff_stresses(const StateBatch<Real>& states, Real* P) {
 
 template <class Real>
 void stress_tangents(const StateBatch<Real>& states, Projection projection, Real* A) {
-  for_tiles(states, true, [&](const Tile<Real>& tile, Scratch& scratch) {
+  for_tiles<states_per_tile>(states, true, prefetch_nothing, [&](const Tile<Real>& tile, Scratch& scratch) {
     alignas(64) std::array<double, 81 * states_per_tile> tangents;
     tile.law().curvature(tile.law_batch(scratch.law.data()));
     tile.kernels().tangents(tile.states(), removed_part(projection), scratch.law.data(), tangents.data());
@@ -170,43 +194,53 @@ void stress_tangents(const StateBatch<Real>& states, Projection projection, Real
 template <class Real>
 void elastic_forces(const StateBatch<Real>& states, const Real* rest_shape_inverses, const Real* rest_volumes,
                     Real* forces) {
-  for_tiles(states, true, [&](const Tile<Real>& tile, Scratch& scratch) {
-    std::array<double, 9 * states_per_tile> gradients;
-    std::array<double, states_per_tile> volumes;
-    std::array<double, 12 * states_per_tile> rows;
-    tile.law().gradient(tile.law_batch(scratch.law.data()));
-    tile.kernels().stresses(tile.states(), scratch.law.data(), scratch.P.data());
-    tile.read(rest_shape_inverses, tile.entries(), gradients.data());
-    tile.read(rest_volumes, 1, volumes.data());
-    tile.kernels().corner_forces(tile.num_blocks(), scratch.P.data(), gradients.data(), volumes.data(),
-                                 rows.data());
-    tile.write(rows.data(), tile.entries() + static_cast<std::size_t>(states.dim), forces);
-  });
+  const auto dim = static_cast<std::size_t>(states.dim);
+  const auto prefetch_next = [&](std::size_t begin, std::size_t end) {
+    begin = std::min(begin + states_per_short_tile, states.count);
+    end = std::min(end + states_per_short_tile, states.count);
+    prefetch<false>(rest_shape_inverses, begin * dim * dim, end * dim * dim);
+    prefetch<false>(rest_volumes, begin, end);
+    prefetch<true>(forces, begin * (dim + 1) * dim, end * (dim + 1) * dim);
+  };
+  for_tiles<states_per_short_tile>(
+      states, true, prefetch_next, [&](const Tile<Real>& tile, Scratch& scratch) {
+        std::array<double, 9 * states_per_tile> gradients;
+        std::array<double, states_per_tile> volumes;
+        std::array<double, 12 * states_per_tile> rows;
+        tile.law().gradient(tile.law_batch(scratch.law.data()));
+        tile.kernels().stresses(tile.states(), scratch.law.data(), scratch.P.data());
+        tile.read(rest_shape_inverses, tile.entries(), gradients.data());
+        tile.read(rest_volumes, 1, volumes.data());
+        tile.kernels().corner_forces(tile.num_blocks(), scratch.P.data(), gradients.data(), volumes.data(),
+                                     rows.data());
+        tile.write(rows.data(), (dim + 1) * dim, forces);
+      });
 }
 
 template <class Real>
 void constant_derivatives(const StateBatch<Real>& states, std::size_t constant, Real* dpsi, Real* dP) {
   const auto rows = static_cast<std::size_t>(num_slopes(states.law->kind));
-  for_tiles(states, dP != nullptr, [&](const Tile<Real>& tile, Scratch& scratch) {
-    // By block: the derivative of Psi, then those of its slopes.
-    std::array<double, (max_slopes + 1) * states_per_tile> both;
-    std::array<double, states_per_tile> energies;
-    tile.law().constant_gradient(tile.law_batch(both.data()), static_cast<int>(constant));
-    for (std::size_t block = 0; block < tile.num_blocks(); ++block) {
-      const double* from = both.data() + block * (rows + 1) * block_size;
-      std::copy_n(from, block_size, energies.data() + block * block_size);
-      std::copy_n(from + block_size, rows * block_size, scratch.law.data() + block * rows * block_size);
-    }
-    if (dpsi != nullptr) tile.write(energies.data(), 1, dpsi);
-    if (dP == nullptr) return;
-    tile.kernels().stresses(tile.states(), scratch.law.data(), scratch.P.data());
-    tile.write(scratch.P.data(), tile.entries(), dP);
-  });
+  for_tiles<states_per_tile>(
+      states, dP != nullptr, prefetch_nothing, [&](const Tile<Real>& tile, Scratch& scratch) {
+        // By block: the derivative of Psi, then those of its slopes.
+        std::array<double, (max_slopes + 1) * states_per_tile> both;
+        std::array<double, states_per_tile> energies;
+        tile.law().constant_gradient(tile.law_batch(both.data()), static_cast<int>(constant));
+        for (std::size_t block = 0; block < tile.num_blocks(); ++block) {
+          const double* from = both.data() + block * (rows + 1) * block_size;
+          std::copy_n(from, block_size, energies.data() + block * block_size);
+          std::copy_n(from + block_size, rows * block_size, scratch.law.data() + block * rows * block_size);
+        }
+        if (dpsi != nullptr) tile.write(energies.data(), 1, dpsi);
+        if (dP == nullptr) return;
+        tile.kernels().stresses(tile.states(), scratch.law.data(), scratch.P.data());
+        tile.write(scratch.P.data(), tile.entries(), dP);
+      });
 }
 
 template <class Real>
 void second_constant_derivatives(const StateBatch<Real>& states, std::size_t p, std::size_t q, Real* d2psi) {
-  for_tiles(states, false, [&](const Tile<Real>& tile, Scratch& scratch) {
+  for_tiles<states_per_tile>(states, false, prefetch_nothing, [&](const Tile<Real>& tile, Scratch& scratch) {
     tile.law().constant_curvature(tile.law_batch(scratch.law.data()), static_cast<int>(p),
                                   static_cast<int>(q));
     tile.write(scratch.law.data(), 1, d2psi);

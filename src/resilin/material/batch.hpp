@@ -12,12 +12,6 @@
 /// and nan as the rest, for that state alone.
 namespace resilin {
 
-/// Numbers for all states: the same for each (stride 0), or one after the other (stride 1).
-struct Column {
-  const double* data;
-  std::size_t stride;
-};
-
 /// `count` states of one law. All arrays are C-contiguous; float is read and written as such, everything in
 /// between is computed in double.
 template <class Real>

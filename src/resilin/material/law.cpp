@@ -7,8 +7,8 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/material/batch.hpp"
 #include "resilin/material/catalog.hpp"
-#include "resilin/material/derive.hpp"
 
 namespace resilin {
 namespace {
@@ -82,55 +82,42 @@ std::string unit_text(const ConstantText& constant) {
   return text;
 }
 
-void check_constant(const ConstantText& constant, double value, const std::string& place) {
-  const bool is_inside = value > constant.above && value >= constant.at_least && value <= constant.at_most;
-  if (std::isfinite(value) && is_inside && !(constant.is_nonzero && value == 0)) return;
-  throw InputError(place + "." + std::string(constant.name), std::string("a ").append(range_text(constant)),
-                   format_number(value));
+bool is_inside(const ConstantText& constant, double value) {
+  return std::isfinite(value) && value > constant.above && value >= constant.at_least &&
+         value <= constant.at_most && !(constant.is_nonzero && value == 0);
 }
 
-Hooke checked_hooke(const LawInfo& law, double youngs_modulus, double poissons_ratio,
-                    const std::string& place) {
-  if (!(std::isfinite(youngs_modulus) && youngs_modulus > 0))
-    throw InputError(place + ".youngs_modulus", "a number above 0 Pa", format_number(youngs_modulus));
-  if (!(poissons_ratio > -1 && poissons_ratio < 0.5))
-    throw InputError(place + ".poissons_ratio", "a number in (-1, 0.5)", format_number(poissons_ratio),
-                     poissons_ratio >= 0.5 ? "for a nearly incompressible solid use 0.495" : "");
-  if (!std::isnan(law.only_poissons_ratio) && poissons_ratio != law.only_poissons_ratio)
-    throw InputError(
-        place + ".poissons_ratio",
-        format_number(law.only_poissons_ratio) + ", the only one that " + std::string(law.name) + " can have",
-        format_number(poissons_ratio), "choose another law, such as corotated");
-  return hooke_from_young_poisson(youngs_modulus, poissons_ratio);
-}
-
-/// Throws unless the law resists shear and change of volume at rest. Fibres are slack there.
-void check_rest(const LawInfo& law, const std::vector<double>& constants, const std::string& place) {
-  const Material material{&law, constants, {}};
-  const TangentMatrix<3> A = stress_tangent<3>(material, Matrix<3>(Matrix<3>::Identity()));
-  const double mu = A(1, 1), bulk_modulus = (A(0, 0) + 2 * A(0, 4)) / 3;
-  const double size = A.cwiseAbs().maxCoeff();
-  if (mu > 1e-14 * size && bulk_modulus > 1e-14 * size) return;
-  throw InputError(place, "constants of a solid that is stable at rest",
-                   "a small-strain shear modulus of " + format_number(mu) + " Pa and bulk modulus of " +
-                       format_number(bulk_modulus) + " Pa",
-                   "both must be positive");
-}
-
+/// What a user gave for `count` states, read one state at a time.
 class ConstantReader {
  public:
-  ConstantReader(const LawInfo& law, const std::map<std::string, double>& given, std::string place)
-      : law_(law), given_(given), place_(std::move(place)) {}
+  using NameOf = std::function<std::string(std::size_t)>;
 
-  std::vector<double> read() const {
+  ConstantReader(const LawInfo& law, const std::map<std::string, Column>& given, const std::string& place,
+                 const NameOf& name_of)
+      : law_(law), given_(given), place_(place), name_of_(name_of) {}
+
+  std::vector<double> read(std::size_t count) const {
     refuse_unknown();
-    const bool gives_hooke = has("youngs_modulus") || has("poissons_ratio");
-    std::vector<double> constants = gives_hooke || given_.empty() ? from_hooke() : literal();
-    check_rest(law_, constants, place_);
-    return constants;
+    const bool is_hooke = given_.empty() || has("youngs_modulus") || has("poissons_ratio");
+    const std::vector<Source> sources = is_hooke ? hooke_sources() : own_sources();
+    const std::size_t num_constants = law_.constants.size();
+    std::vector<double> all(count * num_constants);
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::vector<double> own = is_hooke ? from_hooke(sources, i) : literal(sources, i);
+      std::copy(own.begin(), own.end(), all.begin() + static_cast<std::ptrdiff_t>(i * num_constants));
+    }
+    check_rest(all, count);
+    return all;
   }
 
  private:
+  /// Where a number comes from.
+  struct Source {
+    const ConstantText* constant;  ///< null for Young's modulus and Poisson's ratio
+    Column column;
+    double at(std::size_t i) const { return column.data[i * column.stride]; }
+  };
+
   bool has(std::string_view name) const { return given_.count(std::string(name)) != 0; }
 
   std::string expected() const {
@@ -145,7 +132,7 @@ class ConstantReader {
   void refuse_unknown() const {
     std::vector<std::string> known = {"youngs_modulus", "poissons_ratio"};
     for (const ConstantText& constant : law_.constants) known.emplace_back(constant.name);
-    for (const auto& [name, value] : given_) {
+    for (const auto& [name, column] : given_) {
       if (std::ranges::find(known, name) != known.end()) continue;
       const std::string nearest = nearest_word(name, known);
       throw InputError(place_ + "." + name, expected(), "an unknown constant",
@@ -153,41 +140,106 @@ class ConstantReader {
     }
   }
 
-  double require(std::string_view name) const {
-    if (!has(name))
-      throw InputError(place_ + "." + std::string(name), expected(), "nothing", "add " + std::string(name));
-    return given_.at(std::string(name));
+  Column require(std::string_view name) const {
+    const auto found = given_.find(std::string(name));
+    if (found != given_.end()) return found->second;
+    throw InputError(place_ + "." + std::string(name), expected(), "nothing", "add " + std::string(name));
   }
 
-  double value_of(const ConstantText& constant) const {
-    const double value =
-        has(constant.name) || std::isnan(constant.fallback) ? require(constant.name) : constant.fallback;
-    check_constant(constant, value, place_);
-    return value;
+  Source source_of(const ConstantText& constant) const {
+    if (!has(constant.name) && !std::isnan(constant.fallback)) return {&constant, {&constant.fallback, 0}};
+    return {&constant, require(constant.name)};
   }
 
-  std::vector<double> from_hooke() const {
-    std::vector<double> free;
+  std::vector<Source> hooke_sources() const {
     for (const ConstantText& constant : law_.constants)
       if (!constant.is_free && has(constant.name))
         throw InputError(place_, expected(), "a mixture of both",
                          "leave " + std::string(constant.name) + " or youngs_modulus and poissons_ratio out");
-    const double youngs_modulus = require("youngs_modulus"), poissons_ratio = require("poissons_ratio");
-    const Hooke hooke = checked_hooke(law_, youngs_modulus, poissons_ratio, place_);
+    std::vector<Source> sources = {{nullptr, require("youngs_modulus")},
+                                   {nullptr, require("poissons_ratio")}};
     for (const ConstantText& constant : law_.constants)
-      if (constant.is_free) free.push_back(value_of(constant));
-    return law_.convert(hooke, free);
+      if (constant.is_free) sources.push_back(source_of(constant));
+    return sources;
   }
 
-  std::vector<double> literal() const {
+  std::vector<Source> own_sources() const {
+    std::vector<Source> sources;
+    for (const ConstantText& constant : law_.constants) sources.push_back(source_of(constant));
+    return sources;
+  }
+
+  double checked(const Source& source, std::size_t i) const {
+    const double value = source.at(i);
+    if (!is_inside(*source.constant, value))
+      throw InputError((place_ + name_of_(i)) + "." + std::string(source.constant->name),
+                       std::string("a ").append(range_text(*source.constant)), format_number(value));
+    return value;
+  }
+
+  std::vector<double> from_hooke(const std::vector<Source>& sources, std::size_t i) const {
+    const Hooke hooke = checked_hooke(sources[0].at(i), sources[1].at(i), i);
+    std::array<double, max_free> free;
+    for (std::size_t k = 2; k < sources.size(); ++k) free[k - 2] = checked(sources[k], i);
+    return law_.convert(hooke, std::span(free).first(sources.size() - 2));
+  }
+
+  std::vector<double> literal(const std::vector<Source>& sources, std::size_t i) const {
     std::vector<double> constants;
-    for (const ConstantText& constant : law_.constants) constants.push_back(value_of(constant));
+    constants.reserve(sources.size());
+    for (const Source& source : sources) constants.push_back(checked(source, i));
     return constants;
   }
 
+  Hooke checked_hooke(double youngs_modulus, double poissons_ratio, std::size_t i) const {
+    if (!(std::isfinite(youngs_modulus) && youngs_modulus > 0))
+      throw InputError((place_ + name_of_(i)) + ".youngs_modulus", "a number above 0 Pa",
+                       format_number(youngs_modulus));
+    if (!(poissons_ratio > -1 && poissons_ratio < 0.5))
+      throw InputError((place_ + name_of_(i)) + ".poissons_ratio", "a number in (-1, 0.5)",
+                       format_number(poissons_ratio),
+                       poissons_ratio >= 0.5 ? "for a nearly incompressible solid use 0.495" : "");
+    if (!std::isnan(law_.only_poissons_ratio) && poissons_ratio != law_.only_poissons_ratio)
+      throw InputError((place_ + name_of_(i)) + ".poissons_ratio",
+                       format_number(law_.only_poissons_ratio) + ", the only one that " +
+                           std::string(law_.name) + " can have",
+                       format_number(poissons_ratio), "choose another law, such as corotated");
+    return hooke_from_young_poisson(youngs_modulus, poissons_ratio);
+  }
+
+  /// Throws unless the law resists shear and change of volume at rest. Fibres are slack there.
+  void check_rest(const std::vector<double>& constants, std::size_t count) const {
+    constexpr std::size_t most = 4096;
+    const std::size_t n = law_.constants.size();
+    std::vector<double> columns(constants.size()), H(9 * std::min(count, most), 0.0), A(9 * H.size());
+    for (std::size_t i = 0; i < constants.size(); ++i) columns[i % n * count + i / n] = constants[i];
+    for (std::size_t first = 0; first < count; first += most) {
+      StateBatch<double> states{.law = &law_,
+                                .dim = 3,
+                                .count = std::min(most, count - first),
+                                .deformation_gradients = H.data(),
+                                .holds_displacement_gradients = true,
+                                .constants = {}};
+      for (std::size_t k = 0; k < n; ++k) states.constants.push_back({columns.data() + k * count + first, 1});
+      stress_tangents(states, Projection::none, A.data());
+      for (std::size_t i = 0; i < states.count; ++i) check_rest_tangent(A.data() + 81 * i, first + i);
+    }
+  }
+
+  void check_rest_tangent(const double* A, std::size_t i) const {
+    const double mu = A[9 * 1 + 1], bulk_modulus = (A[0] + 2 * A[4]) / 3, least = 1e-14 * std::abs(A[0]);
+    if (mu > least && bulk_modulus > least) return;
+    throw InputError((place_ + name_of_(i)), "constants of a solid that is stable at rest",
+                     "a small-strain shear modulus of " + format_number(mu) + " Pa and bulk modulus of " +
+                         format_number(bulk_modulus) + " Pa",
+                     "both must be positive");
+  }
+
+  static constexpr std::size_t max_free = 8;
   const LawInfo& law_;
-  const std::map<std::string, double>& given_;
-  std::string place_;
+  const std::map<std::string, Column>& given_;
+  const std::string& place_;
+  const NameOf& name_of_;
 };
 
 }  // namespace
@@ -225,7 +277,15 @@ const LawInfo& require_law(std::string_view name, const std::string& place) {
 
 std::vector<double> resolve_constants(const LawInfo& law, const std::map<std::string, double>& given,
                                       const std::string& place) {
-  return ConstantReader(law, given, place).read();
+  std::map<std::string, Column> columns;
+  for (const auto& [name, value] : given) columns[name] = {&value, 0};
+  return resolve_constants(law, columns, 1, place, [](std::size_t) { return std::string(); });
+}
+
+std::vector<double> resolve_constants(const LawInfo& law, const std::map<std::string, Column>& given,
+                                      std::size_t count, const std::string& place,
+                                      const std::function<std::string(std::size_t)>& name_of) {
+  return ConstantReader(law, given, place, name_of).read(count);
 }
 
 std::string range_text(const ConstantText& constant) {

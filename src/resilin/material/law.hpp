@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <limits>
 #include <map>
 #include <span>
@@ -50,6 +52,18 @@ const LawInfo& require_law(std::string_view name, const std::string& place);
 /// rest.
 std::vector<double> resolve_constants(const LawInfo& law, const std::map<std::string, double>& given,
                                       const std::string& place);
+
+/// Numbers for all states: the same for each (stride 0), or one after the other (stride 1).
+struct Column {
+  const double* data;
+  std::size_t stride;
+};
+
+/// The same for `count` cells or states at once, for one after another; `place_of(i)` begins the message
+/// about state i.
+std::vector<double> resolve_constants(const LawInfo& law, const std::map<std::string, Column>& given,
+                                      std::size_t count, const std::string& place,
+                                      const std::function<std::string(std::size_t)>& name_of);
 
 /// "number above 0 Pa": what a constant may be.
 std::string range_text(const ConstantText& constant);

@@ -71,15 +71,11 @@ std::vector<double> constants_of_cells(const LawInfo& law, const MaterialDescrip
                      "a value for each of " + std::to_string(num_cells) + " cells",
                      std::to_string(values.size()) + " values");
   }
-  std::vector<double> constants;
-  std::map<std::string, double> of_cell = material.constants;
-  for (std::size_t cell = 0; cell < static_cast<std::size_t>(num_cells); ++cell) {
-    for (const auto& [name, values] : material.cell_constants) of_cell[name] = values[cell];
-    const std::vector<double> resolved =
-        resolve_constants(law, of_cell, material.place + ", cell " + std::to_string(cell));
-    constants.insert(constants.end(), resolved.begin(), resolved.end());
-  }
-  return constants;
+  std::map<std::string, Column> columns;
+  for (const auto& [name, value] : material.constants) columns[name] = {&value, 0};
+  for (const auto& [name, values] : material.cell_constants) columns[name] = {values.data(), 1};
+  return resolve_constants(law, columns, static_cast<std::size_t>(num_cells), material.place,
+                           [](std::size_t cell) { return ", cell " + std::to_string(cell); });
 }
 
 /// Unit directions of the fibres, once or for one cell after another, as ElasticEnergy takes them.
