@@ -4,7 +4,7 @@ import numpy as np
 
 from resilin import _core
 from resilin.arrays import describe, real_array, refuse
-from resilin.material import PROJECTIONS
+from resilin.material import PROJECTIONS, number_constants
 from resilin.mesh import warn
 
 
@@ -39,7 +39,7 @@ class Elastic:
         kind = _core.CellKind.tetrahedron if self._dim == 3 else _core.CellKind.triangle
         self._cells = next(nodes for other, nodes in solid.cells() if other == kind)
         self._rest_positions = np.ascontiguousarray(solid.positions()[:, : self._dim])
-        constants = _constant_rows(material.constants, len(self._cells))
+        constants = _constant_rows(number_constants(material), len(self._cells))
         fibres = _fibre_rows(material, len(self._cells))
         self._material = material
         self._core = _core.ElasticBody(

@@ -7,7 +7,7 @@ import numpy as np
 
 from resilin import _core
 from resilin.arrays import describe, refuse
-from resilin.material import Material
+from resilin.material import Material, number_constants
 from resilin.mesh import Mesh
 
 LIST_SIZE = 64  # longer arrays of floating-point numbers are handed over as they are
@@ -103,7 +103,7 @@ def _plain_array(array, path):
 
 def material_entries(material, dimension=3):
     """The entries of a scene's material: law, constants and fibres, for each family (d,) or (M, d)."""
-    entries = {"law": material.law, **material.constants}
+    entries = {"law": material.law, **number_constants(material)}
     if material.fibres is not None:
         fibres = material.fibres
         if fibres.ndim > 3:
