@@ -4,7 +4,7 @@ import numpy as np
 
 from resilin import _core
 from resilin.arrays import describe, real_array, refuse
-from resilin.material import PROJECTIONS
+from resilin.material import PROJECTIONS, number_constants
 from resilin.mesh import warn
 
 
@@ -18,7 +18,7 @@ class Elastic:
     ----------
     mesh : Mesh
     material : Material
-        Its constants may be arrays (M,), one value for each cell.
+        Its constants may be arrays (M,) and its fibres (M, families, 3), one value for each cell.
     element : "P1"
         Linear triangles or tetrahedra.
     dimension : 2 or 3, optional
@@ -34,16 +34,17 @@ class Elastic:
         self._dim = mesh.dimension if dimension is None else dimension
         if self._dim not in (2, 3):
             refuse("dimension", "2 or 3", repr(dimension))
-        if getattr(material, "fibres", None) is not None:
-            refuse("material.fibres", "none: bodies with fibres are simulated from a scene", "fibres")
         solid = mesh._core.prepared(self._dim)
         warn(solid.warnings[len(mesh._core.warnings) :])
         kind = _core.CellKind.tetrahedron if self._dim == 3 else _core.CellKind.triangle
         self._cells = next(nodes for other, nodes in solid.cells() if other == kind)
         self._rest_positions = np.ascontiguousarray(solid.positions()[:, : self._dim])
-        constants = _constant_rows(material.constants, len(self._cells))
+        constants = _constant_rows(number_constants(material), len(self._cells))
+        fibres = _fibre_rows(material, len(self._cells))
         self._material = material
-        self._core = _core.ElasticBody(self._dim, element, self._rest_positions, self._cells, material.law, constants)
+        self._core = _core.ElasticBody(
+            self._dim, element, self._rest_positions, self._cells, material.law, constants, fibres
+        )
 
     @property
     def rest_positions(self):
@@ -166,6 +167,19 @@ def _constant_rows(constants, num_cells):
             refuse(f"material.{name}", f"one number, or one for each of {num_cells} cells", describe(column.shape))
         columns.append(column)
     return np.ascontiguousarray(np.stack(np.broadcast_arrays(*map(np.atleast_1d, columns)), axis=-1))
+
+
+def _fibre_rows(material, num_cells):
+    """Directions (K, 3): each family once, or those of one cell after another; (0, 3) for a law without fibres."""
+    fibres, max_families = material.fibres, material.info.max_fibres
+    if fibres is None:
+        if max_families > 0:
+            refuse("material.fibres", f"1 to {max_families} directions", "none", "for example fibres=[[1, 0, 0]]")
+        return np.empty((0, 3))
+    if fibres.ndim > 3 or (fibres.ndim == 3 and len(fibres) not in (1, num_cells)):
+        expected = f"directions (families, 3), or ({num_cells}, families, 3) for the cells"
+        refuse("material.fibres", expected, describe(fibres.shape))
+    return fibres.reshape(-1, 3)
 
 
 def _csr_matrix(values, columns, row_begin):

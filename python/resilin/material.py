@@ -322,6 +322,14 @@ def _states_shape(own, fibres, law):
     return common_shape(shapes, law)
 
 
+def number_constants(material):
+    """The constants of a material for what autograd cannot follow: a body or a simulation."""
+    if material.tensors:
+        names = " and ".join(material.tensors)
+        refuse(f"material.{names}", "numbers or arrays", "tensors that require grad", "use .detach()")
+    return material.constants
+
+
 def projection_named(name):
     """The core's Projection of this name."""
     if name not in PROJECTIONS:

@@ -7,7 +7,7 @@ import numpy as np
 
 from resilin import _core
 from resilin.arrays import describe, refuse
-from resilin.material import Material
+from resilin.material import Material, number_constants
 from resilin.mesh import Mesh
 
 LIST_SIZE = 64  # longer arrays of floating-point numbers are handed over as they are
@@ -21,29 +21,35 @@ def read_scene(scene, overrides=()):
     ----------
     scene : path or dict
         A dict may hold numpy arrays, `Mesh` objects and meshes as {"positions": ..., "cells": ..., "groups": ...}; its
-        paths are relative to the current folder. The law of a material may be a `Material`.
+        paths are relative to the current folder. The law of a material may be a `Material`, with its fibres.
     overrides : dict or list of str
         As after `--set`: {"newton.tolerance": 1e-6} or ["newton.tolerance=1e-6"].
     """
     if isinstance(overrides, Mapping):
         overrides = [f"{key}={_toml(value)}" for key, value in overrides.items()]
     if isinstance(scene, Mapping):
-        return _core.read_scene_from_values(_plain(scene, ""), "scene", "", list(overrides))
+        plain = _plain(scene, "", _dimension_of(scene))
+        return _core.read_scene_from_values(plain, "scene", "", list(overrides))
     if not isinstance(scene, str | os.PathLike):
         refuse("scene", "a path or a dict", type(scene).__name__)
     return _core.read_scene(os.fspath(scene), list(overrides))
 
 
-def _plain(value, path, depth=0):
+def _dimension_of(scene):
+    simulation = scene.get("simulation")
+    return simulation.get("dimension", 3) if isinstance(simulation, Mapping) else 3
+
+
+def _plain(value, path, dimension, depth=0):
     """`value` as dicts, lists, texts, numbers, long float64 arrays (rows, columns) and the core's meshes."""
     if depth > MAX_DEPTH:
         refuse(f"scene: {path}", f"at most {MAX_DEPTH} levels", "more", "does it contain itself?")
     if isinstance(value, Mapping):
-        return _plain_table(value, path, depth)
+        return _plain_table(value, path, dimension, depth)
     if isinstance(value, np.ndarray):
         return _plain_array(value, path)
     if isinstance(value, list | tuple):
-        return [_plain(entry, f"{path}[{i}]", depth + 1) for i, entry in enumerate(value)]
+        return [_plain(entry, f"{path}[{i}]", dimension, depth + 1) for i, entry in enumerate(value)]
     if isinstance(value, np.generic):
         value = value.item()
     if isinstance(value, int) and not -(2**63) <= value < 2**63:
@@ -57,7 +63,7 @@ def _plain(value, path, depth=0):
     refuse(f"scene: {path}", "a number, a text, a list, a dict, an array or a mesh", type(value).__name__)
 
 
-def _plain_table(table, path, depth):
+def _plain_table(table, path, dimension, depth):
     if "positions" in table and path.endswith(".mesh"):
         return _inline_mesh(table, f"scene: {path}")
     plain = {}
@@ -65,9 +71,12 @@ def _plain_table(table, path, depth):
         if not isinstance(key, str):
             refuse(f"scene: {path}", "keys that are texts", repr(key))
         if isinstance(value, Material) and key == "law":
-            plain.update(_plain(material_entries(value), path, depth + 1))
+            entries = material_entries(value, dimension)
+            for name in table.keys() & entries.keys() - {"law"}:
+                refuse(f"scene: {path}.{name}", "a value in the Material or beside it", "both")
+            plain.update(_plain(entries, path, dimension, depth + 1))
         else:
-            plain[key] = _plain(value, f"{path}.{key}" if path else key, depth + 1)
+            plain[key] = _plain(value, f"{path}.{key}" if path else key, dimension, depth + 1)
     return plain
 
 
@@ -92,11 +101,17 @@ def _plain_array(array, path):
     return array.tolist()
 
 
-def material_entries(material):
-    """The entries of a scene's material: law and constants."""
+def material_entries(material, dimension=3):
+    """The entries of a scene's material: law, constants and fibres, for each family (d,) or (M, d)."""
+    entries = {"law": material.law, **number_constants(material)}
     if material.fibres is not None:
-        refuse("material.fibres", "none: give the directions in the scene", "fibres")
-    return {"law": material.law, **material.constants}
+        fibres = material.fibres
+        if fibres.ndim > 3:
+            refuse("material.fibres", "directions (families, 3) or (M, families, 3)", describe(fibres.shape))
+        if dimension == 2 and np.any(fibres[..., 2]):
+            refuse("material.fibres", "directions in the plane, with two components", "one that leaves it")
+        entries["fibres"] = list(np.moveaxis(fibres, -2, 0)[..., :dimension])
+    return entries
 
 
 def _toml(value):

@@ -162,15 +162,17 @@ class Simulation:
         body : str
             Its name in the scene.
         material : Material
-            Its constants may be arrays (M,), one value for each cell.
+            Its constants may be arrays (M,) and its fibres (M, families, 3), one value for each cell. Fibres are in
+            the axes of the mesh and turn with the body's `rotate`.
         density : float, optional
             [kg/m^3]; by default as before.
         """
         entries = material_entries(material)
-        law = entries.pop("law")
+        law, fibres = entries.pop("law"), entries.pop("fibres", [])
         uniform = {name: float(value) for name, value in entries.items() if np.ndim(value) == 0}
         by_cell = {name: np.asarray(value).tolist() for name, value in entries.items() if np.ndim(value)}
-        self._core.set_material(body, law, uniform, by_cell, None if density is None else float(density))
+        fibres = [np.ascontiguousarray(np.atleast_2d(family)) for family in fibres]
+        self._core.set_material(body, law, uniform, by_cell, fibres, None if density is None else float(density))
 
     @property
     def positions(self):

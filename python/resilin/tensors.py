@@ -293,7 +293,7 @@ def conversion_from_young_poisson(given, tensors, info):
                 f"{info.name}.{name}",
                 "a number beside youngs_modulus, because other constants depend on it",
                 "a tensor that requires grad",
-                "give the constants of the law's formula instead",
+                f"give {' and '.join(at_11)} in place of youngs_modulus and poissons_ratio",
             )
     conversion = {}
     for name in at_11:

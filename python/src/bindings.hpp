@@ -46,6 +46,14 @@ inline VectorX unknowns(const Array2d<double>& array) {
   return Eigen::Map<const VectorX>(array.data(), static_cast<Eigen::Index>(array.size()));
 }
 
+/// Rows (N, 3) as vectors.
+inline std::vector<Vector3> vectors(const Array2d<double>& rows) {
+  std::vector<Vector3> vectors(rows.shape(0));
+  for (std::size_t i = 0; i < vectors.size(); ++i)
+    vectors[i] = Eigen::Map<const Vector3>(rows.data() + 3 * i);
+  return vectors;
+}
+
 /// An array (N, dim) of unknowns.
 inline NumpyArray<double> node_array(const VectorX& unknowns, int dim) {
   const auto columns = static_cast<std::size_t>(dim);

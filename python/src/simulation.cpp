@@ -72,17 +72,19 @@ class RunningSimulation {
     return std::move(*history);
   }
 
-  /// Goes on from the present state with another material.
+  /// Goes on from the present state with another material. `fibres`: (1, 3) or (M, 3) for each family.
   void set_material(const std::string& body, const std::string& law,
                     const std::map<std::string, double>& constants,
                     const std::map<std::string, std::vector<double>>& cell_constants,
-                    const std::optional<double>& density) {
+                    const std::vector<Array2d<double>>& fibres, const std::optional<double>& density) {
     Description changed = description_;
     MaterialDescription& material = changed.bodies[find_body(body)].material;
     material.place = "material";
     material.law = law;
     material.constants = constants;
     material.cell_constants = cell_constants;
+    material.fibres.clear();
+    for (const Array2d<double>& family : fibres) material.fibres.push_back(vectors(family));
     if (density) material.density = *density;
     const nb::gil_scoped_release release;
     auto simulation = std::make_shared<Simulation>(changed);
@@ -189,7 +191,7 @@ void bind_simulation(nb::module_& module) {
       .def("run", &RunningSimulation::run, nb::arg("out").none(), nb::arg("resumes"), nb::arg("max_steps"),
            nb::arg("after_step").none())
       .def("set_material", &RunningSimulation::set_material, nb::arg("body"), nb::arg("law"),
-           nb::arg("constants"), nb::arg("cell_constants"), nb::arg("density").none())
+           nb::arg("constants"), nb::arg("cell_constants"), nb::arg("fibres"), nb::arg("density").none())
       .def("cells", &RunningSimulation::cells, nb::arg("body"))
       .def("vertex_range", &RunningSimulation::vertex_range, nb::arg("body"))
       .def("frame",
