@@ -55,6 +55,7 @@ Json law_json(const LawInfo& law, const MaterialsOptions& options) {
     const ConstantText& constant = law.constants[i];
     Json entry = {{"name", constant.name}, {"unit", constant.unit}, {"meaning", constant.meaning}};
     if (std::isfinite(constant.above)) entry["above"] = constant.above;
+    entry["range"] = range_text(constant);
     entry["example"] = material.constants[i];
     json["constants"].push_back(entry);
   }
@@ -83,9 +84,8 @@ void print_law(const LawInfo& law, const MaterialsOptions& options) {
   std::vector<std::vector<std::string>> rows;
   for (std::size_t i = 0; i < law.constants.size(); ++i) {
     const ConstantText& constant = law.constants[i];
-    const std::string bound = std::isfinite(constant.above) ? "> " + format_short(constant.above) : "any";
-    rows.push_back({"  " + std::string(constant.name), std::string(constant.meaning),
-                    std::string(constant.unit), bound, format_short(material.constants[i])});
+    rows.push_back({"  " + std::string(constant.name), std::string(constant.meaning), range_text(constant),
+                    format_short(material.constants[i])});
   }
   print_text(format_table(rows));
   print_line("\nNominal stress [Pa]: a bar pulled with free sides, and simple shear by (stretch - 1)");

@@ -82,7 +82,8 @@ def functions_of(law):
 def test_autograd_agrees_with_differences(law, dim, shape):
     energy, stress, forces = functions_of(law)
     F, E = states(dim, 2).requires_grad_(), number(2.0, shape)
-    nu = 0.0 if poissons_ratio_of(law, 0.3) == 0 else number(0.3, shape)
+    only = resilin.laws()[law].only_poissons_ratio
+    nu = number(0.3, shape) if only is None else only
     Dm_inv, volume = (tensor.requires_grad_() for tensor in cells(dim, 2))
     assert gradcheck(energy, (F, E, nu))
     assert gradcheck(stress, (F, E, nu))

@@ -23,7 +23,8 @@ inline Material sample_material(const LawInfo& law) { return material_for(law, s
 
 /// The small-strain solid that the law can be: that of sample_hooke, unless it has but one Poisson's ratio.
 inline Hooke hooke_of(const LawInfo& law) {
-  return std::isnan(law.only_poissons_ratio) ? sample_hooke() : Hooke{sample_hooke().mu, 0};
+  const double mu = sample_hooke().mu, nu = law.only_poissons_ratio;
+  return std::isnan(nu) ? sample_hooke() : Hooke{mu, 2 * mu * nu / (1 - 2 * nu)};
 }
 
 template <int dim>
