@@ -50,7 +50,7 @@ void resolve_constants(const std::string& name, const std::map<std::string, Numb
     columns[constant] = {numbers.data(), numbers.ndim() == 0 ? 0u : 1u};
   }
   const auto name_of = [count](std::size_t i) {
-    return count == 1 ? std::string() : "[" + std::to_string(i) + "]";
+    return count == 1 ? std::string() : std::string("[").append(std::to_string(i)).append("]");
   };
   std::vector<double> own;
   {
@@ -91,8 +91,9 @@ void bind_law_info(nb::module_& module) {
       .def_ro("is_free", &ConstantText::is_free)
       .def_prop_ro("fallback", [](const ConstantText& constant) { return number_or_none(constant.fallback); })
       .def("__repr__", [](const ConstantText& constant) {
-        return "LawConstant(" + std::string(constant.name) + " = " + std::string(constant.meaning) + " [" +
-               std::string(constant.unit) + "])";
+        std::string text("LawConstant(");
+        text.append(constant.name).append(" = ").append(constant.meaning);
+        return text.append(" [").append(constant.unit).append("])");
       });
   nb::class_<LawInfo>(module, "LawInfo")
       .def_ro("name", &LawInfo::name)
@@ -109,7 +110,7 @@ void bind_law_info(nb::module_& module) {
                      return std::vector<ConstantText>(law.constants.begin(), law.constants.end());
                    })
       .def("__repr__", [](const LawInfo& law) {
-        return "LawInfo(" + std::string(law.name) + ": Psi = " + std::string(law.formula) + ")";
+        return std::string("LawInfo(").append(law.name).append(": Psi = ").append(law.formula).append(")");
       });
   module.def("laws", &laws, nb::rv_policy::reference);
   module.def("require_law", &require_law, nb::rv_policy::reference);
