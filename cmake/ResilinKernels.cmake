@@ -24,8 +24,11 @@ endif()
 # In the lanes' straight-line code, which is inlined into very large functions, two checks take minutes of compilation
 # (law_kernels.cpp: 88 s for scopes and 59 s for undefined behaviour, against 7 s) and have little to find. Reads and
 # writes out of bounds are checked here as everywhere.
-if(RESILIN_SANITIZE)
-  list(APPEND RESILIN_KERNEL_FLAGS -fno-sanitize=undefined -fno-sanitize-address-use-after-scope)
+# Linked after resilin_options, whose sanitizers these flags take back.
+if(NOT TARGET resilin_kernel_options)
+  add_library(resilin_kernel_options INTERFACE)
+  target_compile_options(resilin_kernel_options INTERFACE
+    $<$<BOOL:${RESILIN_SANITIZE}>:-fno-sanitize=undefined -fno-sanitize-address-use-after-scope>)
 endif()
 
 function(resilin_kernels module)
@@ -34,7 +37,7 @@ function(resilin_kernels module)
     set(objects resilin_${module}_${set})
     add_library(${objects} OBJECT ${ARG_SOURCES})
     target_include_directories(${objects} PRIVATE ${PROJECT_SOURCE_DIR}/src)
-    target_link_libraries(${objects} PRIVATE resilin_options)
+    target_link_libraries(${objects} PRIVATE resilin_options resilin_kernel_options)
     target_compile_definitions(${objects} PRIVATE
       RESILIN_SIMD_NAMESPACE=${set} RESILIN_SIMD_WIDTH=${RESILIN_WIDTH_${set}})
     target_compile_options(${objects} PRIVATE ${RESILIN_KERNEL_FLAGS} ${RESILIN_FLAGS_${set}})
