@@ -40,10 +40,10 @@ class Elastic:
         self._cells = next(nodes for other, nodes in solid.cells() if other == kind)
         self._rest_positions = np.ascontiguousarray(solid.positions()[:, : self._dim])
         constants = _constant_rows(number_constants(material), len(self._cells))
-        fibres = _fibre_rows(material, len(self._cells))
+        fibres, num_families = _fibre_rows(material, len(self._cells))
         self._material = material
         self._core = _core.ElasticBody(
-            self._dim, element, self._rest_positions, self._cells, material.law, constants, fibres
+            self._dim, element, self._rest_positions, self._cells, material.law, constants, fibres, num_families
         )
 
     @property
@@ -170,16 +170,16 @@ def _constant_rows(constants, num_cells):
 
 
 def _fibre_rows(material, num_cells):
-    """Directions (K, 3): each family once, or those of one cell after another; (0, 3) for a law without fibres."""
+    """Directions (K, 3), each family once or those of one cell after another, and the number of families."""
     fibres, max_families = material.fibres, material.info.max_fibres
     if fibres is None:
         if max_families > 0:
             refuse("material.fibres", f"1 to {max_families} directions", "none", "for example fibres=[[1, 0, 0]]")
-        return np.empty((0, 3))
+        return np.empty((0, 3)), 0
     if fibres.ndim > 3 or (fibres.ndim == 3 and len(fibres) not in (1, num_cells)):
         expected = f"directions (families, 3), or ({num_cells}, families, 3) for the cells"
         refuse("material.fibres", expected, describe(fibres.shape))
-    return fibres.reshape(-1, 3)
+    return fibres.reshape(-1, 3), fibres.shape[-2]
 
 
 def _csr_matrix(values, columns, row_begin):

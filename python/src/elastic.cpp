@@ -24,12 +24,12 @@ class ElasticBody {
   /// @param fibres     directions (K, 3), each family once or for one cell after another; none: (0, 3)
   ElasticBody(int dim, const std::string& element, const Array2d<double>& positions,
               const Array2d<Index>& cells, const std::string& law, const Array2d<double>& constants,
-              const Array2d<double>& fibres)
+              const Array2d<double>& fibres, std::size_t num_families)
       : dim_(dim),
         cells_(cells.data(), cells.data() + cells.size()),
         rest_positions_(unknowns(positions)),
         energy_(dim, element, cells_, rest_positions_, require_law(law, "material.law"),
-                std::span(constants.data(), constants.size()), vectors(fibres)) {
+                std::span(constants.data(), constants.size()), {vectors(fibres), num_families}) {
     BlockPatternBuilder builder(static_cast<Index>(rest_positions_.size() / dim));
     energy_.add_pattern(builder);
     pattern_ = std::make_shared<const BlockPattern>(builder.build());
@@ -150,9 +150,9 @@ class ElasticBody {
 void bind_elastic(nb::module_& module) {
   nb::class_<ElasticBody>(module, "ElasticBody")
       .def(nb::init<int, const std::string&, const Array2d<double>&, const Array2d<Index>&,
-                    const std::string&, const Array2d<double>&, const Array2d<double>&>(),
+                    const std::string&, const Array2d<double>&, const Array2d<double>&, std::size_t>(),
            nb::arg("dim"), nb::arg("element"), nb::arg("positions"), nb::arg("cells"), nb::arg("law"),
-           nb::arg("constants"), nb::arg("fibres"))
+           nb::arg("constants"), nb::arg("fibres"), nb::arg("num_families"))
       .def("value", &ElasticBody::value, nb::arg("x"))
       .def("gradient", &ElasticBody::gradient, nb::arg("x"))
       .def("hessian", &ElasticBody::hessian, nb::arg("x"), nb::arg("projection"))

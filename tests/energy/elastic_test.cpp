@@ -323,6 +323,24 @@ TEST(ElasticEnergy, RefusesACellWithoutPositiveVolume) {
   EXPECT_THROW(make_energy(body, *find_law("neo_hookean")), InputError);
 }
 
+/// Two cells with a direction each are not one cell with two families.
+TEST(ElasticEnergy, TellsDirectionsOfCellsFromFamilies) {
+  VectorX X(8);
+  X << 0, 0, 1, 0, 1, 1, 0, 1;
+  const std::vector<Index> cells = {0, 1, 2, 0, 2, 3}, first = {0, 1, 2}, second = {0, 2, 3};
+  const LawInfo& law = *find_law("holzapfel_gasser_ogden");
+  const auto constants = law.constants_from(hooke_from_young_poisson(1e5, 0.3));
+  const Vector3 a(1, 0, 0), b(0, 1, 0);
+  const auto value = [&](const std::vector<Index>& some, const FibreDirections& fibres) {
+    return ElasticEnergy(2, "P1", some, X, law, constants, fibres).value(1.2 * X, {});
+  };
+  const double expected = value(first, {{a}, 1}) + value(second, {{b}, 1});
+  EXPECT_NEAR(value(cells, {{a, b}, 1}), expected, 1e-12 * expected);
+  EXPECT_GT(value(cells, {{a, b}, 2}), 1.02 * expected);
+  EXPECT_THROW(value(cells, {{a, b, a}, 1}), InputError);
+  EXPECT_THROW(value(cells, {}), InputError);
+}
+
 TEST(ElasticEnergy, ReportsCauchyStressAndItsVonMisesMeasure) {
   const Body body(2);
   const ElasticEnergy energy = make_energy(body, *find_law("neo_hookean"));

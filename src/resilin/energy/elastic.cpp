@@ -46,7 +46,7 @@ struct LaneSum {
 
 ElasticEnergy::ElasticEnergy(int dim, std::string_view element, std::span<const Index> cells,
                              const VectorX& rest_positions, const LawInfo& law,
-                             std::span<const double> constants, std::span<const Vector3> fibres,
+                             std::span<const double> constants, const FibreDirections& fibres,
                              InstructionSet instruction_set)
     : blocks_(make_element_blocks(require_element(element, dim, "element"), cells, rest_positions)),
       law_(&law),
@@ -76,21 +76,22 @@ ElasticEnergy::ElasticEnergy(int dim, std::string_view element, std::span<const 
   parts_ = std::make_shared<std::vector<OwnerPart>>(split_by_owner(blocks_, num_threads()));
 }
 
-void ElasticEnergy::set_directions(std::span<const Vector3> fibres) {
+void ElasticEnergy::set_directions(const FibreDirections& fibres) {
   const auto num_cells = static_cast<std::size_t>(blocks_.num_cells);
-  const auto max_families = static_cast<std::size_t>(law_->max_fibres);
-  if (max_families == 0 && fibres.empty()) return;
-  num_families_ =
-      fibres.size() <= max_families ? fibres.size() : fibres.size() / std::max<std::size_t>(num_cells, 1);
-  const bool is_uniform = fibres.size() == num_families_;
-  if (num_families_ == 0 || num_families_ > max_families ||
-      (!is_uniform && fibres.size() != num_families_ * num_cells))
+  const std::size_t count = fibres.directions.size();
+  num_families_ = fibres.num_families;
+  const bool is_uniform = count == num_families_;
+  if (law_->max_fibres == 0) {
+    if (count == 0 && num_families_ == 0) return;
+    throw InputError("fibres", "none: " + std::string(law_->name) + " is isotropic", std::to_string(count));
+  }
+  if (num_families_ == 0 || num_families_ > static_cast<std::size_t>(law_->max_fibres) ||
+      (!is_uniform && count != num_families_ * num_cells))
     throw InputError("fibres",
-                     max_families == 0
-                         ? "none: " + std::string(law_->name) + " is isotropic"
-                         : "1 to " + std::to_string(max_families) + " directions, once or for every cell",
-                     std::to_string(fibres.size()));
-  for (const Vector3& fibre : fibres)
+                     "1 to " + std::to_string(law_->max_fibres) + " families, once or for every cell",
+                     std::to_string(num_families_) + " families and " + std::to_string(count) +
+                         " directions for " + std::to_string(num_cells) + " cells");
+  for (const Vector3& fibre : fibres.directions)
     if (!(std::abs(fibre.norm() - 1) < 1e-9))
       throw InputError("fibres", "vectors of length 1", "one of length " + format_number(fibre.norm()));
   directions_.assign(blocks_.num_blocks * fibre_rows * block_size, 0.0);
@@ -99,7 +100,8 @@ void ElasticEnergy::set_directions(std::span<const Vector3> fibres) {
     for (std::size_t family = 0; family < num_families_; ++family)
       for (std::size_t k = 0; k < 3; ++k)
         directions_[(i / block_size * fibre_rows + 3 * family + k) * block_size + i % block_size] =
-            fibres[is_uniform ? family : cell * num_families_ + family][static_cast<Eigen::Index>(k)];
+            fibres.directions[is_uniform ? family : cell * num_families_ + family]
+                             [static_cast<Eigen::Index>(k)];
   }
 }
 

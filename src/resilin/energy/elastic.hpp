@@ -16,6 +16,13 @@
 
 namespace resilin {
 
+/// Rest directions of the fibres of a law that has such: of length 1, those of each family, once or for one
+/// cell after another.
+struct FibreDirections {
+  std::vector<Vector3> directions;
+  std::size_t num_families = 0;
+};
+
 /// Strain energy of a body: E(x) = sum_cells V Psi(F(x)).
 class ElasticEnergy final : public Energy {
  public:
@@ -23,12 +30,11 @@ class ElasticEnergy final : public Energy {
   /// @param cells           node numbers in the world, those of one cell after another
   /// @param rest_positions  of all nodes of the world, dim each [m]
   /// @param constants       of the law's formula, in its order: once, or for one cell after another
-  /// @param fibres          for a law with fibres: the rest direction of each family, once, or for one cell
-  ///                        after another; of length 1
+  /// @param fibres          for a law with fibres; one family or two
   /// @throws InputError     when a cell has no positive volume, or the fibres do not suit the law
   ElasticEnergy(int dim, std::string_view element, std::span<const Index> cells,
                 const VectorX& rest_positions, const LawInfo& law, std::span<const double> constants,
-                std::span<const Vector3> fibres = {},
+                const FibreDirections& fibres = {},
                 InstructionSet instruction_set = preferred_instruction_set());
 
   std::string_view name() const override { return "elastic"; }
@@ -80,7 +86,7 @@ class ElasticEnergy final : public Energy {
 
  private:
   struct Scratch;
-  void set_directions(std::span<const Vector3> fibres);
+  void set_directions(const FibreDirections& fibres);
   ElementTile tile(const Index* block_numbers, std::size_t count) const;
   ElementTile tile(std::size_t begin, std::size_t count) const {
     return tile(all_blocks_.data() + begin, count);

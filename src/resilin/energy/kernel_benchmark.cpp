@@ -80,8 +80,7 @@ std::vector<KernelTiming> benchmark_kernels(const KernelBenchmarkOptions& option
   const Cube cube = make_cube(options.n);
   const LawInfo& law = require_law(options.law, "law");
   const auto constants = law.constants_from(hooke_from_young_poisson(1e6, 0.45));
-  ElasticEnergy energy(3, "P1", cube.cells, cube.rest_positions, law, constants, {},
-                       options.instruction_set);
+  ElasticEnergy energy(3, "P1", cube.cells, cube.rest_positions, law, constants, {}, options.instruction_set);
   BlockPatternBuilder builder(static_cast<Index>(cube.positions.size() / 3));
   energy.add_pattern(builder);
   const auto pattern = std::make_shared<BlockPattern>(builder.build());

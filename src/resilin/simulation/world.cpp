@@ -79,7 +79,7 @@ std::vector<double> constants_of_cells(const LawInfo& law, const MaterialDescrip
 }
 
 /// Unit directions of the fibres, once or for one cell after another, as ElasticEnergy takes them.
-std::vector<Vector3> fibres_of_cells(const LawInfo& law, const BodyDescription& body, Index num_cells) {
+FibreDirections fibres_of_cells(const LawInfo& law, const BodyDescription& body, Index num_cells) {
   const std::string place = body.material.place + ".fibres";
   const auto& families = body.material.fibres;
   const auto max_families = static_cast<std::size_t>(law.max_fibres);
@@ -95,7 +95,7 @@ std::vector<Vector3> fibres_of_cells(const LawInfo& law, const BodyDescription& 
   const auto count = static_cast<std::size_t>(num_cells);
   const bool is_uniform =
       std::ranges::all_of(families, [](const auto& directions) { return directions.size() == 1; });
-  std::vector<Vector3> fibres;
+  FibreDirections fibres{{}, families.size()};
   for (std::size_t cell = 0; cell < (is_uniform ? 1 : count); ++cell)
     for (const auto& directions : families) {
       if (directions.size() != 1 && directions.size() != count)
@@ -106,7 +106,7 @@ std::vector<Vector3> fibres_of_cells(const LawInfo& law, const BodyDescription& 
       if (!(length > 0 && std::isfinite(length)))
         throw InputError(place + ", cell " + std::to_string(cell), "a direction other than zero",
                          "length " + format_number(length));
-      fibres.push_back(turn * direction / length);
+      fibres.directions.push_back(turn * direction / length);
     }
   return fibres;
 }
