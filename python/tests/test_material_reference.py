@@ -18,8 +18,9 @@ import resilin
 EPSILON = np.finfo(np.float64).eps
 SHARED = pathlib.Path(os.environ.get("RESILIN_SHARED") or pathlib.Path(__file__).resolve().parents[3] / "shared")
 
+HAS_DATA = (SHARED / "validation").is_dir()
 pytestmark = pytest.mark.skipif(
-    not (SHARED / "validation").is_dir(),
+    not HAS_DATA,
     reason=f"NO REFERENCE DATA in {SHARED}: set RESILIN_SHARED to the folder that holds validation/",
 )
 
@@ -164,12 +165,15 @@ def test_undefined_points_are_never_finite(key, dim):
         assert not np.isfinite(material.stress_tangent(F, projection)).all((1, 2, 3, 4)).any()
 
 
-@pytest.mark.parametrize("dim", [2, 3])
-@pytest.mark.parametrize("key", LAWS)
+def laws_without_energy_at_rest():
+    """(law, dimension) of the files; an energy at rest would swallow the digits of that of a tiny strain."""
+    pairs = [(key, dim) for key in LAWS for dim in (2, 3)]
+    return [(key, dim) for key, dim in pairs if not HAS_DATA or energy_at_rest(f"material_points_{dim}d", key) == 0]
+
+
+@pytest.mark.parametrize(("key", "dim"), laws_without_energy_at_rest())
 def test_energy_at_a_strain_of_1e_8_keeps_its_digits(key, dim):
     file = f"material_points_{dim}d"
-    if energy_at_rest(file, key):
-        pytest.skip("the file's energy at rest swallows the digits")
     truth = Truth(dim, key)
     tiny = [place for place, kind in enumerate(truth.kinds) if kind == "tiny strain 1e-8"]
     assert tiny
