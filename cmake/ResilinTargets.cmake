@@ -13,6 +13,28 @@ target_link_options(resilin_options INTERFACE
   $<$<BOOL:${RESILIN_SANITIZE_THREAD}>:-fsanitize=thread>
   $<$<BOOL:${RESILIN_COVERAGE}>:--coverage>)
 
+# ccache keeps objects that saw a precompiled header only when told that their macros and dates do not matter; relative
+# paths let two build folders share objects.
+if(CMAKE_CXX_COMPILER_LAUNCHER MATCHES "ccache$")
+  list(PREPEND CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env
+    CCACHE_SLOPPINESS=pch_defines,time_macros CCACHE_BASEDIR=${PROJECT_SOURCE_DIR})
+endif()
+
+# resilin_precompile(TARGET GROUP <header> ...): parses these headers once for all targets of a group, in the first of
+# them. The targets of a group have the same compile flags; kernels, whose flags differ, go without.
+# -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON does without.
+function(resilin_precompile target group)
+  get_property(first GLOBAL PROPERTY RESILIN_PRECOMPILED_${group})
+  if(first)
+    target_precompile_headers(${target} REUSE_FROM ${first})
+  else()
+    target_precompile_headers(${target} PRIVATE ${ARGN})
+    set_property(GLOBAL PROPERTY RESILIN_PRECOMPILED_${group} ${target})
+  endif()
+  # The preprocessor alone, which ccache runs, reads a precompiled header only when told so.
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
+endfunction()
+
 # resilin_module(NAME SOURCES a.cpp ... DEPENDS core ...): the static library resilin_NAME, alias resilin::NAME.
 function(resilin_module name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;LINK" ${ARGN})
@@ -28,6 +50,8 @@ function(resilin_module name)
     target_link_libraries(${target} PUBLIC resilin_${dependency})
   endforeach()
   target_link_libraries(${target} PUBLIC ${ARG_LINK})
+  resilin_precompile(${target} MODULES
+    <Eigen/Dense> <algorithm> <functional> <map> <memory> <optional> <string> <vector>)
   set_property(GLOBAL APPEND PROPERTY RESILIN_MODULES ${target})
 endfunction()
 
@@ -37,5 +61,7 @@ function(resilin_test name)
   set(target ${name}_test)
   add_executable(${target} ${ARG_SOURCES})
   target_link_libraries(${target} PRIVATE resilin_options resilin_test_support ${ARG_LINK})
+  resilin_precompile(${target} TESTS
+    <gtest/gtest.h> <gmock/gmock.h> <nlohmann/json.hpp> <Eigen/Dense> <filesystem> <fstream>)
   gtest_discover_tests(${target} TEST_PREFIX "${name}/" DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60)
 endfunction()
