@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <sstream>
 
 #include "reference_material.hpp"
 #include "resilin/material/derive.hpp"
@@ -66,8 +67,9 @@ template <int dim>
 void check_point(const Json& point, const std::string& key, const Material& material) {
   const Json& truth = point["laws"][key];
   const Matrix<dim> F = matrix_of<dim>(point["F"]);
-  const std::string where = key + " " + std::to_string(dim) + "D point " + point["id"].dump() + " " +
-                            point["kind"].get<std::string>();
+  std::ostringstream place;
+  place << key << " " << dim << "D point " << point["id"] << " " << point["kind"];
+  const std::string where = place.str();
   const double psi = energy_density<dim>(material, F);
   const Matrix<dim> P = first_piola_kirchhoff_stress<dim>(material, F);
   const TangentMatrix<dim> A = stress_tangent<dim>(material, F);
