@@ -138,6 +138,21 @@ TEST(Result, IsTheSameInMillimetresTonnesAndMegapascals) {
   }
 }
 
+TEST(AnInterruptedStep, LeavesStateAndFrameAsTheyWere) {
+  for (const bool is_dynamic : {false, true}) {
+    Simulation simulation(small_bar(3, is_dynamic));
+    if (is_dynamic) simulation.step();
+    const VectorX before = simulation.state().positions;
+    const Frame frame = simulation.frame();
+    const StepReport report = simulation.step([](const auto&) { return false; });
+    EXPECT_EQ(report.status, StepReport::Status::interrupted);
+    EXPECT_EQ(simulation.state().positions, before);
+    EXPECT_EQ(simulation.frame().newton_iterations, frame.newton_iterations);
+    EXPECT_EQ(simulation.frame().residual, frame.residual);
+    EXPECT_EQ(simulation.frame().converged, frame.converged);
+  }
+}
+
 TEST(Motion, WithoutForcesKeepsItsMomentum) {
   for (const LawInfo* law : laws()) {
     for (const int dimension : {2, 3}) {

@@ -94,6 +94,7 @@ StepReport Simulation::step(const NewtonObserver& observer) {
   timing_.assembly += report.newton.assembly_seconds;
   timing_.solve += report.newton.solve_seconds;
   timing_.steps += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (report.status == StepReport::Status::interrupted) return report;  // state and frame are those before
   frame_.newton_iterations = report.newton.iterations;
   frame_.linear_iterations = report.newton.linear_iterations;
   frame_.residual = report.newton.relative_residual();
