@@ -63,6 +63,17 @@ RESILIN_INLINE LogarithmPair logarithm_pair(Lanes x) {
 RESILIN_INLINE Lanes log1p(Lanes x) { return logarithm_pair(x).log1p; }
 RESILIN_INLINE Lanes log1p_minus(Lanes x) { return logarithm_pair(x).log1p_minus; }
 
+/// 2^n for whole numbers -1022 <= n <= 1023.
+RESILIN_INLINE Lanes power_of_two(Lanes n) {
+  Mask bits;
+  const Lanes shifted = n + 6755399441055744.0;
+  __builtin_memcpy(&bits, &shifted.v, sizeof bits);
+  bits = (bits - 0x4338000000000000LL + 1023) << 52;
+  Lanes power;
+  __builtin_memcpy(&power.v, &bits, sizeof bits);
+  return power;
+}
+
 /// (1 + x)^(1/3) - 1, without cancellation.
 RESILIN_INLINE Lanes cbrt1p(Lanes x) {
   const BinaryParts parts = binary_parts(1.0 + x);
@@ -75,25 +86,8 @@ RESILIN_INLINE Lanes cbrt1p(Lanes x) {
     const Lanes cube = y * y * y;
     y = y * (cube + 2.0 * a) / (2.0 * cube + a);
   }
-  Mask bits;  // 2^third
-  const Lanes shifted = third + round;
-  __builtin_memcpy(&bits, &shifted.v, sizeof bits);
-  bits = (bits - 0x4338000000000000LL + 1023) << 52;
-  Lanes scale;
-  __builtin_memcpy(&scale.v, &bits, sizeof bits);
-  const Lanes t = y * scale;
+  const Lanes t = y * power_of_two(third);
   return x / (t * t + t + 1.0);
-}
-
-/// 2^n for whole numbers -1022 <= n <= 1023.
-RESILIN_INLINE Lanes power_of_two(Lanes n) {
-  Mask bits;
-  const Lanes shifted = n + 6755399441055744.0;
-  __builtin_memcpy(&bits, &shifted.v, sizeof bits);
-  bits = (bits - 0x4338000000000000LL + 1023) << 52;
-  Lanes power;
-  __builtin_memcpy(&power.v, &bits, sizeof bits);
-  return power;
 }
 
 struct Exponentials {

@@ -14,6 +14,7 @@
 #include "resilin/energy/elastic_tiles.hpp"
 #include "resilin/energy/inversion_bound.hpp"
 #include "resilin/material/law_kernels.hpp"
+#include "resilin/material/point_kernels.hpp"
 
 namespace resilin {
 namespace {
@@ -116,8 +117,7 @@ ElementTile ElasticEnergy::tile(const Index* block_numbers, std::size_t count) c
 }
 
 HessianForm ElasticEnergy::form(Projection projection) const {
-  const double removed = projection == Projection::none ? 0 : projection == Projection::clamp ? 1 : 2;
-  return {law_form(), removed};
+  return {law_form(), removed_part(projection)};
 }
 
 void ElasticEnergy::call_law(void (*kernel)(const LawBatch&), const ElementTile& tile, Scratch& scratch,

@@ -12,7 +12,7 @@ namespace resilin {
 
 constexpr std::size_t blocks_per_tile = 8;     ///< what a tile holds stays in the nearest caches
 constexpr std::size_t blocks_per_chunk = 256;  ///< of a parallel loop
-constexpr std::size_t max_entries = 9, max_pairs = 10, max_constants = 8, max_frame_rows = 18;
+constexpr std::size_t max_entries = 9, max_pairs = 10, max_frame_rows = 18;
 
 /// Calls `body(begin, count)` for the tiles of [begin, end).
 template <class Body>

@@ -18,7 +18,6 @@ constexpr std::size_t states_per_tile = blocks_per_tile * block_size;
 /// into it for the next one (23 against 13 ns per state, measured).
 constexpr std::size_t states_per_short_tile = 2 * block_size;
 constexpr std::size_t states_per_chunk = 2048;  ///< of a parallel loop
-constexpr std::size_t max_constants = 8;
 
 /// What one tile needs. Uninitialised: each kernel writes what the next one reads.
 struct Scratch {
@@ -152,10 +151,6 @@ void for_tiles(const StateBatch<Real>& states, bool wants_frames, const Prefetch
       body(tile, scratch);
     }
   });
-}
-
-double removed_part(Projection projection) {
-  return projection == Projection::none ? 0 : projection == Projection::clamp ? 1 : 2;
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "resilin/core/text.hpp"
 #include "resilin/material/batch.hpp"
 #include "resilin/material/catalog.hpp"
+#include "resilin/material/law_kernels.hpp"
 
 namespace resilin {
 namespace {
@@ -27,6 +28,7 @@ std::vector<double> convert(const Hooke& hooke, std::span<const double> free) {
   constexpr std::size_t count = Law<double>::constants.size();
   const Law<double> law =
       law_from<Law<double>>(hooke, free, std::make_index_sequence<num_free<Law<double>>>{});
+  static_assert(count <= max_constants, "raise max_constants");
   static_assert(sizeof(law) == count * sizeof(double), "a law's members are its constants, in their order");
   const auto* members = reinterpret_cast<const double*>(&law);
   return {members, members + count};
@@ -179,7 +181,7 @@ class ConstantReader {
 
   std::vector<double> from_hooke(const std::vector<Source>& sources, std::size_t i) const {
     const Hooke hooke = checked_hooke(sources[0].at(i), sources[1].at(i), i);
-    std::array<double, max_free> free;
+    std::array<double, max_constants> free;
     for (std::size_t k = 2; k < sources.size(); ++k) free[k - 2] = checked(sources[k], i);
     return law_.convert(hooke, std::span(free).first(sources.size() - 2));
   }
@@ -235,7 +237,6 @@ class ConstantReader {
                      "both must be positive");
   }
 
-  static constexpr std::size_t max_free = 8;
   const LawInfo& law_;
   const std::map<std::string, Column>& given_;
   const std::string& place_;

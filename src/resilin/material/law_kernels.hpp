@@ -18,6 +18,8 @@ constexpr int num_curvature_rows(LawKind kind) {
   const int n = num_slopes(kind);
   return n + n * (n + 1) / 2 + (kind == LawKind::stretches ? 6 : 0);
 }
+/// What loops over states have room for; a law with more does not compile.
+constexpr std::size_t max_constants = 8;
 constexpr int max_variables = 7, max_slopes = 5, max_curvature_rows = 20;
 
 /// Rows of lanes that hold the rest directions of fibres: three components of one family, then those of the

@@ -3,9 +3,15 @@
 #include <cstddef>
 
 #include "resilin/core/cpu.hpp"
+#include "resilin/core/projection.hpp"
 #include "resilin/material/law_text.hpp"
 
 namespace resilin {
+
+/// How many times the negative part of the eigenvalues a projection takes off.
+inline double removed_part(Projection projection) {
+  return projection == Projection::none ? 0 : projection == Projection::clamp ? 1 : 2;
+}
 
 /// Some blocks of states, `block_size` lanes (core/simd.hpp) at a time; rows of lanes are the fastest index.
 struct StateTile {
