@@ -1,28 +1,15 @@
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <string>
 
 #include "resilin/integrator/integrator.hpp"
 #include "resilin/simulation/frame.hpp"
 #include "resilin/simulation/state.hpp"
+#include "resilin/simulation/step.hpp"
 #include "resilin/simulation/world.hpp"
 
 namespace resilin {
-
-/// What became of one time step or load step.
-struct StepReport {
-  enum class Status {
-    converged,
-    not_converged,  ///< motion: the step was cut short, safely; statics: no smaller load step helped
-    interrupted,    ///< the observer asked to stop; the state is that before the step
-  };
-  Status status = Status::converged;
-  std::string reason;       ///< in words, with the place of the worst residual or the worst element
-  NewtonReport newton;      ///< summed over the stages and attempts of the step
-  int failed_attempts = 0;  ///< statics: load steps that were tried and halved
-};
 
 /// Times of all steps so far [s].
 struct Timing {
@@ -63,9 +50,6 @@ class Simulation {
 
  private:
   StepReport step_in_time(const NewtonObserver& observer);
-  StepReport step_in_load(const NewtonObserver& observer);
-  NewtonSettings newton_settings() const;
-  std::string describe_failure(const NewtonReport& report, const VectorX& positions) const;
 
   World world_;
   std::unique_ptr<Integrator> integrator_;

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <string>
+
+#include "resilin/optimize/newton.hpp"
+#include "resilin/simulation/world.hpp"
+
+/// What steps in time and in load have in common.
+namespace resilin {
+
+/// What became of one time step or load step.
+struct StepReport {
+  enum class Status {
+    converged,
+    not_converged,  ///< motion: the step was cut short, safely; statics: no smaller load step helped
+    interrupted,    ///< the observer asked to stop; the state is that before the step
+  };
+  Status status = Status::converged;
+  std::string reason;       ///< in words, with the place of the worst residual or the worst element
+  NewtonReport newton;      ///< summed over the stages and attempts of the step
+  int failed_attempts = 0;  ///< statics: load steps that were tried and halved
+};
+
+/// Adds the counts and times of `part` to `sum`, which takes everything else from it.
+void add_to(NewtonReport& sum, const NewtonReport& part);
+
+/// What the scene asks of Newton's method.
+NewtonSettings newton_settings(const World& world);
+
+/// Makes x the one of two starts with the lower objective, so that a step cut short never has pumped energy
+/// in. At fixed unknowns the candidate takes the values of `held`.
+void choose_lower_start(const Objective& objective, std::span<const std::uint8_t> is_fixed,
+                        const VectorX& held, VectorX candidate, VectorX& x);
+
+/// Why a search ended, with the place of the largest residual and the cells that are all but flat.
+std::string describe_failure(const World& world, const NewtonReport& report, const VectorX& positions);
+
+}  // namespace resilin
