@@ -65,7 +65,7 @@ Matrix<dim> displacement_gradient(const Body& body, Index cell, const VectorX& x
   for (int a = 0; a <= dim; ++a)
     for (int c = 0; c < dim; ++c)
       positions.push_back(body.X[body.cells[static_cast<std::size_t>(cell * (dim + 1) + a)] * dim + c]);
-  geometry = point_geometry(element, element.points[0], positions);
+  geometry = point_geometry(element, element.quadrature("", "quadrature").points[0], positions);
   Matrix<dim> H = Matrix<dim>::Zero();
   for (int a = 0; a <= dim; ++a)
     for (int c = 0; c < dim; ++c)

@@ -58,7 +58,7 @@ struct Body {
     std::vector<double> positions;
     for (const Index node : cell)
       for (int c = 0; c < dim; ++c) positions.push_back(X[node * dim + c]);
-    return point_geometry(element, element.points[0], positions).weight;
+    return point_geometry(element, element.quadrature("", "quadrature").points[0], positions).weight;
   }
 
   /// Rest positions moved at random; `amount` 0.02 inverts nothing, 0.12 does.

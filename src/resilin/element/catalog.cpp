@@ -10,9 +10,18 @@ namespace {
 
 template <class Element>
 ElementInfo info() {
-  static const auto points = Element::points();
-  return {Element::name, Element::dim,          Element::num_nodes,      Element::quadrature,
-          points,        Element::shape_values, Element::shape_gradients};
+  static const auto nodes = Element::nodes();
+  return {Element::name,
+          Element::text,
+          Element::shape,
+          dimension(Element::shape),
+          Element::num_nodes,
+          Element::degree,
+          has_mean_volume<Element>,
+          Element::quadrature,
+          nodes,
+          Element::shape_values,
+          Element::shape_gradients};
 }
 
 template <class... Element>

@@ -4,9 +4,14 @@
 #include <string_view>
 #include <vector>
 
+#include "resilin/element/bilinear_quadrilateral.hpp"
 #include "resilin/element/element.hpp"
 #include "resilin/element/linear_tetrahedron.hpp"
 #include "resilin/element/linear_triangle.hpp"
+#include "resilin/element/mean_volume.hpp"
+#include "resilin/element/quadratic_tetrahedron.hpp"
+#include "resilin/element/quadratic_triangle.hpp"
+#include "resilin/element/trilinear_hexahedron.hpp"
 
 namespace resilin {
 
@@ -14,7 +19,9 @@ template <class... Element>
 struct ElementList {};
 
 /// Every element. The scene reader, the documentation and the property tests walk this list.
-using Elements = ElementList<LinearTriangle, LinearTetrahedron>;
+using Elements = ElementList<LinearTriangle, LinearTetrahedron, QuadraticTriangle, QuadraticTetrahedron,
+                             QuadraticTriangleP0, QuadraticTetrahedronP0, BilinearQuadrilateral,
+                             TrilinearHexahedron, BilinearQuadrilateralP0, TrilinearHexahedronP0>;
 
 /// All elements, in the order of the catalogue.
 std::vector<const ElementInfo*> elements();

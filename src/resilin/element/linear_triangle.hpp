@@ -9,13 +9,13 @@ namespace resilin {
 /// Triangle with linear shape functions: N_0 = 1 - xi - eta, N_1 = xi, N_2 = eta.
 struct LinearTriangle {
   static constexpr std::string_view name = "P1";
-  static constexpr int dim = 2;
+  static constexpr std::string_view text = "linear triangle";
+  static constexpr CellShape shape = CellShape::triangle;
   static constexpr int num_nodes = 3;
-  static constexpr std::string_view quadrature = "1-point";
+  static constexpr int degree = 1;
+  static constexpr std::string_view quadrature = "1-point";  // exact: the gradient is constant
 
-  /// Exact for linear functions; the gradient of P1 is constant.
-  static std::array<QuadraturePoint, 1> points() { return {{{Vector3(1.0 / 3, 1.0 / 3, 0), 0.5}}}; }
-
+  static std::array<Vector3, 3> nodes() { return {Vector3::Zero(), Vector3::UnitX(), Vector3::UnitY()}; }
   static void shape_values(const Vector3& xi, std::span<double> values) {
     values[0] = 1 - xi[0] - xi[1];
     values[1] = xi[0];

@@ -45,11 +45,13 @@ struct LaneSum {
 
 }  // namespace
 
-ElasticEnergy::ElasticEnergy(int dim, std::string_view element, std::span<const Index> cells,
+ElasticEnergy::ElasticEnergy(int dim, const ElementChoice& choice, std::span<const Index> cells,
                              const VectorX& rest_positions, const LawInfo& law,
                              std::span<const double> constants, const FibreDirections& fibres,
                              InstructionSet instruction_set)
-    : blocks_(make_element_blocks(require_element(element, dim, "element"), cells, rest_positions)),
+    : element_(&require_element(choice.element, dim, "element")),
+      rule_(&element_->quadrature(choice.quadrature, "quadrature")),
+      blocks_(make_element_blocks(*element_, *rule_, cells, rest_positions)),
       law_(&law),
       instruction_set_(instruction_set),
       kernels_(&element_kernels(dim, instruction_set)),

@@ -26,13 +26,14 @@ struct FibreDirections {
 /// Strain energy of a body: E(x) = sum_cells V Psi(F(x)).
 class ElasticEnergy final : public Energy {
  public:
-  /// @param element         a name of element/catalog.hpp
+  /// @param choice          a name of element/catalog.hpp, with a quadrature rule where the default is not
+  /// meant
   /// @param cells           node numbers in the world, those of one cell after another
   /// @param rest_positions  of all nodes of the world, dim each [m]
   /// @param constants       of the law's formula, in its order: once, or for one cell after another
   /// @param fibres          for a law with fibres; one family or two
   /// @throws InputError     when a cell has no positive volume, or the fibres do not suit the law
-  ElasticEnergy(int dim, std::string_view element, std::span<const Index> cells,
+  ElasticEnergy(int dim, const ElementChoice& choice, std::span<const Index> cells,
                 const VectorX& rest_positions, const LawInfo& law, std::span<const double> constants,
                 const FibreDirections& fibres = {},
                 InstructionSet instruction_set = preferred_instruction_set());
@@ -65,13 +66,19 @@ class ElasticEnergy final : public Energy {
   VolumeRatio min_volume_ratio(const VectorX& x) const;
 
   Index num_cells() const { return blocks_.num_cells; }
+  const ElementInfo& element() const { return *element_; }
+  const QuadratureRule& quadrature() const { return *rule_; }
+  Index num_points() const { return static_cast<Index>(rule_->points.size()); }  ///< of a cell
   const LawInfo& law() const { return *law_; }
   InstructionSet instruction_set() const { return instruction_set_; }
   double total_rest_volume() const;
   Material material(Index cell) const;
 
-  // By cell, in the order in which the cells were given.
-  std::vector<double> rest_volumes() const;  ///< [m^3], in 2D [m^2] on unit thickness
+  /// By cell, in the order in which the cells were given [m^3], in 2D [m^2] on unit thickness.
+  std::vector<double> rest_volumes() const;
+
+  // By quadrature point: those of a cell at [num_points() * cell + point], in the order of `quadrature()`.
+  std::vector<double> point_volumes() const;  ///< rest volume that a point stands for [m^3]
   std::vector<double> volume_ratios(const VectorX& x) const;
   std::vector<double> energy_densities(const VectorX& x) const;          ///< [J/m^3]
   std::vector<double> von_mises_stresses(const VectorX& x) const;        ///< [Pa]
@@ -106,6 +113,8 @@ class ElasticEnergy final : public Energy {
   void for_each_cell(const VectorX& x,
                      const std::function<void(std::size_t cell, const Matrix<3>& H, double J)>& body) const;
 
+  const ElementInfo* element_;
+  const QuadratureRule* rule_;
   ElementBlocks blocks_;
   const LawInfo* law_;
   InstructionSet instruction_set_;

@@ -67,6 +67,8 @@ std::vector<double> ElasticEnergy::rest_volumes() const {
   return volumes;
 }
 
+std::vector<double> ElasticEnergy::point_volumes() const { return rest_volumes(); }
+
 std::vector<double> ElasticEnergy::volume_ratios(const VectorX& x) const {
   std::vector<double> ratios(static_cast<std::size_t>(num_cells()));
   for_each_cell(x, [&](std::size_t cell, const Matrix<3>&, double J) { ratios[cell] = J; });

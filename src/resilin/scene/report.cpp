@@ -3,7 +3,6 @@
 #include <sys/resource.h>
 
 #include "resilin/core/parallel.hpp"
-#include "resilin/element/catalog.hpp"
 #include "resilin/scene/build_info.hpp"
 
 namespace resilin {
@@ -70,7 +69,7 @@ Json bodies_json(const World& world) {
                     {"law", body.law},
                     {"constants", constants},
                     {"element", body.element},
-                    {"quadrature", require_element(body.element, world.dimension, world.place).quadrature},
+                    {"quadrature", body.elastic->quadrature().name},
                     {"mass", body.mass_kind},
                     {"cells", body.num_cells()},
                     {"vertices", body.num_nodes},

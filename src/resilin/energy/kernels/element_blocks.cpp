@@ -120,8 +120,9 @@ std::vector<Index> spread_over_blocks(const std::vector<Index>& order) {
 }
 
 /// Writes geometry and nodes of a cell into a lane, its nodes in ascending order of their world numbers.
-void fill_lane(const ElementInfo& element, std::span<const Index> cell, std::span<const Index> local_cell,
-               bool is_copy, std::size_t block, std::size_t lane, const VectorX& X, ElementBlocks& out) {
+void fill_lane(const ElementInfo& element, const QuadratureRule& rule, std::span<const Index> cell,
+               std::span<const Index> local_cell, bool is_copy, std::size_t block, std::size_t lane,
+               const VectorX& X, ElementBlocks& out) {
   const auto n = static_cast<std::size_t>(element.num_nodes), dim = static_cast<std::size_t>(element.dim);
   std::vector<std::size_t> order(n);
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -132,7 +133,7 @@ void fill_lane(const ElementInfo& element, std::span<const Index> cell, std::spa
   for (std::size_t a = 0; a < n; ++a)
     for (std::size_t i = 0; i < dim; ++i)
       positions[a * dim + i] = X[static_cast<Eigen::Index>(static_cast<std::size_t>(cell[a]) * dim + i)];
-  const PointGeometry geometry = point_geometry(element, element.points[0], positions);
+  const PointGeometry geometry = point_geometry(element, rule.points[0], positions);
   const Index number = out.cells[block * block_size + lane];
   if (!is_copy && !(geometry.weight > 0 && std::isfinite(geometry.weight)))
     throw InputError("cell " + std::to_string(number), "a positive volume", format_number(geometry.weight),
@@ -171,8 +172,8 @@ std::vector<double> ElementBlocks::local_displacements(const VectorX& x) const {
   return u;
 }
 
-ElementBlocks make_element_blocks(const ElementInfo& element, std::span<const Index> cells,
-                                  const VectorX& rest_positions) {
+ElementBlocks make_element_blocks(const ElementInfo& element, const QuadratureRule& rule,
+                                  std::span<const Index> cells, const VectorX& rest_positions) {
   ElementBlocks out;
   out.dim = element.dim;
   out.num_nodes = element.num_nodes;
@@ -195,7 +196,7 @@ ElementBlocks make_element_blocks(const ElementInfo& element, std::span<const In
   for (std::size_t i = 0; i < lanes; ++i) {
     const bool is_copy = out.cells[i] < 0;
     const auto cell = static_cast<std::size_t>(is_copy ? order.back() : out.cells[i]);
-    fill_lane(element, cells.subspan(cell * n, n), std::span(local).subspan(cell * n, n), is_copy,
+    fill_lane(element, rule, cells.subspan(cell * n, n), std::span(local).subspan(cell * n, n), is_copy,
               i / block_size, i % block_size, rest_positions, out);
   }
   return out;

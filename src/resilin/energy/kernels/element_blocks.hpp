@@ -39,8 +39,8 @@ struct ElementBlocks {
 /// @param cells           world node numbers, element.num_nodes for each cell
 /// @param rest_positions  of all nodes of the world [m]
 /// @throws InputError     when a cell has no positive volume or a node number is out of range
-ElementBlocks make_element_blocks(const ElementInfo& element, std::span<const Index> cells,
-                                  const VectorX& rest_positions);
+ElementBlocks make_element_blocks(const ElementInfo& element, const QuadratureRule& rule,
+                                  std::span<const Index> cells, const VectorX& rest_positions);
 
 /// A share of the work on rows: the blocks that touch the nodes of a part, which it alone writes.
 struct OwnerPart {

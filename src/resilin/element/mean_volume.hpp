@@ -1,0 +1,37 @@
+#pragma once
+
+#include "resilin/element/bilinear_quadrilateral.hpp"
+#include "resilin/element/quadratic_tetrahedron.hpp"
+#include "resilin/element/quadratic_triangle.hpp"
+#include "resilin/element/trilinear_hexahedron.hpp"
+
+/// Elements whose law sees the volume change through its mean over the cell, so that they do not lock when
+/// the solid is nearly incompressible: one pressure per cell. Source: Nagtegaal, Parks & Rice 1974; Simo,
+/// Taylor & Pister 1985 (docs/theory/mean_volume.md).
+namespace resilin {
+
+struct QuadraticTriangleP0 : QuadraticTriangle {
+  static constexpr std::string_view name = "P2P0";
+  static constexpr std::string_view text = "quadratic triangle with one pressure";
+};
+
+struct QuadraticTetrahedronP0 : QuadraticTetrahedron {
+  static constexpr std::string_view name = "P2P0";
+  static constexpr std::string_view text = "quadratic tetrahedron with one pressure";
+};
+
+struct BilinearQuadrilateralP0 : BilinearQuadrilateral {
+  static constexpr std::string_view name = "Q1P0";
+  static constexpr std::string_view text = "bilinear quadrilateral with one pressure";
+};
+
+struct TrilinearHexahedronP0 : TrilinearHexahedron {
+  static constexpr std::string_view name = "Q1P0";
+  static constexpr std::string_view text = "trilinear hexahedron with one pressure";
+};
+
+/// Whether an element takes the mean volume ratio.
+template <class Element>
+constexpr bool has_mean_volume = Element::name.ends_with("P0");
+
+}  // namespace resilin
