@@ -53,7 +53,11 @@ void History::record(const Simulation& simulation, bool is_last) {
   const State& state = simulation.state();
   if (!states_.empty() && states_.back().step == state.step) return;
   if (!is_last && !states_.empty() && state.step % world().output.every != 0) return;
-  if (!states_.empty()) states_.back().previous_positions.resize(0);  // only needed to go on from the last
+  if (!states_.empty()) {  // what is only needed to go on from the last
+    State& before = states_.back();
+    for (VectorX* values : {&before.previous_positions, &before.previous_velocities, &before.accelerations})
+      values->resize(0);
+  }
   states_.push_back(state);
   frames_.push_back(simulation.frame());
 }

@@ -88,7 +88,9 @@ class RunningSimulation {
     if (density) material.density = *density;
     const nb::gil_scoped_release release;
     auto simulation = std::make_shared<Simulation>(changed);
-    simulation->resume_from(simulation_->state(), "material");
+    State state = simulation_->state();
+    state.accelerations.resize(0);  // those of the new material
+    simulation->resume_from(state, "material");
     description_ = std::move(changed);
     simulation_ = std::move(simulation);
   }

@@ -12,54 +12,118 @@
 namespace resilin {
 namespace {
 
-Motion advance(const Integrator& integrator, Motion motion, double frequency, double time_step,
-               int num_steps) {
-  for (int step = 0; step < num_steps; ++step) {
-    std::vector<VectorX> solutions;
+Motion at(double position, double velocity) {
+  return {.positions = VectorX::Constant(1, position),
+          .velocities = VectorX::Constant(1, velocity),
+          .accelerations = {}};
+}
+
+/// Steps of the given lengths.
+Motion advance(const Integrator& integrator, const Motion& start, double frequency,
+               const std::vector<double>& time_steps) {
+  History history{.now = start};
+  history.now.accelerations = -frequency * frequency * start.positions;
+  for (const double dt : time_steps) {
+    std::vector<Motion> solutions;
     for (int i = 0; i < integrator.num_stages(); ++i) {
-      const Stage stage = integrator.begin_stage(i, motion, solutions, time_step);
-      solutions.emplace_back(stage.target / (1 + stage.scale * frequency * frequency));
+      const Stage stage = integrator.begin_stage(i, history, solutions, dt);
+      solutions.push_back(stage.motion(stage.target() / (1 + stage.scale() * frequency * frequency)));
     }
-    motion = integrator.finish(motion, solutions, time_step);
+    Motion end = integrator.finish(history, std::move(solutions), dt);
+    history = {.now = end,
+               .previous_positions = history.now.positions,
+               .previous_velocities = history.now.velocities,
+               .previous_time_step = dt};
   }
-  return motion;
+  return history.now;
+}
+
+Motion advance(const Integrator& integrator, const Motion& start, double frequency, double time_step,
+               int num_steps) {
+  return advance(integrator, start, frequency,
+                 std::vector<double>(static_cast<std::size_t>(num_steps), time_step));
 }
 
 double error_at_one_second(const Integrator& integrator, int num_steps) {
-  const Motion start{.positions = VectorX::Constant(1, 1.0), .velocities = VectorX::Constant(1, 0.5)};
   const double w = 3;
-  const Motion end = advance(integrator, start, w, 1.0 / num_steps, num_steps);
+  const Motion end = advance(integrator, at(1.0, 0.5), w, 1.0 / num_steps, num_steps);
   return std::abs(end.positions[0] - (std::cos(w) + 0.5 / w * std::sin(w)));
 }
 
 TEST(EveryIntegrator, HasItsOrder) {
-  const std::map<std::string, double> orders = {{"backward_euler", 1}};
+  const std::map<std::string, double> orders = {
+      {"backward_euler", 1}, {"bdf2", 2}, {"tr_bdf2", 2}, {"newmark", 2}, {"midpoint", 2}};
   for (const std::string& name : integrator_names()) {
     ASSERT_TRUE(orders.contains(name)) << name << " has no order here";
     const auto integrator = make_integrator(name, "test");
     const double order =
         std::log2(error_at_one_second(*integrator, 512) / error_at_one_second(*integrator, 1024));
     EXPECT_NEAR(order, orders.at(name), 0.1) << name;
+    EXPECT_EQ(integrator->order(), orders.at(name)) << name;
   }
 }
 
 TEST(EveryIntegrator, KeepsAFreeNodeAtItsSpeed) {
   for (const std::string& name : integrator_names()) {
-    const Motion start{.positions = VectorX::Constant(1, 2.0), .velocities = VectorX::Constant(1, 0.25)};
-    const Motion end = advance(*make_integrator(name, "test"), start, 0, 0.125, 8);
+    const Motion end = advance(*make_integrator(name, "test"), at(2.0, 0.25), 0, 0.125, 8);
     EXPECT_NEAR(end.positions[0], 2.25, 1e-14) << name;
     EXPECT_NEAR(end.velocities[0], 0.25, 1e-14) << name;
   }
 }
 
-TEST(BackwardEuler, LosesEnergyHoweverLongTheStep) {
-  for (const double dt : {1e-3, 1.0, 1e3}) {
-    const Motion start{.positions = VectorX::Constant(1, 1.0), .velocities = VectorX::Constant(1, 0.5)};
-    const Motion end = advance(*make_integrator("backward_euler", "test"), start, 3, dt, 1);
-    const auto energy = [](const Motion& m) {
-      return 4.5 * m.positions.squaredNorm() + 0.5 * m.velocities.squaredNorm();
+double energy(const Motion& m, double frequency) {
+  return 0.5 * frequency * frequency * m.positions.squaredNorm() + 0.5 * m.velocities.squaredNorm();
+}
+
+TEST(EveryIntegrator, KeepsItsOrderWhenStepsChange) {
+  for (const std::string& name : integrator_names()) {
+    const auto integrator = make_integrator(name, "test");
+    const auto error = [&](int num_pairs) {
+      std::vector<double> steps;
+      for (int i = 0; i < num_pairs; ++i) steps.insert(steps.end(), {0.4 / num_pairs, 0.6 / num_pairs});
+      const double w = 3;
+      return std::abs(advance(*integrator, at(1, 0), w, steps).positions[0] - std::cos(w));
     };
-    EXPECT_LT(energy(end), energy(start));
+    EXPECT_NEAR(std::log2(error(256) / error(512)), integrator->order(), 0.1) << name;
+  }
+}
+
+TEST(EveryIntegrator, KnowsItsLocalError) {
+  // To leading order in the step: a tenth more or less at this length.
+  const double w = 3;
+  const double dt = 2e-3;
+  for (const std::string& name : integrator_names()) {
+    const auto integrator = make_integrator(name, "test");
+    History start{.now = at(std::cos(w), -w * std::sin(w))};
+    start.now.accelerations = -w * w * start.now.positions;
+    std::vector<Motion> solutions;
+    for (int i = 0; i < integrator->num_stages(); ++i) {
+      const Stage stage = integrator->begin_stage(i, start, solutions, dt);
+      solutions.push_back(stage.motion(stage.target() / (1 + stage.scale() * w * w)));
+    }
+    const Motion end = integrator->finish(start, std::move(solutions), dt);
+    const double exact = std::cos(w * (1 + dt));
+    const double error = end.positions[0] - exact;
+    EXPECT_NEAR(integrator->local_error(start, end, dt)[0], error, 0.1 * std::abs(error)) << name;
+  }
+}
+
+TEST(DissipativeIntegrators, LoseEnergyHoweverLongTheStep) {
+  for (const std::string name : {"backward_euler", "tr_bdf2"}) {
+    for (const double dt : {1e-2, 1.0, 1e3}) {
+      const Motion end = advance(*make_integrator(name, "test"), at(1, 0.5), 3, dt, 1);
+      EXPECT_LT(energy(end, 3), energy(at(1, 0.5), 3)) << name << " " << dt;
+    }
+  }
+}
+
+TEST(StiffVibrations, AreDampedAwayByTheOnesThatSaySo) {
+  const std::map<std::string, double> left = {
+      {"backward_euler", 0}, {"bdf2", 0}, {"tr_bdf2", 0}, {"newmark", 1}, {"midpoint", 1}};
+  for (const std::string& name : integrator_names()) {
+    const double w = 1e4;
+    const Motion end = advance(*make_integrator(name, "test"), at(1, 0), w, 0.1, 60);
+    EXPECT_NEAR(energy(end, w) / energy(at(1, 0), w), left.at(name), 1e-8) << name;
   }
 }
 
@@ -69,7 +133,8 @@ TEST(Integrator, UnknownNameListsTheKnownOnes) {
     FAIL();
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),
-                 "scene.toml: simulation.integrator: expected one of backward_euler, got \"rk4\"");
+                 "scene.toml: simulation.integrator: expected one of backward_euler, bdf2, tr_bdf2, newmark, "
+                 "midpoint, got \"rk4\"");
   }
 }
 

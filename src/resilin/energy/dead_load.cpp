@@ -24,7 +24,7 @@ void DeadLoad::add_gradient(const VectorX&, const Conditions& c, VectorX& gradie
 }
 
 void DeadLoad::add_gradient_magnitude(const VectorX&, const Conditions& c, VectorX& magnitude) const {
-  magnitude += factor(c) * forces_.cwiseAbs();
+  magnitude += std::abs(factor(c)) * forces_.cwiseAbs();
 }
 
 void add_traction(int dim, std::span<const LoadedFacet> facets, const VectorX& rest_positions,

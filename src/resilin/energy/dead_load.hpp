@@ -4,26 +4,31 @@
 
 #include "resilin/energy/energy.hpp"
 #include "resilin/energy/facet.hpp"
+#include "resilin/energy/time_function.hpp"
 
 namespace resilin {
 
-/// When a load acts in motion: from < t <= until [s].
+/// When a load acts in motion, from < t <= until [s], and how strongly.
 struct ActiveTime {
   double from = -std::numeric_limits<double>::infinity();
   double until = std::numeric_limits<double>::infinity();
+  TimeFunction function{};
 
   /// Times are met to a small part of a step, so that a window that ends at a step's end includes that step.
   bool contains(double time) const;
+  /// The function's value in this time, zero outside.
+  double factor(double time) const { return contains(time) ? function.value(time) : 0; }
 };
 
-/// Forces that keep their size and direction while the body deforms: E = -t f.(x - X), t the load factor.
+/// Forces that keep their size and direction while the body deforms: E = -t f.(x - X), t the load factor
+/// times the function of time.
 class DeadLoad final : public Energy {
  public:
   DeadLoad(std::string name, VectorX nodal_forces, VectorX rest_positions, ActiveTime active = {})
       : name_(std::move(name)),
         forces_(std::move(nodal_forces)),
         rest_positions_(std::move(rest_positions)),
-        active_(active) {}
+        active_(std::move(active)) {}
 
   std::string_view name() const override { return name_; }
   double value(const VectorX& x, const Conditions& c) const override;
@@ -33,7 +38,7 @@ class DeadLoad final : public Energy {
   void add_hessian(const VectorX&, const Conditions&, Projection, BlockMatrix&) const override {}
 
  private:
-  double factor(const Conditions& c) const { return active_.contains(c.time) ? c.load : 0; }
+  double factor(const Conditions& c) const { return c.load * active_.factor(c.time); }
 
   std::string name_;
   VectorX forces_;  ///< [N]

@@ -10,10 +10,11 @@ HandleSpring::HandleSpring(std::string name, int dim, std::vector<Index> nodes, 
       stiffness_(stiffness),
       motion_(std::move(motion)),
       rest_positions_(std::move(rest_positions)),
-      active_(active) {}
+      active_(std::move(active)) {}
 
 Vector3 HandleSpring::stretch(Index node, const VectorX& x, const Conditions& c) const {
-  const Vector3 far_end = node_position(dim_, node, rest_positions_) + c.load * motion_.displacement +
+  const Vector3 far_end = node_position(dim_, node, rest_positions_) +
+                          c.load * active_.function.value(c.time) * motion_.displacement +
                           (c.time - motion_.start) * motion_.velocity;
   return node_position(dim_, node, x) - far_end;
 }

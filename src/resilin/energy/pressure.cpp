@@ -34,7 +34,7 @@ Pressure::Pressure(std::string name, int dim, std::vector<LoadedFacet> facets, d
       facets_(std::move(facets)),
       pressure_(pressure),
       rest_positions_(std::move(rest_positions)),
-      active_(active) {}
+      active_(std::move(active)) {}
 
 double Pressure::difference(const VectorX& from, const VectorX& to, const Conditions& c) const {
   const double p = factor(c);

@@ -29,7 +29,7 @@ class Pressure final : public Energy {
   void add_hessian(const VectorX& x, const Conditions& c, Projection, BlockMatrix& hessian) const override;
 
  private:
-  double factor(const Conditions& c) const { return active_.contains(c.time) ? c.load * pressure_ : 0; }
+  double factor(const Conditions& c) const { return c.load * active_.factor(c.time) * pressure_; }
 
   std::string name_;
   int dim_;

@@ -3,6 +3,10 @@
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/integrator/backward_euler.hpp"
+#include "resilin/integrator/bdf2.hpp"
+#include "resilin/integrator/midpoint.hpp"
+#include "resilin/integrator/newmark.hpp"
+#include "resilin/integrator/tr_bdf2.hpp"
 
 namespace resilin {
 namespace {
@@ -19,6 +23,10 @@ std::unique_ptr<Integrator> make() {
 
 constexpr std::array catalog = {
     Entry{"backward_euler", make<BackwardEuler>},
+    Entry{"bdf2", make<Bdf2>},
+    Entry{"tr_bdf2", make<TrBdf2>},
+    Entry{"newmark", make<Newmark>},
+    Entry{"midpoint", make<Midpoint>},
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "resilin/core/types.hpp"
+#include "resilin/energy/time_function.hpp"
 #include "resilin/mesh/mesh.hpp"
 
 /// What a user says about a simulation, as plain data: the scene file, the Python dict and C++ programs all
@@ -79,6 +80,7 @@ struct FixDescription {
   std::optional<Rotation> rotate;                      ///< in place of displacement and gradient
   Vector3 velocity = Vector3::Zero();                  ///< in motion: moves on at this speed [m/s] ...
   std::optional<double> until;                         ///< ... until this time, then stays [s]
+  TimeFunction time_function;  ///< in motion: a factor on displacement, gradient and rotate
 };
 
 struct LoadDescription {
@@ -97,6 +99,7 @@ struct LoadDescription {
   Vector3 velocity = Vector3::Zero();  ///< ... and moves on at this speed [m/s]
   double from = 0;                     ///< in motion: acts from this time [s] ...
   std::optional<double> until;         ///< ... until this time [s]
+  TimeFunction time_function;          ///< in motion: a factor on the load, or on a spring's displacement
 };
 
 struct ProbeDescription {

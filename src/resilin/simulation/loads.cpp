@@ -12,7 +12,9 @@ namespace {
 ActiveTime active_time(const LoadDescription& load, bool is_dynamic) {
   if (!is_dynamic) return {};
   constexpr double infinity = std::numeric_limits<double>::infinity();
-  return {.from = load.from > 0 ? load.from : -infinity, .until = load.until.value_or(infinity)};
+  return {.from = load.from > 0 ? load.from : -infinity,
+          .until = load.until.value_or(infinity),
+          .function = load.time_function};
 }
 
 /// Nodal forces [N] of a force per rest volume [N/m^3] on the cells whose vertices are all selected; each

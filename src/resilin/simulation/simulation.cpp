@@ -5,15 +5,11 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/simulation/load_control.hpp"
-#include "resilin/simulation/potential.hpp"
 
 namespace resilin {
 
 Simulation::Simulation(World world)
     : world_(std::move(world)),
-      integrator_(world_.is_dynamic
-                      ? make_integrator(world_.integrator, world_.place + ": simulation.integrator")
-                      : nullptr),
       newton_(world_.dimension, world_.pattern,
               make_linear_solver({.kind = world_.solver.kind,
                                   .is_dynamic = world_.is_dynamic,
@@ -25,6 +21,10 @@ Simulation::Simulation(World world)
   state_.load = world_.is_dynamic ? 1 : 0;
   state_.load_increment = 1.0 / world_.load_steps;
   state_.previous_positions = state_.positions;
+  if (world_.is_dynamic) {
+    time_stepper_.emplace(world_);
+    time_stepper_->prepare(world_, state_);
+  }
   frame_ = measure_frame(world_, state_, nullptr);
 }
 
@@ -41,9 +41,10 @@ int Simulation::expected_steps() const {
 StepReport Simulation::step(const NewtonObserver& observer) {
   const auto start = std::chrono::steady_clock::now();
   const int step_before = state_.step;
-  StepReport report =
-      world_.is_dynamic ? step_in_time(observer) : step_in_load(world_, newton_, state_, observer);
-  if (!world_.is_dynamic && state_.step > step_before) frame_ = measure_frame(world_, state_, nullptr);
+  VectorX gradient;
+  StepReport report = time_stepper_ ? time_stepper_->step(world_, newton_, state_, gradient, observer)
+                                    : step_in_load(world_, newton_, state_, observer);
+  if (state_.step > step_before) frame_ = measure_frame(world_, state_, time_stepper_ ? &gradient : nullptr);
   timing_.assembly += report.newton.assembly_seconds;
   timing_.solve += report.newton.solve_seconds;
   timing_.steps += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -56,44 +57,6 @@ StepReport Simulation::step(const NewtonObserver& observer) {
   return report;
 }
 
-StepReport Simulation::step_in_time(const NewtonObserver& observer) {
-  StepReport report;
-  const Motion start{.positions = state_.positions, .velocities = state_.velocities};
-  std::vector<VectorX> solutions;
-  VectorX gradient;
-  for (int i = 0; i < integrator_->num_stages(); ++i) {
-    const Stage stage = integrator_->begin_stage(i, start, solutions, world_.time_step);
-    const Conditions conditions{.time = state_.time + stage.time_fraction * world_.time_step, .load = 1};
-    const Inertia inertia(world_.mass, stage.target, stage.scale);
-    const Potential potential(world_, conditions, &inertia);
-    VectorX targets = solutions.empty() ? start.positions : solutions.back();
-    VectorX x = targets;
-    place_supports(world_.dimension, world_.supports, world_.rest_positions, conditions, targets);
-    const VectorX held = x;
-    choose_lower_start(potential, world_.is_fixed, held, stage.target, x);
-    const NewtonReport newton =
-        newton_.minimize(potential, world_.is_fixed, targets, newton_settings(world_), x, observer);
-    add_to(report.newton, newton);
-    if (newton.status == NewtonReport::Status::interrupted) {
-      report.status = StepReport::Status::interrupted;
-      return report;
-    }
-    if (!newton.converged()) {
-      report.status = StepReport::Status::not_converged;
-      report.reason = describe_failure(world_, newton, x);
-    }
-    potential.gradient(x, gradient);
-    solutions.push_back(std::move(x));
-  }
-  Motion end = integrator_->finish(start, solutions, world_.time_step);
-  state_.positions = std::move(end.positions);
-  state_.velocities = std::move(end.velocities);
-  ++state_.step;
-  state_.time = state_.step * world_.time_step;
-  frame_ = measure_frame(world_, state_, &gradient);
-  return report;
-}
-
 void Simulation::resume_from(const State& state, const std::string& place) {
   if (state.positions.size() != state_.positions.size() ||
       state.velocities.size() != state_.velocities.size()) {
@@ -102,6 +65,7 @@ void Simulation::resume_from(const State& state, const std::string& place) {
                      "the scene was changed: run again without --resume");
   }
   state_ = state;
+  if (time_stepper_) time_stepper_->prepare(world_, state_);
   frame_ = measure_frame(world_, state_, nullptr);
 }
 

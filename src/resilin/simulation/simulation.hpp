@@ -1,12 +1,12 @@
 #pragma once
 
-#include <memory>
+#include <optional>
 #include <string>
 
-#include "resilin/integrator/integrator.hpp"
 #include "resilin/simulation/frame.hpp"
 #include "resilin/simulation/state.hpp"
 #include "resilin/simulation/step.hpp"
+#include "resilin/simulation/time_stepping.hpp"
 #include "resilin/simulation/world.hpp"
 
 namespace resilin {
@@ -49,10 +49,8 @@ class Simulation {
   void resume_from(const State& state, const std::string& place);
 
  private:
-  StepReport step_in_time(const NewtonObserver& observer);
-
   World world_;
-  std::unique_ptr<Integrator> integrator_;
+  std::optional<TimeStepper> time_stepper_;  ///< in motion
   Newton newton_;
   State state_;
   Frame frame_;

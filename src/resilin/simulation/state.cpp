@@ -10,7 +10,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "images are little-endian");
 
-constexpr std::string_view magic = "resilin state 1\n";
+constexpr std::string_view magic = "resilin state 2\n";
 
 template <class T>
 void put(std::string& image, const T& value) {
@@ -80,6 +80,10 @@ std::string serialize(const State& state) {
   put(image, state.load_increment);
   put(image, state.previous_load);
   put(image, state.previous_positions);
+  put(image, state.accelerations);
+  put(image, state.previous_velocities);
+  put(image, state.previous_time_step);
+  put(image, state.time_step);
   put(image, checksum(image));
   return image;
 }
@@ -98,6 +102,10 @@ State deserialize_state(std::string_view image, const std::string& place) {
   state.load_increment = reader.get<double>();
   state.previous_load = reader.get<double>();
   state.previous_positions = reader.get_vector();
+  state.accelerations = reader.get_vector();
+  state.previous_velocities = reader.get_vector();
+  state.previous_time_step = reader.get<double>();
+  state.time_step = reader.get<double>();
   const auto sum = reader.get<std::uint64_t>();
   if (sum != checksum(image.substr(0, image.size() - sizeof(sum)))) {
     throw InputError(place, "a checkpoint as it was written", "a damaged one", "run again without --resume");

@@ -15,10 +15,17 @@ struct State {
   VectorX positions;   ///< [m]
   VectorX velocities;  ///< [m/s]; zero in statics
 
+  VectorX previous_positions;  ///< one step before [m]
+
   // Static load control: what the next increment is and where its guess is extrapolated from.
   double load_increment = 1;
   double previous_load = 0;
-  VectorX previous_positions;
+
+  // Motion: what integrators need besides.
+  VectorX accelerations;          ///< [m/s^2]; empty: not known yet
+  VectorX previous_velocities;    ///< one step before [m/s]
+  double previous_time_step = 0;  ///< length of that step [s]; 0: there was none
+  double time_step = 0;           ///< length of the next step, where steps adapt [s]
 };
 
 /// Exact binary image of a state, for checkpoints.

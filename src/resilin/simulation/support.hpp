@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "resilin/energy/energy.hpp"
+#include "resilin/energy/time_function.hpp"
+#include "resilin/integrator/integrator.hpp"
 #include "resilin/simulation/description.hpp"
 
 namespace resilin {
@@ -22,9 +24,13 @@ struct Support {
   std::optional<Rotation> rotate;
   Vector3 velocity = Vector3::Zero();
   std::optional<double> until;
+  TimeFunction time_function;  ///< of displacement, gradient and rotate
 
   /// Where a node with rest position X belongs [m].
   Vector3 target(const Vector3& X, const Conditions& c) const;
+  /// How it moves there: the velocity [m/s] and the acceleration [m/s^2], from before where they jump.
+  Vector3 velocity_at(const Vector3& X, double time) const;
+  Vector3 acceleration_at(const Vector3& X, double time) const;
 };
 
 /// Which unknowns are prescribed, and by which support: dim numbers per node, -1 where free.
@@ -37,5 +43,9 @@ void check_support_conflicts(int dim, const std::vector<Support>& supports, cons
 /// Writes the prescribed places into `x`.
 void place_supports(int dim, const std::vector<Support>& supports, const VectorX& rest_positions,
                     const Conditions& c, VectorX& x);
+
+/// The same with the velocities [m/s] and accelerations [m/s^2] of the prescribed motion.
+void place_supports(int dim, const std::vector<Support>& supports, const VectorX& rest_positions, double time,
+                    Motion& motion);
 
 }  // namespace resilin

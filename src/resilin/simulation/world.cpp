@@ -270,7 +270,8 @@ void Builder::add_support(const FixDescription& fix) {
                   .gradient = fix.gradient,
                   .rotate = fix.rotate,
                   .velocity = fix.velocity,
-                  .until = fix.until};
+                  .until = fix.until,
+                  .time_function = fix.time_function};
   if (world_.dimension == 2) support.components[2] = false;
   for (Index& node : support.nodes) node += body.first_node;
   world_.supports.push_back(std::move(support));

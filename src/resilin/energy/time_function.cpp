@@ -1,0 +1,73 @@
+#include "resilin/energy/time_function.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace resilin {
+namespace {
+
+double slack(double time) { return 1e-9 * std::max(1.0, std::abs(time)); }
+
+double angle(const TimeFunction::Sine& sine, double time) {
+  return 2 * std::numbers::pi * sine.frequency * time + sine.phase * std::numbers::pi / 180;
+}
+
+/// Number of the segment that ends at or after `time`: from point i - 1 to point i; 0 or times.size()
+/// outside.
+std::size_t segment_before(const TimeFunction::Table& table, double time) {
+  const auto point = std::lower_bound(table.times.begin(), table.times.end(), time - slack(time));
+  return static_cast<std::size_t>(point - table.times.begin());
+}
+
+double slope(const TimeFunction::Table& table, std::size_t i) {
+  return (table.values[i] - table.values[i - 1]) / (table.times[i] - table.times[i - 1]);
+}
+
+struct Value {
+  double time;
+  double operator()(const TimeFunction::Constant&) const { return 1; }
+  double operator()(const TimeFunction::Table& table) const {
+    const std::size_t i = segment_before(table, time);
+    if (i == 0) return table.values.front();
+    if (i == table.times.size()) return table.values.back();
+    return table.values[i] + (time - table.times[i]) * slope(table, i);
+  }
+  double operator()(const TimeFunction::Sine& sine) const {
+    return sine.offset + sine.amplitude * std::sin(angle(sine, time));
+  }
+  double operator()(const TimeFunction::Ramp& ramp) const {
+    return std::clamp((time - ramp.from) / (ramp.until - ramp.from), 0.0, 1.0);
+  }
+};
+
+struct Rate {
+  double time;
+  double operator()(const TimeFunction::Constant&) const { return 0; }
+  double operator()(const TimeFunction::Table& table) const {
+    const std::size_t i = segment_before(table, time);
+    return i == 0 || i == table.times.size() ? 0 : slope(table, i);
+  }
+  double operator()(const TimeFunction::Sine& sine) const {
+    return 2 * std::numbers::pi * sine.frequency * sine.amplitude * std::cos(angle(sine, time));
+  }
+  double operator()(const TimeFunction::Ramp& ramp) const {
+    const bool rises = time > ramp.from + slack(time) && time <= ramp.until + slack(time);
+    return rises ? 1 / (ramp.until - ramp.from) : 0;
+  }
+};
+
+}  // namespace
+
+double TimeFunction::value(double time) const { return std::visit(Value{time}, form); }
+
+double TimeFunction::rate(double time) const { return std::visit(Rate{time}, form); }
+
+double TimeFunction::second_rate(double time) const {
+  const Sine* sine = std::get_if<Sine>(&form);
+  if (sine == nullptr) return 0;
+  const double w = 2 * std::numbers::pi * sine->frequency;
+  return -w * w * sine->amplitude * std::sin(angle(*sine, time));
+}
+
+}  // namespace resilin

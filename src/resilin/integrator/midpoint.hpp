@@ -1,0 +1,41 @@
+#pragma once
+
+#include "resilin/integrator/integrator.hpp"
+
+namespace resilin {
+
+/// The implicit midpoint rule: forces are those at the middle x_m of the straight way of the step,
+///
+///   x_m = x_n + dt/2 v_m,   v_m = v_n + dt/2 a_m,   x = 2 x_m - x_n,   v = 2 v_m - v_n
+///
+/// Second order, symplectic: keeps linear and angular momentum exactly, and energy near its value for long
+/// times. The accelerations that it leaves are a_m. Source: Hairer, Lubich & Wanner 2006, sec. VI.4.
+class Midpoint final : public Integrator {
+ public:
+  std::string_view name() const override { return "midpoint"; }
+  int order() const override { return 2; }
+  bool solves_for_end() const override { return false; }
+
+  Stage begin_stage(int, const History& start, const std::vector<Motion>&, double dt) const override {
+    return {.base_positions = start.now.positions,
+            .base_velocities = start.now.velocities,
+            .duration = 0.5 * dt,
+            .time_fraction = 0.5,
+            .is_mean = true};
+  }
+
+  Motion finish(const History& start, std::vector<Motion> solutions, double) const override {
+    Motion& middle = solutions.back();
+    return {.positions = 2 * middle.positions - start.now.positions,
+            .velocities = 2 * middle.velocities - start.now.velocities,
+            .accelerations = std::move(middle.accelerations)};
+  }
+
+  /// dt^3/12 a', its slope from the accelerations in the middles of this step and the one before.
+  VectorX local_error(const History& start, const Motion& end, double dt) const override {
+    return dt * dt * dt / 12 * (end.accelerations - start.now.accelerations) /
+           (0.5 * (dt + start.previous_time_step));
+  }
+};
+
+}  // namespace resilin

@@ -1,0 +1,48 @@
+#include "resilin/simulation/initial_acceleration.hpp"
+
+#include "resilin/linear/linear_solver.hpp"
+
+namespace resilin {
+namespace {
+
+constexpr double mass_tolerance = 1e-14;  ///< mass matrices are well conditioned: this is round-off
+
+/// Solves M a = b over the free unknowns; `a` and `b` are zero at the others.
+VectorX solve_with_mass(const World& world, const VectorX& b) {
+  BlockMatrix matrix(world.dimension, world.mass.pattern);
+  world.mass.add_to(1, matrix);
+  eliminate(matrix, world.is_fixed);
+  const auto solver = make_linear_solver({.kind = "cg_jacobi"}, world.num_free_unknowns());
+  solver->analyze(matrix, world.start_positions);
+  solver->factorize(matrix);
+  VectorX a = VectorX::Zero(b.size());
+  solver->solve(matrix, b, a, mass_tolerance);
+  return a;
+}
+
+}  // namespace
+
+VectorX accelerations_at(const World& world, const State& state, const VectorX& prescribed) {
+  const Conditions conditions{.time = state.time, .load = state.load};
+  VectorX gradient = VectorX::Zero(state.positions.size());
+  for (const auto& energy : world.elastic) energy->add_gradient(state.positions, conditions, gradient);
+  for (const auto& energy : world.external) energy->add_gradient(state.positions, conditions, gradient);
+  if (!gradient.allFinite()) gradient.setZero();  // a start outside the domain pulls nowhere in particular
+  VectorX a = VectorX::Zero(gradient.size());
+  const auto is_fixed = [&](Eigen::Index i) { return world.is_fixed[static_cast<std::size_t>(i)] != 0; };
+  for (Eigen::Index i = 0; i < a.size(); ++i)
+    if (is_fixed(i)) a[i] = prescribed[i];
+  if (world.mass.is_lumped()) {
+    for (Eigen::Index i = 0; i < a.size(); ++i)
+      if (!is_fixed(i)) a[i] = -gradient[i] / world.mass.nodal[i / world.dimension];
+    return a;
+  }
+  VectorX pull;
+  world.mass.multiply(a, pull);
+  VectorX right_side = -gradient - pull;
+  for (Eigen::Index i = 0; i < a.size(); ++i)
+    if (is_fixed(i)) right_side[i] = 0;
+  return a + solve_with_mass(world, right_side);
+}
+
+}  // namespace resilin

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <memory>
+
+#include "resilin/integrator/integrator.hpp"
+#include "resilin/simulation/state.hpp"
+#include "resilin/simulation/step.hpp"
+
+namespace resilin {
+
+/// Steps through time by the integrator of a world (docs/theory/integrators.md).
+class TimeStepper {
+ public:
+  /// Throws InputError for an unknown integrator.
+  explicit TimeStepper(const World& world);
+
+  /// Completes a state that a run begins with: the motion of its fixed unknowns, and the accelerations where
+  /// the integrator needs them and the state has none.
+  void prepare(const World& world, State& state) const;
+
+  /// One step from `state`, which is moved; left alone when interrupted. `gradient` becomes dE/dx of the step
+  /// with its inertia, from which reactions follow.
+  StepReport step(const World& world, Newton& newton, State& state, VectorX& gradient,
+                  const NewtonObserver& observer) const;
+
+ private:
+  struct Attempt;
+  Attempt attempt(const World& world, Newton& newton, const State& state, double time_step,
+                  const Integrator& integrator, const NewtonObserver& observer) const;
+
+  std::unique_ptr<Integrator> integrator_;
+};
+
+}  // namespace resilin
