@@ -279,42 +279,6 @@ TEST(ElasticEnergy, StepBoundNeverLetsACellInvert) {
   EXPECT_EQ(make_energy(body, *find_law("stable_neo_hookean")).max_step(body.X, 100 * body.moved(1)), 1);
 }
 
-TEST(ElasticEnergy, ProjectsOnlyCellsAtMarkedNodes) {
-  for (const int dim : {2, 3}) {
-    const Body body(dim);
-    ElasticEnergy energy = make_energy(body, *find_law("stable_neo_hookean"));
-    const VectorX x = body.moved(0.06);
-    const auto num_nodes = static_cast<std::size_t>(body.X.size() / dim);
-    const auto assemble = [&](Projection projection, const std::vector<std::uint8_t>& marks, Index& count) {
-      Assembled assembled(body, energy);
-      count = energy.add_hessian_selective(x, {}, projection, marks, assembled.A);
-      return assembled.A.values;
-    };
-    const auto whole = [&](Projection projection) {
-      Assembled assembled(body, energy);
-      energy.add_hessian(x, {}, projection, assembled.A);
-      return assembled.A.values;
-    };
-    Index count = 0;
-    EXPECT_EQ(assemble(Projection::clamp, std::vector<std::uint8_t>(num_nodes, 0), count),
-              whole(Projection::none));
-    EXPECT_EQ(count, 0);
-    EXPECT_EQ(assemble(Projection::clamp, std::vector<std::uint8_t>(num_nodes, 1), count),
-              whole(Projection::clamp));
-    EXPECT_EQ(count, energy.num_cells());
-    std::vector<std::uint8_t> marks(num_nodes, 0);
-    marks[static_cast<std::size_t>(body.cells[0])] = 1;
-    const auto some = assemble(Projection::clamp, marks, count);
-    Index touching = 0;
-    for (std::size_t cell = 0; cell < body.cells.size() / static_cast<std::size_t>(dim + 1); ++cell)
-      for (std::size_t a = 0; a <= static_cast<std::size_t>(dim); ++a)
-        touching += body.cells[cell * static_cast<std::size_t>(dim + 1) + a] == body.cells[0];
-    EXPECT_EQ(count, touching);
-    EXPECT_NE(some, whole(Projection::none));
-    EXPECT_NE(some, whole(Projection::clamp));
-  }
-}
-
 TEST(ElasticEnergy, RefusesACellWithoutPositiveVolume) {
   Body body(3);
   std::swap(body.cells[4], body.cells[5]);

@@ -1,7 +1,6 @@
 #include "resilin/energy/elastic.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -11,13 +10,12 @@
 #include "resilin/core/simd.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/element/catalog.hpp"
-#include "resilin/energy/elastic_tiles.hpp"
 #include "resilin/energy/inversion_bound.hpp"
-#include "resilin/material/law_kernels.hpp"
-#include "resilin/material/point_kernels.hpp"
 
 namespace resilin {
 namespace {
+
+constexpr std::size_t blocks_per_chunk = 256;  ///< of a parallel loop
 
 /// Sum of the lanes and their compensations, in a fixed order.
 struct LaneSum {
@@ -51,147 +49,123 @@ ElasticEnergy::ElasticEnergy(int dim, const ElementChoice& choice, std::span<con
                              InstructionSet instruction_set)
     : element_(&require_element(choice.element, dim, "element")),
       rule_(&element_->quadrature(choice.quadrature, "quadrature")),
-      blocks_(make_element_blocks(*element_, *rule_, cells, rest_positions)),
-      law_(&law),
       instruction_set_(instruction_set),
-      kernels_(&element_kernels(dim, instruction_set)),
-      law_kernels_(&resilin::law_kernels(law.index, instruction_set)),
-      all_blocks_(blocks_.num_blocks),
+      tiles_(make_element_blocks(*element_, *rule_, cells, rest_positions), law, element_->has_mean_volume,
+             instruction_set),
+      all_blocks_(tiles_.blocks.num_blocks),
       pattern_nodes_(cells.begin(), cells.end()) {
+  if (element_->has_mean_volume && !law.has_volume_energy)
+    throw InputError("element", "a law whose volume energy stands apart for " + std::string(element_->name),
+                     std::string(law.name),
+                     "choose " + std::string(element_->name.substr(0, 2)) + " or another law (docs/laws.md)");
+  const ElementBlocks& blocks = tiles_.blocks;
   std::iota(all_blocks_.begin(), all_blocks_.end(), 0);
-  lane_of_cell_.resize(static_cast<std::size_t>(blocks_.num_cells));
-  for (std::size_t i = 0; i < blocks_.cells.size(); ++i)
-    if (blocks_.cells[i] >= 0)
-      lane_of_cell_[static_cast<std::size_t>(blocks_.cells[i])] = static_cast<Index>(i);
-  const std::size_t count = law.constants.size();
+  lane_of_cell_.resize(static_cast<std::size_t>(blocks.num_cells));
+  for (std::size_t i = 0; i < blocks.cells.size(); ++i)
+    if (blocks.cells[i] >= 0)
+      lane_of_cell_[static_cast<std::size_t>(blocks.cells[i])] = static_cast<Index>(i);
+  set_constants(constants);
+  set_directions(fibres);
+  parts_ = std::make_shared<std::vector<OwnerPart>>(split_by_owner(blocks, num_threads()));
+}
+
+void ElasticEnergy::set_constants(std::span<const double> constants) {
+  const ElementBlocks& blocks = tiles_.blocks;
+  const std::size_t count = law().constants.size();
   const bool is_uniform = constants.size() == count;
-  if (!is_uniform && constants.size() != count * static_cast<std::size_t>(blocks_.num_cells))
+  if (!is_uniform && constants.size() != count * static_cast<std::size_t>(blocks.num_cells))
     throw InputError("constants", std::to_string(count) + " numbers, once or for every cell",
                      std::to_string(constants.size()));
-  constant_stride_ = is_uniform ? 0 : count * block_size;
-  constants_.resize(count * block_size * (is_uniform ? 1 : blocks_.num_blocks));
-  for (std::size_t i = 0; i < constants_.size(); ++i) {
+  tiles_.constant_stride = is_uniform ? 0 : count * block_size;
+  tiles_.constants.resize(count * block_size * (is_uniform ? 1 : blocks.num_blocks));
+  for (std::size_t i = 0; i < tiles_.constants.size(); ++i) {
     const std::size_t lane = i % block_size, k = i / block_size % count, block = i / (block_size * count);
-    const Index cell = is_uniform ? 0 : std::max(blocks_.cells[block * block_size + lane], Index{0});
-    constants_[i] = constants[static_cast<std::size_t>(cell) * count + k];
+    const Index cell = is_uniform ? 0 : std::max(blocks.cells[block * block_size + lane], Index{0});
+    tiles_.constants[i] = constants[static_cast<std::size_t>(cell) * count + k];
   }
-  set_directions(fibres);
-  parts_ = std::make_shared<std::vector<OwnerPart>>(split_by_owner(blocks_, num_threads()));
 }
 
 void ElasticEnergy::set_directions(const FibreDirections& fibres) {
-  const auto num_cells = static_cast<std::size_t>(blocks_.num_cells);
+  const ElementBlocks& blocks = tiles_.blocks;
+  const auto num_cells = static_cast<std::size_t>(blocks.num_cells);
   const std::size_t count = fibres.directions.size();
   num_families_ = fibres.num_families;
   const bool is_uniform = count == num_families_;
-  if (law_->max_fibres == 0) {
+  if (law().max_fibres == 0) {
     if (count == 0 && num_families_ == 0) return;
-    throw InputError("fibres", "none: " + std::string(law_->name) + " is isotropic", std::to_string(count));
+    throw InputError("fibres", "none: " + std::string(law().name) + " is isotropic", std::to_string(count));
   }
-  if (num_families_ == 0 || num_families_ > static_cast<std::size_t>(law_->max_fibres) ||
+  if (num_families_ == 0 || num_families_ > static_cast<std::size_t>(law().max_fibres) ||
       (!is_uniform && count != num_families_ * num_cells))
     throw InputError("fibres",
-                     "1 to " + std::to_string(law_->max_fibres) + " families, once or for every cell",
+                     "1 to " + std::to_string(law().max_fibres) + " families, once or for every cell",
                      std::to_string(num_families_) + " families and " + std::to_string(count) +
                          " directions for " + std::to_string(num_cells) + " cells");
   for (const Vector3& fibre : fibres.directions)
     if (!(std::abs(fibre.norm() - 1) < 1e-9))
       throw InputError("fibres", "vectors of length 1", "one of length " + format_number(fibre.norm()));
-  directions_.assign(blocks_.num_blocks * fibre_rows * block_size, 0.0);
-  for (std::size_t i = 0; i < blocks_.cells.size(); ++i) {
-    const auto cell = static_cast<std::size_t>(std::max(blocks_.cells[i], Index{0}));
+  tiles_.directions.assign(blocks.num_blocks * fibre_rows * block_size, 0.0);
+  for (std::size_t i = 0; i < blocks.cells.size(); ++i) {
+    const auto cell = static_cast<std::size_t>(std::max(blocks.cells[i], Index{0}));
     for (std::size_t family = 0; family < num_families_; ++family)
       for (std::size_t k = 0; k < 3; ++k)
-        directions_[(i / block_size * fibre_rows + 3 * family + k) * block_size + i % block_size] =
+        tiles_.directions[(i / block_size * fibre_rows + 3 * family + k) * block_size + i % block_size] =
             fibres.directions[is_uniform ? family : cell * num_families_ + family]
                              [static_cast<Eigen::Index>(k)];
   }
 }
 
-ElementTile ElasticEnergy::tile(const Index* block_numbers, std::size_t count) const {
-  return {block_numbers,
-          count,
-          blocks_.num_blocks,
-          blocks_.nodes.data(),
-          blocks_.gradients.data(),
-          blocks_.weights.data(),
-          directions_.empty() ? nullptr : directions_.data()};
-}
-
-HessianForm ElasticEnergy::form(Projection projection) const {
-  return {law_form(), removed_part(projection)};
-}
-
-void ElasticEnergy::call_law(void (*kernel)(const LawBatch&), const ElementTile& tile, Scratch& scratch,
-                             double* results) const {
-  const double* constants = constants_.data();
-  if (constant_stride_ != 0) {
-    for (std::size_t i = 0; i < tile.num_blocks; ++i)
-      std::copy_n(constants_.data() + static_cast<std::size_t>(tile.blocks[i]) * constant_stride_,
-                  constant_stride_, scratch.constants.data() + i * constant_stride_);
-    constants = scratch.constants.data();
-  }
-  kernel({tile.num_blocks, scratch.variables.data(), constants, constant_stride_, results});
-}
-
 double ElasticEnergy::energy_sum(const double* displacements, const double* displacements_from) const {
-  return parallel_sum<LaneSum>(
-             blocks_.num_blocks, blocks_per_chunk,
-             [&](std::size_t begin, std::size_t end) {
-               LaneSum sum;
-               Scratch scratch;
-               const auto evaluate = [&](const ElementTile& part, const double* u, double* energy) {
-                 kernels_->measure(part, law_form(), u, scratch.H.data(), scratch.variables.data(), nullptr);
-                 call_law(law_kernels_->energy, part, scratch, energy);
-               };
-               for_tiles(begin, end, [&](std::size_t first, std::size_t count) {
-                 const ElementTile part = tile(first, count);
-                 evaluate(part, displacements, scratch.energy.data());
-                 const double* from = nullptr;
-                 if (displacements_from != nullptr) {
-                   evaluate(part, displacements_from, scratch.energy_from.data());
-                   from = scratch.energy_from.data();
-                 }
-                 kernels_->add_energies(part, scratch.energy.data(), from, sum.lanes);
-               });
-               return sum;
-             })
+  return parallel_sum<LaneSum>(all_blocks_.size(), blocks_per_chunk,
+                               [&](std::size_t begin, std::size_t end) {
+                                 LaneSum sum;
+                                 ElasticTiles::Scratch scratch(tiles_);
+                                 for_tiles(tiles_, all_blocks_.data() + begin, end - begin,
+                                           [&](const ElasticTiles::Tile& tile) {
+                                             tiles_.energies(tile, displacements, scratch, scratch.energy);
+                                             const double* from = nullptr;
+                                             if (displacements_from != nullptr) {
+                                               tiles_.energies(tile, displacements_from, scratch,
+                                                               scratch.energy_from);
+                                               from = scratch.energy_from;
+                                             }
+                                             tiles_.add_energies(tile, scratch.energy, from, sum.lanes);
+                                           });
+                                 return sum;
+                               })
       .total();
 }
 
 double ElasticEnergy::value(const VectorX& x, const Conditions&) const {
-  return energy_sum(blocks_.local_displacements(x).data(), nullptr);
+  return energy_sum(tiles_.blocks.local_displacements(x).data(), nullptr);
 }
 
 double ElasticEnergy::difference(const VectorX& from, const VectorX& to, const Conditions&) const {
-  return energy_sum(blocks_.local_displacements(to).data(), blocks_.local_displacements(from).data());
+  return energy_sum(tiles_.blocks.local_displacements(to).data(),
+                    tiles_.blocks.local_displacements(from).data());
 }
 
 std::shared_ptr<const std::vector<OwnerPart>> ElasticEnergy::parts() const {
   if (parts_->size() == static_cast<std::size_t>(num_threads())) return parts_;
-  return std::make_shared<std::vector<OwnerPart>>(split_by_owner(blocks_, num_threads()));
+  return std::make_shared<std::vector<OwnerPart>>(split_by_owner(tiles_.blocks, num_threads()));
 }
 
 void ElasticEnergy::add_forces(const VectorX& x, bool is_magnitude, VectorX& forces) const {
-  const std::vector<double> u = blocks_.local_displacements(x);
+  const ElementBlocks& blocks = tiles_.blocks;
+  const std::vector<double> u = blocks.local_displacements(x);
   std::vector<double> local(u.size(), 0.0);
   const auto shares = parts();
   parallel_tasks(shares->size(), [&](std::size_t p) {
     const OwnerPart& share = (*shares)[p];
-    Scratch scratch;
-    for_tiles(0, share.blocks.size(), [&](std::size_t first, std::size_t count) {
-      const ElementTile part = tile(share.blocks.data() + first, count);
-      kernels_->measure(part, law_form(), u.data(), scratch.H.data(), scratch.variables.data(),
-                        scratch.frames.data());
-      call_law(law_kernels_->gradient, part, scratch, scratch.law.data());
-      kernels_->add_forces(part, law_form(), scratch.H.data(), scratch.frames.data(), scratch.law.data(),
-                           is_magnitude, share.owned, local.data());
+    ElasticTiles::Scratch scratch(tiles_);
+    for_tiles(tiles_, share.blocks.data(), share.blocks.size(), [&](const ElasticTiles::Tile& tile) {
+      tiles_.add_forces(tile, u.data(), is_magnitude, share.owned, scratch, local.data());
     });
     for (auto node = static_cast<std::size_t>(share.owned.begin);
          node < static_cast<std::size_t>(share.owned.end); ++node)
-      for (int i = 0; i < blocks_.dim; ++i)
-        forces[Eigen::Index{blocks_.dim} * blocks_.world_nodes[node] + i] +=
-            local[node * blocks_.stride() + static_cast<std::size_t>(i)];
+      for (int i = 0; i < blocks.dim; ++i)
+        forces[Eigen::Index{blocks.dim} * blocks.world_nodes[node] + i] +=
+            local[node * blocks.stride() + static_cast<std::size_t>(i)];
   });
 }
 
@@ -204,109 +178,94 @@ void ElasticEnergy::add_gradient_magnitude(const VectorX& x, const Conditions&, 
 }
 
 void ElasticEnergy::add_pattern(BlockPatternBuilder& builder) const {
-  builder.add_cells(pattern_nodes_, blocks_.num_nodes);
+  builder.add_cells(pattern_nodes_, tiles_.blocks.num_nodes);
 }
 
 void ElasticEnergy::bind(const BlockPattern& pattern) {
   if (pattern.num_slots() > static_cast<Offset>(std::numeric_limits<std::uint32_t>::max()))
     throw InputError("mesh", "at most 4294967295 coupled pairs of nodes",
                      std::to_string(pattern.num_slots()));
-  const auto n = static_cast<std::size_t>(blocks_.num_nodes),
-             pairs = static_cast<std::size_t>(blocks_.num_pairs());
-  slots_.resize(blocks_.num_blocks * pairs * block_size);
-  parallel_for(blocks_.num_blocks, blocks_per_chunk, [&](std::size_t begin, std::size_t end) {
+  const ElementBlocks& blocks = tiles_.blocks;
+  const auto n = static_cast<std::size_t>(blocks.num_nodes),
+             pairs = static_cast<std::size_t>(blocks.num_pairs());
+  slots_.resize(blocks.num_blocks * pairs * block_size);
+  tiles_.transposed_lanes.assign(blocks.num_blocks * pairs, 0);
+  parallel_for(blocks.num_blocks, blocks_per_chunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t block = begin; block < end; ++block)
       for (std::size_t lane = 0; lane < block_size; ++lane) {
         const auto world = [&](std::size_t a) {
-          return blocks_
-              .world_nodes[static_cast<std::size_t>(blocks_.nodes[(block * n + a) * block_size + lane])];
+          return blocks
+              .world_nodes[static_cast<std::size_t>(blocks.nodes[(block * n + a) * block_size + lane])];
         };
-        for (std::size_t a = 0, pair = 0; a < n; ++a)
-          for (std::size_t b = a; b < n; ++b, ++pair)
-            slots_[(block * pairs + pair) * block_size + lane] =
-                static_cast<std::uint32_t>(pattern.slot(world(a), world(b)));
+        for (std::size_t a = 0, pair = block * pairs; a < n; ++a)
+          for (std::size_t b = a; b < n; ++b, ++pair) {
+            const auto [row, column] = std::minmax({world(a), world(b)});
+            slots_[pair * block_size + lane] = static_cast<std::uint32_t>(pattern.slot(row, column));
+            if (world(b) < world(a)) tiles_.transposed_lanes[pair] |= static_cast<std::uint8_t>(1U << lane);
+          }
       }
   });
 }
 
 void ElasticEnergy::add_hessian(const VectorX& x, const Conditions&, Projection projection,
                                 BlockMatrix& hessian) const {
-  add_hessian_to(x, projection, {}, hessian);
+  add_hessian_to(x, projection, nullptr, hessian);
 }
 
-Index ElasticEnergy::add_hessian_selective(const VectorX& x, const Conditions&, Projection projection,
-                                           std::span<const std::uint8_t> project_node,
-                                           BlockMatrix& hessian) const {
-  const auto n = static_cast<std::size_t>(blocks_.num_nodes);
-  std::vector<std::uint8_t> project_lane(blocks_.cells.size(), 0);
-  Index count = 0;
-  for (std::size_t i = 0; i < project_lane.size(); ++i) {
-    if (blocks_.cells[i] < 0) continue;
-    for (std::size_t a = 0; a < n; ++a) {
-      const Index local = blocks_.nodes[(i / block_size * n + a) * block_size + i % block_size];
-      const Index node = blocks_.world_nodes[static_cast<std::size_t>(local)];
-      if (project_node[static_cast<std::size_t>(node)] != 0) project_lane[i] = 1;
-    }
-    count += project_lane[i];
-  }
-  add_hessian_to(x, projection, project_lane, hessian);
-  return projection == Projection::none ? 0 : count;
+void ElasticEnergy::add_hessian_at(const VectorX& internal, const VectorX& x, const Conditions&,
+                                   Projection projection, BlockMatrix& hessian) const {
+  add_hessian_to(x, projection, internal.size() > 0 ? internal.data() : nullptr, hessian);
 }
 
-void ElasticEnergy::add_hessian_to(const VectorX& x, Projection projection,
-                                   const std::vector<std::uint8_t>& project_lane,
+void ElasticEnergy::add_hessian_to(const VectorX& x, Projection projection, const double* pressures,
                                    BlockMatrix& hessian) const {
-  const std::vector<double> u = blocks_.local_displacements(x);
-  const std::size_t rows = static_cast<std::size_t>(blocks_.num_pairs() * blocks_.dim * blocks_.dim);
+  const std::vector<double> u = tiles_.blocks.local_displacements(x);
   const auto shares = parts();
   parallel_tasks(shares->size(), [&](std::size_t p) {
     const OwnerPart& share = (*shares)[p];
-    Scratch scratch;
-    for_tiles(0, share.blocks.size(), [&](std::size_t first, std::size_t count) {
-      const ElementTile part = tile(share.blocks.data() + first, count);
-      const auto is_chosen = [&](std::size_t i, std::size_t lane) {
-        return project_lane[static_cast<std::size_t>(part.blocks[i]) * block_size + lane] != 0;
-      };
-      bool some = project_lane.empty(), all = true;
-      for (std::size_t i = 0; i < count * block_size && !project_lane.empty(); ++i) {
-        some = some || is_chosen(i / block_size, i % block_size);
-        all = all && is_chosen(i / block_size, i % block_size);
-      }
-      kernels_->prefetch(part, u.data(), slots_.data(), hessian.values.data());
-      kernels_->measure(part, law_form(), u.data(), scratch.H.data(), scratch.variables.data(),
-                        scratch.frames.data());
-      call_law(law_kernels_->curvature, part, scratch, scratch.law.data());
-      kernels_->hessians(part, form(some ? projection : Projection::none), scratch.H.data(),
-                         scratch.frames.data(), scratch.law.data(), scratch.K.data());
-      if (some && !all) {
-        kernels_->hessians(part, form(Projection::none), scratch.H.data(), scratch.frames.data(),
-                           scratch.law.data(), scratch.exact_K.data());
-        for (std::size_t i = 0; i < count * rows * block_size; ++i)
-          if (!is_chosen(i / (rows * block_size), i % block_size)) scratch.K[i] = scratch.exact_K[i];
-      }
-      kernels_->scatter(part, scratch.K.data(), slots_.data(), share.owned, hessian.values.data());
+    ElasticTiles::Scratch scratch(tiles_);
+    for_tiles(tiles_, share.blocks.data(), share.blocks.size(), [&](const ElasticTiles::Tile& tile) {
+      tiles_.prefetch(tile, u.data(), slots_.data(), hessian.values.data());
+      tiles_.hessians(tile, u.data(), projection, pressures, scratch);
+      tiles_.scatter(tile, slots_.data(), share.owned, scratch, hessian.values.data());
     });
   });
 }
 
 void ElasticEnergy::evaluate_hessians(const VectorX& x, Projection projection) const {
-  const std::vector<double> u = blocks_.local_displacements(x);
-  parallel_for(blocks_.num_blocks, blocks_per_chunk, [&](std::size_t begin, std::size_t end) {
-    Scratch scratch;
-    for_tiles(begin, end, [&](std::size_t first, std::size_t count) {
-      const ElementTile part = tile(first, count);
-      kernels_->measure(part, law_form(), u.data(), scratch.H.data(), scratch.variables.data(),
-                        scratch.frames.data());
-      call_law(law_kernels_->curvature, part, scratch, scratch.law.data());
-      kernels_->hessians(part, form(projection), scratch.H.data(), scratch.frames.data(), scratch.law.data(),
-                         scratch.K.data());
+  const std::vector<double> u = tiles_.blocks.local_displacements(x);
+  parallel_for(all_blocks_.size(), blocks_per_chunk, [&](std::size_t begin, std::size_t end) {
+    ElasticTiles::Scratch scratch(tiles_);
+    for_tiles(tiles_, all_blocks_.data() + begin, end - begin, [&](const ElasticTiles::Tile& tile) {
+      tiles_.hessians(tile, u.data(), projection, nullptr, scratch);
     });
   });
 }
 
+VectorX ElasticEnergy::mean_pressures(const VectorX& x, const VectorX* p, double t) const {
+  if (!tiles_.has_mean_volume()) return {};
+  const std::vector<double> u = tiles_.blocks.local_displacements(x);
+  const std::vector<double> v = p == nullptr ? std::vector<double>() : tiles_.blocks.local_values(*p);
+  VectorX pressures(static_cast<Eigen::Index>(all_blocks_.size() * block_size));
+  parallel_for(all_blocks_.size(), blocks_per_chunk, [&](std::size_t begin, std::size_t end) {
+    ElasticTiles::Scratch scratch(tiles_);
+    for_tiles(tiles_, all_blocks_.data() + begin, end - begin, [&](const ElasticTiles::Tile& tile) {
+      tiles_.mean_pressures(tile, u.data(), p == nullptr ? nullptr : v.data(), t, scratch,
+                            pressures.data() + Eigen::Index{tile.blocks[0]} * block_size);
+    });
+  });
+  return pressures;
+}
+
+VectorX ElasticEnergy::internal_values(const VectorX& x) const { return mean_pressures(x, nullptr, 0); }
+
+VectorX ElasticEnergy::predicted_internal_values(const VectorX& x, const VectorX& p, double t) const {
+  return mean_pressures(x, &p, t);
+}
+
 double ElasticEnergy::max_step(const VectorX& x, const VectorX& p) const {
-  if (!law_->needs_positive_J) return 1;
-  const std::vector<double> u = blocks_.local_displacements(x), v = blocks_.local_values(p);
+  if (!law().needs_positive_J) return 1;
+  const std::vector<double> u = tiles_.blocks.local_displacements(x), v = tiles_.blocks.local_values(p);
   struct Bound {
     double step = 1;
     Bound& operator+=(const Bound& other) {
@@ -314,18 +273,16 @@ double ElasticEnergy::max_step(const VectorX& x, const VectorX& p) const {
       return *this;
     }
   };
-  constexpr LawForm any_law = {LawKind::invariants, false};  // H alone is wanted
   double step =
-      parallel_sum<Bound>(blocks_.num_blocks, blocks_per_chunk, [&](std::size_t begin, std::size_t end) {
+      parallel_sum<Bound>(all_blocks_.size(), blocks_per_chunk, [&](std::size_t begin, std::size_t end) {
         Bound bound;
-        Scratch scratch;
-        for_tiles(begin, end, [&](std::size_t first, std::size_t count) {
-          const ElementTile part = tile(first, count);
-          kernels_->measure(part, any_law, v.data(), scratch.G.data(), scratch.variables.data(), nullptr);
-          kernels_->measure(part, any_law, u.data(), scratch.H.data(), scratch.variables.data(), nullptr);
-          kernels_->volume_cubics(count, scratch.H.data(), scratch.G.data(), scratch.law.data());
-          for (std::size_t i = 0; i < count * block_size; ++i) {
-            const double* c = scratch.law.data() + i / block_size * 4 * block_size + i % block_size;
+        ElasticTiles::Scratch scratch(tiles_);
+        for_tiles(tiles_, all_blocks_.data() + begin, end - begin, [&](const ElasticTiles::Tile& tile) {
+          tiles_.gradients(tile, v.data(), scratch, scratch.G);
+          tiles_.gradients(tile, u.data(), scratch, scratch.H);
+          tiles_.volume_cubics(tile, scratch.H, scratch.G, scratch.law);
+          for (std::size_t i = 0; i < tiles_.num_entries(tile) * block_size; ++i) {
+            const double* c = scratch.law + i / block_size * 4 * block_size + i % block_size;
             bound.step =
                 inversion_free_step({c[0], c[block_size], c[2 * block_size], c[3 * block_size]}, bound.step);
           }

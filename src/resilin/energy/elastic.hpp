@@ -9,10 +9,9 @@
 
 #include "resilin/core/cpu.hpp"
 #include "resilin/element/element.hpp"
+#include "resilin/energy/elastic_tiles.hpp"
 #include "resilin/energy/energy.hpp"
-#include "resilin/energy/kernels/element_blocks.hpp"
 #include "resilin/material/derive.hpp"
-#include "resilin/material/law_kernels.hpp"
 
 namespace resilin {
 
@@ -48,10 +47,12 @@ class ElasticEnergy final : public Energy {
   void add_hessian(const VectorX& x, const Conditions& c, Projection projection,
                    BlockMatrix& hessian) const override;
 
-  /// Only cells with a node for which project_node[node] != 0 are projected; the others add their exact
-  /// Hessian. Returns the number of cells that were projected.
-  Index add_hessian_selective(const VectorX& x, const Conditions& c, Projection projection,
-                              std::span<const std::uint8_t> project_node, BlockMatrix& hessian) const;
+  /// Elements with a mean volume keep one pressure per cell: dU/dJ of the law's volume energy [Pa]. Newton
+  /// may carry them along (docs/theory/mean_volume.md); empty for other elements.
+  VectorX internal_values(const VectorX& x) const override;
+  VectorX predicted_internal_values(const VectorX& x, const VectorX& p, double t) const override;
+  void add_hessian_at(const VectorX& internal, const VectorX& x, const Conditions& c, Projection projection,
+                      BlockMatrix& hessian) const override;
 
   /// For laws that need J > 0: the largest t in (0, 1] such that no cell loses more than nine tenths of its
   /// volume along x + t p; J > 0 at x + t p is checked in the arithmetic of `value`. Cells with J <= 0 at x
@@ -65,11 +66,11 @@ class ElasticEnergy final : public Energy {
   /// Smallest J and the cell where it is; nan, and the first such cell, when some J is not a number.
   VolumeRatio min_volume_ratio(const VectorX& x) const;
 
-  Index num_cells() const { return blocks_.num_cells; }
+  Index num_cells() const { return tiles_.blocks.num_cells; }
   const ElementInfo& element() const { return *element_; }
   const QuadratureRule& quadrature() const { return *rule_; }
   Index num_points() const { return static_cast<Index>(rule_->points.size()); }  ///< of a cell
-  const LawInfo& law() const { return *law_; }
+  const LawInfo& law() const { return *tiles_.law; }
   InstructionSet instruction_set() const { return instruction_set_; }
   double total_rest_volume() const;
   Material material(Index cell) const;
@@ -92,38 +93,34 @@ class ElasticEnergy final : public Energy {
   void evaluate_hessians(const VectorX& x, Projection projection) const;
 
  private:
-  struct Scratch;
+  /// What the mean volume of a cell changes at a point: U(J_mean) - U(J), and dU/dJ [Pa] likewise; zero for
+  /// elements without.
+  struct VolumeChange {
+    double energy, pressure;
+  };
+  std::vector<VolumeChange> mean_volume_changes(const VectorX& x) const;
+  void set_constants(std::span<const double> constants);
   void set_directions(const FibreDirections& fibres);
-  ElementTile tile(const Index* block_numbers, std::size_t count) const;
-  ElementTile tile(std::size_t begin, std::size_t count) const {
-    return tile(all_blocks_.data() + begin, count);
-  }
-  LawForm law_form() const { return {law_->kind, law_->uses_second_invariant}; }
-  HessianForm form(Projection projection) const;
-  void call_law(void (*kernel)(const LawBatch&), const ElementTile& tile, Scratch& scratch,
-                double* results) const;
   double energy_sum(const double* displacements, const double* displacements_from) const;
   void add_forces(const VectorX& x, bool is_magnitude, VectorX& forces) const;
-  void add_hessian_to(const VectorX& x, Projection projection, const std::vector<std::uint8_t>& project_lane,
+  void add_hessian_to(const VectorX& x, Projection projection, const double* pressures,
                       BlockMatrix& hessian) const;
+  VectorX mean_pressures(const VectorX& x, const VectorX* p, double t) const;
   /// The parts for the present number of threads, from `parts_` when they were made for it.
   std::shared_ptr<const std::vector<OwnerPart>> parts() const;
-  /// Calls `body(cell, H, J)` for every cell, in any order and at the same time; H = grad u, in 2D with
-  /// zeros.
-  void for_each_cell(const VectorX& x,
-                     const std::function<void(std::size_t cell, const Matrix<3>& H, double J)>& body) const;
+  /// Calls `body(cell, point, H, J)` for every quadrature point, in any order and at the same time; H = grad
+  /// u, in 2D with zeros.
+  using PointBody = std::function<void(std::size_t cell, std::size_t point, const Matrix<3>& H, double J)>;
+  void for_each_point(const VectorX& x, const PointBody& body) const;
+  std::size_t place(std::size_t cell, std::size_t point) const {
+    return cell * static_cast<std::size_t>(num_points()) + point;
+  }
 
   const ElementInfo* element_;
   const QuadratureRule* rule_;
-  ElementBlocks blocks_;
-  const LawInfo* law_;
   InstructionSet instruction_set_;
-  const ElementKernels* kernels_;
-  const LawKernels* law_kernels_;
-  std::vector<double> constants_;     ///< rows of lanes: one set, or one for each block
-  std::size_t constant_stride_;       ///< numbers from block to block in constants_; 0 when there is one set
+  ElasticTiles tiles_;
   std::size_t num_families_ = 0;      ///< of fibres
-  std::vector<double> directions_;    ///< of the fibres, [block][fibre_rows][lane]; empty without
   std::vector<Index> all_blocks_;     ///< 0, 1, 2, ...
   std::vector<Index> lane_of_cell_;   ///< block * block_size + lane
   std::vector<std::uint32_t> slots_;  ///< [block][pair][lane]

@@ -4,30 +4,37 @@
 #include <numeric>
 
 #include "resilin/core/parallel.hpp"
+#include "resilin/core/simd.hpp"
 #include "resilin/energy/elastic.hpp"
-#include "resilin/energy/elastic_tiles.hpp"
 
 namespace resilin {
+namespace {
 
-void ElasticEnergy::for_each_cell(
-    const VectorX& x, const std::function<void(std::size_t cell, const Matrix<3>& H, double J)>& body) const {
-  const std::vector<double> u = blocks_.local_displacements(x);
-  const int dim = blocks_.dim;
+constexpr std::size_t blocks_per_chunk = 256;  ///< of a parallel loop
+
+}  // namespace
+
+void ElasticEnergy::for_each_point(const VectorX& x, const PointBody& body) const {
+  const ElementBlocks& blocks = tiles_.blocks;
+  const std::vector<double> u = blocks.local_displacements(x);
+  const int dim = blocks.dim;
   const auto entries = static_cast<std::size_t>(dim * dim);
-  parallel_for(blocks_.num_blocks, blocks_per_chunk, [&](std::size_t begin, std::size_t end) {
-    Scratch scratch;
-    for_tiles(begin, end, [&](std::size_t first, std::size_t count) {
-      kernels_->measure(tile(first, count), LawForm{LawKind::invariants, false}, u.data(), scratch.H.data(),
-                        scratch.variables.data(), nullptr);
-      for (std::size_t i = 0; i < count * block_size; ++i) {
-        const std::size_t block = i / block_size, lane = i % block_size;
-        const Index cell = blocks_.cells[(first + block) * block_size + lane];
+  parallel_for(blocks.num_blocks, blocks_per_chunk, [&](std::size_t begin, std::size_t end) {
+    ElasticTiles::Scratch scratch(tiles_);
+    for_tiles(tiles_, all_blocks_.data() + begin, end - begin, [&](const ElasticTiles::Tile& tile) {
+      tiles_.gradients(tile, u.data(), scratch, scratch.H);
+      tiles_.volume_cubics(tile, scratch.H, scratch.H, scratch.law);  // J is the first number
+      for (std::size_t i = 0; i < tiles_.num_entries(tile) * block_size; ++i) {
+        const std::size_t entry = i / block_size, lane = i % block_size;
+        const auto block = static_cast<std::size_t>(tile.blocks[entry / blocks.num_points]);
+        const Index cell = blocks.cells[block * block_size + lane];
         if (cell < 0) continue;
         Matrix<3> H = Matrix<3>::Zero();
         for (std::size_t k = 0; k < entries; ++k)
           H(static_cast<int>(k) / dim, static_cast<int>(k) % dim) =
-              scratch.H[(block * entries + k) * block_size + lane];
-        body(static_cast<std::size_t>(cell), H, 1 + scratch.variables[(block * 3 + 2) * block_size + lane]);
+              scratch.H[(entry * entries + k) * block_size + lane];
+        body(static_cast<std::size_t>(cell), entry % blocks.num_points, H,
+             scratch.law[entry * 4 * block_size + lane]);
       }
     });
   });
@@ -36,58 +43,103 @@ void ElasticEnergy::for_each_cell(
 ElasticEnergy::VolumeRatio ElasticEnergy::min_volume_ratio(const VectorX& x) const {
   const std::vector<double> ratios = volume_ratios(x);
   VolumeRatio least{std::numeric_limits<double>::infinity(), -1};
-  for (std::size_t cell = 0; cell < ratios.size(); ++cell) {
-    if (std::isnan(ratios[cell])) return {ratios[cell], static_cast<Index>(cell)};
-    if (ratios[cell] < least.ratio) least = {ratios[cell], static_cast<Index>(cell)};
+  for (std::size_t i = 0; i < ratios.size(); ++i) {
+    const auto cell = static_cast<Index>(i) / num_points();
+    if (std::isnan(ratios[i])) return {ratios[i], cell};
+    if (ratios[i] < least.ratio) least = {ratios[i], cell};
   }
   return least;
 }
 
 double ElasticEnergy::total_rest_volume() const {
-  return std::accumulate(blocks_.weights.begin(), blocks_.weights.end(), 0.0);
+  return std::accumulate(tiles_.blocks.weights.begin(), tiles_.blocks.weights.end(), 0.0);
 }
 
 Material ElasticEnergy::material(Index cell) const {
-  Material material{law_, std::vector<double>(law_->constants.size()), {}};
-  const auto place = static_cast<std::size_t>(lane_of_cell_[static_cast<std::size_t>(cell)]);
-  const std::size_t block = place / block_size, lane = place % block_size;
-  const std::size_t at = constant_stride_ == 0 ? 0 : block * constant_stride_ + lane;
+  Material material{&law(), std::vector<double>(law().constants.size()), {}};
+  const auto lane_place = static_cast<std::size_t>(lane_of_cell_[static_cast<std::size_t>(cell)]);
+  const std::size_t block = lane_place / block_size, lane = lane_place % block_size;
+  const std::size_t at = tiles_.constant_stride == 0 ? 0 : block * tiles_.constant_stride + lane;
   for (std::size_t k = 0; k < material.constants.size(); ++k)
-    material.constants[k] = constants_[at + k * block_size];
+    material.constants[k] = tiles_.constants[at + k * block_size];
   for (std::size_t family = 0; family < num_families_; ++family) {
-    const double* rows = directions_.data() + (block * fibre_rows + 3 * family) * block_size + lane;
+    const double* rows = tiles_.directions.data() + (block * fibre_rows + 3 * family) * block_size + lane;
     material.fibres.emplace_back(rows[0], rows[block_size], rows[2 * block_size]);
   }
   return material;
 }
 
-std::vector<double> ElasticEnergy::rest_volumes() const {
+std::vector<double> ElasticEnergy::point_volumes() const {
+  const auto points = static_cast<std::size_t>(num_points());
   std::vector<double> volumes;
-  for (const Index lane : lane_of_cell_) volumes.push_back(blocks_.weights[static_cast<std::size_t>(lane)]);
+  volumes.reserve(lane_of_cell_.size() * points);
+  for (const Index lane_place : lane_of_cell_) {
+    const auto block = static_cast<std::size_t>(lane_place / block_size);
+    const auto lane = static_cast<std::size_t>(lane_place % block_size);
+    for (std::size_t q = 0; q < points; ++q)
+      volumes.push_back(tiles_.blocks.weights[(block * points + q) * block_size + lane]);
+  }
   return volumes;
 }
 
-std::vector<double> ElasticEnergy::point_volumes() const { return rest_volumes(); }
+std::vector<double> ElasticEnergy::rest_volumes() const {
+  const std::vector<double> of_points = point_volumes();
+  std::vector<double> volumes(lane_of_cell_.size(), 0.0);
+  for (std::size_t i = 0; i < of_points.size(); ++i)
+    volumes[i / static_cast<std::size_t>(num_points())] += of_points[i];
+  return volumes;
+}
 
 std::vector<double> ElasticEnergy::volume_ratios(const VectorX& x) const {
-  std::vector<double> ratios(static_cast<std::size_t>(num_cells()));
-  for_each_cell(x, [&](std::size_t cell, const Matrix<3>&, double J) { ratios[cell] = J; });
+  std::vector<double> ratios(static_cast<std::size_t>(num_cells() * num_points()));
+  for_each_point(x, [&](std::size_t cell, std::size_t point, const Matrix<3>&, double J) {
+    ratios[place(cell, point)] = J;
+  });
   return ratios;
 }
 
+std::vector<ElasticEnergy::VolumeChange> ElasticEnergy::mean_volume_changes(const VectorX& x) const {
+  const ElementBlocks& blocks = tiles_.blocks;
+  std::vector<VolumeChange> changes(static_cast<std::size_t>(num_cells() * num_points()), {0, 0});
+  if (!tiles_.has_mean_volume()) return changes;
+  const std::vector<double> u = blocks.local_displacements(x);
+  parallel_for(blocks.num_blocks, blocks_per_chunk, [&](std::size_t begin, std::size_t end) {
+    ElasticTiles::Scratch scratch(tiles_);
+    for_tiles(tiles_, all_blocks_.data() + begin, end - begin, [&](const ElasticTiles::Tile& tile) {
+      tiles_.volume_energies(tile, u.data(), scratch);
+      for (std::size_t i = 0; i < tiles_.num_entries(tile) * block_size; ++i) {
+        const std::size_t entry = i / block_size, lane = i % block_size, in_tile = entry / blocks.num_points;
+        const Index cell = blocks.cells[static_cast<std::size_t>(tile.blocks[in_tile]) * block_size + lane];
+        if (cell < 0) continue;
+        const double* own = scratch.volume + entry * 3 * block_size + lane;
+        const double* mean = scratch.mean_volume + in_tile * 3 * block_size + lane;
+        changes[place(static_cast<std::size_t>(cell), entry % blocks.num_points)] = {
+            mean[0] - own[0], mean[block_size] - own[block_size]};
+      }
+    });
+  });
+  return changes;
+}
+
 std::vector<double> ElasticEnergy::energy_densities(const VectorX& x) const {
-  std::vector<double> densities(static_cast<std::size_t>(num_cells()));
+  std::vector<double> densities(static_cast<std::size_t>(num_cells() * num_points()));
+  const std::vector<VolumeChange> changes = mean_volume_changes(x);
   // In plane strain H has a third row and column of zeros, so that the three-dimensional law serves both.
-  for_each_cell(x, [&](std::size_t cell, const Matrix<3>& H, double) {
-    densities[cell] = from_displacement_gradient::energy_density<3>(material(static_cast<Index>(cell)), H);
+  for_each_point(x, [&](std::size_t cell, std::size_t point, const Matrix<3>& H, double) {
+    const std::size_t i = place(cell, point);
+    densities[i] = from_displacement_gradient::energy_density<3>(material(static_cast<Index>(cell)), H) +
+                   changes[i].energy;
   });
   return densities;
 }
 
 std::vector<Matrix<3>> ElasticEnergy::cauchy_stresses(const VectorX& x) const {
-  std::vector<Matrix<3>> stresses(static_cast<std::size_t>(num_cells()));
-  for_each_cell(x, [&](std::size_t cell, const Matrix<3>& H, double) {
-    stresses[cell] = from_displacement_gradient::cauchy_stress<3>(material(static_cast<Index>(cell)), H);
+  std::vector<Matrix<3>> stresses(static_cast<std::size_t>(num_cells() * num_points()));
+  const std::vector<VolumeChange> changes = mean_volume_changes(x);
+  for_each_point(x, [&](std::size_t cell, std::size_t point, const Matrix<3>& H, double) {
+    const std::size_t i = place(cell, point);
+    stresses[i] = from_displacement_gradient::cauchy_stress<3>(material(static_cast<Index>(cell)), H) +
+                  changes[i].pressure * Matrix<3>::Identity();
   });
   return stresses;
 }
@@ -99,9 +151,10 @@ std::vector<double> ElasticEnergy::von_mises_stresses(const VectorX& x) const {
 }
 
 std::vector<Matrix<3>> ElasticEnergy::deformation_gradients(const VectorX& x) const {
-  std::vector<Matrix<3>> gradients(static_cast<std::size_t>(num_cells()));
-  for_each_cell(
-      x, [&](std::size_t cell, const Matrix<3>& H, double) { gradients[cell] = Matrix<3>::Identity() + H; });
+  std::vector<Matrix<3>> gradients(static_cast<std::size_t>(num_cells() * num_points()));
+  for_each_point(x, [&](std::size_t cell, std::size_t point, const Matrix<3>& H, double) {
+    gradients[place(cell, point)] = Matrix<3>::Identity() + H;
+  });
   return gradients;
 }
 
@@ -110,10 +163,10 @@ Index ElasticEnergy::worst_cell(const VectorX& residual) const {
   Index worst = -1;
   for (std::size_t cell = 0; cell < lane_of_cell_.size(); ++cell) {
     double sum = 0;
-    for (int a = 0; a < blocks_.num_nodes; ++a) {
-      const Index node =
-          pattern_nodes_[cell * static_cast<std::size_t>(blocks_.num_nodes) + static_cast<std::size_t>(a)];
-      sum += residual.segment(Eigen::Index{blocks_.dim} * node, blocks_.dim).norm();
+    for (int a = 0; a < tiles_.blocks.num_nodes; ++a) {
+      const Index node = pattern_nodes_[cell * static_cast<std::size_t>(tiles_.blocks.num_nodes) +
+                                        static_cast<std::size_t>(a)];
+      sum += residual.segment(Eigen::Index{tiles_.blocks.dim} * node, tiles_.blocks.dim).norm();
     }
     if (sum > largest) {
       largest = sum;

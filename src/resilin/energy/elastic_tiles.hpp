@@ -2,37 +2,116 @@
 
 #include <algorithm>
 #include <array>
+#include <vector>
 
-#include "resilin/core/simd.hpp"
-#include "resilin/energy/elastic.hpp"
+#include "resilin/energy/kernels/element_blocks.hpp"
+#include "resilin/energy/kernels/quadrature_kernels.hpp"
+#include "resilin/material/law.hpp"
 #include "resilin/material/law_kernels.hpp"
+#include "resilin/material/point_kernels.hpp"
 
-/// How ElasticEnergy cuts its loops. For its own sources.
 namespace resilin {
 
-constexpr std::size_t blocks_per_tile = 8;     ///< what a tile holds stays in the nearest caches
-constexpr std::size_t blocks_per_chunk = 256;  ///< of a parallel loop
-constexpr std::size_t max_entries = 9, max_pairs = 10, max_frame_rows = 18;
+/// The arithmetic of an elastic body, one tile of cells at a time. Linear simplices have kernels in which
+/// shape and law are one (element_kernels.hpp); all other elements go through the states at their quadrature
+/// points. For ElasticEnergy, which cuts the loops and owns the data.
+class ElasticTiles {
+ public:
+  /// What one tile needs. A tile is so small that it stays in the nearest caches.
+  class Scratch;
+  /// Some blocks of cells.
+  struct Tile {
+    const Index* blocks;
+    std::size_t num_blocks;
+  };
 
-/// Calls `body(begin, count)` for the tiles of [begin, end).
-template <class Body>
-void for_tiles(std::size_t begin, std::size_t end, const Body& body) {
-  for (std::size_t i = begin; i < end; i += blocks_per_tile) body(i, std::min(blocks_per_tile, end - i));
-}
+  ElasticTiles(ElementBlocks blocks, const LawInfo& law, bool has_mean_volume, InstructionSet set);
 
-/// What one tile needs.
-struct ElasticEnergy::Scratch {
-  template <std::size_t rows>
-  using Rows = std::array<double, blocks_per_tile * rows * block_size>;
-  alignas(64) Rows<max_entries> H;
-  Rows<max_entries> G;
-  Rows<max_variables> variables;
-  Rows<max_frame_rows> frames;
-  Rows<max_curvature_rows> law;
-  Rows<1> energy, energy_from;
-  Rows<max_constants> constants;
-  alignas(64) Rows<max_pairs * max_entries> K;
-  alignas(64) Rows<max_pairs * max_entries> exact_K;
+  std::size_t blocks_per_tile() const {
+    return std::max<std::size_t>(1, entries_per_tile / blocks.num_points);
+  }
+  std::size_t num_entries(const Tile& tile) const { return tile.num_blocks * blocks.num_points; }
+  bool has_mean_volume() const { return has_mean_volume_; }
+
+  /// H by rows, [entry][dim * dim][lane], into scratch.H.
+  void gradients(const Tile& tile, const double* u, Scratch& scratch, double* H) const;
+  /// J of each entry along H + t G: [entry][4][lane].
+  void volume_cubics(const Tile& tile, const double* H, const double* G, double* cubics) const;
+
+  /// Psi by entry; with a mean volume its share of the cell's energy.
+  void energies(const Tile& tile, const double* u, Scratch& scratch, double* psi) const;
+  void add_energies(const Tile& tile, const double* psi, const double* psi_from, EnergySum& sum) const;
+  void add_forces(const Tile& tile, const double* u, bool is_magnitude, const OwnedNodes& owned,
+                  Scratch& scratch, double* forces) const;
+
+  /// Element Hessians into scratch.K; `pressures`, [block][lane] of all blocks, stands in for dU/dJ where it
+  /// is not null (elements with a mean volume).
+  void hessians(const Tile& tile, const double* u, Projection projection, const double* pressures,
+                Scratch& scratch) const;
+  void scatter(const Tile& tile, const std::uint32_t* slots, const OwnedNodes& owned, Scratch& scratch,
+               double* values) const;
+  /// Calls what `hessians` and `scatter` of this tile will touch into the cache.
+  void prefetch(const Tile& tile, const double* u, const std::uint32_t* slots, const double* values) const;
+
+  /// The volume energy and its two derivatives by J, [entry][3][lane] at the points into scratch.volume and
+  /// [tile block][3][lane] at the cells' means into scratch.mean_volume.
+  void volume_energies(const Tile& tile, const double* u, Scratch& scratch) const;
+
+  /// dU/dJ of the mean volume, one row of lanes for each tile block; as `step` along `v` would change it to
+  /// first order when `v` is not null.
+  void mean_pressures(const Tile& tile, const double* u, const double* v, double step, Scratch& scratch,
+                      double* pressures) const;
+
+  ElementBlocks blocks;
+  const LawInfo* law;
+  std::vector<double> constants;    ///< rows of lanes: one set, or one for each block
+  std::size_t constant_stride = 0;  ///< numbers from block to block in `constants`; 0 when there is one set
+  std::vector<double> directions;   ///< of the fibres, [block][fibre_rows][lane]; empty without
+  std::vector<std::uint8_t> transposed_lanes;  ///< see QuadratureTile; set once the pattern is known
+
+ private:
+  static constexpr std::size_t entries_per_tile = 8;
+
+  LawForm law_form() const { return {law->kind, law->uses_second_invariant}; }
+  ElementTile simplex_tile(const Tile& tile) const;
+  QuadratureTile quadrature_tile(const Tile& tile) const;
+  StateTile state_tile(const Tile& tile, Scratch& scratch) const;
+  void measure(const Tile& tile, const double* u, bool keeps_frames, Scratch& scratch) const;
+  void call_law(void (*kernel)(const LawBatch&), const Tile& tile, const double* variables, bool is_per_entry,
+                Scratch& scratch, double* results) const;
+  void call_volume(const Tile& tile, Scratch& scratch) const;
+  void replace_volume(const Tile& tile, int row, int rows, int derivative, const double* mean,
+                      Scratch& scratch, double* law_rows) const;
+
+  const ElementKernels* simplex_kernels_;
+  const QuadratureKernels* quadrature_kernels_;
+  const PointKernels* point_kernels_;
+  const LawKernels* law_kernels_;
+  bool has_mean_volume_;
 };
+
+/// Arrays of one tile: on the stack for the usual quadrature rules, on the heap for those of many points.
+class ElasticTiles::Scratch {
+ public:
+  explicit Scratch(const ElasticTiles& tiles);
+
+  double *H, *G, *variables, *frames, *law, *constants, *directions, *energy, *energy_from;
+  double *stress, *tangent;                          ///< of elements with several points
+  double *j, *volume, *mean_j, *mean_volume, *mean;  ///< of elements with a mean volume
+  double* K;
+
+ private:
+  static constexpr std::size_t inline_size = 24 * 1024;
+  alignas(64) std::array<double, inline_size> inline_;
+  std::vector<double> heap_;
+};
+
+/// Calls `body(tile)` for the blocks of a list, tile by tile.
+template <class Body>
+void for_tiles(const ElasticTiles& tiles, const Index* blocks, std::size_t count, const Body& body) {
+  const std::size_t step = tiles.blocks_per_tile();
+  for (std::size_t i = 0; i < count; i += step)
+    body(ElasticTiles::Tile{blocks + i, std::min(step, count - i)});
+}
 
 }  // namespace resilin

@@ -48,6 +48,18 @@ class Energy {
   virtual void add_hessian(const VectorX& x, const Conditions& c, Projection projection,
                            BlockMatrix& hessian) const = 0;
 
+  /// Numbers besides x on which the Hessian may be formed, such as the pressures of elements that keep one:
+  /// those that belong to x, ...
+  virtual VectorX internal_values(const VectorX& /*x*/) const { return {}; }
+  /// ... or those that follow from x to first order along x + t p.
+  virtual VectorX predicted_internal_values(const VectorX& /*x*/, const VectorX& /*p*/, double /*t*/) const {
+    return {};
+  }
+  virtual void add_hessian_at(const VectorX& /*internal*/, const VectorX& x, const Conditions& c,
+                              Projection projection, BlockMatrix& hessian) const {
+    add_hessian(x, c, projection, hessian);
+  }
+
   /// The largest step t in (0, 1] such that x + t p stays inside the domain with a margin.
   virtual double max_step(const VectorX& /*x*/, const VectorX& /*p*/) const { return 1; }
 };

@@ -47,6 +47,12 @@ struct ArrudaBoyce {
     return {hooke.mu / stiffening, N, hooke.bulk_modulus()};
   }
 
+  /// The part that depends on J alone and resists changes of volume [J/m^3]; j = J - 1.
+  template <class T>
+  T volume_energy(const T& j) const {
+    return 0.5 * kappa * square(j);
+  }
+
   template <class T>
   T energy_density(const Invariants<T>& c) const {
     const T x = isochoric_first_invariant(c);
@@ -57,7 +63,7 @@ struct ArrudaBoyce {
     const T series =
         0.5 + r * ((1.0 / 20) * (6.0 + x) +
                    r * ((11.0 / 1050) * third + r * ((19.0 / 7000) * fourth + (519.0 / 673750) * r * fifth)));
-    return mu * (x * series) + 0.5 * kappa * square(c.j);
+    return mu * (x * series) + volume_energy(c.j);
   }
 };
 

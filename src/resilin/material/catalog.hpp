@@ -25,6 +25,10 @@ struct LawList {
   static constexpr int size = sizeof...(Law);
 };
 
+/// Whether a law's volume energy stands apart as `volume_energy(j)`. Elements with a mean volume need it.
+template <class Law>
+constexpr bool has_volume_energy = requires { &Law::template volume_energy<double>; };
+
 /// Every law. The kernels, the scene reader, the documentation's table and the property tests walk this list.
 using Laws =
     LawList<StableNeoHookean, StableNeoHookeanLog, NeoHookean, NeoHookeanQuadratic, NeoHookeanIsochoric,

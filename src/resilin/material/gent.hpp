@@ -39,10 +39,16 @@ struct Gent {
     return J_m - isochoric_first_invariant(c);
   }
 
+  /// The part that depends on J alone and resists changes of volume [J/m^3]; j = J - 1.
+  template <class T>
+  T volume_energy(const T& j) const {
+    return 0.5 * kappa * square(j);
+  }
+
   template <class T>
   T energy_density(const Invariants<T>& c) const {
     const T x = reciprocal(J_m) * isochoric_first_invariant(c);
-    return 0.5 * kappa * square(c.j) - 0.5 * mu * J_m * log1p(-x);
+    return volume_energy(c.j) - 0.5 * mu * J_m * log1p(-x);
   }
 };
 

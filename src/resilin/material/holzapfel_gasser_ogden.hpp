@@ -47,10 +47,16 @@ struct HolzapfelGasserOgden {
     return {hooke.mu, hooke.bulk_modulus(), k1, k2, kd};
   }
 
+  /// The part that depends on J alone and resists changes of volume [J/m^3]; j = J - 1.
+  template <class T>
+  T volume_energy(const T& j) const {
+    return 0.5 * kappa * square(j);
+  }
+
   template <class T>
   T energy_density(const FibreInvariants<T>& c) const {
     const T shape = isochoric_first_invariant(c);
-    T psi = 0.5 * mu * shape + 0.5 * kappa * square(c.j);
+    T psi = 0.5 * mu * shape + volume_energy(c.j);
     for (int a = 0; a < max_fibre_families; ++a) {
       const T strain = kd * shape + (1.0 - 3.0 * kd) * isochoric_fibre_stretch(c, c.stretch[a]);
       psi = psi + (0.5 * k1 / k2 * c.weight[a]) * expm1(k2 * square_of_positive_part(strain));

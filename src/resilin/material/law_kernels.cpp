@@ -176,6 +176,31 @@ template <class Law>
   });
 }
 
+/// Psi(J) of the law's volume energy, where the law tells it apart.
+template <class Law>
+[[gnu::flatten]] void volume(const LawBatch& batch) {
+  using Number = Dual2<Lanes, 1>;
+  for (std::size_t block = 0; block < batch.num_blocks; ++block)
+    for (int lane = 0; lane < block_size; lane += Lanes::width) {
+      const Law law = read_law<Law>(batch.constants + block * batch.constant_stride + lane, Places<Law>{});
+      const Lanes j = Lanes::load(batch.variables + block * block_size + lane);
+      const Number psi = law.volume_energy(Number::variable(j, 0));
+      const Lanes shift =
+          Law::needs_positive_J ? select(j > Lanes(-1.0), Lanes(0.0), Lanes(__builtin_nan(""))) : Lanes(0.0);
+      double* out = batch.results + block * (3 * block_size) + lane;
+      (psi.value + shift).store(out);
+      (psi.slope[0] + shift).store(out + block_size);
+      (psi.curvature[0] + shift).store(out + 2 * block_size);
+    }
+}
+template <class Law>
+constexpr auto volume_or_null() -> void (*)(const LawBatch&) {
+  if constexpr (has_volume_energy<Law>)
+    return volume<Law>;
+  else
+    return nullptr;
+}
+
 template <template <class> class Law>
 void constant_gradient(const LawBatch& batch, int p) {
   using Plain = Law<Lanes>;
@@ -205,7 +230,8 @@ void constant_curvature(const LawBatch& batch, int p, int q) {
 template <template <class> class... Law>
 const LawKernels& kernels_of(LawList<Law...>, int law_index) {
   static constexpr LawKernels table[] = {{energy<Law<Lanes>>, gradient<Law<Lanes>>, curvature<Law<Lanes>>,
-                                          constant_gradient<Law>, constant_curvature<Law>}...};
+                                          volume_or_null<Law<Lanes>>(), constant_gradient<Law>,
+                                          constant_curvature<Law>}...};
   return table[law_index];
 }
 

@@ -20,6 +20,9 @@ constexpr int num_curvature_rows(LawKind kind) {
 }
 /// What loops over states have room for; a law with more does not compile.
 constexpr std::size_t max_constants = 8;
+/// Where `gradient` has dPsi/dj, and `curvature` d2Psi/dj2 (for laws whose variables have a j).
+constexpr int volume_slope_row = 2;
+constexpr int volume_curvature_row(LawKind kind) { return kind == LawKind::fibres ? 14 : 8; }
 constexpr int max_variables = 7, max_slopes = 5, max_curvature_rows = 20;
 
 /// Rows of lanes that hold the rest directions of fibres: three components of one family, then those of the
@@ -43,6 +46,9 @@ struct LawKernels {
   /// Per block: the gradient, then d2Psi by 00 01 02 ... 11 12 ...; for stretches also three flips and three
   /// twists (material/stretches.hpp).
   void (*curvature)(const LawBatch&);
+  /// Per block, from one row of j = J - 1: the law's volume energy and its first and second derivative by j.
+  /// Null for a law whose volume energy does not stand apart.
+  void (*volume)(const LawBatch&);
   /// Per block: dPsi/dp, then the gradient of that by the variables, p being the constant of this place.
   void (*constant_gradient)(const LawBatch&, int p);
   /// Per block: d2Psi/(dp dq).

@@ -34,10 +34,15 @@ struct MooneyRivlin {
     return {0.4 * hooke.mu, 0.1 * hooke.mu, hooke.bulk_modulus()};
   }
 
+  /// The part that depends on J alone and resists changes of volume [J/m^3]; j = J - 1.
+  template <class T>
+  T volume_energy(const T& j) const {
+    return 0.5 * kappa * square(j);
+  }
+
   template <class T>
   T energy_density(const Invariants<T>& c) const {
-    return c10 * isochoric_first_invariant(c) + c01 * isochoric_second_invariant(c) +
-           0.5 * kappa * square(c.j);
+    return c10 * isochoric_first_invariant(c) + c01 * isochoric_second_invariant(c) + volume_energy(c.j);
   }
 };
 

@@ -27,9 +27,15 @@ struct NeoHookeanIsochoric {
 
   static NeoHookeanIsochoric from(const Hooke& hooke) { return {hooke.mu, hooke.bulk_modulus()}; }
 
+  /// The part that depends on J alone and resists changes of volume [J/m^3]; j = J - 1.
+  template <class T>
+  T volume_energy(const T& j) const {
+    return 0.5 * kappa * square(j);
+  }
+
   template <class T>
   T energy_density(const Invariants<T>& c) const {
-    return 0.5 * mu * isochoric_first_invariant(c) + 0.5 * kappa * square(c.j);
+    return 0.5 * mu * isochoric_first_invariant(c) + volume_energy(c.j);
   }
 };
 

@@ -27,9 +27,15 @@ struct NeoHookeanQuadratic {
 
   static NeoHookeanQuadratic from(const Hooke& hooke) { return {hooke.mu, hooke.lambda}; }
 
+  /// The part that depends on J alone and resists changes of volume [J/m^3]; j = J - 1.
+  template <class T>
+  T volume_energy(const T& j) const {
+    return 0.5 * lambda * square(j);
+  }
+
   template <class T>
   T energy_density(const Invariants<T>& c) const {
-    return 0.5 * mu * c.d1 - mu * log1p_minus(c.j) + 0.5 * lambda * square(c.j);
+    return 0.5 * mu * c.d1 - mu * log1p_minus(c.j) + volume_energy(c.j);
   }
 };
 

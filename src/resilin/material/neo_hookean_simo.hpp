@@ -29,9 +29,15 @@ struct NeoHookeanSimo {
 
   static NeoHookeanSimo from(const Hooke& hooke) { return {hooke.mu, hooke.bulk_modulus()}; }
 
+  /// The part that depends on J alone and resists changes of volume [J/m^3]; j = J - 1.
+  template <class T>
+  T volume_energy(const T& j) const {
+    return 0.25 * kappa * (square(j) - 2.0 * log1p_minus(j));
+  }
+
   template <class T>
   T energy_density(const Invariants<T>& c) const {
-    return 0.5 * mu * isochoric_first_invariant(c) + 0.25 * kappa * (square(c.j) - 2.0 * log1p_minus(c.j));
+    return 0.5 * mu * isochoric_first_invariant(c) + volume_energy(c.j);
   }
 };
 

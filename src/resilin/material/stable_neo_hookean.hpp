@@ -30,9 +30,15 @@ struct StableNeoHookean {
 
   static StableNeoHookean from(const Hooke& hooke) { return {hooke.mu, hooke.lambda + hooke.mu}; }
 
+  /// The part that depends on J alone and resists changes of volume [J/m^3]; j = J - 1.
+  template <class T>
+  T volume_energy(const T& j) const {
+    return 0.5 * lambda * square(j);
+  }
+
   template <class T>
   T energy_density(const Invariants<T>& c) const {
-    return 0.5 * mu * c.d1 + 0.5 * lambda * square(c.j);
+    return 0.5 * mu * c.d1 + volume_energy(c.j);
   }
 };
 

@@ -33,9 +33,15 @@ struct StableNeoHookeanLog {
     return {4.0 / 3.0 * hooke.mu, hooke.lambda + 5.0 / 6.0 * hooke.mu};
   }
 
+  /// The part that depends on J alone and resists changes of volume [J/m^3]; j = J - 1.
+  template <class T>
+  T volume_energy(const T& j) const {
+    return 0.5 * lambda * square(j);
+  }
+
   template <class T>
   T energy_density(const Invariants<T>& c) const {
-    return 0.375 * mu * c.d1 - 0.5 * mu * log1p_minus(0.25 * c.i1) + 0.5 * lambda * square(c.j);
+    return 0.375 * mu * c.d1 - 0.5 * mu * log1p_minus(0.25 * c.i1) + volume_energy(c.j);
   }
 };
 

@@ -38,10 +38,16 @@ struct Yeoh {
     return {c10, -0.01 * c10, 0.0002 * c10, hooke.bulk_modulus()};
   }
 
+  /// The part that depends on J alone and resists changes of volume [J/m^3]; j = J - 1.
+  template <class T>
+  T volume_energy(const T& j) const {
+    return 0.5 * kappa * square(j);
+  }
+
   template <class T>
   T energy_density(const Invariants<T>& c) const {
     const T x = isochoric_first_invariant(c);
-    return c10 * x + c20 * square(x) + c30 * (square(x) * x) + 0.5 * kappa * square(c.j);
+    return c10 * x + c20 * square(x) + c30 * (square(x) * x) + volume_energy(c.j);
   }
 };
 

@@ -119,30 +119,53 @@ std::vector<Index> spread_over_blocks(const std::vector<Index>& order) {
   return lanes;
 }
 
-/// Writes geometry and nodes of a cell into a lane, its nodes in ascending order of their world numbers.
+void check_volume(double volume, Index cell) {
+  if (volume > 0 && std::isfinite(volume)) return;
+  throw InputError("cell " + std::to_string(cell), "a positive volume", format_number(volume),
+                   "number its nodes the other way round, or remove it");
+}
+
+/// Writes geometry and nodes of a cell into a lane.
 void fill_lane(const ElementInfo& element, const QuadratureRule& rule, std::span<const Index> cell,
                std::span<const Index> local_cell, bool is_copy, std::size_t block, std::size_t lane,
                const VectorX& X, ElementBlocks& out) {
   const auto n = static_cast<std::size_t>(element.num_nodes), dim = static_cast<std::size_t>(element.dim);
   std::vector<std::size_t> order(n);
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::sort(order, [&](std::size_t a, std::size_t b) { return cell[a] < cell[b]; });
+  if (out.is_linear_simplex())
+    std::ranges::sort(order, [&](std::size_t a, std::size_t b) { return cell[a] < cell[b]; });
   for (std::size_t a = 0; a < n; ++a) out.nodes[(block * n + a) * block_size + lane] = local_cell[order[a]];
 
   std::vector<double> positions(n * dim);
   for (std::size_t a = 0; a < n; ++a)
     for (std::size_t i = 0; i < dim; ++i)
       positions[a * dim + i] = X[static_cast<Eigen::Index>(static_cast<std::size_t>(cell[a]) * dim + i)];
-  const PointGeometry geometry = point_geometry(element, rule.points[0], positions);
-  const Index number = out.cells[block * block_size + lane];
-  if (!is_copy && !(geometry.weight > 0 && std::isfinite(geometry.weight)))
-    throw InputError("cell " + std::to_string(number), "a positive volume", format_number(geometry.weight),
-                     "number its nodes the other way round, or remove it");
-  out.weights[block * block_size + lane] = is_copy ? 0 : geometry.weight;
-  for (std::size_t a = 1; a < n; ++a)
-    for (std::size_t i = 0; i < dim; ++i)
-      out.gradients[((block * (n - 1) + a - 1) * dim + i) * block_size + lane] =
-          is_copy ? 0 : geometry.gradients[order[a] * dim + i];
+  const std::size_t num_points = rule.points.size();
+  for (std::size_t q = 0; q < num_points; ++q) {
+    const PointGeometry geometry = point_geometry(element, rule.points[q], positions);
+    if (!is_copy) check_volume(geometry.weight, out.cells[block * block_size + lane]);
+    out.weights[(block * num_points + q) * block_size + lane] = is_copy ? 0 : geometry.weight;
+    if (!out.is_linear_simplex()) {
+      for (std::size_t k = 0; k < dim * dim; ++k)
+        out.gradients[((block * num_points + q) * dim * dim + k) * block_size + lane] =
+            is_copy ? 0
+                    : geometry.dxi_dX(static_cast<Eigen::Index>(k / dim), static_cast<Eigen::Index>(k % dim));
+      continue;
+    }
+    for (std::size_t a = 1; a < n; ++a)
+      for (std::size_t i = 0; i < dim; ++i)
+        out.gradients[((block * (n - 1) + a - 1) * dim + i) * block_size + lane] =
+            is_copy ? 0 : geometry.gradients[order[a] * dim + i];
+  }
+}
+
+/// dN_a/dxi_k at [point][a][k].
+std::vector<double> reference_gradients(const ElementInfo& element, const QuadratureRule& rule) {
+  const auto size = static_cast<std::size_t>(element.num_nodes * element.dim);
+  std::vector<double> all(size * rule.points.size());
+  for (std::size_t q = 0; q < rule.points.size(); ++q)
+    element.shape_gradients(rule.points[q].xi, std::span(all).subspan(q * size, size));
+  return all;
 }
 
 }  // namespace
@@ -191,8 +214,11 @@ ElementBlocks make_element_blocks(const ElementInfo& element, const QuadratureRu
   const std::size_t lanes = out.num_blocks * block_size;
   out.cells = spread_over_blocks(order);
   out.nodes.resize(lanes * n);
-  out.weights.resize(lanes);
-  out.gradients.resize(lanes * (n - 1) * static_cast<std::size_t>(element.dim));
+  const auto dim = static_cast<std::size_t>(element.dim);
+  out.num_points = rule.points.size();
+  out.weights.resize(lanes * out.num_points);
+  out.gradients.resize(lanes * out.num_points * dim * dim);  // a linear simplex has n - 1 = dim
+  if (!out.is_linear_simplex()) out.reference_gradients = reference_gradients(element, rule);
   for (std::size_t i = 0; i < lanes; ++i) {
     const bool is_copy = out.cells[i] < 0;
     const auto cell = static_cast<std::size_t>(is_copy ? order.back() : out.cells[i]);

@@ -15,17 +15,24 @@ namespace resilin {
 /// volume.
 struct ElementBlocks {
   int dim = 3;
-  int num_nodes = 4;  ///< of an element
+  int num_nodes = 4;           ///< of an element
+  std::size_t num_points = 1;  ///< of an element
   Index num_cells = 0;
   std::size_t num_blocks = 0;
 
   std::vector<Index> world_nodes;      ///< by local node, its number in the world
   std::vector<double> rest_positions;  ///< by local node, with the stride of the kernels [m]
   std::vector<Index> cells;            ///< [block][lane]: number of the cell, -1 for a copy
-  std::vector<Index> nodes;            ///< [block][node][lane], local; ascending world numbers within a cell
-  std::vector<double> gradients;       ///< [block][node - 1][component][lane] [1/m]
-  std::vector<double> weights;         ///< [block][lane], rest volume [m^3] (2D [m^2] on unit thickness)
+  /// [block][node][lane], local. Linear simplices have the nodes of a cell in the order of their world
+  /// numbers, other elements in their own.
+  std::vector<Index> nodes;
+  /// [1/m] Linear simplices: dN/dX, [block][node - 1][component][lane]; other elements: dxi/dX by rows,
+  /// [block][point][dim * dim][lane].
+  std::vector<double> gradients;
+  std::vector<double> weights;  ///< [block][point][lane], rest volume [m^3] (2D [m^2] on unit thickness)
+  std::vector<double> reference_gradients;  ///< but for linear simplices: [point][node][dim], dN/dxi
 
+  bool is_linear_simplex() const { return num_nodes == dim + 1; }
   int num_pairs() const { return num_nodes * (num_nodes + 1) / 2; }
   Index num_local_nodes() const { return static_cast<Index>(world_nodes.size()); }
   std::size_t stride() const { return static_cast<std::size_t>(node_stride(dim)); }

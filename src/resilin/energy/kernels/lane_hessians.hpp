@@ -10,8 +10,8 @@ namespace resilin::RESILIN_SIMD_NAMESPACE {
 constexpr int pair_index(int num_nodes, int a, int b) { return a * num_nodes - a * (a - 1) / 2 + b - a; }
 
 /// Upper blocks of an element: K[pair][dim * dim].
-template <int dim>
-using ElementHessian = Lanes[(dim + 1) * (dim + 2) / 2][dim * dim];
+template <int dim, int num_nodes = dim + 1>
+using ElementHessian = Lanes[num_nodes * (num_nodes + 1) / 2][dim * dim];
 
 template <int dim>
 RESILIN_INLINE void make_symmetric(Lanes block[]) {
@@ -20,9 +20,8 @@ RESILIN_INLINE void make_symmetric(Lanes block[]) {
 }
 
 /// Blocks of node 0: the sums over rows and columns vanish.
-template <int dim>
-RESILIN_INLINE void complete_node_zero(ElementHessian<dim>& K) {
-  constexpr int n = dim + 1;
+template <int dim, int n = dim + 1>
+RESILIN_INLINE void complete_node_zero(ElementHessian<dim, n>& K) {
   for (int b = 1; b < n; ++b)
     for (int i = 0; i < dim; ++i)
       for (int k = 0; k < dim; ++k) {
