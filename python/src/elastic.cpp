@@ -74,7 +74,7 @@ class ElasticBody {
         mass.pattern = pattern_;
         mass.slots.assign(static_cast<std::size_t>(pattern_->num_slots()), 0.0);
       }
-      add_cell_masses(mass, cells_, energy_.rest_volumes(), density, is_consistent);
+      add_cell_masses(mass, energy_.element(), cells_, rest_positions_, density, is_consistent);
       BlockMatrix matrix(dim_, pattern_);
       mass.add_to(1, matrix);
       csr = to_csr(matrix);

@@ -6,10 +6,12 @@
 #include <memory>
 #include <random>
 
+#include "resilin/element/catalog.hpp"
 #include "resilin/energy/dead_load.hpp"
 #include "resilin/energy/handle_spring.hpp"
 #include "resilin/energy/inertia.hpp"
 #include "resilin/energy/pressure.hpp"
+#include "resilin/mesh/topology.hpp"
 
 namespace resilin {
 namespace {
@@ -18,18 +20,18 @@ namespace {
 struct Shape {
   int dim;
   VectorX rest;
-  std::vector<LoadedFacet> facets;
+  CellBlock facets;
 };
 
 Shape simplex(int dim) {
   if (dim == 2) {
     VectorX rest(6);
     rest << 0, 0, 1, 0.1, 0.2, 0.9;
-    return {2, rest, {{{0, 1, -1}}, {{1, 2, -1}}, {{2, 0, -1}}}};
+    return {2, rest, {CellKind::line, {0, 1, 1, 2, 2, 0}}};
   }
   VectorX rest(12);
   rest << 0, 0, 0, 1, 0.1, 0, 0.2, 0.9, -0.1, 0.1, 0.2, 1.1;
-  return {3, rest, {{{0, 2, 1}}, {{0, 1, 3}}, {{0, 3, 2}}, {{1, 2, 3}}}};
+  return {3, rest, {CellKind::triangle, {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3}}};
 }
 
 VectorX moved(const VectorX& rest, double amount) {
@@ -40,10 +42,29 @@ VectorX moved(const VectorX& rest, double amount) {
   return x;
 }
 
-MassMatrix unit_masses(int dim) {
+/// Surface of one distorted cell of each element, so of every kind of facet.
+std::vector<Shape> surfaces() {
+  std::vector<Shape> shapes;
+  for (const ElementInfo* element : elements()) {
+    if (element->has_mean_volume) continue;
+    CellBlock cell{cell_kind(*element), {}};
+    VectorX rest(element->num_nodes * element->dim);
+    for (int a = 0; a < element->num_nodes; ++a) {
+      cell.nodes.push_back(a);
+      rest.segment(a * element->dim, element->dim) =
+          element->nodes[static_cast<std::size_t>(a)].head(element->dim);
+    }
+    shapes.push_back({element->dim, moved(rest, 0.1), boundary(cell).facets});
+  }
+  return shapes;
+}
+
+Index num_nodes(const Shape& shape) { return static_cast<Index>(shape.rest.size() / shape.dim); }
+
+MassMatrix unit_masses(const Shape& shape) {
   MassMatrix mass;
-  mass.dim = dim;
-  mass.nodal = VectorX::LinSpaced(dim + 1, 1, 2);
+  mass.dim = shape.dim;
+  mass.nodal = VectorX::LinSpaced(num_nodes(shape), 1, 2);
   return mass;
 }
 
@@ -60,19 +81,18 @@ std::vector<std::shared_ptr<Energy>> all_loads(const Shape& shape, const MassMat
 const Conditions conditions{.time = 0.5, .load = 0.75};
 
 BlockMatrix empty_matrix(const Shape& shape) {
-  BlockPatternBuilder builder(static_cast<Index>(shape.dim + 1));
+  BlockPatternBuilder builder(num_nodes(shape));
   std::vector<Index> nodes;
-  for (Index i = 0; i <= shape.dim; ++i) nodes.push_back(i);
-  builder.add_cells(nodes, shape.dim + 1);
+  for (Index i = 0; i < num_nodes(shape); ++i) nodes.push_back(i);
+  builder.add_cells(nodes, static_cast<int>(num_nodes(shape)));
   return {shape.dim, std::make_shared<BlockPattern>(builder.build())};
 }
 
 TEST(EveryLoad, GradientIsTheSlopeOfTheEnergyAndTheHessianThatOfTheGradient) {
-  for (const int dim : {2, 3}) {
-    const Shape shape = simplex(dim);
-    const MassMatrix mass = unit_masses(dim);
+  for (const Shape& shape : surfaces()) {
+    const MassMatrix mass = unit_masses(shape);
     for (const auto& load : all_loads(shape, mass)) {
-      SCOPED_TRACE(std::string(load->name()) + " in " + std::to_string(dim) + "D");
+      SCOPED_TRACE(std::string(load->name()) + " on " + std::string(name(shape.facets.kind)));
       const VectorX x = moved(shape.rest, 0.2);
       const VectorX p = moved(VectorX::Zero(x.size()), 1);
       VectorX gradient = VectorX::Zero(x.size());
@@ -94,9 +114,8 @@ TEST(EveryLoad, GradientIsTheSlopeOfTheEnergyAndTheHessianThatOfTheGradient) {
 }
 
 TEST(EveryLoad, DifferenceEqualsTheDifferenceOfValues) {
-  for (const int dim : {2, 3}) {
-    const Shape shape = simplex(dim);
-    const MassMatrix mass = unit_masses(dim);
+  for (const Shape& shape : surfaces()) {
+    const MassMatrix mass = unit_masses(shape);
     for (const auto& load : all_loads(shape, mass)) {
       const VectorX from = moved(shape.rest, 0.1);
       const VectorX to = moved(shape.rest, 0.3);
@@ -108,9 +127,8 @@ TEST(EveryLoad, DifferenceEqualsTheDifferenceOfValues) {
 }
 
 TEST(EveryLoad, KeepsItsGradientBelowItsMagnitude) {
-  for (const int dim : {2, 3}) {
-    const Shape shape = simplex(dim);
-    const MassMatrix mass = unit_masses(dim);
+  for (const Shape& shape : surfaces()) {
+    const MassMatrix mass = unit_masses(shape);
     for (const auto& load : all_loads(shape, mass)) {
       const VectorX x = moved(shape.rest, 0.2);
       VectorX gradient = VectorX::Zero(x.size());
@@ -134,22 +152,77 @@ TEST(Pressure, EnergyIsPressureTimesVolumeChange) {
 }
 
 TEST(Pressure, OnAClosedSurfaceHasNoResultant) {
-  const Shape shape = simplex(3);
-  const Pressure pressure("p", 3, shape.facets, 3.0, shape.rest);
-  VectorX gradient = VectorX::Zero(12);
-  pressure.add_gradient(moved(shape.rest, 0.2), {}, gradient);
-  Vector3 sum = Vector3::Zero();
-  for (int i = 0; i < 4; ++i) sum += gradient.segment<3>(3 * i);
-  EXPECT_LT(sum.norm(), 1e-14);
+  for (const Shape& shape : surfaces()) {
+    const Pressure pressure("p", shape.dim, shape.facets, 3.0, shape.rest);
+    VectorX gradient = VectorX::Zero(shape.rest.size());
+    pressure.add_gradient(moved(shape.rest, 0.2), {}, gradient);
+    VectorX sum = VectorX::Zero(shape.dim);
+    for (Index i = 0; i < num_nodes(shape); ++i) sum += gradient.segment(i * shape.dim, shape.dim);
+    EXPECT_LT(sum.norm(), 1e-13 * gradient.norm()) << name(shape.facets.kind);
+  }
 }
 
-TEST(Traction, SharesForceTimesAreaAmongTheFacetsNodes) {
-  VectorX rest(9);
-  rest << 0, 0, 0, 2, 0, 0, 0, 3, 0;  // area 3
-  VectorX forces = VectorX::Zero(9);
-  const std::vector<LoadedFacet> facets = {{{0, 1, 2}}};
-  add_traction(3, facets, rest, {0, 0, -5}, forces);
-  for (int i = 0; i < 3; ++i) EXPECT_NEAR(forces[3 * i + 2], -5, 1e-14);
+/// Also where the force of one facet has no potential: the work is that of the path, to the order of the
+/// differences.
+TEST(Pressure, HessianOfOneFacetIsTheSymmetricPartOfTheTangent) {
+  for (Shape shape : surfaces()) {
+    shape.facets.nodes.resize(static_cast<std::size_t>(resilin::num_nodes(shape.facets.kind)));
+    const Pressure pressure("p", shape.dim, shape.facets, 3.0, shape.rest);
+    BlockMatrix hessian = empty_matrix(shape);
+    pressure.add_hessian(shape.rest, {}, Projection::none, hessian);
+    const Eigen::Index n = shape.rest.size();
+    Eigen::MatrixXd tangent(n, n), symmetric(n, n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const double h = 1e-5;
+      VectorX below = VectorX::Zero(n), above = VectorX::Zero(n), column;
+      pressure.add_gradient(shape.rest - h * VectorX::Unit(n, i), {}, below);
+      pressure.add_gradient(shape.rest + h * VectorX::Unit(n, i), {}, above);
+      tangent.col(i) = (above - below) / (2 * h);
+      multiply(hessian, VectorX::Unit(n, i), column);
+      symmetric.col(i) = column;
+    }
+    EXPECT_LT((0.5 * (tangent + tangent.transpose()) - symmetric).norm(), 1e-9 * tangent.norm())
+        << name(shape.facets.kind);
+  }
+}
+
+/// Flat facets of any kind: the resultant is force times area, its moment that of the centroid.
+TEST(Traction, HasTheResultantAndTheMomentOfItsSurface) {
+  for (const ElementInfo* element : elements()) {
+    if (element->has_mean_volume) continue;
+    const int dim = element->dim;
+    CellBlock cell{cell_kind(*element), {}};
+    VectorX rest(element->num_nodes * dim);
+    for (int a = 0; a < element->num_nodes; ++a) {
+      cell.nodes.push_back(a);
+      rest.segment(a * dim, dim) = 2 * element->nodes[static_cast<std::size_t>(a)].head(dim);
+    }
+    CellBlock facet = boundary(cell).facets;
+    facet.nodes.resize(static_cast<std::size_t>(resilin::num_nodes(facet.kind)));
+    VectorX forces = VectorX::Zero(rest.size());
+    const Vector3 traction(1, -2, dim == 3 ? 3 : 0);
+    add_traction(dim, facet, rest, traction, forces);
+    Vector3 sum = Vector3::Zero(), centroid = Vector3::Zero();
+    Vector3 moment = Vector3::Zero();
+    const auto num_corners = static_cast<std::size_t>(resilin::num_corners(facet.kind));
+    for (const Index i : std::span(facet.nodes).first(num_corners))
+      centroid += node_position(dim, i, rest) / static_cast<double>(num_corners);
+    for (const Index i : facet.nodes) {
+      sum += node_position(dim, i, forces);
+      moment += node_position(dim, i, rest).cross(node_position(dim, i, forces));
+    }
+    const double area = area_vector(dim, facet.kind, facet.nodes, rest).norm();
+    EXPECT_LT((sum - area * traction).norm(), 1e-13 * sum.norm()) << name(facet.kind);
+    EXPECT_LT((moment - centroid.cross(sum)).norm(), 1e-13 * sum.norm()) << name(facet.kind);
+  }
+}
+
+TEST(Traction, OnASecondOrderTriangleIsCarriedByTheMiddlesOfItsEdges) {
+  VectorX rest(18);
+  rest << 0, 0, 0, 2, 0, 0, 0, 3, 0, 1, 0, 0, 1, 1.5, 0, 0, 1.5, 0;  // area 3
+  VectorX forces = VectorX::Zero(18);
+  add_traction(3, {CellKind::triangle6, {0, 1, 2, 3, 4, 5}}, rest, {0, 0, -5}, forces);
+  for (int i = 0; i < 6; ++i) EXPECT_NEAR(forces[3 * i + 2], i < 3 ? 0 : -5, 1e-14);
 }
 
 TEST(DeadLoad, ActsOnlyInItsTime) {

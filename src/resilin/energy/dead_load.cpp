@@ -2,7 +2,9 @@
 
 #include <cmath>
 
+#include "resilin/energy/cell_positions.hpp"
 #include "resilin/energy/facet.hpp"
+#include "resilin/energy/shape_integrals.hpp"
 
 namespace resilin {
 
@@ -27,14 +29,31 @@ void DeadLoad::add_gradient_magnitude(const VectorX&, const Conditions& c, Vecto
   magnitude += std::abs(factor(c)) * forces_.cwiseAbs();
 }
 
-void add_traction(int dim, std::span<const LoadedFacet> facets, const VectorX& rest_positions,
-                  const Vector3& traction, VectorX& nodal_forces) {
-  for (const LoadedFacet& facet : facets) {
-    const double share = area_vector(dim, facet, rest_positions).norm() / dim;
-    for (int a = 0; a < dim; ++a) {
-      nodal_forces.segment(Eigen::Index{facet.nodes[static_cast<std::size_t>(a)]} * dim, dim) +=
-          share * traction.head(dim);
+void add_traction(int dim, const CellBlock& facets, const VectorX& rest_positions, const Vector3& traction,
+                  VectorX& nodal_forces) {
+  for (Index facet = 0; facet < facets.num_cells(); ++facet) {
+    const std::span<const Index> nodes = facets.cell(facet);
+    for (const FacetPoint& point : facet_points(facets.kind)) {
+      const double area = point.weight * area_vector(dim, point, nodes, rest_positions).norm();
+      for (std::size_t a = 0; a < nodes.size(); ++a)
+        nodal_forces.segment(Eigen::Index{nodes[a]} * dim, dim) +=
+            point.values[a] * area * traction.head(dim);
     }
+  }
+}
+
+void add_body_force(const ElementInfo& element, std::span<const Index> cells, const VectorX& rest_positions,
+                    const Vector3& force, VectorX& nodal_forces) {
+  const auto n = static_cast<std::size_t>(element.num_nodes);
+  ShapeIntegrals integrals(element);
+  std::vector<double> X, shares(n);
+  for (std::size_t first = 0; first < cells.size(); first += n) {
+    const std::span<const Index> nodes = cells.subspan(first, n);
+    cell_positions(element.dim, nodes, rest_positions, X);
+    integrals.of_values(X, shares);
+    for (std::size_t a = 0; a < n; ++a)
+      nodal_forces.segment(Eigen::Index{nodes[a]} * element.dim, element.dim) +=
+          shares[a] * force.head(element.dim);
   }
 }
 

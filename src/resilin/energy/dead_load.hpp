@@ -2,6 +2,7 @@
 
 #include <span>
 
+#include "resilin/element/element.hpp"
 #include "resilin/energy/energy.hpp"
 #include "resilin/energy/facet.hpp"
 #include "resilin/energy/time_function.hpp"
@@ -46,9 +47,14 @@ class DeadLoad final : public Energy {
   ActiveTime active_;
 };
 
-/// Adds a traction [N/m^2] (2D: [N/m^2] on unit thickness) over the facets of the rest shape, shared equally
-/// by their nodes, to nodal forces [N].
-void add_traction(int dim, std::span<const LoadedFacet> facets, const VectorX& rest_positions,
-                  const Vector3& traction, VectorX& nodal_forces);
+/// Adds a traction [N/m^2] (2D: [N/m^2] on unit thickness) over the facets of the rest shape to nodal forces
+/// [N]: f_a += traction integral N_a dA.
+void add_traction(int dim, const CellBlock& facets, const VectorX& rest_positions, const Vector3& traction,
+                  VectorX& nodal_forces);
+
+/// Adds a force per rest volume [N/m^3] on cells to nodal forces [N]: f_a += force integral N_a dV.
+/// @param cells  nodes in the world, those of one cell after another
+void add_body_force(const ElementInfo& element, std::span<const Index> cells, const VectorX& rest_positions,
+                    const Vector3& force, VectorX& nodal_forces);
 
 }  // namespace resilin

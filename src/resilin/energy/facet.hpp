@@ -1,19 +1,33 @@
 #pragma once
 
 #include <array>
+#include <span>
+#include <vector>
 
 #include "resilin/core/types.hpp"
+#include "resilin/mesh/mesh.hpp"
 
 namespace resilin {
 
-/// One facet of the surface under a load: 2 nodes of an edge in 2D, 3 of a triangle in 3D, seen from outside
-/// anticlockwise (in 2D with the body on the left).
-struct LoadedFacet {
-  std::array<Index, 3> nodes = {-1, -1, -1};
+/// Quadrature point of a facet: lines and second-order lines in 2D; triangles, second-order triangles and
+/// quadrilaterals in 3D. Nodes in the order of MSH.
+struct FacetPoint {
+  double weight;
+  std::array<double, 6> values;   ///< N_a
+  std::array<double, 12> slopes;  ///< dN_a/dxi_k at [2 a + k]
 };
 
-/// Outward normal times area [m^2] (2D: times length, on unit thickness) at positions x.
-Vector3 area_vector(int dim, const LoadedFacet& facet, const VectorX& x);
+/// Points that integrate N_a times the area vector exactly (both are polynomials), so also a load that
+/// follows the surface.
+const std::vector<FacetPoint>& facet_points(CellKind kind);
+
+/// Outward normal times area per reference area [m^2] (2D: times length, on unit thickness) of the facet with
+/// these nodes at positions x: dx/dxi_0 x dx/dxi_1. A facet is seen from outside anticlockwise (in 2D with
+/// the body on the left).
+Vector3 area_vector(int dim, const FacetPoint& point, std::span<const Index> nodes, const VectorX& x);
+
+/// Outward normal times area of the whole facet.
+Vector3 area_vector(int dim, CellKind kind, std::span<const Index> nodes, const VectorX& x);
 
 /// Position of a node, the third coordinate zero in 2D [m].
 Vector3 node_position(int dim, Index node, const VectorX& x);

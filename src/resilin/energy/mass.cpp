@@ -2,7 +2,27 @@
 
 #include <algorithm>
 
+#include "resilin/energy/cell_positions.hpp"
+#include "resilin/energy/shape_integrals.hpp"
+
 namespace resilin {
+namespace {
+
+/// Volumes that the nodes of a cell stand for, from integral N_a N_b dV.
+void lump(const ElementInfo& element, std::span<const double> products, std::span<double> volumes) {
+  const std::size_t n = volumes.size();
+  double volume = 0, diagonal = 0;
+  for (std::size_t a = 0; a < n; ++a) {
+    volumes[a] = 0;
+    for (std::size_t b = 0; b < n; ++b) volumes[a] += products[a * n + b];
+    volume += volumes[a];
+    diagonal += products[a * (n + 1)];
+  }
+  if (element.degree == 1) return;
+  for (std::size_t a = 0; a < n; ++a) volumes[a] = volume * products[a * (n + 1)] / diagonal;
+}
+
+}  // namespace
 
 void MassMatrix::multiply(const VectorX& x, VectorX& y) const {
   y.setZero(x.size());
@@ -38,24 +58,25 @@ void MassMatrix::add_to(double factor, BlockMatrix& A) const {
     add_scaled_identity(s, slots[static_cast<std::size_t>(s)]);
 }
 
-void add_cell_masses(MassMatrix& mass, std::span<const Index> cells, std::span<const double> rest_volumes,
-                     double density, bool is_consistent) {
-  if (rest_volumes.empty()) return;
-  const std::size_t n = cells.size() / rest_volumes.size();
-  const auto corners = static_cast<double>(n);
+void add_cell_masses(MassMatrix& mass, const ElementInfo& element, std::span<const Index> cells,
+                     const VectorX& rest_positions, double density, bool is_consistent) {
+  const auto n = static_cast<std::size_t>(element.num_nodes);
+  ShapeIntegrals integrals(element);
+  std::vector<double> X, products(n * n), lumped(n);
   const auto add = [&mass](Index i, Index j, double entry) {
     mass.slots[static_cast<std::size_t>(mass.pattern->slot(std::min(i, j), std::max(i, j)))] += entry;
   };
-  for (std::size_t cell = 0; cell < rest_volumes.size(); ++cell) {
-    const double cell_mass = density * rest_volumes[cell];
-    const double entry = cell_mass / (corners * (corners + 1));
+  for (std::size_t first = 0; first < cells.size(); first += n) {
+    const std::span<const Index> nodes = cells.subspan(first, n);
+    cell_positions(element.dim, nodes, rest_positions, X);
+    integrals.of_products(X, products);
+    lump(element, products, lumped);
     for (std::size_t a = 0; a < n; ++a) {
-      const Index i = cells[cell * n + a];
-      mass.nodal[i] += cell_mass / corners;
+      mass.nodal[nodes[a]] += density * lumped[a];
       if (mass.is_lumped()) continue;
-      add(i, i, is_consistent ? 2 * entry : cell_mass / corners);
-      if (!is_consistent) continue;
-      for (std::size_t b = a + 1; b < n; ++b) add(i, cells[cell * n + b], entry);
+      if (!is_consistent) add(nodes[a], nodes[a], density * lumped[a]);
+      for (std::size_t b = a; b < n && is_consistent; ++b)
+        add(nodes[a], nodes[b], density * products[a * n + b]);
     }
   }
 }

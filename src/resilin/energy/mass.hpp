@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "resilin/element/element.hpp"
 #include "resilin/linear/block_matrix.hpp"
 
 namespace resilin {
@@ -11,7 +12,7 @@ namespace resilin {
 /// Mass of the bodies [kg]: each entry m_ij couples nodes i and j equally in all components, M = m (x) I.
 struct MassMatrix {
   int dim = 3;
-  VectorX nodal;  ///< row sums, one per node [kg]; the whole matrix when it is lumped
+  VectorX nodal;  ///< lumped, one per node, positive [kg]; the whole matrix when it is lumped
   std::shared_ptr<const BlockPattern> pattern;  ///< set when some body has a consistent mass
   std::vector<double> slots;                    ///< one entry per slot of the pattern, then
 
@@ -24,13 +25,14 @@ struct MassMatrix {
   double total() const { return nodal.sum(); }
 };
 
-/// Adds the mass of linear triangles or tetrahedra. Lumped: each node carries its share of the cell;
-/// consistent: m_ab = rho V / ((d + 1) (d + 2)) (1 + delta_ab), for which `mass.pattern` and `mass.slots`
-/// must be set.
-/// @param cells         nodes, those of one cell after another
-/// @param rest_volumes  one for each cell [m^3]
-/// @param density       [kg/m^3]
-void add_cell_masses(MassMatrix& mass, std::span<const Index> cells, std::span<const double> rest_volumes,
-                     double density, bool is_consistent);
+/// Adds the mass of a body's cells. Consistent: m_ab = rho integral N_a N_b dV, for which `mass.pattern` and
+/// `mass.slots` must be set. Lumped: row sums for elements of degree 1; for those of degree 2, whose corners
+/// would get negative ones, the diagonal scaled to the cell's mass.
+/// Source: Hinton, Rock & Zienkiewicz 1976, "A note on mass lumping and related processes".
+/// @param cells           nodes in the world, those of one cell after another
+/// @param rest_positions  of all nodes of the world, dim each [m]
+/// @param density         [kg/m^3]
+void add_cell_masses(MassMatrix& mass, const ElementInfo& element, std::span<const Index> cells,
+                     const VectorX& rest_positions, double density, bool is_consistent);
 
 }  // namespace resilin

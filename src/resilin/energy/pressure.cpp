@@ -5,33 +5,43 @@
 namespace resilin {
 namespace {
 
-/// d(area vector)/d(position of the facet's node a), row-major dim x dim.
+Eigen::Matrix3d cross_matrix(const Vector3& e) {
+  Eigen::Matrix3d matrix;
+  matrix << 0, -e.z(), e.y(), e.z(), 0, -e.x(), -e.y(), e.x(), 0;
+  return matrix;
+}
+
+/// d(area vector)/d(position of node b) at a point.
 ///
-/// 3D: N = 1/2 (x1 - x0) x (x2 - x0), so dN = 1/2 e_a x^T dx_a with e_a the edge opposite to node a, cyclic.
-/// 2D: N = (y1 - y0, -(x1 - x0)).
-Eigen::Matrix3d area_vector_slope(int dim, const LoadedFacet& facet, int a, const VectorX& x) {
-  Eigen::Matrix3d slope = Eigen::Matrix3d::Zero();
-  if (dim == 2) {
-    const double sign = a == 0 ? -1 : 1;
-    slope(0, 1) = sign;
-    slope(1, 0) = -sign;
-    return slope;
+/// 3D, with tangents t_k = sum_a N_a,k x_a: A = t_0 x t_1, so dA/dx_b = [N_b,1 t_0 - N_b,0 t_1]_x.
+/// 2D: A = (t_y, -t_x).
+std::array<Eigen::Matrix3d, 6> area_vector_slopes(int dim, const FacetPoint& point,
+                                                  std::span<const Index> nodes, const VectorX& x) {
+  std::array<Eigen::Matrix3d, 6> slopes;
+  std::array<Vector3, 2> tangents = {Vector3::Zero(), Vector3::Zero()};
+  for (std::size_t a = 0; a < nodes.size(); ++a)
+    for (std::size_t k = 0; k < 2; ++k)
+      tangents[k] += point.slopes[2 * a + k] * node_position(dim, nodes[a], x);
+  for (std::size_t b = 0; b < nodes.size(); ++b) {
+    if (dim == 2) {
+      slopes[b].setZero();
+      slopes[b](0, 1) = point.slopes[2 * b];
+      slopes[b](1, 0) = -point.slopes[2 * b];
+    } else {
+      slopes[b] = cross_matrix(point.slopes[2 * b + 1] * tangents[0] - point.slopes[2 * b] * tangents[1]);
+    }
   }
-  const auto corner = [&](int k) {
-    return node_position(dim, facet.nodes[static_cast<std::size_t>((a + k) % 3)], x);
-  };
-  const Vector3 e = 0.5 * (corner(2) - corner(1));  // dN = e x dx_a
-  slope << 0, -e.z(), e.y(), e.z(), 0, -e.x(), -e.y(), e.x(), 0;
-  return slope;
+  return slopes;
 }
 
 }  // namespace
 
-Pressure::Pressure(std::string name, int dim, std::vector<LoadedFacet> facets, double pressure,
-                   VectorX rest_positions, ActiveTime active)
+Pressure::Pressure(std::string name, int dim, CellBlock facets, double pressure, VectorX rest_positions,
+                   ActiveTime active)
     : name_(std::move(name)),
       dim_(dim),
       facets_(std::move(facets)),
+      points_(facet_points(facets_.kind)),
       pressure_(pressure),
       rest_positions_(std::move(rest_positions)),
       active_(std::move(active)) {}
@@ -41,16 +51,18 @@ double Pressure::difference(const VectorX& from, const VectorX& to, const Condit
   if (p == 0) return 0;
   const VectorX middle = 0.5 * (from + to);
   double work = 0;
-  for (const LoadedFacet& facet : facets_) {
-    const Vector3 mean_area = (area_vector(dim_, facet, from) + 4 * area_vector(dim_, facet, middle) +
-                               area_vector(dim_, facet, to)) /
-                              6;
-    Vector3 mean_motion = Vector3::Zero();
-    for (int a = 0; a < dim_; ++a) {
-      const Index node = facet.nodes[static_cast<std::size_t>(a)];
-      mean_motion += (node_position(dim_, node, to) - node_position(dim_, node, from)) / dim_;
+  for (Index facet = 0; facet < facets_.num_cells(); ++facet) {
+    const std::span<const Index> nodes = facets_.cell(facet);
+    for (const FacetPoint& point : points_) {
+      const Vector3 mean_area =
+          (area_vector(dim_, point, nodes, from) + 4 * area_vector(dim_, point, nodes, middle) +
+           area_vector(dim_, point, nodes, to)) /
+          6;
+      Vector3 motion = Vector3::Zero();
+      for (std::size_t a = 0; a < nodes.size(); ++a)
+        motion += point.values[a] * (node_position(dim_, nodes[a], to) - node_position(dim_, nodes[a], from));
+      work += point.weight * mean_area.dot(motion);
     }
-    work += mean_area.dot(mean_motion);
   }
   return p * work;
 }
@@ -58,57 +70,66 @@ double Pressure::difference(const VectorX& from, const VectorX& to, const Condit
 void Pressure::add_gradient(const VectorX& x, const Conditions& c, VectorX& gradient) const {
   const double p = factor(c);
   if (p == 0) return;
-  for (const LoadedFacet& facet : facets_) {
-    const Vector3 share = p / dim_ * area_vector(dim_, facet, x);
-    for (int a = 0; a < dim_; ++a) {
-      gradient.segment(Eigen::Index{facet.nodes[static_cast<std::size_t>(a)]} * dim_, dim_) +=
-          share.head(dim_);
+  for (Index facet = 0; facet < facets_.num_cells(); ++facet) {
+    const std::span<const Index> nodes = facets_.cell(facet);
+    for (const FacetPoint& point : points_) {
+      const Vector3 force = p * point.weight * area_vector(dim_, point, nodes, x);
+      for (std::size_t a = 0; a < nodes.size(); ++a)
+        gradient.segment(Eigen::Index{nodes[a]} * dim_, dim_) += point.values[a] * force.head(dim_);
     }
   }
 }
 
 void Pressure::add_gradient_magnitude(const VectorX& x, const Conditions& c, VectorX& magnitude) const {
   const double p = std::abs(factor(c));
-  for (const LoadedFacet& facet : facets_) {
-    const Vector3 share = p / dim_ * area_vector(dim_, facet, x).cwiseAbs();
-    for (int a = 0; a < dim_; ++a) {
-      magnitude.segment(Eigen::Index{facet.nodes[static_cast<std::size_t>(a)]} * dim_, dim_) +=
-          share.head(dim_);
+  if (p == 0) return;
+  for (Index facet = 0; facet < facets_.num_cells(); ++facet) {
+    const std::span<const Index> nodes = facets_.cell(facet);
+    for (const FacetPoint& point : points_) {
+      const Vector3 force = p * point.weight * area_vector(dim_, point, nodes, x).cwiseAbs();
+      for (std::size_t a = 0; a < nodes.size(); ++a)
+        magnitude.segment(Eigen::Index{nodes[a]} * dim_, dim_) +=
+            std::abs(point.values[a]) * force.head(dim_);
     }
   }
 }
 
 void Pressure::add_pattern(BlockPatternBuilder& builder) const {
-  for (const LoadedFacet& facet : facets_) {
-    for (int a = 0; a < dim_; ++a) {
-      for (int b = a + 1; b < dim_; ++b) {
-        builder.add_pair(facet.nodes[static_cast<std::size_t>(a)], facet.nodes[static_cast<std::size_t>(b)]);
-      }
-    }
+  for (Index facet = 0; facet < facets_.num_cells(); ++facet) {
+    const std::span<const Index> nodes = facets_.cell(facet);
+    for (std::size_t a = 0; a < nodes.size(); ++a)
+      for (std::size_t b = a + 1; b < nodes.size(); ++b) builder.add_pair(nodes[a], nodes[b]);
   }
 }
 
 void Pressure::add_hessian(const VectorX& x, const Conditions& c, Projection, BlockMatrix& hessian) const {
   const double p = factor(c);
   if (p == 0) return;
-  for (const LoadedFacet& facet : facets_) {
-    std::array<Eigen::Matrix3d, 3> slopes;
-    for (int a = 0; a < dim_; ++a) slopes[static_cast<std::size_t>(a)] = area_vector_slope(dim_, facet, a, x);
-    for (int a = 0; a < dim_; ++a) {
-      for (int b = a; b < dim_; ++b) {
-        // Force on a from the area vector's change with x_b, symmetrised with the one on b from x_a.
-        const Eigen::Matrix3d block =
-            0.5 * p / dim_ *
-            (slopes[static_cast<std::size_t>(b)] + slopes[static_cast<std::size_t>(a)].transpose());
-        std::array<double, 9> values{};
-        for (int i = 0; i < dim_; ++i) {
-          for (int j = 0; j < dim_; ++j) values[static_cast<std::size_t>(i * dim_ + j)] = block(i, j);
-        }
-        hessian.add_block(facet.nodes[static_cast<std::size_t>(a)], facet.nodes[static_cast<std::size_t>(b)],
-                          values.data());
-      }
-    }
+  for (Index facet = 0; facet < facets_.num_cells(); ++facet)
+    add_facet_hessian(facets_.cell(facet), x, p, hessian);
+}
+
+void Pressure::add_facet_hessian(std::span<const Index> nodes, const VectorX& x, double p,
+                                 BlockMatrix& hessian) const {
+  const std::size_t count = nodes.size();
+  std::array<Eigen::Matrix3d, 36> blocks;
+  blocks.fill(Eigen::Matrix3d::Zero());
+  for (const FacetPoint& point : points_) {
+    const auto slopes = area_vector_slopes(dim_, point, nodes, x);
+    // Force on a from the area vector's change with x_b, symmetrised with the one on b from x_a.
+    for (std::size_t a = 0; a < count; ++a)
+      for (std::size_t b = a; b < count; ++b)
+        blocks[a * count + b] +=
+            0.5 * p * point.weight * (point.values[a] * slopes[b] + point.values[b] * slopes[a].transpose());
   }
+  for (std::size_t a = 0; a < count; ++a)
+    for (std::size_t b = a; b < count; ++b) {
+      std::array<double, 9> values{};
+      for (int i = 0; i < dim_; ++i)
+        for (int j = 0; j < dim_; ++j)
+          values[static_cast<std::size_t>(i * dim_ + j)] = blocks[a * count + b](i, j);
+      hessian.add_block(nodes[a], nodes[b], values.data());
+    }
 }
 
 }  // namespace resilin

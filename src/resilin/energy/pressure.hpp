@@ -1,13 +1,10 @@
 #pragma once
 
-#include <vector>
-
 #include "resilin/energy/dead_load.hpp"
 
 namespace resilin {
 
-/// Pressure on a part of the surface; it follows the surface: f = -t p n da, shared equally by a facet's
-/// nodes.
+/// Pressure on a part of the surface; it follows the surface: f_a = -t p integral N_a n da.
 ///
 /// On a closed surface, or one whose edge is held, it is the slope of t p V, V the volume inside. Else it has
 /// no potential; `difference` is then the exact work along the straight path between the two states (the
@@ -15,8 +12,9 @@ namespace resilin {
 /// tangent.
 class Pressure final : public Energy {
  public:
-  Pressure(std::string name, int dim, std::vector<LoadedFacet> facets, double pressure,
-           VectorX rest_positions, ActiveTime active = {});
+  /// @param facets  of one kind, outward, in the world's node numbers
+  Pressure(std::string name, int dim, CellBlock facets, double pressure, VectorX rest_positions,
+           ActiveTime active = {});
 
   std::string_view name() const override { return name_; }
   double value(const VectorX& x, const Conditions& c) const override {
@@ -30,10 +28,13 @@ class Pressure final : public Energy {
 
  private:
   double factor(const Conditions& c) const { return c.load * active_.factor(c.time) * pressure_; }
+  void add_facet_hessian(std::span<const Index> nodes, const VectorX& x, double p,
+                         BlockMatrix& hessian) const;
 
   std::string name_;
   int dim_;
-  std::vector<LoadedFacet> facets_;
+  CellBlock facets_;
+  const std::vector<FacetPoint>& points_;
   double pressure_;  ///< [Pa]
   VectorX rest_positions_;
   ActiveTime active_;

@@ -29,19 +29,6 @@ std::vector<std::pair<std::size_t, std::size_t>> exchanges(CellKind kind) {
   }
 }
 
-CellKind first_order(CellKind kind) {
-  switch (kind) {
-    case CellKind::line3:
-      return CellKind::line;
-    case CellKind::triangle6:
-      return CellKind::triangle;
-    case CellKind::tetrahedron10:
-      return CellKind::tetrahedron;
-    default:
-      return kind;
-  }
-}
-
 std::vector<bool> used_by_any_cell(const Mesh& mesh) {
   std::vector<bool> is_used(mesh.vertices.size(), false);
   for (const CellBlock& block : mesh.blocks) {
@@ -132,6 +119,7 @@ Surface extract_surface(const Mesh& mesh) {
     const CellBlock* block = mesh.find_block(kind);
     if (block == nullptr || block->num_cells() == 0) continue;
     surface.mesh.blocks = {kind == CellKind::triangle ? *block : boundary(*block).facets};
+    to_first_order(surface.mesh);
     break;
   }
   if (surface.mesh.blocks.empty())

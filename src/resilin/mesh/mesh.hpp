@@ -6,27 +6,9 @@
 #include <vector>
 
 #include "resilin/core/types.hpp"
+#include "resilin/mesh/cell_kind.hpp"
 
 namespace resilin {
-
-/// Kinds of cells that files hold. Node order is that of MSH (Gmsh).
-enum class CellKind {
-  point,
-  line,
-  triangle,
-  quadrilateral,
-  tetrahedron,
-  hexahedron,
-  prism,
-  pyramid,
-  line3,
-  triangle6,
-  tetrahedron10
-};
-
-int num_nodes(CellKind kind);
-int dimension(CellKind kind);
-std::string_view name(CellKind kind);  ///< "tetrahedra", plural, for messages
 
 /// All cells of one kind.
 struct CellBlock {

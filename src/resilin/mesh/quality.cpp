@@ -153,7 +153,7 @@ std::vector<std::array<Index, 2>> nonmanifold_edges(const CellBlock& triangles) 
   std::vector<std::array<Index, 2>> result;
   visit_facets(triangles, [&](std::span<const Facet> uses) {
     if (uses.size() < 3) return;
-    const auto nodes = facet_nodes(triangles, uses[0]);
+    const auto nodes = facet_corners(triangles, uses[0]);
     result.push_back({std::min(nodes[0], nodes[1]), std::max(nodes[0], nodes[1])});
   });
   std::sort(result.begin(), result.end());

@@ -6,21 +6,7 @@
 namespace resilin {
 namespace {
 
-constexpr std::array<std::array<int, 3>, 4> tetrahedron_sides = {
-    {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
-constexpr std::array<std::array<int, 2>, 3> triangle_sides = {{{0, 1}, {1, 2}, {2, 0}}};
-
-bool is_tetrahedral(CellKind kind) {
-  return kind == CellKind::tetrahedron || kind == CellKind::tetrahedron10;
-}
-bool is_triangular(CellKind kind) { return kind == CellKind::triangle || kind == CellKind::triangle6; }
-
-int num_sides(CellKind kind) { return is_tetrahedral(kind) ? 4 : is_triangular(kind) ? 3 : 0; }
-int num_corners(CellKind kind) {
-  return is_tetrahedral(kind) ? 4 : is_triangular(kind) ? 3 : kind == CellKind::line3 ? 2 : num_nodes(kind);
-}
-
-std::array<Index, 3> sorted(std::array<Index, 3> nodes) {
+std::array<Index, 4> sorted(std::array<Index, 4> nodes) {
   std::sort(nodes.begin(), nodes.end());
   return nodes;
 }
@@ -62,41 +48,38 @@ Components number_components(Index num_cells, Index num_sets, const RootOfCell& 
 
 }  // namespace
 
-std::array<Index, 3> facet_nodes(const CellBlock& block, Facet facet) {
+std::array<Index, 4> facet_corners(const CellBlock& block, Facet facet) {
   const auto nodes = block.cell(facet.cell);
-  const auto local = static_cast<std::size_t>(facet.local);
-  const auto node = [&](int corner) { return nodes[static_cast<std::size_t>(corner)]; };
-  if (is_tetrahedral(block.kind)) {
-    const auto& side = tetrahedron_sides[local];
-    return {node(side[0]), node(side[1]), node(side[2])};
-  }
-  const auto& side = triangle_sides[local];
-  return {node(side[0]), node(side[1]), -1};
+  std::array<Index, 4> corners = {-1, -1, -1, -1};
+  const CellSide& side = cell_sides(block.kind)[static_cast<std::size_t>(facet.local)];
+  for (std::size_t i = 0; i < side.corners().size(); ++i)
+    corners[i] = nodes[static_cast<std::size_t>(side.nodes[i])];
+  return corners;
 }
 
 void visit_facets(const CellBlock& block, const std::function<void(std::span<const Facet>)>& visit) {
   struct Keyed {
-    std::array<Index, 3> key;
+    std::array<Index, 4> key;
     Facet facet;
   };
+  const auto num_sides = static_cast<int>(cell_sides(block.kind).size());
   std::vector<Keyed> facets;
-  facets.reserve(static_cast<std::size_t>(block.num_cells()) *
-                 static_cast<std::size_t>(num_sides(block.kind)));
+  facets.reserve(static_cast<std::size_t>(block.num_cells()) * static_cast<std::size_t>(num_sides));
   Index largest = -1;
   for (Index cell = 0; cell < block.num_cells(); ++cell) {
-    for (int local = 0; local < num_sides(block.kind); ++local) {
-      const auto key = sorted(facet_nodes(block, {cell, local}));
-      largest = std::max(largest, key[2]);
+    for (int local = 0; local < num_sides; ++local) {
+      const auto key = sorted(facet_corners(block, {cell, local}));
+      largest = std::max(largest, key[3]);
       facets.push_back({key, {cell, local}});
     }
   }
   // Counting sort by the largest node, then a short sort within each bucket.
   std::vector<std::size_t> begin(static_cast<std::size_t>(largest) + 2, 0);
-  for (const Keyed& f : facets) ++begin[static_cast<std::size_t>(f.key[2]) + 1];
+  for (const Keyed& f : facets) ++begin[static_cast<std::size_t>(f.key[3]) + 1];
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   std::vector<Keyed> ordered(facets.size());
   std::vector<std::size_t> next = begin;
-  for (const Keyed& f : facets) ordered[next[static_cast<std::size_t>(f.key[2])]++] = f;
+  for (const Keyed& f : facets) ordered[next[static_cast<std::size_t>(f.key[3])]++] = f;
 
   const auto at = [&](std::size_t i) { return ordered.begin() + static_cast<std::ptrdiff_t>(i); };
   for (std::size_t bucket = 0; bucket + 1 < begin.size(); ++bucket) {
@@ -113,29 +96,28 @@ void visit_facets(const CellBlock& block, const std::function<void(std::span<con
 }
 
 Boundary boundary(const CellBlock& block) {
-  Boundary result{{is_tetrahedral(block.kind) ? CellKind::triangle : CellKind::line, {}}, {}};
+  const std::span<const CellSide> sides = cell_sides(block.kind);
+  Boundary result{{sides.empty() ? CellKind::triangle : sides[0].kind, {}}, {}};
   visit_facets(block, [&](std::span<const Facet> uses) {
     if (uses.size() == 1) result.owners.push_back(uses[0]);
   });
   std::sort(result.owners.begin(), result.owners.end(),
             [](Facet a, Facet b) { return a.cell != b.cell ? a.cell < b.cell : a.local < b.local; });
-  const auto num_facet_nodes = static_cast<std::ptrdiff_t>(num_nodes(result.facets.kind));
   for (const Facet& owner : result.owners) {
-    const auto nodes = facet_nodes(block, owner);
-    result.facets.nodes.insert(result.facets.nodes.end(), nodes.begin(), nodes.begin() + num_facet_nodes);
+    const auto nodes = block.cell(owner.cell);
+    for (const int local : sides[static_cast<std::size_t>(owner.local)].all())
+      result.facets.nodes.push_back(nodes[static_cast<std::size_t>(local)]);
   }
   return result;
 }
 
 std::vector<std::array<Index, 2>> edges(const CellBlock& block) {
-  const auto corners = static_cast<std::size_t>(num_corners(block.kind));
   std::vector<std::array<Index, 2>> result;
   for (Index cell = 0; cell < block.num_cells(); ++cell) {
     const auto nodes = block.cell(cell);
-    for (std::size_t a = 0; a < corners; ++a) {
-      for (std::size_t b = a + 1; b < corners; ++b) {
-        result.push_back({std::min(nodes[a], nodes[b]), std::max(nodes[a], nodes[b])});
-      }
+    for (const auto& [i, j] : cell_edges(block.kind)) {
+      const Index a = nodes[static_cast<std::size_t>(i)], b = nodes[static_cast<std::size_t>(j)];
+      result.push_back({std::min(a, b), std::max(a, b)});
     }
   }
   std::sort(result.begin(), result.end());

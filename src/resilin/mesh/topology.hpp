@@ -9,29 +9,29 @@
 
 namespace resilin {
 
-/// Side number `local` of cell `cell`. Sides of a tetrahedron: (0,2,1), (0,1,3), (0,3,2), (1,2,3); of a
-/// triangle: (0,1), (1,2), (2,0): outward when the cell has positive volume (area).
+/// Side number `local` of cell `cell`, in the order of `cell_sides`: outward when the cell has positive
+/// volume (area).
 struct Facet {
   Index cell;
   int local;
 };
 
-/// Nodes of one side of a tetrahedron (3) or triangle (2); the third is -1 for a triangle.
-std::array<Index, 3> facet_nodes(const CellBlock& block, Facet facet);
+/// Corners of a side; -1 after the last one.
+std::array<Index, 4> facet_corners(const CellBlock& block, Facet facet);
 
 /// Sides of the cells that belong to one cell only.
 struct Boundary {
-  CellBlock facets;  ///< triangles of tetrahedra, lines of triangles; outward for cells of positive volume
+  CellBlock facets;           ///< outward for cells of positive volume; of second order when the cells are
   std::vector<Facet> owners;  ///< the side that each facet is; ordered by cell, then by side
 };
 
-/// The boundary of a block of tetrahedra or triangles. Linear in the number of cells.
+/// The boundary of a block of solid cells. Linear in the number of cells.
 Boundary boundary(const CellBlock& block);
 
 /// Calls `visit` once for every distinct side (set of nodes) with all its uses, in a fixed order.
 void visit_facets(const CellBlock& block, const std::function<void(std::span<const Facet>)>& visit);
 
-/// Every edge of lines, triangles or tetrahedra once, smaller node first, sorted.
+/// Every edge of the cells once, by its corners, smaller node first, sorted.
 std::vector<std::array<Index, 2>> edges(const CellBlock& block);
 
 /// Cells that hang together. Components are numbered in the order of their first cells.
@@ -44,8 +44,8 @@ struct Components {
 /// Components of cells that share a vertex, of blocks of any kind.
 Components connected_components(const CellBlock& block, Index num_vertices);
 
-/// Components of tetrahedra (triangles) that share a whole side: more of them than connected components means
-/// a joint at a single vertex or edge, a hinge that statics cannot hold.
+/// Components of cells that share a whole side: more of them than connected components means a joint at a
+/// single vertex or edge, a hinge that statics cannot hold.
 Components facet_components(const CellBlock& block);
 
 /// vertex_is_used[v] is true when a cell of the block has node v.

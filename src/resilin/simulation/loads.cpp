@@ -17,27 +17,6 @@ ActiveTime active_time(const LoadDescription& load, bool is_dynamic) {
           .function = load.time_function};
 }
 
-/// Nodal forces [N] of a force per rest volume [N/m^3] on the cells whose vertices are all selected; each
-/// vertex of a linear cell carries the same share.
-void add_body_force(const std::vector<Index>& selected_vertices, const Vector3& force, const Body& body,
-                    int dim, VectorX& forces) {
-  std::vector<bool> is_selected(static_cast<std::size_t>(body.num_nodes), false);
-  for (const Index v : selected_vertices) is_selected[static_cast<std::size_t>(v)] = true;
-  const std::vector<double> volumes = body.elastic->rest_volumes();
-  const auto num_corners = static_cast<std::size_t>(num_nodes(body.cell_kind));
-  for (std::size_t cell = 0; cell < volumes.size(); ++cell) {
-    const auto nodes = std::span(body.cells).subspan(cell * num_corners, num_corners);
-    const bool is_whole = std::all_of(nodes.begin(), nodes.end(), [&](Index node) {
-      return is_selected[static_cast<std::size_t>(node - body.first_node)];
-    });
-    if (!is_whole) continue;
-    for (const Index node : nodes) {
-      forces.segment(Eigen::Index{node} * dim, dim) +=
-          volumes[cell] / static_cast<double>(num_corners) * force.head(dim);
-    }
-  }
-}
-
 }  // namespace
 
 std::shared_ptr<Energy> make_load(const LoadDescription& load, const World& world, const Body& body,
@@ -58,15 +37,16 @@ std::shared_ptr<Energy> make_load(const LoadDescription& load, const World& worl
                                           world.rest_positions, active);
   }
   if (load.kind == Kind::pressure) {
-    return std::make_shared<Pressure>(name, dim,
-                                      select_facets(vertices, body, dim, world.rest_positions, where),
-                                      load.pressure, world.rest_positions, active);
+    return std::make_shared<Pressure>(name, dim, select_facets(vertices, body, where), load.pressure,
+                                      world.rest_positions, active);
   }
   VectorX forces = VectorX::Zero(world.rest_positions.size());
-  if (load.kind == Kind::body_force) add_body_force(vertices, load.value, body, dim, forces);
+  if (load.kind == Kind::body_force) {
+    add_body_force(body.elastic->element(), select_cells(vertices, body), world.rest_positions, load.value,
+                   forces);
+  }
   if (load.kind == Kind::traction) {
-    add_traction(dim, select_facets(vertices, body, dim, world.rest_positions, where), world.rest_positions,
-                 load.value, forces);
+    add_traction(dim, select_facets(vertices, body, where), world.rest_positions, load.value, forces);
   }
   if (load.kind == Kind::nodal_force) {
     for (const Index node : nodes) forces.segment(Eigen::Index{node} * dim, dim) = load.value.head(dim);
@@ -75,10 +55,9 @@ std::shared_ptr<Energy> make_load(const LoadDescription& load, const World& worl
 }
 
 std::shared_ptr<Energy> make_gravity(const Vector3& gravity, const World& world) {
-  const int dim = world.dimension;
-  VectorX forces(world.rest_positions.size());
-  for (Index i = 0; i < world.num_nodes(); ++i) {
-    forces.segment(Eigen::Index{i} * dim, dim) = world.mass.nodal[i] * gravity.head(dim);
+  VectorX forces = VectorX::Zero(world.rest_positions.size());
+  for (const Body& body : world.bodies) {
+    add_body_force(body.elastic->element(), body.cells, world.rest_positions, body.density * gravity, forces);
   }
   return std::make_shared<DeadLoad>("gravity", std::move(forces), world.rest_positions);
 }

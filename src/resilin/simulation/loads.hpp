@@ -11,7 +11,7 @@ namespace resilin {
 std::shared_ptr<Energy> make_load(const LoadDescription& load, const World& world, const Body& body,
                                   const Mesh& mesh);
 
-/// The weight of all bodies [N] as dead nodal forces; needs the world's masses.
+/// The weight of all bodies [N] as dead nodal forces, integral N_a rho g dV.
 std::shared_ptr<Energy> make_gravity(const Vector3& gravity, const World& world);
 
 }  // namespace resilin

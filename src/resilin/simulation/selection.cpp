@@ -5,6 +5,7 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/energy/facet.hpp"
 #include "resilin/mesh/topology.hpp"
 
 namespace resilin {
@@ -85,6 +86,21 @@ std::string describe_extent(const Body& body, const VectorX& rest_positions, int
   return text;
 }
 
+/// Nodes, in the world's numbering, of the cells of a block whose nodes are all selected.
+std::vector<Index> whole_cells(const CellBlock& block, const std::vector<Index>& selected_vertices,
+                               const Body& body) {
+  std::vector<bool> is_selected(static_cast<std::size_t>(body.num_nodes), false);
+  for (const Index v : selected_vertices) is_selected[static_cast<std::size_t>(v)] = true;
+  std::vector<Index> nodes;
+  for (Index cell = 0; cell < block.num_cells(); ++cell) {
+    const std::span<const Index> local = block.cell(cell);
+    if (!std::ranges::all_of(local, [&](Index v) { return is_selected[static_cast<std::size_t>(v)]; }))
+      continue;
+    for (const Index v : local) nodes.push_back(body.first_node + v);
+  }
+  return nodes;
+}
+
 }  // namespace
 
 std::vector<Index> select_vertices(const Where& where, const Mesh& mesh, const Body& body,
@@ -120,35 +136,19 @@ std::vector<Index> select_vertices(const Where& where, const Mesh& mesh, const B
   return selected;
 }
 
-std::vector<LoadedFacet> select_facets(const std::vector<Index>& selected_vertices, const Body& body, int dim,
-                                       const VectorX& rest_positions, const std::string& place) {
-  std::vector<bool> is_selected(static_cast<std::size_t>(body.num_nodes), false);
-  for (const Index v : selected_vertices) is_selected[static_cast<std::size_t>(v)] = true;
-  const CellBlock cells = local_cells(body);
-  const Boundary surface = boundary(cells);
-  std::vector<LoadedFacet> facets;
-  for (std::size_t f = 0; f < surface.owners.size(); ++f) {
-    const std::span<const Index> nodes = surface.facets.cell(static_cast<Index>(f));
-    if (!std::all_of(nodes.begin(), nodes.end(),
-                     [&](Index v) { return is_selected[static_cast<std::size_t>(v)]; })) {
-      continue;
-    }
-    LoadedFacet facet;
-    for (std::size_t a = 0; a < nodes.size(); ++a) facet.nodes[a] = body.first_node + nodes[a];
-    // An outward normal points away from the rest of its cell, whatever the order of the cell's nodes.
-    const std::span<const Index> cell = cells.cell(surface.owners[f].cell);
-    Vector3 centroid = Vector3::Zero();
-    for (const Index v : cell) centroid += node_position(dim, body.first_node + v, rest_positions);
-    centroid /= static_cast<double>(cell.size());
-    const Vector3 outward = node_position(dim, facet.nodes[0], rest_positions) - centroid;
-    if (area_vector(dim, facet, rest_positions).dot(outward) < 0) std::swap(facet.nodes[0], facet.nodes[1]);
-    facets.push_back(facet);
-  }
-  if (facets.empty()) {
+CellBlock select_facets(const std::vector<Index>& selected_vertices, const Body& body,
+                        const std::string& place) {
+  CellBlock surface = boundary(local_cells(body)).facets;
+  surface.nodes = whole_cells(surface, selected_vertices, body);
+  if (surface.nodes.empty()) {
     throw InputError(place, "a part of the surface (facets with all their vertices selected)",
                      std::to_string(selected_vertices.size()) + " vertices that bound no facet");
   }
-  return facets;
+  return surface;
+}
+
+std::vector<Index> select_cells(const std::vector<Index>& selected_vertices, const Body& body) {
+  return whole_cells(local_cells(body), selected_vertices, body);
 }
 
 }  // namespace resilin

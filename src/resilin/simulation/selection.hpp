@@ -3,7 +3,6 @@
 #include <string>
 #include <vector>
 
-#include "resilin/energy/facet.hpp"
 #include "resilin/simulation/world.hpp"
 
 namespace resilin {
@@ -15,9 +14,12 @@ namespace resilin {
 std::vector<Index> select_vertices(const Where& where, const Mesh& mesh, const Body& body,
                                    const VectorX& rest_positions, int dim, const std::string& place);
 
-/// Surface facets of a body whose vertices are all selected, outward, in the world's numbering. Throws
+/// Surface facets of a body whose nodes are all selected, outward, in the world's numbering. Throws
 /// InputError when there is none.
-std::vector<LoadedFacet> select_facets(const std::vector<Index>& selected_vertices, const Body& body, int dim,
-                                       const VectorX& rest_positions, const std::string& place);
+CellBlock select_facets(const std::vector<Index>& selected_vertices, const Body& body,
+                        const std::string& place);
+
+/// Nodes, in the world's numbering, of the cells whose nodes are all selected.
+std::vector<Index> select_cells(const std::vector<Index>& selected_vertices, const Body& body);
 
 }  // namespace resilin

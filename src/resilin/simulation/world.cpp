@@ -325,7 +325,8 @@ void Builder::add_masses() {
     mass.slots.assign(static_cast<std::size_t>(world_.pattern->num_slots()), 0.0);
   }
   for (const Body& body : world_.bodies)
-    add_cell_masses(mass, body.cells, body.elastic->rest_volumes(), body.density, is_consistent(body));
+    add_cell_masses(mass, body.elastic->element(), body.cells, world_.rest_positions, body.density,
+                    is_consistent(body));
 }
 
 void Builder::find_fixed_unknowns() {

@@ -1,0 +1,124 @@
+// Masses and body forces of every element, against closed forms of the unit cell.
+
+#include "resilin/energy/mass.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "resilin/element/catalog.hpp"
+#include "resilin/energy/dead_load.hpp"
+
+namespace resilin {
+namespace {
+
+/// One cell; straight: the reference cell sheared and stretched, else with its nodes moved about.
+struct Cell {
+  const ElementInfo& element;
+  std::vector<Index> nodes;
+  VectorX X;
+};
+
+Cell cell_of(const ElementInfo& element, double distortion) {
+  Cell cell{element, {}, VectorX(element.num_nodes * element.dim)};
+  Eigen::Matrix3d A;
+  A << 2, 0.3, 0.1, 0, 1.5, 0.2, 0, 0, 0.8;
+  std::mt19937 generator(3);
+  std::uniform_real_distribution<double> uniform(-distortion, distortion);
+  for (int a = 0; a < element.num_nodes; ++a) {
+    cell.nodes.push_back(a);
+    Vector3 X = A * element.nodes[static_cast<std::size_t>(a)];
+    for (double& value : X) value += uniform(generator);
+    cell.X.segment(a * element.dim, element.dim) = X.head(element.dim);
+  }
+  return cell;
+}
+
+MassMatrix mass_of(const Cell& cell, double density, bool is_consistent) {
+  MassMatrix mass;
+  mass.dim = cell.element.dim;
+  mass.nodal = VectorX::Zero(cell.element.num_nodes);
+  if (is_consistent) {
+    BlockPatternBuilder builder(cell.element.num_nodes);
+    builder.add_cells(cell.nodes, cell.element.num_nodes);
+    mass.pattern = std::make_shared<const BlockPattern>(builder.build());
+    mass.slots.assign(static_cast<std::size_t>(mass.pattern->num_slots()), 0.0);
+  }
+  add_cell_masses(mass, cell.element, cell.nodes, cell.X, density, is_consistent);
+  return mass;
+}
+
+double volume_of(const Cell& cell) {
+  VectorX forces = VectorX::Zero(cell.X.size());
+  add_body_force(cell.element, cell.nodes, cell.X, Vector3::UnitX(), forces);
+  return forces.sum();
+}
+
+/// Kinetic energy of v = c + G X, for which lumped masses of degree 1 need not be exact, consistent ones are.
+TEST(EveryElement, HasAConsistentMassThatKnowsTheEnergyOfALinearVelocity) {
+  for (const ElementInfo* element : elements()) {
+    for (const double distortion : {0.0, 0.08}) {
+      const Cell cell = cell_of(*element, distortion);
+      const MassMatrix mass = mass_of(cell, 3, true);
+      // integral X^2 dV by a rule of much higher degree
+      double expected = 0;
+      for (const QuadraturePoint& point : rule_of_degree(element->shape, 11).points) {
+        std::vector<double> values(static_cast<std::size_t>(element->num_nodes));
+        element->shape_values(point.xi, values);
+        double X = 0;
+        for (int a = 0; a < element->num_nodes; ++a)
+          X += values[static_cast<std::size_t>(a)] * cell.X[a * element->dim];
+        expected +=
+            3 * X * X *
+            point_geometry(*element, point, std::span(cell.X.data(), static_cast<std::size_t>(cell.X.size())))
+                .weight;
+      }
+      VectorX velocity = VectorX::Zero(cell.X.size()), momentum;
+      for (int a = 0; a < element->num_nodes; ++a) velocity[a * element->dim] = cell.X[a * element->dim];
+      mass.multiply(velocity, momentum);
+      EXPECT_NEAR(velocity.dot(momentum), expected, 1e-13 * expected) << element->text << distortion;
+    }
+  }
+}
+
+TEST(EveryElement, HasPositiveLumpedMassesThatSumToTheMass) {
+  for (const ElementInfo* element : elements()) {
+    for (const double distortion : {0.0, 0.08}) {
+      const Cell cell = cell_of(*element, distortion);
+      const MassMatrix lumped = mass_of(cell, 3, false), consistent = mass_of(cell, 3, true);
+      EXPECT_GT(lumped.nodal.minCoeff(), 0) << element->text;
+      EXPECT_NEAR(lumped.total(), 3 * volume_of(cell), 1e-13 * lumped.total()) << element->text;
+      EXPECT_EQ(lumped.nodal, consistent.nodal) << element->text;
+    }
+  }
+}
+
+/// m_ab of the unit cells; Hinton, Rock & Zienkiewicz's shares of the quadratic ones (corner, edge): triangle
+/// 1/19 (3/57), 16/57; tetrahedron 1/36, 4/27.
+TEST(LumpedMass, IsTheScaledDiagonal) {
+  const auto shares = [](const char* name, int dim) {
+    const Cell cell = cell_of(*find_element(name, dim), 0);
+    const MassMatrix mass = mass_of(cell, 1, false);
+    return VectorX(mass.nodal / mass.total());
+  };
+  for (int a = 0; a < 6; ++a) EXPECT_NEAR(shares("P2", 2)[a], a < 3 ? 3.0 / 57 : 16.0 / 57, 1e-14);
+  for (int a = 0; a < 10; ++a) EXPECT_NEAR(shares("P2", 3)[a], a < 4 ? 1.0 / 36 : 4.0 / 27, 1e-14);
+  for (int a = 0; a < 4; ++a) EXPECT_NEAR(shares("P1", 3)[a], 0.25, 1e-15);
+  for (int a = 0; a < 8; ++a) EXPECT_NEAR(shares("Q1", 3)[a], 0.125, 1e-15);
+}
+
+TEST(BodyForce, OfQuadraticCellsPushesCornersTheOtherWay) {
+  const auto shares = [](int dim) {
+    const Cell cell = cell_of(*find_element("P2", dim), 0);
+    VectorX forces = VectorX::Zero(cell.X.size());
+    add_body_force(cell.element, cell.nodes, cell.X, 5 * Vector3::UnitY(), forces);
+    VectorX per_node(cell.element.num_nodes);
+    for (int a = 0; a < cell.element.num_nodes; ++a) per_node[a] = forces[a * dim + 1];
+    return VectorX(per_node / per_node.sum());
+  };
+  for (int a = 0; a < 6; ++a) EXPECT_NEAR(shares(2)[a], a < 3 ? 0 : 1.0 / 3, 1e-14);
+  for (int a = 0; a < 10; ++a) EXPECT_NEAR(shares(3)[a], a < 4 ? -0.05 : 0.2, 1e-14);
+}
+
+}  // namespace
+}  // namespace resilin
