@@ -259,6 +259,10 @@ VectorX ElasticEnergy::mean_pressures(const VectorX& x, const VectorX* p, double
 
 VectorX ElasticEnergy::internal_values(const VectorX& x) const { return mean_pressures(x, nullptr, 0); }
 
+Eigen::Index ElasticEnergy::num_internal_values() const {
+  return tiles_.has_mean_volume() ? static_cast<Eigen::Index>(all_blocks_.size()) * block_size : 0;
+}
+
 VectorX ElasticEnergy::predicted_internal_values(const VectorX& x, const VectorX& p, double t) const {
   return mean_pressures(x, &p, t);
 }

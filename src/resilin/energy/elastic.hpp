@@ -50,6 +50,7 @@ class ElasticEnergy final : public Energy {
   /// Elements with a mean volume keep one pressure per cell: dU/dJ of the law's volume energy [Pa]. Newton
   /// may carry them along (docs/theory/mean_volume.md); empty for other elements.
   VectorX internal_values(const VectorX& x) const override;
+  Eigen::Index num_internal_values() const override;
   VectorX predicted_internal_values(const VectorX& x, const VectorX& p, double t) const override;
   void add_hessian_at(const VectorX& internal, const VectorX& x, const Conditions& c, Projection projection,
                       BlockMatrix& hessian) const override;

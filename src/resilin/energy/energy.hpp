@@ -51,6 +51,7 @@ class Energy {
   /// Numbers besides x on which the Hessian may be formed, such as the pressures of elements that keep one:
   /// those that belong to x, ...
   virtual VectorX internal_values(const VectorX& /*x*/) const { return {}; }
+  virtual Eigen::Index num_internal_values() const { return 0; }
   /// ... or those that follow from x to first order along x + t p.
   virtual VectorX predicted_internal_values(const VectorX& /*x*/, const VectorX& /*p*/, double /*t*/) const {
     return {};

@@ -11,6 +11,9 @@ namespace resilin {
 namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
+/// After so many halvings a step along which carried internal values led is given up for one at those of x:
+/// the globalisation of docs/theory/mean_volume.md.
+constexpr int max_halvings_of_carried_values = 4;
 
 }  // namespace
 
@@ -43,7 +46,9 @@ struct Newton::Search {
   ProjectionChooser chooser{settings.projection};
   VectorX gradient{}, step{}, trial{}, trial_gradient{}, right_side{};
   bool gradient_at_trial_is_known = false;
-  VectorX diagonal{};  ///< |diagonal of the last Hessian| [N/m]
+  VectorX internal{};            ///< where the Hessian is formed besides x ...
+  bool internal_is_old = false;  ///< ... carried along to first order, not of x itself
+  VectorX diagonal{};            ///< |diagonal of the last Hessian| [N/m]
   double first_residual = 0;
   double last_residual = 0;
   double last_forcing = 0;
@@ -134,7 +139,7 @@ struct Newton::Search {
     {
       const Stopwatch watch(report.assembly_seconds);
       newton.hessian_.set_zero();
-      objective.hessian(x, projection, newton.hessian_);
+      objective.hessian_at(internal, x, projection, newton.hessian_);
       remember_diagonal();
       right_side = -gradient;
       if (boundary_moves) {
@@ -223,7 +228,8 @@ struct Newton::Search {
     const double slope = -step.dot(right_side);  // right side is minus the gradient, zero at fixed unknowns
     double magnitude = -1;
     result.length = objective.max_step(x, step);
-    for (int halving = 0; halving <= settings.max_halvings; ++halving) {
+    const int max_halvings = internal_is_old ? max_halvings_of_carried_values : settings.max_halvings;
+    for (int halving = 0; halving <= max_halvings; ++halving) {
       trial = x + result.length * step;
       gradient_at_trial_is_known = false;
       const double decrease = -objective.difference(x, trial);
@@ -269,7 +275,17 @@ struct Newton::Search {
     return result;
   }
 
-  void accept_trial() {
+  /// The Hessian is formed at the internal values that belong to x.
+  void renew_internal_values() {
+    internal = objective.internal_values(x);
+    internal_is_old = false;
+  }
+
+  void accept_trial(double length) {
+    if (internal.size() > 0) {
+      internal = objective.predicted_internal_values(x, step, length);
+      internal_is_old = true;
+    }
     x.swap(trial);
     if (gradient_at_trial_is_known) {
       gradient.swap(trial_gradient);
@@ -298,6 +314,7 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
   objective.gradient(x, gradient);
   measure_residual();
   first_residual = report.residual;
+  renew_internal_values();
   while (boundary_moves || !is_converged()) {
     if (report.iterations >= settings.max_iterations) {
       return finish(Status::max_iterations, "the limit of Newton iterations was reached");
@@ -322,6 +339,11 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
       was_exact = direction.is_exact;
       line = boundary_moves ? follow_boundary() : search_line(direction.is_exact);
       if (line.accepted) break;
+      if (internal_is_old) {
+        renew_internal_values();
+        projection = chooser.next_choice(Projection::none);
+        continue;
+      }
       const Projection used = was_exact ? Projection::none : projection;
       const Projection next = chooser.next_choice(used);
       if (next == used || next == projection) {
@@ -335,7 +357,7 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
     if (boundary_moves && line.length < 0.05 && ++short_boundary_steps > 5) {
       return finish(Status::stalled, "the prescribed motion would invert an element");
     }
-    accept_trial();
+    accept_trial(line.length);
     chooser.step_was_taken(line.ratio, line.length);
     if (boundary_moves) {
       if (line.length == 1) {  // land on the targets exactly, whatever the rounding

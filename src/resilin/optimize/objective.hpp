@@ -19,6 +19,17 @@ class Objective {
   virtual void gradient_magnitude(const VectorX& x, VectorX& magnitude) const = 0;
   /// d2E/dx2 [N/m], its elements projected as asked.
   virtual void hessian(const VectorX& x, Projection projection, BlockMatrix& hessian) const = 0;
+  /// Numbers besides x on which the Hessian may be formed, such as the pressures of elements that keep one:
+  /// those that belong to x, ...
+  virtual VectorX internal_values(const VectorX& /*x*/) const { return {}; }
+  /// ... or those that follow from x to first order along x + t p.
+  virtual VectorX predicted_internal_values(const VectorX& /*x*/, const VectorX& /*p*/, double /*t*/) const {
+    return {};
+  }
+  virtual void hessian_at(const VectorX& /*internal*/, const VectorX& x, Projection projection,
+                          BlockMatrix& hessian) const {
+    this->hessian(x, projection, hessian);
+  }
   /// The largest step t in (0, 1] that keeps x + t p inside the domain.
   virtual double max_step(const VectorX& x, const VectorX& p) const = 0;
   /// The forces that must balance [N]: a residual is small when it is small against this number.

@@ -41,6 +41,38 @@ void Potential::hessian(const VectorX& x, Projection projection, BlockMatrix& he
   for_each_term([&](const Energy& energy) { energy.add_hessian(x, conditions_, projection, hessian); });
 }
 
+namespace {
+
+void append(VectorX& all, const VectorX& more) {
+  const Eigen::Index size = all.size();
+  all.conservativeResize(size + more.size());
+  all.tail(more.size()) = more;
+}
+
+}  // namespace
+
+VectorX Potential::internal_values(const VectorX& x) const {
+  VectorX all;
+  for_each_term([&](const Energy& energy) { append(all, energy.internal_values(x)); });
+  return all;
+}
+
+VectorX Potential::predicted_internal_values(const VectorX& x, const VectorX& p, double t) const {
+  VectorX all;
+  for_each_term([&](const Energy& energy) { append(all, energy.predicted_internal_values(x, p, t)); });
+  return all;
+}
+
+void Potential::hessian_at(const VectorX& internal, const VectorX& x, Projection projection,
+                           BlockMatrix& hessian) const {
+  Eigen::Index first = 0;
+  for_each_term([&](const Energy& energy) {
+    const Eigen::Index count = energy.num_internal_values();
+    energy.add_hessian_at(internal.segment(first, count), x, conditions_, projection, hessian);
+    first += count;
+  });
+}
+
 double Potential::max_step(const VectorX& x, const VectorX& p) const {
   double step = 1;
   for_each_term([&](const Energy& energy) { step = std::min(step, energy.max_step(x, p)); });

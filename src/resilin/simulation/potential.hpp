@@ -20,6 +20,10 @@ class Potential final : public Objective {
   void gradient(const VectorX& x, VectorX& gradient) const override;
   void gradient_magnitude(const VectorX& x, VectorX& magnitude) const override;
   void hessian(const VectorX& x, Projection projection, BlockMatrix& hessian) const override;
+  VectorX internal_values(const VectorX& x) const override;
+  VectorX predicted_internal_values(const VectorX& x, const VectorX& p, double t) const override;
+  void hessian_at(const VectorX& internal, const VectorX& x, Projection projection,
+                  BlockMatrix& hessian) const override;
   double max_step(const VectorX& x, const VectorX& p) const override;
 
   /// The largest of: the loads, the reactions, the inertia force; each as the norm over all unknowns [N].
