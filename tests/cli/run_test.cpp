@@ -66,6 +66,9 @@ TEST_F(RunCommand, ReportsWhatTheContractNames) {
   EXPECT_LT(frame["probes"]["tip"]["displacement"][2].get<double>(), 0);
   // The wall carries the weight: 2 m^3 of 1000 kg/m^3. The residual of the equilibrium is far below 1e-6.
   EXPECT_NEAR(frame["reactions"]["wall"][2].get<double>(), 2 * 1000 * 9.81, 2e-2);
+  // About the origin, which lies at the wall's edge: the weight's arm along x is 1 m, less what the beam
+  // sags.
+  EXPECT_NEAR(frame["reaction_moments"]["wall"][1].get<double>(), -2 * 1000 * 9.81, 600);
 }
 
 TEST_F(RunCommand, PrintsNothingWhenQuiet) {

@@ -14,6 +14,11 @@ Json vector_json(const Vector3& vector, int dimension) {
   return list;
 }
 
+/// Three numbers; in 2D the one about the plane's normal.
+Json moment_json(const Vector3& moment, int dimension) {
+  return dimension == 3 ? vector_json(moment, 3) : Json::array({moment[2]});
+}
+
 }  // namespace
 
 std::string_view name(RunStatus status) {
@@ -48,8 +53,7 @@ Json frame_json(const Frame& frame, int dimension) {
                     {"external", frame.external_energy},
                     {"total", frame.total_energy()}};
   json["momentum"]["linear"] = vector_json(frame.linear_momentum, dimension);
-  json["momentum"]["angular"] =
-      dimension == 3 ? vector_json(frame.angular_momentum, 3) : Json::array({frame.angular_momentum[2]});
+  json["momentum"]["angular"] = moment_json(frame.angular_momentum, dimension);
   json["probes"] = Json::object();
   for (const Frame::ProbeValue& probe : frame.probes) {
     json["probes"][probe.name] = {{"displacement", vector_json(probe.displacement, dimension)},
@@ -57,6 +61,10 @@ Json frame_json(const Frame& frame, int dimension) {
   }
   json["reactions"] = Json::object();
   for (const auto& [name, force] : frame.reactions) json["reactions"][name] = vector_json(force, dimension);
+  json["reaction_moments"] = Json::object();
+  for (std::size_t i = 0; i < frame.reactions.size(); ++i) {
+    json["reaction_moments"][frame.reactions[i].first] = moment_json(frame.reaction_torques[i], dimension);
+  }
   return json;
 }
 
