@@ -78,9 +78,9 @@ std::vector<Measurement> summary(const Simulation& simulation, const Run& run, d
 
 }  // namespace
 
-std::vector<Measurement> measure_bar(int n, bool is_dynamic) {
+std::vector<Measurement> measure_bar(int n, bool is_dynamic, const std::string& element) {
   const double start = cpu_seconds();
-  Simulation simulation(bar(n, is_dynamic));
+  Simulation simulation(bar(n, is_dynamic, element));
   const double setup = cpu_seconds() - start;
   const Run result = run(simulation);
   std::vector<Measurement> measurements = summary(simulation, result, setup);

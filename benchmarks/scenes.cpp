@@ -29,7 +29,7 @@ ProbeDescription probe(const std::string& name, const Vector3& at) {
 
 }  // namespace
 
-Description bar(int n, bool is_dynamic) {
+Description bar(int n, bool is_dynamic, const std::string& element) {
   Description scene;
   scene.title = "bar";
   scene.is_dynamic = is_dynamic;
@@ -39,8 +39,9 @@ Description bar(int n, bool is_dynamic) {
   BodyDescription body;
   body.name = "bar";
   body.mesh = make_box({4, 1, 1}, {4 * n, n, n});
+  body.element = element;
   body.material.law = "neo_hookean";
-  body.material.constants = {{"youngs_modulus", 1e6}, {"poissons_ratio", 0.4}};
+  body.material.constants = {{"youngs_modulus", 1e6}, {"poissons_ratio", element == "P1" ? 0.4 : 0.49}};
   body.material.density = 1000;
   body.mass = "consistent";
   scene.bodies.push_back(std::move(body));
@@ -63,6 +64,7 @@ Description cube(int n) {
   scene.newton.tolerance = 1e-6;
   BodyDescription body;
   body.name = "cube";
+  body.element = "P1";
   body.mesh = make_box({0.4, 0.4, 0.4}, {n, n, n}, Vector3::Zero(), TetPattern::five);
   body.material.law = "stable_neo_hookean";
   body.material.constants = {{"youngs_modulus", 1e5}, {"poissons_ratio", 0.4}};
@@ -81,6 +83,7 @@ Description seed001(const std::filesystem::path& mesh) {
   scene.newton.tolerance = 1e-4;
   BodyDescription body;
   body.name = "armadillo";
+  body.element = "P1";
   body.mesh = read_solid_mesh(mesh, 3).mesh;
   body.material.law = "stable_neo_hookean";
   body.material.constants = {{"youngs_modulus", 6e5}, {"poissons_ratio", 0.3}};

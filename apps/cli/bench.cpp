@@ -70,6 +70,8 @@ void add_bench(CLI::App& app, Action& action) {
       ->check(CLI::Range(1, 1000));
   command->add_flag("--dynamic", options->options.dynamic,
                     "Motion instead of statics, where a benchmark has both");
+  command->add_option("--element", options->options.element,
+                      "Element of the kernels and the bar: P1, P2 or P2P0");
   command->add_option("--threads", options->threads, "Number of threads; default all cores")
       ->check(CLI::Range(1, 1024));
   command->add_flag("--json", options->json, "Print JSON");

@@ -27,7 +27,8 @@ std::vector<Measurement> bench_solvers(const BenchOptions& options) {
 /// Nanoseconds of thread time for each tetrahedron, on one thread.
 std::vector<Measurement> bench_kernels(const BenchOptions& options) {
   KernelBenchmarkOptions benchmark;
-  if (options.n > 0) benchmark.n = options.n;
+  benchmark.element = options.element;
+  benchmark.n = options.n > 0 ? options.n : options.element == "P1" ? 26 : 13;
   std::vector<Measurement> measurements;
   for (const KernelTiming& timing : benchmark_kernels(benchmark)) {
     measurements.emplace_back(timing.kernel + ", median ns", timing.median_ns);
@@ -37,7 +38,7 @@ std::vector<Measurement> bench_kernels(const BenchOptions& options) {
 }
 
 std::vector<Measurement> bench_bar(const BenchOptions& options) {
-  return bench::measure_bar(options.n > 0 ? options.n : 9, options.dynamic);
+  return bench::measure_bar(options.n > 0 ? options.n : 9, options.dynamic, options.element);
 }
 
 std::vector<Measurement> bench_cube(const BenchOptions& options) {

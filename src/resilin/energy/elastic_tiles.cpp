@@ -247,7 +247,10 @@ void ElasticTiles::scatter(const Tile& tile, const std::uint32_t* slots, const O
 
 void ElasticTiles::prefetch(const Tile& tile, const double* u, const std::uint32_t* slots,
                             const double* values) const {
-  if (blocks.is_linear_simplex()) simplex_kernels_->prefetch(simplex_tile(tile), u, slots, values);
+  if (blocks.is_linear_simplex())
+    simplex_kernels_->prefetch(simplex_tile(tile), u, slots, values);
+  else
+    quadrature_kernels_->prefetch(quadrature_tile(tile), slots, values);
 }
 
 void ElasticTiles::volume_energies(const Tile& tile, const double* u, Scratch& scratch) const {

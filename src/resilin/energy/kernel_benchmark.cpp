@@ -9,6 +9,7 @@
 #include <random>
 
 #include "resilin/core/parallel.hpp"
+#include "resilin/element/catalog.hpp"
 #include "resilin/energy/elastic.hpp"
 
 namespace resilin {
@@ -23,19 +24,27 @@ struct Cube {
 constexpr std::array<std::array<int, 4>, 6> kuhn = {
     {{0, 1, 3, 7}, {0, 5, 1, 7}, {0, 4, 5, 7}, {0, 3, 2, 7}, {0, 2, 6, 7}, {0, 6, 4, 7}}};
 
-Cube make_cube(int n) {
+/// The nodes of a tetrahedron of degree 2 in a grid twice as fine as its corners: sums of corners.
+constexpr std::array<std::array<int, 2>, 10> quadratic_nodes = {
+    {{0, 0}, {1, 1}, {2, 2}, {3, 3}, {0, 1}, {1, 2}, {2, 0}, {3, 0}, {2, 3}, {1, 3}}};
+
+Cube make_cube(int num_cells, int degree) {
   Cube cube;
-  const int side = n + 1;
+  const int n = degree * num_cells, side = n + 1;
   const auto node = [side](int i, int j, int k) { return i + side * (j + side * k); };
   cube.rest_positions.resize(3 * Eigen::Index{side} * side * side);
   for (int k = 0; k < side; ++k)
     for (int j = 0; j < side; ++j)
       for (int i = 0; i < side; ++i) cube.rest_positions.segment<3>(3 * node(i, j, k)) = Vector3(i, j, k) / n;
-  for (int k = 0; k < n; ++k)
-    for (int j = 0; j < n; ++j)
-      for (int i = 0; i < n; ++i)
+  for (int k = 0; k < n; k += degree)
+    for (int j = 0; j < n; j += degree)
+      for (int i = 0; i < n; i += degree)
         for (const auto& corners : kuhn)
-          for (const int c : corners) cube.cells.push_back(node(i + c % 2, j + c / 2 % 2, k + c / 4));
+          for (std::size_t a = 0; a < (degree == 1 ? 4 : 10); ++a) {
+            const int c0 = corners[static_cast<std::size_t>(quadratic_nodes[a][0])];
+            const int c1 = degree == 1 ? 0 : corners[static_cast<std::size_t>(quadratic_nodes[a][1])];
+            cube.cells.push_back(node(i + c0 % 2 + c1 % 2, j + c0 / 2 % 2 + c1 / 2 % 2, k + c0 / 4 + c1 / 4));
+          }
   std::mt19937 random(1);
   std::normal_distribution<double> normal(0, 0.08 / n);
   cube.positions = cube.rest_positions;
@@ -77,10 +86,11 @@ class OneThread {
 
 std::vector<KernelTiming> benchmark_kernels(const KernelBenchmarkOptions& options) {
   const OneThread one_thread;
-  const Cube cube = make_cube(options.n);
+  const Cube cube = make_cube(options.n, require_element(options.element, 3, "element").degree);
   const LawInfo& law = require_law(options.law, "law");
   const auto constants = law.constants_from(hooke_from_young_poisson(1e6, 0.45));
-  ElasticEnergy energy(3, "P1", cube.cells, cube.rest_positions, law, constants, {}, options.instruction_set);
+  ElasticEnergy energy(3, options.element, cube.cells, cube.rest_positions, law, constants, {},
+                       options.instruction_set);
   BlockPatternBuilder builder(static_cast<Index>(cube.positions.size() / 3));
   energy.add_pattern(builder);
   const auto pattern = std::make_shared<BlockPattern>(builder.build());

@@ -15,8 +15,9 @@ struct KernelTiming {
 };
 
 struct KernelBenchmarkOptions {
-  int n = 26;                       ///< cube of n^3 cells of 6 tetrahedra: 105,456
+  int n = 26;                       ///< cube of n^3 cells of 6 tetrahedra each
   std::string law = "neo_hookean";  ///< with nu = 0.45
+  std::string element = "P1";       ///< P1, P2 or P2P0
   int repetitions = 21;
   InstructionSet instruction_set = preferred_instruction_set();
 };

@@ -277,6 +277,18 @@ void add_mean_volume(const QuadratureTile& tile, const double* H_rows, const dou
 }
 
 template <int dim, int num_nodes>
+void prefetch(const QuadratureTile& tile, const std::uint32_t* slots, const double* values) {
+  constexpr std::size_t slots_per_block = num_pairs(num_nodes) * block_size, entries = dim * dim;
+  for (std::size_t i = 0; i < tile.num_blocks; ++i) {
+    const std::uint32_t* slot = slots + static_cast<std::size_t>(tile.blocks[i]) * slots_per_block;
+    for (std::size_t k = 0; k < slots_per_block; ++k) {
+      __builtin_prefetch(values + entries * slot[k], 1, 2);
+      if constexpr (dim == 3) __builtin_prefetch(values + entries * slot[k] + 8, 1, 2);
+    }
+  }
+}
+
+template <int dim, int num_nodes>
 void scatter(const QuadratureTile& tile, const double* K, const std::uint32_t* slots, const OwnedNodes& owned,
              double* values) {
   constexpr int pairs = num_pairs(num_nodes), entries = dim * dim;
@@ -320,7 +332,7 @@ template <int dim, int num_nodes>
 constexpr QuadratureKernels kernels = {gradients<dim, num_nodes>,  add_energies<dim, num_nodes>,
                                        add_forces<dim, num_nodes>, hessians<dim, num_nodes>,
                                        mean<dim, num_nodes>,       add_mean_volume<dim, num_nodes>,
-                                       scatter<dim, num_nodes>};
+                                       prefetch<dim, num_nodes>,   scatter<dim, num_nodes>};
 
 }  // namespace
 

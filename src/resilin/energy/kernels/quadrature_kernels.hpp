@@ -50,6 +50,9 @@ struct QuadratureKernels {
   /// Adds c/V b b^T to the element Hessians, b = d(V J_mean)/dx, c one row of lanes for each tile block.
   void (*add_mean_volume)(const QuadratureTile&, const double* H, const double* c, double* K);
 
+  /// Before `hessians` of a tile that will be assembled: calls its slots into the cache.
+  void (*prefetch)(const QuadratureTile&, const std::uint32_t* slots, const double* values);
+
   /// Adds element Hessians to the slots whose row node is owned. `slots`: of all blocks, [block][pair][lane].
   void (*scatter)(const QuadratureTile&, const double* K, const std::uint32_t* slots, const OwnedNodes&,
                   double* values);
