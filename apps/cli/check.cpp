@@ -79,6 +79,12 @@ int check_mesh_path(const CheckOptions& options) {
   return done;
 }
 
+std::string time_steps_text(const World& world) {
+  if (!world.is_dynamic) return "static";
+  if (world.adaptive) return "adaptive time steps up to " + format_short(world.end_time) + " s";
+  return format_short(world.end_time / world.time_step) + " time steps";
+}
+
 void print_scene(const Scene& scene, const World& world) {
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     const Body& body = world.bodies[b];
@@ -95,8 +101,7 @@ void print_scene(const Scene& scene, const World& world) {
     print_line("fix " + support.name + ": " + std::to_string(support.nodes.size()) + " vertices");
   }
   for (const auto& load : world.external) print_line("load " + std::string(load->name()));
-  print_line(std::to_string(world.num_free_unknowns()) + " unknowns, " +
-             (world.is_dynamic ? format_short(world.end_time / world.time_step) + " time steps" : "static"));
+  print_line(std::to_string(world.num_free_unknowns()) + " unknowns, " + time_steps_text(world));
 }
 
 int check_scene(const CheckOptions& options) {

@@ -129,6 +129,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongValue{"load.0.kind=spring", "load[0]: a spring needs the key \"stiffness\""},
         WrongValue{"load.0.value=3", "load[0].value: expected 3 numbers"},
         WrongValue{"probe.0.name=\"\"", "probe[0].name"},
+        WrongValue{"fix.0.time_function={ramp={}}", "fix[0].time_function: has a meaning only in motion"},
         WrongValue{"simulation.integrator=newmarck", "did you mean \"newmark\"?"},
         WrongValue{"fix=[{name=\"a\",where=\"all\"},{name=\"a\",where=\"all\"}]",
                    "fix[1].name: expected a name of its own"},

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <numbers>
 
 #include "small_scenes.hpp"
 
@@ -100,6 +101,149 @@ TEST(EveryIntegrator, GoesOnFromACheckpointWithTheSameBits) {
       EXPECT_EQ(serialize(unbroken.state()), serialize(second.state())) << integrator << " " << mass;
     }
   }
+}
+
+/// A bar whose wall moves up and down: the middle of a soft bar against the same seen from the wall.
+Description shaken_bar(const std::string& integrator) {
+  Description scene = small_bar(3, true);
+  scene.integrator = integrator;
+  scene.gravity.setZero();
+  scene.newton.tolerance = 1e-12;
+  return scene;
+}
+
+TEST(PrescribedMotion, IsThatOfTheSceneInPlaceVelocityAndAcceleration) {
+  const TimeFunction sine{TimeFunction::Sine{.frequency = 3, .phase = 30}};
+  for (const std::string& integrator : integrator_names()) {
+    Description scene = shaken_bar(integrator);
+    scene.fixes[0].displacement = {0, 0, 0.02};
+    scene.fixes[0].time_function = sine;
+    scene.fixes[0].velocity = {0.1, 0, 0};
+    Simulation simulation(scene);
+    for (int step = 0; step < 7; ++step) ASSERT_EQ(simulation.step().status, StepReport::Status::converged);
+    const State& state = simulation.state();
+    for (const Index node : simulation.world().supports[0].nodes) {
+      const Vector3 X = simulation.world().rest_positions.segment<3>(3 * node);
+      const Vector3 x = X + Vector3(0.1 * state.time, 0, 0.02 * sine.value(state.time));
+      const Vector3 v(0.1, 0, 0.02 * sine.rate(state.time));
+      EXPECT_LT((state.positions.segment<3>(3 * node) - x).norm(), 1e-14) << integrator;
+      EXPECT_LT((state.velocities.segment<3>(3 * node) - v).norm(), 1e-13) << integrator;
+    }
+  }
+}
+
+/// In the frame of a wall that accelerates by a, gravity is -a: the same motion to the order of the scheme.
+TEST(PrescribedMotion, ActsLikeGravityInTheFrameOfTheWall) {
+  // z = 1/2 a t^2 is no function of the list; a sine about its turning point is, with force a(t) on all
+  // nodes.
+  const double amplitude = 0.01, frequency = 2;
+  const TimeFunction shake{TimeFunction::Sine{.frequency = frequency, .phase = -90, .offset = 1}};
+  for (const std::string mass : {"lumped", "consistent"}) {
+    for (const std::string integrator : {"bdf2", "tr_bdf2", "newmark", "midpoint"}) {
+      Description shaken = shaken_bar(integrator);
+      shaken.bodies[0].mass = mass;
+      shaken.time_step = 5e-4;
+      shaken.end_time = 0.1;
+      Description pulled = shaken;
+      shaken.fixes[0].displacement = {0, 0, amplitude};
+      shaken.fixes[0].time_function = shake;
+      // The wall's acceleration w^2 A cos(w t) as a body force the other way.
+      const double w = 2 * std::numbers::pi * frequency;
+      LoadDescription load;
+      load.value = {0, 0, -1000 * w * w * amplitude};
+      load.time_function.form = TimeFunction::Sine{.frequency = frequency, .phase = 90};
+      pulled.loads.push_back(load);
+      const Simulation a = run_all(shaken);
+      const Simulation b = run_all(pulled);
+      ASSERT_TRUE(a.is_finished() && b.is_finished());
+      const double wall = amplitude * shake.value(a.state().time);
+      const double tip_a = a.frame().probes[0].displacement.z() - wall;
+      const double tip_b = b.frame().probes[0].displacement.z();
+      EXPECT_NEAR(tip_a, tip_b, 2e-4 * std::abs(tip_b)) << integrator << " " << mass;
+    }
+  }
+}
+
+TEST(Loads, FollowTheirFunctionOfTime) {
+  // Free fall under a force that rises like t: z = F t^3 / 6 m, to second order in the step.
+  Description scene = tumbling_bar("tr_bdf2", 0.01, 1);
+  scene.bodies[0].velocity.setZero();
+  scene.bodies[0].velocity_gradient.setZero();
+  scene.probes[0].at = {0, 0, 0};
+  LoadDescription load;
+  load.value = {0, 0, 600};
+  load.time_function.form = TimeFunction::Table{.times = {0, 2}, .values = {0, 2}};
+  scene.loads.push_back(load);
+  const Simulation simulation = run_all(scene);
+  const double density = scene.bodies[0].material.density;
+  EXPECT_NEAR(simulation.frame().probes[0].displacement.z(), 100 / density, 1e-4 * 100 / density);
+}
+
+Description adaptive_bar(const std::string& integrator, double tolerance) {
+  Description scene = small_bar(3, true);
+  scene.integrator = integrator;
+  scene.time_step = 1e-3;
+  scene.end_time = 0.3;
+  scene.newton.tolerance = 1e-11;
+  scene.adaptive.emplace().tolerance = tolerance;
+  LoadDescription load;
+  load.value = {0, 0, 20000};
+  load.from = 0.1;
+  load.until = 0.2;
+  scene.loads.push_back(load);
+  return scene;
+}
+
+TEST(AdaptiveSteps, MeetTheirToleranceTheEventsAndTheEnd) {
+  Description fine = adaptive_bar("tr_bdf2", 1);
+  fine.adaptive.reset();
+  fine.time_step = 1e-4;
+  const Vector3 exact = run_all(fine).frame().probes[0].displacement;
+  for (const std::string& integrator : integrator_names()) {
+    double coarse_error = 0;
+    for (const double tolerance : {1e-3, 1e-5}) {
+      Simulation simulation(adaptive_bar(integrator, tolerance));
+      bool meets_begin = false, meets_end = false;
+      while (!simulation.is_finished()) {
+        const StepReport report = simulation.step();
+        ASSERT_EQ(report.status, StepReport::Status::converged) << integrator << ": " << report.reason;
+        EXPECT_LE(report.time_error, tolerance * 1.0);  // the bar is 1 m long
+        EXPECT_EQ(simulation.frame().time_step, report.time_step);
+        meets_begin |= simulation.state().time == 0.1;
+        meets_end |= simulation.state().time == 0.2;
+      }
+      EXPECT_TRUE(meets_begin && meets_end) << integrator;
+      EXPECT_EQ(simulation.state().time, 0.3);
+      const double error = (simulation.frame().probes[0].displacement - exact).norm();
+      if (tolerance == 1e-3)
+        coarse_error = error;
+      else
+        EXPECT_LT(error, 0.3 * coarse_error) << integrator;
+    }
+  }
+}
+
+TEST(AdaptiveSteps, GoOnFromACheckpointWithTheSameBits) {
+  for (const std::string& integrator : integrator_names()) {
+    const Description scene = adaptive_bar(integrator, 1e-4);
+    Simulation unbroken(scene);
+    Simulation first(scene);
+    for (int step = 0; step < 5; ++step) first.step();
+    Simulation second(scene);
+    second.resume_from(deserialize_state(serialize(first.state()), "checkpoint.bin"), "checkpoint.bin");
+    while (!unbroken.is_finished()) unbroken.step();
+    while (!second.is_finished()) second.step();
+    EXPECT_EQ(serialize(unbroken.state()), serialize(second.state())) << integrator;
+  }
+}
+
+TEST(AdaptiveSteps, ThatMayNotBeShortEnoughSaySo) {
+  Description scene = adaptive_bar("newmark", 1e-9);
+  scene.adaptive->min_step = 1e-3;
+  Simulation simulation(scene);
+  const StepReport report = simulation.step();
+  EXPECT_EQ(report.status, StepReport::Status::not_converged);
+  EXPECT_NE(report.reason.find("the shortest step misplaces a vertex"), std::string::npos) << report.reason;
 }
 
 }  // namespace

@@ -70,4 +70,10 @@ double TimeFunction::second_rate(double time) const {
   return -w * w * sine->amplitude * std::sin(angle(*sine, time));
 }
 
+std::vector<double> TimeFunction::kinks() const {
+  if (const Table* table = std::get_if<Table>(&form)) return table->times;
+  if (const Ramp* ramp = std::get_if<Ramp>(&form)) return {ramp->from, ramp->until};
+  return {};
+}
+
 }  // namespace resilin

@@ -34,6 +34,7 @@ struct TimeFunction {
   double value(double time) const;
   double rate(double time) const;         ///< df/dt [1/s]
   double second_rate(double time) const;  ///< d2f/dt2 [1/s^2]
+  std::vector<double> kinks() const;      ///< times where the rate jumps, rising [s]
 };
 
 }  // namespace resilin

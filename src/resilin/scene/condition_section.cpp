@@ -95,6 +95,9 @@ Keys<FixDescription> fix_keys() {
       vector_key("velocity", &F::velocity, "m/s", "In motion: the vertices move on at this speed ..."),
       key<F>({"until", "number >= 0", "s", "the end", "... until this time, and then stay."},
              [](const SceneNode& node, F& f) { f.until = read_number(node, not_negative); }),
+      key<F>({"time_function", "[time_function](#time_function)", "", "none",
+              "In motion: a factor on displacement, gradient and rotate."},
+             [](const SceneNode& node, F& f) { read_time_function(node, f.time_function); }),
   };
 }
 
@@ -102,7 +105,11 @@ void read_fix(const SceneNode& node, FixDescription& fix) {
   fix.place = node.place();
   fix.name = node.path;
   read_section(node, fix_keys(), fix);
-  expect_motion(node, {"velocity", "until"});
+  expect_motion(node, {"velocity", "until", "time_function"});
+  if (node.has("time_function") && !node.has("displacement") && !node.has("gradient") && !fix.rotate) {
+    node.child("time_function")
+        .fail_with("is a factor on displacement, gradient or rotate; give one of them");
+  }
   if (fix.rotate && (node.has("displacement") || node.has("gradient"))) {
     node.child("rotate").fail_with("comes in place of displacement and gradient; leave out one or the other");
   }
@@ -142,6 +149,9 @@ Keys<LoadDescription> load_keys() {
       number_key("from", &L::from, "s", not_negative, "In motion: acts from this time ..."),
       key<L>({"until", "number >= 0", "s", "the end", "... until this time."},
              [](const SceneNode& node, L& l) { l.until = read_number(node, not_negative); }),
+      key<L>({"time_function", "[time_function](#time_function)", "", "none",
+              "In motion: a factor on the value, of a spring on its displacement."},
+             [](const SceneNode& node, L& l) { read_time_function(node, l.time_function); }),
   };
 }
 
@@ -150,7 +160,10 @@ void read_load(const SceneNode& node, LoadDescription& load) {
   load.name = node.path;
   read_section(node, load_keys(), load);
   expect_keys_of_kind(node, load_kind(load.kind));
-  expect_motion(node, {"velocity", "from", "until"});
+  expect_motion(node, {"velocity", "from", "until", "time_function"});
+  if (load.kind == LoadDescription::Kind::spring && node.has("time_function") && !node.has("displacement")) {
+    node.child("time_function").fail_with("is a factor on the spring's displacement; give one");
+  }
   expect_order(node, load.from, load.until);
 }
 

@@ -91,7 +91,8 @@ std::vector<std::string> read_choices(const SceneNode& node, const std::vector<s
 template <class T>
 Key<T> number_key(const char* name, double T::* member, const char* unit, const Range& range,
                   const char* text) {
-  return {{name, ("number " + range.text()), unit, default_text(T{}.*member), text},
+  return {{name, (range.text().empty() ? "number" : "number " + range.text()), unit,
+           default_text(T{}.*member), text},
           [=](const SceneNode& node, T& target) { target.*member = read_number(node, range); }};
 }
 

@@ -60,6 +60,7 @@ std::string scene_reference() {
 std::vector<SectionDoc> scene_sections() {
   return {
       document("[simulation]", "What is computed.", simulation_keys()),
+      adaptive_doc(),
       document("[[body]]", "A solid; there may be several, of different materials.", body_keys()),
       mesh_doc(),
       material_doc(),
@@ -70,6 +71,7 @@ std::vector<SectionDoc> scene_sections() {
                "Loads are dead loads on the rest shape, but for pressure, which follows the surface.",
                load_keys()),
       where_doc(),
+      time_function_doc(),
       document("[newton]", "When the equations count as solved.", newton_keys()),
       document("[solver]", "How linear systems are solved.", solver_keys()),
       document("[[probe]]", "A vertex whose motion the report lists.", probe_keys()),

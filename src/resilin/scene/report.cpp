@@ -45,6 +45,9 @@ Json frame_json(const Frame& frame, int dimension) {
   json["converged"] = frame.converged;
   json["residual"] = frame.residual;
   json["residual_newton"] = frame.residual_newton;
+  json["failed_attempts"] = frame.failed_attempts;
+  if (frame.time_step > 0) json["time_step"] = frame.time_step;
+  if (frame.time_error > 0) json["time_error"] = frame.time_error;
   json["min_volume_ratio"] = frame.min_volume_ratio;
   json["worst_cell"] = frame.worst_cell;
   json["worst_body"] = frame.worst_body;

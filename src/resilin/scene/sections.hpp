@@ -43,6 +43,12 @@ Keys<LoadDescription> load_keys();
 void read_fix(const SceneNode& node, FixDescription& fix);
 void read_load(const SceneNode& node, LoadDescription& load);
 
+// time_section.cpp
+void read_time_function(const SceneNode& node, TimeFunction& function);
+SectionDoc time_function_doc();
+void read_adaptive_steps(const SceneNode& node, std::optional<AdaptiveSteps>& adaptive);
+SectionDoc adaptive_doc();
+
 // contact_section.cpp: what the contract has and this version does not
 void refuse_contact(const SceneNode& node);
 void refuse_collider(const SceneNode& node);

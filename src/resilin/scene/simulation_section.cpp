@@ -26,6 +26,9 @@ Keys<Description> simulation_keys() {
       number_key("time_step", &D::time_step, "s", positive, "Length of a step in motion."),
       number_key("end_time", &D::end_time, "s", positive, "Motion stops here."),
       choice_key("integrator", &D::integrator, integrator_names(), {}, "How motion steps through time."),
+      key<D>({"adaptive", "[adaptive](#adaptive)", "", "none: equal steps",
+              "In motion: steps as long as their error allows."},
+             [](const SceneNode& node, D& d) { read_adaptive_steps(node, d.adaptive); }),
       integer_key(
           "load_steps", &D::load_steps, at_least_one,
           "Static: number of equal steps that the loads are first tried in. A step that fails is halved."),

@@ -126,6 +126,13 @@ struct OutputOptions {
   std::vector<std::string> formats = {"vtu"};
 };
 
+/// Steps in time whose length follows an estimate of their error.
+struct AdaptiveSteps {
+  double tolerance = 1e-4;         ///< of the places after a step, in parts of the scene's largest extent
+  std::optional<double> min_step;  ///< [s]; default 1e-6 of the first step
+  std::optional<double> max_step;  ///< [s]; default the end time
+};
+
 /// A whole simulation.
 struct Description {
   std::string place = "scene";
@@ -136,7 +143,8 @@ struct Description {
   double time_step = 0.01;            ///< in motion [s]
   double end_time = 1;                ///< in motion [s]
   std::string integrator = "backward_euler";
-  int load_steps = 1;  ///< static: first attempt; halved by itself when a step fails
+  std::optional<AdaptiveSteps> adaptive;  ///< in motion; `time_step` is then the first step
+  int load_steps = 1;                     ///< static: first attempt; halved by itself when a step fails
   std::vector<BodyDescription> bodies;
   std::vector<FixDescription> fixes;
   std::vector<LoadDescription> loads;

@@ -26,6 +26,9 @@ struct Frame {
   double residual = 0;         ///< force residual relative to the forces that balance
   double residual_newton = 0;  ///< force residual [N]
   bool converged = true;
+  int failed_attempts = 0;  ///< steps that were tried before this one, too long
+  double time_step = 0;     ///< motion: length of the step [s]
+  double time_error = 0;    ///< motion with adaptive steps: about how far it misplaced a vertex [m]
   double min_volume_ratio = 1;
   Index worst_cell = -1;  ///< where the volume ratio is least, in its body ...
   int worst_body = 0;     ///< ... this one

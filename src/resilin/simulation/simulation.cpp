@@ -29,11 +29,14 @@ Simulation::Simulation(World world)
 }
 
 bool Simulation::is_finished() const {
+  if (world_.adaptive && world_.is_dynamic) return state_.time >= world_.end_time;
   if (world_.is_dynamic) return state_.time >= world_.end_time - 1e-9 * world_.time_step;
   return state_.load >= 1;
 }
 
 int Simulation::expected_steps() const {
+  if (world_.adaptive && world_.is_dynamic)
+    return state_.step + static_cast<int>(std::ceil((world_.end_time - state_.time) / state_.time_step));
   if (world_.is_dynamic) return static_cast<int>(std::ceil(world_.end_time / world_.time_step - 1e-9));
   return state_.step + static_cast<int>(std::ceil((1 - state_.load) / state_.load_increment - 1e-9));
 }
@@ -53,6 +56,9 @@ StepReport Simulation::step(const NewtonObserver& observer) {
   frame_.linear_iterations = report.newton.linear_iterations;
   frame_.residual = report.newton.relative_residual();
   frame_.residual_newton = report.newton.residual;
+  frame_.failed_attempts = report.failed_attempts;
+  frame_.time_step = report.time_step;
+  frame_.time_error = report.time_error;
   frame_.converged = report.status == StepReport::Status::converged;
   return report;
 }

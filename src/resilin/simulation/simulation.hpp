@@ -42,7 +42,7 @@ class Simulation {
   /// The end time or the full load is reached.
   bool is_finished() const;
 
-  /// About how many steps are needed in all, for progress: exact in motion, a guess in statics.
+  /// About how many steps are needed in all, for progress: exact in motion with equal steps, else a guess.
   int expected_steps() const;
 
   /// Goes on from a saved state. Throws InputError naming `place` when it does not fit this world.

@@ -18,7 +18,9 @@ struct StepReport {
   Status status = Status::converged;
   std::string reason;       ///< in words, with the place of the worst residual or the worst element
   NewtonReport newton;      ///< summed over the stages and attempts of the step
-  int failed_attempts = 0;  ///< statics: load steps that were tried and halved
+  int failed_attempts = 0;  ///< steps that were tried before, too long
+  double time_step = 0;     ///< motion: length of the step [s]
+  double time_error = 0;    ///< motion with adaptive steps: about how far the step misplaced a vertex [m]
 };
 
 /// Adds the counts and times of `part` to `sum`, which takes everything else from it.

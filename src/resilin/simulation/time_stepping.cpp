@@ -1,13 +1,23 @@
 #include "resilin/simulation/time_stepping.hpp"
 
+#include <algorithm>
 #include <cmath>
 
+#include "resilin/core/text.hpp"
 #include "resilin/integrator/backward_euler.hpp"
 #include "resilin/simulation/initial_acceleration.hpp"
 #include "resilin/simulation/potential.hpp"
 
 namespace resilin {
 namespace {
+
+/// Times count as equal within this [s]; loads and prescribed motions see them so, too.
+double slack(double time) { return 2e-9 * std::max(1.0, std::abs(time)); }
+
+bool is_event(const World& world, double time) {
+  return std::ranges::any_of(world.event_times,
+                             [time](double event) { return std::abs(event - time) <= slack(time); });
+}
 
 History history_of(const State& state) {
   return {.now = {state.positions, state.velocities, state.accelerations},
@@ -51,10 +61,62 @@ void follow_prescribed(const World& world, const Motion& prescribed, Stage& stag
   }
 }
 
+/// The accelerations that the loads and the prescribed motions give from now on.
+VectorX accelerations_from(const World& world, State state) {
+  state.time += 2 * slack(state.time);
+  const VectorX zero = VectorX::Zero(state.positions.size());
+  Motion prescribed{state.positions, zero, zero};
+  prescribe_motion_at(world, state.time, prescribed);
+  return accelerations_at(world, state, prescribed.accelerations);
+}
+
 bool is_in_domain(const World& world, const VectorX& x, const Conditions& conditions) {
   double sum = 0;
   for (const auto& energy : world.elastic) sum += energy->value(x, conditions);
   return std::isfinite(sum);
+}
+
+struct PlannedStep {
+  double length;  ///< [s]
+  double end;     ///< [s]; an event exactly where the step meets one
+  bool is_cut;    ///< it would be longer if there were no event
+};
+
+/// A step of the length `wanted`, or of what is left until the next event or the end: all of it when it is no
+/// longer, half of it when it is less than twice as long, so that no sliver is left over.
+PlannedStep plan_step(const World& world, const State& state, double wanted) {
+  const double meaningful = 1e-9 * std::max(world.end_time, world.time_step);
+  double event = world.end_time;
+  for (const double time : world.event_times) {
+    if (time > state.time + meaningful && time < event - meaningful) event = time;
+  }
+  const double left = event - state.time;
+  if (wanted >= left * (1 - 1e-9)) return {left, event, true};
+  if (2 * wanted > left) return {left / 2, state.time + left / 2, true};
+  return {wanted, state.time + wanted, false};
+}
+
+double largest_extent(const World& world) {
+  double extent = 0;
+  for (int k = 0; k < world.dimension; ++k) {
+    const auto coordinates = world.rest_positions(Eigen::seq(k, Eigen::last, world.dimension));
+    extent = std::max(extent, coordinates.maxCoeff() - coordinates.minCoeff());
+  }
+  return extent;
+}
+
+/// The longest vector of a node in `vectors`, its fixed components left out.
+double largest_free_distance(const World& world, const VectorX& vectors) {
+  double largest = 0;
+  for (Index node = 0; node < world.num_nodes(); ++node) {
+    double square = 0;
+    for (int k = 0; k < world.dimension; ++k) {
+      const Eigen::Index i = Eigen::Index{node} * world.dimension + k;
+      if (world.is_fixed[static_cast<std::size_t>(i)] == 0) square += vectors[i] * vectors[i];
+    }
+    largest = square > largest || std::isnan(square) ? square : largest;
+  }
+  return std::sqrt(largest);
 }
 
 void move_to(State& state, Motion end, double time_step) {
@@ -79,10 +141,12 @@ TimeStepper::TimeStepper(const World& world)
     : integrator_(make_integrator(world.integrator, world.place + ": simulation.integrator")) {}
 
 void TimeStepper::prepare(const World& world, State& state) const {
-  Motion prescribed{state.positions, state.velocities, VectorX::Zero(state.positions.size())};
+  const VectorX zero = VectorX::Zero(state.positions.size());
+  Motion prescribed{state.positions, state.velocities, zero};
   prescribe_motion_at(world, state.time, prescribed);
   state.velocities = prescribed.velocities;
-  if (integrator_->needs_accelerations() && state.accelerations.size() == 0)
+  if (state.time_step == 0) state.time_step = world.time_step;
+  if ((integrator_->needs_accelerations() || world.adaptive) && state.accelerations.size() == 0)
     state.accelerations = accelerations_at(world, state, prescribed.accelerations);
 }
 
@@ -91,7 +155,9 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
                                           const NewtonObserver& observer) const {
   Attempt attempt;
   StepReport& report = attempt.report;
-  const History start = history_of(state);
+  History start = history_of(state);
+  if (integrator.needs_accelerations() && is_event(world, state.time))
+    start.now.accelerations = accelerations_from(world, state);
   std::vector<Motion> solutions;
   for (int i = 0; i < integrator.num_stages(); ++i) {
     Stage stage = integrator.begin_stage(i, start, solutions, time_step);
@@ -124,28 +190,82 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
   return attempt;
 }
 
+TimeStepper::Attempt TimeStepper::safe_attempt(const World& world, Newton& newton, const State& state,
+                                               double time_step, const NewtonObserver& observer) const {
+  Attempt found = attempt(world, newton, state, time_step, *integrator_, observer);
+  if (found.report.status == StepReport::Status::interrupted || integrator_->solves_for_end()) return found;
+  const Conditions end{.time = state.time + time_step, .load = 1};
+  if (is_in_domain(world, found.end.positions, end)) return found;
+  Attempt other = attempt(world, newton, state, time_step, BackwardEuler(), observer);
+  std::swap(found.report.newton, other.report.newton);
+  add_to(other.report.newton, found.report.newton);
+  if (other.report.status == StepReport::Status::interrupted) return other;
+  other.report.status = StepReport::Status::not_converged;
+  other.report.reason = "the step would have inverted an element, so that backward_euler took it" +
+                        (other.report.reason.empty() ? "" : "; " + other.report.reason);
+  return other;
+}
+
 StepReport TimeStepper::step(const World& world, Newton& newton, State& state, VectorX& gradient,
                              const NewtonObserver& observer) const {
+  if (world.adaptive) return adaptive_step(world, newton, state, gradient, observer);
   const double dt = world.time_step;
-  Attempt found = attempt(world, newton, state, dt, *integrator_, observer);
+  Attempt found = safe_attempt(world, newton, state, dt, observer);
   if (found.report.status == StepReport::Status::interrupted) return found.report;
-  // The midpoint rule watches the middle of the way: beyond it a cell may turn inside out.
-  if (!integrator_->solves_for_end() &&
-      !is_in_domain(world, found.end.positions, {.time = state.time + dt, .load = 1})) {
-    const NewtonReport before = found.report.newton;
-    found = attempt(world, newton, state, dt, BackwardEuler(), observer);
-    NewtonReport sum = before;
-    add_to(sum, found.report.newton);
-    found.report.newton = sum;
-    if (found.report.status == StepReport::Status::interrupted) return found.report;
-    found.report.status = StepReport::Status::not_converged;
-    found.report.reason = "the step would have inverted an element, so that backward_euler took it" +
-                          (found.report.reason.empty() ? "" : "; " + found.report.reason);
-  }
+  found.report.time_step = dt;
   gradient = std::move(found.gradient);
   move_to(state, std::move(found.end), dt);
   state.time = state.step * dt;
   return found.report;
+}
+
+StepReport TimeStepper::adaptive_step(const World& world, Newton& newton, State& state, VectorX& gradient,
+                                      const NewtonObserver& observer) const {
+  const AdaptiveSteps& options = *world.adaptive;
+  const double tolerance = options.tolerance * largest_extent(world);
+  const double shortest = options.min_step.value_or(1e-6 * world.time_step);
+  const double longest = std::max(shortest, options.max_step.value_or(world.end_time));
+  double wanted = std::clamp(state.time_step, shortest, longest);
+  NewtonReport spent;
+  for (int failed_attempts = 0;; ++failed_attempts) {
+    const PlannedStep planned = plan_step(world, state, wanted);
+    Attempt found = safe_attempt(world, newton, state, planned.length, observer);
+    StepReport& report = found.report;
+    std::swap(spent, report.newton);
+    add_to(report.newton, spent);
+    spent = report.newton;
+    report.failed_attempts = failed_attempts;
+    if (report.status == StepReport::Status::interrupted) return report;
+    const bool converged = report.status == StepReport::Status::converged;
+    report.time_step = planned.length;
+    report.time_error =
+        largest_free_distance(world, integrator_->local_error(history_of(state), found.end, planned.length));
+    // The error of a step grows with its length to the power order + 1.
+    const double error = report.time_error / tolerance;
+    const double fitting =
+        converged && std::isfinite(error)
+            ? std::clamp(0.9 * std::pow(error, -1.0 / (integrator_->order() + 1)), 0.2, 2.0)
+            : 0.5;
+    const bool is_accepted = converged && error <= 1;
+    if (!is_accepted && planned.length > shortest * (1 + 1e-9)) {
+      wanted = std::max(shortest, std::min(0.9, fitting) * planned.length);
+      continue;
+    }
+    if (!is_accepted) {
+      report.status = StepReport::Status::not_converged;
+      if (report.reason.empty()) {
+        report.reason = "the shortest step misplaces a vertex by about " + format_number(report.time_error) +
+                        " m, more than the tolerance of " + format_number(tolerance) + " m";
+      }
+    }
+    gradient = std::move(found.gradient);
+    move_to(state, std::move(found.end), planned.length);
+    state.time = planned.end;
+    // A step cut short at an event says nothing against longer ones.
+    const double next = fitting * planned.length;
+    state.time_step = std::clamp(planned.is_cut ? std::max(next, wanted) : next, shortest, longest);
+    return report;
+  }
 }
 
 }  // namespace resilin

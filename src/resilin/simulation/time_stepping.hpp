@@ -27,6 +27,12 @@ class TimeStepper {
   struct Attempt;
   Attempt attempt(const World& world, Newton& newton, const State& state, double time_step,
                   const Integrator& integrator, const NewtonObserver& observer) const;
+  /// The same by the world's integrator; by backward Euler where its end would be outside the domain.
+  Attempt safe_attempt(const World& world, Newton& newton, const State& state, double time_step,
+                       const NewtonObserver& observer) const;
+  /// Tries steps until the estimate of the error is below the tolerance.
+  StepReport adaptive_step(const World& world, Newton& newton, State& state, VectorX& gradient,
+                           const NewtonObserver& observer) const;
 
   std::unique_ptr<Integrator> integrator_;
 };

@@ -128,6 +128,7 @@ class Builder {
   void build_pattern();
   void add_masses();
   void find_fixed_unknowns();
+  void find_event_times();
 
   const Description& description_;
   World& world_;
@@ -154,6 +155,7 @@ void Builder::build() {
     world_.external.push_back(make_gravity(description_.gravity, world_));
   }
   find_fixed_unknowns();
+  find_event_times();
   if (!world_.is_dynamic) check_is_held(world_, nodes_held_by_springs_);
 }
 
@@ -345,6 +347,22 @@ void Builder::find_fixed_unknowns() {
   }
 }
 
+void Builder::find_event_times() {
+  std::vector<double>& times = world_.event_times;
+  const auto add = [&times](const auto& description) {
+    const std::vector<double> kinks = description.time_function.kinks();
+    times.insert(times.end(), kinks.begin(), kinks.end());
+    if (description.until) times.push_back(*description.until);
+  };
+  for (const FixDescription& fix : description_.fixes) add(fix);
+  for (const LoadDescription& load : description_.loads) {
+    add(load);
+    times.push_back(load.from);
+  }
+  std::ranges::sort(times);
+  times.erase(std::unique(times.begin(), times.end()), times.end());
+}
+
 }  // namespace
 
 World::World(const Description& description)
@@ -356,6 +374,7 @@ World::World(const Description& description)
       end_time(description.end_time),
       load_steps(description.load_steps),
       integrator(description.integrator),
+      adaptive(description.adaptive),
       newton(description.newton),
       solver(description.solver),
       output(description.output) {

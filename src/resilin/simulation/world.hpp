@@ -49,6 +49,8 @@ class World {
   double end_time = 0;
   int load_steps = 1;
   std::string integrator;
+  std::optional<AdaptiveSteps> adaptive;
+  std::vector<double> event_times;  ///< where loads and prescribed motions are not smooth, rising [s]
   NewtonOptions newton;
   SolverOptions solver;
   OutputOptions output;
