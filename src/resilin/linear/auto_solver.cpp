@@ -51,6 +51,13 @@ class SolverChain : public LinearSolver {
 // is all but incompressible. With mass, incomplete Cholesky needs some 5 to 40 iterations and the cheapest
 // set-up.
 std::unique_ptr<LinearSolver> make_auto(const LinearOptions& options, Index num_unknowns) {
+  if (!options.is_definite) {
+#ifdef RESILIN_HAS_LAPACK
+    return make_multifrontal(options);
+#else
+    return make_ldlt(options);
+#endif
+  }
   constexpr Index most_unknowns_direct_first = 2500;
   constexpr Index most_unknowns_direct = 300000;  // about 4 GB
   constexpr int iterations_incomplete = 80;       // then a multigrid set-up pays

@@ -34,6 +34,10 @@ const Entry entries[] = {
 
 std::unique_ptr<LinearSolver> make_linear_solver(const LinearOptions& options, Index num_unknowns) {
   if (options.kind == "auto") return make_auto(options, num_unknowns);
+  if (!options.is_definite && options.kind != "multifrontal" && options.kind != "ldlt") {
+    throw InputError("solver.kind", "\"multifrontal\" or \"ldlt\" where the matrix need not be definite",
+                     "\"" + options.kind + "\"", "let it be \"auto\"");
+  }
   for (const Entry& entry : entries)
     if (options.kind == entry.name) return entry.make(options);
   std::vector<std::string> names = linear_solver_names();

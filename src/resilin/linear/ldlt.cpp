@@ -13,6 +13,8 @@ namespace {
 /// only.
 class SimplicialSolver : public DirectSolver {
  public:
+  explicit SimplicialSolver(bool is_definite) : is_definite_(is_definite) {}
+
   std::string_view name() const override { return "ldlt"; }
 
   void analyze(const BlockMatrix& A, const VectorX&) override {
@@ -32,6 +34,10 @@ class SimplicialSolver : public DirectSolver {
     const VectorX& pivots = factors_.vectorD();
     for (Offset k = 0; k < pivots.size(); ++k) {
       if (pivots[k] > 0 && std::isfinite(pivots[k])) continue;
+      if (!is_definite_ && pivots[k] < 0 && std::isfinite(pivots[k])) {
+        ++report.negative_pivots;
+        continue;
+      }
       report.status = LinearReport::Status::indefinite;
       report.worst_node = static_cast<Index>(factors_.permutationPinv().indices()[k] / A.dim);
       break;
@@ -60,6 +66,7 @@ class SimplicialSolver : public DirectSolver {
             columns_.values.data()};
   }
 
+  bool is_definite_;
   MergedPattern pattern_;
   ScalarColumns<int> columns_;
   Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower> factors_;
@@ -67,6 +74,8 @@ class SimplicialSolver : public DirectSolver {
 
 }  // namespace
 
-std::unique_ptr<LinearSolver> make_ldlt(const LinearOptions&) { return std::make_unique<SimplicialSolver>(); }
+std::unique_ptr<LinearSolver> make_ldlt(const LinearOptions& options) {
+  return std::make_unique<SimplicialSolver>(options.is_definite);
+}
 
 }  // namespace resilin

@@ -12,6 +12,7 @@ namespace resilin {
 struct LinearOptions {
   std::string kind = "auto";  ///< a name in the catalogue, or "auto"
   bool is_dynamic = false;    ///< helps "auto": mass makes iterative solvers quick
+  bool is_definite = true;    ///< false: negative eigenvalues are solved with and counted, not refused
   int max_iterations = 2000;  ///< of an iterative solver
 };
 
@@ -21,13 +22,16 @@ struct LinearReport {
   Status status = Status::ok;
   int iterations = 0;            ///< of an iterative solver; 0 for a direct one
   double relative_residual = 0;  ///< |b - A x| / |b|, where it is known
+  Index negative_pivots = 0;  ///< of a solver for matrices that need not be definite: by Sylvester's law of
+                              ///< inertia the number of negative eigenvalues
   Index worst_node = -1;  ///< the node whose pivot failed or that bends the curvature most, where it is known
 };
 
 /// Solves A x = b for symmetric positive definite A. Analysed once for each pattern, factorised again for new
 /// values.
 ///
-/// An indefinite matrix is reported by `factorize` or, where only the iteration sees it, by `solve`.
+/// An indefinite matrix is reported by `factorize` or, where only the iteration sees it, by `solve`; unless
+/// the solver was asked for with `is_definite = false`: then only a singular one is.
 class LinearSolver {
  public:
   virtual ~LinearSolver() = default;
@@ -48,7 +52,8 @@ class LinearSolver {
                              double relative_tolerance) = 0;
 };
 
-/// A solver by name: see linear/catalog.cpp. Throws InputError for an unknown name.
+/// A solver by name: see linear/catalog.cpp. Throws InputError for an unknown name, and for one that cannot
+/// do without definite matrices when they need not be.
 std::unique_ptr<LinearSolver> make_linear_solver(const LinearOptions& options, Index num_unknowns);
 
 /// Names of all solvers that this build holds, in the order of the catalogue.

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <mutex>
 #include <new>
@@ -61,13 +62,16 @@ class StackPool {
   std::vector<std::unique_ptr<UpdateStacks>> free_;
 };
 
-/// A multifrontal L L^T: METIS order on the graph of the nodes, relaxed supernodes, dense fronts.
+/// A multifrontal L L^T, or L S L^T with signs S where the matrix need not be definite: METIS order on the
+/// graph of the nodes, relaxed supernodes, dense fronts.
 ///
 /// Every front is a lower panel of its columns, kept as the factor, and an update matrix, which its parent
 /// takes up. Independent subtrees are factorised at the same time; each front sums its children in a fixed
 /// order.
-class MultifrontalCholesky : public DirectSolver {
+class MultifrontalSolver : public DirectSolver {
  public:
+  explicit MultifrontalSolver(bool is_definite) : is_definite_(is_definite) {}
+
   std::string_view name() const override { return "multifrontal"; }
 
   void analyze(const BlockMatrix& A, const VectorX&) override {
@@ -90,6 +94,7 @@ class MultifrontalCholesky : public DirectSolver {
     return factor_.get() + supernode.factor_begin * dim_ * dim_;
   }
   void gather_values(const BlockMatrix& A);
+  void prepare_signs();
   /// Where a front keeps its update matrix: the update of a subtree's root outlives the stacks of the
   /// subtree.
   struct Place {
@@ -103,6 +108,7 @@ class MultifrontalCholesky : public DirectSolver {
   void add_child_to_update(const Supernode& child, const double* update, Index num_columns, double* to,
                            int stride);
 
+  bool is_definite_;
   MergedPattern pattern_;
   std::optional<MultifrontalAnalysis> analysis_;
   int dim_ = 3;
@@ -113,10 +119,12 @@ class MultifrontalCholesky : public DirectSolver {
   StackPool stack_pool_;
   UpdateStacks top_stacks_;
   std::vector<Index> bad_position_;  // by supernode: the column whose pivot failed, or -1
+  double smallest_pivot_ = 0;
+  std::vector<double> signs_;  // by position and component, +1 or -1; empty for a definite matrix
   std::vector<double> solution_, work_;
 };
 
-void MultifrontalCholesky::gather_values(const BlockMatrix& A) {
+void MultifrontalSolver::gather_values(const BlockMatrix& A) {
   const int size = dim_ * dim_;
   values_.assign(static_cast<std::size_t>(pattern_.num_slots()) * size, 0.0);
   pattern_.for_each_block(A, [&](Offset slot, const double* block) {
@@ -124,7 +132,16 @@ void MultifrontalCholesky::gather_values(const BlockMatrix& A) {
   });
 }
 
-void MultifrontalCholesky::add_entries(Index s, double* panel) {
+/// A pivot of the size of round-off says that the matrix is singular, or that it needs other pivots.
+void MultifrontalSolver::prepare_signs() {
+  constexpr double round_off = 1e-15;
+  double largest = 0;
+  for (const double value : values_) largest = std::max(largest, std::abs(value));
+  smallest_pivot_ = round_off * largest;
+  signs_.assign(analysis_->node_at.size() * static_cast<std::size_t>(dim_), 1.0);
+}
+
+void MultifrontalSolver::add_entries(Index s, double* panel) {
   const Offset stride = static_cast<Offset>(analysis_->supernodes[s].front_size()) * dim_;
   for (Offset e = analysis_->entry_begin[s]; e < analysis_->entry_begin[s + 1]; ++e) {
     const MultifrontalAnalysis::Entry& entry = analysis_->entries[e];
@@ -137,8 +154,8 @@ void MultifrontalCholesky::add_entries(Index s, double* panel) {
 }
 
 /// Columns of the child's update that are columns of the parent.
-void MultifrontalCholesky::add_child_to_panel(const Supernode& child, const double* update, double* panel,
-                                              int stride) {
+void MultifrontalSolver::add_child_to_panel(const Supernode& child, const double* update, double* panel,
+                                            int stride) {
   const Index* places = analysis_->places.data() + child.rows_begin;
   const Index num_rows = child.num_rows();
   const Index num_columns = analysis_->supernodes[child.parent].num_columns;
@@ -150,8 +167,8 @@ void MultifrontalCholesky::add_child_to_panel(const Supernode& child, const doub
 }
 
 /// The rest of them.
-void MultifrontalCholesky::add_child_to_update(const Supernode& child, const double* update,
-                                               Index num_columns, double* to, int stride) {
+void MultifrontalSolver::add_child_to_update(const Supernode& child, const double* update, Index num_columns,
+                                             double* to, int stride) {
   const Index* places = analysis_->places.data() + child.rows_begin;
   const Index num_rows = child.num_rows();
   const Offset update_stride = static_cast<Offset>(num_rows) * dim_;
@@ -164,7 +181,7 @@ void MultifrontalCholesky::add_child_to_update(const Supernode& child, const dou
                            static_cast<Offset>(num_columns) * dim_);
 }
 
-void MultifrontalCholesky::factorize_front(Index s, const Place& place) {
+void MultifrontalSolver::factorize_front(Index s, const Place& place) {
   const Supernode& supernode = analysis_->supernodes[s];
   const int num_columns = supernode.num_columns * dim_, num_rows = supernode.num_rows() * dim_;
   const int stride = num_columns + num_rows;
@@ -176,7 +193,10 @@ void MultifrontalCholesky::factorize_front(Index s, const Place& place) {
   for (auto child = begin; child != end; ++child)
     add_child_to_panel(analysis_->supernodes[*child], updates_[*child], panel, stride);
 
-  const int failed_column = detail::cholesky_panel(num_columns, num_rows, panel, stride);
+  double* signs = is_definite_ ? nullptr : signs_.data() + static_cast<Offset>(supernode.first) * dim_;
+  const int failed_column = is_definite_ ? detail::cholesky_panel(num_columns, num_rows, panel, stride)
+                                         : detail::signed_cholesky_panel(num_columns, num_rows, panel, stride,
+                                                                         smallest_pivot_, signs);
   bad_position_[s] = failed_column < 0 ? -1 : supernode.first + failed_column / dim_;
   const int own_stack = analysis_->stack_of[s];
   const auto is_on_stack = [&](Index t) {
@@ -186,7 +206,11 @@ void MultifrontalCholesky::factorize_front(Index s, const Place& place) {
     double* update = is_on_stack(s) ? place.stacks.push(own_stack, static_cast<Offset>(num_rows) * num_rows)
                                     : place.root_updates + analysis_->root_update_begin[s] * dim_ * dim_;
     updates_[s] = update;
-    detail::outer_product(num_rows, num_columns, panel + num_columns, stride, update);
+    if (is_definite_) {
+      detail::outer_product(num_rows, num_columns, panel + num_columns, stride, update);
+    } else {
+      detail::signed_outer_product(num_rows, num_columns, panel + num_columns, stride, signs, update);
+    }
     for (auto child = begin; child != end; ++child)
       add_child_to_update(analysis_->supernodes[*child], updates_[*child], supernode.num_columns, update,
                           num_rows);
@@ -199,7 +223,7 @@ void MultifrontalCholesky::factorize_front(Index s, const Place& place) {
 
 /// Stops at the first pivot that fails in every subtree, and before the top when there is one. Every front is
 /// computed alike however many threads there are; one thread needs less memory.
-void MultifrontalCholesky::factorize_all() {
+void MultifrontalSolver::factorize_all() {
   const int numbers_per_block = dim_ * dim_;
   const auto factorize_in_order = [&](const auto& supernodes, const Place& place) {
     for (const Index s : supernodes) {
@@ -232,7 +256,7 @@ void MultifrontalCholesky::factorize_all() {
                      {top_stacks_, root_updates_.get()});
 }
 
-LinearReport MultifrontalCholesky::factorize(const BlockMatrix& A) {
+LinearReport MultifrontalSolver::factorize(const BlockMatrix& A) {
   analyze(A, {});
   LinearReport report;
   const SingleThreadedBlas single_threaded;
@@ -244,6 +268,7 @@ LinearReport MultifrontalCholesky::factorize(const BlockMatrix& A) {
                                                          block);
     updates_.assign(analysis_->supernodes.size(), nullptr);
     bad_position_.assign(analysis_->supernodes.size(), -1);
+    if (!is_definite_) prepare_signs();
     factorize_all();
   } catch (const std::bad_alloc&) {
     report.status = LinearReport::Status::out_of_memory;
@@ -254,10 +279,12 @@ LinearReport MultifrontalCholesky::factorize(const BlockMatrix& A) {
     report.status = LinearReport::Status::indefinite;
     report.worst_node = analysis_->node_at[*bad];
   }
+  report.negative_pivots =
+      static_cast<Index>(std::count_if(signs_.begin(), signs_.end(), [](double sign) { return sign < 0; }));
   return report;
 }
 
-void MultifrontalCholesky::solve_factored(const VectorX& b, VectorX& x) {
+void MultifrontalSolver::solve_factored(const VectorX& b, VectorX& x) {
   const SingleThreadedBlas single_threaded;
   solution_.resize(static_cast<std::size_t>(b.size()));
   const auto n = static_cast<Index>(analysis_->node_at.size());
@@ -272,6 +299,7 @@ void MultifrontalCholesky::solve_factored(const VectorX& b, VectorX& x) {
       for (int d = 0; d < dim_; ++d)
         solution_[analysis_->rows[supernode.rows_begin + k] * dim_ + d] += work_[k * dim_ + d];
   }
+  for (std::size_t k = 0; k < signs_.size(); ++k) solution_[k] *= signs_[k];
   for (auto supernode = analysis_->supernodes.rbegin(); supernode != analysis_->supernodes.rend();
        ++supernode) {
     const int num_columns = supernode->num_columns * dim_, num_rows = supernode->num_rows() * dim_;
@@ -289,8 +317,8 @@ void MultifrontalCholesky::solve_factored(const VectorX& b, VectorX& x) {
 
 }  // namespace
 
-std::unique_ptr<LinearSolver> make_multifrontal(const LinearOptions&) {
-  return std::make_unique<MultifrontalCholesky>();
+std::unique_ptr<LinearSolver> make_multifrontal(const LinearOptions& options) {
+  return std::make_unique<MultifrontalSolver>(options.is_definite);
 }
 
 }  // namespace resilin
