@@ -48,6 +48,19 @@ def test_the_picture_of_curves_is_drawn(tmp_path, monkeypatch):
         }
 
 
+def test_the_story_of_the_cantilever_is_told(tmp_path):
+    story = runpy.run_path(str(ROOT / "examples" / "cantilever_story" / "story.py"))
+    linear, rubber = story["results"]["linear_elastic"], story["results"]["neo_hookean"]
+    assert linear.report["is_linear"] and not rubber.report["is_linear"]
+    is_inverted = linear.fields["volume_ratio"].min(axis=1) < 0
+    np.testing.assert_array_equal(is_inverted, linear.loads > story["inversion_load"])
+    assert rubber.fields["volume_ratio"].min() > 0.3
+    assert len(list(story["table"]())) == 12
+    if find_spec("matplotlib") is not None:
+        story["draw"](tmp_path / "sag.png")
+        assert (tmp_path / "sag.png").read_bytes().startswith(b"\x89PNG")
+
+
 @pytest.mark.parametrize("page", ["README.md", "docs/python.md", "docs/materials.md"])
 def test_the_python_lines_of_a_page_run(page, tmp_path, monkeypatch):
     text = (ROOT / page).read_text(encoding="utf-8")

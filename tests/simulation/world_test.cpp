@@ -31,7 +31,40 @@ TEST(World, NamesTheFreeRigidMotionsOfAStaticBody) {
               AllOf(HasSubstr("6 of 6 rigid motions"), HasSubstr("[[fix]]")));
   scene = small_bar(2, false);
   scene.fixes[0].components = {true, false, false};
-  EXPECT_THAT(message_of([&] { World{scene}; }), HasSubstr("1 of 3 rigid motions"));
+  EXPECT_THAT(message_of([&] { World{scene}; }),
+              AllOf(HasSubstr("1 of 3 rigid motions"), HasSubstr("translation along y")));
+}
+
+TEST(World, SaysInWordsHowABodyCanMove) {
+  Description scene = small_bar(3, false);
+  const auto message = [&](const char* components, const std::vector<Index>& vertices) {
+    scene.fixes[0].where.kind = vertices.empty() ? Where::Kind::plane : Where::Kind::vertices;
+    scene.fixes[0].where.vertices = vertices;
+    for (std::size_t k = 0; k < 3; ++k)
+      scene.fixes[0].components[k] = std::string(components).find("xyz"[k]) != std::string::npos;
+    return message_of([&] { World{scene}; });
+  };
+  const auto vertex_at = [&](const Vector3& X) {
+    const auto& vertices = scene.bodies[0].mesh.vertices;
+    for (std::size_t v = 0; v < vertices.size(); ++v)
+      if ((vertices[v] - X).norm() < 1e-12) return static_cast<Index>(v);
+    return Index{-1};
+  };
+  EXPECT_THAT(
+      message("x", {}),
+      AllOf(HasSubstr("3 of 6"), HasSubstr("translation along y, translation along z, rotation about x;")));
+  // One vertex held, at a corner: it can turn about any axis through it.
+  EXPECT_THAT(
+      message("xyz", {vertex_at({1, 0.25, 0})}),
+      AllOf(HasSubstr("3 of 6"), HasSubstr("rotation about x through (1, 0.25, 0)"),
+            HasSubstr("rotation about z through (1, 0.25, 0)"), ::testing::Not(HasSubstr("translation"))));
+  // A hinge along an oblique line.
+  EXPECT_THAT(message("xyz", {vertex_at({0, 0, 0}), vertex_at({1, 0.25, 0.25})}),
+              AllOf(HasSubstr("1 of 6"), HasSubstr("rotation about (0.943, 0.236, 0.236)"),
+                    HasSubstr("away from the axis")));
+  scene = small_bar(2, false);
+  EXPECT_THAT(message("xy", {vertex_at({1, 0, 0})}),
+              AllOf(HasSubstr("1 of 3"), HasSubstr("rotation about (1, 0)")));
 }
 
 TEST(World, NamesTheComponentThatIsNotHeld) {
@@ -79,6 +112,16 @@ TEST(World, RefusesASelectionWithoutVertices) {
   Description scene = small_bar(3, false);
   scene.fixes[0].where.at = 7;
   EXPECT_THAT(message_of([&] { World{scene}; }), HasSubstr("x = 0 to 1"));
+}
+
+TEST(World, RefusesABodyForceThatFillsNoCell) {
+  Description scene = small_bar(3, false);
+  LoadDescription force;
+  force.where.kind = Where::Kind::vertices;
+  force.where.vertices = {0};
+  force.value = {0, 0, 1};
+  scene.loads.push_back(force);
+  EXPECT_THAT(message_of([&] { World{scene}; }), HasSubstr("1 vertices that fill no cell"));
 }
 
 TEST(World, RefusesMotionWithoutMass) {

@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "resilin/core/stopwatch.hpp"
+#include "resilin/optimize/residual.hpp"
+#include "resilin/optimize/true_tangent.hpp"
 
 namespace resilin {
 namespace {
@@ -16,22 +18,6 @@ constexpr double epsilon = std::numeric_limits<double>::epsilon();
 constexpr int max_halvings_of_carried_values = 4;
 
 }  // namespace
-
-std::string_view name(NewtonReport::Status status) {
-  switch (status) {
-    case NewtonReport::Status::converged:
-      return "converged";
-    case NewtonReport::Status::max_iterations:
-      return "max_iterations";
-    case NewtonReport::Status::stalled:
-      return "stalled";
-    case NewtonReport::Status::singular:
-      return "singular";
-    case NewtonReport::Status::interrupted:
-      return "interrupted";
-  }
-  return "";
-}
 
 /// One call of `minimize`.
 struct Newton::Search {
@@ -52,6 +38,8 @@ struct Newton::Search {
   double first_residual = 0;
   double last_residual = 0;
   double last_forcing = 0;
+  bool has_potential = true;  ///< unless slow convergence asked and the objective said no
+  bool potential_is_known = false;
 
   bool is_free(Eigen::Index i) const { return is_fixed[static_cast<std::size_t>(i)] == 0; }
 
@@ -65,30 +53,13 @@ struct Newton::Search {
   }
 
   void measure_residual() {
-    double sum = 0;
-    double worst = -1;
-    for (Eigen::Index i = 0; i < gradient.size(); ++i) {
-      if (!is_free(i)) continue;
-      sum += gradient[i] * gradient[i];
-      if (std::abs(gradient[i]) > worst) {
-        worst = std::abs(gradient[i]);
-        report.worst_unknown = static_cast<Index>(i);
-      }
-    }
-    report.residual = std::sqrt(sum);
+    const Residual residual = free_residual(gradient, is_fixed);
+    report.residual = residual.norm;
+    report.worst_unknown = residual.worst;
     report.force_scale = objective.force_scale(x, gradient);
   }
 
-  /// What rounding may leave of the residual: of the sums of forces, and of the positions themselves.
-  double round_off() const {
-    VectorX magnitude;
-    objective.gradient_magnitude(x, magnitude);
-    if (diagonal.size() == x.size()) magnitude += diagonal.cwiseProduct(x.cwiseAbs());
-    for (Eigen::Index i = 0; i < magnitude.size(); ++i) {
-      if (!is_free(i)) magnitude[i] = 0;
-    }
-    return 10 * epsilon * magnitude.norm();
-  }
+  double round_off() const { return residual_round_off(objective, is_fixed, x, diagonal); }
 
   bool is_converged() const {
     if (report.residual <= settings.tolerance * report.force_scale) return true;
@@ -104,6 +75,7 @@ struct Newton::Search {
   /// the stopping rule asks for.
   double forcing_term() const {
     const double goal = 0.3 * settings.tolerance * report.force_scale / report.residual;
+    if (settings.is_quadratic) return std::min(goal, settings.tolerance);
     double forcing = 1e-2;
     if (last_residual > 0) {
       const double ratio = report.residual / last_residual;
@@ -121,35 +93,23 @@ struct Newton::Search {
     bool out_of_memory = false;
   };
 
-  void remember_diagonal() {
-    const BlockMatrix& H = newton.hessian_;
-    diagonal.resize(x.size());
-    for (Eigen::Index i = 0; i < x.size(); ++i) {
-      const auto node = static_cast<std::size_t>(i / H.dim);
-      const auto k = static_cast<int>(i % H.dim);
-      diagonal[i] = is_free(i) ? std::abs(H.block(H.pattern->row_begin[node])[k * (H.dim + 1)]) : 0;
-    }
-  }
-
   /// `shift` times the largest diagonal entry is added to the diagonal: 0, or a little where a projected
   /// matrix is still singular (Levenberg 1944).
   Direction solve_with(Projection projection, double shift, const VectorX& gap, bool boundary_moves) {
     Direction direction;
-    direction.is_exact = projection == Projection::none;
+    direction.is_exact = projection == Projection::none && shift == 0;
     {
       const Stopwatch watch(report.assembly_seconds);
       newton.hessian_.set_zero();
       objective.hessian_at(internal, x, projection, newton.hessian_);
-      remember_diagonal();
+      diagonal = free_diagonal(newton.hessian_, is_fixed);
       right_side = -gradient;
       if (boundary_moves) {
         VectorX pull;
         multiply(newton.hessian_, gap, pull);
         right_side -= pull;
       }
-      for (Eigen::Index i = 0; i < right_side.size(); ++i) {
-        if (!is_free(i)) right_side[i] = 0;
-      }
+      set_fixed_to_zero(is_fixed, right_side);
       if (shift > 0) add_to_diagonal(shift * diagonal.maxCoeff());
       eliminate(newton.hessian_, is_fixed);
     }
@@ -173,6 +133,32 @@ struct Newton::Search {
       direction.found = step.dot(right_side) > 0;
     }
     return direction;
+  }
+
+  /// Forces without a potential: the step of the symmetric part is only the start of the one of the true
+  /// tangent, which takes its place when GMRES finds it.
+  void use_true_tangent(Direction& direction) {
+    const Stopwatch watch(report.solve_seconds);
+    const NearSolve near = [&](const VectorX& b, VectorX& p) {
+      p.setZero(b.size());
+      const LinearReport linear = newton.solver_->solve(newton.hessian_, b, p, 1e-3);
+      report.linear_iterations += linear.iterations;
+      return linear.status != LinearReport::Status::indefinite && p.allFinite();
+    };
+    VectorX p;
+    const TangentReport tangent = solve_with_true_tangent(objective, is_fixed, x, right_side, near, 1e-3, p);
+    report.tangent_iterations += tangent.iterations;
+    if (!(tangent.relative_residual < 0.3)) return;
+    step.swap(p);
+    direction.is_exact = true;
+  }
+
+  /// A residual that falls slowly may come of forces without a potential: asked once, for it costs some
+  /// gradients.
+  void ask_for_potential() {
+    if (potential_is_known || report.residual <= 0.2 * last_residual) return;
+    potential_is_known = true;
+    has_potential = objective.has_potential(x);
   }
 
   void add_to_diagonal(double value) {
@@ -222,6 +208,13 @@ struct Newton::Search {
     }
   }
 
+  /// Without a potential a step may also be taken because it lowers the residual.
+  bool lowers_residual(double length) {
+    objective.gradient(trial, trial_gradient);
+    gradient_at_trial_is_known = true;
+    return free_residual(trial_gradient, is_fixed).norm <= (1 - settings.armijo * length) * report.residual;
+  }
+
   /// Armijo's rule on the sum of small differences; near round-off on the slope (Hager & Zhang 2005).
   LineSearch search_line(bool is_exact) {
     LineSearch result;
@@ -234,7 +227,11 @@ struct Newton::Search {
       gradient_at_trial_is_known = false;
       const double decrease = -objective.difference(x, trial);
       const double t = result.length;
-      if (decrease >= -settings.armijo * t * slope && std::isfinite(decrease)) {
+      if (!has_potential && std::isfinite(decrease) && lowers_residual(t)) {
+        result.accepted = true;
+        return result;
+      }
+      if (slope < 0 && decrease >= -settings.armijo * t * slope && std::isfinite(decrease)) {
         result.accepted = true;
         result.ratio = decrease / (-slope * (t - 0.5 * t * t));
         if (!is_exact && t == 1 && result.ratio > 1) go_further(decrease, result.length);
@@ -323,7 +320,7 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
     LineSearch line;
     bool was_exact = true;
     while (!line.accepted) {
-      const Direction direction = find_direction(gap, boundary_moves, projection);
+      Direction direction = find_direction(gap, boundary_moves, projection);
       if (direction.out_of_memory) {
         return finish(Status::singular, "the linear solver ran out of memory; try solver.kind = \"cg_ic0\"");
       }
@@ -336,6 +333,7 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
       // The Hessian tells what rounding of the positions leaves: with it the residual may already be small
       // enough.
       if (!boundary_moves && is_converged()) return finish(Status::converged, "converged");
+      if (!boundary_moves && !has_potential) use_true_tangent(direction);
       was_exact = direction.is_exact;
       line = boundary_moves ? follow_boundary() : search_line(direction.is_exact);
       if (line.accepted) break;
@@ -358,6 +356,8 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
       return finish(Status::stalled, "the prescribed motion would invert an element");
     }
     accept_trial(line.length);
+    if (!boundary_moves) ask_for_potential();
+    report.last_step_was_exact = was_exact && line.length == 1;
     chooser.step_was_taken(line.ratio, line.length);
     if (boundary_moves) {
       if (line.length == 1) {  // land on the targets exactly, whatever the rounding

@@ -17,8 +17,9 @@ struct NewtonSettings {
   double tolerance = 1e-8;  ///< of the force residual relative to the objective's force scale
   int max_iterations = 100;
   ProjectionPolicy projection = ProjectionPolicy::adaptive;
-  double armijo = 1e-4;   ///< share of the predicted decrease that a step must reach
-  int max_halvings = 40;  ///< of one line search
+  bool is_quadratic = false;  ///< the objective is: one step, whose linear system is solved to the end
+  double armijo = 1e-4;       ///< share of the predicted decrease that a step must reach
+  int max_halvings = 40;      ///< of one line search
 };
 
 struct NewtonReport {
@@ -29,8 +30,10 @@ struct NewtonReport {
   int linear_solves = 0;
   int linear_iterations = 0;  ///< of iterative solvers, summed
   int line_search_halvings = 0;
-  int projected_solves = 0;  ///< solves with projected elements
-  double residual = 0;       ///< |gradient on free unknowns| [N]
+  int tangent_iterations = 0;        ///< of GMRES on a tangent that is not symmetric
+  int projected_solves = 0;          ///< solves with projected elements
+  bool last_step_was_exact = false;  ///< whole, by the exact Hessian, which the solver found definite
+  double residual = 0;               ///< |gradient on free unknowns| [N]
   double force_scale = 0;    ///< [N]; converged means residual <= tolerance * force_scale, or round-off
   Index worst_unknown = -1;  ///< free unknown with the largest residual
   double assembly_seconds = 0, solve_seconds = 0;
@@ -59,6 +62,7 @@ class Newton {
                         const NewtonObserver& observer = {});
 
   std::string_view solver_name() const { return solver_->name(); }
+  bool solver_is_direct() const { return solver_->is_direct(); }
 
  private:
   struct Search;

@@ -30,6 +30,10 @@ class Objective {
                           BlockMatrix& hessian) const {
     this->hessian(x, projection, hessian);
   }
+  /// Whether the gradient is that of an energy: not where forces depend on the path, such as a pressure that
+  /// follows an open surface. `hessian` is then the symmetric part of the gradient's derivative and
+  /// `difference` the work along the straight path.
+  virtual bool has_potential(const VectorX& /*x*/) const { return true; }
   /// The largest step t in (0, 1] that keeps x + t p inside the domain.
   virtual double max_step(const VectorX& x, const VectorX& p) const = 0;
   /// The forces that must balance [N]: a residual is small when it is small against this number.

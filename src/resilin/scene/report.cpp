@@ -48,6 +48,8 @@ Json frame_json(const Frame& frame, int dimension) {
   json["failed_attempts"] = frame.failed_attempts;
   if (frame.time_step > 0) json["time_step"] = frame.time_step;
   if (frame.time_error > 0) json["time_error"] = frame.time_error;
+  json["unstable_modes"] = frame.unstable_modes ? Json(*frame.unstable_modes) : Json(nullptr);
+  if (frame.inversion) json["inversion_load"] = frame.inversion->load;
   json["min_volume_ratio"] = frame.min_volume_ratio;
   json["worst_cell"] = frame.worst_cell;
   json["worst_body"] = frame.worst_body;
@@ -97,6 +99,7 @@ Json report_json(const World& world, Json frames, const RunSummary& summary) {
   report["version"] = version();
   report["dimension"] = world.dimension;
   report["kind"] = world.is_dynamic ? "dynamic" : "static";
+  report["is_linear"] = is_linear(world);
   report["frames"] = std::move(frames);
   report["bodies"] = bodies_json(world);
   report["solver"] = summary.solver;

@@ -32,12 +32,15 @@ std::string frame_name(std::size_t number) {
   return "frames/" + std::string(digits.size() < 4 ? 4 - digits.size() : 0, '0') + digits + ".vtu";
 }
 
-/// The list of frames that ParaView opens; statics count in load factors.
+/// The list of frames that ParaView opens; statics count in load factors, or in steps where the load falls.
 void write_frame_list(const std::filesystem::path& path, const Json& frames, bool is_dynamic) {
+  const char* counter = is_dynamic ? "time" : "load";
+  const auto is_behind = [](const Json& a, const Json& b) { return b["load"] <= a["load"]; };
+  if (!is_dynamic && std::adjacent_find(frames.begin(), frames.end(), is_behind) != frames.end())
+    counter = "step";
   std::vector<PvdEntry> entries;
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    entries.push_back({frames[i][is_dynamic ? "time" : "load"].get<double>(), frame_name(i)});
-  }
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    entries.push_back({frames[i][counter].get<double>(), frame_name(i)});
   write_pvd(path, entries);
 }
 

@@ -32,6 +32,16 @@ Keys<Description> simulation_keys() {
       integer_key(
           "load_steps", &D::load_steps, at_least_one,
           "Static: number of equal steps that the loads are first tried in. A step that fails is halved."),
+      choice_key(
+          "load_control", &D::load_control, {"load", "arc_length"}, {},
+          "Static: the load grows from step to step, or the path of equilibria is followed by arc length, "
+          "also where the load falls (snap-through)."),
+      integer_key("max_steps", &D::max_steps, at_least_one,
+                  "Static, arc_length: the path ends at load factor 1 or after so many steps."),
+      choice_key(
+          "unstable_modes", &D::unstable_modes, {"auto", "count", "skip"}, {},
+          "Static: whether each frame says how many unstable modes the equilibrium has (buckling). \"auto\" "
+          "counts up to 10,000 free unknowns, beyond where a direct solver has shown that there are none."),
   };
 }
 

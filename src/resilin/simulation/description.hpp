@@ -145,6 +145,9 @@ struct Description {
   std::string integrator = "backward_euler";
   std::optional<AdaptiveSteps> adaptive;  ///< in motion; `time_step` is then the first step
   int load_steps = 1;                     ///< static: first attempt; halved by itself when a step fails
+  std::string load_control = "load";  ///< static: load | arc_length, which follows a body that snaps through
+  int max_steps = 500;                ///< arc_length: the path ends after so many steps
+  std::string unstable_modes = "auto";  ///< static: auto | count | skip
   std::vector<BodyDescription> bodies;
   std::vector<FixDescription> fixes;
   std::vector<LoadDescription> loads;

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "resilin/optimize/newton.hpp"
+#include "resilin/simulation/linear_problem.hpp"
 #include "resilin/simulation/state.hpp"
 #include "resilin/simulation/world.hpp"
 
@@ -30,8 +32,10 @@ struct Frame {
   double time_step = 0;     ///< motion: length of the step [s]
   double time_error = 0;    ///< motion with adaptive steps: about how far it misplaced a vertex [m]
   double min_volume_ratio = 1;
-  Index worst_cell = -1;  ///< where the volume ratio is least, in its body ...
-  int worst_body = 0;     ///< ... this one
+  std::optional<Index> unstable_modes;  ///< statics: negative eigenvalues of the stiffness, where counted
+  std::optional<Inversion> inversion;   ///< linear statics: where a cell is first turned inside out
+  Index worst_cell = -1;                ///< where the volume ratio is least, in its body ...
+  int worst_body = 0;                   ///< ... this one
   double elastic_energy = 0, kinetic_energy = 0, external_energy = 0;  ///< [J]
   Vector3 linear_momentum = Vector3::Zero();                           ///< [kg m/s]
   Vector3 angular_momentum = Vector3::Zero();                          ///< about the origin [kg m^2/s]

@@ -12,6 +12,8 @@ namespace {
 constexpr double smallest_load_increment = 1e-4;
 constexpr double load_growth = 1.5;
 constexpr int quick_convergence = 5;  ///< Newton iterations below which the load increment grows
+/// Up to this number of unknowns a factorisation for each equilibrium costs a fraction of a second.
+constexpr Index most_unknowns_counted = 10000;
 
 /// The load factor of the next attempt. The loads k / load_steps are met exactly, so that a scene gets the
 /// frames that it asked for; what is left up to the next of them is shared equally when it takes several
@@ -24,7 +26,8 @@ double next_load(const World& world, const State& state) {
   return num_steps <= 1 ? next_asked : state.load + left / num_steps;
 }
 
-/// Where the search for the equilibrium at `load` starts.
+/// Where the search for the equilibrium at `load` starts: the secant through the last two equilibria or the
+/// last one, whichever has the lower energy.
 VectorX predicted_positions(const World& world, const Objective& potential, const VectorX& targets,
                             const State& state, double load) {
   VectorX x = state.positions;
@@ -46,7 +49,36 @@ void move_to(State& state, VectorX positions, double load) {
 
 }  // namespace
 
-StepReport step_in_load(const World& world, Newton& newton, State& state, const NewtonObserver& observer) {
+LoadControl::LoadControl(const World& world) {
+  if (world.follows_path) follower_.emplace(world.dimension, world.pattern);
+}
+
+void LoadControl::prepare(const World& world, State& state) const {
+  state.load_increment = 1.0 / world.load_steps;
+  state.previous_positions = state.positions;
+}
+
+bool LoadControl::is_finished(const World& world, const State& state) {
+  return state.load >= 1 || (world.follows_path && state.step >= world.max_steps);
+}
+
+int LoadControl::expected_steps(const World& world, const State& state) {
+  const int left = static_cast<int>(std::ceil((1 - state.load) / state.load_increment - 1e-9));
+  return world.follows_path ? std::min(state.step + left, world.max_steps) : state.step + left;
+}
+
+StepReport LoadControl::step(const World& world, Newton& newton, State& state,
+                             const NewtonObserver& observer) {
+  StepReport report = follower_ ? step_along_path(world, newton, state, observer)
+                                : step_in_load(world, newton, state, observer);
+  if (report.status != StepReport::Status::converged) return report;
+  count_unstable_modes(world, newton, state, report);
+  find_inversion(world, state, report);
+  return report;
+}
+
+StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& state,
+                                     const NewtonObserver& observer) {
   StepReport report;
   while (true) {
     const double load = next_load(world, state);
@@ -73,10 +105,44 @@ StepReport step_in_load(const World& world, Newton& newton, State& state, const 
     if (state.load_increment < smallest_load_increment) {
       report.status = StepReport::Status::not_converged;
       report.reason = "no equilibrium was found beyond load factor " + format_number(state.load) + ": " +
-                      describe_failure(world, search, x);
+                      describe_failure(world, search, x) +
+                      "; if the body snaps through here, simulation.load_control = \"arc_length\" follows it";
       return report;
     }
   }
+}
+
+void LoadControl::find_inversion(const World& world, const State& state, StepReport& report) {
+  if (!is_linear(world)) return;
+  report.inversion = first_inversion(world, state.positions, state.load);
+  const bool is_first_frame = state.previous_load == 0;
+  if (!report.inversion || report.inversion->load > 1 || !is_first_frame) return;
+  report.warnings.push_back(
+      describe(world, *report.inversion) +
+      ", within the load asked for: linear elasticity is meant for small displacements; "
+      "choose a law for large ones, such as \"neo_hookean\"");
+}
+
+void LoadControl::count_unstable_modes(const World& world, const Newton& newton, const State& state,
+                                       StepReport& report) {
+  const Potential potential(world, {.time = 0, .load = state.load}, nullptr);
+  // Without a potential the eigenvalues of the symmetric part say nothing of stability.
+  if (world.unstable_modes == "skip" || !potential.has_potential(state.positions)) return;
+  if (world.unstable_modes == "auto" && world.num_free_unknowns() > most_unknowns_counted && !follower_) {
+    // A Cholesky factorisation of the last step's exact matrix has shown that there are none.
+    if (newton.solver_is_direct() && report.newton.last_step_was_exact) report.unstable_modes = 0;
+  } else {
+    if (!stiffness_) stiffness_.emplace(world.dimension, world.pattern);
+    const LinearReport linear = stiffness_->factorize(potential, world.is_fixed, state.positions);
+    if (linear.status == LinearReport::Status::ok) report.unstable_modes = linear.negative_pivots;
+  }
+  const Index count = report.unstable_modes.value_or(0);
+  if (count > 0 && count != last_count_.value_or(0)) {
+    report.warnings.push_back("at load factor " + format_short(state.load) +
+                              " the equilibrium is not stable: " + std::to_string(count) + " unstable mode" +
+                              (count == 1 ? "" : "s") + " (buckling); the body would leave it");
+  }
+  last_count_ = report.unstable_modes;
 }
 
 }  // namespace resilin

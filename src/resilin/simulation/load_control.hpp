@@ -1,16 +1,47 @@
 #pragma once
 
+#include <optional>
+
+#include "resilin/optimize/path_follower.hpp"
 #include "resilin/simulation/state.hpp"
 #include "resilin/simulation/step.hpp"
 
 namespace resilin {
 
-/// One load step from `state`, as large as converges: the load increment of the state, halved until an
-/// equilibrium is found. Moves the state there; leaves it alone when the report says anything but converged
-/// (the load increment keeps what was learnt).
+/// How a static run goes from equilibrium to equilibrium: by load steps that adapt, or along the path of
+/// equilibria by arc length. Theory: docs/theory/statics.md.
 ///
-/// The search starts from the secant through the last two equilibria or from the last one, whichever has the
-/// lower energy. After a quick success the next increment grows, up to the one that the scene asks for.
-StepReport step_in_load(const World& world, Newton& newton, State& state, const NewtonObserver& observer);
+/// Holds what is worth keeping between steps, none of which changes a result.
+class LoadControl {
+ public:
+  explicit LoadControl(const World& world);
+
+  /// What the first step needs to know.
+  void prepare(const World& world, State& state) const;
+
+  /// One step from `state`, as large as converges. Moves the state there; leaves it alone when the report
+  /// says anything but converged (but for the size of the next step, which keeps what was learnt).
+  StepReport step(const World& world, Newton& newton, State& state, const NewtonObserver& observer);
+
+  /// The full load is reached, or the number of steps along a path.
+  static bool is_finished(const World& world, const State& state);
+  /// A guess of the number of all steps.
+  static int expected_steps(const World& world, const State& state);
+
+ private:
+  StepReport step_in_load(const World& world, Newton& newton, State& state, const NewtonObserver& observer);
+  StepReport step_along_path(const World& world, Newton& newton, State& state,
+                             const NewtonObserver& observer);
+  /// Why the run ends without a first step along the path; empty when it can begin.
+  std::string begin_path(const World& world, Newton& newton, State& state, StepReport& report,
+                         const NewtonObserver& observer);
+  /// Where a linear solution turns a cell inside out; warns when that is within the load.
+  static void find_inversion(const World& world, const State& state, StepReport& report);
+  void count_unstable_modes(const World& world, const Newton& newton, const State& state, StepReport& report);
+
+  std::optional<PathFollower> follower_;
+  std::optional<ExactStiffness> stiffness_;
+  std::optional<Index> last_count_;  ///< of unstable modes: a warning comes when it changes
+};
 
 }  // namespace resilin

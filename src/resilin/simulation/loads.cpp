@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "resilin/core/error.hpp"
 #include "resilin/energy/handle_spring.hpp"
 #include "resilin/energy/pressure.hpp"
 #include "resilin/simulation/selection.hpp"
@@ -42,8 +43,12 @@ std::shared_ptr<Energy> make_load(const LoadDescription& load, const World& worl
   }
   VectorX forces = VectorX::Zero(world.rest_positions.size());
   if (load.kind == Kind::body_force) {
-    add_body_force(body.elastic->element(), select_cells(vertices, body), world.rest_positions, load.value,
-                   forces);
+    const std::vector<Index> cells = select_cells(vertices, body);
+    if (cells.empty()) {
+      throw InputError(where, "a part of the volume (cells with all their vertices selected)",
+                       std::to_string(vertices.size()) + " vertices that fill no cell");
+    }
+    add_body_force(body.elastic->element(), cells, world.rest_positions, load.value, forces);
   }
   if (load.kind == Kind::traction) {
     add_traction(dim, select_facets(vertices, body, where), world.rest_positions, load.value, forces);

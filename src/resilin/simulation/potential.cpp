@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
+
+#include "resilin/energy/pressure.hpp"
 
 namespace resilin {
 
@@ -71,6 +74,34 @@ void Potential::hessian_at(const VectorX& internal, const VectorX& x, Projection
     energy.add_hessian_at(internal.segment(first, count), x, conditions_, projection, hessian);
     first += count;
   });
+}
+
+bool Potential::has_potential(const VectorX& x) const {
+  std::vector<const Energy*> pressures;
+  for (const auto& energy : world_.external) {
+    if (dynamic_cast<const Pressure*>(energy.get()) != nullptr) pressures.push_back(energy.get());
+  }
+  if (pressures.empty()) return true;
+  // A symmetric tangent T has a.T b = b.T a for any a, b. The force is quadratic in x: its central difference
+  // is T, for a step of any length.
+  const auto tangent_times = [&](const VectorX& p) {
+    VectorX after = VectorX::Zero(x.size()), before = after;
+    for (const Energy* pressure : pressures) {
+      pressure->add_gradient(x + p, conditions_, after);
+      pressure->add_gradient(x - p, conditions_, before);
+    }
+    return VectorX(0.5 * (after - before));
+  };
+  const double extent = x.maxCoeff() - x.minCoeff();
+  VectorX a(x.size()), b(x.size());
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    const bool is_free = world_.is_fixed[static_cast<std::size_t>(i)] == 0;
+    a[i] = is_free ? extent * std::sin(1.0 + 12.9898 * static_cast<double>(i)) : 0;
+    b[i] = is_free ? extent * std::cos(2.0 + 78.233 * static_cast<double>(i)) : 0;
+  }
+  const VectorX Ta = tangent_times(a), Tb = tangent_times(b);
+  constexpr double round_off = 1e-9;
+  return std::abs(a.dot(Tb) - b.dot(Ta)) <= round_off * (a.norm() * Tb.norm() + b.norm() * Ta.norm());
 }
 
 double Potential::max_step(const VectorX& x, const VectorX& p) const {

@@ -24,6 +24,8 @@ class Potential final : public Objective {
   VectorX predicted_internal_values(const VectorX& x, const VectorX& p, double t) const override;
   void hessian_at(const VectorX& internal, const VectorX& x, Projection projection,
                   BlockMatrix& hessian) const override;
+  /// No where a pressure follows an open surface whose edge is free: its tangent is then not symmetric.
+  bool has_potential(const VectorX& x) const override;
   double max_step(const VectorX& x, const VectorX& p) const override;
 
   /// The largest of: the loads, the reactions, the inertia force; each as the norm over all unknowns [N].

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "resilin/core/error.hpp"
-#include "resilin/simulation/load_control.hpp"
 
 namespace resilin {
 
@@ -19,11 +18,13 @@ Simulation::Simulation(World world)
   state_.velocities =
       world_.is_dynamic ? world_.start_velocities : VectorX::Zero(world_.start_positions.size());
   state_.load = world_.is_dynamic ? 1 : 0;
-  state_.load_increment = 1.0 / world_.load_steps;
   state_.previous_positions = state_.positions;
   if (world_.is_dynamic) {
     time_stepper_.emplace(world_);
     time_stepper_->prepare(world_, state_);
+  } else {
+    load_control_.emplace(world_);
+    load_control_->prepare(world_, state_);
   }
   frame_ = measure_frame(world_, state_, nullptr);
 }
@@ -31,14 +32,14 @@ Simulation::Simulation(World world)
 bool Simulation::is_finished() const {
   if (world_.adaptive && world_.is_dynamic) return state_.time >= world_.end_time;
   if (world_.is_dynamic) return state_.time >= world_.end_time - 1e-9 * world_.time_step;
-  return state_.load >= 1;
+  return LoadControl::is_finished(world_, state_);
 }
 
 int Simulation::expected_steps() const {
   if (world_.adaptive && world_.is_dynamic)
     return state_.step + static_cast<int>(std::ceil((world_.end_time - state_.time) / state_.time_step));
   if (world_.is_dynamic) return static_cast<int>(std::ceil(world_.end_time / world_.time_step - 1e-9));
-  return state_.step + static_cast<int>(std::ceil((1 - state_.load) / state_.load_increment - 1e-9));
+  return LoadControl::expected_steps(world_, state_);
 }
 
 StepReport Simulation::step(const NewtonObserver& observer) {
@@ -46,7 +47,7 @@ StepReport Simulation::step(const NewtonObserver& observer) {
   const int step_before = state_.step;
   VectorX gradient;
   StepReport report = time_stepper_ ? time_stepper_->step(world_, newton_, state_, gradient, observer)
-                                    : step_in_load(world_, newton_, state_, observer);
+                                    : load_control_->step(world_, newton_, state_, observer);
   if (state_.step > step_before) frame_ = measure_frame(world_, state_, time_stepper_ ? &gradient : nullptr);
   timing_.assembly += report.newton.assembly_seconds;
   timing_.solve += report.newton.solve_seconds;
@@ -60,6 +61,8 @@ StepReport Simulation::step(const NewtonObserver& observer) {
   frame_.time_step = report.time_step;
   frame_.time_error = report.time_error;
   frame_.converged = report.status == StepReport::Status::converged;
+  frame_.unstable_modes = report.unstable_modes;
+  frame_.inversion = report.inversion;
   return report;
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "resilin/simulation/frame.hpp"
+#include "resilin/simulation/load_control.hpp"
 #include "resilin/simulation/state.hpp"
 #include "resilin/simulation/step.hpp"
 #include "resilin/simulation/time_stepping.hpp"
@@ -51,6 +52,7 @@ class Simulation {
  private:
   World world_;
   std::optional<TimeStepper> time_stepper_;  ///< in motion
+  std::optional<LoadControl> load_control_;  ///< in statics
   Newton newton_;
   State state_;
   Frame frame_;

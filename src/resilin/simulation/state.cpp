@@ -80,6 +80,8 @@ std::string serialize(const State& state) {
   put(image, state.load_increment);
   put(image, state.previous_load);
   put(image, state.previous_positions);
+  put(image, state.arc_length);
+  put(image, state.load_weight);
   put(image, state.accelerations);
   put(image, state.previous_velocities);
   put(image, state.previous_time_step);
@@ -102,6 +104,8 @@ State deserialize_state(std::string_view image, const std::string& place) {
   state.load_increment = reader.get<double>();
   state.previous_load = reader.get<double>();
   state.previous_positions = reader.get_vector();
+  state.arc_length = reader.get<double>();
+  state.load_weight = reader.get<double>();
   state.accelerations = reader.get_vector();
   state.previous_velocities = reader.get_vector();
   state.previous_time_step = reader.get<double>();

@@ -20,6 +20,8 @@ struct State {
   // Static load control: what the next increment is and where its guess is extrapolated from.
   double load_increment = 1;
   double previous_load = 0;
+  double arc_length = 0;   ///< [m] of the next step along a path of equilibria
+  double load_weight = 0;  ///< [m]: how far a unit of load counts in it; 0 before the first step
 
   // Motion: what integrators need besides.
   VectorX accelerations;          ///< [m/s^2]; empty: not known yet

@@ -13,6 +13,7 @@ void add_to(NewtonReport& sum, const NewtonReport& part) {
   total.linear_solves += sum.linear_solves;
   total.linear_iterations += sum.linear_iterations;
   total.line_search_halvings += sum.line_search_halvings;
+  total.tangent_iterations += sum.tangent_iterations;
   total.projected_solves += sum.projected_solves;
   total.assembly_seconds += sum.assembly_seconds;
   total.solve_seconds += sum.solve_seconds;
@@ -23,6 +24,7 @@ NewtonSettings newton_settings(const World& world) {
   NewtonSettings settings;
   settings.tolerance = world.newton.tolerance;
   settings.max_iterations = world.newton.max_iterations;
+  settings.is_quadratic = is_linear(world);
   const std::string& policy = world.newton.projection;
   if (policy == "none") {
     settings.projection = ProjectionPolicy::none;

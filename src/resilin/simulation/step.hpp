@@ -1,8 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "resilin/optimize/newton.hpp"
+#include "resilin/simulation/linear_problem.hpp"
 #include "resilin/simulation/world.hpp"
 
 /// What steps in time and in load have in common.
@@ -21,6 +24,9 @@ struct StepReport {
   int failed_attempts = 0;  ///< steps that were tried before, too long
   double time_step = 0;     ///< motion: length of the step [s]
   double time_error = 0;    ///< motion with adaptive steps: about how far the step misplaced a vertex [m]
+  std::optional<Index> unstable_modes;  ///< statics: negative eigenvalues of the stiffness, where counted
+  std::optional<Inversion> inversion;   ///< linear statics: where a cell is first turned inside out
+  std::vector<std::string> warnings;    ///< one line each
 };
 
 /// Adds the counts and times of `part` to `sum`, which takes everything else from it.

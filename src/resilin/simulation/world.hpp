@@ -48,6 +48,9 @@ class World {
   double time_step = 0;
   double end_time = 0;
   int load_steps = 1;
+  bool follows_path = false;  ///< static: by arc length
+  int max_steps = 0;
+  std::string unstable_modes;
   std::string integrator;
   std::optional<AdaptiveSteps> adaptive;
   std::vector<double> event_times;  ///< where loads and prescribed motions are not smooth, rising [s]
