@@ -153,6 +153,35 @@ TEST(World, TurnsInvertedCellsAroundAndSaysSo) {
   EXPECT_LT((simulation.state().positions - expected.state().positions).norm(), 1e-9);
 }
 
+/// Bodies that do not touch do not feel each other, whatever their laws.
+TEST(World, HoldsBodiesOfSeveralLaws) {
+  const std::vector<std::string> laws = {"neo_hookean", "linear_elastic", "corotated"};
+  Description all = small_bar(3, false);
+  std::vector<Vector3> alone;
+  for (std::size_t b = 0; b < laws.size(); ++b) {
+    Description one = small_bar(3, false);
+    one.newton.tolerance = 1e-11;
+    one.bodies[0].material.law = laws[b];
+    one.bodies[0].name = laws[b];
+    one.bodies[0].translate = {0, static_cast<double>(b), 0};
+    one.probes[0].at.y() += static_cast<double>(b);
+    one.fixes[0].body = one.probes[0].body = laws[b];
+    alone.push_back(run_all(one).frame().probes[0].displacement);
+    if (b == 0) {
+      all = one;
+      continue;
+    }
+    all.bodies.push_back(one.bodies[0]);
+    all.fixes.push_back(one.fixes[0]);
+    all.probes.push_back(one.probes[0]);
+  }
+  const Simulation together = run_all(all);
+  ASSERT_TRUE(together.is_finished());
+  for (std::size_t b = 0; b < laws.size(); ++b)
+    EXPECT_LT((together.frame().probes[b].displacement - alone[b]).norm(), 1e-8 * alone[b].norm()) << laws[b];
+  EXPECT_GT((alone[0] - alone[1]).norm(), 0.01);
+}
+
 /// A bar pulled by a dead traction, one half four times as stiff as the other: the halves stretch like
 /// springs in a row.
 TEST(CellConstants, MakeOnePartOfABodyStiffer) {
