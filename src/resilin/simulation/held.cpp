@@ -95,7 +95,7 @@ std::optional<Vector3> common_point(const std::vector<Turn>& turns) {
     for (int k = 0; k < 3; ++k) A.block<3, 1>(3 * i, k) = turn.axis.cross(Vector3::Unit(k));
     b.segment<3>(3 * i) = -turn.shift;
   }
-  const Vector3 r = A.completeOrthogonalDecomposition().solve(b);
+  Vector3 r = A.completeOrthogonalDecomposition().solve(b);
   if ((A * r - b).norm() > round_off * (1 + b.norm())) return std::nullopt;
   return r;
 }
