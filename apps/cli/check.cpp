@@ -80,6 +80,7 @@ int check_mesh_path(const CheckOptions& options) {
 }
 
 std::string time_steps_text(const World& world) {
+  if (world.modes) return std::to_string(world.modes->count) + " modes of vibration";
   if (!world.is_dynamic) return "static";
   if (world.adaptive) return "adaptive time steps up to " + format_short(world.end_time) + " s";
   return format_short(world.end_time / world.time_step) + " time steps";

@@ -27,10 +27,7 @@ Progress::Progress(Style style, const Simulation& simulation)
       first_time_(simulation.state().time),
       first_share_(share_done(simulation)) {}
 
-double Progress::share_done(const Simulation& simulation) const {
-  const World& world = simulation.world();
-  return world.is_dynamic ? std::min(1.0, simulation.state().time / world.end_time) : simulation.state().load;
-}
+double Progress::share_done(const Simulation& simulation) const { return simulation.share_done(); }
 
 std::string Progress::remaining_text(double share) const {
   const double elapsed = std::chrono::duration<double>(Clock::now() - start_).count();
@@ -42,6 +39,9 @@ std::string Progress::remaining_text(double share) const {
 std::string Progress::state_text(const Simulation& simulation, const StepReport& report) const {
   const State& state = simulation.state();
   std::string text = fmt::format("step {}", state.step);
+  if (simulation.frame().mode) {
+    return text + fmt::format(", mode {}, {:.6g} Hz", state.mode, simulation.frame().mode->frequency);
+  }
   if (simulation.world().is_dynamic) {
     text += fmt::format("/{}, t = {:.4g} s", simulation.expected_steps(), state.time);
   } else {

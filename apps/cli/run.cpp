@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
@@ -80,10 +81,19 @@ std::string vector_text(const Vector3& vector, int dimension) {
   return "(" + text + ")";
 }
 
+void print_modes(const std::vector<VibrationMode>& modes) {
+  for (std::size_t k = 0; k < modes.size(); ++k) {
+    const VibrationMode& mode = modes[k];
+    const std::string word = mode.is_rigid ? " (rigid)" : mode.is_unstable() ? " (unstable)" : "";
+    print_line("mode " + std::to_string(k + 1) + ": " + fmt::format("{:.6g} Hz", mode.frequency()) + word);
+  }
+}
+
 void print_end(const Simulation& simulation, const ResultFolder& results, const RunOutcome& outcome,
                double setup_seconds, double total) {
   const Frame& frame = simulation.frame();
   const int dim = simulation.world().dimension;
+  print_modes(simulation.modes());
   for (const Frame::ProbeValue& probe : frame.probes) {
     print_line("probe " + probe.name + ": displacement " + vector_text(probe.displacement, dim) + " m");
   }

@@ -42,11 +42,10 @@ class Progress:
 
     def _text(self):
         simulation = self._simulation
+        share = simulation.share_done
         if simulation.is_dynamic:
-            share = min(1.0, simulation.time / simulation.end_time)
             state = f"step {simulation.step_number}/{simulation.expected_steps}, t = {simulation.time:.4g} s"
         else:
-            share = simulation.load
             state = f"step {simulation.step_number}, load {simulation.load:.4g}"
         return f"{100 * share:3.0f} %  {state}, {time.monotonic() - self._start:.3g} s"
 

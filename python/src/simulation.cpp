@@ -222,6 +222,7 @@ void bind_simulation(nb::module_& module) {
       .def_prop_ro("title", [](const RunningSimulation& s) { return s.world().title; })
       .def_prop_ro("is_dynamic", [](const RunningSimulation& s) { return s.world().is_dynamic; })
       .def_prop_ro("is_finished", [](const RunningSimulation& s) { return s.simulation().is_finished(); })
+      .def_prop_ro("share_done", [](const RunningSimulation& s) { return s.simulation().share_done(); })
       .def_prop_ro("expected_steps",
                    [](const RunningSimulation& s) { return s.simulation().expected_steps(); });
 }

@@ -98,7 +98,7 @@ INSTANTIATE_TEST_SUITE_P(
                    "simulation.load_steps: expected a whole number >= 1, got 1.5"},
         WrongValue{"simulation.load_steps=99999999999", "fits 32 bits"},
         WrongValue{"simulation.dimension=4", "simulation.dimension: expected 2 or 3, got 4"},
-        WrongValue{"simulation.kind=quick", "simulation.kind: expected \"static\" or \"dynamic\""},
+        WrongValue{"simulation.kind=quick", "simulation.kind: expected \"static\", \"dynamic\" or \"modes\""},
         WrongValue{"newton.tolerance=0", "newton.tolerance: expected a number > 0"},
         WrongValue{"newton.max_iterations=0", "newton.max_iterations: expected a whole number >= 1"},
         WrongValue{"solver.kind=magic", "solver.kind: expected \"auto\""},

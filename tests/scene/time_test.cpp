@@ -100,5 +100,33 @@ TEST(AdaptiveSteps, AreReadAndChecked) {
   EXPECT_NE(error_with({"simulation.adaptive={}"}).find("only in motion"), std::string::npos);
 }
 
+TEST(Modes, AreReadAndChecked) {
+  const Description d =
+      read_good_scene_with({"simulation.kind=modes", "simulation.modes={count=4,about=\"load\"}"})
+          .description;
+  ASSERT_TRUE(d.modes.has_value());
+  EXPECT_EQ(d.modes->count, 4);
+  EXPECT_TRUE(d.modes->is_loaded);
+  EXPECT_FALSE(d.is_dynamic);
+  EXPECT_EQ(read_good_scene_with({"simulation.kind=modes"}).description.modes->count, 10);
+  EXPECT_NE(error_with({"simulation.modes={count=4}"}).find("only with simulation.kind = \"modes\""),
+            std::string::npos);
+  EXPECT_NE(error_with({"simulation.kind=modes", "simulation.modes={count=0}"}).find("a whole number >= 1"),
+            std::string::npos);
+}
+
+TEST(Damping, IsReadAndChecked) {
+  const Scene scene = read_good_scene_with(
+      in_motion({"body.beam.damping={mass=1,stiffness=2,shear_viscosity=3,bulk_viscosity=4}"}));
+  const DampingDescription& damping = scene.description.bodies[0].damping;
+  EXPECT_EQ(damping.mass, 1);
+  EXPECT_EQ(damping.stiffness, 2);
+  EXPECT_EQ(damping.shear_viscosity, 3);
+  EXPECT_EQ(damping.bulk_viscosity, 4);
+  EXPECT_NE(error_with({"body.beam.damping={mass=1}"}).find("only in motion"), std::string::npos);
+  EXPECT_NE(error_with(in_motion({"body.beam.damping={mass=-1}"})).find("expected a number >= 0"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace resilin::testing

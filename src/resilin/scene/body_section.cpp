@@ -49,6 +49,8 @@ Keys<BodyDescription> body_keys() {
            "A CSV file, or a list, of one row for each vertex, in place of velocity and velocity_gradient."},
           [](const SceneNode& node, B& b) { b.initial_velocities = read_vertex_table(node, b.mesh); }),
       choice_key("mass", &B::mass, {"lumped", "consistent"}, {}, "How mass is spread over the vertices."),
+      key<B>({"damping", "[damping](#damping)", "", "none", "In motion: forces against the velocity."},
+             [](const SceneNode& node, B& b) { read_damping(node, b.damping); }),
       later_key<B>("skin", "text", "A fine surface carried by the cells.",
                    "leave it out: the mesh's own surface is shown"),
   };

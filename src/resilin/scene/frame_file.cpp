@@ -94,7 +94,9 @@ void write_frame(std::ostream& stream, const World& world, const State& state) {
                .blocks = {&cells, 1},
                .point_data = {},
                .cell_data = {{.name = "body", .components = 1, .values = body_numbers}},
-               .time = world.is_dynamic ? state.time : state.load};
+               .time = world.modes        ? state.step
+                       : world.is_dynamic ? state.time
+                                          : state.load};
   std::vector<std::vector<double>> storage;  // of which the arrays are views
   storage.reserve(std::size(fields));
   for (const FrameField& field : fields) {

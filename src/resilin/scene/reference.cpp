@@ -61,9 +61,11 @@ std::vector<SectionDoc> scene_sections() {
   return {
       document("[simulation]", "What is computed.", simulation_keys()),
       adaptive_doc(),
+      modes_doc(),
       document("[[body]]", "A solid; there may be several, of different materials.", body_keys()),
       mesh_doc(),
       material_doc(),
+      damping_doc(),
       rotation_doc(),
       document("[[fix]]", "Prescribed displacement, whole or by component; the reaction is reported.",
                fix_keys()),

@@ -19,6 +19,16 @@ Json moment_json(const Vector3& moment, int dimension) {
   return dimension == 3 ? vector_json(moment, 3) : Json::array({moment[2]});
 }
 
+Json mode_json(const Frame::ModeValues& mode, int dimension) {
+  Json json = {{"number", mode.number},
+               {"frequency", mode.frequency},
+               {"rigid", mode.is_rigid},
+               {"unstable", mode.is_unstable},
+               {"effective_mass", vector_json(mode.effective_mass, dimension)}};
+  if (mode.is_unstable) json["growth_rate"] = mode.growth_rate;
+  return json;
+}
+
 }  // namespace
 
 std::string_view name(RunStatus status) {
@@ -40,6 +50,7 @@ Json frame_json(const Frame& frame, int dimension) {
   json["step"] = frame.step;
   json["time"] = frame.time;
   json["load"] = frame.load;
+  if (frame.mode) json["mode"] = mode_json(*frame.mode, dimension);
   json["newton_iterations"] = frame.newton_iterations;
   json["linear_iterations"] = frame.linear_iterations;
   json["converged"] = frame.converged;
@@ -98,7 +109,12 @@ Json report_json(const World& world, Json frames, const RunSummary& summary) {
   report["title"] = world.title;
   report["version"] = version();
   report["dimension"] = world.dimension;
-  report["kind"] = world.is_dynamic ? "dynamic" : "static";
+  report["kind"] = world.modes ? "modes" : world.is_dynamic ? "dynamic" : "static";
+  if (world.modes) {
+    report["modes"] = Json::array();
+    for (const Json& frame : frames)
+      if (frame.contains("mode")) report["modes"].push_back(frame["mode"]);
+  }
   report["is_linear"] = is_linear(world);
   report["frames"] = std::move(frames);
   report["bodies"] = bodies_json(world);

@@ -32,7 +32,8 @@ std::string frame_name(std::size_t number) {
   return "frames/" + std::string(digits.size() < 4 ? 4 - digits.size() : 0, '0') + digits + ".vtu";
 }
 
-/// The list of frames that ParaView opens; statics count in load factors, or in steps where the load falls.
+/// The list of frames that ParaView opens; statics count in load factors, or in steps where the load falls
+/// or where they show vibrations.
 void write_frame_list(const std::filesystem::path& path, const Json& frames, bool is_dynamic) {
   const char* counter = is_dynamic ? "time" : "load";
   const auto is_behind = [](const Json& a, const Json& b) { return b["load"] <= a["load"]; };

@@ -9,6 +9,10 @@ std::string reached(const Simulation& simulation) {
   const State& state = simulation.state();
   if (simulation.world().is_dynamic)
     return "t = " + format_short(state.time) + " s (step " + std::to_string(state.step) + ")";
+  if (simulation.world().modes && state.mode > 0) {
+    const Frame::ModeValues& mode = *simulation.frame().mode;
+    return "mode " + std::to_string(mode.number) + " (" + format_short(mode.frequency) + " Hz)";
+  }
   return "load factor " + format_short(state.load) + " (step " + std::to_string(state.step) + ")";
 }
 

@@ -48,6 +48,10 @@ void read_time_function(const SceneNode& node, TimeFunction& function);
 SectionDoc time_function_doc();
 void read_adaptive_steps(const SceneNode& node, std::optional<AdaptiveSteps>& adaptive);
 SectionDoc adaptive_doc();
+void read_modes(const SceneNode& node, std::optional<ModesOptions>& modes);
+SectionDoc modes_doc();
+void read_damping(const SceneNode& node, DampingDescription& damping);
+SectionDoc damping_doc();
 
 // contact_section.cpp: what the contract has and this version does not
 void refuse_contact(const SceneNode& node);

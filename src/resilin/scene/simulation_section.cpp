@@ -9,10 +9,12 @@ Keys<Description> simulation_keys() {
   using D = Description;
   const D defaults;
   return {
-      key<D>({"kind", one_of({"static", "dynamic"}), "", defaults.is_dynamic ? "\"dynamic\"" : "\"static\"",
-              "Equilibrium under the loads, or motion in time."},
+      key<D>({"kind", one_of({"static", "dynamic", "modes"}), "", "\"static\"",
+              "Equilibrium under the loads, motion in time, or free vibrations."},
              [](const SceneNode& node, D& d) {
-               d.is_dynamic = read_choice(node, {"static", "dynamic"}) == "dynamic";
+               const std::string kind = read_choice(node, {"static", "dynamic", "modes"});
+               d.is_dynamic = kind == "dynamic";
+               if (kind == "modes") d.modes.emplace();
                node.context->is_dynamic = d.is_dynamic;
              }),
       key<D>({"dimension", "2 or 3", "", default_text(defaults.dimension),
@@ -29,6 +31,8 @@ Keys<Description> simulation_keys() {
       key<D>({"adaptive", "[adaptive](#adaptive)", "", "none: equal steps",
               "In motion: steps as long as their error allows."},
              [](const SceneNode& node, D& d) { read_adaptive_steps(node, d.adaptive); }),
+      key<D>({"modes", "[modes](#modes)", "", "see there", "Which vibrations are sought."},
+             [](const SceneNode& node, D& d) { read_modes(node, d.modes); }),
       integer_key(
           "load_steps", &D::load_steps, at_least_one,
           "Static: number of equal steps that the loads are first tried in. A step that fails is halved."),

@@ -88,6 +88,29 @@ Keys<AdaptiveSteps> adaptive_keys() {
   };
 }
 
+Keys<ModesOptions> modes_keys() {
+  using M = ModesOptions;
+  return {
+      integer_key("count", &M::count, at_least_one, "How many, from the lowest frequency on."),
+      key<M>(
+          {"about", one_of({"rest", "load"}), "", "\"rest\"",
+           "About the rest shape, where no load acts, or about the equilibrium under the loads."},
+          [](const SceneNode& node, M& m) { m.is_loaded = read_choice(node, {"rest", "load"}) == "load"; }),
+  };
+}
+
+Keys<DampingDescription> damping_keys() {
+  using D = DampingDescription;
+  return {
+      number_key("mass", &D::mass, "1/s", not_negative, "Times mass and velocity (Rayleigh)."),
+      number_key("stiffness", &D::stiffness, "s", not_negative,
+                 "Times the stiffness at rest and the rate of strain (Rayleigh); turning is not damped."),
+      number_key("shear_viscosity", &D::shear_viscosity, "Pa s", not_negative,
+                 "Of the material (Kelvin-Voigt): resists changes of shape."),
+      number_key("bulk_viscosity", &D::bulk_viscosity, "Pa s", not_negative, "Resists changes of volume."),
+  };
+}
+
 template <class T>
 void append_keys(SectionDoc& doc, const std::string& prefix, const Keys<T>& keys) {
   for (const Key<T>& key : keys) {
@@ -120,6 +143,29 @@ void read_adaptive_steps(const SceneNode& node, std::optional<AdaptiveSteps>& ad
   read_section(node, adaptive_keys(), *adaptive);
   if (adaptive->min_step && adaptive->max_step && *adaptive->min_step > *adaptive->max_step)
     node.child("min_step").fail("at most max_step");
+}
+
+void read_modes(const SceneNode& node, std::optional<ModesOptions>& modes) {
+  if (!modes) node.fail_with("has a meaning only with simulation.kind = \"modes\"; set that or leave it out");
+  read_section(node, modes_keys(), *modes);
+}
+
+SectionDoc modes_doc() {
+  return document("modes", "Free vibrations, `simulation.kind = \"modes\"`: each is a frame of the results.",
+                  modes_keys());
+}
+
+void read_damping(const SceneNode& node, DampingDescription& damping) {
+  if (!node.context->is_dynamic)
+    node.fail_with("has a meaning only in motion; set simulation.kind = \"dynamic\" or leave it out");
+  read_section(node, damping_keys(), damping);
+}
+
+SectionDoc damping_doc() {
+  return document("damping",
+                  "A small vibration of angular frequency w loses the part mass/(2w) + stiffness w/2 of the "
+                  "critical damping ([theory](theory/damping.md)).",
+                  damping_keys());
 }
 
 SectionDoc adaptive_doc() {

@@ -50,6 +50,14 @@ struct Rotation {
   double degrees = 0;                ///< at load factor 1
 };
 
+/// Forces against the velocity of a body in motion (docs/theory/damping.md).
+struct DampingDescription {
+  double mass = 0;             ///< times M v [1/s]
+  double stiffness = 0;        ///< times the rest stiffness, on the rate of Green's strain [s]
+  double shear_viscosity = 0;  ///< [Pa s]
+  double bulk_viscosity = 0;   ///< [Pa s]
+};
+
 struct BodyDescription {
   std::string place = "body";
   std::string name = "body";
@@ -66,6 +74,7 @@ struct BodyDescription {
   std::vector<double>
       initial_velocities;       ///< dim per vertex [m/s]; empty: from velocity and velocity_gradient
   std::string mass = "lumped";  ///< lumped | consistent
+  DampingDescription damping;
 };
 
 /// Prescribed displacement.
@@ -133,6 +142,12 @@ struct AdaptiveSteps {
   std::optional<double> max_step;  ///< [s]; default the end time
 };
 
+/// Free vibrations.
+struct ModesOptions {
+  int count = 10;          ///< how many, from the lowest frequency on
+  bool is_loaded = false;  ///< about the equilibrium under the loads, not about rest
+};
+
 /// A whole simulation.
 struct Description {
   std::string place = "scene";
@@ -144,6 +159,7 @@ struct Description {
   double end_time = 1;                ///< in motion [s]
   std::string integrator = "backward_euler";
   std::optional<AdaptiveSteps> adaptive;  ///< in motion; `time_step` is then the first step
+  std::optional<ModesOptions> modes;      ///< free vibrations are asked for; not in motion
   int load_steps = 1;                     ///< static: first attempt; halved by itself when a step fails
   std::string load_control = "load";  ///< static: load | arc_length, which follows a body that snaps through
   int max_steps = 500;                ///< arc_length: the path ends after so many steps

@@ -20,8 +20,18 @@ struct Frame {
     Vector3 velocity = Vector3::Zero();      ///< [m/s]
   };
 
+  struct ModeValues {
+    int number = 0;        ///< from 1
+    double frequency = 0;  ///< [Hz]; zero for a rigid or unstable mode
+    bool is_rigid = false;
+    bool is_unstable = false;
+    double growth_rate = 0;                    ///< of an unstable mode [1/s]
+    Vector3 effective_mass = Vector3::Zero();  ///< that a shaken wall moves in it [kg]
+  };
+
   int step = 0;
   double time = 0;
+  std::optional<ModeValues> mode;  ///< of a free vibration
   double load = 0;
   int newton_iterations = 0;
   int linear_iterations = 0;

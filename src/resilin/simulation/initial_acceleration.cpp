@@ -1,6 +1,7 @@
 #include "resilin/simulation/initial_acceleration.hpp"
 
 #include "resilin/linear/linear_solver.hpp"
+#include "resilin/simulation/damping.hpp"
 
 namespace resilin {
 namespace {
@@ -27,6 +28,9 @@ VectorX accelerations_at(const World& world, const State& state, const VectorX& 
   VectorX gradient = VectorX::Zero(state.positions.size());
   for (const auto& energy : world.elastic) energy->add_gradient(state.positions, conditions, gradient);
   for (const auto& energy : world.external) energy->add_gradient(state.positions, conditions, gradient);
+  // v = (x - x_0) / c for any c.
+  for (const auto& term : damping_terms(world, state.positions, state.positions - state.velocities, 1))
+    term->add_gradient(state.positions, conditions, gradient);
   if (!gradient.allFinite()) gradient.setZero();  // a start outside the domain pulls nowhere in particular
   VectorX a = VectorX::Zero(gradient.size());
   const auto is_fixed = [&](Eigen::Index i) { return world.is_fixed[static_cast<std::size_t>(i)] != 0; };

@@ -8,14 +8,16 @@
 
 namespace resilin {
 
-Potential::Potential(const World& world, const Conditions& conditions, const Inertia* inertia)
-    : world_(world), conditions_(conditions), inertia_(inertia) {}
+Potential::Potential(const World& world, const Conditions& conditions, const Inertia* inertia,
+                     std::span<const std::unique_ptr<Energy>> more_terms)
+    : world_(world), conditions_(conditions), inertia_(inertia), more_terms_(more_terms) {}
 
 template <class Function>
 void Potential::for_each_term(const Function& function) const {
   for (const auto& energy : world_.elastic) function(*energy);
   for (const auto& energy : world_.external) function(*energy);
   if (inertia_ != nullptr) function(static_cast<const Energy&>(*inertia_));
+  for (const auto& term : more_terms_) function(*term);
 }
 
 double Potential::difference(const VectorX& from, const VectorX& to) const {
@@ -120,6 +122,7 @@ double Potential::force_scale(const VectorX& x, const VectorX& gradient) const {
   };
   for (const auto& energy : world_.external) include(*energy);
   if (inertia_ != nullptr) include(*inertia_);
+  for (const auto& term : more_terms_) include(*term);
   double reaction = 0;
   for (Eigen::Index i = 0; i < gradient.size(); ++i) {
     if (world_.is_fixed[static_cast<std::size_t>(i)] != 0) reaction += gradient[i] * gradient[i];

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "resilin/energy/inertia.hpp"
@@ -9,11 +10,13 @@
 
 namespace resilin {
 
-/// The sum of a world's energies at given conditions, with the inertia of a time step when there is one.
+/// The sum of a world's energies at given conditions, with the inertia and the damping of a time step when
+/// there are such.
 class Potential final : public Objective {
  public:
-  /// @param world, inertia  kept by reference; `inertia` may be null
-  Potential(const World& world, const Conditions& conditions, const Inertia* inertia);
+  /// @param world, inertia, more_terms  kept by reference; `inertia` may be null
+  Potential(const World& world, const Conditions& conditions, const Inertia* inertia,
+            std::span<const std::unique_ptr<Energy>> more_terms = {});
 
   double difference(const VectorX& from, const VectorX& to) const override;
   double magnitude(const VectorX& x) const override;
@@ -38,6 +41,7 @@ class Potential final : public Objective {
   const World& world_;
   Conditions conditions_;
   const Inertia* inertia_;
+  std::span<const std::unique_ptr<Energy>> more_terms_;
 };
 
 }  // namespace resilin

@@ -1,5 +1,6 @@
 #include "resilin/simulation/simulation.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
@@ -30,12 +31,49 @@ Simulation::Simulation(World world)
 }
 
 bool Simulation::is_finished() const {
+  if (world_.modes) return state_.mode >= world_.modes->count;
   if (world_.adaptive && world_.is_dynamic) return state_.time >= world_.end_time;
   if (world_.is_dynamic) return state_.time >= world_.end_time - 1e-9 * world_.time_step;
   return LoadControl::is_finished(world_, state_);
 }
 
+double Simulation::share_done() const {
+  if (world_.is_dynamic) return std::min(1.0, state_.time / world_.end_time);
+  if (!world_.modes) return state_.load;
+  return static_cast<double>(state_.mode) / world_.modes->count;
+}
+
+/// The frame of the present state.
+void Simulation::measure(const VectorX* step_gradient) {
+  frame_ = measure_frame(world_, state_, step_gradient);
+  if (state_.mode == 0) return;
+  const VibrationMode& mode = modes_[static_cast<std::size_t>(state_.mode - 1)];
+  frame_.mode = {.number = state_.mode,
+                 .frequency = mode.frequency(),
+                 .is_rigid = mode.is_rigid,
+                 .is_unstable = mode.is_unstable(),
+                 .growth_rate = mode.is_unstable() ? std::sqrt(-mode.eigenvalue) : 0,
+                 .effective_mass = mode.effective_mass};
+}
+
+StepReport Simulation::step_to_next_mode(const NewtonObserver& observer) {
+  StepReport report;
+  if (state_.mode == 0) state_.previous_positions = state_.positions;  // the equilibrium
+  if (modes_.empty()) {
+    const auto is_stopped = [&] { return observer && !observer(report.newton); };
+    modes_ = find_modes(world_, state_.previous_positions, state_.load, report, is_stopped);
+    if (report.status != StepReport::Status::converged) return report;
+  }
+  state_.positions =
+      drawn_mode(world_, state_.previous_positions, modes_[static_cast<std::size_t>(state_.mode)]);
+  ++state_.mode;
+  ++state_.step;
+  return report;
+}
+
 int Simulation::expected_steps() const {
+  if (world_.modes && (!world_.modes->is_loaded || state_.load >= 1))
+    return state_.step + world_.modes->count - state_.mode;
   if (world_.adaptive && world_.is_dynamic)
     return state_.step + static_cast<int>(std::ceil((world_.end_time - state_.time) / state_.time_step));
   if (world_.is_dynamic) return static_cast<int>(std::ceil(world_.end_time / world_.time_step - 1e-9));
@@ -46,9 +84,11 @@ StepReport Simulation::step(const NewtonObserver& observer) {
   const auto start = std::chrono::steady_clock::now();
   const int step_before = state_.step;
   VectorX gradient;
+  const bool shows_mode = world_.modes && (!world_.modes->is_loaded || state_.load >= 1);
   StepReport report = time_stepper_ ? time_stepper_->step(world_, newton_, state_, gradient, observer)
+                      : shows_mode  ? step_to_next_mode(observer)
                                     : load_control_->step(world_, newton_, state_, observer);
-  if (state_.step > step_before) frame_ = measure_frame(world_, state_, time_stepper_ ? &gradient : nullptr);
+  if (state_.step > step_before) measure(time_stepper_ ? &gradient : nullptr);
   timing_.assembly += report.newton.assembly_seconds;
   timing_.solve += report.newton.solve_seconds;
   timing_.steps += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -75,7 +115,13 @@ void Simulation::resume_from(const State& state, const std::string& place) {
   }
   state_ = state;
   if (time_stepper_) time_stepper_->prepare(world_, state_);
-  frame_ = measure_frame(world_, state_, nullptr);
+  if (state_.mode > 0) {
+    StepReport report;
+    modes_ = find_modes(world_, state_.previous_positions, state_.load, report, {});
+    if (static_cast<int>(modes_.size()) < state_.mode)
+      throw InputError(place, "modes of this scene", report.reason);
+  }
+  measure(nullptr);
 }
 
 }  // namespace resilin

@@ -8,6 +8,7 @@
 #include "resilin/simulation/state.hpp"
 #include "resilin/simulation/step.hpp"
 #include "resilin/simulation/time_stepping.hpp"
+#include "resilin/simulation/vibration.hpp"
 #include "resilin/simulation/world.hpp"
 
 namespace resilin {
@@ -36,24 +37,34 @@ class Simulation {
   const Timing& timing() const { return timing_; }
   std::string_view solver_name() const { return newton_.solver_name(); }
 
-  /// One time step, or one load step as large as converges. `observer` is called after every Newton
-  /// iteration.
+  /// The modes of vibration, once the first of them has been stepped to.
+  const std::vector<VibrationMode>& modes() const { return modes_; }
+
+  /// One time step, one load step as large as converges, or one mode of vibration. `observer` is called after
+  /// every Newton iteration.
   StepReport step(const NewtonObserver& observer = {});
 
-  /// The end time or the full load is reached.
+  /// The end time, the full load or the last mode is reached.
   bool is_finished() const;
 
   /// About how many steps are needed in all, for progress: exact in motion with equal steps, else a guess.
   int expected_steps() const;
 
+  /// From 0 to 1, for progress.
+  double share_done() const;
+
   /// Goes on from a saved state. Throws InputError naming `place` when it does not fit this world.
   void resume_from(const State& state, const std::string& place);
 
  private:
+  StepReport step_to_next_mode(const NewtonObserver& observer);
+  void measure(const VectorX* step_gradient);
+
   World world_;
   std::optional<TimeStepper> time_stepper_;  ///< in motion
   std::optional<LoadControl> load_control_;  ///< in statics
   Newton newton_;
+  std::vector<VibrationMode> modes_;  ///< of free vibrations, once they are found
   State state_;
   Frame frame_;
   Timing timing_;

@@ -10,7 +10,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "images are little-endian");
 
-constexpr std::string_view magic = "resilin state 2\n";
+constexpr std::string_view magic = "resilin state 4\n";
 
 template <class T>
 void put(std::string& image, const T& value) {
@@ -73,6 +73,7 @@ class Reader {
 std::string serialize(const State& state) {
   std::string image(magic);
   put(image, static_cast<std::int64_t>(state.step));
+  put(image, static_cast<std::int64_t>(state.mode));
   put(image, state.time);
   put(image, state.load);
   put(image, state.positions);
@@ -97,6 +98,7 @@ State deserialize_state(std::string_view image, const std::string& place) {
   Reader reader(image.substr(magic.size()), place);
   State state;
   state.step = static_cast<int>(reader.get<std::int64_t>());
+  state.mode = static_cast<int>(reader.get<std::int64_t>());
   state.time = reader.get<double>();
   state.load = reader.get<double>();
   state.positions = reader.get_vector();

@@ -10,12 +10,13 @@ namespace resilin {
 /// Everything that a step reads and changes. Equal states give equal steps, bit by bit.
 struct State {
   int step = 0;
+  int mode = 0;        ///< of free vibrations: which one is shown, from 1; 0: none yet
   double time = 0;     ///< [s]
   double load = 0;     ///< load factor of a static run; 1 in motion
   VectorX positions;   ///< [m]
   VectorX velocities;  ///< [m/s]; zero in statics
 
-  VectorX previous_positions;  ///< one step before [m]
+  VectorX previous_positions;  ///< one step before; of free vibrations, the equilibrium [m]
 
   // Static load control: what the next increment is and where its guess is extrapolated from.
   double load_increment = 1;

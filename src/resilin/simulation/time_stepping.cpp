@@ -5,6 +5,7 @@
 
 #include "resilin/core/text.hpp"
 #include "resilin/integrator/backward_euler.hpp"
+#include "resilin/simulation/damping.hpp"
 #include "resilin/simulation/initial_acceleration.hpp"
 #include "resilin/simulation/potential.hpp"
 
@@ -70,6 +71,17 @@ VectorX accelerations_from(const World& world, State state) {
   return accelerations_at(world, state, prescribed.accelerations);
 }
 
+/// About the shape at a stage's time, to the order of the integrator: where damping is formed.
+VectorX expected_shape(const Integrator& integrator, const History& start,
+                       const std::vector<Motion>& solutions, const Stage& stage, double time_step) {
+  if (integrator.order() == 1) return start.now.positions;
+  if (solutions.empty()) return start.now.positions + stage.time_fraction * time_step * start.now.velocities;
+  // The stage before ended at x with v; for a second stage the rest of the step is what is left of it.
+  const Motion& last = solutions.back();
+  const double passed = 2 * stage.duration;  // TR-BDF2: the first stage is as long as both its halves
+  return last.positions + (time_step - passed) * last.velocities;
+}
+
 bool is_in_domain(const World& world, const VectorX& x, const Conditions& conditions) {
   double sum = 0;
   for (const auto& energy : world.elastic) sum += energy->value(x, conditions);
@@ -94,15 +106,6 @@ PlannedStep plan_step(const World& world, const State& state, double wanted) {
   if (wanted >= left * (1 - 1e-9)) return {left, event, true};
   if (2 * wanted > left) return {left / 2, state.time + left / 2, true};
   return {wanted, state.time + wanted, false};
-}
-
-double largest_extent(const World& world) {
-  double extent = 0;
-  for (int k = 0; k < world.dimension; ++k) {
-    const auto coordinates = world.rest_positions(Eigen::seq(k, Eigen::last, world.dimension));
-    extent = std::max(extent, coordinates.maxCoeff() - coordinates.minCoeff());
-  }
-  return extent;
 }
 
 /// The longest vector of a node in `vectors`, its fixed components left out.
@@ -137,6 +140,23 @@ struct TimeStepper::Attempt {
   VectorX gradient{};
 };
 
+std::vector<double> event_times(const Description& description) {
+  std::vector<double> times;
+  const auto add = [&times](const auto& entry) {
+    const std::vector<double> kinks = entry.time_function.kinks();
+    times.insert(times.end(), kinks.begin(), kinks.end());
+    if (entry.until) times.push_back(*entry.until);
+  };
+  for (const FixDescription& fix : description.fixes) add(fix);
+  for (const LoadDescription& load : description.loads) {
+    add(load);
+    times.push_back(load.from);
+  }
+  std::ranges::sort(times);
+  times.erase(std::unique(times.begin(), times.end()), times.end());
+  return times;
+}
+
 TimeStepper::TimeStepper(const World& world)
     : integrator_(make_integrator(world.integrator, world.place + ": simulation.integrator")) {}
 
@@ -168,7 +188,9 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
     follow_prescribed(world, prescribed, stage);
     const Conditions conditions{.time = state.time + stage.time_fraction * time_step, .load = 1};
     const Inertia inertia(world.mass, stage.target(), stage.scale());
-    const Potential potential(world, conditions, &inertia);
+    const VectorX shape = expected_shape(integrator, start, solutions, stage, time_step);
+    const auto damping = damping_terms(world, shape, stage.base_positions, stage.duration);
+    const Potential potential(world, conditions, &inertia, damping);
     VectorX x = before;
     choose_lower_start(potential, world.is_fixed, before, stage.target(), x);
     const NewtonReport search =
@@ -222,7 +244,7 @@ StepReport TimeStepper::step(const World& world, Newton& newton, State& state, V
 StepReport TimeStepper::adaptive_step(const World& world, Newton& newton, State& state, VectorX& gradient,
                                       const NewtonObserver& observer) const {
   const AdaptiveSteps& options = *world.adaptive;
-  const double tolerance = options.tolerance * largest_extent(world);
+  const double tolerance = options.tolerance * world.largest_extent();
   const double shortest = options.min_step.value_or(1e-6 * world.time_step);
   const double longest = std::max(shortest, options.max_step.value_or(world.end_time));
   double wanted = std::clamp(state.time_step, shortest, longest);

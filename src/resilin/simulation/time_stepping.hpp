@@ -8,6 +8,9 @@
 
 namespace resilin {
 
+/// Where loads and prescribed motions begin, end or have a kink, rising [s].
+std::vector<double> event_times(const Description& description);
+
 /// Steps through time by the integrator of a world (docs/theory/integrators.md).
 class TimeStepper {
  public:

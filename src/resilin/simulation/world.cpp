@@ -8,8 +8,11 @@
 #include "resilin/core/text.hpp"
 #include "resilin/energy/facet.hpp"
 #include "resilin/mesh/quality.hpp"
+#include "resilin/simulation/damping.hpp"
 #include "resilin/simulation/loads.hpp"
 #include "resilin/simulation/selection.hpp"
+#include "resilin/simulation/time_stepping.hpp"
+#include "resilin/simulation/vibration.hpp"
 
 namespace resilin {
 namespace {
@@ -128,7 +131,6 @@ class Builder {
   void build_pattern();
   void add_masses();
   void find_fixed_unknowns();
-  void find_event_times();
 
   const Description& description_;
   World& world_;
@@ -155,8 +157,11 @@ void Builder::build() {
     world_.external.push_back(make_gravity(description_.gravity, world_));
   }
   find_fixed_unknowns();
-  find_event_times();
-  if (!world_.is_dynamic) check_is_held(world_, nodes_held_by_springs_);
+  world_.event_times = event_times(description_);
+  if (world_.is_dynamic) add_damping(description_, world_);
+  if (world_.modes) check_modes(description_, world_);
+  const bool finds_equilibrium = !world_.is_dynamic && (!world_.modes || world_.modes->is_loaded);
+  if (finds_equilibrium) check_is_held(world_, nodes_held_by_springs_);
 }
 
 std::size_t Builder::find_body(const std::string& name, const std::string& place) const {
@@ -254,7 +259,7 @@ void Builder::add_material(const BodyDescription& description, Body& body) {
   elastic_.push_back(elastic);
   body.density = material.density;
   body.mass = material.density * body.elastic->total_rest_volume();
-  if (world_.is_dynamic && !(material.density > 0)) {
+  if ((world_.is_dynamic || world_.modes) && !(material.density > 0)) {
     throw InputError(material.place + ".density", "a positive number in motion",
                      format_number(material.density));
   }
@@ -347,22 +352,6 @@ void Builder::find_fixed_unknowns() {
   }
 }
 
-void Builder::find_event_times() {
-  std::vector<double>& times = world_.event_times;
-  const auto add = [&times](const auto& description) {
-    const std::vector<double> kinks = description.time_function.kinks();
-    times.insert(times.end(), kinks.begin(), kinks.end());
-    if (description.until) times.push_back(*description.until);
-  };
-  for (const FixDescription& fix : description_.fixes) add(fix);
-  for (const LoadDescription& load : description_.loads) {
-    add(load);
-    times.push_back(load.from);
-  }
-  std::ranges::sort(times);
-  times.erase(std::unique(times.begin(), times.end()), times.end());
-}
-
 }  // namespace
 
 World::World(const Description& description)
@@ -373,11 +362,12 @@ World::World(const Description& description)
       time_step(description.time_step),
       end_time(description.end_time),
       load_steps(description.load_steps),
-      follows_path(!description.is_dynamic && description.load_control == "arc_length"),
+      follows_path(!description.is_dynamic && !description.modes && description.load_control == "arc_length"),
       max_steps(description.max_steps),
       unstable_modes(description.unstable_modes),
       integrator(description.integrator),
       adaptive(description.adaptive),
+      modes(description.modes),
       newton(description.newton),
       solver(description.solver),
       output(description.output) {
@@ -386,6 +376,15 @@ World::World(const Description& description)
 
 Index World::num_free_unknowns() const {
   return static_cast<Index>(std::count(is_fixed.begin(), is_fixed.end(), std::uint8_t{0}));
+}
+
+double World::largest_extent() const {
+  double extent = 0;
+  for (int k = 0; k < dimension; ++k) {
+    const auto coordinates = rest_positions(Eigen::seq(k, Eigen::last, dimension));
+    extent = std::max(extent, coordinates.maxCoeff() - coordinates.minCoeff());
+  }
+  return extent;
 }
 
 const Body& World::body_of(Index node) const {

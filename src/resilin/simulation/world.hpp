@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "resilin/energy/damping.hpp"
 #include "resilin/energy/elastic.hpp"
 #include "resilin/energy/mass.hpp"
 #include "resilin/simulation/description.hpp"
@@ -53,7 +54,8 @@ class World {
   std::string unstable_modes;
   std::string integrator;
   std::optional<AdaptiveSteps> adaptive;
-  std::vector<double> event_times;  ///< where loads and prescribed motions are not smooth, rising [s]
+  std::optional<ModesOptions> modes;  ///< set when free vibrations are asked for
+  std::vector<double> event_times;    ///< where loads and prescribed motions are not smooth, rising [s]
   NewtonOptions newton;
   SolverOptions solver;
   OutputOptions output;
@@ -69,12 +71,15 @@ class World {
   std::vector<std::shared_ptr<const Energy>> elastic;   ///< one for each body
   std::vector<std::shared_ptr<const Energy>> external;  ///< loads
   MassMatrix mass;
+  MassMatrix mass_damping;  ///< mass times its damping [kg/s]; without nodes where there is none
+  std::vector<std::shared_ptr<const ViscousBody>> viscous_bodies;
   std::shared_ptr<const BlockPattern> pattern;
   std::vector<std::uint8_t> is_fixed;    ///< per unknown: prescribed, or of a vertex that no cell uses
   std::vector<std::int32_t> support_of;  ///< per unknown: which support prescribes it; -1: none
 
   Index num_nodes() const { return static_cast<Index>(rest_positions.size() / dimension); }
   Index num_free_unknowns() const;
+  double largest_extent() const;  ///< of the rest shapes of all bodies, along the axes [m]
   const Body& body_of(Index node) const;
 };
 

@@ -1,0 +1,110 @@
+#include "resilin/simulation/vibration.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "resilin/core/error.hpp"
+#include "resilin/core/stopwatch.hpp"
+#include "resilin/linear/eigenmodes.hpp"
+#include "resilin/simulation/potential.hpp"
+
+namespace resilin {
+namespace {
+
+constexpr double drawn_size = 0.1;  ///< of the largest extent
+
+/// (shape^T M 1_k)^2 for each axis k.
+Vector3 effective_mass(const World& world, const VectorX& shape) {
+  VectorX momentum;
+  world.mass.multiply(shape, momentum);
+  Vector3 participation = Vector3::Zero();
+  for (Eigen::Index i = 0; i < momentum.size(); ++i)
+    participation[static_cast<int>(i % world.dimension)] += momentum[i];
+  return participation.cwiseAbs2();
+}
+
+/// Shapes have two signs: the one whose largest entry is positive.
+VectorX with_fixed_sign(const VectorX& shape) {
+  Eigen::Index largest = 0;
+  shape.cwiseAbs().maxCoeff(&largest);
+  return shape[largest] < 0 ? VectorX(-shape) : shape;
+}
+
+void explain(EigenModes::Status status, StepReport& report) {
+  using Status = EigenModes::Status;
+  if (status == Status::converged) return;
+  report.status =
+      status == Status::interrupted ? StepReport::Status::interrupted : StepReport::Status::not_converged;
+  report.reason = status == Status::out_of_memory
+                      ? "the linear solver ran out of memory while it searched for modes; try solver.kind = "
+                        "\"cg_ic0\""
+                      : "the search for modes did not converge";
+}
+
+}  // namespace
+
+void check_modes(const Description& description, World& world) {
+  world.output.every = 1;  // each mode is a frame
+  if (world.modes->count < 1 || world.modes->count > world.num_free_unknowns()) {
+    throw InputError(world.place + ": simulation.modes.count",
+                     "from 1 to " + std::to_string(world.num_free_unknowns()) + ", the unknowns of the scene",
+                     std::to_string(world.modes->count));
+  }
+  const bool has_loads = description.gravity.norm() > 0 || !description.loads.empty();
+  if (has_loads && !world.modes->is_loaded) {
+    world.warnings.push_back(world.place +
+                             ": loads do not act on vibrations about rest; for those about the loaded state "
+                             "set simulation.modes.about = \"load\"");
+  }
+}
+
+double VibrationMode::frequency() const {
+  return is_rigid || eigenvalue < 0 ? 0 : std::sqrt(eigenvalue) / (2 * std::numbers::pi);
+}
+
+std::vector<VibrationMode> find_modes(const World& world, const VectorX& equilibrium, double load,
+                                      StepReport& report, const std::function<bool()>& is_stopped) {
+  BlockMatrix stiffness(world.dimension, world.pattern);
+  {
+    const Stopwatch watch(report.newton.assembly_seconds);
+    const Potential potential(world, {.time = 0, .load = load}, nullptr);
+    potential.hessian(equilibrium, Projection::none, stiffness);
+  }
+  const EigenProblem problem{
+      .stiffness = stiffness,
+      .add_mass = [&world](double factor, BlockMatrix& A) { world.mass.add_to(factor, A); },
+      .multiply_mass = [&world](const VectorX& x, VectorX& y) { world.mass.multiply(x, y); },
+      .is_fixed = world.is_fixed};
+  // A factor is used for dozens of right sides: a direct solver unless the scene names another.
+  const bool is_free_choice = world.solver.kind == "auto";
+  const auto solver = make_linear_solver({.kind = is_free_choice ? "cholesky" : world.solver.kind,
+                                          .max_iterations = world.solver.max_iterations},
+                                         world.num_free_unknowns());
+  const Stopwatch watch(report.newton.solve_seconds);
+  const EigenModes found = smallest_eigenmodes(problem, world.modes->count, *solver, is_stopped);
+  report.newton.linear_solves += found.num_solves;
+  explain(found.status, report);
+  std::vector<VibrationMode> modes;
+  if (found.status != EigenModes::Status::converged) return modes;
+  for (Eigen::Index k = 0; k < found.values.size(); ++k) {
+    const VectorX shape = with_fixed_sign(found.vectors.col(k));
+    modes.push_back({.eigenvalue = found.values[k],
+                     .is_rigid = std::abs(found.values[k]) <= found.zero,
+                     .shape = shape,
+                     .effective_mass = effective_mass(world, shape)});
+  }
+  return modes;
+}
+
+VectorX drawn_mode(const World& world, const VectorX& equilibrium, const VibrationMode& mode) {
+  double farthest = 0;
+  for (Index node = 0; node < world.num_nodes(); ++node)
+    farthest =
+        std::max(farthest, mode.shape.segment(Eigen::Index{node} * world.dimension, world.dimension).norm());
+  const VectorX motion = drawn_size * world.largest_extent() / farthest * mode.shape;
+  double length = 1;
+  for (const auto& energy : world.elastic) length = std::min(length, energy->max_step(equilibrium, motion));
+  return equilibrium + length * motion;
+}
+
+}  // namespace resilin
