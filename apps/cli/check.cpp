@@ -32,12 +32,12 @@ std::string quality_text(const Mesh& mesh, const CellBlock& block) {
          "), mean " + format_short(sum / static_cast<double>(qualities.size()));
 }
 
-/// The tetrahedra, or the triangles of a plane mesh; null for a surface in space.
+/// The cells of a solid, or those of a plane mesh; null for a surface in space.
 const CellBlock* solid_cells(const Mesh& mesh) {
-  if (const CellBlock* tetrahedra = mesh.find_block(CellKind::tetrahedron)) return tetrahedra;
+  if (const CellBlock* solid = mesh.find_solid(3)) return solid;
   const bool is_plane =
       std::ranges::all_of(mesh.vertices, [](const Vector3& vertex) { return vertex.z() == 0; });
-  return is_plane ? mesh.find_block(CellKind::triangle) : nullptr;
+  return is_plane ? mesh.find_solid(2) : nullptr;
 }
 
 std::string box_text(const BoundingBox& box) {
@@ -92,7 +92,9 @@ void print_scene(const Scene& scene, const World& world) {
     const BodyDescription& description = scene.description.bodies[b];
     print_line("body " + body.name + ": " + body.law + ", " + description.mesh_name + ", mass " +
                format_short(body.mass) + " kg");
-    std::vector<std::vector<std::string>> rows;
+    std::vector<std::vector<std::string>> rows = {
+        {"  element", body.element + (body.element_reason.empty() ? "" : ": " + body.element_reason)},
+        {"  quadrature", std::string(body.elastic->quadrature().name)}};
     for (const auto& [constant, value] : body.constants)
       rows.push_back({"  " + constant, format_short(value)});
     for (auto& row : mesh_rows(description.mesh)) rows.push_back(std::move(row));

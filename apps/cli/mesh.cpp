@@ -18,11 +18,21 @@ struct MeshOptions {
   std::vector<std::string> files;  ///< IN OUT, or OUT with --box
   std::vector<double> box;         ///< edge lengths; 2 or 3
   std::vector<int> cells;
+  bool is_uncut = false;  ///< hexahedra, quadrilaterals
   bool reorient = false;
   bool remove_unused = false;
   bool surface = false;
   bool merge = false;
 };
+
+Mesh make_tetrahedron_box(const Vector3& size, const std::array<int, 3>& cells, const Vector3& origin) {
+  return make_box(size, cells, origin);
+}
+
+Mesh make_triangle_rectangle(const Vector<2>& size, const std::array<int, 2>& cells,
+                             const Vector<2>& origin) {
+  return make_rectangle(size, cells, origin);
+}
 
 Mesh make_box_mesh(const MeshOptions& options) {
   const std::string place = "mesh --box";
@@ -37,10 +47,13 @@ Mesh make_box_mesh(const MeshOptions& options) {
   for (const int count : options.cells) {
     if (count < 1) throw InputError("mesh --cells", "whole numbers >= 1", std::to_string(count));
   }
-  if (options.box.size() == 2)
-    return make_rectangle({options.box[0], options.box[1]}, {options.cells[0], options.cells[1]});
-  return make_box({options.box[0], options.box[1], options.box[2]},
-                  {options.cells[0], options.cells[1], options.cells[2]});
+  if (options.box.size() == 2) {
+    const auto make = options.is_uncut ? make_quadrilateral_rectangle : make_triangle_rectangle;
+    return make({options.box[0], options.box[1]}, {options.cells[0], options.cells[1]}, {0, 0});
+  }
+  const auto make = options.is_uncut ? make_hexahedron_box : make_tetrahedron_box;
+  return make({options.box[0], options.box[1], options.box[2]},
+              {options.cells[0], options.cells[1], options.cells[2]}, {0, 0, 0});
 }
 
 /// The mesh to start from, and the name of the file that it goes to.
@@ -52,6 +65,7 @@ Mesh read_input(const MeshOptions& options, std::string& out) {
     return make_box_mesh(options);
   }
   if (!options.cells.empty()) throw InputError("mesh --cells", "--box beside it", "none");
+  if (options.is_uncut) throw InputError("mesh --uncut", "--box beside it", "none");
   if (options.files.size() != 2) {
     throw InputError("mesh", "two files, IN and OUT", std::to_string(options.files.size()),
                      "see resilin mesh --help");
@@ -64,7 +78,9 @@ Mesh read_input(const MeshOptions& options, std::string& out) {
 
 void edit(Mesh& mesh, const MeshOptions& options) {
   if (options.reorient) {
-    for (const CellKind kind : {CellKind::tetrahedron, CellKind::triangle}) {
+    const int dim = mesh.find_solid(3) != nullptr ? 3 : 2;
+    if (const CellBlock* solid = mesh.find_solid(dim)) {
+      const CellKind kind = solid->kind;
       const std::size_t count = reorient(mesh, kind).size();
       if (count > 0) print_line("turned " + std::to_string(count) + " inverted " + std::string(name(kind)));
     }
@@ -108,6 +124,8 @@ void add_mesh(CLI::App& app, Action& action) {
   command->add_option("--cells", options->cells, "Cubes (squares) along each direction of the box")
       ->expected(2, 3)
       ->type_name("NX NY [NZ]");
+  command->add_flag("--uncut", options->is_uncut,
+                    "Make hexahedra (quadrilaterals) instead of tetrahedra (triangles)");
   command->add_flag("--reorient", options->reorient, "Turn inverted cells round");
   command->add_flag("--remove-unused", options->remove_unused, "Drop vertices that no cell uses");
   command->add_flag("--merge", options->merge, "Join vertices at exactly the same place");

@@ -121,6 +121,7 @@ int run(const RunOptions& options) {
   std::vector<std::string> warnings = std::move(scene.warnings);
   warnings.insert(warnings.end(), simulation.world().warnings.begin(), simulation.world().warnings.end());
   if (options.resume) resume(simulation, results, warnings);
+  for (const std::string& note : simulation.world().notes) log_info(note);
   for (const std::string& warning : warnings) log_warning(warning);
   if (!options.quiet) print_warnings(warnings);
   if (!options.quiet) print_start(options, simulation);

@@ -11,6 +11,7 @@ from resilin.mesh import warn
 class Elastic:
     """Strain energy of a body as a function of its positions, E(x) = sum over cells of V Psi(F(x)).
 
+    Quantities of points are (M, ...) for M cells, or (M, Q, ...) where the element has Q > 1 quadrature points.
     Positions are arrays (N, d) in metres, d = 3, or 2 for plane strain at unit thickness. A state outside the law's
     domain (J <= 0 under a logarithm) has the energy inf, and nan in gradient and Hessian.
 
@@ -19,8 +20,11 @@ class Elastic:
     mesh : Mesh
     material : Material
         Its constants may be arrays (M,) and its fibres (M, families, 3), one value for each cell.
-    element : "P1"
-        Linear triangles or tetrahedra.
+    element : "P1", "P2", "P2P0", "Q1" or "Q1P0", optional
+        P on triangles and tetrahedra, Q on quadrilaterals and hexahedra. By default the one whose nodes the mesh has:
+        P1, P2 or Q1. P2 adds nodes in the middle of the edges of a linear mesh, after its vertices.
+    quadrature : str, optional
+        Rule of the points at which the energy is sampled, such as "4-point" or "exact"; by default the element's own.
     dimension : 2 or 3, optional
         By default that of the mesh.
 
@@ -30,21 +34,37 @@ class Elastic:
         When the mesh or a constant cannot be used, with the reason.
     """
 
-    def __init__(self, mesh, material, element="P1", dimension=None):
+    def __init__(self, mesh, material, element=None, quadrature="", dimension=None):
         self._dim = mesh.dimension if dimension is None else dimension
         if self._dim not in (2, 3):
             refuse("dimension", "2 or 3", repr(dimension))
-        solid = mesh._core.prepared(self._dim)
+        element = element or _element_of(mesh)
+        kind = _core.element_cells(element, self._dim)
+        core = mesh._core.corners_only() if element == "P1" else mesh._core
+        solid = core.prepared(self._dim)
         warn(solid.warnings[len(mesh._core.warnings) :])
-        kind = _core.CellKind.tetrahedron if self._dim == 3 else _core.CellKind.triangle
-        self._cells = next(nodes for other, nodes in solid.cells() if other == kind)
+        if element.startswith("P2"):
+            solid = solid.second_order()
+        self._cells = dict(solid.cells()).get(kind)
+        if self._cells is None:
+            kinds = ", ".join(other.name for other, _ in solid.cells())
+            refuse("element", "P1, P2 or P2P0 on triangles and tetrahedra, Q1 or Q1P0 on others", f"{element} on {kinds}")
         self._rest_positions = np.ascontiguousarray(solid.positions()[:, : self._dim])
         constants = _constant_rows(number_constants(material), len(self._cells))
         fibres, num_families = _fibre_rows(material, len(self._cells))
         self._material = material
         self._core = _core.ElasticBody(
-            self._dim, element, self._rest_positions, self._cells, material.law, constants, fibres, num_families
+            self._dim,
+            element,
+            quadrature,
+            self._rest_positions,
+            self._cells,
+            material.law,
+            constants,
+            fibres,
+            num_families,
         )
+        self._element = element
 
     @property
     def rest_positions(self):
@@ -53,13 +73,28 @@ class Elastic:
 
     @property
     def cells(self):
-        """(M, d + 1); a copy, with positive volumes at rest."""
+        """Nodes of each cell (M, nodes); a copy, with positive volumes at rest."""
         return self._cells.copy()
 
     @property
     def material(self):
         """The material that the body was made with."""
         return self._material
+
+    @property
+    def element(self):
+        """Name of the element, such as "P2"."""
+        return self._element
+
+    @property
+    def quadrature(self):
+        """Name of the quadrature rule, such as "4-point"."""
+        return self._core.quadrature
+
+    @property
+    def point_volumes(self):
+        """Rest volume that each quadrature point stands for [m^3]: (M,), or (M, Q) for Q points in a cell."""
+        return self._of_points(self._core.point_volumes())
 
     @property
     def rest_volumes(self):
@@ -129,24 +164,29 @@ class Elastic:
         return self._core.max_step(self._positions(x), self._positions(p, "p"))
 
     def volume_ratios(self, x):
-        """J = det F of each cell (M,)."""
-        return self._core.volume_ratios(self._positions(x))
+        """J = det F at each point (M,) or (M, Q)."""
+        return self._of_points(self._core.volume_ratios(self._positions(x)))
 
     def energy_densities(self, x):
-        """Psi of each cell (M,) [J/m^3]."""
-        return self._core.energy_densities(self._positions(x))
+        """Psi at each point (M,) or (M, Q) [J/m^3]."""
+        return self._of_points(self._core.energy_densities(self._positions(x)))
 
     def deformation_gradients(self, x):
-        """F of each cell (M, d, d)."""
-        return self._core.deformation_gradients(self._positions(x))[:, : self._dim, : self._dim]
+        """F at each point (M, d, d) or (M, Q, d, d)."""
+        gradients = self._of_points(self._core.deformation_gradients(self._positions(x)))
+        return gradients[..., : self._dim, : self._dim]
 
     def cauchy_stresses(self, x):
-        """Cauchy stress of each cell (M, 3, 3) [Pa]; in plane strain with the stress across the plane."""
-        return self._core.cauchy_stresses(self._positions(x))
+        """Cauchy stress at each point (M, 3, 3) or (M, Q, 3, 3) [Pa]; in plane strain with the stress across the plane."""
+        return self._of_points(self._core.cauchy_stresses(self._positions(x)))
 
     def von_mises(self, x):
-        """Von Mises stress of each cell (M,) [Pa]."""
-        return self._core.von_mises_stresses(self._positions(x))
+        """Von Mises stress at each point (M,) or (M, Q) [Pa]."""
+        return self._of_points(self._core.von_mises_stresses(self._positions(x)))
+
+    def _of_points(self, values):
+        points = self._core.num_points
+        return values if points == 1 else values.reshape(-1, points, *values.shape[1:])
 
     def _positions(self, x, place="x"):
         x = real_array(x, place)
@@ -156,6 +196,13 @@ class Elastic:
 
     def __repr__(self):
         return f"<resilin.Elastic {self._material.law}: {len(self._cells)} cells, {self._rest_positions.size} unknowns>"
+
+
+def _element_of(mesh):
+    kinds = mesh.cells_by_kind
+    if "hexahedron" in kinds or ("quadrilateral" in kinds and mesh.dimension == 2):
+        return "Q1"
+    return "P2" if "tetrahedron10" in kinds or ("triangle6" in kinds and mesh.dimension == 2) else "P1"
 
 
 def _constant_rows(constants, num_cells):

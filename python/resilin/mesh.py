@@ -40,16 +40,21 @@ class MeshReport:
         return "\n".join(lines) or "nothing is wrong"
 
 
+SPATIAL_KINDS = ("tetrahedron", "tetrahedron10", "hexahedron")
+PLANE_KINDS = ("triangle", "triangle6", "quadrilateral")
+
+
 class Mesh:
-    """Vertices and cells: triangles in 2D, tetrahedra in 3D.
+    """Vertices and cells: triangles or quadrilaterals in 2D, tetrahedra or hexahedra in 3D.
 
     Parameters
     ----------
     positions : array (N, 2) or (N, 3)
         [m]. Two columns for a mesh in the plane.
-    cells : array (M, 3) or (M, 4), or dict
-        Vertices of each triangle or tetrahedron, from 0; or such arrays by the kind of cell, {"tetrahedron": ...,
-        "triangle": ...}. Triangles of a mesh of tetrahedra are facets.
+    cells : array (M, n), or dict
+        Vertices of each cell, from 0, in the order of MSH: n = 3 triangles, 6 second-order triangles, 4 tetrahedra (in
+        the plane: quadrilaterals), 8 hexahedra, 10 second-order tetrahedra; or such arrays by the kind of cell,
+        {"tetrahedron": ..., "triangle": ...}. Triangles of a mesh of tetrahedra are facets.
     groups : dict, optional
         Vertices by the name of a group, to which supports and loads of a scene refer.
     name : str
@@ -60,7 +65,7 @@ class Mesh:
         positions = np.asarray(real_array(positions, f"{name}: positions"), dtype=np.float64)
         if positions.ndim != 2 or positions.shape[1] not in (2, 3):
             refuse(f"{name}: positions", "an array (N, 2) or (N, 3)", describe(positions.shape))
-        blocks = cells if isinstance(cells, dict) else {_kind_of(cells, name): cells}
+        blocks = cells if isinstance(cells, dict) else {_kind_of(cells, positions.shape[1], name): cells}
         count = len(positions)
         blocks = [(_kind(kind, name), _cell_array(kind, nodes, count, name)) for kind, nodes in blocks.items()]
         groups = [
@@ -74,7 +79,7 @@ class Mesh:
         self._positions = core.positions()
         self._cells = {kind.name: nodes for kind, nodes in core.cells()}
         if dimension is None:
-            is_flat = not np.any(self._positions[:, 2]) and not {"tetrahedron", "tetrahedron10"} & self._cells.keys()
+            is_flat = not np.any(self._positions[:, 2]) and not set(SPATIAL_KINDS) & self._cells.keys()
             dimension = 2 if is_flat else 3
         self._positions = np.ascontiguousarray(self._positions[:, :dimension])
         for array in (self._positions, *self._cells.values()):
@@ -124,19 +129,24 @@ class Mesh:
             Number of cubes along x, y, z.
         origin : (3,)
             Corner with the smallest coordinates [m].
-        pattern : "kuhn6" or "five"
-            Tetrahedra of a cube: six around a diagonal, or five.
+        pattern : "kuhn6", "five" or "hexahedra"
+            Tetrahedra of a cube: six around a diagonal, or five; or the cube as it is.
         """
         size, cells, origin = _recipe(size, cells, origin, 3, "box")
+        if pattern == "hexahedra":
+            return cls._of(_core.make_hexahedron_box(size, cells, origin), 3)
         return cls._of(_core.make_box(size, cells, origin, _choice(_core.TetPattern, pattern, "box")), 3)
 
     @classmethod
     def rectangle(cls, size, cells, origin=(0, 0), pattern="uniform"):
         """A rectangle of triangles, two for each of `cells` (2,); see `box`.
 
-        `pattern` "alternating" turns the diagonal of every other square, as on a chessboard.
+        `pattern` "alternating" turns the diagonal of every other square, as on a chessboard; "quadrilaterals" leaves the
+        squares as they are.
         """
         size, cells, origin = _recipe(size, cells, origin, 2, "rectangle")
+        if pattern == "quadrilaterals":
+            return cls._of(_core.make_quadrilateral_rectangle(size, cells, origin), 2)
         pattern = _choice(_core.TrianglePattern, pattern, "rectangle")
         return cls._of(_core.make_rectangle(size, cells, origin, pattern), 2)
 
@@ -152,8 +162,8 @@ class Mesh:
 
     @property
     def cells(self):
-        """Vertices of the tetrahedra (M, 4), or of the triangles (M, 3) where there are no tetrahedra; read-only."""
-        for kind in ("tetrahedron", "triangle"):
+        """Nodes of the tetrahedra or hexahedra, or of the cells of a plane where there are none (M, n); read-only."""
+        for kind in SPATIAL_KINDS + PLANE_KINDS:
             if kind in self._cells:
                 return self._cells[kind]
         return np.empty((0, self.dimension + 1), dtype=np.int32)
@@ -203,11 +213,14 @@ def warn(lines):
         warnings.warn(line, stacklevel=3)
 
 
-def _kind_of(cells, name):
+def _kind_of(cells, dimension, name):
     shape = np.shape(cells)
-    if len(shape) != 2 or shape[1] not in (3, 4):
-        refuse(f"{name}: cells", "an array (M, 3) of triangles or (M, 4) of tetrahedra", describe(shape))
-    return "triangle" if shape[1] == 3 else "tetrahedron"
+    kinds = {3: "triangle", 6: "triangle6", 4: "quadrilateral" if dimension == 2 else "tetrahedron"}
+    kinds |= {8: "hexahedron", 10: "tetrahedron10"} if dimension == 3 else {}
+    if len(shape) != 2 or shape[1] not in kinds:
+        expected = "an array (M, 3) of triangles or (M, 4) of tetrahedra (in the plane: of quadrilaterals), ..."
+        refuse(f"{name}: cells", expected, describe(shape))
+    return kinds[shape[1]]
 
 
 def _kind(kind, name):

@@ -22,14 +22,15 @@ class ElasticBody {
  public:
   /// @param constants  (1, C), or a row for each cell
   /// @param fibres     directions (K, 3), each family once or for one cell after another; none: (0, 3)
-  ElasticBody(int dim, const std::string& element, const Array2d<double>& positions,
-              const Array2d<Index>& cells, const std::string& law, const Array2d<double>& constants,
-              const Array2d<double>& fibres, std::size_t num_families)
+  ElasticBody(int dim, const std::string& element, const std::string& quadrature,
+              const Array2d<double>& positions, const Array2d<Index>& cells, const std::string& law,
+              const Array2d<double>& constants, const Array2d<double>& fibres, std::size_t num_families)
       : dim_(dim),
         cells_(cells.data(), cells.data() + cells.size()),
         rest_positions_(unknowns(positions)),
-        energy_(dim, element, cells_, rest_positions_, require_law(law, "material.law"),
-                std::span(constants.data(), constants.size()), {vectors(fibres), num_families}) {
+        energy_(dim, ElementChoice(element, quadrature), cells_, rest_positions_,
+                require_law(law, "material.law"), std::span(constants.data(), constants.size()),
+                {vectors(fibres), num_families}) {
     BlockPatternBuilder builder(static_cast<Index>(rest_positions_.size() / dim));
     energy_.add_pattern(builder);
     pattern_ = std::make_shared<const BlockPattern>(builder.build());
@@ -89,20 +90,23 @@ class ElasticBody {
   }
 
   NumpyArray<double> rest_volumes() const { return cell_array(energy_.rest_volumes()); }
+  NumpyArray<double> point_volumes() const { return cell_array(energy_.point_volumes()); }
+  std::size_t num_points() const { return static_cast<std::size_t>(energy_.num_points()); }
+  std::string quadrature() const { return std::string(energy_.quadrature().name); }
   NumpyArray<double> volume_ratios(const Array2d<double>& x) const {
-    return by_cell(x, &ElasticEnergy::volume_ratios);
+    return by_point(x, &ElasticEnergy::volume_ratios);
   }
   NumpyArray<double> energy_densities(const Array2d<double>& x) const {
-    return by_cell(x, &ElasticEnergy::energy_densities);
+    return by_point(x, &ElasticEnergy::energy_densities);
   }
   NumpyArray<double> von_mises_stresses(const Array2d<double>& x) const {
-    return by_cell(x, &ElasticEnergy::von_mises_stresses);
+    return by_point(x, &ElasticEnergy::von_mises_stresses);
   }
   NumpyArray<double> cauchy_stresses(const Array2d<double>& x) const {
-    return tensors_by_cell(x, &ElasticEnergy::cauchy_stresses);
+    return tensors_by_point(x, &ElasticEnergy::cauchy_stresses);
   }
   NumpyArray<double> deformation_gradients(const Array2d<double>& x) const {
-    return tensors_by_cell(x, &ElasticEnergy::deformation_gradients);
+    return tensors_by_point(x, &ElasticEnergy::deformation_gradients);
   }
 
  private:
@@ -111,8 +115,8 @@ class ElasticBody {
     return numpy_array(std::move(values), {count});
   }
 
-  NumpyArray<double> by_cell(const Array2d<double>& x,
-                             std::vector<double> (ElasticEnergy::*quantity)(const VectorX&) const) const {
+  NumpyArray<double> by_point(const Array2d<double>& x,
+                              std::vector<double> (ElasticEnergy::*quantity)(const VectorX&) const) const {
     const VectorX at = unknowns(x);
     std::vector<double> values;
     {
@@ -122,10 +126,10 @@ class ElasticBody {
     return cell_array(std::move(values));
   }
 
-  /// (M, 3, 3)
-  NumpyArray<double> tensors_by_cell(const Array2d<double>& x,
-                                     std::vector<Matrix<3>> (ElasticEnergy::*quantity)(const VectorX&)
-                                         const) const {
+  /// (M Q, 3, 3), Q quadrature points in a cell
+  NumpyArray<double> tensors_by_point(const Array2d<double>& x,
+                                      std::vector<Matrix<3>> (ElasticEnergy::*quantity)(const VectorX&)
+                                          const) const {
     const VectorX at = unknowns(x);
     std::vector<double> values;
     {
@@ -149,16 +153,20 @@ class ElasticBody {
 
 void bind_elastic(nb::module_& module) {
   nb::class_<ElasticBody>(module, "ElasticBody")
-      .def(nb::init<int, const std::string&, const Array2d<double>&, const Array2d<Index>&,
-                    const std::string&, const Array2d<double>&, const Array2d<double>&, std::size_t>(),
-           nb::arg("dim"), nb::arg("element"), nb::arg("positions"), nb::arg("cells"), nb::arg("law"),
-           nb::arg("constants"), nb::arg("fibres"), nb::arg("num_families"))
+      .def(
+          nb::init<int, const std::string&, const std::string&, const Array2d<double>&, const Array2d<Index>&,
+                   const std::string&, const Array2d<double>&, const Array2d<double>&, std::size_t>(),
+          nb::arg("dim"), nb::arg("element"), nb::arg("quadrature"), nb::arg("positions"), nb::arg("cells"),
+          nb::arg("law"), nb::arg("constants"), nb::arg("fibres"), nb::arg("num_families"))
       .def("value", &ElasticBody::value, nb::arg("x"))
       .def("gradient", &ElasticBody::gradient, nb::arg("x"))
       .def("hessian", &ElasticBody::hessian, nb::arg("x"), nb::arg("projection"))
       .def("mass", &ElasticBody::mass, nb::arg("density"), nb::arg("is_consistent"))
       .def("max_step", &ElasticBody::max_step, nb::arg("x"), nb::arg("p"))
       .def("rest_volumes", &ElasticBody::rest_volumes)
+      .def("point_volumes", &ElasticBody::point_volumes)
+      .def_prop_ro("num_points", &ElasticBody::num_points)
+      .def_prop_ro("quadrature", &ElasticBody::quadrature)
       .def("volume_ratios", &ElasticBody::volume_ratios, nb::arg("x"))
       .def("energy_densities", &ElasticBody::energy_densities, nb::arg("x"))
       .def("von_mises_stresses", &ElasticBody::von_mises_stresses, nb::arg("x"))

@@ -13,8 +13,10 @@
 #include <vector>
 
 #include "bindings.hpp"
+#include "resilin/element/catalog.hpp"
 #include "resilin/io/mesh_file.hpp"
 #include "resilin/mesh/generators.hpp"
+#include "resilin/mesh/second_order.hpp"
 
 namespace resilin::python {
 namespace {
@@ -103,6 +105,18 @@ MeshFile prepared(const MeshFile& file, int dimension) {
   return solid;
 }
 
+MeshFile with_corners_only(const MeshFile& file) {
+  MeshFile reduced = file;
+  use_corners_only(reduced);
+  return reduced;
+}
+
+MeshFile with_second_order(const MeshFile& file) {
+  MeshFile finer = file;
+  finer.mesh = second_order(file.mesh).mesh;
+  return finer;
+}
+
 }  // namespace
 
 void bind_mesh(nb::module_& module) {
@@ -134,6 +148,8 @@ void bind_mesh(nb::module_& module) {
       .def("groups", &groups)
       .def("cell_fields", &cell_fields)
       .def("check", &check, nb::call_guard<nb::gil_scoped_release>())
+      .def("corners_only", &with_corners_only, nb::call_guard<nb::gil_scoped_release>())
+      .def("second_order", &with_second_order, nb::call_guard<nb::gil_scoped_release>())
       .def("prepared", &prepared, nb::arg("dimension"), nb::call_guard<nb::gil_scoped_release>())
       .def(
           "write",
@@ -142,6 +158,26 @@ void bind_mesh(nb::module_& module) {
   module.def("make_mesh", &make_mesh, nb::arg("positions"), nb::arg("cells"), nb::arg("groups"),
              nb::arg("name"));
   module.def("read_mesh", &read_mesh, nb::arg("path"), nb::call_guard<nb::gil_scoped_release>());
+  module.def(
+      "element_cells",
+      [](const std::string& element, int dim) { return cell_kind(require_element(element, dim, "element")); },
+      nb::arg("element"), nb::arg("dim"));
+  module.def(
+      "make_hexahedron_box",
+      [](const std::array<double, 3>& size, const std::array<int, 3>& cubes,
+         const std::array<double, 3>& origin) {
+        return generated(make_hexahedron_box(Vector3(size.data()), cubes, Vector3(origin.data())), "box");
+      },
+      nb::arg("size"), nb::arg("cells"), nb::arg("origin"));
+  module.def(
+      "make_quadrilateral_rectangle",
+      [](const std::array<double, 2>& size, const std::array<int, 2>& squares,
+         const std::array<double, 2>& origin) {
+        return generated(
+            make_quadrilateral_rectangle(Vector<2>(size.data()), squares, Vector<2>(origin.data())),
+            "rectangle");
+      },
+      nb::arg("size"), nb::arg("cells"), nb::arg("origin"));
   module.def(
       "make_box",
       [](const std::array<double, 3>& size, const std::array<int, 3>& cubes,

@@ -10,6 +10,7 @@ def cantilever(**simulation):
         "body": [
             {
                 "name": "beam",
+                "element": "P1",
                 "mesh": {"box": {"size": [1, 0.2, 0.2], "cells": [10, 2, 2]}},
                 "material": {"law": "neo_hookean", "youngs_modulus": 5e5, "poissons_ratio": 0.3},
             }

@@ -245,3 +245,38 @@ def test_results_do_not_depend_on_the_number_of_threads():
     finally:
         resilin.set_num_threads(before)
     assert results[0] == results[1] == results[2]
+
+
+class TestElements:
+    """Elements of degree 2 and of hexahedra through Python; what they compute is tested in C++."""
+
+    @pytest.mark.parametrize("element", ["P1", "P2", "P2P0", "Q1", "Q1P0"])
+    @pytest.mark.parametrize("dimension", [2, 3])
+    def test_every_element_holds_a_uniform_stretch(self, element, dimension):
+        pattern = "hexahedra" if element[0] == "Q" else "kuhn6"
+        mesh = resilin.Mesh.box((1, 1, 1), (2, 1, 1), pattern=pattern)
+        if dimension == 2:
+            pattern = "quadrilaterals" if element[0] == "Q" else "uniform"
+            mesh = resilin.Mesh.rectangle((1, 1), (2, 1), pattern=pattern)
+        body = resilin.Elastic(mesh, resilin.Material("neo_hookean"), element)
+        x = body.rest_positions * np.array([1.1, 0.9, 1.05])[:dimension]
+        assert body.element == element
+        points = 1 if element == "P1" else body.point_volumes.shape[1]
+        assert body.volume_ratios(x).shape == ((len(body.cells),) if points == 1 else (len(body.cells), points))
+        np.testing.assert_allclose(body.volume_ratios(x), np.prod([1.1, 0.9, 1.05][:dimension]), rtol=1e-13)
+        assert body.deformation_gradients(x).shape[-2:] == (dimension, dimension)
+        assert body.point_volumes.sum() == pytest.approx(1)
+        assert body.mass(3.0).sum() == pytest.approx(3 * dimension)
+        assert body.mass(3.0, kind="consistent").sum() == pytest.approx(3 * dimension)
+
+    def test_quadratic_elements_add_nodes_after_the_vertices(self):
+        mesh = resilin.Mesh.box((1, 1, 1), (1, 1, 1))
+        body = resilin.Elastic(mesh, resilin.Material("neo_hookean"), "P2", quadrature="exact")
+        np.testing.assert_array_equal(body.rest_positions[: len(mesh.positions)], mesh.positions)
+        assert len(body.rest_positions) == 27
+        assert body.quadrature == "exact"
+
+    def test_an_element_that_does_not_fit_is_refused(self):
+        mesh = resilin.Mesh.box((1, 1, 1), (1, 1, 1))
+        with pytest.raises(resilin.InputError, match="Q1 on tetrahedron"):
+            resilin.Elastic(mesh, resilin.Material("neo_hookean"), "Q1")

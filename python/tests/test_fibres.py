@@ -43,6 +43,7 @@ def bar(material, **simulation):
         "body": [
             {
                 "name": "bar",
+                "element": "P1",
                 "mesh": {"box": {"size": [1, 0.3, 0.3], "cells": [4, 2, 2]}},
                 "material": {"law": material},
             }

@@ -59,6 +59,7 @@ kind = "static"
 gravity = [0, 0, -9.81]
 [[body]]
 name = "box"
+element = "P1"
 mesh = { box = { size = [2, 1, 1], cells = [4, 2, 2] } }
 material = { law = "neo_hookean", youngs_modulus = 1e6, poissons_ratio = 0.3, density = 1000 }
 [[fix]]

@@ -40,6 +40,23 @@ TEST_F(RunCommand, LeavesReportFramesCheckpointAndLog) {
   }
 }
 
+TEST_F(RunCommand, ChoosesAnElementAndReportsWhy) {
+  const auto body_with = [this](const std::string& assignment) {
+    const ProgramResult result =
+        run_program(folder.path(), {"run", "box.toml", "--set", "body.0.element=auto", "--set", assignment});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return read_json(out() / "report.json")["bodies"][0];
+  };
+  const nlohmann::json still = body_with("title=still");
+  EXPECT_EQ(still["element"], "P2");
+  EXPECT_EQ(still["quadrature"], "4-point");
+  EXPECT_EQ(still["vertices"], 45);
+  EXPECT_EQ(still["unknowns"], 3 * 225);  // 180 edges
+  EXPECT_THAT(std::string(still["element_reason"]), HasSubstr("statics"));
+  EXPECT_EQ(body_with("body.0.material.poissons_ratio=0.49")["element"], "P2P0");
+  EXPECT_EQ(body_with("body.0.mesh.box.kind=hexahedra")["element"], "Q1");
+}
+
 TEST_F(RunCommand, ReportsWhatTheContractNames) {
   ASSERT_EQ(run_program(folder.path(), {"run", "box.toml", "--threads", "1"}).exit_code, 0);
   const nlohmann::json report = read_json(out() / "report.json");

@@ -98,8 +98,16 @@ TEST_P(SecondOrderFile, HasItsMiddleNodesInTheMiddle) {
   }
 }
 
-TEST_P(SecondOrderFile, IsUsedByItsCornersWithAWarning) {
+TEST_P(SecondOrderFile, IsASolidAsItIs) {
   const MeshFile cube = read_solid_mesh(file(GetParam()), 3);
+  EXPECT_TRUE(cube.warnings.empty());
+  EXPECT_NE(cube.mesh.find_block(CellKind::tetrahedron10), nullptr);
+}
+
+TEST_P(SecondOrderFile, IsUsedByItsCornersWithAWarningWhenAsked) {
+  MeshFile cube = read_mesh(file(GetParam()));
+  use_corners_only(cube);
+  prepare_solid_mesh(cube, 3);
   EXPECT_NEAR(volume(cube.mesh), 1, 1e-12);
   ASSERT_FALSE(cube.warnings.empty());
   EXPECT_THAT(cube.warnings[0], ::testing::HasSubstr("second-order"));

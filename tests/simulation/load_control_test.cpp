@@ -54,6 +54,7 @@ Description column(int dimension, double factor) {
   Description scene;
   scene.dimension = dimension;
   BodyDescription body;
+  body.element = "P1";
   body.mesh = dimension == 3 ? make_box({thickness, thickness, 1}, {4, 4, 40})
                              : make_rectangle({thickness, 1}, {4, 40});
   body.material.law = "neo_hookean";
@@ -120,6 +121,7 @@ Description shallow_arch() {
   Description scene;
   scene.dimension = 2;
   BodyDescription body;
+  body.element = "P1";
   body.mesh = make_rectangle({1, 0.03}, {32, 2});
   for (Vector3& X : body.mesh.vertices) X.y() += 0.1 * std::sin(std::numbers::pi * X.x());
   body.material.law = "neo_hookean";

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "resilin/io/mesh_file.hpp"
@@ -15,18 +16,34 @@ inline Mesh reference_mesh(const std::string& file) {
   return read_mesh(shared_folder().value() / "validation" / file).mesh;
 }
 
-/// A description with one body, tight Newton and a direct solver: what the exact rows of the cases ask for.
+/// A description with one body of linear elements, tight Newton and a direct solver: what the exact rows of
+/// the cases ask for.
 inline Description one_body(int dimension, Mesh mesh, const ReferenceLaw& law) {
   Description description;
   description.dimension = dimension;
   description.newton.tolerance = 1e-11;
   description.solver.kind = "cholesky";
   BodyDescription body;
+  body.element = "P1";
   body.mesh = std::move(mesh);
   body.material.law = law.law;
   body.material.constants = law.constants;
   description.bodies.push_back(std::move(body));
   return description;
+}
+
+/// Gives the body the element and quadrature of a row.
+inline void use_element(Description& description, const nlohmann::json& row) {
+  BodyDescription& body = description.bodies[0];
+  body.element = row["element"];
+  const std::string rule = row["quadrature"];
+  body.quadrature = rule == "3pt" ? "3-point" : rule == "4pt" ? "4-point" : rule == "exact" ? "exact" : "";
+}
+
+/// Rows that take about a second; the others are for the validation report.
+inline bool is_quick(const nlohmann::json& row) {
+  const bool is_known = row["element"] == "P1" || row["element"] == "P2";
+  return is_known && (row["element"] == "P1" || row["values"]["ndof"] < 2500);
 }
 
 inline Where group(const std::string& name) {

@@ -30,6 +30,7 @@ inline Description small_bar(int dimension, bool is_dynamic) {
   scene.end_time = 0.2;
   scene.gravity = dimension == 3 ? Vector3(0, 0, -9.81) : Vector3(0, -9.81, 0);
   BodyDescription body;
+  body.element = "P1";
   body.mesh = dimension == 3 ? make_box({1, 0.25, 0.25}, {8, 2, 2}) : make_rectangle({1, 0.25}, {8, 2});
   scene.bodies.push_back(std::move(body));
   FixDescription wall;

@@ -73,13 +73,22 @@ void MeshBuilder::finish_vertices() {
 }
 
 Index MeshBuilder::vertex(std::int64_t number, std::int64_t cell_number) const {
+  return vertex(number, cell_number, CellKind::point, 0);
+}
+
+Index MeshBuilder::vertex(std::int64_t number, std::int64_t cell_number, CellKind kind,
+                          std::size_t position) const {
   const Index found = vertices_.find(number);
   if (found >= 0) return found;
+  const bool is_middle = position >= static_cast<std::size_t>(num_corners(kind));
   const std::string range = num_vertices() == 0 ? "none is defined before it"
                                                 : "from " + std::to_string(vertices_.smallest()) + " to " +
                                                       std::to_string(vertices_.largest());
   throw InputError(cell_place(cell_number), "a node id that the file defines (" + range + ")",
-                   std::to_string(number));
+                   std::to_string(number),
+                   is_middle ? "a node in the middle of an edge is missing; save the mesh again, as second "
+                               "order or as first order"
+                             : "");
 }
 
 std::string MeshBuilder::cell_place(std::int64_t number) const {

@@ -47,6 +47,8 @@ class MeshBuilder {
 
   /// The vertex that a cell names. @throws InputError "FILE: element N: expected a node id ..., got ..."
   Index vertex(std::int64_t number, std::int64_t cell_number) const;
+  /// Node `position` of a cell of this kind; says so when it is the missing one in the middle of an edge.
+  Index vertex(std::int64_t number, std::int64_t cell_number, CellKind kind, std::size_t position) const;
   Index find_vertex(std::int64_t number) const { return vertices_.find(number); }  ///< -1 when there is none
   Index num_vertices() const { return static_cast<Index>(file_.mesh.vertices.size()); }
 

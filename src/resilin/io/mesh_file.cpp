@@ -69,14 +69,16 @@ MeshFile read_mesh_from_memory(const std::string& name, std::string_view bytes, 
 }
 
 void prepare_solid_mesh(MeshFile& file, int dimension) {
-  if (to_first_order(file.mesh)) {
-    file.warnings.push_back(file.numbering.file +
-                            ": second-order cells are used by their corners (straight sides)");
-  }
   const MeshReport report = check_mesh(file.mesh, dimension, file.numbering);
   report.require_no_errors();
   for (const MeshIssue& warning : report.warnings) file.warnings.push_back(warning.text());
-  reorient(file.mesh, dimension == 3 ? CellKind::tetrahedron : CellKind::triangle);
+  reorient(file.mesh, file.mesh.find_solid(dimension)->kind);
+}
+
+void use_corners_only(MeshFile& file) {
+  if (!to_first_order(file.mesh)) return;
+  file.warnings.push_back(file.numbering.file +
+                          ": second-order cells are used by their corners (straight sides)");
 }
 
 MeshFile read_solid_mesh(const std::filesystem::path& path, int dimension) {
@@ -86,14 +88,14 @@ MeshFile read_solid_mesh(const std::filesystem::path& path, int dimension) {
 }
 
 MeshReport check_mesh_file(const MeshFile& file) {
-  Mesh mesh = file.mesh;
-  to_first_order(mesh);
-  const bool has_solid_cells = std::any_of(mesh.blocks.begin(), mesh.blocks.end(), [](const CellBlock& b) {
-    return resilin::dimension(b.kind) == 3;
-  });
-  if (has_solid_cells) return check_mesh(mesh, 3, file.numbering);
-  if (file.format == "OBJ" || !is_flat(mesh)) return check_surface(mesh, file.numbering);
-  return check_mesh(mesh, 2, file.numbering);
+  const bool has_solid_cells =
+      std::any_of(file.mesh.blocks.begin(), file.mesh.blocks.end(),
+                  [](const CellBlock& b) { return resilin::dimension(b.kind) == 3; });
+  if (has_solid_cells) return check_mesh(file.mesh, 3, file.numbering);
+  if (file.format != "OBJ" && is_flat(file.mesh)) return check_mesh(file.mesh, 2, file.numbering);
+  Mesh surface = file.mesh;
+  to_first_order(surface);
+  return check_surface(surface, file.numbering);
 }
 
 void write_mesh(const std::filesystem::path& path, const Mesh& mesh) {

@@ -34,19 +34,21 @@ using Companion = std::function<std::string(const std::string& extension)>;
 MeshFile read_mesh_from_memory(const std::string& name, std::string_view bytes,
                                const Companion& companion = {});
 
-/// Reads, checks and prepares a solid for simulation: second-order cells are reduced to their corners,
-/// inverted cells are re-oriented, and `warnings` tells of both and of everything else that is odd (see
-/// check_mesh).
+/// Reads, checks and prepares a solid for simulation: inverted cells are re-oriented, and `warnings` tells of
+/// it and of everything else that is odd (see check_mesh).
 ///
-/// @param dimension 3: tetrahedra, 2: triangles
+/// @param dimension 3: tetrahedra or hexahedra, 2: triangles or quadrilaterals
 /// @throws InputError for the first error of check_mesh
 MeshFile read_solid_mesh(const std::filesystem::path& path, int dimension);
 
 /// The second half of `read_solid_mesh`, for a mesh from elsewhere.
 void prepare_solid_mesh(MeshFile& file, int dimension);
 
+/// Reduces second-order cells to their corners, with a warning when there are any.
+void use_corners_only(MeshFile& file);
+
 /// What there is to say about a file of which only the name is known: a surface format (OBJ) is examined as
-/// a surface, tetrahedra as a 3D solid, triangles in the plane z = 0 as a 2D one, triangles in space as a
+/// a surface, cells of space as a 3D solid, cells in the plane z = 0 as a 2D one, triangles in space as a
 /// surface.
 MeshReport check_mesh_file(const MeshFile& file);
 

@@ -17,7 +17,7 @@ void read_element(MshReading& file, std::int64_t type, std::int64_t element, std
   std::array<Index, 10> nodes{};
   const auto size = static_cast<std::size_t>(num_nodes(kind));
   const std::string what = "a node id of element " + std::to_string(element);
-  for (std::size_t n = 0; n < size; ++n) nodes[n] = file.mesh.vertex(in.integer(what), element);
+  for (std::size_t n = 0; n < size; ++n) nodes[n] = file.mesh.vertex(in.integer(what), element, kind, n);
   const auto cell = file.mesh.add_cell(kind, element, std::span(nodes).first(size));
   if (const auto group = file.group(dimension(kind), physical_tag)) file.mesh.add_to_group(*group, cell);
 }

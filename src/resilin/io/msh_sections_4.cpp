@@ -65,7 +65,7 @@ void read_elements_of_block(MshReading& file, const BlockHeader& header, std::si
     const auto size = static_cast<std::size_t>(num_nodes(kind));
     const std::string what = "a node id of element " + std::to_string(element);
     for (std::size_t n = 0; n < size; ++n) {
-      nodes[n] = file.mesh.vertex(is_41 ? in.size(what) : in.integer(what), element);
+      nodes[n] = file.mesh.vertex(is_41 ? in.size(what) : in.integer(what), element, kind, n);
     }
     const auto cell = file.mesh.add_cell(kind, element, std::span(nodes).first(size));
     for (const std::size_t group : groups) file.mesh.add_to_group(group, cell);

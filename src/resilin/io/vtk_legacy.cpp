@@ -227,7 +227,8 @@ class VtkReader {
         fail_at_cell(i, std::to_string(num_nodes(*kind)) + " points", static_cast<std::int64_t>(size));
       }
       const auto number = static_cast<std::int64_t>(i);
-      for (std::size_t n = 0; n < size; ++n) nodes[n] = mesh_.vertex(connectivity_[begin + n], number);
+      for (std::size_t n = 0; n < size; ++n)
+        nodes[n] = mesh_.vertex(connectivity_[begin + n], number, *kind, n);
       exchange_vtk_nodes(*kind, std::span(nodes).first(size));
       cells_.push_back(mesh_.add_cell(*kind, number, std::span(nodes).first(size)));
     }

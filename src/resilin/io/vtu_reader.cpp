@@ -182,7 +182,7 @@ class VtuReader {
       }
       const auto cell_nodes = std::span(nodes).first(static_cast<std::size_t>(size));
       for (std::size_t n = 0; n < cell_nodes.size(); ++n) {
-        nodes[n] = mesh_.vertex(connectivity[static_cast<std::size_t>(begin) + n], number);
+        nodes[n] = mesh_.vertex(connectivity[static_cast<std::size_t>(begin) + n], number, *kind, n);
       }
       exchange_vtk_nodes(*kind, cell_nodes);
       cells_.push_back(mesh_.add_cell(*kind, number, cell_nodes));

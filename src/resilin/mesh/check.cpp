@@ -1,6 +1,7 @@
 #include "resilin/mesh/check.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -51,10 +52,46 @@ class Examiner {
     if (!signs.flat.empty()) {
       error(cells(signs.flat), "zero " + volume + " (flat, up to rounding): remove or reshape it");
     }
+    for (std::size_t i = 0; i < std::min(signs.folded.size(), most_issues_of_a_kind); ++i) {
+      const std::vector<Index> one = {signs.folded[i].cell};
+      error(cells(one), fold_text(mesh_, block, signs.folded[i], numbering_) + more(signs.folded.size(), i));
+    }
     if (!signs.inverted.empty()) {
-      warning(cells(signs.inverted),
-              "inverted (negative " + volume +
-                  "): re-oriented by exchanging two of its nodes; the shape stays the same");
+      warning(cells(signs.inverted), "inverted (negative " + volume +
+                                         "): re-oriented by exchanging nodes; the shape stays the same");
+    }
+  }
+
+  /// Every edge of second-order cells has one node of its own in its middle.
+  void check_middles(const CellBlock& block) {
+    if (!is_second_order(block.kind)) return;
+    struct Middle {
+      std::array<Index, 2> edge;
+      Index node, cell;
+    };
+    std::vector<Middle> middles;
+    const auto corners = static_cast<std::size_t>(num_corners(block.kind));
+    const auto local_edges = cell_edges(block.kind);
+    for (Index cell = 0; cell < block.num_cells(); ++cell) {
+      const auto nodes = block.cell(cell);
+      for (std::size_t e = 0; e < local_edges.size(); ++e) {
+        const Index a = nodes[static_cast<std::size_t>(local_edges[e][0])],
+                    b = nodes[static_cast<std::size_t>(local_edges[e][1])];
+        middles.push_back({{std::min(a, b), std::max(a, b)}, nodes[corners + e], cell});
+        if (std::count(nodes.begin(), nodes.end(), nodes[corners + e]) == 1) continue;
+        return error(cells(std::vector<Index>{cell}),
+                     "node " + std::to_string(numbering_.vertex(nodes[corners + e])) +
+                         " twice: the node in the middle of edge " + edge_text(a, b) +
+                         " is missing; save the mesh again, as second order or as first order");
+      }
+    }
+    std::ranges::stable_sort(middles, {}, &Middle::edge);
+    for (std::size_t i = 1; i < middles.size(); ++i) {
+      if (middles[i].edge != middles[i - 1].edge || middles[i].node == middles[i - 1].node) continue;
+      return error(cells(std::vector<Index>{middles[i - 1].cell, middles[i].cell}),
+                   "different nodes in the middle of edge " +
+                       edge_text(middles[i].edge[0], middles[i].edge[1]) +
+                       ": the cells would come apart; join the nodes (resilin mesh --merge)");
     }
   }
 
@@ -89,9 +126,8 @@ class Examiner {
       if (!is_used[static_cast<std::size_t>(v)]) unused.push_back(v);
     }
     if (!unused.empty()) {
-      warning(numbering_.vertex_list(unused),
-              "used by no " + std::string(dimension(block.kind) == 3 ? "tetrahedron" : "triangle") +
-                  ": without effect on the simulation");
+      warning(numbering_.vertex_list(unused), "used by no " + std::string(singular(first_order(block.kind))) +
+                                                  ": without effect on the simulation");
     }
     const auto pairs = duplicate_vertices(mesh_);
     for (std::size_t i = 0; i < std::min(pairs.size(), most_issues_of_a_kind); ++i) {
@@ -125,10 +161,9 @@ class Examiner {
   void check_surface_edges(const CellBlock& block) {
     const auto edges = nonmanifold_edges(block);
     for (std::size_t i = 0; i < std::min(edges.size(), most_issues_of_a_kind); ++i) {
-      warning("edge " + std::to_string(numbering_.vertex(edges[i][0])) + "-" +
-                  std::to_string(numbering_.vertex(edges[i][1])),
-              "shared by more than two triangles" + more(edges.size(), i) +
-                  ": the surface is not manifold there");
+      warning("edge " + edge_text(edges[i][0], edges[i][1]), "shared by more than two triangles" +
+                                                                 more(edges.size(), i) +
+                                                                 ": the surface is not manifold there");
     }
   }
 
@@ -147,6 +182,9 @@ class Examiner {
   std::string cells(std::span<const Index> list) const { return numbering_.cell_list(block_number_, list); }
   std::string place(const std::string& what) const {
     return what.empty() ? numbering_.file : numbering_.file + ": " + what;
+  }
+  std::string edge_text(Index a, Index b) const {
+    return std::to_string(numbering_.vertex(a)) + "-" + std::to_string(numbering_.vertex(b));
   }
   void error(const std::string& what, const std::string& problem) {
     report.errors.push_back({place(what), problem});
@@ -175,8 +213,8 @@ class Examiner {
       if (b.num_cells() > 0 && b.kind != wanted && dimension(b.kind) == dimension(wanted) &&
           block != nullptr) {
         error({}, std::to_string(b.num_cells()) + " " + std::string(name(b.kind)) + " beside " +
-                      std::string(name(wanted)) + ": only " + std::string(name(wanted)) +
-                      " can be simulated; split the others");
+                      std::string(name(wanted)) +
+                      ": a body has cells of one kind; split the others or make them a body of their own");
       }
     }
   }
@@ -213,12 +251,50 @@ void MeshReport::require_no_errors() const {
   if (!errors.empty()) throw InputError(errors[0].place, errors[0].problem);
 }
 
+std::string fold_text(const Mesh& mesh, const CellBlock& block, const FoldedCell& folded,
+                      const Numbering& numbering) {
+  const auto nodes = block.cell(folded.cell);
+  const auto X = [&](std::size_t i) -> const Vector3& {
+    return mesh.vertices[static_cast<std::size_t>(nodes[i])];
+  };
+  std::string text = "turned inside out: its Jacobian is " + format_short(folded.jacobian) + " at (";
+  for (int k = 0; k < dimension(block.kind); ++k) text += (k > 0 ? ", " : "") + format_short(folded.xi[k]);
+  text += ") of its reference cell";
+  if (!is_second_order(block.kind)) {
+    return text + (dimension(block.kind) == 3
+                       ? ", so it is distorted too much or its vertices are not in the order of MSH: four "
+                         "anticlockwise below, seen from above, then the four above them"
+                       : ", so it is not convex or its vertices are not in order around it");
+  }
+  const auto corners = static_cast<std::size_t>(num_corners(block.kind));
+  const auto local_edges = cell_edges(block.kind);
+  std::size_t worst = 0;
+  double farthest = -1;
+  for (std::size_t e = 0; e < local_edges.size(); ++e) {
+    const Vector3 &a = X(static_cast<std::size_t>(local_edges[e][0])),
+                  &b = X(static_cast<std::size_t>(local_edges[e][1]));
+    const double distance = (X(corners + e) - 0.5 * (a + b)).norm() / (b - a).norm();
+    if (!(distance > farthest)) continue;
+    farthest = distance;
+    worst = e;
+  }
+  const auto end = [&](std::size_t i) {
+    return std::to_string(numbering.vertex(nodes[static_cast<std::size_t>(local_edges[worst][i])]));
+  };
+  return text + ", node " + std::to_string(numbering.vertex(nodes[corners + worst])) + " stands " +
+         format_short(farthest) + " edge lengths from the middle of its edge " + end(0) + "-" + end(1) +
+         ": move it there, or use the corners alone (element = \"P1\")";
+}
+
 MeshReport check_mesh(const Mesh& mesh, int dimension, const Numbering& numbering) {
   Examiner examiner(mesh, numbering);
-  const CellBlock* block = examiner.usable_block(dimension == 3 ? CellKind::tetrahedron : CellKind::triangle);
+  const CellBlock* solid = mesh.find_solid(dimension);
+  const CellKind simplex = dimension == 3 ? CellKind::tetrahedron : CellKind::triangle;
+  const CellBlock* block = examiner.usable_block(solid != nullptr ? solid->kind : simplex);
   if (block == nullptr) return std::move(examiner.report);
   if (dimension == 2) examiner.check_plane();
-  examiner.check_volumes(*block);
+  examiner.check_middles(*block);
+  if (examiner.report.errors.empty()) examiner.check_volumes(*block);
   examiner.check_duplicate_cells(*block, true);
   if (examiner.report.errors.empty()) examiner.check_overlap(*block);
   examiner.check_vertices(*block);

@@ -5,6 +5,7 @@
 
 #include "resilin/mesh/mesh.hpp"
 #include "resilin/mesh/numbering.hpp"
+#include "resilin/mesh/quality.hpp"
 
 namespace resilin {
 
@@ -25,11 +26,18 @@ struct MeshReport {
   void require_no_errors() const;
 };
 
-/// Examines a mesh that is to be a solid of `dimension` 2 (triangles) or 3 (tetrahedra).
+/// What is wrong with a folded cell and what to do about it: which node in the middle of an edge stands too
+/// far off, or that the corners are in another order than that of MSH.
+std::string fold_text(const Mesh& mesh, const CellBlock& block, const FoldedCell& folded,
+                      const Numbering& numbering);
+
+/// Examines a mesh that is to be a solid of `dimension` 2 (triangles, quadrilaterals) or 3 (tetrahedra,
+/// hexahedra), of first or second order.
 ///
-/// Errors: no cells of the dimension, cells of a kind that cannot be simulated, nodes that do not exist,
-/// coordinates that are not finite (or leave the plane in 2D), flat cells, cells given twice, more than two
-/// cells at one side. Warnings: inverted cells (to be mended by `reorient`), vertices of no cell, vertices at
+/// Errors: no cells of the dimension, cells of several kinds or of one that cannot be simulated, nodes that
+/// do not exist or are missing in the middle of edges, coordinates that are not finite (or leave the plane in
+/// 2D), flat cells, cells that are turned inside out somewhere, cells given twice, more than two cells at one
+/// side. Warnings: inverted cells (to be mended by `reorient`), vertices of no cell, vertices at
 /// the same place, several components, joints at a single vertex or edge.
 MeshReport check_mesh(const Mesh& mesh, int dimension, const Numbering& numbering = {});
 

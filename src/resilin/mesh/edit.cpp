@@ -13,7 +13,8 @@
 namespace resilin {
 namespace {
 
-/// Positions to exchange in a cell's node list: the last two corners and the edge nodes that follow them.
+/// Positions to exchange in a cell's node list. In simplices the last two corners and the edge nodes that
+/// follow them.
 std::vector<std::pair<std::size_t, std::size_t>> exchanges(CellKind kind) {
   switch (kind) {
     case CellKind::triangle:
@@ -24,6 +25,10 @@ std::vector<std::pair<std::size_t, std::size_t>> exchanges(CellKind kind) {
       return {{2, 3}};
     case CellKind::tetrahedron10:
       return {{2, 3}, {5, 9}, {6, 7}};
+    case CellKind::quadrilateral:
+      return {{1, 3}};
+    case CellKind::hexahedron:
+      return {{0, 4}, {1, 5}, {2, 6}, {3, 7}};
     default:
       return {};
   }
@@ -54,7 +59,22 @@ void renumber(Mesh& mesh, const std::vector<Index>& new_number) {
   }
 }
 
+/// Triangles by their corners; a quadrilateral (a, b, c, d) becomes (a, b, c), (a, c, d).
+CellBlock triangles_of(const CellBlock& faces) {
+  CellBlock triangles{CellKind::triangle, {}};
+  for (Index face = 0; face < faces.num_cells(); ++face) {
+    const auto corners = faces.cell(face);
+    for (std::size_t i = 2; i < static_cast<std::size_t>(num_corners(faces.kind)); ++i)
+      triangles.nodes.insert(triangles.nodes.end(), {corners[0], corners[i - 1], corners[i]});
+  }
+  return triangles;
+}
+
 }  // namespace
+
+void turn_around(CellKind kind, std::span<Index> nodes) {
+  for (const auto& [a, b] : exchanges(kind)) std::swap(nodes[a], nodes[b]);
+}
 
 std::vector<Index> reorient(Mesh& mesh, CellKind kind) {
   const CellBlock* found = mesh.find_block(kind);
@@ -66,7 +86,7 @@ std::vector<Index> reorient(Mesh& mesh, CellKind kind) {
     if (!(volumes[static_cast<std::size_t>(cell)] < 0)) continue;
     inverted.push_back(cell);
     const auto first = static_cast<std::size_t>(cell) * static_cast<std::size_t>(num_nodes(kind));
-    for (const auto& [a, b] : exchanges(kind)) std::swap(block.nodes[first + a], block.nodes[first + b]);
+    turn_around(kind, std::span(block.nodes).subspan(first, static_cast<std::size_t>(num_nodes(kind))));
   }
   return inverted;
 }
@@ -113,17 +133,14 @@ std::vector<Index> merge_duplicate_vertices(Mesh& mesh) {
 }
 
 Surface extract_surface(const Mesh& mesh) {
+  const CellBlock* solid = mesh.find_solid(3);
+  const CellBlock* plane = mesh.find_solid(2);
+  if (solid == nullptr && plane == nullptr) {
+    throw InputError("mesh", "no tetrahedra, no hexahedra and no triangles: it has no surface");
+  }
   Surface surface;
   surface.mesh.vertices = mesh.vertices;
-  for (const CellKind kind : {CellKind::tetrahedron, CellKind::tetrahedron10, CellKind::triangle}) {
-    const CellBlock* block = mesh.find_block(kind);
-    if (block == nullptr || block->num_cells() == 0) continue;
-    surface.mesh.blocks = {kind == CellKind::triangle ? *block : boundary(*block).facets};
-    to_first_order(surface.mesh);
-    break;
-  }
-  if (surface.mesh.blocks.empty())
-    throw InputError("mesh", "no tetrahedra and no triangles: it has no surface");
+  surface.mesh.blocks = {triangles_of(solid != nullptr ? boundary(*solid).facets : *plane)};
   const std::vector<Index> new_number = remove_unused_nodes(surface.mesh);
   for (std::size_t v = 0; v < new_number.size(); ++v) {
     if (new_number[v] >= 0) surface.volume_vertices.push_back(static_cast<Index>(v));

@@ -1,13 +1,17 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "resilin/mesh/mesh.hpp"
 
 namespace resilin {
 
-/// Exchanges two nodes of every inverted tetrahedron (triangle in 2D) so that all volumes are positive,
-/// second-order nodes along with them. @return the cells of the block of `kind` that were inverted
+/// Exchanges nodes of a cell so that its volume changes sign and its shape stays: two corners of a simplex,
+/// with the nodes on their edges; the lower and the upper corners of a hexahedron.
+void turn_around(CellKind kind, std::span<Index> nodes);
+
+/// Turns every inverted solid cell around. @return the cells of the block of `kind` that were inverted
 std::vector<Index> reorient(Mesh& mesh, CellKind kind);
 
 /// Replaces second-order cells by the cells of their corners; the nodes between corners stay as vertices
@@ -22,7 +26,8 @@ std::vector<Index> remove_unused_nodes(Mesh& mesh);
 /// @return new number of each old vertex (unused ones are dropped too: -1)
 std::vector<Index> merge_duplicate_vertices(Mesh& mesh);
 
-/// The boundary of the tetrahedra as triangles, outward; of a mesh of triangles the triangles themselves.
+/// The boundary of the solid cells as triangles, outward; of a plane mesh its cells themselves. Second-order
+/// cells are taken by their corners, quadrilaterals are cut in two.
 struct Surface {
   Mesh mesh;
   std::vector<Index> volume_vertices;  ///< number in the given mesh of each vertex

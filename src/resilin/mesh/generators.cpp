@@ -54,6 +54,18 @@ void check_count(const std::string& what, const std::array<int, 3>& cells, int c
   }
 }
 
+void check_box(const Vector3& size, const std::array<int, 3>& cells) {
+  for (std::size_t a = 0; a < 3; ++a)
+    check_size("box", std::string(1, "xyz"[a]), size[static_cast<Eigen::Index>(a)], cells[a]);
+  check_count("box", cells, 8);
+}
+
+void check_rectangle(const Vector<2>& size, const std::array<int, 2>& cells) {
+  for (std::size_t a = 0; a < 2; ++a)
+    check_size("rectangle", std::string(1, "xy"[a]), size[static_cast<Eigen::Index>(a)], cells[a]);
+  check_count("rectangle", {cells[0], cells[1], 0}, 4);
+}
+
 std::vector<Vector3> grid_vertices(const Grid& grid, const Vector3& size, const Vector3& origin) {
   std::vector<Vector3> vertices;
   vertices.reserve(static_cast<std::size_t>(grid.nodes[0]) * static_cast<std::size_t>(grid.nodes[1]) *
@@ -104,10 +116,7 @@ void add_groups(Mesh& mesh, const Grid& grid, int dim) {
 
 Mesh make_box(const Vector3& size, const std::array<int, 3>& cells, const Vector3& origin,
               TetPattern pattern) {
-  for (std::size_t a = 0; a < 3; ++a) {
-    check_size("box", std::string(1, "xyz"[a]), size[static_cast<Eigen::Index>(a)], cells[a]);
-  }
-  check_count("box", cells, 6);
+  check_box(size, cells);
   const Grid grid(cells);
   Mesh mesh;
   mesh.vertices = grid_vertices(grid, size, origin);
@@ -132,12 +141,24 @@ Mesh make_box(const Vector3& size, const std::array<int, 3>& cells, const Vector
   return mesh;
 }
 
+Mesh make_hexahedron_box(const Vector3& size, const std::array<int, 3>& cells, const Vector3& origin) {
+  check_box(size, cells);
+  const Grid grid(cells);
+  Mesh mesh;
+  mesh.vertices = grid_vertices(grid, size, origin);
+  mesh.blocks.push_back({CellKind::hexahedron, {}});
+  for (int k = 0; k < cells[2]; ++k)
+    for (int j = 0; j < cells[1]; ++j)
+      for (int i = 0; i < cells[0]; ++i)
+        for (const int c : {0, 1, 3, 2, 4, 5, 7, 6})
+          mesh.blocks[0].nodes.push_back(grid.node(i + (c & 1), j + (c >> 1 & 1), k + (c >> 2 & 1)));
+  add_groups(mesh, grid, 3);
+  return mesh;
+}
+
 Mesh make_rectangle(const Vector<2>& size, const std::array<int, 2>& cells, const Vector<2>& origin,
                     TrianglePattern pattern) {
-  for (std::size_t a = 0; a < 2; ++a) {
-    check_size("rectangle", std::string(1, "xy"[a]), size[static_cast<Eigen::Index>(a)], cells[a]);
-  }
-  check_count("rectangle", {cells[0], cells[1], 0}, 2);
+  check_rectangle(size, cells);
   const Grid grid({cells[0], cells[1], 0});
   Mesh mesh;
   mesh.vertices = grid_vertices(grid, {size.x(), size.y(), 0}, {origin.x(), origin.y(), 0});
@@ -155,6 +176,21 @@ Mesh make_rectangle(const Vector<2>& size, const std::array<int, 2>& cells, cons
       nodes.insert(nodes.end(), split.begin(), split.end());
     }
   }
+  add_groups(mesh, grid, 2);
+  return mesh;
+}
+
+Mesh make_quadrilateral_rectangle(const Vector<2>& size, const std::array<int, 2>& cells,
+                                  const Vector<2>& origin) {
+  check_rectangle(size, cells);
+  const Grid grid({cells[0], cells[1], 0});
+  Mesh mesh;
+  mesh.vertices = grid_vertices(grid, {size.x(), size.y(), 0}, {origin.x(), origin.y(), 0});
+  mesh.blocks.push_back({CellKind::quadrilateral, {}});
+  for (int j = 0; j < cells[1]; ++j)
+    for (int i = 0; i < cells[0]; ++i)
+      for (const int c : {0, 1, 3, 2})
+        mesh.blocks[0].nodes.push_back(grid.node(i + (c & 1), j + (c >> 1), 0));
   add_groups(mesh, grid, 2);
   return mesh;
 }

@@ -20,7 +20,7 @@ enum class TrianglePattern {
 };
 
 /// A box of tetrahedra with node number i + (nx+1) (j + (ny+1) k) and cube corner c = i + 2j + 4k. Its groups
-/// are "body" (all tetrahedra) and the sides "x_min", "x_max", "y_min", ... (outward triangles).
+/// are "body" (all cells) and the sides "x_min", "x_max", "y_min", ... (outward facets).
 ///
 /// @param size   edge lengths [m], positive
 /// @param cells  number of cubes along x, y, z, at least 1
@@ -33,5 +33,11 @@ Mesh make_box(const Vector3& size, const std::array<int, 3>& cells, const Vector
 Mesh make_rectangle(const Vector<2>& size, const std::array<int, 2>& cells,
                     const Vector<2>& origin = Vector<2>::Zero(),
                     TrianglePattern pattern = TrianglePattern::uniform);
+
+/// The same box of hexahedra, one for each cube, and rectangle of quadrilaterals.
+Mesh make_hexahedron_box(const Vector3& size, const std::array<int, 3>& cells,
+                         const Vector3& origin = Vector3::Zero());
+Mesh make_quadrilateral_rectangle(const Vector<2>& size, const std::array<int, 2>& cells,
+                                  const Vector<2>& origin = Vector<2>::Zero());
 
 }  // namespace resilin

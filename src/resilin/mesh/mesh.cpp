@@ -16,6 +16,13 @@ CellBlock& Mesh::block(CellKind kind) {
   return blocks.emplace_back(CellBlock{kind, {}});
 }
 
+const CellBlock* Mesh::find_solid(int dim) const {
+  const auto found = std::find_if(blocks.begin(), blocks.end(), [dim](const CellBlock& b) {
+    return b.num_cells() > 0 && is_solid(b.kind, dim);
+  });
+  return found == blocks.end() ? nullptr : &*found;
+}
+
 const Group* Mesh::find_group(std::string_view group_name) const {
   const auto found = std::find_if(groups.begin(), groups.end(),
                                   [group_name](const Group& g) { return g.name == group_name; });

@@ -46,6 +46,8 @@ struct Mesh {
 
   const CellBlock* find_block(CellKind kind) const;
   CellBlock& block(CellKind kind);  ///< the block of this kind, made when there is none
+  /// The cells that a body of this dimension is made of; the first such block, nullptr when there is none.
+  const CellBlock* find_solid(int dim) const;
   const Group* find_group(std::string_view group_name) const;
 };
 

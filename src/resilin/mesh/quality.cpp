@@ -7,6 +7,9 @@
 #include <numeric>
 #include <span>
 
+#include "resilin/element/catalog.hpp"
+#include "resilin/element/jacobian_bound.hpp"
+#include "resilin/mesh/edit.hpp"
 #include "resilin/mesh/topology.hpp"
 
 namespace resilin {
@@ -16,16 +19,59 @@ const Vector3& corner(const Mesh& mesh, std::span<const Index> nodes, std::size_
   return mesh.vertices[static_cast<std::size_t>(nodes[i])];
 }
 
-bool is_tetrahedral(const CellBlock& block) { return dimension(block.kind) == 3; }
+bool is_spatial(const CellBlock& block) { return dimension(block.kind) == 3; }
+
+bool is_box_like(CellKind kind) { return kind == CellKind::quadrilateral || kind == CellKind::hexahedron; }
+
+/// The element with the nodes of a solid kind.
+const ElementInfo& element_of(CellKind kind) {
+  const char* name = is_box_like(kind) ? "Q1" : is_second_order(kind) ? "P2" : "P1";
+  return *find_element(name, dimension(kind));
+}
+
+std::vector<double> positions_of(const Mesh& mesh, std::span<const Index> nodes, int dim) {
+  std::vector<double> positions;
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    for (int k = 0; k < dim; ++k) positions.push_back(corner(mesh, nodes, i)[k]);
+  return positions;
+}
+
+double box_like_volume(const Mesh& mesh, const CellBlock& block, Index cell) {
+  const ElementInfo& element = element_of(block.kind);
+  const std::vector<double> positions = positions_of(mesh, block.cell(cell), element.dim);
+  double volume = 0;
+  for (const QuadraturePoint& point : rule_of_degree(element.shape, 2).points)
+    volume += point.weight * jacobian(element, point.xi, positions);
+  return volume;
+}
 
 double signed_volume(const Mesh& mesh, const CellBlock& block, Index cell) {
+  if (is_box_like(block.kind)) return box_like_volume(mesh, block, cell);
   const auto nodes = block.cell(cell);
   const Vector3& origin = corner(mesh, nodes, 0);
   const Vector3 a = corner(mesh, nodes, 1) - origin;
   const Vector3 b = corner(mesh, nodes, 2) - origin;
-  if (!is_tetrahedral(block)) return 0.5 * (a.x() * b.y() - a.y() * b.x());
+  if (!is_spatial(block)) return 0.5 * (a.x() * b.y() - a.y() * b.x());
   const Vector3 c = corner(mesh, nodes, 3) - origin;
   return a.dot(b.cross(c)) / 6;
+}
+
+/// Least Jacobian at a corner over the product of the lengths of its edges.
+double least_scaled_jacobian(const Mesh& mesh, const CellBlock& block, Index cell) {
+  const ElementInfo& element = element_of(block.kind);
+  const auto nodes = block.cell(cell);
+  const std::vector<double> positions = positions_of(mesh, nodes, element.dim);
+  std::vector<double> lengths(nodes.size(), 1.0);
+  for (const auto& [i, j] : cell_edges(block.kind)) {
+    const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
+    const double length = (corner(mesh, nodes, a) - corner(mesh, nodes, b)).norm();
+    lengths[a] *= length;
+    lengths[b] *= length;
+  }
+  double least = 1;
+  for (std::size_t a = 0; a < nodes.size(); ++a)
+    least = std::min(least, lengths[a] > 0 ? jacobian(element, element.nodes[a], positions) / lengths[a] : 0);
+  return least;
 }
 
 bool has_equal_nodes(std::span<const Index> nodes) {
@@ -74,7 +120,7 @@ std::vector<double> triangle_areas(const Mesh& mesh, const CellBlock& block) {
 
 double volume_round_off(const Mesh& mesh, const CellBlock& block, Index cell) {
   const auto nodes = block.cell(cell);
-  const std::size_t corners = is_tetrahedral(block) ? 4 : 3;
+  const auto corners = static_cast<std::size_t>(num_corners(block.kind));
   double length = 0;
   double coordinate = 0;
   for (std::size_t i = 0; i < corners; ++i) {
@@ -83,22 +129,32 @@ double volume_round_off(const Mesh& mesh, const CellBlock& block, Index cell) {
       length = std::max(length, (corner(mesh, nodes, i) - corner(mesh, nodes, j)).norm());
     }
   }
-  const double side = is_tetrahedral(block) ? length * length : length;
+  const double side = is_spatial(block) ? length * length : length;
   return 16 * std::numeric_limits<double>::epsilon() * side * std::max(length, coordinate);
 }
 
 CellSigns cell_signs(const Mesh& mesh, const CellBlock& block) {
   CellSigns signs;
+  const bool has_constant_jacobian = !is_box_like(block.kind) && !is_second_order(block.kind);
+  std::vector<Index> nodes;
   for (Index cell = 0; cell < block.num_cells(); ++cell) {
     const double volume = signed_volume(mesh, block, cell);
     const double round_off = volume_round_off(mesh, block, cell);
     if (!std::isfinite(volume) || !std::isfinite(round_off)) {
       signs.not_finite.push_back(cell);
-    } else if (std::abs(volume) <= round_off || has_equal_nodes(block.cell(cell))) {
-      signs.flat.push_back(cell);
-    } else if (volume < 0) {
-      signs.inverted.push_back(cell);
+      continue;
     }
+    if (std::abs(volume) <= round_off || has_equal_nodes(block.cell(cell))) {
+      signs.flat.push_back(cell);
+      continue;
+    }
+    if (volume < 0) signs.inverted.push_back(cell);
+    if (has_constant_jacobian) continue;
+    nodes.assign(block.cell(cell).begin(), block.cell(cell).end());
+    if (volume < 0) turn_around(block.kind, nodes);
+    const ElementInfo& element = element_of(block.kind);
+    const JacobianSign sign = jacobian_sign(element, positions_of(mesh, nodes, element.dim));
+    if (sign.kind != JacobianSign::Kind::positive) signs.folded.push_back({cell, sign.value, sign.xi});
   }
   return signs;
 }
@@ -162,12 +218,13 @@ std::vector<std::array<Index, 2>> nonmanifold_edges(const CellBlock& triangles) 
 
 std::vector<double> shape_qualities(const Mesh& mesh, const CellBlock& block) {
   return per_cell(block, [&](Index cell) {
-    const auto [sum, count] = squared_edges(mesh, block.cell(cell), is_tetrahedral(block) ? 4 : 3);
+    if (is_box_like(block.kind)) return least_scaled_jacobian(mesh, block, cell);
+    const auto [sum, count] = squared_edges(mesh, block.cell(cell), is_spatial(block) ? 4 : 3);
     const double mean_square = sum / count;
     if (mean_square == 0) return 0.0;
     const double volume = signed_volume(mesh, block, cell);
-    return is_tetrahedral(block) ? 6 * std::numbers::sqrt2 * volume / std::pow(mean_square, 1.5)
-                                 : 4 / std::numbers::sqrt3 * volume / mean_square;
+    return is_spatial(block) ? 6 * std::numbers::sqrt2 * volume / std::pow(mean_square, 1.5)
+                             : 4 / std::numbers::sqrt3 * volume / mean_square;
   });
 }
 

@@ -8,8 +8,8 @@
 
 namespace resilin {
 
-/// Signed volume [m^3] of each tetrahedron, or signed area [m^2] in the x-y plane of each triangle, by
-/// corners; negative when inverted.
+/// Signed volume [m^3] of each solid cell, or signed area [m^2] in the x-y plane; negative when inverted. Of
+/// second-order cells that of the corners.
 std::vector<double> signed_volumes(const Mesh& mesh, const CellBlock& block);
 
 /// Area [m^2] of each triangle in space, by corners.
@@ -19,11 +19,21 @@ std::vector<double> triangle_areas(const Mesh& mesh, const CellBlock& block);
 /// 16 eps L^(d-1) max(L, |coordinate|), with L the longest edge.
 double volume_round_off(const Mesh& mesh, const CellBlock& block, Index cell);
 
-/// Cells by the sign of their volume; cells that are neither have positive volume. Each list ascends.
+/// A cell that is turned inside out somewhere though its volume is not zero.
+struct FoldedCell {
+  Index cell;
+  double jacobian;  ///< det dX/dxi at `xi`, zero or negative, once the cell is oriented by its volume
+  Vector3 xi;
+};
+
+/// Cells by the sign of their volume; cells that are in no list are sound. Each list ascends.
 struct CellSigns {
   std::vector<Index> inverted;
   std::vector<Index> flat;        ///< volume zero up to rounding, or two equal nodes
   std::vector<Index> not_finite;  ///< volume overflows or a coordinate is not a number
+  /// Second-order cells, quadrilaterals and hexahedra whose Jacobian is not positive everywhere
+  /// (element/jacobian_bound.hpp).
+  std::vector<FoldedCell> folded;
 };
 CellSigns cell_signs(const Mesh& mesh, const CellBlock& block);
 
@@ -38,7 +48,8 @@ std::vector<std::array<Index, 2>> nonmanifold_edges(const CellBlock& triangles);
 
 /// Inverted or not, the shape of a tetrahedron: 6 sqrt(2) V / (root mean square edge)^3; 1 when regular, 0
 /// when flat, negative when inverted. In 2D 4/sqrt(3) A / (mean square edge). Source: Parthasarathy, Graichen
-/// & Hathaway 1994, "A comparison of tetrahedron quality measures".
+/// & Hathaway 1994, "A comparison of tetrahedron quality measures". Of quadrilaterals and hexahedra the least
+/// Jacobian at a corner, divided by the lengths of its edges (Knupp 2000): 1 for a rectangle or a box.
 std::vector<double> shape_qualities(const Mesh& mesh, const CellBlock& block);
 
 }  // namespace resilin

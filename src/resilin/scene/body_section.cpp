@@ -14,9 +14,19 @@ std::vector<double> read_vertex_table(const SceneNode& node, const Mesh& mesh) {
 }
 
 std::vector<std::string> element_names() {
+  std::vector<std::string> names = {"auto"};
+  for (const ElementInfo* element : elements()) {
+    if (std::ranges::find(names, element->name) == names.end()) names.emplace_back(element->name);
+  }
+  return names;
+}
+
+std::vector<std::string> quadrature_names() {
   std::vector<std::string> names;
   for (const ElementInfo* element : elements()) {
-    if (element->name == "P1" && names.empty()) names.emplace_back(element->name);
+    for (const std::string& name : element->quadrature_names()) {
+      if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+    }
   }
   return names;
 }
@@ -27,11 +37,19 @@ Keys<BodyDescription> body_keys() {
   using B = BodyDescription;
   return {
       text_key("name", &B::name, "\"body\"", "Fixes, loads, probes and the report refer to it."),
+      choice_key(
+          "element", &B::element, element_names(), {},
+          "Shape functions: P1 linear and P2 quadratic triangles and tetrahedra, Q1 quadrilaterals and "
+          "hexahedra; P2P0 and Q1P0 with one pressure per cell, for nearly incompressible solids. auto: "
+          "P2P0 (Q1P0) where Poisson's ratio is above 0.45, else P2 in statics, P1 in motion, Q1 on "
+          "quadrilaterals and hexahedra; the report says which and why."),
+      key<B>({"quadrature", one_of(quadrature_names()), "", "the element's own",
+              "Rule of the points at which the energy is sampled; exact has no error but rounding for smooth "
+              "energies."},
+             [](const SceneNode& node, B& b) { b.quadrature = read_choice(node, quadrature_names()); }),
       key<B>({"mesh", "text or [box](#mesh)", "", "required",
               "A mesh file beside the scene, or `{ box = { size, cells } }`."},
              read_body_mesh),
-      choice_key("element", &B::element, element_names(), {"P2", "P2P0"},
-                 "P1: linear triangles or tetrahedra."),
       key<B>({"material", "[material](#material)", "", "see there", "What the body is made of."},
              [](const SceneNode& node, B& b) { read_material(node, b.mesh, b.material); }),
       number_key("scale", &B::scale, "", positive, "Factor on the mesh's coordinates; first."),

@@ -26,12 +26,32 @@ std::vector<double> velocity(const World& world, const State& state) {
   return nodal_vectors(state.velocities, world.dimension);
 }
 
-/// Calls a function of ElasticEnergy for every body and puts the values one after another.
+/// Means over the cells of a body of values at its quadrature points, each with the rest volume that it
+/// stands for; `components` numbers for each point.
+std::vector<double> cell_means(const ElasticEnergy& elastic, std::span<const double> values,
+                               std::size_t components) {
+  const std::vector<double> volumes = elastic.point_volumes();
+  const auto num_points = static_cast<std::size_t>(elastic.num_points());
+  std::vector<double> means(values.size() / num_points, 0.0);
+  for (std::size_t cell = 0; cell < means.size() / components; ++cell) {
+    double volume = 0;
+    for (std::size_t q = cell * num_points; q < (cell + 1) * num_points; ++q) {
+      volume += volumes[q];
+      for (std::size_t i = 0; i < components; ++i)
+        means[cell * components + i] += volumes[q] * values[q * components + i];
+    }
+    for (std::size_t i = 0; i < components; ++i) means[cell * components + i] /= volume;
+  }
+  return num_points == 1 ? std::vector<double>(values.begin(), values.end()) : means;
+}
+
+/// Calls a function of ElasticEnergy for every body and puts the means of cells one after another.
 std::vector<double> cell_values(const World& world, const State& state,
                                 std::vector<double> (ElasticEnergy::*values)(const VectorX&) const) {
   std::vector<double> all;
   for (const Body& body : world.bodies) {
-    const std::vector<double> of_body = (body.elastic.get()->*values)(state.positions);
+    const std::vector<double> of_body =
+        cell_means(*body.elastic, (body.elastic.get()->*values)(state.positions), 1);
     all.insert(all.end(), of_body.begin(), of_body.end());
   }
   return all;
@@ -52,10 +72,13 @@ std::vector<double> von_mises(const World& world, const State& state) {
 std::vector<double> cauchy_stress(const World& world, const State& state) {
   std::vector<double> all;
   for (const Body& body : world.bodies) {
+    std::vector<double> at_points;
     for (const Matrix<3>& stress : body.elastic->cauchy_stresses(state.positions)) {
-      all.insert(all.end(), stress.data(),
-                 stress.data() + 9);  // symmetric: by rows and by columns are the same
+      at_points.insert(at_points.end(), stress.data(),
+                       stress.data() + 9);  // symmetric: by rows and by columns are the same
     }
+    const std::vector<double> of_body = cell_means(*body.elastic, at_points, 9);
+    all.insert(all.end(), of_body.begin(), of_body.end());
   }
   return all;
 }
@@ -82,16 +105,16 @@ void write_frame(std::ostream& stream, const World& world, const State& state) {
     points[static_cast<std::size_t>(node)].head(world.dimension) =
         state.positions.segment(Eigen::Index{node} * world.dimension, world.dimension);
   }
-  CellBlock cells{.kind = world.bodies.front().cell_kind, .nodes = {}};
+  std::vector<CellBlock> blocks;
   std::vector<double> body_numbers;
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     const Body& body = world.bodies[b];
-    cells.nodes.insert(cells.nodes.end(), body.cells.begin(), body.cells.end());
+    blocks.push_back({body.cell_kind, body.cells});
     body_numbers.insert(body_numbers.end(), static_cast<std::size_t>(body.num_cells()),
                         static_cast<double>(b));
   }
   VtuData data{.points = points,
-               .blocks = {&cells, 1},
+               .blocks = blocks,
                .point_data = {},
                .cell_data = {{.name = "body", .components = 1, .values = body_numbers}},
                .time = world.modes        ? state.step

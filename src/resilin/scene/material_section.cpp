@@ -36,8 +36,7 @@ std::vector<std::string> constant_names(const LawInfo& law) {
 }
 
 const CellBlock& solid_cells(const SceneNode& node, const Mesh& mesh) {
-  const CellBlock* block =
-      mesh.find_block(node.context->dimension == 3 ? CellKind::tetrahedron : CellKind::triangle);
+  const CellBlock* block = mesh.find_solid(node.context->dimension);
   if (block == nullptr)
     node.fail_with("values for each cell need a mesh with cells; is the key \"mesh\" of the body there?");
   return *block;

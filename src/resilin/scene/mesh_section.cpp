@@ -6,21 +6,28 @@ namespace resilin {
 namespace {
 
 struct BoxDescription {
+  std::string kind;  ///< of its cells; empty: tetrahedra or, in 2D, triangles
   Vector3 size = Vector3::Ones();
   std::array<int, 3> cells = {1, 1, 1};
   Vector3 origin = Vector3::Zero();
 };
 
+std::string simplices(int dim) { return dim == 3 ? "tetrahedra" : "triangles"; }
+
+std::vector<std::string> box_kinds(int dim) {
+  return {simplices(dim), dim == 3 ? "hexahedra" : "quadrilaterals"};
+}
+
 void read_cells(const SceneNode& node, BoxDescription& box) {
   const int dim = node.context->dimension;
   expect_list(node, "whole numbers, one for each direction", dim);
-  std::int64_t count = dim == 3 ? 6 : 2;
+  std::int64_t count = !box.kind.empty() && box.kind != simplices(dim) ? 1 : dim == 3 ? 6 : 2;
   for (int i = 0; i < dim; ++i) {
     const int cells = read_integer(node.element(static_cast<std::size_t>(i)), at_least_one);
     box.cells[static_cast<std::size_t>(i)] = cells;
     if (cells > node.context->max_box_cells / count) {
       node.fail_with("expected at most " + std::to_string(node.context->max_box_cells) +
-                     " triangles or tetrahedra, got more; use fewer cells");
+                     " cells, got more; use fewer cells");
     }
     count *= cells;
   }
@@ -29,6 +36,11 @@ void read_cells(const SceneNode& node, BoxDescription& box) {
 Keys<BoxDescription> box_keys() {
   using B = BoxDescription;
   return {
+      key<B>({"kind", one_of(box_kinds(3)) + ", in 2D " + one_of(box_kinds(2)), "", "the first",
+              "Kind of its cells."},
+             [](const SceneNode& node, B& b) {
+               b.kind = read_choice(node, box_kinds(node.context->dimension));
+             }),
       key<B>({"size", "vector > 0", "m", "required", "Edge lengths."},
              [](const SceneNode& node, B& b) {
                b.size = read_vector(node);
@@ -38,7 +50,8 @@ Keys<BoxDescription> box_keys() {
                }
              }),
       key<B>({"cells", "vector of whole numbers >= 1", "", "required",
-              "Cubes along each direction, each cut into 6 tetrahedra; squares cut into 2 triangles in 2D."},
+              "Cubes along each direction, each cut into 6 tetrahedra; squares cut into 2 triangles in 2D. "
+              "Hexahedra and quadrilaterals are not cut."},
              read_cells),
       vector_key("origin", &B::origin, "m", "Corner with the smallest coordinates."),
   };
@@ -47,8 +60,12 @@ Keys<BoxDescription> box_keys() {
 Mesh read_box(const SceneNode& node) {
   BoxDescription box;
   read_section(node, box_keys(), box);
+  const std::array<int, 2> squares = {box.cells[0], box.cells[1]};
+  if (box.kind == "hexahedra") return make_hexahedron_box(box.size, box.cells, box.origin);
+  if (box.kind == "quadrilaterals")
+    return make_quadrilateral_rectangle(box.size.head<2>(), squares, box.origin.head<2>());
   if (node.context->dimension == 3) return make_box(box.size, box.cells, box.origin);
-  return make_rectangle(box.size.head<2>(), {box.cells[0], box.cells[1]}, box.origin.head<2>());
+  return make_rectangle(box.size.head<2>(), squares, box.origin.head<2>());
 }
 
 Keys<Mesh> mesh_keys() {
@@ -58,13 +75,14 @@ Keys<Mesh> mesh_keys() {
 }
 
 /// A file, or the mesh that a program hands over.
-Mesh read_mesh_of(const SceneNode& node) {
+Mesh read_mesh_of(const SceneNode& node, bool uses_corners_only) {
   MeshFile file;
   if (const auto* mesh = std::get_if<SceneValue::MeshHandle>(&node.value->data)) {
     file = **mesh;
   } else {
     file = read_mesh(read_path(node));
   }
+  if (uses_corners_only) resilin::use_corners_only(file);
   prepare_solid_mesh(file, node.context->dimension);
   for (const std::string& warning : file.warnings) node.context->warnings.push_back(warning);
   return std::move(file.mesh);
@@ -85,7 +103,7 @@ void read_body_mesh(const SceneNode& node, BodyDescription& body) {
   } else {
     node.fail("the name of a mesh file or { box = { size, cells } }");
   }
-  body.mesh = read_mesh_of(node);
+  body.mesh = read_mesh_of(node, body.element == "P1");
 }
 
 SectionDoc mesh_doc() {

@@ -93,10 +93,11 @@ Json bodies_json(const World& world) {
                     {"law", body.law},
                     {"constants", constants},
                     {"element", body.element},
+                    {"element_reason", body.element_reason},
                     {"quadrature", body.elastic->quadrature().name},
                     {"mass", body.mass_kind},
                     {"cells", body.num_cells()},
-                    {"vertices", body.num_nodes},
+                    {"vertices", body.num_vertices},
                     {"unknowns", Offset{body.num_nodes} * world.dimension}});
   }
   return list;

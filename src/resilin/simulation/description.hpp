@@ -62,15 +62,18 @@ struct BodyDescription {
   std::string place = "body";
   std::string name = "body";
   Mesh mesh;
-  std::string mesh_name;       ///< the file, or "box", for messages
-  std::string element = "P1";  ///< a name of element/catalog.hpp
+  std::string mesh_name;         ///< the file, or "box", for messages
+  std::string element = "auto";  ///< a name of element/catalog.hpp, or auto: see choose_element
+  std::string quadrature;        ///< a rule's name; empty: the element's own
   MaterialDescription material;
   double scale = 1;
   std::optional<Rotation> rotate;                               ///< about the origin, after scale
   Vector3 translate = Vector3::Zero();                          ///< [m], after rotate
   Vector3 velocity = Vector3::Zero();                           ///< at the start [m/s]
   Eigen::Matrix3d velocity_gradient = Eigen::Matrix3d::Zero();  ///< adds G X [1/s]
-  std::vector<double> initial_positions;                        ///< dim per vertex [m]; empty: the rest shape
+  /// dim per vertex of the mesh [m]; empty: the rest shape. Nodes that the element adds start in the middle
+  /// of their edges.
+  std::vector<double> initial_positions;
   std::vector<double>
       initial_velocities;       ///< dim per vertex [m/s]; empty: from velocity and velocity_gradient
   std::string mass = "lumped";  ///< lumped | consistent

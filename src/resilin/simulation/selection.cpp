@@ -6,6 +6,7 @@
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/energy/facet.hpp"
+#include "resilin/mesh/second_order.hpp"
 #include "resilin/mesh/topology.hpp"
 
 namespace resilin {
@@ -113,11 +114,15 @@ std::vector<Index> select_vertices(const Where& where, const Mesh& mesh, const B
   }
   if (where.kind == Where::Kind::vertices) {
     for (const Index v : where.vertices) {
-      if (v < 0 || v >= body.num_nodes) {
-        throw InputError(place, "vertex numbers from 0 to " + std::to_string(body.num_nodes - 1),
+      if (v < 0 || v >= body.num_vertices) {
+        throw InputError(place, "vertex numbers from 0 to " + std::to_string(body.num_vertices - 1),
                          std::to_string(v));
       }
       is_candidate[static_cast<std::size_t>(v)] = true;
+    }
+    if (is_second_order(body.cell_kind)) {
+      for (const Index v : middles_between(local_cells(body), is_candidate))
+        is_candidate[static_cast<std::size_t>(v)] = true;
     }
   }
   const std::vector<bool> is_used = used_vertices(local_cells(body), body.num_nodes);

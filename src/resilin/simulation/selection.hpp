@@ -7,10 +7,13 @@
 
 namespace resilin {
 
-/// Vertices of a body (numbers of its mesh, ascending) that a `where` means, in the placed rest shape.
+/// Nodes of a body (numbers of its mesh, ascending) that a `where` means, in the placed rest shape.
 ///
-/// Only vertices that a cell uses are selected. Throws InputError beginning with `place` when the group is
+/// Places (box, plane, sphere) are tested at each node, also those in the middle of edges. A group means the
+/// nodes of its cells; listed vertices mean themselves and the nodes of `middles_between`.
+/// Only nodes that a cell uses are selected. Throws InputError beginning with `place` when the group is
 /// unknown (and lists those there are), a vertex number is out of range, or nothing is selected.
+/// @param mesh  of the body with all nodes of its element
 std::vector<Index> select_vertices(const Where& where, const Mesh& mesh, const Body& body,
                                    const VectorX& rest_positions, int dim, const std::string& place);
 

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/energy/facet.hpp"
-#include "resilin/mesh/quality.hpp"
+#include "resilin/simulation/body_mesh.hpp"
+#include "resilin/simulation/cell_material.hpp"
 #include "resilin/simulation/damping.hpp"
 #include "resilin/simulation/loads.hpp"
 #include "resilin/simulation/selection.hpp"
@@ -17,19 +17,13 @@
 namespace resilin {
 namespace {
 
-Eigen::Matrix3d rotation_matrix(const std::optional<Rotation>& rotation) {
-  if (!rotation) return Eigen::Matrix3d::Identity();
-  const double angle = rotation->degrees * std::numbers::pi / 180;
-  return Eigen::AngleAxisd(angle, rotation->axis.normalized()).toRotationMatrix();
-}
-
 /// The mesh of a body in the world: scaled, rotated, translated.
-VectorX placed_vertices(const BodyDescription& description, int dim) {
+VectorX placed_vertices(const BodyDescription& description, const Mesh& mesh, int dim) {
   const Eigen::Matrix3d rotation = rotation_matrix(description.rotate);
   const Vector3 center = description.rotate ? description.rotate->center : Vector3(Vector3::Zero());
-  VectorX positions(static_cast<Eigen::Index>(description.mesh.vertices.size()) * dim);
-  for (std::size_t v = 0; v < description.mesh.vertices.size(); ++v) {
-    const Vector3 scaled = description.scale * description.mesh.vertices[v];
+  VectorX positions(static_cast<Eigen::Index>(mesh.vertices.size()) * dim);
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    const Vector3 scaled = description.scale * mesh.vertices[v];
     const Vector3 X = center + rotation * (scaled - center) + description.translate;
     positions.segment(static_cast<Eigen::Index>(v) * dim, dim) = X.head(dim);
   }
@@ -42,15 +36,24 @@ void append(VectorX& all, const VectorX& more) {
   all.tail(more.size()) = more;
 }
 
-VectorX per_vertex_values(const std::vector<double>& given, Eigen::Index expected, int dim,
-                          const std::string& place) {
-  if (static_cast<Eigen::Index>(given.size()) != expected) {
+/// Values given for the mesh's vertices; further nodes have the mean of their edge's ends.
+VectorX values_of_nodes(const std::vector<double>& given, const BodyMesh& body_mesh, int dim,
+                        const std::string& place) {
+  const auto num_nodes = static_cast<Eigen::Index>(body_mesh.mesh.vertices.size());
+  const Eigen::Index num_vertices = num_nodes - static_cast<Eigen::Index>(body_mesh.ends.size());
+  if (static_cast<Eigen::Index>(given.size()) != num_vertices * dim) {
     throw InputError(
-        place, std::to_string(dim) + " numbers for each of " + std::to_string(expected / dim) + " vertices",
+        place, std::to_string(dim) + " numbers for each of " + std::to_string(num_vertices) + " vertices",
         std::to_string(given.size()) + " numbers");
   }
-  const VectorX values = Eigen::Map<const VectorX>(given.data(), expected);
-  if (!values.allFinite()) throw InputError(place, "finite numbers", "inf or nan");
+  VectorX values(num_nodes * dim);
+  values.head(num_vertices * dim) = Eigen::Map<const VectorX>(given.data(), num_vertices * dim);
+  if (!values.head(num_vertices * dim).allFinite()) throw InputError(place, "finite numbers", "inf or nan");
+  for (std::size_t i = 0; i < body_mesh.ends.size(); ++i) {
+    const auto [a, b] = body_mesh.ends[i];
+    values.segment((num_vertices + static_cast<Eigen::Index>(i)) * dim, dim) =
+        0.5 * (values.segment(Eigen::Index{a} * dim, dim) + values.segment(Eigen::Index{b} * dim, dim));
+  }
   return values;
 }
 
@@ -63,57 +66,6 @@ VectorX start_velocities_of(const BodyDescription& description, const VectorX& p
   return velocities;
 }
 
-/// The law's constants in its order: one set, or one for each cell when some constant differs from cell to
-/// cell.
-std::vector<double> constants_of_cells(const LawInfo& law, const MaterialDescription& material,
-                                       Index num_cells) {
-  if (material.cell_constants.empty()) return resolve_constants(law, material.constants, material.place);
-  for (const auto& [name, values] : material.cell_constants) {
-    if (values.size() == static_cast<std::size_t>(num_cells)) continue;
-    throw InputError(material.place + "." + name,
-                     "a value for each of " + std::to_string(num_cells) + " cells",
-                     std::to_string(values.size()) + " values");
-  }
-  std::map<std::string, Column> columns;
-  for (const auto& [name, value] : material.constants) columns[name] = {&value, 0};
-  for (const auto& [name, values] : material.cell_constants) columns[name] = {values.data(), 1};
-  return resolve_constants(law, columns, static_cast<std::size_t>(num_cells), material.place,
-                           [](std::size_t cell) { return ", cell " + std::to_string(cell); });
-}
-
-/// Unit directions of the fibres, once or for one cell after another, as ElasticEnergy takes them.
-FibreDirections fibres_of_cells(const LawInfo& law, const BodyDescription& body, Index num_cells) {
-  const std::string place = body.material.place + ".fibres";
-  const auto& families = body.material.fibres;
-  const auto max_families = static_cast<std::size_t>(law.max_fibres);
-  if (max_families == 0 && !families.empty())
-    throw InputError(place, "nothing: " + std::string(law.name) + " has no fibres",
-                     std::to_string(families.size()) + " families",
-                     "leave them out or choose holzapfel_gasser_ogden");
-  if (max_families > 0 && (families.empty() || families.size() > max_families))
-    throw InputError(place, "1 to " + std::to_string(max_families) + " families of directions",
-                     families.empty() ? "none" : std::to_string(families.size()),
-                     "for example fibres = [[1, 0, 0]]");
-  const Eigen::Matrix3d turn = rotation_matrix(body.rotate);
-  const auto count = static_cast<std::size_t>(num_cells);
-  const bool is_uniform =
-      std::ranges::all_of(families, [](const auto& directions) { return directions.size() == 1; });
-  FibreDirections fibres{{}, families.size()};
-  for (std::size_t cell = 0; cell < (is_uniform ? 1 : count); ++cell)
-    for (const auto& directions : families) {
-      if (directions.size() != 1 && directions.size() != count)
-        throw InputError(place, "one direction, or one for each of " + std::to_string(count) + " cells",
-                         std::to_string(directions.size()));
-      const Vector3& direction = directions[directions.size() == 1 ? 0 : cell];
-      const double length = direction.norm();
-      if (!(length > 0 && std::isfinite(length)))
-        throw InputError(place + ", cell " + std::to_string(cell), "a direction other than zero",
-                         "length " + format_number(length));
-      fibres.directions.push_back(turn * direction / length);
-    }
-  return fibres;
-}
-
 /// Makes a world out of its description, part by part.
 class Builder {
  public:
@@ -123,8 +75,7 @@ class Builder {
  private:
   std::size_t find_body(const std::string& name, const std::string& place) const;
   void add_body(const BodyDescription& body);
-  std::vector<Index> oriented_cells(const BodyDescription& body, const CellBlock& block);
-  void add_material(const BodyDescription& description, Body& body);
+  void add_material(const BodyDescription& description, const std::vector<double>& constants, Body& body);
   void add_support(const FixDescription& fix);
   void add_load(const LoadDescription& load);
   void add_probe(const ProbeDescription& probe);
@@ -134,6 +85,8 @@ class Builder {
 
   const Description& description_;
   World& world_;
+  std::vector<BodyMesh> meshes_;
+  std::vector<std::vector<double>> constants_;  ///< of each body's law, once or for each cell
   std::vector<std::shared_ptr<ElasticEnergy>> elastic_;
   std::vector<std::shared_ptr<Energy>> external_;
   std::vector<Index> nodes_held_by_springs_;
@@ -146,7 +99,7 @@ void Builder::build() {
   if (description_.bodies.empty()) throw InputError(world_.place, "at least one [[body]]", "none");
   for (const BodyDescription& body : description_.bodies) add_body(body);
   for (std::size_t b = 0; b < world_.bodies.size(); ++b)
-    add_material(description_.bodies[b], world_.bodies[b]);
+    add_material(description_.bodies[b], constants_[b], world_.bodies[b]);
   for (const FixDescription& fix : description_.fixes) add_support(fix);
   check_support_conflicts(world_.dimension, world_.supports, world_.rest_positions);
   for (const LoadDescription& load : description_.loads) add_load(load);
@@ -180,71 +133,49 @@ void Builder::add_body(const BodyDescription& description) {
                        "\"" + other.name + "\" twice");
     }
   }
+  const CellBlock& cells = solid_cells(description, world_.dimension);
+  const LawInfo& law = require_law(description.material.law, description.material.place + ".law");
+  constants_.push_back(constants_of_cells(law, description.material, cells.num_cells()));
+  const ElementCase element_case{.cells = cells.kind,
+                                 .is_dynamic = world_.is_dynamic,
+                                 .law = law,
+                                 .poissons_ratio = largest_poissons_ratio(law, constants_.back())};
+  const BodyMesh& made =
+      meshes_.emplace_back(make_body_mesh(description, world_.dimension, element_case, world_.warnings));
   Body body;
   body.name = description.name;
-  body.element = description.element;
+  body.law = law.name;
+  body.element = made.element->name;
+  body.element_reason = made.reason;
+  if (!made.reason.empty())
+    world_.notes.push_back(description.place + ": element " + body.element + ": " + made.reason);
   body.mass_kind = description.mass;
   body.first_node = world_.num_nodes();
-  body.num_nodes = static_cast<Index>(description.mesh.vertices.size());
-  body.cell_kind = world_.dimension == 3 ? CellKind::tetrahedron : CellKind::triangle;
-  const CellBlock* block = description.mesh.find_block(body.cell_kind);
-  if (block == nullptr || block->num_cells() == 0) {
-    std::vector<std::string> found;
-    for (const CellBlock& other : description.mesh.blocks) {
-      if (other.num_cells() > 0) found.emplace_back(resilin::name(other.kind));
-    }
-    throw InputError(description.mesh_name.empty() ? description.place + ".mesh" : description.mesh_name,
-                     "no " + std::string(resilin::name(body.cell_kind)) + " (found " +
-                         (found.empty() ? "no cells" : join(found)) + ")");
-  }
-  body.cells = oriented_cells(description, *block);
+  body.num_nodes = static_cast<Index>(made.mesh.vertices.size());
+  body.num_vertices = static_cast<Index>(description.mesh.vertices.size());
+  body.cell_kind = cell_kind(*made.element);
+  body.cells = made.cells().nodes;
   for (Index& node : body.cells) node += body.first_node;
 
-  const VectorX placed = placed_vertices(description, world_.dimension);
+  const VectorX placed = placed_vertices(description, made.mesh, world_.dimension);
   append(world_.rest_positions, placed);
-  append(world_.start_positions,
-         description.initial_positions.empty()
-             ? placed
-             : per_vertex_values(description.initial_positions, placed.size(), world_.dimension,
-                                 description.place + ".initial_positions"));
+  append(world_.start_positions, description.initial_positions.empty()
+                                     ? placed
+                                     : values_of_nodes(description.initial_positions, made, world_.dimension,
+                                                       description.place + ".initial_positions"));
   append(world_.start_velocities,
          description.initial_velocities.empty()
              ? start_velocities_of(description, placed, world_.dimension)
-             : per_vertex_values(description.initial_velocities, placed.size(), world_.dimension,
-                                 description.place + ".initial_velocities"));
+             : values_of_nodes(description.initial_velocities, made, world_.dimension,
+                               description.place + ".initial_velocities"));
   world_.bodies.push_back(std::move(body));
 }
 
-/// The cells with positive volumes: inverted ones are turned around with a warning, flat ones are refused.
-std::vector<Index> Builder::oriented_cells(const BodyDescription& body, const CellBlock& block) {
-  const std::string name = body.mesh_name.empty() ? body.place + ".mesh" : body.mesh_name;
-  const CellSigns signs = cell_signs(body.mesh, block);
-  for (const auto* bad : {&signs.not_finite, &signs.flat}) {
-    if (!bad->empty()) {
-      throw InputError(name + ": cell " + std::to_string(bad->front()), "a cell with a volume",
-                       bad == &signs.flat ? "volume zero" : "a coordinate that is not finite");
-    }
-  }
-  std::vector<Index> nodes = block.nodes;
-  const auto num_corners = static_cast<std::size_t>(num_nodes(block.kind));
-  for (const Index cell : signs.inverted) {
-    std::swap(nodes[static_cast<std::size_t>(cell) * num_corners],
-              nodes[static_cast<std::size_t>(cell) * num_corners + 1]);
-  }
-  if (!signs.inverted.empty()) {
-    world_.warnings.push_back(name + ": " + std::to_string(signs.inverted.size()) +
-                              " inverted cells were turned around, the first is cell " +
-                              std::to_string(signs.inverted.front()));
-  }
-  return nodes;
-}
-
 /// Once all bodies are placed, so that every energy sees the whole world's vertices.
-void Builder::add_material(const BodyDescription& description, Body& body) {
+void Builder::add_material(const BodyDescription& description, const std::vector<double>& constants,
+                           Body& body) {
   const MaterialDescription& material = description.material;
   const LawInfo& law = require_law(material.law, material.place + ".law");
-  const std::vector<double> constants = constants_of_cells(law, material, body.num_cells());
-  body.law = law.name;
   const std::size_t num_constants = law.constants.size();
   for (std::size_t i = 0; i < num_constants; ++i) {
     double sum = 0;
@@ -252,9 +183,9 @@ void Builder::add_material(const BodyDescription& description, Body& body) {
     const auto count = static_cast<double>(constants.size() / num_constants);
     body.constants.emplace_back(law.constants[i].name, sum / count);
   }
-  const auto elastic =
-      std::make_shared<ElasticEnergy>(world_.dimension, body.element, body.cells, world_.rest_positions, law,
-                                      constants, fibres_of_cells(law, description, body.num_cells()));
+  const auto elastic = std::make_shared<ElasticEnergy>(
+      world_.dimension, ElementChoice(body.element, description.quadrature), body.cells,
+      world_.rest_positions, law, constants, fibres_of_cells(law, description, body.num_cells()));
   body.elastic = elastic;
   elastic_.push_back(elastic);
   body.density = material.density;
@@ -270,8 +201,8 @@ void Builder::add_support(const FixDescription& fix) {
   const Body& body = world_.bodies[b];
   Support support{.place = fix.place,
                   .name = fix.name,
-                  .nodes = select_vertices(fix.where, description_.bodies[b].mesh, body,
-                                           world_.rest_positions, world_.dimension, fix.place + ".where"),
+                  .nodes = select_vertices(fix.where, meshes_[b].mesh, body, world_.rest_positions,
+                                           world_.dimension, fix.place + ".where"),
                   .components = fix.components,
                   .displacement = fix.displacement,
                   .gradient = fix.gradient,
@@ -286,10 +217,10 @@ void Builder::add_support(const FixDescription& fix) {
 
 void Builder::add_load(const LoadDescription& load) {
   const std::size_t b = find_body(load.body, load.place);
-  external_.push_back(make_load(load, world_, world_.bodies[b], description_.bodies[b].mesh));
+  external_.push_back(make_load(load, world_, world_.bodies[b], meshes_[b].mesh));
   if (load.kind == LoadDescription::Kind::spring && load.stiffness > 0) {
-    for (const Index v : select_vertices(load.where, description_.bodies[b].mesh, world_.bodies[b],
-                                         world_.rest_positions, world_.dimension, load.place + ".where")) {
+    for (const Index v : select_vertices(load.where, meshes_[b].mesh, world_.bodies[b], world_.rest_positions,
+                                         world_.dimension, load.place + ".where")) {
       nodes_held_by_springs_.push_back(world_.bodies[b].first_node + v);
     }
   }
@@ -299,10 +230,14 @@ void Builder::add_probe(const ProbeDescription& probe) {
   const Body& body = world_.bodies[find_body(probe.body, probe.place)];
   Probe found{.name = probe.name, .node = body.first_node};
   double nearest = std::numeric_limits<double>::infinity();
-  for (Index node = body.first_node; node < body.first_node + body.num_nodes; ++node) {
+  const auto num_corners = static_cast<std::size_t>(resilin::num_corners(body.cell_kind));
+  const auto width = static_cast<std::size_t>(resilin::num_nodes(body.cell_kind));
+  for (std::size_t i = 0; i < body.cells.size(); ++i) {
+    if (i % width >= num_corners) continue;
+    const Index node = body.cells[i];
     const double distance =
         (node_position(world_.dimension, node, world_.rest_positions) - probe.at).squaredNorm();
-    if (distance < nearest) {
+    if (distance < nearest || (distance == nearest && node < found.node)) {
       nearest = distance;
       found.node = node;
     }

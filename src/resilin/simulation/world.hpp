@@ -19,9 +19,11 @@ struct Body {
   std::vector<std::pair<std::string, double>>
       constants;  ///< of the law's formula; per-cell ones by their mean
   std::string element;
+  std::string element_reason;  ///< why `element` was chosen; empty when the user chose it
   std::string mass_kind;
   Index first_node = 0;
-  Index num_nodes = 0;
+  Index num_nodes = 0;     ///< those of the mesh, then those that the element adds
+  Index num_vertices = 0;  ///< of the mesh
   CellKind cell_kind = CellKind::tetrahedron;
   std::vector<Index> cells;  ///< nodes of the cells, in the world's numbering
   std::shared_ptr<const ElasticEnergy> elastic;
@@ -67,6 +69,7 @@ class World {
   std::vector<Support> supports;
   std::vector<Probe> probes;
   std::vector<std::string> warnings;  ///< one line each
+  std::vector<std::string> notes;     ///< what was chosen for the user, one line each
 
   std::vector<std::shared_ptr<const Energy>> elastic;   ///< one for each body
   std::vector<std::shared_ptr<const Energy>> external;  ///< loads
