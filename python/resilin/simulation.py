@@ -28,7 +28,7 @@ class Step(NamedTuple):
 
 
 class Fields(Mapping):
-    """Fields of a result by name, computed when they are asked for: {name: (T, N, d), (T, M) or (T, M, 3, 3)}."""
+    """Fields of a result by name, computed when they are asked for; see docs/results.md."""
 
     def __init__(self, evaluate):
         self._evaluate = evaluate
@@ -37,10 +37,10 @@ class Fields(Mapping):
         return self._evaluate(name)
 
     def __iter__(self):
-        return iter(_core.frame_field_names())
+        return iter(_core.field_names())
 
     def __len__(self):
-        return len(_core.frame_field_names())
+        return len(_core.field_names())
 
     def __repr__(self):
         return f"<fields {', '.join(self)}>"
@@ -56,8 +56,10 @@ class Result:
     times, loads : array (T,)
         [s]; load factors of a static run.
     fields : mapping
-        displacement, velocity (T, N, d); volume_ratio, von_mises [Pa], energy_density [J/m^3] (T, M); cauchy_stress
-        (T, M, 3, 3) [Pa]. Each access computes the field anew.
+        By name, over the T frames: displacement, velocity (T, N, d); by cell von_mises, volume_ratio ... (T, M),
+        principal_stress (T, M, 3), cauchy_stress, green_strain ... (T, M, 3, 3); the same smoothed onto the vertices as
+        nodal_von_mises (T, N) ... `list(result.fields)` has all names, docs/results.md what they mean. Each access
+        computes the field anew.
     report : dict
         As report.json: status, reason, frames with energies, probes and reactions, bodies, timing.
     """
@@ -216,7 +218,7 @@ class Simulation:
 
     @property
     def fields(self):
-        """Fields of the present state by name, (N, d), (M,) or (M, 3, 3); see `Result`."""
+        """Fields of the present state by name, as in `Result` without the axis of the frames."""
         return Fields(lambda name: self._core.field(name)[0])
 
     def cells(self, body):

@@ -4,23 +4,12 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include "resilin/core/error.hpp"
-#include "resilin/core/text.hpp"
-#include "resilin/scene/frame_file.hpp"
+#include "resilin/fields/evaluator.hpp"
 #include "resilin/scene/report.hpp"
 #include "resilin/scene/results.hpp"
 
 namespace resilin::python {
 namespace {
-
-const FrameField& find_field(const std::string& name) {
-  for (const FrameField& field : frame_fields())
-    if (field.name == name) return field;
-  const std::vector<std::string> names = frame_field_names();
-  const std::string nearest = nearest_word(name, names);
-  throw InputError("fields", "one of " + join(names), "\"" + name + "\"",
-                   nearest.empty() ? "" : "did you mean \"" + nearest + "\"?");
-}
 
 /// Vectors on vertices come with three components; in 2D the third is left out.
 std::vector<double> without_third(const std::vector<double>& vectors, std::size_t dim) {
@@ -34,15 +23,18 @@ std::vector<double> without_third(const std::vector<double>& vectors, std::size_
 }  // namespace
 
 NumpyArray<double> field_array(const World& world, std::span<const State> states, const std::string& name) {
-  const FrameField& field = find_field(name);
+  const FieldInfo& field = require_field(name, "fields");
   const auto dim = static_cast<std::size_t>(world.dimension);
+  const bool is_in_space = field.kind == FieldInfo::Kind::vector && field.is_on_nodes && dim < 3 &&
+                           !field.name.starts_with("nodal_");
+  FieldEvaluator evaluator(world);
   std::vector<double> all;
   for (const State& state : states) {
-    std::vector<double> values = field.values(world, state);
-    if (field.components == 3 && dim < 3) values = without_third(values, dim);
+    std::vector<double> values = std::move(evaluator.evaluate(state, {&name, 1}).front().values);
+    if (is_in_space) values = without_third(values, dim);
     all.insert(all.end(), values.begin(), values.end());
   }
-  const std::size_t components = field.components == 3 ? dim : static_cast<std::size_t>(field.components);
+  const std::size_t components = is_in_space ? dim : static_cast<std::size_t>(field.components());
   const std::size_t count = states.size(), places = count == 0 ? 0 : all.size() / count / components;
   if (components == 9) return numpy_array(std::move(all), {count, places, 3, 3});
   if (components == 1) return numpy_array(std::move(all), {count, places});
@@ -79,7 +71,12 @@ void History::save(const std::filesystem::path& path) const {
 
 std::string History::report() const {
   Json frames = Json::array();
-  for (const Frame& frame : frames_) frames.push_back(frame_json(frame, world().dimension));
+  FieldEvaluator evaluator(world());
+  for (std::size_t i = 0; i < frames_.size(); ++i) {
+    frames.push_back(frame_json(frames_[i], world().dimension));
+    const std::vector<FieldValues> fields = evaluator.evaluate(states_[i], world().output.fields);
+    frames.back()["extremes"] = extremes_json(world(), states_[i], fields);
+  }
   return report_json(world(), std::move(frames), summary_).dump();
 }
 
@@ -97,7 +94,7 @@ NumpyArray<double> History::scalar(double State::* member) const {
 }
 
 void bind_history(nb::module_& module) {
-  module.def("frame_field_names", &frame_field_names);
+  module.def("field_names", &field_names);
   nb::class_<History>(module, "History")
       .def("save", &History::save, nb::arg("folder"), nb::call_guard<nb::gil_scoped_release>())
       .def("report", &History::report)

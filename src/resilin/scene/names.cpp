@@ -26,6 +26,7 @@ void check_names(const Description& description) {
   check_unique_names(description.fixes);
   check_unique_names(description.loads);
   check_unique_names(description.probes);
+  check_unique_names(description.sections);
 }
 
 }  // namespace resilin

@@ -77,6 +77,10 @@ std::vector<SectionDoc> scene_sections() {
       document("[newton]", "When the equations count as solved.", newton_keys()),
       document("[solver]", "How linear systems are solved.", solver_keys()),
       document("[[probe]]", "A vertex whose motion the report lists.", probe_keys()),
+      document("[[section]]",
+               "A plane cut through a body; the report lists the force and moment that the side beyond it "
+               "exerts on the side below ([results.md](results.md#sections)).",
+               cut_keys()),
       document("[output]", "What is written to the folder of results.", output_keys()),
   };
 }

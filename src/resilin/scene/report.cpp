@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 
 #include "resilin/core/parallel.hpp"
+#include "resilin/fields/extremes.hpp"
 #include "resilin/scene/build_info.hpp"
 
 namespace resilin {
@@ -27,6 +28,13 @@ Json mode_json(const Frame::ModeValues& mode, int dimension) {
                {"effective_mass", vector_json(mode.effective_mass, dimension)}};
   if (mode.is_unstable) json["growth_rate"] = mode.growth_rate;
   return json;
+}
+
+Json extreme_json(const World& world, const Extreme& extreme, bool is_on_nodes) {
+  return {{"value", extreme.value},
+          {"body", world.bodies[extreme.body].name},
+          {is_on_nodes ? "vertex" : "cell", extreme.number},
+          {"position", vector_json(extreme.position, world.dimension)}};
 }
 
 }  // namespace
@@ -80,6 +88,25 @@ Json frame_json(const Frame& frame, int dimension) {
   json["reaction_moments"] = Json::object();
   for (std::size_t i = 0; i < frame.reactions.size(); ++i) {
     json["reaction_moments"][frame.reactions[i].first] = moment_json(frame.reaction_torques[i], dimension);
+  }
+  json["sections"] = Json::object();
+  for (const SectionForce& section : frame.sections) {
+    json["sections"][section.name] = {
+        {"force", vector_json(section.force, dimension)},
+        {"moment", moment_json(section.moment, dimension)},
+        {"center", vector_json(section.center, dimension)}};
+  }
+  return json;
+}
+
+Json extremes_json(const World& world, const State& state, std::span<const FieldValues> fields) {
+  Json json = Json::object();
+  for (const FieldValues& values : fields) {
+    const std::optional<Extremes> found = extremes(world, state, values);
+    if (!found) continue;
+    const bool is_on_nodes = values.field->is_on_nodes;
+    json[values.field->name] = {{"min", extreme_json(world, found->min, is_on_nodes)},
+                                {"max", extreme_json(world, found->max, is_on_nodes)}};
   }
   return json;
 }

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "resilin/fields/evaluator.hpp"
 #include "resilin/scene/summary.hpp"
 #include "resilin/simulation/simulation.hpp"
 
@@ -13,6 +14,10 @@ using Json = nlohmann::ordered_json;  // keys stay in the order of the contract
 
 /// One entry of "frames". Vectors have `dimension` numbers; angular momentum has 3, in 2D 1.
 Json frame_json(const Frame& frame, int dimension);
+
+/// "extremes" of a frame: for each field that has such, { min, max } with value, body, cell or vertex, and
+/// position.
+Json extremes_json(const World& world, const State& state, std::span<const FieldValues> fields);
 
 /// "bodies".
 Json bodies_json(const World& world);

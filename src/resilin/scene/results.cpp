@@ -52,18 +52,20 @@ struct ResultFolder::Contents {
   Json frames = Json::array();
   Clock::time_point start = Clock::now();
   Clock::time_point next_save = Clock::now();
+  std::optional<FieldEvaluator> evaluator;  ///< of the world whose states are recorded
   double output_seconds = 0;
   double seconds_before = 0;  ///< until the folder was made, and of the run that this one resumes
 
   /// Beside and renamed, so that the file is whole even when the program is killed. Report and checkpoint
   /// also wait for the disk; a frame does not, for that takes longer than a step of a small body: a power cut
   /// may take the last frames, never the way to go on.
-  void write_frame(std::size_t number, const World& world, const State& state) {
+  void write_frame(std::size_t number, const World& world, const State& state,
+                   std::span<const FieldValues> fields) {
     const std::filesystem::path path = folder / frame_name(number);
     std::filesystem::path partial = path;
     partial += ".partial";
     std::ofstream stream(partial, std::ios::binary | std::ios::trunc);
-    resilin::write_frame(stream, world, state);
+    resilin::write_frame(stream, world, state, fields);
     stream.close();
     std::error_code error;
     if (stream) std::filesystem::rename(partial, path, error);
@@ -151,10 +153,11 @@ void ResultFolder::record(const World& world, const State& state, const Frame& f
     // The last frame of a run that was broken off is not one of the unbroken run, unless it was due.
     if (!frames.empty() && frames.back()["step"].get<int>() % world.output.every != 0)
       frames.erase(frames.size() - 1);
-    if (Contents::writes_vtu(world)) {
-      contents_->write_frame(frames.size(), world, state);
-    }
+    if (!contents_->evaluator) contents_->evaluator.emplace(world);
+    const std::vector<FieldValues> fields = contents_->evaluator->evaluate(state, world.output.fields);
+    if (Contents::writes_vtu(world)) contents_->write_frame(frames.size(), world, state, fields);
     frames.push_back(frame_json(frame, world.dimension));
+    frames.back()["extremes"] = extremes_json(world, state, fields);
     contents_->output_seconds += seconds_since(begin);
   }
 }

@@ -10,7 +10,8 @@
 
 namespace resilin {
 
-/// The folder that a run leaves: report.json, frames/NNNN.vtu, frames.pvd, checkpoint.bin.
+/// The folder that a run leaves: report.json, frames/NNNN.vtu, frames.pvd, checkpoint.bin. It records one
+/// world, which must outlive it.
 ///
 /// Every file is written beside and renamed, so that a folder always holds whole files. Frames are written at
 /// once; report and checkpoint at most about once a second, and by `finish`.

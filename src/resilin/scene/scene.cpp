@@ -31,7 +31,7 @@ void read_optional(const SceneNode& root, const char* key, const Keys<T>& keys, 
 
 void read_root(const SceneNode& root, Description& d) {
   refuse_unknown_keys(root, {"title", "simulation", "body", "fix", "load", "collider", "contact", "newton",
-                             "solver", "probe", "output"});
+                             "solver", "probe", "section", "output"});
   if (root.has("title")) d.title = read_text(root.child("title"));
   read_optional(root, "simulation", simulation_keys(), d);
   if (root.has("contact")) refuse_contact(root.child("contact"));
@@ -43,6 +43,7 @@ void read_root(const SceneNode& root, Description& d) {
   read_list(root, "fix", d.fixes, read_fix);
   read_list(root, "load", d.loads, read_load);
   read_list(root, "probe", d.probes, read_probe);
+  read_list(root, "section", d.sections, read_cut);
   if (d.bodies.empty()) root.fail_with("there is no [[body]]; a scene needs at least one, with a mesh");
 }
 

@@ -16,6 +16,10 @@ Keys<SolverOptions> solver_keys();
 Keys<OutputOptions> output_keys();
 Keys<ProbeDescription> probe_keys();
 
+// cut_section.cpp
+Keys<SectionDescription> cut_keys();
+void read_cut(const SceneNode& node, SectionDescription& section);
+
 // body_section.cpp
 Keys<BodyDescription> body_keys();
 void read_body(const SceneNode& node, BodyDescription& body);
@@ -58,7 +62,7 @@ void refuse_contact(const SceneNode& node);
 void refuse_collider(const SceneNode& node);
 
 // names.cpp
-/// Bodies, fixes, loads and probes have names of their own; whether a name that is referred to exists is for
+/// Bodies, fixes, loads, probes and sections have names of their own; whether a name that is referred to exists is for
 /// `World`.
 void check_names(const Description& description);
 

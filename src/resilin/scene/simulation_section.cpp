@@ -1,6 +1,6 @@
+#include "resilin/fields/catalog.hpp"
 #include "resilin/integrator/integrator.hpp"
 #include "resilin/linear/linear_solver.hpp"
-#include "resilin/scene/frame_file.hpp"
 #include "resilin/scene/sections.hpp"
 
 namespace resilin {
@@ -78,8 +78,10 @@ Keys<OutputOptions> output_keys() {
   using O = OutputOptions;
   return {
       integer_key("every", &O::every, at_least_one, "A frame is written for each n-th step."),
-      choices_key("fields", &O::fields, frame_field_names(), {},
-                  "What a frame holds: displacement and velocity on its points, the others on its cells."),
+      key<O>({"fields", "list of names", "", default_text(O{}.fields),
+              "What a frame holds; [results.md](results.md#fields) lists the names. `nodal_` before the name of "
+              "a cells' field smooths it onto the vertices."},
+             [](const SceneNode& node, O& o) { o.fields = read_choices(node, field_names()); }),
       choices_key("formats", &O::formats, {"vtu"}, {"html"}, "Kinds of files that are written."),
   };
 }

@@ -121,6 +121,15 @@ struct ProbeDescription {
   Vector3 at = Vector3::Zero();  ///< the vertex nearest to this rest position is watched [m]
 };
 
+/// A plane cut through a body whose section force is reported.
+struct SectionDescription {
+  std::string place = "section";
+  std::string name;
+  std::string body;
+  int axis = 0;   ///< 0, 1, 2 for x, y, z
+  double at = 0;  ///< coordinate in the rest shape [m]
+};
+
 struct NewtonOptions {
   double tolerance = 1e-8;          ///< force residual relative to the load (docs/theory/stopping.md)
   int max_iterations = 100;         ///< per load or time step; a smaller number truncates a step, safely
@@ -171,6 +180,7 @@ struct Description {
   std::vector<FixDescription> fixes;
   std::vector<LoadDescription> loads;
   std::vector<ProbeDescription> probes;
+  std::vector<SectionDescription> sections;
   NewtonOptions newton;
   SolverOptions solver;
   OutputOptions output;

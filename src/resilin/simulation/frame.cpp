@@ -40,6 +40,8 @@ Frame measure_frame(const World& world, const State& state, const VectorX* step_
                             .velocity = node_position(dim, probe.node, state.velocities)});
   }
 
+  for (const Section& section : world.sections) frame.sections.push_back(section.measure(state.positions));
+
   VectorX gradient;
   if (step_gradient == nullptr) {
     gradient = VectorX::Zero(state.positions.size());

@@ -55,6 +55,8 @@ struct Frame {
 
   std::vector<Vector3> reaction_torques;  ///< of the same supports about the origin, on the moved nodes [N m]
 
+  std::vector<SectionForce> sections;  ///< what bodies carry through the cuts that the scene asks for
+
   double total_energy() const { return elastic_energy + kinetic_energy + external_energy; }
 };
 

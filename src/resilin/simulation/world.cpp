@@ -79,6 +79,7 @@ class Builder {
   void add_support(const FixDescription& fix);
   void add_load(const LoadDescription& load);
   void add_probe(const ProbeDescription& probe);
+  void add_section(const SectionDescription& section);
   void build_pattern();
   void add_masses();
   void find_fixed_unknowns();
@@ -104,6 +105,7 @@ void Builder::build() {
   check_support_conflicts(world_.dimension, world_.supports, world_.rest_positions);
   for (const LoadDescription& load : description_.loads) add_load(load);
   for (const ProbeDescription& probe : description_.probes) add_probe(probe);
+  for (const SectionDescription& section : description_.sections) add_section(section);
   build_pattern();
   add_masses();
   if (description_.gravity.head(world_.dimension).norm() > 0) {
@@ -243,6 +245,11 @@ void Builder::add_probe(const ProbeDescription& probe) {
     }
   }
   world_.probes.push_back(std::move(found));
+}
+
+void Builder::add_section(const SectionDescription& section) {
+  const Body& body = world_.bodies[find_body(section.body, section.place)];
+  world_.sections.emplace_back(section, body, world_.dimension, world_.rest_positions);
 }
 
 /// One pattern for all energies; each looks up its slots in it.

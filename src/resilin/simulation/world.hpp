@@ -8,6 +8,7 @@
 #include "resilin/energy/elastic.hpp"
 #include "resilin/energy/mass.hpp"
 #include "resilin/simulation/description.hpp"
+#include "resilin/simulation/section.hpp"
 #include "resilin/simulation/support.hpp"
 
 namespace resilin {
@@ -68,6 +69,7 @@ class World {
   std::vector<Body> bodies;
   std::vector<Support> supports;
   std::vector<Probe> probes;
+  std::vector<Section> sections;
   std::vector<std::string> warnings;  ///< one line each
   std::vector<std::string> notes;     ///< what was chosen for the user, one line each
 

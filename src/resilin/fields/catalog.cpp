@@ -1,0 +1,154 @@
+#include "resilin/fields/catalog.hpp"
+
+#include <algorithm>
+
+#include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
+#include "resilin/fields/quantities.hpp"
+#include "resilin/fields/tensors.hpp"
+
+namespace resilin {
+namespace {
+
+using Tensor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+using TensorView = Eigen::Map<const Tensor>;
+
+// ---- samples at quadrature points
+
+template <class Function>
+std::vector<double> tensors_of(const std::vector<Matrix<3>>& points, const Function& function) {
+  std::vector<double> values(9 * points.size());
+  for (std::size_t p = 0; p < points.size(); ++p) Eigen::Map<Tensor>(values.data() + 9 * p) = function(p);
+  return values;
+}
+
+std::vector<double> sample_cauchy_stress(const ElasticEnergy& elastic, const VectorX& x) {
+  const std::vector<Matrix<3>> sigma = elastic.cauchy_stresses(x);
+  return tensors_of(sigma, [&](std::size_t p) -> const Matrix<3>& { return sigma[p]; });
+}
+
+/// From sigma, so that whatever an element does to the pressure is in it: P = J sigma F^-T. A law of small
+/// strain has but one stress.
+std::vector<double> sample_first_stress(const ElasticEnergy& elastic, const VectorX& x) {
+  if (elastic.law().kind == LawKind::small_strain) return sample_cauchy_stress(elastic, x);
+  const std::vector<Matrix<3>> sigma = elastic.cauchy_stresses(x), F = elastic.deformation_gradients(x);
+  return tensors_of(sigma, [&](std::size_t p) -> Matrix<3> {
+    return F[p].determinant() * sigma[p] * F[p].inverse().transpose();
+  });
+}
+
+/// S = F^-1 P = J F^-1 sigma F^-T
+std::vector<double> sample_second_stress(const ElasticEnergy& elastic, const VectorX& x) {
+  if (elastic.law().kind == LawKind::small_strain) return sample_cauchy_stress(elastic, x);
+  const std::vector<Matrix<3>> sigma = elastic.cauchy_stresses(x), F = elastic.deformation_gradients(x);
+  return tensors_of(sigma, [&](std::size_t p) -> Matrix<3> {
+    const Matrix<3> F_inverse = F[p].inverse();
+    return F[p].determinant() * F_inverse * sigma[p] * F_inverse.transpose();
+  });
+}
+
+std::vector<double> sample_green_strain(const ElasticEnergy& elastic, const VectorX& x) {
+  const std::vector<Matrix<3>> F = elastic.deformation_gradients(x);
+  return tensors_of(F, [&](std::size_t p) { return green_strain(F[p] - Matrix<3>::Identity()); });
+}
+
+std::vector<double> sample_logarithmic_strain(const ElasticEnergy& elastic, const VectorX& x) {
+  const std::vector<Matrix<3>> F = elastic.deformation_gradients(x);
+  return tensors_of(F, [&](std::size_t p) { return logarithmic_strain(F[p] - Matrix<3>::Identity()); });
+}
+
+std::vector<double> sample_volume_ratio(const ElasticEnergy& elastic, const VectorX& x) {
+  return elastic.volume_ratios(x);
+}
+
+std::vector<double> sample_energy_density(const ElasticEnergy& elastic, const VectorX& x) {
+  return elastic.energy_densities(x);
+}
+
+// ---- read off a mean stress
+
+void derive_von_mises(const double* stress, double* value) { *value = von_mises(TensorView(stress)); }
+
+void derive_pressure(const double* stress, double* value) { *value = -TensorView(stress).trace() / 3; }
+
+void derive_principal_stress(const double* stress, double* values) {
+  std::ranges::copy(principal(TensorView(stress)).values, values);
+}
+
+template <int number>
+void derive_principal_direction(const double* stress, double* values) {
+  Eigen::Map<Vector3>(values, 3) = principal(TensorView(stress)).directions.col(number - 1);
+}
+
+using enum FieldInfo::Kind;
+
+constexpr CellQuantity of_cells[] = {
+    {"cauchy_stress", "Cauchy stress: true stress, in the axes of the deformed shape", "Pa", tensor,
+     sample_cauchy_stress, 9, nullptr},
+    {"von_mises", "von Mises stress of the Cauchy stress", "Pa", scalar, sample_cauchy_stress, 9,
+     derive_von_mises},
+    {"pressure", "minus a third of the trace of the Cauchy stress", "Pa", scalar, sample_cauchy_stress, 9,
+     derive_pressure},
+    {"principal_stress", "principal Cauchy stresses, the largest first", "Pa", principal_values,
+     sample_cauchy_stress, 9, derive_principal_stress},
+    {"principal_direction_1", "direction of the largest principal stress", "", vector, sample_cauchy_stress,
+     9, derive_principal_direction<1>},
+    {"principal_direction_2", "direction of the middle principal stress", "", vector, sample_cauchy_stress, 9,
+     derive_principal_direction<2>},
+    {"principal_direction_3", "direction of the smallest principal stress", "", vector, sample_cauchy_stress,
+     9, derive_principal_direction<3>},
+    {"first_piola_kirchhoff_stress", "first Piola-Kirchhoff stress P = dPsi/dF: force per rest area", "Pa",
+     tensor, sample_first_stress, 9, nullptr},
+    {"second_piola_kirchhoff_stress", "second Piola-Kirchhoff stress S = F^-1 P", "Pa", tensor,
+     sample_second_stress, 9, nullptr},
+    {"green_strain", "Green-Lagrange strain (F^T F - I) / 2", "", tensor, sample_green_strain, 9, nullptr},
+    {"logarithmic_strain", "logarithmic (Hencky) strain ln(F F^T) / 2", "", tensor, sample_logarithmic_strain,
+     9, nullptr},
+    {"volume_ratio", "deformed over rest volume, J = det F", "", scalar, sample_volume_ratio, 1, nullptr},
+    {"energy_density", "strain energy per rest volume", "J/m^3", scalar, sample_energy_density, 1, nullptr},
+};
+
+constexpr NodeQuantity of_nodes[] = {
+    {"displacement", "from the rest shape", "m",
+     [](const World& world, const State& state) -> VectorX { return state.positions - world.rest_positions; }},
+    {"velocity", "zero in statics", "m/s",
+     [](const World&, const State& state) -> VectorX { return state.velocities; }},
+};
+
+std::vector<FieldInfo> all_fields() {
+  std::vector<FieldInfo> all;
+  for (const NodeQuantity& q : of_nodes)
+    all.push_back({std::string(q.name), std::string(q.text), std::string(q.unit), vector, true});
+  for (const bool is_on_nodes : {false, true})
+    for (const CellQuantity& q : of_cells)
+      all.push_back({std::string(is_on_nodes ? nodal_prefix : "") + std::string(q.name), std::string(q.text),
+                     std::string(q.unit), q.kind, is_on_nodes});
+  return all;
+}
+
+}  // namespace
+
+std::span<const CellQuantity> cell_quantities() { return of_cells; }
+std::span<const NodeQuantity> node_quantities() { return of_nodes; }
+
+const std::vector<FieldInfo>& fields() {
+  static const std::vector<FieldInfo> all = all_fields();
+  return all;
+}
+
+std::vector<std::string> field_names() {
+  std::vector<std::string> names;
+  for (const FieldInfo& field : fields()) names.push_back(field.name);
+  return names;
+}
+
+const FieldInfo& require_field(std::string_view name, const std::string& place) {
+  for (const FieldInfo& field : fields())
+    if (field.name == name) return field;
+  const std::vector<std::string> names = field_names();
+  const std::string nearest = nearest_word(name, names);
+  throw InputError(place, "one of " + join(names), "\"" + std::string(name) + "\"",
+                   nearest.empty() ? "" : "did you mean \"" + nearest + "\"?");
+}
+
+}  // namespace resilin

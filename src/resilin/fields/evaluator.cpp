@@ -1,0 +1,121 @@
+#include "resilin/fields/evaluator.hpp"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "resilin/fields/quantities.hpp"
+
+namespace resilin {
+namespace {
+
+/// Three numbers for each node; the third is zero in 2D.
+std::vector<double> nodal_vectors(const VectorX& values, int dim) {
+  const Eigen::Index num_nodes = values.size() / dim;
+  std::vector<double> vectors(static_cast<std::size_t>(3 * num_nodes), 0.0);
+  for (Eigen::Index node = 0; node < num_nodes; ++node)
+    for (int i = 0; i < dim; ++i) vectors[static_cast<std::size_t>(3 * node + i)] = values[dim * node + i];
+  return vectors;
+}
+
+/// Means over the cells' rest volume.
+std::vector<double> cell_means(const ElasticEnergy& elastic, const std::vector<double>& points,
+                               std::size_t components) {
+  const std::vector<double> volumes = elastic.point_volumes();
+  const auto num_points = static_cast<std::size_t>(elastic.num_points());
+  if (num_points == 1) return points;
+  std::vector<double> means(points.size() / num_points, 0.0);
+  for (std::size_t cell = 0; cell * num_points < volumes.size(); ++cell) {
+    double total = 0;
+    for (std::size_t q = 0; q < num_points; ++q) {
+      const std::size_t point = cell * num_points + q;
+      total += volumes[point];
+      for (std::size_t k = 0; k < components; ++k)
+        means[cell * components + k] += volumes[point] * points[point * components + k];
+    }
+    for (std::size_t k = 0; k < components; ++k) means[cell * components + k] /= total;
+  }
+  return means;
+}
+
+/// The samples that the asked fields share, of one state: taken once, reduced once.
+class Samples {
+ public:
+  Samples(const World& world, const VectorX& x) : world_(world), x_(x) {}
+
+  const std::vector<double>& at_points(const CellQuantity& quantity, std::size_t body) {
+    auto [place, is_new] = points_.try_emplace({quantity.sample, body});
+    if (is_new) place->second = quantity.sample(*world_.bodies[body].elastic, x_);
+    return place->second;
+  }
+
+  /// `reduce(body, samples)` gives the means of cells or the values at nodes.
+  template <class Reduce>
+  const std::vector<double>& reduced(const CellQuantity& quantity, bool is_on_nodes, const Reduce& reduce) {
+    auto [place, is_new] = reduced_.try_emplace({quantity.sample, is_on_nodes});
+    if (!is_new) return place->second;
+    for (std::size_t body = 0; body < world_.bodies.size(); ++body) {
+      const std::vector<double> part = reduce(body, at_points(quantity, body));
+      place->second.insert(place->second.end(), part.begin(), part.end());
+    }
+    return place->second;
+  }
+
+ private:
+  const World& world_;
+  const VectorX& x_;
+  std::map<std::pair<Sampler, std::size_t>, std::vector<double>> points_;
+  std::map<std::pair<Sampler, bool>, std::vector<double>> reduced_;
+};
+
+std::vector<double> derived(const CellQuantity& quantity, int components,
+                            const std::vector<double>& samples) {
+  if (quantity.derive == nullptr) return samples;
+  const auto from = static_cast<std::size_t>(quantity.sample_components);
+  const auto to = static_cast<std::size_t>(components);
+  std::vector<double> values(samples.size() / from * to);
+  for (std::size_t i = 0; i * from < samples.size(); ++i)
+    quantity.derive(samples.data() + i * from, values.data() + i * to);
+  return values;
+}
+
+const CellQuantity* find_quantity(const FieldInfo& field) {
+  std::string_view name = field.name;
+  if (field.is_on_nodes && name.starts_with(nodal_prefix)) name.remove_prefix(nodal_prefix.size());
+  const auto found = std::ranges::find(cell_quantities(), name, &CellQuantity::name);
+  return found == cell_quantities().end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+FieldEvaluator::FieldEvaluator(const World& world) : world_(world), fits_(world.bodies.size()) {}
+
+NodalFit& FieldEvaluator::fit_of(std::size_t body) {
+  if (!fits_[body]) fits_[body] = std::make_unique<NodalFit>(world_.bodies[body]);
+  return *fits_[body];
+}
+
+std::vector<FieldValues> FieldEvaluator::evaluate(const State& state, std::span<const std::string> names) {
+  Samples samples(world_, state.positions);
+  std::vector<FieldValues> results;
+  for (const std::string& name : names) {
+    const FieldInfo& field = require_field(name, "fields");
+    const auto node_quantity = std::ranges::find(node_quantities(), name, &NodeQuantity::name);
+    if (node_quantity != node_quantities().end()) {
+      results.push_back({&field, nodal_vectors(node_quantity->values(world_, state), world_.dimension)});
+      continue;
+    }
+    const CellQuantity& quantity = *find_quantity(field);
+    const int components = quantity.sample_components;
+    const auto reduce = [&](std::size_t body, const std::vector<double>& points) {
+      return field.is_on_nodes
+                 ? fit_of(body).fit(points, components)
+                 : cell_means(*world_.bodies[body].elastic, points, static_cast<std::size_t>(components));
+    };
+    results.push_back(
+        {&field, derived(quantity, field.components(), samples.reduced(quantity, field.is_on_nodes, reduce))});
+  }
+  return results;
+}
+
+}  // namespace resilin

@@ -1,0 +1,87 @@
+#include "resilin/fields/nodal_fit.hpp"
+
+#include <gtest/gtest.h>
+
+#include "resilin/energy/facet.hpp"
+#include "small_scenes.hpp"
+
+namespace resilin::testing {
+namespace {
+
+/// Bodies of every element that a scene can have, their inner vertices moved.
+std::vector<World> sample_worlds() {
+  std::vector<World> worlds;
+  for (const int dim : {2, 3}) {
+    Description scene = small_bar(dim, false);
+    for (Vector3& X : scene.bodies[0].mesh.vertices)
+      X.head(dim) += 0.01 * Vector3(std::sin(40 * X.y()), std::sin(30 * X.x()), std::cos(50 * X.x())).head(dim);
+    scene.fixes[0].where.tolerance = 0.02;
+    worlds.emplace_back(scene);
+  }
+  return worlds;
+}
+
+/// A linear function of the rest position.
+double linear(const Vector3& X) { return 2 + X.x() - 3 * X.y() + 0.5 * X.z(); }
+
+TEST(NodalFit, MeetsALinearFieldThatItsPointsCanTell) {
+  for (const World& world : sample_worlds()) {
+    const Body& body = world.bodies[0];
+    const ElementInfo& element = body.elastic->element();
+    const auto n = static_cast<std::size_t>(element.num_nodes);
+    std::vector<double> values, N(n);
+    for (std::size_t cell = 0; cell < static_cast<std::size_t>(body.num_cells()); ++cell)
+      for (const QuadraturePoint& point : body.elastic->quadrature().points) {
+        element.shape_values(point.xi, N);
+        Vector3 X = Vector3::Zero();
+        for (std::size_t a = 0; a < n; ++a)
+          X += N[a] * node_position(world.dimension, body.cells[cell * n + a], world.rest_positions);
+        values.push_back(linear(X));
+      }
+    const std::vector<double> fitted = NodalFit(body).fit(values, 1);
+    if (body.elastic->num_points() == 1) continue;  // constant in each cell: see the next test
+    for (Index i = 0; i < body.num_nodes; ++i)
+      EXPECT_NEAR(fitted[static_cast<std::size_t>(i)],
+                  linear(node_position(world.dimension, i, world.rest_positions)), 1e-11)
+          << element.name << " " << world.dimension;
+  }
+}
+
+/// The projection by hand, with a dense matrix.
+TEST(NodalFit, OfConstantCellsIsTheirProjection) {
+  for (const World& world : sample_worlds()) {
+    const Body& body = world.bodies[0];
+    if (body.elastic->num_points() != 1) continue;
+    const auto n = static_cast<std::size_t>(num_nodes(body.cell_kind));
+    const std::vector<double> volumes = body.elastic->rest_volumes();
+    Eigen::MatrixXd M = Eigen::MatrixXd::Zero(body.num_nodes, body.num_nodes);
+    Eigen::MatrixXd b = Eigen::MatrixXd::Zero(body.num_nodes, 4);
+    std::vector<double> values;
+    for (std::size_t cell = 0; cell < volumes.size(); ++cell) {
+      for (int k = 0; k < 4; ++k) values.push_back(std::sin(static_cast<double>(cell) + k));
+      for (std::size_t i = 0; i < n; ++i) {
+        const Index row = body.cells[cell * n + i];
+        for (int k = 0; k < 4; ++k)
+          b(row, k) += volumes[cell] / static_cast<double>(n) * values[4 * cell + static_cast<std::size_t>(k)];
+        for (std::size_t j = 0; j < n; ++j)
+          M(row, body.cells[cell * n + j]) +=
+              volumes[cell] * (i == j ? 2 : 1) / static_cast<double>(n * (n + 1));
+      }
+    }
+    const Eigen::MatrixXd expected = M.ldlt().solve(b);
+    const std::vector<double> fitted = NodalFit(body).fit(values, 4);
+    for (Index i = 0; i < body.num_nodes; ++i)
+      for (int k = 0; k < 4; ++k)
+        EXPECT_NEAR(fitted[static_cast<std::size_t>(4 * i + k)], expected(i, k), 1e-11);  // solved to 1e-13
+  }
+}
+
+TEST(NodalFit, OfSomethingThatIsNoNumberIsNone) {
+  const World world = sample_worlds()[0];
+  std::vector<double> values(static_cast<std::size_t>(world.bodies[0].num_cells()), 1.0);
+  values[2] = std::numeric_limits<double>::infinity();
+  for (const double value : NodalFit(world.bodies[0]).fit(values, 1)) EXPECT_TRUE(std::isnan(value));
+}
+
+}  // namespace
+}  // namespace resilin::testing
