@@ -19,11 +19,16 @@ SHARED = {
     "libmetis": ("METIS", "Apache-2.0", "libmetis5"),
     "libtbb": ("oneTBB", "Apache-2.0", "libtbb12"),
     "libtomlplusplus": ("toml++", "MIT", "libtomlplusplus3"),
+    "libfreetype": ("FreeType", "FTL (FreeType License)", "libfreetype6"),
+    "libpng": ("libpng", "libpng License", "libpng16-16"),
+    "libbrotlidec": ("Brotli", "MIT", "libbrotli1"),
+    "libbrotlicommon": ("Brotli's tables", "MIT", "libbrotli1"),
 }
 COMPILED_IN = {  # headers and static libraries
     "Eigen": ("MPL-2.0", "libeigen3-dev"),
     "JSON for Modern C++": ("MIT", "nlohmann-json3-dev"),
 }
+FONT_LICENCE = pathlib.Path(__file__).parent.parent / "src/resilin/picture/DejaVuSans.LICENSE"
 FILE_NAME = "licenses/bundled-libraries.txt"
 
 
@@ -46,12 +51,14 @@ def text_for(found):
     lines += [f"  {pathlib.PurePath(name).name}: {SHARED[key][0]}, {SHARED[key][1]}" for name, key in found.items()]
     lines += ["", "Compiled into the extension:", ""]
     lines += [f"  {project}: {licence}" for project, (licence, _) in COMPILED_IN.items()]
+    lines += ["  DejaVu Sans, a part of it: Bitstream Vera License"]
     lines += ["  nanobind: BSD-3-Clause", "  robin-map (in nanobind): MIT", ""]
     lines += ["CHOLMOD is not among them: no part of the wheel is under the GPL alone.", ""]
     for project, _, package in SHARED.values():
         lines += ["=" * 100, project, "=" * 100, copyright_of(package)]
     for project, (_, package) in COMPILED_IN.items():
         lines += ["=" * 100, project, "=" * 100, copyright_of(package)]
+    lines += ["=" * 100, "DejaVu Sans", "=" * 100, FONT_LICENCE.read_text(encoding="utf-8")]
     nanobind = importlib.metadata.distribution("nanobind")
     for file in nanobind.files:
         if "licen" in file.name.lower():

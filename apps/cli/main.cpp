@@ -21,9 +21,9 @@ int fail(int code, const std::string& message) {
 
 /// The commands that later versions have.
 int refuse_view() {
-  return fail(
-      wrong_input,
-      "view: the page in the browser is not part of this version; open frames.pvd of a run in ParaView");
+  return fail(wrong_input,
+              "view: the page in the browser is not part of this version; draw a run with `resilin picture` "
+              "or open its frames.pvd in ParaView");
 }
 
 int run_action(const Action& action) {
@@ -70,6 +70,7 @@ int main(int argc, char** argv) {
   add_check(app, action);
   CLI::App* view = app.add_subcommand("view", "Not part of this version: the page in the browser");
   view->allow_extras()->callback([&action] { action = refuse_view; });
+  add_picture(app, action);
   add_mesh(app, action);
   add_materials(app, action);
   add_bench(app, action);

@@ -10,6 +10,7 @@ from resilin._core import InputError, __version__
 from resilin.elastic import Elastic
 from resilin.material import Material, laws
 from resilin.mesh import Mesh, MeshReport, read_mesh
+from resilin.picture import Picture, picture
 from resilin.simulation import Result, Simulation, Step, run
 from resilin.threads import num_threads, set_num_threads
 
@@ -21,12 +22,14 @@ __all__ = [
     "Material",
     "Mesh",
     "MeshReport",
+    "Picture",
     "Result",
     "Simulation",
     "Step",
     "__version__",
     "laws",
     "num_threads",
+    "picture",
     "read_mesh",
     "run",
     "set_num_threads",

@@ -10,6 +10,7 @@ import numpy as np
 from resilin import _core
 from resilin.arrays import refuse
 from resilin.mesh import warn
+from resilin.picture import Picture, picture_options
 from resilin.progress import Progress
 from resilin.scene import material_entries, read_scene
 
@@ -81,6 +82,42 @@ class Result:
     def save(self, folder):
         """Writes the folder that `resilin run --out` leaves: report.json, frames.pvd, frames/, checkpoint.bin."""
         self._core.save(os.fspath(folder))
+
+    def plot(self, field="von_mises", *, frame=-1, **options):
+        """Draws the deformed body, coloured by a field; no display and no other package is needed.
+
+        Parameters
+        ----------
+        field : str or None
+            Any of `fields`, with a component where it has several: "displacement" (its length), "displacement.z",
+            "cauchy_stress.xy", "principal_stress.1"; "nodal_von_mises" is smooth.
+        frame : int
+            Number of the frame; -1 is the last.
+        size : (int, int)
+            Width and height in pixels; (1200, 900).
+        view : str or (3,)
+            "iso", "front", "back", "left", "right", "top", "bottom", or the direction from the body to the eye.
+        up : str
+            Axis that points up: "z".
+        range : (float, float), optional
+            Values at the ends of the colours; by default those of the field.
+        map : str
+            "viridis", "diverging", or "auto": diverging for fields of two signs.
+        scale : float
+            Factor on displacements; 1.
+        edges : bool, optional
+            Edges of the cells; by default where there is room.
+        rest : bool
+            The outline of the rest shape.
+        dark : bool
+            A dark background.
+
+        Returns
+        -------
+        Picture
+            A notebook shows it; `.save("stress.png")` writes it, `.pixels` is an array.
+        """
+        return Picture(self._core.draw(int(frame), picture_options(field, **options)))
 
     def __repr__(self):
         return f"<resilin.Result {self.status}: {len(self.times)} frames; {self.report['reason']}>"
@@ -220,6 +257,10 @@ class Simulation:
     def fields(self):
         """Fields of the present state by name, as in `Result` without the axis of the frames."""
         return Fields(lambda name: self._core.field(name)[0])
+
+    def plot(self, field="von_mises", **options):
+        """Draws the present state; see `Result.plot`."""
+        return Picture(self._core.draw(picture_options(field, **options)))
 
     def cells(self, body):
         """Vertices of the cells of a body (M, d + 1), as rows of `positions`."""

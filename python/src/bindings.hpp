@@ -22,6 +22,7 @@ void bind_batch_law(nb::module_& module);
 void bind_curve(nb::module_& module);
 void bind_mesh(nb::module_& module);
 void bind_elastic(nb::module_& module);
+void bind_picture(nb::module_& module);
 void bind_simulation(nb::module_& module);
 
 // C-contiguous arrays: the Python layer has seen to that.

@@ -4,8 +4,10 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include "resilin/core/error.hpp"
 #include "resilin/fields/evaluator.hpp"
 #include "resilin/scene/report.hpp"
+#include "resilin/scene/result_picture.hpp"
 #include "resilin/scene/results.hpp"
 
 namespace resilin::python {
@@ -80,6 +82,14 @@ std::string History::report() const {
   return report_json(world(), std::move(frames), summary_).dump();
 }
 
+Image History::draw(int frame, const PictureOptions& options) const {
+  const int count = static_cast<int>(states_.size()), number = frame < 0 ? count + frame : frame;
+  if (number < 0 || number >= count)
+    throw InputError("frame", "0 to " + std::to_string(count - 1) + ", or -1 for the last",
+                     std::to_string(frame));
+  return draw_state(world(), states_[static_cast<std::size_t>(number)], options);
+}
+
 NumpyArray<double> History::nodal(VectorX State::* member) const {
   std::vector<double> all;
   for (const State& state : states_) all.insert(all.end(), (state.*member).begin(), (state.*member).end());
@@ -98,6 +108,8 @@ void bind_history(nb::module_& module) {
   nb::class_<History>(module, "History")
       .def("save", &History::save, nb::arg("folder"), nb::call_guard<nb::gil_scoped_release>())
       .def("report", &History::report)
+      .def("draw", &History::draw, nb::arg("frame"), nb::arg("options"),
+           nb::call_guard<nb::gil_scoped_release>())
       .def("positions", &History::positions)
       .def("velocities", &History::velocities)
       .def("times", &History::times)

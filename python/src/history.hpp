@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bindings.hpp"
+#include "resilin/picture/picture.hpp"
 #include "resilin/scene/summary.hpp"
 #include "resilin/simulation/simulation.hpp"
 
@@ -29,6 +30,8 @@ class History {
   /// Writes the folder that the run would have left.
   void save(const std::filesystem::path& folder) const;
   std::string report() const;  ///< as in report.json
+  /// @param frame  from 0, or from the end: -1 is the last
+  Image draw(int frame, const PictureOptions& options) const;
 
   NumpyArray<double> positions() const { return nodal(&State::positions); }    ///< (T, N, dim)
   NumpyArray<double> velocities() const { return nodal(&State::velocities); }  ///< (T, N, dim)

@@ -26,5 +26,6 @@ NB_MODULE(_core, module) {
   python::bind_curve(module);
   python::bind_mesh(module);
   python::bind_elastic(module);
-  python::bind_simulation(module);
+  python::bind_picture(module);
+  bind_simulation(module);
 }

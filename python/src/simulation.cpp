@@ -23,6 +23,7 @@
 #include "resilin/core/stopwatch.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/scene/report.hpp"
+#include "resilin/scene/result_picture.hpp"
 #include "resilin/scene/results.hpp"
 #include "resilin/scene/run.hpp"
 #include "resilin/scene/scene.hpp"
@@ -200,6 +201,12 @@ void bind_simulation(nb::module_& module) {
            [](const RunningSimulation& s) {
              return frame_json(s.simulation().frame(), s.world().dimension).dump();
            })
+      .def(
+          "draw",
+          [](const RunningSimulation& s, const PictureOptions& options) {
+            return draw_state(s.world(), s.simulation().state(), options);
+          },
+          nb::arg("options"), nb::call_guard<nb::gil_scoped_release>())
       .def("bodies", [](const RunningSimulation& s) { return bodies_json(s.world()).dump(); })
       .def("reached", [](const RunningSimulation& s) { return reached(s.simulation()); })
       .def("positions", nodal(&State::positions))

@@ -63,7 +63,8 @@ TEST(Fields, OfAUniformStateAreExactForEveryLawInTwoAndThreeDimensions) {
       const bool is_small = law->kind == LawKind::small_strain;
       expect_everywhere(world, state, "cauchy_stress", cauchy_stress<3>(material, F));
       expect_everywhere(world, state, "first_piola_kirchhoff_stress", P);
-      expect_everywhere(world, state, "second_piola_kirchhoff_stress", is_small ? P : Matrix<3>(F.inverse() * P));
+      expect_everywhere(world, state, "second_piola_kirchhoff_stress",
+                        is_small ? P : Matrix<3>(F.inverse() * P));
       expect_everywhere(world, state, "green_strain", 0.5 * (F.transpose() * F - Matrix<3>::Identity()));
     }
 }
@@ -82,7 +83,8 @@ TEST(Fields, ThatAreReadOffAStressAgreeWithIt) {
       EXPECT_NEAR(values_of(world, state, prefix + "principal_stress")[9 + i], expected.values[i], tolerance);
       const auto direction = values_of(world, state, prefix + "principal_direction_" + std::to_string(i + 1));
       for (int k = 0; k < 3; ++k)
-        EXPECT_NEAR(direction[9 + static_cast<std::size_t>(k)], expected.directions(k, static_cast<int>(i)), 1e-9);
+        EXPECT_NEAR(direction[9 + static_cast<std::size_t>(k)], expected.directions(k, static_cast<int>(i)),
+                    1e-9);
     }
     EXPECT_NEAR(values_of(world, state, prefix + "volume_ratio")[5], F.determinant(), 1e-12);
   }
@@ -98,7 +100,8 @@ TEST(Fields, OnTheNodesKeepTheMeanOfTheCells) {
   for (std::size_t cell = 0; cell < cells.size(); ++cell) {
     of_cells += volumes[cell] * (cells[cell] - 1);
     for (std::size_t a = 0; a < 4; ++a)
-      of_nodes += volumes[cell] / 4 * (nodes[static_cast<std::size_t>(world.bodies[0].cells[4 * cell + a])] - 1);
+      of_nodes +=
+          volumes[cell] / 4 * (nodes[static_cast<std::size_t>(world.bodies[0].cells[4 * cell + a])] - 1);
   }
   EXPECT_NEAR(of_nodes, of_cells, 1e-11 * world.bodies[0].elastic->total_rest_volume());  // solved to 1e-13
 }

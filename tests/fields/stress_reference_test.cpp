@@ -14,7 +14,9 @@ namespace {
 std::array<double, 2> middle_stress(const Simulation& simulation) {
   const World& world = simulation.world();
   const std::vector<double> stress =
-      FieldEvaluator(world).evaluate(simulation.state(), std::vector<std::string>{"nodal_cauchy_stress"})[0].values;
+      FieldEvaluator(world)
+          .evaluate(simulation.state(), std::vector<std::string>{"nodal_cauchy_stress"})[0]
+          .values;
   const auto radius = [&](Index i) { return node_position(3, i, world.rest_positions).norm(); };
   const CellBlock block{.kind = world.bodies[0].cell_kind, .nodes = world.bodies[0].cells};
   double radial = 0, hoop = 0;
@@ -42,8 +44,8 @@ TEST(StressReference, InTheMiddleOfAShellComesNearerWithTheMesh) {
   std::vector<double> errors;
   for (const std::string mesh : {"meshes/shell_coarse.msh", "meshes/shell_fine.msh"}) {
     Description description =
-        one_body(3, reference_mesh(mesh), reference_law("nh_log", reference["material"]["mu"],
-                                                        reference["material"]["lam"]));
+        one_body(3, reference_mesh(mesh),
+                 reference_law("nh_log", reference["material"]["mu"], reference["material"]["lam"]));
     description.newton.tolerance = 1e-8;
     for (int axis = 0; axis < 3; ++axis) {
       FixDescription symmetry = fix("plane " + std::to_string(axis), plane(axis, 0));

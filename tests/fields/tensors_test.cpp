@@ -38,7 +38,8 @@ TEST(PrincipalValues, RebuildTheTensorFromTheLargestToTheSmallest) {
                             found.directions.transpose();
   EXPECT_LT((rebuilt - tensor).norm(), 1e-13);
   EXPECT_NEAR(std::abs(found.directions.col(0).dot(Q.col(1))), 1, 1e-14);
-  for (int i = 0; i < 3; ++i) EXPECT_GT(found.directions.col(i).maxCoeff(), -found.directions.col(i).minCoeff());
+  for (int i = 0; i < 3; ++i)
+    EXPECT_GT(found.directions.col(i).maxCoeff(), -found.directions.col(i).minCoeff());
 }
 
 TEST(PrincipalValues, OfATensorThatIsNoNumberAreNone) {

@@ -91,9 +91,10 @@ TEST(SectionForce, NeedsAPlaneThroughTheBody) {
     const World world(scene);
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(),
-                 "beam.toml: section[0].plane: expected a plane with cells on both sides, got y = 3; the body "
-                 "reaches from y = 0 to 0.25");
+    EXPECT_STREQ(
+        error.what(),
+        "beam.toml: section[0].plane: expected a plane with cells on both sides, got y = 3; the body "
+        "reaches from y = 0 to 0.25");
   }
 }
 

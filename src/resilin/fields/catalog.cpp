@@ -83,46 +83,53 @@ void derive_principal_direction(const double* stress, double* values) {
 using enum FieldInfo::Kind;
 
 constexpr CellQuantity of_cells[] = {
-    {"cauchy_stress", "Cauchy stress: true stress, in the axes of the deformed shape", "Pa", tensor,
-     sample_cauchy_stress, 9, nullptr},
-    {"von_mises", "von Mises stress of the Cauchy stress", "Pa", scalar, sample_cauchy_stress, 9,
-     derive_von_mises},
-    {"pressure", "minus a third of the trace of the Cauchy stress", "Pa", scalar, sample_cauchy_stress, 9,
-     derive_pressure},
-    {"principal_stress", "principal Cauchy stresses, the largest first", "Pa", principal_values,
-     sample_cauchy_stress, 9, derive_principal_stress},
-    {"principal_direction_1", "direction of the largest principal stress", "", vector, sample_cauchy_stress,
-     9, derive_principal_direction<1>},
-    {"principal_direction_2", "direction of the middle principal stress", "", vector, sample_cauchy_stress, 9,
-     derive_principal_direction<2>},
-    {"principal_direction_3", "direction of the smallest principal stress", "", vector, sample_cauchy_stress,
-     9, derive_principal_direction<3>},
-    {"first_piola_kirchhoff_stress", "first Piola-Kirchhoff stress P = dPsi/dF: force per rest area", "Pa",
-     tensor, sample_first_stress, 9, nullptr},
-    {"second_piola_kirchhoff_stress", "second Piola-Kirchhoff stress S = F^-1 P", "Pa", tensor,
-     sample_second_stress, 9, nullptr},
-    {"green_strain", "Green-Lagrange strain (F^T F - I) / 2", "", tensor, sample_green_strain, 9, nullptr},
-    {"logarithmic_strain", "logarithmic (Hencky) strain ln(F F^T) / 2", "", tensor, sample_logarithmic_strain,
+    {"cauchy_stress", "Cauchy stress", "Cauchy stress: true stress, in the axes of the deformed shape", "Pa",
+     tensor, sample_cauchy_stress, 9, nullptr},
+    {"von_mises", "von Mises stress", "von Mises stress of the Cauchy stress", "Pa", scalar,
+     sample_cauchy_stress, 9, derive_von_mises},
+    {"pressure", "pressure", "minus a third of the trace of the Cauchy stress", "Pa", scalar,
+     sample_cauchy_stress, 9, derive_pressure},
+    {"principal_stress", "principal stress", "principal Cauchy stresses, the largest first", "Pa",
+     principal_values, sample_cauchy_stress, 9, derive_principal_stress},
+    {"principal_direction_1", "principal direction 1", "direction of the largest principal stress", "",
+     vector, sample_cauchy_stress, 9, derive_principal_direction<1>},
+    {"principal_direction_2", "principal direction 2", "direction of the middle principal stress", "", vector,
+     sample_cauchy_stress, 9, derive_principal_direction<2>},
+    {"principal_direction_3", "principal direction 3", "direction of the smallest principal stress", "",
+     vector, sample_cauchy_stress, 9, derive_principal_direction<3>},
+    {"first_piola_kirchhoff_stress", "first Piola-Kirchhoff stress",
+     "first Piola-Kirchhoff stress P = dPsi/dF: force per rest area", "Pa", tensor, sample_first_stress, 9,
+     nullptr},
+    {"second_piola_kirchhoff_stress", "second Piola-Kirchhoff stress",
+     "second Piola-Kirchhoff stress S = F^-1 P", "Pa", tensor, sample_second_stress, 9, nullptr},
+    {"green_strain", "Green strain", "Green-Lagrange strain (F^T F - I) / 2", "", tensor, sample_green_strain,
      9, nullptr},
-    {"volume_ratio", "deformed over rest volume, J = det F", "", scalar, sample_volume_ratio, 1, nullptr},
-    {"energy_density", "strain energy per rest volume", "J/m^3", scalar, sample_energy_density, 1, nullptr},
+    {"logarithmic_strain", "logarithmic strain", "logarithmic (Hencky) strain ln(F F^T) / 2", "", tensor,
+     sample_logarithmic_strain, 9, nullptr},
+    {"volume_ratio", "volume ratio", "deformed over rest volume, J = det F", "", scalar, sample_volume_ratio,
+     1, nullptr},
+    {"energy_density", "energy density", "strain energy per rest volume", "J/m^3", scalar,
+     sample_energy_density, 1, nullptr},
 };
 
 constexpr NodeQuantity of_nodes[] = {
-    {"displacement", "from the rest shape", "m",
-     [](const World& world, const State& state) -> VectorX { return state.positions - world.rest_positions; }},
-    {"velocity", "zero in statics", "m/s",
+    {"displacement", "displacement", "from the rest shape", "m",
+     [](const World& world, const State& state) -> VectorX {
+       return state.positions - world.rest_positions;
+     }},
+    {"velocity", "velocity", "zero in statics", "m/s",
      [](const World&, const State& state) -> VectorX { return state.velocities; }},
 };
 
 std::vector<FieldInfo> all_fields() {
   std::vector<FieldInfo> all;
   for (const NodeQuantity& q : of_nodes)
-    all.push_back({std::string(q.name), std::string(q.text), std::string(q.unit), vector, true});
+    all.push_back(
+        {std::string(q.name), std::string(q.label), std::string(q.text), std::string(q.unit), vector, true});
   for (const bool is_on_nodes : {false, true})
     for (const CellQuantity& q : of_cells)
-      all.push_back({std::string(is_on_nodes ? nodal_prefix : "") + std::string(q.name), std::string(q.text),
-                     std::string(q.unit), q.kind, is_on_nodes});
+      all.push_back({std::string(is_on_nodes ? nodal_prefix : "") + std::string(q.name), std::string(q.label),
+                     std::string(q.text), std::string(q.unit), q.kind, is_on_nodes});
   return all;
 }
 

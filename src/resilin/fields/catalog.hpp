@@ -17,8 +17,9 @@ struct FieldInfo {
     tensor             ///< 9 numbers, row by row
   };
   std::string name;
-  std::string text;  ///< what it is
-  std::string unit;  ///< empty when it has none
+  std::string label;  ///< at a colour bar: "von Mises stress"
+  std::string text;   ///< what it is
+  std::string unit;   ///< empty when it has none
   Kind kind;
   bool is_on_nodes;
 

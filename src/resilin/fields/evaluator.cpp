@@ -112,8 +112,8 @@ std::vector<FieldValues> FieldEvaluator::evaluate(const State& state, std::span<
                  ? fit_of(body).fit(points, components)
                  : cell_means(*world_.bodies[body].elastic, points, static_cast<std::size_t>(components));
     };
-    results.push_back(
-        {&field, derived(quantity, field.components(), samples.reduced(quantity, field.is_on_nodes, reduce))});
+    results.push_back({&field, derived(quantity, field.components(),
+                                       samples.reduced(quantity, field.is_on_nodes, reduce))});
   }
   return results;
 }

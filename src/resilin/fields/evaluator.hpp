@@ -22,8 +22,8 @@ struct FieldValues {
 /// Evaluates fields of a world's states and keeps what smoothing needs between them.
 ///
 /// By cell: the mean over the cell's rest volume. On the nodes: the L2 projection (`NodalFit`), each body for
-/// itself. von Mises stress, pressure and principal values are those of the mean or smoothed Cauchy stress, so
-/// that they agree with the tensor beside them.
+/// itself. von Mises stress, pressure and principal values are those of the mean or smoothed Cauchy stress,
+/// so that they agree with the tensor beside them.
 class FieldEvaluator {
  public:
   /// @param world  kept by reference

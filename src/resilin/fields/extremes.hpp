@@ -18,8 +18,8 @@ struct Extremes {
   Extreme min, max;
 };
 
-/// Scalars by value, vectors by length, principal stresses by the smallest and the largest of all three. Empty
-/// for directions and tensors, and when no value is a finite number; others are passed over.
+/// Scalars by value, vectors by length, principal stresses by the smallest and the largest of all three.
+/// Empty for directions and tensors, and when no value is a finite number; others are passed over.
 std::optional<Extremes> extremes(const World& world, const State& state, const FieldValues& values);
 
 }  // namespace resilin

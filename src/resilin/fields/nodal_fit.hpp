@@ -16,15 +16,16 @@ namespace resilin {
 ///
 /// N_a are the shape functions of the corners, V_q rest volumes; M is the consistent mass matrix of unit
 /// density. Both sums run over the element's own points when there are enough of them, so that a linear field
-/// is met exactly; with one point, M is exact. Nodes between corners take the value of the linear field there.
-/// Solved by conjugate gradients with M's diagonal, whose condition number does not depend on the mesh (Wathen
-/// 1987). Source: Zienkiewicz & Zhu 1987.
+/// is met exactly; with one point, M is exact. Nodes between corners take the value of the linear field
+/// there. Solved by conjugate gradients with M's diagonal, whose condition number does not depend on the mesh
+/// (Wathen 1987). Source: Zienkiewicz & Zhu 1987.
 class NodalFit {
  public:
   explicit NodalFit(const Body& body);
 
   /// @param point_values  `components` numbers for each quadrature point, cell by cell
-  /// @return              `components` numbers for each node of the body; zero at a node that no cell uses; nan
+  /// @return              `components` numbers for each node of the body; zero at a node that no cell uses;
+  /// nan
   ///                      everywhere when some value is not a finite number
   std::vector<double> fit(std::span<const double> point_values, int components);
 

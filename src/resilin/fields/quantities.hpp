@@ -20,7 +20,7 @@ using Sampler = std::vector<double> (*)(const ElasticEnergy& elastic, const Vect
 
 /// A quantity of the cells: samples, and what is read off their mean over a cell or their fit at a vertex.
 struct CellQuantity {
-  std::string_view name, text, unit;
+  std::string_view name, label, text, unit;
   FieldInfo::Kind kind;
   Sampler sample;
   int sample_components;
@@ -31,7 +31,7 @@ std::span<const CellQuantity> cell_quantities();
 
 /// A quantity of the vertices: dim numbers for each.
 struct NodeQuantity {
-  std::string_view name, text, unit;
+  std::string_view name, label, text, unit;
   VectorX (*values)(const World& world, const State& state);
 };
 std::span<const NodeQuantity> node_quantities();

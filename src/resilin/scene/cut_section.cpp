@@ -9,9 +9,8 @@ Keys<SectionDescription> cut_plane_keys() {
       key<S>({"axis", "letter", "", "required", "\"x\", \"y\" or \"z\": the plane's normal."},
              [](const SceneNode& node, S& section) {
                const bool is_3d = node.context->dimension == 3;
-               const std::string letter =
-                   read_choice(node, is_3d ? std::vector<std::string>{"x", "y", "z"}
-                                           : std::vector<std::string>{"x", "y"});
+               const std::string letter = read_choice(node, is_3d ? std::vector<std::string>{"x", "y", "z"}
+                                                                  : std::vector<std::string>{"x", "y"});
                section.axis = letter[0] - 'x';
              }),
       key<S>({"at", "number", "m", "required", "Coordinate of the plane in the rest shape."},

@@ -91,10 +91,9 @@ Json frame_json(const Frame& frame, int dimension) {
   }
   json["sections"] = Json::object();
   for (const SectionForce& section : frame.sections) {
-    json["sections"][section.name] = {
-        {"force", vector_json(section.force, dimension)},
-        {"moment", moment_json(section.moment, dimension)},
-        {"center", vector_json(section.center, dimension)}};
+    json["sections"][section.name] = {{"force", vector_json(section.force, dimension)},
+                                      {"moment", moment_json(section.moment, dimension)},
+                                      {"center", vector_json(section.center, dimension)}};
   }
   return json;
 }

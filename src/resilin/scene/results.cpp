@@ -65,7 +65,7 @@ struct ResultFolder::Contents {
     std::filesystem::path partial = path;
     partial += ".partial";
     std::ofstream stream(partial, std::ios::binary | std::ios::trunc);
-    resilin::write_frame(stream, world, state, fields);
+    resilin::write_frame(stream, frame_content(world, state, fields));
     stream.close();
     std::error_code error;
     if (stream) std::filesystem::rename(partial, path, error);

@@ -81,10 +81,10 @@ Section::Section(const SectionDescription& description, const Body& body, int di
       high = std::max(high, rest_positions[Eigen::Index{node} * dim + description.axis]);
     }
     const std::string axis(1, "xyz"[description.axis]);
-    throw InputError(description.place + ".plane", "a plane with cells on both sides",
-                     axis + " = " + format_number(description.at),
-                     "the body reaches from " + axis + " = " + format_number(low) + " to " +
-                         format_number(high));
+    throw InputError(
+        description.place + ".plane", "a plane with cells on both sides",
+        axis + " = " + format_number(description.at),
+        "the body reaches from " + axis + " = " + format_number(low) + " to " + format_number(high));
   }
 
   const NodeVolumes volumes = node_volumes(body, is_below);
@@ -114,27 +114,23 @@ Section::Section(const SectionDescription& description, const Body& body, int di
     if (uses.size() != 2 ||
         is_below[static_cast<std::size_t>(uses[0].cell)] == is_below[static_cast<std::size_t>(uses[1].cell)])
       return;
-    Facet facet = {-1, -1, -1, -1};
-    std::ranges::copy(facet_nodes(block, uses[0]), facet.begin());
-    facets_.push_back(facet);
+    const CellSide& side = cell_sides(block.kind)[static_cast<std::size_t>(uses[0].local)];
+    facets_.push_back({first_order(side.kind), facet_corners(block, uses[0])});
   });
 }
 
-/// The mean of the facets' centers by their deformed areas; a facet of four corners counts as two triangles.
+/// The mean of the facets' middles by their deformed areas.
 Vector3 Section::center(const VectorX& x) const {
   Vector3 sum = Vector3::Zero();
   double total = 0;
-  const auto add = [&](const LoadedFacet& part) {
-    const double area = area_vector(dim_, part, x).norm();
-    Vector3 mean = Vector3::Zero();
-    for (int a = 0; a < dim_; ++a)
-      mean += node_position(dim_, part.nodes[static_cast<std::size_t>(a)], x) / dim_;
-    sum += area * mean;
-    total += area;
-  };
   for (const Facet& facet : facets_) {
-    add({{facet[0], facet[1], facet[2]}});
-    if (facet[3] >= 0) add({{facet[0], facet[2], facet[3]}});
+    const auto corners = std::span(facet.corners).first(static_cast<std::size_t>(num_corners(facet.kind)));
+    const double area = area_vector(dim_, facet.kind, corners, x).norm();
+    Vector3 middle = Vector3::Zero();
+    for (const Index corner : corners)
+      middle += node_position(dim_, corner, x) / static_cast<double>(corners.size());
+    sum += area * middle;
+    total += area;
   }
   return total > 0 ? Vector3(sum / total) : sum;
 }

@@ -28,8 +28,8 @@ struct SectionForce {
 ///
 ///   force = sum over the cut's nodes of (1 - s) g - s h,
 ///
-/// which balances the lower side exactly: its weight, the loads and reactions on its nodes (and inertia), with
-/// what acts on the nodes of the cut shared in the same way.
+/// which balances the lower side exactly: its weight, the loads and reactions on its nodes (and inertia),
+/// with what acts on the nodes of the cut shared in the same way.
 class Section {
  public:
   /// @param rest_positions  of the world, dim per node [m]
@@ -44,8 +44,11 @@ class Section {
     Index node;    ///< of the world
     double share;  ///< s
   };
-  /// A side between a lower and an upper cell: corners; -1 after the last.
-  using Facet = std::array<Index, 4>;
+  /// The corners of a side between a lower and an upper cell.
+  struct Facet {
+    CellKind kind;
+    std::array<Index, 4> corners;
+  };
   Vector3 center(const VectorX& x) const;
 
   std::string name_;

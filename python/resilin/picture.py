@@ -1,0 +1,90 @@
+"""Pictures of results, without a display and without other packages."""
+
+import os
+
+import numpy as np
+
+from resilin import _core
+from resilin.arrays import refuse
+
+
+class Picture:
+    """A drawn result: a notebook shows it, `save` writes it.
+
+    Attributes
+    ----------
+    pixels : array (height, width, 3) of uint8
+        Red, green, blue, from the top left corner; for matplotlib's `imshow` and the like.
+    """
+
+    def __init__(self, image):
+        self._image = image
+
+    @property
+    def pixels(self):
+        return self._image.pixels()
+
+    def save(self, path):
+        """Writes a PNG file."""
+        self._image.save(os.fspath(path))
+
+    def _repr_png_(self):
+        return self._image.png()
+
+    def __repr__(self):
+        height, width, _ = self.pixels.shape
+        return f"<resilin.Picture {width} x {height}>"
+
+
+def picture(place, field=None, *, frame=-1, **options):
+    """Draws a frame that a run has left in a folder, as `resilin picture` does.
+
+    Parameters
+    ----------
+    place : path
+        Folder of a run, or a .vtu file.
+    field : str, optional
+        One that the frames hold (`output.fields` of the scene), with a component where it has several:
+        "von_mises", "displacement.z", "cauchy_stress.xy". By default von_mises, else displacement.
+    frame : int
+        Number of the frame; -1 is the last.
+    **options
+        See `Result.plot`.
+
+    Returns
+    -------
+    Picture
+    """
+    return Picture(_core.draw_result(os.fspath(place), int(frame), picture_options(field, **options)))
+
+
+def picture_options(
+    field=None,
+    *,
+    size=(1200, 900),
+    view="iso",
+    up="z",
+    range=None,
+    map="auto",
+    scale=1,
+    edges=None,
+    rest=False,
+    dark=False,
+):
+    """What `Result.plot` takes, as the core wants it."""
+    options = _core.PictureOptions()
+    if field is not None and not isinstance(field, str):
+        refuse("field", "the name of a field", repr(field))
+    options.field = field or ""
+    if np.shape(size) != (2,):
+        refuse("size", "two numbers (width, height)", repr(size))
+    options.width, options.height = (int(number) for number in size)
+    if range is not None:
+        if np.shape(range) != (2,):
+            refuse("range", "two numbers (smallest, largest)", repr(range))
+        options.range = [float(number) for number in range]
+    options.view = view if isinstance(view, str) else ",".join(repr(float(number)) for number in view)
+    options.up, options.map, options.scale = up, map, float(scale)
+    options.edges = "auto" if edges is None else "on" if edges else "off"
+    options.rest, options.dark = bool(rest), bool(dark)
+    return options

@@ -1,0 +1,58 @@
+#include "resilin/picture/picture.hpp"
+
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "bindings.hpp"
+#include "resilin/scene/result_picture.hpp"
+
+namespace resilin::python {
+namespace {
+
+NumpyArray<std::uint8_t> pixels(const Image& image) {
+  std::vector<std::uint8_t> channels;
+  channels.reserve(3 * image.pixels.size());
+  for (const Color& color : image.pixels)
+    channels.insert(channels.end(), {color.red, color.green, color.blue});
+  return numpy_array(std::move(channels),
+                     {static_cast<std::size_t>(image.height), static_cast<std::size_t>(image.width), 3});
+}
+
+}  // namespace
+
+void bind_picture(nb::module_& module) {
+  nb::class_<PictureOptions>(module, "PictureOptions")
+      .def(nb::init<>())
+      .def_rw("field", &PictureOptions::field)
+      .def_rw("width", &PictureOptions::width)
+      .def_rw("height", &PictureOptions::height)
+      .def_rw("range", &PictureOptions::range, nb::arg().none())
+      .def_rw("map", &PictureOptions::map)
+      .def_rw("view", &PictureOptions::view)
+      .def_rw("up", &PictureOptions::up)
+      .def_rw("scale", &PictureOptions::scale)
+      .def_rw("edges", &PictureOptions::edges)
+      .def_rw("rest", &PictureOptions::shows_rest)
+      .def_rw("dark", &PictureOptions::is_dark);
+  nb::class_<Image>(module, "Image")
+      .def("pixels", &pixels)
+      .def("png",
+           [](const Image& image) {
+             const std::string bytes = encode_png(image);
+             return nb::bytes(bytes.data(), bytes.size());
+           })
+      .def(
+          "save", [](const Image& image, const std::filesystem::path& path) { write_png(path, image); },
+          nb::arg("path"));
+  module.def("draw_result", &draw_result, nb::arg("place"), nb::arg("frame"), nb::arg("options"),
+             nb::call_guard<nb::gil_scoped_release>());
+}
+
+}  // namespace resilin::python

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <array>
+#include <functional>
+#include <vector>
+
+#include "resilin/core/types.hpp"
+#include "resilin/picture/image.hpp"
+
+namespace resilin {
+
+/// A corner of a triangle on the canvas.
+struct CanvasVertex {
+  Vector3 place;  ///< x to the right, y down [pixels]; z towards the eye [pixels]
+  double value;   ///< what is coloured
+  double light;   ///< 0 to 1
+};
+
+/// What a line looks like over what lies behind it.
+struct Ink {
+  Color color;
+  double opacity;
+};
+
+/// Draws triangles and lines with a depth buffer, several samples for each pixel in both directions.
+///
+/// Draw triangles first: lines lie over them where they are not hidden.
+class Canvas {
+ public:
+  /// Colour of a place by value and light.
+  using Shader = std::function<Color(double value, double light)>;
+
+  Canvas(int width, int height, Color background);
+
+  void triangle(const std::array<CanvasVertex, 3>& corners, const Shader& shader);
+
+  /// @param lift  how far towards the eye the line is thought, so that it shows on its own surface [pixels]
+  void line(const Vector3& from, const Vector3& to, double width, double lift, const Ink& ink);
+
+  /// The mean of each pixel's samples.
+  Image image() const;
+
+ private:
+  static constexpr int samples = 3;  // for each pixel, along each side
+  std::size_t offset(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
+           static_cast<std::size_t>(column);
+  }
+  void stamp(const Vector3& middle, double radius, double depth, const Ink& ink);
+
+  int columns_, rows_;  ///< of samples
+  std::vector<Color> colors_;
+  std::vector<float> depths_;
+  std::vector<std::uint32_t> last_line_;  ///< which line touched the sample last: each inks it once
+  std::uint32_t num_lines_ = 0;
+};
+
+}  // namespace resilin

@@ -1,0 +1,40 @@
+#include "resilin/picture/image.hpp"
+
+#include <png.h>
+
+#include <cmath>
+#include <ostream>
+#include <stdexcept>
+
+#include "resilin/io/atomic_file.hpp"
+
+namespace resilin {
+
+Color mix(Color a, Color b, double t) {
+  const auto channel = [t](std::uint8_t from, std::uint8_t to) {
+    return static_cast<std::uint8_t>(std::lround((1 - t) * from + t * to));
+  };
+  return {channel(a.red, b.red), channel(a.green, b.green), channel(a.blue, b.blue)};
+}
+
+std::string encode_png(const Image& image) {
+  static_assert(sizeof(Color) == 3);
+  png_image header{};
+  header.version = PNG_IMAGE_VERSION;
+  header.width = static_cast<png_uint_32>(image.width);
+  header.height = static_cast<png_uint_32>(image.height);
+  header.format = PNG_FORMAT_RGB;
+  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(header);
+  std::string bytes(size, '\0');
+  if (png_image_write_to_memory(&header, bytes.data(), &size, 0, image.pixels.data(), 0, nullptr) == 0)
+    throw std::runtime_error(std::string("the picture cannot be encoded: ") + header.message);
+  bytes.resize(size);
+  return bytes;
+}
+
+void write_png(const std::filesystem::path& path, const Image& image) {
+  const std::string bytes = encode_png(image);
+  write_atomically(path, [&bytes](std::ostream& stream) { stream << bytes; });
+}
+
+}  // namespace resilin

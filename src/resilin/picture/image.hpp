@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace resilin {
+
+struct Color {
+  std::uint8_t red = 0, green = 0, blue = 0;
+  friend bool operator==(const Color&, const Color&) = default;
+};
+
+/// The mix of two colours: `a` for t = 0, `b` for t = 1.
+Color mix(Color a, Color b, double t);
+
+/// Pixels row by row, from the top left corner.
+struct Image {
+  int width = 0, height = 0;
+  std::vector<Color> pixels;
+
+  Color& at(int x, int y) { return pixels[offset(x, y)]; }
+  const Color& at(int x, int y) const { return pixels[offset(x, y)]; }
+
+ private:
+  std::size_t offset(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+  }
+};
+
+/// The bytes of a PNG file: the same for the same image.
+std::string encode_png(const Image& image);
+
+/// Beside and renamed. Throws FileError when the file cannot be written.
+void write_png(const std::filesystem::path& path, const Image& image);
+
+}  // namespace resilin

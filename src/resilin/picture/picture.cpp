@@ -1,0 +1,265 @@
+#include "resilin/picture/picture.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
+#include "resilin/picture/camera.hpp"
+#include "resilin/picture/canvas.hpp"
+#include "resilin/picture/color_bar.hpp"
+#include "resilin/picture/color_map.hpp"
+#include "resilin/picture/picture_field.hpp"
+#include "resilin/picture/surface.hpp"
+#include "resilin/picture/text.hpp"
+
+namespace resilin {
+namespace {
+
+constexpr Color plain_body = {176, 186, 198};
+constexpr Color not_a_number = {214, 64, 200};
+
+/// Points of the shape at `factor` times the displacement, 0 for the rest shape.
+std::vector<Vector3> shape(const VtuContent& frame, double factor, const std::string& what) {
+  std::vector<Vector3> points = frame.file.mesh.vertices;
+  if (factor == 1) return points;
+  const auto found = std::ranges::find(frame.point_data, "displacement", &VtuValues::name);
+  if (found == frame.point_data.end() || found->components != 3)
+    throw InputError(what, "a frame with the field displacement", "none",
+                     "add \"displacement\" to `output.fields` of the scene");
+  for (std::size_t i = 0; i < points.size(); ++i)
+    points[i] += (factor - 1) * Eigen::Map<const Vector3>(found->values.data() + 3 * i);
+  return points;
+}
+
+void check(const PictureOptions& options) {
+  for (const int size : {options.width, options.height})
+    if (size < 64 || size > 8192) throw InputError("size", "64 to 8192 pixels", std::to_string(size));
+  if (options.range && !((*options.range)[0] < (*options.range)[1]))
+    throw InputError("range", "a smaller and a larger number",
+                     format_number((*options.range)[0]) + " and " + format_number((*options.range)[1]));
+  std::vector<std::string> maps = color_map_names();
+  maps.insert(maps.begin(), "auto");
+  if (std::ranges::find(maps, options.map) == maps.end())
+    throw InputError("map", "one of " + join(maps), '"' + options.map + '"');
+  if (options.edges != "auto" && options.edges != "on" && options.edges != "off")
+    throw InputError("edges", "auto, on or off", '"' + options.edges + '"');
+  if (!std::isfinite(options.scale)) throw InputError("scale", "a finite number", "another");
+}
+
+/// Places on the canvas.
+struct Projection {
+  Camera camera;
+  double zoom = 1;
+  Vector3 shift = Vector3::Zero();
+
+  Vector3 operator()(const Vector3& point) const {
+    const Vector3 turned = zoom * camera.turned(point) + shift;
+    return {turned.x(), -turned.y(), turned.z()};
+  }
+};
+
+/// Largest zoom with which all points lie in a box of pixels from (left, top) to (right, bottom).
+Projection fit(const Camera& camera, const std::vector<Vector3>& points, const std::array<double, 4>& box) {
+  Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (const Vector3& point : points) {
+    low = low.cwiseMin(camera.turned(point));
+    high = high.cwiseMax(camera.turned(point));
+  }
+  const auto [left, top, right, bottom] = box;
+  const Vector3 size = high - low;
+  Projection projection{.camera = camera};
+  const double widest = std::max({size.x() / (right - left), size.y() / (bottom - top), 1e-300});
+  projection.zoom = 1 / widest;
+  const Vector3 middle = 0.5 * projection.zoom * (low + high);
+  projection.shift = Vector3(0.5 * (left + right), -0.5 * (top + bottom), 0) - middle;
+  return projection;
+}
+
+/// How bright a facet is: lit from above, over the left shoulder; the same from behind.
+double light(const Vector3& normal) {
+  static const Vector3 lamp = Vector3(-0.35, 0.55, 0.75).normalized();
+  const Vector3 seen = normal.z() < 0 ? Vector3(-normal) : normal;
+  return std::clamp(0.45 + 0.6 * seen.dot(lamp), 0.0, 1.0);
+}
+
+/// The colour of the field under a light: dark sides keep their hue.
+Color shaded(Color color, double brightness) { return mix({0, 0, 0}, color, 0.35 + 0.65 * brightness); }
+
+/// The parts of one picture.
+class Picture {
+ public:
+  Picture(const VtuContent& frame, const PictureOptions& options)
+      : frame_(frame),
+        options_(options),
+        background_(options.is_dark ? Color{27, 30, 36} : Color{255, 255, 255}),
+        ink_(options.is_dark ? Color{226, 228, 232} : Color{30, 32, 36}),
+        pen_(std::clamp(0.024 * options.height, 11.0, 40.0)),
+        points_(shape(frame, options.scale, "scale")),
+        surface_(find_surface(frame.file.mesh.blocks, points_)),
+        canvas_(options.width, options.height, background_) {
+    if (surface_.triangles.empty())
+      throw InputError("frame", "triangles, quadrilaterals, tetrahedra or hexahedra", "none");
+    if (options.shows_rest) rest_ = shape(frame, 0, "rest");
+    if (!options.field.empty()) choose_colors();
+  }
+
+  Image draw() {
+    place();
+    draw_surface();
+    draw_edges();
+    if (options_.shows_rest) draw_rest();
+    draw_axes();
+    Image image = canvas_.image();
+    name_axes(image);
+    if (!options_.field.empty()) draw_color_bar(image, scale_, text_, pen_, ink_);
+    return image;
+  }
+
+ private:
+  void choose_colors() {
+    field_ = pick_field(frame_, options_.field, "field");
+    std::vector<double> shown;
+    for (const auto& triangle : surface_.triangles)
+      for (const Surface::Corner& corner : triangle) shown.push_back(value(corner));
+    scale_ = choose_scale(shown, options_.range, options_.map);
+    std::string label = options_.label.empty() ? field_.name : options_.label;
+    if (!field_.component.empty()) label += ", " + field_.component;
+    text_ = scale_text(scale_, label, options_.unit);
+  }
+
+  double value(const Surface::Corner& corner) const {
+    const auto number = [&](Index i) { return field_.values[static_cast<std::size_t>(i)]; };
+    return field_.is_on_points ? Surface::at(corner, number) : number(corner.cell);
+  }
+
+  static Vector3 position(const Surface::Corner& corner, const std::vector<Vector3>& points) {
+    return Surface::at(corner, [&](Index i) -> Vector3 { return points[static_cast<std::size_t>(i)]; });
+  }
+
+  void place() {
+    std::vector<Vector3> shown;
+    for (const auto& triangle : surface_.triangles)
+      for (const Surface::Corner& corner : triangle) {
+        shown.push_back(position(corner, points_));
+        if (!rest_.empty()) shown.push_back(position(corner, rest_));
+      }
+    const double margin = 0.06 * std::min(options_.width, options_.height);
+    const double right = options_.field.empty() ? margin : margin / 2 + color_bar_width(text_, pen_);
+    const Camera camera = make_camera(surface_.dimension, options_.view, options_.up);
+    projection_ = fit(
+        camera, shown,
+        {margin, margin, options_.width - right, options_.height - std::max(margin, 0.09 * options_.height)});
+  }
+
+  void draw_surface() {
+    constexpr std::size_t steps = 1024;
+    std::vector<Color> colors;
+    for (std::size_t i = 0; i <= steps; ++i)
+      colors.push_back(map_color(scale_.map, static_cast<double>(i) / steps));
+    const bool is_plain = options_.field.empty();
+    const auto shader = [&](double value, double brightness) {
+      if (is_plain) return shaded(plain_body, brightness);
+      if (!std::isfinite(value)) return shaded(not_a_number, brightness);
+      const double t = std::clamp(scale_.place(value), 0.0, 1.0);
+      return shaded(colors[static_cast<std::size_t>(std::lround(t * steps))], brightness);
+    };
+    for (const auto& triangle : surface_.triangles) {
+      std::array<CanvasVertex, 3> corners;
+      for (std::size_t i = 0; i < 3; ++i)
+        corners[i] = {
+            .place = projection_(position(triangle[i], points_)),
+            .value = is_plain ? 0 : value(triangle[i]),
+            .light = surface_.dimension == 2 ? 1 : light(projection_.camera.turned(triangle[i].normal))};
+      canvas_.triangle(corners, shader);
+    }
+  }
+
+  void draw_line(const Surface::Line& line, const std::vector<Vector3>& points, double width, double lift,
+                 const Ink& ink) {
+    for (std::size_t i = 0; i + 1 < line.points.size(); ++i)
+      canvas_.line(projection_(position(line.points[i], points)),
+                   projection_(position(line.points[i + 1], points)), width, lift, ink);
+  }
+
+  /// The middle one of the lengths of all edges [pixels].
+  double usual_edge() const {
+    std::vector<double> lengths;
+    for (const Surface::Line& edge : surface_.edges)
+      lengths.push_back((projection_(position(edge.points.front(), points_)) -
+                         projection_(position(edge.points.back(), points_)))
+                            .norm());
+    const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
+    std::nth_element(lengths.begin(), middle, lengths.end());
+    return *middle;
+  }
+
+  void draw_edges() {
+    const double unit = options_.height / 900.0, lift = 1.5 * unit;
+    const bool shows_all = options_.edges == "on" || (options_.edges == "auto" && usual_edge() > 9 * unit);
+    for (const Surface::Line& edge : surface_.edges) {
+      if (edge.is_feature && options_.edges != "off")
+        draw_line(edge, points_, 1.5 * unit, lift, {{0, 0, 0}, 0.75});
+      else if (shows_all)
+        draw_line(edge, points_, std::max(0.8 * unit, 0.5), lift, {{0, 0, 0}, 0.35});
+    }
+  }
+
+  void draw_rest() {
+    const double unit = options_.height / 900.0;
+    for (const Surface::Line& edge : find_surface(frame_.file.mesh.blocks, rest_).edges)
+      if (edge.is_feature) draw_line(edge, rest_, 1.4 * unit, 0, {ink_, 0.55});
+  }
+
+  std::size_t num_axes() const { return surface_.dimension == 2 ? 2 : 3; }
+
+  Vector3 axes_origin() const {
+    const double em = pen_.digit_height();
+    return {4.5 * em, options_.height - 4.5 * em, 1e6};  // in front of everything
+  }
+
+  Vector3 axis_tip(std::size_t axis, double length) const {
+    const Vector3 turned = projection_.camera.turned(Vector3::Unit(static_cast<Eigen::Index>(axis)));
+    return axes_origin() + length * pen_.digit_height() * Vector3(turned.x(), -turned.y(), turned.z());
+  }
+
+  static Color axis_color(std::size_t axis) {
+    constexpr std::array<Color, 3> colors = {{{208, 62, 52}, {46, 148, 70}, {54, 104, 210}}};
+    return colors[axis];
+  }
+
+  void draw_axes() {
+    for (std::size_t axis = 0; axis < num_axes(); ++axis)
+      canvas_.line(axes_origin(), axis_tip(axis, 3), 0.22 * pen_.digit_height(), 0, {axis_color(axis), 1});
+  }
+
+  void name_axes(Image& image) const {
+    for (std::size_t axis = 0; axis < num_axes(); ++axis) {
+      const std::string name(1, "xyz"[axis]);
+      const Vector3 end = axis_tip(axis, 3.7);
+      pen_.draw(image, end.x() - pen_.width(name) / 2, end.y() + 0.4 * pen_.digit_height(), name,
+                axis_color(axis));
+    }
+  }
+
+  const VtuContent& frame_;
+  const PictureOptions& options_;
+  Color background_, ink_;
+  TextPen pen_;
+  std::vector<Vector3> points_, rest_;
+  Surface surface_;
+  Canvas canvas_;
+  PictureField field_;
+  ColorScale scale_;
+  ScaleText text_;
+  Projection projection_;
+};
+
+}  // namespace
+
+Image draw_picture(const VtuContent& frame, const PictureOptions& options) {
+  check(options);
+  return Picture(frame, options).draw();
+}
+
+}  // namespace resilin

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "resilin/io/vtu.hpp"
+#include "resilin/picture/image.hpp"
+
+namespace resilin {
+
+/// What a picture shows and how. The same frame and options give the same bits.
+struct PictureOptions {
+  std::string field;                           ///< as for `pick_field`; empty: the body alone
+  std::string label;                           ///< title of the colour bar; empty: the field's name
+  std::string unit;                            ///< of the field: "Pa"
+  int width = 1200, height = 900;              ///< [pixels]
+  std::optional<std::array<double, 2>> range;  ///< of the colours; default: that of the field
+  std::string map = "auto";                    ///< a colour map; auto: diverging for two signs
+  std::string view = "iso";                    ///< see `make_camera`
+  std::string up = "z";                        ///< axis that points up
+  double scale = 1;                            ///< factor on displacements
+  std::string edges = "auto";                  ///< of cells: "auto" (where there is room), "on", "off"
+  bool shows_rest = false;                     ///< outline of the rest shape
+  bool is_dark = false;                        ///< background
+};
+
+/// Draws a frame: the deformed body, shaded and coloured, with a colour bar and the axes.
+///
+/// The points of the frame are at their deformed places; `scale` and the rest shape need its `displacement`.
+/// @throws InputError  for a field that the frame has not, a size out of bounds, a frame without cells
+Image draw_picture(const VtuContent& frame, const PictureOptions& options);
+
+}  // namespace resilin

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <array>
+#include <type_traits>
+#include <vector>
+
+#include "resilin/io/vtu.hpp"
+
+namespace resilin {
+
+/// What is seen of a body: the boundary of its cells, in 2D the cells themselves, cut into flat triangles
+/// that follow curved facets.
+struct Surface {
+  struct Corner {
+    Index cell;                      ///< of the frame
+    std::array<Index, 6> nodes{};    ///< of the frame; `num_nodes` of them
+    std::array<double, 6> shares{};  ///< values of the facet's shape functions
+    int num_nodes = 0;
+    Vector3 normal = Vector3::Zero();  ///< of length 1, smooth across facets but not across creases
+  };
+  struct Line {
+    std::vector<Corner> points;
+    bool is_feature;  ///< a crease, or the border of a plane body
+  };
+  int dimension = 3;
+  std::vector<std::array<Corner, 3>> triangles;
+  std::vector<Line> edges;  ///< of the cells' facets, each once
+
+  /// Weighs what `values` has at the nodes.
+  template <class Values>
+  static auto at(const Corner& corner, const Values& values) {
+    std::decay_t<decltype(values(Index{}))> sum = corner.shares[0] * values(corner.nodes[0]);
+    for (std::size_t a = 1; a < static_cast<std::size_t>(corner.num_nodes); ++a)
+      sum += corner.shares[a] * values(corner.nodes[a]);
+    return sum;
+  }
+};
+
+/// @param points  where the nodes of the frame are shown; normals and creases are those of this shape
+Surface find_surface(const std::vector<CellBlock>& blocks, const std::vector<Vector3>& points);
+
+}  // namespace resilin

@@ -1,0 +1,212 @@
+#include "resilin/picture/picture.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "resilin/core/error.hpp"
+#include "resilin/mesh/generators.hpp"
+#include "resilin/picture/camera.hpp"
+#include "resilin/picture/color_map.hpp"
+#include "resilin/picture/surface.hpp"
+
+namespace resilin::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+const Color white = {255, 255, 255};
+
+/// A bar of 2 x 1 x 1 with x as a field on its points, the number of the cell on its cells, and a
+/// displacement of 0.5 m along x, which its points have already made.
+VtuContent bar() {
+  VtuContent frame;
+  frame.file.mesh = make_box({2, 1, 1}, {4, 2, 2});
+  frame.file.mesh.groups.clear();
+  VtuValues x{"x", 1, {}}, displacement{"displacement", 3, {}}, number{"number", 1, {}},
+      tensor{"stress", 9, {}};
+  for (Vector3& vertex : frame.file.mesh.vertices) {
+    x.values.push_back(vertex.x());
+    displacement.values.insert(displacement.values.end(), {0.5, 0, 0});
+    vertex.x() += 0.5;
+  }
+  const Index num_cells = frame.file.mesh.blocks[0].num_cells();
+  for (Index cell = 0; cell < num_cells; ++cell) number.values.push_back(cell);
+  tensor.values.assign(static_cast<std::size_t>(9 * num_cells), 1.0);
+  frame.point_data = {x, displacement};
+  frame.cell_data = {number, tensor};
+  return frame;
+}
+
+PictureOptions small(const std::string& field) {
+  PictureOptions options;
+  options.field = field;
+  options.width = 300;
+  options.height = 200;
+  options.view = "front";
+  options.edges = "off";
+  return options;
+}
+
+int count(const Image& image, const auto& is_meant) {
+  return static_cast<int>(std::ranges::count_if(image.pixels, is_meant));
+}
+
+std::string error_of(const VtuContent& frame, const PictureOptions& options) {
+  try {
+    draw_picture(frame, options);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(Picture, ShowsTheBodyInTheColoursOfItsField) {
+  const Image image = draw_picture(bar(), small("x"));
+  ASSERT_EQ(image.width, 300);
+  ASSERT_EQ(image.pixels.size(), 60000u);
+  // From the front the bar is twice as wide as high; viridis goes from violet on the left to yellow.
+  EXPECT_EQ(image.at(2, 2), white);
+  const Color left = image.at(30, 100), right = image.at(190, 100);
+  EXPECT_GT(left.blue, left.green);
+  EXPECT_GT(right.green, right.blue + 60);
+  EXPECT_GT(count(image, [](Color c) { return c != white; }), 12000);
+}
+
+TEST(Picture, HasAColourBarWithAllColoursAndItsText) {
+  const Image image = draw_picture(bar(), small("x"));
+  // One column of the bar runs through the map from its end to its beginning.
+  int column = 0;
+  for (int x = 200; x < 300 && column == 0; ++x)
+    if (image.at(x, 36) == map_color("viridis", 1 - (36 + 0.5 - 34) / 132)) column = x;
+  ASSERT_GT(column, 0);
+  for (int y = 40; y < 160; ++y)
+    EXPECT_EQ(image.at(column, y), map_color("viridis", 1 - (y + 0.5 - 34) / 132)) << y;
+  int dark_beside_it = 0;
+  for (int y = 30; y < 170; ++y)
+    for (int x = column + 20; x < 300; ++x) dark_beside_it += image.at(x, y).green < 120 ? 1 : 0;
+  EXPECT_GT(dark_beside_it, 30);  // digits
+}
+
+TEST(Picture, IsAnotherForAnotherFieldAndTheSameBitsForTheSame) {
+  const std::string first = encode_png(draw_picture(bar(), small("x")));
+  EXPECT_EQ(first, encode_png(draw_picture(bar(), small("x"))));
+  EXPECT_NE(first, encode_png(draw_picture(bar(), small("number"))));
+  EXPECT_EQ(first.substr(1, 3), "PNG");
+}
+
+TEST(Picture, OfACellFieldHasOneColourInACell) {
+  VtuContent frame = bar();
+  PictureOptions options = small("number");
+  options.range = {{-1, 1000}};  // all cells but little apart
+  const Image narrow = draw_picture(frame, options);
+  frame.cell_data[0].values.assign(frame.cell_data[0].values.size(), 500);
+  const Image uniform = draw_picture(frame, options);
+  const Color middle = uniform.at(110, 100);
+  EXPECT_EQ(uniform.at(40, 100), middle);
+  EXPECT_EQ(uniform.at(160, 120), middle);
+  EXPECT_NE(narrow.at(110, 100), middle);
+}
+
+TEST(Picture, ScalesDisplacementsAndShowsTheRestShape) {
+  VtuContent frame = bar();
+  // A shear: the top moves to the right.
+  for (std::size_t i = 0; i < frame.file.mesh.vertices.size(); ++i) {
+    Vector3& vertex = frame.file.mesh.vertices[i];
+    vertex.x() += vertex.z() - 0.5;
+    frame.point_data[1].values[3 * i] = vertex.z();
+  }
+  const auto body = [](Color c) { return c != white; };
+  const int once = count(draw_picture(frame, small("x")), body);
+  PictureOptions options = small("x");
+  options.scale = 4;
+  EXPECT_LT(count(draw_picture(frame, options), body), once);  // wider, so zoomed out
+  options.scale = 1;
+  options.shows_rest = true;
+  EXPECT_NE(encode_png(draw_picture(frame, options)), encode_png(draw_picture(frame, small("x"))));
+  frame.point_data.pop_back();
+  EXPECT_THAT(error_of(frame, options), HasSubstr("add \"displacement\" to `output.fields`"));
+}
+
+TEST(Picture, ShowsEdgesOnADarkGround) {
+  PictureOptions options = small("x");
+  options.is_dark = true;
+  const Image plain = draw_picture(bar(), options);
+  options.edges = "on";
+  EXPECT_LT(plain.at(2, 2).red, 60);
+  EXPECT_NE(encode_png(plain), encode_png(draw_picture(bar(), options)));
+}
+
+TEST(Picture, RefusesWhatIsNotThere) {
+  EXPECT_EQ(error_of(bar(), small("stres")),
+            "field: expected a field of the frame (x, displacement, number, stress), got \"stres\"; "
+            "`output.fields` of the scene says what frames hold");
+  EXPECT_THAT(error_of(bar(), small("stress")), HasSubstr("expected a component of stress (xx, xy,"));
+  EXPECT_THAT(error_of(bar(), small("stress.ab")), HasSubstr("got \"ab\""));
+  EXPECT_THAT(error_of(bar(), small("x.y")), HasSubstr("it is one number"));
+  EXPECT_EQ(error_of(bar(), small("displacement.z")), "");
+  PictureOptions options = small("x");
+  options.view = "frnt";
+  EXPECT_THAT(error_of(bar(), options), HasSubstr("did you mean \"front\"?"));
+  options.view = "1,-2,1";
+  EXPECT_EQ(error_of(bar(), options), "");
+  options.width = 3;
+  EXPECT_THAT(error_of(bar(), options), HasSubstr("64 to 8192 pixels"));
+  EXPECT_THAT(error_of(VtuContent{}, small("")), HasSubstr("tetrahedra"));
+}
+
+TEST(Surface, OfQuadraticCellsIsCurved) {
+  // A triangle whose middle nodes lie on the unit circle, with its corners.
+  std::vector<Vector3> points;
+  const auto on_circle = [&points](double degrees) {
+    const double angle = degrees * std::numbers::pi / 180;
+    points.emplace_back(std::cos(angle), std::sin(angle), 0);
+  };
+  for (const double degrees : {0, 120, 240, 60, 180, 300}) on_circle(degrees);
+  const Surface surface = find_surface({{CellKind::triangle6, {0, 1, 2, 3, 4, 5}}}, points);
+  double area = 0;
+  for (const auto& triangle : surface.triangles) {
+    std::array<Vector3, 3> p;
+    for (std::size_t i = 0; i < 3; ++i)
+      p[i] =
+          Surface::at(triangle[i], [&](Index n) -> Vector3 { return points[static_cast<std::size_t>(n)]; });
+    area += 0.5 * (p[1] - p[0]).cross(p[2] - p[0]).z();
+  }
+  // The straight triangle has 1.30. Three parabolas of height 1/2 over sides of sqrt 3 add 2/3 of their
+  // boxes.
+  EXPECT_NEAR(area, std::sqrt(3) * 0.75 + 3 * 2.0 / 3 * std::sqrt(3) * 0.5,
+              0.06);  // cut into 6 pieces a side
+  EXPECT_EQ(surface.edges.size(), 3u);
+}
+
+TEST(Surface, OfHexahedraHasTheirOuterSides) {
+  std::vector<Vector3> points;
+  for (const double x : {0.0, 1.0, 2.0})
+    for (const auto& [y, z] : {std::pair{0.0, 0.0}, {1.0, 0.0}, {1.0, 1.0}, {0.0, 1.0}})
+      points.emplace_back(x, y, z);
+  const Surface surface =
+      find_surface({{CellKind::hexahedron, {0, 1, 2, 3, 4, 5, 6, 7, 4, 5, 6, 7, 8, 9, 10, 11}}}, points);
+  EXPECT_EQ(surface.triangles.size(), 10u * 2 * 36);  // ten quadrilaterals, each of 6 x 6 pairs
+  const auto is_feature = [](const Surface::Line& line) { return line.is_feature; };
+  EXPECT_EQ(std::ranges::count_if(surface.edges, is_feature), 16);  // the four edges in the middle are flat
+}
+
+TEST(Camera, LooksFromWhereItsNameSays) {
+  const Camera front = make_camera(3, "front", "z");
+  EXPECT_EQ(front.toward, Vector3(0, -1, 0));
+  EXPECT_EQ(front.up, Vector3(0, 0, 1));
+  EXPECT_EQ(front.right, Vector3(1, 0, 0));
+  EXPECT_EQ(make_camera(3, "top", "z").up, Vector3(0, 1, 0));
+  EXPECT_EQ(make_camera(3, "front", "y").toward, Vector3(0, 0, 1));
+  EXPECT_EQ(make_camera(2, "iso", "z").toward, Vector3(0, 0, 1));
+  for (const std::string& view : view_names())
+    for (const char* up : {"x", "y", "z"}) {
+      const Camera camera = make_camera(3, view, up);
+      EXPECT_NEAR(camera.right.cross(camera.up).dot(camera.toward), 1, 1e-14) << view << up;
+    }
+}
+
+}  // namespace
+}  // namespace resilin::testing
