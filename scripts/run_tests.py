@@ -1,7 +1,7 @@
 """Runs the steps of ./test after the build and closes with one line: N passed, N failed[, N skipped].
 
-Every GoogleTest case, house rule, example and the consumer project counts as one test. With CI=true in the
-environment a skipped test counts as failed, since a machine that checks everything must be able to.
+Every GoogleTest case, house rule, example, quick row of validation and the consumer project counts as one test.
+With CI=true in the environment a skipped test counts as failed, since a machine that checks everything must be able to.
 """
 
 import argparse
@@ -21,6 +21,7 @@ import check_python
 import check_repository
 import check_setup
 import check_tidy
+import check_validation
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 TIME_LIMIT = 120  # [s] for one GoogleTest case; the longest takes seconds
@@ -110,6 +111,14 @@ def run_examples():
     return [run_check(f"example {name}", check) for name, check in check_examples.all_checks().items()]
 
 
+def run_validation():
+    outcomes = [
+        Outcome(f"validation {name}", "failed" if problem else "passed", problem)
+        for name, problem in check_validation.quick_rows(os.cpu_count())
+    ]
+    return [run_check("docs/validation.md names the rows that exist", check_validation.problems_of_page), *outcomes]
+
+
 def run_consumer():
     return [
         run_check("a project outside the tree finds, builds with and runs the library", check_consumer.find_problems)
@@ -144,12 +153,13 @@ STEPS = {
     "tidy": run_tidy,
     "release": run_release,
     "examples": run_examples,
+    "validation": run_validation,
     "consumer": run_consumer,
     "python": run_python,
     "wheel": run_wheel,
     "sanitizers": run_sanitizers,
 }
-NEEDED_BUILD = {step: "release" for step in ("release", "examples", "consumer", "python", "wheel")} | {
+NEEDED_BUILD = {step: "release" for step in ("release", "examples", "validation", "consumer", "python", "wheel")} | {
     "sanitizers": "asan"
 }
 

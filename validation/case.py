@@ -3,6 +3,7 @@
 `expected.json` of a case holds its title, source and what is measured, and `rows`. A row has
     name, quick (./test runs it), scene (default scene.toml), set (values of the scene, as for `resilin run --set`)
     or, in place of scene and set, commands: lists of arguments for `resilin`, each of which prints JSON
+    remark (what to know about a row that fails)
     expect: a list of
         what        in words
         at          where it stands in the report: frames/-1/probes/tip/displacement/2, or frames/load=0.5/energy/total;
@@ -103,15 +104,11 @@ def reports_of_commands(program, row):
 
 
 def toml(value):
-    """A value as TOML has it; text stays bare at the top, as `--set` takes it."""
-    return value if isinstance(value, str) else inline_toml(value)
-
-
-def inline_toml(value):
+    """A value of a scene as `resilin run --set` reads it."""
     if isinstance(value, dict):
-        return "{ " + ", ".join(f"{key} = {inline_toml(entry)}" for key, entry in value.items()) + " }"
+        return "{ " + ", ".join(f"{key} = {toml(entry)}" for key, entry in value.items()) + " }"
     if isinstance(value, list):
-        return "[" + ", ".join(map(inline_toml, value)) + "]"
+        return "[" + ", ".join(map(toml, value)) + "]"
     return json.dumps(value)
 
 

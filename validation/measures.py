@@ -3,24 +3,16 @@
 A measure is a function of the report and the folder of results; `expected.json` calls it by its name.
 """
 
-import array
 import math
-import re
+
+from frames import read_frame
+from norms import error_norms
 
 
 def nodes(folder, step):
-    """Rest positions and displacements of all nodes in a frame, each a list of three numbers."""
-    data = (folder / "frames" / f"{step:04d}.vtu").read_bytes()
-    head, _, appended = data.partition(b'<AppendedData encoding="raw">\n_')
-
-    def vectors(name):
-        offset = int(re.search(rb'Name="%s" NumberOfComponents="3" format="appended" offset="(\d+)"' % name, head)[1])
-        size = int.from_bytes(appended[offset : offset + 8], "little")
-        numbers = array.array("d", appended[offset + 8 : offset + 8 + size])
-        return [numbers[i : i + 3] for i in range(0, len(numbers), 3)]
-
-    pairs = zip(vectors(b"Points"), vectors(b"displacement"), strict=True)
-    return [([x - u for x, u in zip(place, moved, strict=True)], moved) for place, moved in pairs]
+    """Pairs of rest position and displacement of all nodes in a frame."""
+    frame = read_frame(folder, step)
+    return zip(frame.rest, frame.displacements, strict=True)
 
 
 def affine_error(report, folder, gradient):
@@ -68,6 +60,28 @@ def largest_energy_growth(report, _folder):
     return max(after - before for before, after in zip(energies, energies[1:], strict=False))
 
 
+def newton_iterations(report, _folder):
+    """Of all steps."""
+    return sum(frame["newton_iterations"] for frame in report["frames"])
+
+
+def manufactured_displacement(place):
+    """Displacement [m] of the manufactured solution, and the derivatives of its x and y components by x and y."""
+    x, a, b = math.pi * place[0], 0.15, 0.2
+    slopes = [[a * math.pi * math.cos(x), 0.0], [b * math.pi * math.cos(x), 0.0]]
+    return [a * math.sin(x), b * math.sin(x), 0.0], slopes
+
+
+def manufactured_error(report, folder, norm, dim, coarser=None):
+    """Norm ("L2", or "H1" of derivatives by x and y) of the error in the last frame of the manufactured case.
+
+    With `coarser`, the error on a mesh twice as coarse: the order log2(coarser / error).
+    """
+    l2, h1 = error_norms(folder, report["frames"][-1]["step"], dim, manufactured_displacement)
+    error = {"L2": l2, "H1": h1}[norm]
+    return error if coarser is None else math.log2(coarser / error)
+
+
 MEASURES = {
     function.__name__: function
     for function in (
@@ -76,5 +90,7 @@ MEASURES = {
         energy_slope,
         largest_energy_change,
         largest_energy_growth,
+        manufactured_error,
+        newton_iterations,
     )
 }

@@ -4,9 +4,8 @@ import math
 import pathlib
 import re
 import subprocess
-import tempfile
 
-from case import cases, run_row
+from case import cases
 
 HEAD = """# Validation
 
@@ -23,12 +22,16 @@ TABLE = """| row | quantity | expected | got | relative error | tolerance | Newt
 COLUMNS = 8
 
 
-def write(file, program, results):
-    """Writes the page, and beside it one picture for each case that asks for one."""
+def write(file, program, results, folders):
+    """Writes the page, and beside it one picture for each case that has a folder of results in `folders`."""
     sections = []
     for name, case in cases().items():
         of_case = [result for case_name, result in results if case_name == name]
-        picture = make_picture(file.parent / "images" / "validation" / f"{name}.png", program, name, case)
+        picture = None
+        if "picture" in case:
+            folder = folders[name, case["picture"]["row"]]
+            target = file.parent / "images" / "validation" / f"{name}.png"
+            picture = draw(target, program, folder, case["picture"]["options"])
         sections.append(section(name, case, of_case, picture))
     version = subprocess.run([program, "--version"], capture_output=True, text=True, check=True).stdout.strip()
     text = "\n".join([HEAD, summary(version, [result for _, result in results]), *sections])
@@ -57,7 +60,13 @@ def section(name, case, results, picture):
     lines += [f"Source: {case['source']}", "", f"Tolerances: {case['tolerances']}", ""]
     if picture:
         lines += [f"![{case['title']}](images/validation/{picture.name})", ""]
-    return "\n".join(lines) + "\n" + TABLE + "".join(rows_of(result) for result in results)
+    return "\n".join(lines) + "\n" + TABLE + "".join(rows_of(result) for result in results) + remarks(results)
+
+
+def remarks(results):
+    """What is known about rows that failed."""
+    known = [result.row for result in results if not result.passed and "remark" in result.row]
+    return "".join(f"\n*{row['name']}*: {row['remark']}.\n" for row in known)
 
 
 def rows_of(result):
@@ -81,18 +90,17 @@ def table_line(*columns):
     return "| " + " | ".join(str(column).replace("|", "\\|").replace("\n", " ") for column in columns) + " |\n"
 
 
-def make_picture(file, program, name, case):
-    """Runs the row that the case pictures and lets `resilin picture` draw it; None when the case has no picture."""
-    wanted = case.get("picture")
-    if wanted is None:
-        return None
-    row = next(row for row in case["rows"] if row["name"] == wanted["row"])
-    with tempfile.TemporaryDirectory() as folder:
-        run_row(program, name, row, folder)
-        file.parent.mkdir(parents=True, exist_ok=True)
-        subprocess.run(
-            [program, "picture", folder, "--out", file, *wanted["options"]], check=True, stdout=subprocess.DEVNULL
-        )
+def folders_of_pictures(parent):
+    """{(name of the case, name of the row): folder below `parent` for the results that will be drawn}."""
+    pictured = [(name, case["picture"]["row"]) for name, case in cases().items() if "picture" in case]
+    return {key: pathlib.Path(parent) / key[0] for key in pictured}
+
+
+def draw(file, program, results, options):
+    """Lets `resilin picture` draw the folder `results`."""
+    file.parent.mkdir(parents=True, exist_ok=True)
+    command = [program, "picture", results, "--out", file, "--size", "640", "480", *options]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
     return file
 
 

@@ -12,19 +12,24 @@ import concurrent.futures
 import os
 import pathlib
 import sys
+import tempfile
 import time
 
 import page
 from case import cases, run_row
 
 
-def run_rows(program, chosen, jobs, announce=lambda case_name, result, seconds: None):
-    """[(name of the case, Result)] in the order of `chosen`, [(name of the case, row)]; `jobs` at a time."""
+def run_rows(program, chosen, jobs, announce=lambda case_name, result, seconds: None, folders=None):
+    """[(name of the case, Result)] in the order of `chosen`, [(name of the case, row)]; `jobs` at a time.
+
+    `folders` {(name of the case, name of the row): folder} says which results are kept.
+    """
 
     def work(entry):
+        case_name, row = entry
         start = time.monotonic()
-        result = run_row(program, *entry)
-        announce(entry[0], result, time.monotonic() - start)
+        result = run_row(program, case_name, row, (folders or {}).get((case_name, row["name"])))
+        announce(case_name, result, time.monotonic() - start)
         return result
 
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
@@ -72,9 +77,11 @@ def main():
     def announce(*what):
         print(describe(*what), flush=True)
 
-    results = run_rows(program, chosen, arguments.jobs, announce)
-    if arguments.report:
-        page.write(arguments.report, program, results)
+    with tempfile.TemporaryDirectory() as parent:
+        folders = page.folders_of_pictures(parent) if arguments.report else {}
+        results = run_rows(program, chosen, arguments.jobs, announce, folders)
+        if arguments.report:
+            page.write(arguments.report, program, results, folders)
     failed = sum(not result.passed for _, result in results)
     print(f"{len(results) - failed} passed, {failed} failed")
     return 1 if failed or not results else 0
