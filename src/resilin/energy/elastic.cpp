@@ -1,6 +1,7 @@
 #include "resilin/energy/elastic.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -10,6 +11,7 @@
 #include "resilin/core/simd.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/element/catalog.hpp"
+#include "resilin/element/jacobian_bound.hpp"
 #include "resilin/energy/inversion_bound.hpp"
 
 namespace resilin {
@@ -295,7 +297,39 @@ double ElasticEnergy::max_step(const VectorX& x, const VectorX& p) const {
       }).step;
   if (!(min_volume_ratio(x).ratio > 0)) return step;
   while (step > 0 && !(min_volume_ratio(x + step * p).ratio > 0)) step *= 0.9;
+  while (step > 1e-12 && turns_a_cell_inside_out(x, x + step * p)) step *= 0.7;
   return step;
+}
+
+/// Whether a cell that is the right way round everywhere at `from` is not so somewhere at `to`. Linear simplices
+/// have one volume ratio, and nothing is left to find.
+bool ElasticEnergy::turns_a_cell_inside_out(const VectorX& from, const VectorX& to) const {
+  if (tiles_.blocks.is_linear_simplex()) return false;
+  struct Found {
+    bool some = false;
+    Found& operator+=(const Found& other) {
+      some = some || other.some;
+      return *this;
+    }
+  };
+  constexpr std::size_t cells_per_chunk = 64;
+  const auto dim = static_cast<std::size_t>(element_->dim), n = static_cast<std::size_t>(element_->num_nodes);
+  const auto is_right = [&](std::size_t cell, const VectorX& x) {
+    std::array<double, 30> positions{};
+    for (std::size_t a = 0; a < n; ++a)
+      for (std::size_t i = 0; i < dim; ++i)
+        positions[a * dim + i] =
+            x[static_cast<Eigen::Index>(static_cast<std::size_t>(pattern_nodes_[cell * n + a]) * dim + i)];
+    return jacobian_sign(*element_, std::span(positions).first(n * dim)).kind == JacobianSign::Kind::positive;
+  };
+  return parallel_sum<Found>(lane_of_cell_.size(), cells_per_chunk,
+                             [&](std::size_t begin, std::size_t end) {
+                               Found found;
+                               for (std::size_t cell = begin; cell < end && !found.some; ++cell)
+                                 found.some = !is_right(cell, to) && is_right(cell, from);
+                               return found;
+                             })
+      .some;
 }
 
 }  // namespace resilin

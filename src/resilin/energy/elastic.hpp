@@ -56,8 +56,9 @@ class ElasticEnergy final : public Energy {
                       BlockMatrix& hessian) const override;
 
   /// For laws that need J > 0: the largest t in (0, 1] such that no cell loses more than nine tenths of its
-  /// volume along x + t p; J > 0 at x + t p is checked in the arithmetic of `value`. Cells with J <= 0 at x
-  /// bound nothing.
+  /// volume at a quadrature point along x + t p; J > 0 at x + t p is checked there in the arithmetic of `value`,
+  /// and by a bound, not by samples, everywhere else in the cells (element/jacobian_bound.hpp). Cells with J <=
+  /// 0 at x bound nothing.
   double max_step(const VectorX& x, const VectorX& p) const override;
 
   struct VolumeRatio {
@@ -106,6 +107,7 @@ class ElasticEnergy final : public Energy {
   void add_forces(const VectorX& x, bool is_magnitude, VectorX& forces) const;
   void add_hessian_to(const VectorX& x, Projection projection, const double* pressures,
                       BlockMatrix& hessian) const;
+  bool turns_a_cell_inside_out(const VectorX& from, const VectorX& to) const;
   VectorX mean_pressures(const VectorX& x, const VectorX* p, double t) const;
   /// The parts for the present number of threads, from `parts_` when they were made for it.
   std::shared_ptr<const std::vector<OwnerPart>> parts() const;
