@@ -90,7 +90,7 @@ def run(program, case_name, row, out):
     reason = done.stderr.strip()
     if done.returncode == 2:
         reason = json.loads((out / "report.json").read_text(encoding="utf-8"))["reason"]
-    raise RuntimeError(f"exit code {done.returncode}: {reason}")
+    raise RuntimeError(f"exit code {done.returncode}: {reason}".replace(f"{FOLDER}/", ""))
 
 
 def reports_of_commands(program, row):
@@ -142,8 +142,15 @@ def compare(entry, report, folder):
     found = [compare_one(entry, *values) for values in zip(measured, *columns, strict=True)]
     worst = max(range(len(found)), key=lambda i: math.inf if math.isnan(found[i].error) else found[i].error)
     if "over" in entry:
-        found[worst].note = f"worst of {len(found)}, at {entry['over'][worst]}"
+        found[worst].note = f"worst of {len(found)}, at {place_name(entry['at'], entry['over'][worst])}"
     return found[worst]
+
+
+def place_name(path, place):
+    """What stands for {} in a path, with its name: load=0.5, modes 3."""
+    before, _, _ = path.partition("{}")
+    name = before.rsplit("/", 1)[-1] or before.split("/")[-2] + " "
+    return f"{name}{place}"
 
 
 def compare_one(entry, got, value, at_least, at_most):
@@ -160,10 +167,13 @@ def compare_one(entry, got, value, at_least, at_most):
 
 def compare_with_bounds(what, got, at_least, at_most):
     bounds, distances = [], [0.0]
-    if at_least is not None:
+    if at_least == at_most:
+        bounds.append(short(at_least))
+        distances.append(abs(got - at_least))
+    elif at_least is not None:
         bounds.append(f">= {short(at_least)}")
         distances.append(at_least - got)
-    if at_most is not None:
+    if at_most is not None and at_most != at_least:
         bounds.append(f"<= {short(at_most)}")
         distances.append(got - at_most)
     error = max(distances) if math.isfinite(got) else math.inf

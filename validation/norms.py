@@ -3,6 +3,7 @@
 import functools
 import itertools
 import math
+import operator
 
 from frames import read_frame
 
@@ -28,15 +29,17 @@ def simplex_rule(dim):
 
 
 def shapes(barycentric, num_nodes):
-    """Values of the shape functions, and their derivatives by each barycentric coordinate."""
-    corners = len(barycentric)
-    if num_nodes == corners:
-        return barycentric, [[float(i == k) for k in range(corners)] for i in range(corners)]
-    values = [b * (2 * b - 1) for b in barycentric]
-    slopes = [[(4 * b - 1) * (i == k) for k in range(corners)] for i, b in enumerate(barycentric)]
-    for i, j in EDGES[: num_nodes - corners]:
-        values.append(4 * barycentric[i] * barycentric[j])
-        slopes.append([4 * (barycentric[j] * (k == i) + barycentric[i] * (k == j)) for k in range(corners)])
+    """Values of the shape functions, and for each barycentric coordinate their derivatives by it."""
+    corners = range(len(barycentric))
+    if num_nodes == len(barycentric):
+        return barycentric, [[float(i == k) for i in corners] for k in corners]
+    edges = EDGES[: num_nodes - len(barycentric)]
+    values = [b * (2 * b - 1) for b in barycentric] + [4 * barycentric[i] * barycentric[j] for i, j in edges]
+    slopes = []
+    for k in corners:
+        of_corners = [(4 * barycentric[i] - 1) * (i == k) for i in corners]
+        of_edges = [4 * (barycentric[j] * (i == k) + barycentric[i] * (j == k)) for i, j in edges]
+        slopes.append(of_corners + of_edges)
     return values, slopes
 
 
@@ -56,6 +59,10 @@ def barycentric_gradients(corners, dim):
     return [first, *gradients], abs(determinant) / math.factorial(dim)
 
 
+def dot(a, b):
+    return sum(map(operator.mul, a, b))
+
+
 def cross(a, b):
     return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 
@@ -72,18 +79,16 @@ def error_norms(folder, step, dim, exact):
     value_error = slope_error = 0.0
     for cell in frame.cells:
         rest = [frame.rest[node] for node in cell]
-        moved = [frame.displacements[node] for node in cell]
+        moved = list(zip(*(frame.displacements[node] for node in cell), strict=True))[:dim]
         gradients, volume = barycentric_gradients(rest[: dim + 1], dim)
+        rest = list(zip(*rest, strict=True))[:dim]
         for values, slopes, weight in reference[len(cell)]:
-            place = [sum(n * x[k] for n, x in zip(values, rest, strict=True)) for k in range(dim)]
-            u, du = exact(place)
-            slopes_x = [
-                [sum(s * g[k] for s, g in zip(slope, gradients, strict=True)) for k in (0, 1)] for slope in slopes
-            ]
-            for i in range(dim):
-                difference = sum(n * v[i] for n, v in zip(values, moved, strict=True)) - u[i]
-                value_error += volume * weight * difference**2
-            for i, k in itertools.product((0, 1), repeat=2):
-                difference = sum(s[k] * v[i] for s, v in zip(slopes_x, moved, strict=True)) - du[i][k]
-                slope_error += volume * weight * difference**2
+            u, du = exact([dot(values, x) for x in rest])
+            for found, wanted in zip(moved, u, strict=False):
+                value_error += volume * weight * (dot(values, found) - wanted) ** 2
+            for found, wanted in zip(moved[:2], du, strict=True):
+                by_barycentric = [dot(slope, found) for slope in slopes]
+                for k in (0, 1):
+                    slope = sum(s * gradient[k] for s, gradient in zip(by_barycentric, gradients, strict=True))
+                    slope_error += volume * weight * (slope - wanted[k]) ** 2
     return math.sqrt(value_error), math.sqrt(slope_error)

@@ -34,20 +34,21 @@ def write(file, program, results, folders):
             picture = draw(target, program, folder, case["picture"]["options"])
         sections.append(section(name, case, of_case, picture))
     version = subprocess.run([program, "--version"], capture_output=True, text=True, check=True).stdout.strip()
-    text = "\n".join([HEAD, summary(version, [result for _, result in results]), *sections])
+    text = "\n".join([HEAD, summary(version, results), *sections])
     file.write_text(text, encoding="utf-8")
 
 
 def summary(version, results):
-    numbers = [found for result in results for found in result.comparisons]
-    failed = [result for result in results if not result.passed]
+    numbers = [found for _, result in results for found in result.comparisons]
+    failed = [(case_name, result) for case_name, result in results if not result.passed]
     errors = sorted(found.error for found in numbers if found.tolerance <= 1e-6)
     text = f"""**{len(results)} rows, {len(numbers)} numbers, {len(failed)} rows failed**, by version {version}.
 {len(errors)} numbers are compared to 1e-6 or closer, on the same mesh with the same element: the worst is off by
 {errors[-1]:.1e}, half of them by less than {errors[len(errors) // 2]:.0e}.
 """
     if failed:
-        text += "\nRows that failed:\n" + "".join(f"- {result.row['name']}: {why(result)}\n" for result in failed)
+        lines = [f"- {case_name}/{result.row['name']}: {why(result)}\n" for case_name, result in failed]
+        text += "\nRows that failed, with what is known about them below their tables:\n" + "".join(lines)
     return text
 
 
