@@ -183,9 +183,9 @@ TEST(Surface, OfQuadraticCellsIsCurved) {
 
 TEST(Surface, OfHexahedraHasTheirOuterSides) {
   std::vector<Vector3> points;
+  const std::array<Vector3, 4> square = {Vector3(0, 0, 0), {0, 1, 0}, {0, 1, 1}, {0, 0, 1}};
   for (const double x : {0.0, 1.0, 2.0})
-    for (const auto& [y, z] : {std::pair{0.0, 0.0}, {1.0, 0.0}, {1.0, 1.0}, {0.0, 1.0}})
-      points.emplace_back(x, y, z);
+    for (const Vector3& corner : square) points.push_back(corner + x * Vector3::UnitX());
   const Surface surface =
       find_surface({{CellKind::hexahedron, {0, 1, 2, 3, 4, 5, 6, 7, 4, 5, 6, 7, 8, 9, 10, 11}}}, points);
   EXPECT_EQ(surface.triangles.size(), 10u * 2 * 36);  // ten quadrilaterals, each of 6 x 6 pairs

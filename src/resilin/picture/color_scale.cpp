@@ -56,7 +56,7 @@ std::string number(double value, int decimals) {
 double round_step(double span) {
   const double power = std::pow(10, std::floor(std::log10(span / 6)));
   for (const double factor : {1.0, 2.0, 2.5, 5.0})
-    if (span / (factor * power) <= 6) return factor * power;
+    if (span / (factor * power) <= 6 + 1e-9) return factor * power;
   return 10 * power;
 }
 
