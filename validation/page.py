@@ -61,6 +61,8 @@ def section(name, case, results, picture):
     lines += [f"Source: {case['source']}", "", f"Tolerances: {case['tolerances']}", ""]
     if picture:
         lines += [f"![{case['title']}](images/validation/{picture.name})", ""]
+    if "units" in case:
+        lines += [f"Units: {case['units']}.", ""]
     return "\n".join(lines) + "\n" + TABLE + "".join(rows_of(result) for result in results) + remarks(results)
 
 
@@ -113,8 +115,8 @@ def rows_named_in(text):
         heading = re.match(r"\[validation/(\w+)\]", line)
         if heading:
             case_name = heading[1]
-        columns = re.split(r"(?<!\\) \| ", line.strip("|").strip()) if line.startswith("| ") else []
-        if case_name and columns and columns[0] not in ("", "row", "---") and len(columns) >= COLUMNS - 1:
+        columns = [column.strip() for column in re.split(r"(?<!\\)\|", line)[1:-1]]
+        if case_name and len(columns) == COLUMNS and columns[0] not in ("", "row", "---"):
             named.add((case_name, columns[0]))
     return named
 
