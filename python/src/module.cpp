@@ -27,5 +27,5 @@ NB_MODULE(_core, module) {
   python::bind_mesh(module);
   python::bind_elastic(module);
   python::bind_picture(module);
-  bind_simulation(module);
+  python::bind_simulation(module);
 }

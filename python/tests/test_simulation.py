@@ -62,6 +62,7 @@ def test_files_and_dicts_mean_the_same(tmp_path):
         simulation = { kind = "static", gravity = [0, 0, -9.81] }
         fix = [{ name = "wall", where = { group = "x_min" } }]
         [[body]]
+        element = "P1"
         mesh = { box = { size = [1, 0.2, 0.2], cells = [10, 2, 2] } }
         material = { law = "neo_hookean", youngs_modulus = 5e5, poissons_ratio = 0.3 }
     """)
