@@ -48,7 +48,9 @@ class Elastic:
         self._cells = dict(solid.cells()).get(kind)
         if self._cells is None:
             kinds = ", ".join(other.name for other, _ in solid.cells())
-            refuse("element", "P1, P2 or P2P0 on triangles and tetrahedra, Q1 or Q1P0 on others", f"{element} on {kinds}")
+            refuse(
+                "element", "P1, P2 or P2P0 on triangles and tetrahedra, Q1 or Q1P0 on others", f"{element} on {kinds}"
+            )
         self._rest_positions = np.ascontiguousarray(solid.positions()[:, : self._dim])
         constants = _constant_rows(number_constants(material), len(self._cells))
         fibres, num_families = _fibre_rows(material, len(self._cells))
@@ -177,7 +179,7 @@ class Elastic:
         return gradients[..., : self._dim, : self._dim]
 
     def cauchy_stresses(self, x):
-        """Cauchy stress at each point (M, 3, 3) or (M, Q, 3, 3) [Pa]; in plane strain with the stress across the plane."""
+        """Cauchy stress at each point (M, 3, 3) or (M, Q, 3, 3) [Pa]; in 2D with the stress across the plane."""
         return self._of_points(self._core.cauchy_stresses(self._positions(x)))
 
     def von_mises(self, x):

@@ -141,8 +141,8 @@ class Mesh:
     def rectangle(cls, size, cells, origin=(0, 0), pattern="uniform"):
         """A rectangle of triangles, two for each of `cells` (2,); see `box`.
 
-        `pattern` "alternating" turns the diagonal of every other square, as on a chessboard; "quadrilaterals" leaves the
-        squares as they are.
+        `pattern` "alternating" turns the diagonal of every other square, as on a chessboard; "quadrilaterals" leaves
+        the squares as they are.
         """
         size, cells, origin = _recipe(size, cells, origin, 2, "rectangle")
         if pattern == "quadrilaterals":

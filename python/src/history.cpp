@@ -75,9 +75,8 @@ std::string History::report() const {
   Json frames = Json::array();
   FieldEvaluator evaluator(world());
   for (std::size_t i = 0; i < frames_.size(); ++i) {
-    frames.push_back(frame_json(frames_[i], world().dimension));
     const std::vector<FieldValues> fields = evaluator.evaluate(states_[i], world().output.fields);
-    frames.back()["extremes"] = extremes_json(world(), states_[i], fields);
+    frames.push_back(frame_json(frames_[i], world(), states_[i], fields));
   }
   return report_json(world(), std::move(frames), summary_).dump();
 }

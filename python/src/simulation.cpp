@@ -22,6 +22,7 @@
 #include "resilin/core/error.hpp"
 #include "resilin/core/stopwatch.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/fields/evaluator.hpp"
 #include "resilin/scene/report.hpp"
 #include "resilin/scene/result_picture.hpp"
 #include "resilin/scene/results.hpp"
@@ -199,7 +200,9 @@ void bind_simulation(nb::module_& module) {
       .def("vertex_range", &RunningSimulation::vertex_range, nb::arg("body"))
       .def("frame",
            [](const RunningSimulation& s) {
-             return frame_json(s.simulation().frame(), s.world().dimension).dump();
+             const State& state = s.simulation().state();
+             const auto fields = FieldEvaluator(s.world()).evaluate(state, s.world().output.fields);
+             return frame_json(s.simulation().frame(), s.world(), state, fields).dump();
            })
       .def(
           "draw",

@@ -271,7 +271,9 @@ class TestElements:
 
     def test_quadratic_elements_add_nodes_after_the_vertices(self):
         mesh = resilin.Mesh.box((1, 1, 1), (1, 1, 1))
-        body = resilin.Elastic(mesh, resilin.Material("neo_hookean", youngs_modulus=1e5, poissons_ratio=0.3), "P2", quadrature="exact")
+        body = resilin.Elastic(
+            mesh, resilin.Material("neo_hookean", youngs_modulus=1e5, poissons_ratio=0.3), "P2", quadrature="exact"
+        )
         np.testing.assert_array_equal(body.rest_positions[: len(mesh.positions)], mesh.positions)
         assert len(body.rest_positions) == 27
         assert body.quadrature == "exact"

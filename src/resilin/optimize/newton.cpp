@@ -32,7 +32,12 @@ struct Newton::Search {
   ProjectionChooser chooser{settings.projection};
   VectorX gradient{}, step{}, trial{}, trial_gradient{}, right_side{};
   bool gradient_at_trial_is_known = false;
-  VectorX internal{};            ///< where the Hessian is formed besides x ...
+  VectorX internal{};  ///< where the Hessian is formed besides x ...
+  struct Watchdog {
+    VectorX x{}, gradient{};  ///< where the energy was lowest ...
+    int steps = 0;            ///< ... before so many steps
+    bool is_strict = false;   ///< the next step must lower it
+  } watchdog{};
   bool internal_is_old = false;  ///< ... carried along to first order, not of x itself
   VectorX diagonal{};            ///< |diagonal of the last Hessian| [N/m]
   double first_residual = 0;
@@ -215,12 +220,43 @@ struct Newton::Search {
     return free_residual(trial_gradient, is_fixed).norm <= (1 - settings.armijo * length) * report.residual;
   }
 
+  /// The whole step along carried internal values: taken when the energy falls below its lowest value, and as
+  /// one of a few steps in a row that do not lower it (watchdog technique, Chamberlain et al. 1982).
+  bool passes_whole(double slope, LineSearch& result) {
+    if (internal.size() == 0 || settings.relaxed_steps == 0 || watchdog.is_strict) return false;
+    trial = x + result.length * step;
+    gradient_at_trial_is_known = false;
+    const double decrease = -objective.difference(watchdog.steps > 0 ? watchdog.x : x, trial);
+    if (!std::isfinite(decrease)) return false;
+    const bool is_lower = decrease >= -settings.armijo * result.length * slope;
+    if (is_lower && watchdog.steps == 0) return false;  // for the line search to judge
+    if (!is_lower && watchdog.steps >= settings.relaxed_steps) return false;
+    if (watchdog.steps == 0) {
+      watchdog.x = x;
+      watchdog.gradient = gradient;
+    }
+    watchdog.steps = is_lower ? 0 : watchdog.steps + 1;
+    result.accepted = true;
+    return true;
+  }
+
+  /// Back to where the energy was lowest, to go on from there by steps that lower it.
+  void go_back() {
+    x = watchdog.x;
+    gradient = watchdog.gradient;
+    watchdog.steps = 0;
+    watchdog.is_strict = true;
+    measure_residual();
+    renew_internal_values();
+  }
+
   /// Armijo's rule on the sum of small differences; near round-off on the slope (Hager & Zhang 2005).
   LineSearch search_line(bool is_exact) {
     LineSearch result;
     const double slope = -step.dot(right_side);  // right side is minus the gradient, zero at fixed unknowns
     double magnitude = -1;
     result.length = objective.max_step(x, step);
+    if (passes_whole(slope, result) || watchdog.steps > 0) return result;
     const int max_halvings = internal_is_old ? max_halvings_of_carried_values : settings.max_halvings;
     for (int halving = 0; halving <= max_halvings; ++halving) {
       trial = x + result.length * step;
@@ -295,6 +331,7 @@ struct Newton::Search {
   }
 
   NewtonReport finish(NewtonReport::Status status, std::string reason) {
+    if (status != NewtonReport::Status::converged && watchdog.steps > 0) go_back();
     report.status = status;
     report.reason = std::move(reason);
     return report;
@@ -337,6 +374,11 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
       was_exact = direction.is_exact;
       line = boundary_moves ? follow_boundary() : search_line(direction.is_exact);
       if (line.accepted) break;
+      if (watchdog.steps > 0) {
+        go_back();
+        projection = chooser.next_choice(Projection::none);
+        continue;
+      }
       if (internal_is_old) {
         renew_internal_values();
         projection = chooser.next_choice(Projection::none);
@@ -356,6 +398,7 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
       return finish(Status::stalled, "the prescribed motion would invert an element");
     }
     accept_trial(line.length);
+    if (watchdog.steps == 0) watchdog.is_strict = false;
     if (!boundary_moves) ask_for_potential();
     report.last_step_was_exact = was_exact && line.length == 1;
     chooser.step_was_taken(line.ratio, line.length);

@@ -20,6 +20,9 @@ struct NewtonSettings {
   bool is_quadratic = false;  ///< the objective is: one step, whose linear system is solved to the end
   double armijo = 1e-4;       ///< share of the predicted decrease that a step must reach
   int max_halvings = 40;      ///< of one line search
+  /// With carried internal values: so many steps in a row may leave the energy above its lowest value, before
+  /// the search goes back there. 0: every step lowers the energy.
+  int relaxed_steps = 0;
 };
 
 struct NewtonReport {

@@ -98,6 +98,8 @@ Json frame_json(const Frame& frame, int dimension) {
   return json;
 }
 
+namespace {
+
 Json extremes_json(const World& world, const State& state, std::span<const FieldValues> fields) {
   Json json = Json::object();
   for (const FieldValues& values : fields) {
@@ -107,6 +109,15 @@ Json extremes_json(const World& world, const State& state, std::span<const Field
     json[values.field->name] = {{"min", extreme_json(world, found->min, is_on_nodes)},
                                 {"max", extreme_json(world, found->max, is_on_nodes)}};
   }
+  return json;
+}
+
+}  // namespace
+
+Json frame_json(const Frame& frame, const World& world, const State& state,
+                std::span<const FieldValues> fields) {
+  Json json = frame_json(frame, world.dimension);
+  json["extremes"] = extremes_json(world, state, fields);
   return json;
 }
 

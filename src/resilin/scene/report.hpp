@@ -15,9 +15,10 @@ using Json = nlohmann::ordered_json;  // keys stay in the order of the contract
 /// One entry of "frames". Vectors have `dimension` numbers; angular momentum has 3, in 2D 1.
 Json frame_json(const Frame& frame, int dimension);
 
-/// "extremes" of a frame: for each field that has such, { min, max } with value, body, cell or vertex, and
-/// position.
-Json extremes_json(const World& world, const State& state, std::span<const FieldValues> fields);
+/// The whole frame, with the "extremes" of the fields that are written: for each that has such, { min, max }
+/// with value, body, cell or vertex, and position.
+Json frame_json(const Frame& frame, const World& world, const State& state,
+                std::span<const FieldValues> fields);
 
 /// "bodies".
 Json bodies_json(const World& world);

@@ -156,8 +156,7 @@ void ResultFolder::record(const World& world, const State& state, const Frame& f
     if (!contents_->evaluator) contents_->evaluator.emplace(world);
     const std::vector<FieldValues> fields = contents_->evaluator->evaluate(state, world.output.fields);
     if (Contents::writes_vtu(world)) contents_->write_frame(frames.size(), world, state, fields);
-    frames.push_back(frame_json(frame, world.dimension));
-    frames.back()["extremes"] = extremes_json(world, state, fields);
+    frames.push_back(frame_json(frame, world, state, fields));
     contents_->output_seconds += seconds_since(begin);
   }
 }

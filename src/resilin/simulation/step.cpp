@@ -25,6 +25,7 @@ NewtonSettings newton_settings(const World& world) {
   settings.tolerance = world.newton.tolerance;
   settings.max_iterations = world.newton.max_iterations;
   settings.is_quadratic = is_linear(world);
+  settings.relaxed_steps = world.is_dynamic ? 0 : 4;
   const std::string& policy = world.newton.projection;
   if (policy == "none") {
     settings.projection = ProjectionPolicy::none;
