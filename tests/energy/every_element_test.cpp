@@ -7,6 +7,7 @@
 #include "element_mesh.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/parallel.hpp"
+#include "resilin/element/jacobian_bound.hpp"
 #include "resilin/energy/elastic.hpp"
 #include "resilin/material/derive.hpp"
 
@@ -189,6 +190,26 @@ TEST(EveryElementEnergy, TakesRulesWithManyPoints) {
       EXPECT_LT((H * p - difference).norm(), 1e-6 * difference.norm()) << element->name << " " << rule;
     }
   }
+}
+
+TEST(InversionBound, HoldsInTheWholeCellWhenAskedFor) {
+  // A curved triangle whose corner folds between its quadrature points.
+  const ElementInfo& element = *find_element("P2", 2);
+  VectorX X(12), x(12);
+  X << 0, 0, 1, 0, 0, 1, 0.5, 0, 0.5, 0.5, 0, 0.5;
+  x = X;
+  x[6] = 0.78;  // beyond three quarters of the edge
+  const std::vector<Index> cells = {0, 1, 2, 3, 4, 5};
+  const LawInfo& law = *find_law("neo_hookean");
+  ElasticEnergy energy(2, "P2", cells, X, law, law.constants_from(hooke));
+  EXPECT_TRUE(std::isfinite(energy.value(x, {})));
+  EXPECT_EQ(energy.max_step(X, x - X), 1);
+  energy.bound_inversion_everywhere();
+  const double step = energy.max_step(X, x - X);
+  EXPECT_GT(step, 0.5);
+  EXPECT_LT(step, 0.9);
+  const VectorX reached = X + step * (x - X);
+  EXPECT_EQ(jacobian_sign(element, std::span(reached.data(), 12)).kind, JacobianSign::Kind::positive);
 }
 
 TEST(MeanVolume, PressuresArePredictedToFirstOrder) {

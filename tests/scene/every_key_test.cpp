@@ -20,6 +20,7 @@ TEST(EveryKey, MakesAWorld) {
   EXPECT_EQ(world.supports.size(), 2u);
   EXPECT_EQ(world.external.size(), 6u);  // five loads and gravity
   EXPECT_EQ(scene.description.newton.projection, "clamp");
+  EXPECT_EQ(scene.description.newton.inversion_bound, "everywhere");
   EXPECT_EQ(scene.description.output.fields.size(), 6u);
 }
 

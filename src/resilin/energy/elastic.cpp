@@ -301,10 +301,10 @@ double ElasticEnergy::max_step(const VectorX& x, const VectorX& p) const {
   return step;
 }
 
-/// Whether a cell that is the right way round everywhere at `from` is not so somewhere at `to`. Linear simplices
-/// have one volume ratio, and nothing is left to find.
+/// Whether a cell that is the right way round everywhere at `from` is not so somewhere at `to`. Linear
+/// simplices have one volume ratio, and nothing is left to find.
 bool ElasticEnergy::turns_a_cell_inside_out(const VectorX& from, const VectorX& to) const {
-  if (tiles_.blocks.is_linear_simplex()) return false;
+  if (tiles_.blocks.is_linear_simplex() || !bounds_everywhere_) return false;
   struct Found {
     bool some = false;
     Found& operator+=(const Found& other) {

@@ -56,10 +56,13 @@ class ElasticEnergy final : public Energy {
                       BlockMatrix& hessian) const override;
 
   /// For laws that need J > 0: the largest t in (0, 1] such that no cell loses more than nine tenths of its
-  /// volume at a quadrature point along x + t p; J > 0 at x + t p is checked there in the arithmetic of `value`,
-  /// and by a bound, not by samples, everywhere else in the cells (element/jacobian_bound.hpp). Cells with J <=
-  /// 0 at x bound nothing.
+  /// volume at a quadrature point along x + t p; J > 0 at x + t p is checked there in the arithmetic of
+  /// `value`. Once `bound_inversion_everywhere` was called, J > 0 holds at x + t p in the whole of every
+  /// cell, by a bound and not by samples (element/jacobian_bound.hpp). The energy itself knows the points
+  /// alone: its minimum may fold a cell at the edge of a support, and is then out of reach. Cells with J <= 0
+  /// at x bound nothing.
   double max_step(const VectorX& x, const VectorX& p) const override;
+  void bound_inversion_everywhere() { bounds_everywhere_ = true; }
 
   struct VolumeRatio {
     double ratio;
@@ -123,6 +126,7 @@ class ElasticEnergy final : public Energy {
   const QuadratureRule* rule_;
   InstructionSet instruction_set_;
   ElasticTiles tiles_;
+  bool bounds_everywhere_ = false;    ///< see max_step
   std::size_t num_families_ = 0;      ///< of fibres
   std::vector<Index> all_blocks_;     ///< 0, 1, 2, ...
   std::vector<Index> lane_of_cell_;   ///< block * block_size + lane

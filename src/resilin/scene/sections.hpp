@@ -62,8 +62,8 @@ void refuse_contact(const SceneNode& node);
 void refuse_collider(const SceneNode& node);
 
 // names.cpp
-/// Bodies, fixes, loads, probes and sections have names of their own; whether a name that is referred to exists is for
-/// `World`.
+/// Bodies, fixes, loads, probes and sections have names of their own; whether a name that is referred to
+/// exists is for `World`.
 void check_names(const Description& description);
 
 /// All sections in the order of the reference.

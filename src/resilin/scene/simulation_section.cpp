@@ -57,6 +57,9 @@ Keys<NewtonOptions> newton_keys() {
                   "Newton iterations of a load or time step. A small number truncates a time step, safely."),
       choice_key("projection", &N::projection, {"auto", "none", "clamp", "absolute"}, {},
                  "What is done to negative eigenvalues of the elements' matrices."),
+      choice_key("inversion_bound", &N::inversion_bound, {"points", "everywhere"}, {},
+                 "Where laws that need J > 0 keep it: at the quadrature points, or, shown by a bound, in the "
+                 "whole of every cell."),
   };
 }
 

@@ -134,6 +134,9 @@ struct NewtonOptions {
   double tolerance = 1e-8;          ///< force residual relative to the load (docs/theory/stopping.md)
   int max_iterations = 100;         ///< per load or time step; a smaller number truncates a step, safely
   std::string projection = "auto";  ///< auto | none | clamp | absolute
+  /// points | everywhere: where laws that need J > 0 keep it, at the quadrature points or in the whole of
+  /// every cell.
+  std::string inversion_bound = "points";
 };
 
 struct SolverOptions {

@@ -188,6 +188,7 @@ void Builder::add_material(const BodyDescription& description, const std::vector
   const auto elastic = std::make_shared<ElasticEnergy>(
       world_.dimension, ElementChoice(body.element, description.quadrature), body.cells,
       world_.rest_positions, law, constants, fibres_of_cells(law, description, body.num_cells()));
+  if (world_.newton.inversion_bound == "everywhere") elastic->bound_inversion_everywhere();
   body.elastic = elastic;
   elastic_.push_back(elastic);
   body.density = material.density;
