@@ -66,16 +66,19 @@ def run_pytest(python, results_name, *options, environment):
     results = FOLDER / results_name
     results.unlink(missing_ok=True)
     command = [python, "-m", "pytest", "-p", "no:cacheprovider", "--quiet", f"--junit-xml={results}", *options]
-    run = subprocess.run(
-        command,
-        cwd=ROOT,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        check=False,
-        timeout=TIME_LIMIT,
-        env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1", **environment},
-    )
+    try:
+        run = subprocess.run(
+            command,
+            cwd=ROOT,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            check=False,
+            timeout=TIME_LIMIT,
+            env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1", **environment},
+        )
+    except subprocess.TimeoutExpired:
+        return None, [f"{' '.join(map(str, command))}: took more than {TIME_LIMIT} s"]
     if run.returncode not in (0, 1) or not results.exists():
         return None, [f"pytest: exit code {run.returncode}", *run.stdout.splitlines()[-30:]]
     return results, []
