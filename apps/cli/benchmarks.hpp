@@ -8,7 +8,7 @@
 namespace resilin::cli {
 
 struct BenchOptions {
-  int n = 0;             ///< size of the problem; 0: the benchmark's own
+  int n = 0;  ///< size of the problem; 0: the benchmark's own
   std::string element = "P1";
   bool dynamic = false;  ///< motion instead of statics, where a benchmark has both
 };

@@ -13,8 +13,8 @@
 
 namespace resilin::python {
 
-/// A field of fields/catalog.hpp in each of the states: (T, N or M), for vectors (T, ..., 3), displacement and
-/// velocity (T, N, dim), tensors (T, ..., 3, 3).
+/// A field of fields/catalog.hpp in each of the states: (T, N or M), for vectors (T, ..., 3), displacement
+/// and velocity (T, N, dim), tensors (T, ..., 3, 3).
 NumpyArray<double> field_array(const World& world, std::span<const State> states, const std::string& name);
 
 /// The recorded states of a run.

@@ -1,0 +1,343 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "resilin/core/stopwatch.hpp"
+#include "resilin/optimize/newton.hpp"
+#include "resilin/optimize/residual.hpp"
+#include "resilin/optimize/true_tangent.hpp"
+
+/// The parts of a Newton search: directions and steps along them. For newton.cpp, which puts them together.
+namespace resilin {
+
+/// One call of `minimize`.
+struct Newton::Search {
+  static constexpr double epsilon = std::numeric_limits<double>::epsilon();
+  /// After so many halvings a step along which carried internal values led is given up for one at those of x:
+  /// the globalisation of docs/theory/mean_volume.md.
+  static constexpr int max_halvings_of_carried_values = 4;
+
+  Newton& newton;
+  const Objective& objective;
+  std::span<const std::uint8_t> is_fixed;
+  const VectorX& targets;
+  const NewtonSettings& settings;
+  VectorX& x;
+
+  NewtonReport report{};
+  ProjectionChooser chooser{settings.projection};
+  VectorX gradient{}, step{}, trial{}, trial_gradient{}, right_side{};
+  bool gradient_at_trial_is_known = false;
+  VectorX internal{};  ///< where the Hessian is formed besides x ...
+  struct Watchdog {
+    VectorX x{}, gradient{};  ///< where the energy was lowest ...
+    int steps = 0;            ///< ... before so many steps
+    bool is_strict = false;   ///< the next step must lower it
+  } watchdog{};
+  bool internal_is_old = false;  ///< ... carried along to first order, not of x itself
+  VectorX diagonal{};            ///< |diagonal of the last Hessian| [N/m]
+  double first_residual = 0;
+  double last_residual = 0;
+  double last_forcing = 0;
+  bool has_potential = true;  ///< unless slow convergence asked and the objective said no
+  bool potential_is_known = false;
+
+  bool is_free(Eigen::Index i) const { return is_fixed[static_cast<std::size_t>(i)] == 0; }
+
+  /// What is still missing at the fixed unknowns; zero at the free ones.
+  VectorX boundary_gap() const {
+    VectorX gap = VectorX::Zero(x.size());
+    for (Eigen::Index i = 0; i < x.size(); ++i) {
+      if (!is_free(i)) gap[i] = targets[i] - x[i];
+    }
+    return gap;
+  }
+
+  void measure_residual() {
+    const Residual residual = free_residual(gradient, is_fixed);
+    report.residual = residual.norm;
+    report.worst_unknown = residual.worst;
+    report.force_scale = objective.force_scale(x, gradient);
+  }
+
+  double round_off() const { return residual_round_off(objective, is_fixed, x, diagonal); }
+
+  bool is_converged() const {
+    if (report.residual <= settings.tolerance * report.force_scale) return true;
+    // Round-off is asked for only when it can matter: it costs one evaluation.
+    const double small = 1e-6 * std::max(report.force_scale, first_residual);
+    const bool positions_matter =
+        diagonal.size() == x.size() &&
+        report.residual <= 1e3 * epsilon * diagonal.norm() * x.cwiseAbs().maxCoeff();
+    return (report.residual <= small || positions_matter) && report.residual <= round_off();
+  }
+
+  /// How exactly the linear system is worth solving: Eisenstat & Walker 1996, choice 2, never finer than what
+  /// the stopping rule asks for.
+  double forcing_term() const {
+    const double goal = 0.3 * settings.tolerance * report.force_scale / report.residual;
+    if (settings.is_quadratic) return std::min(goal, settings.tolerance);
+    double forcing = 1e-2;
+    if (last_residual > 0) {
+      const double ratio = report.residual / last_residual;
+      forcing = std::min(forcing, 0.9 * ratio * ratio);
+      const double safeguard = 0.9 * last_forcing * last_forcing;
+      if (safeguard > 0.1) forcing = std::max(forcing, safeguard);
+    }
+    return std::clamp(forcing, std::min(goal, 1e-2), 1e-2);
+  }
+
+  struct Direction {
+    bool found = false;
+    bool is_exact = true;
+    bool singular = false;
+    bool out_of_memory = false;
+  };
+
+  /// `shift` times the largest diagonal entry is added to the diagonal: 0, or a little where a projected
+  /// matrix is still singular (Levenberg 1944).
+  Direction solve_with(Projection projection, double shift, const VectorX& gap, bool boundary_moves) {
+    Direction direction;
+    direction.is_exact = projection == Projection::none && shift == 0;
+    {
+      const Stopwatch watch(report.assembly_seconds);
+      newton.hessian_.set_zero();
+      objective.hessian_at(internal, x, projection, newton.hessian_);
+      diagonal = free_diagonal(newton.hessian_, is_fixed);
+      right_side = -gradient;
+      if (boundary_moves) {
+        VectorX pull;
+        multiply(newton.hessian_, gap, pull);
+        right_side -= pull;
+      }
+      set_fixed_to_zero(is_fixed, right_side);
+      if (shift > 0) add_to_diagonal(shift * diagonal.maxCoeff());
+      eliminate(newton.hessian_, is_fixed);
+    }
+    const Stopwatch watch(report.solve_seconds);
+    LinearSolver& solver = *newton.solver_;
+    solver.analyze(newton.hessian_,
+                   x);  // quick on the same pattern; the rigid modes are those of the body as it stands
+    ++report.linear_solves;
+    if (!direction.is_exact) ++report.projected_solves;
+    LinearReport linear = solver.factorize(newton.hessian_);
+    direction.out_of_memory = linear.status == LinearReport::Status::out_of_memory;
+    if (linear.status != LinearReport::Status::ok) return direction;
+    step.setZero(x.size());
+    last_forcing = forcing_term();
+    linear = solver.solve(newton.hessian_, right_side, step, last_forcing);
+    report.linear_iterations += linear.iterations;
+    direction.found = linear.status != LinearReport::Status::indefinite && step.allFinite();
+    if (direction.found && boundary_moves) {
+      step += gap;
+    } else if (direction.found) {
+      direction.found = step.dot(right_side) > 0;
+    }
+    return direction;
+  }
+
+  /// Forces without a potential: the step of the symmetric part is only the start of the one of the true
+  /// tangent, which takes its place when GMRES finds it.
+  void use_true_tangent(Direction& direction) {
+    const Stopwatch watch(report.solve_seconds);
+    const NearSolve near = [&](const VectorX& b, VectorX& p) {
+      p.setZero(b.size());
+      const LinearReport linear = newton.solver_->solve(newton.hessian_, b, p, 1e-3);
+      report.linear_iterations += linear.iterations;
+      return linear.status != LinearReport::Status::indefinite && p.allFinite();
+    };
+    VectorX p;
+    const TangentReport tangent = solve_with_true_tangent(objective, is_fixed, x, right_side, near, 1e-3, p);
+    report.tangent_iterations += tangent.iterations;
+    if (!(tangent.relative_residual < 0.3)) return;
+    step.swap(p);
+    direction.is_exact = true;
+  }
+
+  /// A residual that falls slowly may come of forces without a potential: asked once, for it costs some
+  /// gradients.
+  void ask_for_potential() {
+    if (potential_is_known || report.residual <= 0.2 * last_residual) return;
+    potential_is_known = true;
+    has_potential = objective.has_potential(x);
+  }
+
+  void add_to_diagonal(double value) {
+    BlockMatrix& H = newton.hessian_;
+    for (Index node = 0; node < H.num_nodes(); ++node) {
+      for (int k = 0; k < H.dim; ++k) H.add_to_diagonal(node, k, value);
+    }
+  }
+
+  /// A descent direction (towards the targets, too, when the boundary moves), or none.
+  Direction find_direction(const VectorX& gap, bool boundary_moves, Projection first) {
+    Projection projection = first;
+    while (true) {
+      Direction direction = solve_with(projection, 0, gap, boundary_moves);
+      if (direction.found || direction.out_of_memory) return direction;
+      if (projection == Projection::none) chooser.matrix_was_indefinite();
+      const Projection next = chooser.next_choice(projection);
+      if (next != projection) {
+        projection = next;
+        continue;
+      }
+      if (projection == Projection::none) return direction;
+      for (const double shift : {1e-6, 1e-3, 1.0}) {
+        direction = solve_with(projection, shift, gap, boundary_moves);
+        if (direction.found || direction.out_of_memory) return direction;
+      }
+      return direction;
+    }
+  }
+
+  struct LineSearch {
+    bool accepted = false;
+    double length = 0;
+    double ratio = 1;  ///< actual over predicted decrease
+  };
+
+  /// A projected Hessian is too stiff along directions of negative curvature, where a body leaves a saddle:
+  /// the step is doubled for as long as that lowers the energy.
+  void go_further(double decrease, double& length) {
+    while (objective.max_step(x, 2 * length * step) == 1) {
+      VectorX further = x + 2 * length * step;
+      const double more = -objective.difference(x, further);
+      if (!(more > decrease) || !std::isfinite(more)) return;
+      decrease = more;
+      length *= 2;
+      trial.swap(further);
+    }
+  }
+
+  /// Without a potential a step may also be taken because it lowers the residual.
+  bool lowers_residual(double length) {
+    objective.gradient(trial, trial_gradient);
+    gradient_at_trial_is_known = true;
+    return free_residual(trial_gradient, is_fixed).norm <= (1 - settings.armijo * length) * report.residual;
+  }
+
+  /// The whole step along carried internal values: taken when the energy falls below its lowest value, and as
+  /// one of a few steps in a row that do not lower it (watchdog technique, Chamberlain et al. 1982).
+  bool passes_whole(double slope, LineSearch& result) {
+    if (internal.size() == 0 || settings.relaxed_steps == 0 || watchdog.is_strict) return false;
+    trial = x + result.length * step;
+    gradient_at_trial_is_known = false;
+    const double decrease = -objective.difference(watchdog.steps > 0 ? watchdog.x : x, trial);
+    if (!std::isfinite(decrease)) return false;
+    const bool is_lower = decrease >= -settings.armijo * result.length * slope;
+    if (is_lower && watchdog.steps == 0) return false;  // for the line search to judge
+    if (!is_lower && watchdog.steps >= settings.relaxed_steps) return false;
+    if (watchdog.steps == 0) {
+      watchdog.x = x;
+      watchdog.gradient = gradient;
+    }
+    watchdog.steps = is_lower ? 0 : watchdog.steps + 1;
+    result.accepted = true;
+    return true;
+  }
+
+  /// Back to where the energy was lowest, to go on from there by steps that lower it.
+  void go_back() {
+    x = watchdog.x;
+    gradient = watchdog.gradient;
+    watchdog.steps = 0;
+    watchdog.is_strict = true;
+    measure_residual();
+    renew_internal_values();
+  }
+
+  /// Armijo's rule on the sum of small differences; near round-off on the slope (Hager & Zhang 2005).
+  LineSearch search_line(bool is_exact) {
+    LineSearch result;
+    const double slope = -step.dot(right_side);  // right side is minus the gradient, zero at fixed unknowns
+    double magnitude = -1;
+    result.length = objective.max_step(x, step);
+    if (passes_whole(slope, result) || watchdog.steps > 0) return result;
+    const int max_halvings = internal_is_old ? max_halvings_of_carried_values : settings.max_halvings;
+    for (int halving = 0; halving <= max_halvings; ++halving) {
+      trial = x + result.length * step;
+      gradient_at_trial_is_known = false;
+      const double decrease = -objective.difference(x, trial);
+      const double t = result.length;
+      if (!has_potential && std::isfinite(decrease) && lowers_residual(t)) {
+        result.accepted = true;
+        return result;
+      }
+      if (slope < 0 && decrease >= -settings.armijo * t * slope && std::isfinite(decrease)) {
+        result.accepted = true;
+        result.ratio = decrease / (-slope * (t - 0.5 * t * t));
+        if (!is_exact && t == 1 && result.ratio > 1) go_further(decrease, result.length);
+        return result;
+      }
+      if (magnitude < 0) magnitude = objective.magnitude(x);
+      if (-t * slope <= 1e3 * epsilon * magnitude && std::isfinite(decrease)) {
+        objective.gradient(trial, trial_gradient);
+        gradient_at_trial_is_known = true;
+        double trial_slope = 0;
+        for (Eigen::Index i = 0; i < step.size(); ++i) {
+          if (is_free(i)) trial_slope += step[i] * trial_gradient[i];
+        }
+        if (std::abs(trial_slope) <= (1 - settings.armijo) * std::abs(slope)) {
+          result.accepted = true;
+          return result;
+        }
+      }
+      result.length *= 0.5;
+      ++report.line_search_halvings;
+    }
+    return result;
+  }
+
+  /// While the boundary moves there is no energy to compare with: the step goes as far as the domain allows.
+  LineSearch follow_boundary() {
+    LineSearch result;
+    result.length = objective.max_step(x, step);
+    for (int halving = 0; halving < 12; ++halving) {
+      trial = x + result.length * step;
+      gradient_at_trial_is_known = false;
+      if (std::isfinite(objective.difference(x, trial))) {
+        result.accepted = true;
+        return result;
+      }
+      result.length *= 0.5;
+    }
+    return result;
+  }
+
+  /// The Hessian is formed at the internal values that belong to x.
+  void renew_internal_values() {
+    internal = objective.internal_values(x);
+    internal_is_old = false;
+  }
+
+  void accept_trial(double length) {
+    if (internal.size() > 0) {
+      internal = objective.predicted_internal_values(x, step, length);
+      internal_is_old = true;
+    }
+    x.swap(trial);
+    if (gradient_at_trial_is_known) {
+      gradient.swap(trial_gradient);
+    } else {
+      objective.gradient(x, gradient);
+    }
+    ++report.iterations;
+    last_residual = report.residual;
+    measure_residual();
+  }
+
+  NewtonReport finish(NewtonReport::Status status, std::string reason) {
+    if (status != NewtonReport::Status::converged && watchdog.steps > 0) go_back();
+    report.status = status;
+    report.reason = std::move(reason);
+    return report;
+  }
+
+  NewtonReport run(const NewtonObserver& observer);
+};
+
+}  // namespace resilin
