@@ -7,9 +7,9 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
-#include "resilin/material/batch.hpp"
 #include "resilin/material/catalog.hpp"
 #include "resilin/material/law_kernels.hpp"
+#include "resilin/material/rest_tangents.hpp"
 
 namespace resilin {
 namespace {
@@ -109,7 +109,7 @@ class ConstantReader {
       const std::vector<double> own = is_hooke ? from_hooke(sources, i) : literal(sources, i);
       std::copy(own.begin(), own.end(), all.begin() + static_cast<std::ptrdiff_t>(i * num_constants));
     }
-    check_rest(all, count);
+    check_rest(all);
     return all;
   }
 
@@ -211,22 +211,9 @@ class ConstantReader {
   }
 
   /// Throws unless the law resists shear and change of volume at rest. Fibres are slack there.
-  void check_rest(const std::vector<double>& constants, std::size_t count) const {
-    constexpr std::size_t most = 4096;
-    const std::size_t n = law_.constants.size();
-    std::vector<double> columns(constants.size()), H(9 * std::min(count, most), 0.0), A(9 * H.size());
-    for (std::size_t i = 0; i < constants.size(); ++i) columns[i % n * count + i / n] = constants[i];
-    for (std::size_t first = 0; first < count; first += most) {
-      StateBatch<double> states{.law = &law_,
-                                .dim = 3,
-                                .count = std::min(most, count - first),
-                                .deformation_gradients = H.data(),
-                                .holds_displacement_gradients = true,
-                                .constants = {}};
-      for (std::size_t k = 0; k < n; ++k) states.constants.push_back({columns.data() + k * count + first, 1});
-      stress_tangents(states, Projection::none, A.data());
-      for (std::size_t i = 0; i < states.count; ++i) check_rest_tangent(A.data() + 81 * i, first + i);
-    }
+  void check_rest(const std::vector<double>& constants) const {
+    for_each_rest_tangent(law_, constants,
+                          [this](std::size_t i, const double* A) { check_rest_tangent(A, i); });
   }
 
   void check_rest_tangent(const double* A, std::size_t i) const {

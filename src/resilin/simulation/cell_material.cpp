@@ -7,7 +7,7 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
-#include "resilin/material/batch.hpp"
+#include "resilin/material/rest_tangents.hpp"
 
 namespace resilin {
 
@@ -66,25 +66,11 @@ FibreDirections fibres_of_cells(const LawInfo& law, const BodyDescription& body,
 }
 
 double largest_poissons_ratio(const LawInfo& law, const std::vector<double>& constants) {
-  constexpr std::size_t most = 4096;  // states at once
-  const std::size_t n = law.constants.size(), count = constants.size() / n;
-  std::vector<double> columns(constants.size()), H(9 * std::min(count, most), 0.0), A(9 * H.size());
-  for (std::size_t i = 0; i < constants.size(); ++i) columns[i % n * count + i / n] = constants[i];
   double largest = -1;
-  for (std::size_t first = 0; first < count; first += most) {
-    StateBatch<double> states{.law = &law,
-                              .dim = 3,
-                              .count = std::min(most, count - first),
-                              .deformation_gradients = H.data(),
-                              .holds_displacement_gradients = true,
-                              .constants = {}};
-    for (std::size_t k = 0; k < n; ++k) states.constants.push_back({columns.data() + k * count + first, 1});
-    stress_tangents(states, Projection::none, A.data());
-    for (std::size_t i = 0; i < states.count; ++i) {
-      const double lambda = A[81 * i + 4], mu = A[81 * i + 9 + 1];  // dP_00/dF_11, dP_01/dF_01
-      largest = std::max(largest, Hooke{mu, lambda}.poissons_ratio());
-    }
-  }
+  for_each_rest_tangent(law, constants, [&largest](std::size_t, const double* A) {
+    const double lambda = A[4], mu = A[9 + 1];  // dP_00/dF_11, dP_01/dF_01
+    largest = std::max(largest, Hooke{mu, lambda}.poissons_ratio());
+  });
   return largest;
 }
 
