@@ -1,0 +1,105 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "resilin/energy/material_point.hpp"
+#include "resilin/simulation/simulation.hpp"
+
+/// A scene that is simulated while someone plays with it.
+namespace resilin {
+
+/// What can be changed while the scene runs. Materials are those of all bodies.
+struct LiveControls {
+  std::string law;
+  double youngs_modulus = 1e5;  ///< [Pa] of the small-strain solid
+  double poissons_ratio = 0.4;
+  double damping = 0;                 ///< of all motion, in proportion to mass [1/s]
+  Vector3 gravity = Vector3::Zero();  ///< [m/s^2]
+  double time_step = 1.0 / 60;        ///< [s], 1e-4 to 0.1
+  double max_force = 0;               ///< of the hand [N]
+  std::optional<double> ground;       ///< height of a frictionless floor against gravity [m]; none: no floor
+  int newton_limit = 0;               ///< Newton iterations of a step; 0: as many as its time allows
+  double tolerance = 1e-4;            ///< force residual relative to the load at which a step is solved
+};
+
+/// What a step did, for the head-up line.
+struct LiveReport {
+  double time = 0;        ///< simulated so far [s]
+  bool converged = true;  ///< the step met the tolerance
+  bool at_rest = false;   ///< in exact equilibrium: steps change nothing until something is changed
+  int newton_iterations = 0;
+  int linear_iterations = 0;
+  double residual = 0;           ///< force residual [N]
+  double relative_residual = 0;  ///< as a share of the load
+  double min_volume_ratio = 1;
+  Index inverted_cells = 0;
+  double elastic_energy = 0, kinetic_energy = 0;      ///< [J]
+  double step_ms = 0, assembly_ms = 0, solve_ms = 0;  ///< wall time; the rest is searching and measuring
+  std::string words;                                  ///< what is not solved, or that it is at rest
+};
+
+/// How long a step may take.
+struct StepBudget {
+  double seconds = 0.012;  ///< after this no further Newton iteration begins; at least one is done
+};
+
+/// A world that answers a hand.
+///
+/// Each step is one of backward Euler, solved by Newton's method until the tolerance or the end of the time
+/// budget, whichever is first, and at least one iteration long. Cut short or not, a step never raises the
+/// incremental potential, and never the total energy except by what the hand, the floor and the ball do:
+/// docs/theory/real_time.md. When nothing moves, steps lead on to the exact equilibrium.
+///
+/// Not for several threads at once. Setters throw InputError with one line for a value that cannot be; the
+/// scene is then as before.
+class LiveScene {
+ public:
+  /// Static scenes move under their full loads. Throws InputError.
+  explicit LiveScene(const Description& description);
+  ~LiveScene();
+  LiveScene(LiveScene&&) noexcept;
+  LiveScene& operator=(LiveScene&&) noexcept;
+
+  const World& world() const;
+  const State& state() const;
+  const LiveControls& controls() const;
+  const LiveReport& report() const;  ///< of the last step
+
+  /// Takes over all controls that differ from the present ones.
+  void set_controls(const LiveControls& controls);
+
+  /// The hand takes hold of a place of a body and pulls it towards `target` [m] until `release`.
+  void grab(MaterialPoint place, const Vector3& target);
+  void drag(const Vector3& target);  ///< of no effect when nothing is held
+  void release();
+  bool is_grabbed() const;
+
+  /// Holds a node where it is now; all components.
+  void pin(Index node);
+  void unpin(Index node);
+  void unpin_all();
+  const std::vector<Index>& pinned() const;
+
+  /// A ball that pushes bodies away; it goes towards `center` as fast as they let it.
+  void poke(const Vector3& center, double radius);
+  void stop_poking();
+  bool is_poking() const;
+
+  /// Moves all nodes, at once and with no velocity; for tests of recovery. dim numbers per node [m].
+  void place(const VectorX& positions);
+
+  /// Back to the start; the controls stay.
+  void reset();
+
+  /// One time step. When the scene is at rest this returns at once.
+  const LiveReport& step(const StepBudget& budget = {});
+
+ private:
+  struct Contents;
+  std::unique_ptr<Contents> contents_;
+};
+
+}  // namespace resilin
