@@ -86,7 +86,7 @@ class ElasticBody {
   double max_step(const Array2d<double>& x, const Array2d<double>& p) const {
     const VectorX at = unknowns(x), direction = unknowns(p);
     const nb::gil_scoped_release release;
-    return energy_.max_step(at, direction);
+    return energy_.max_step(at, direction, {});
   }
 
   NumpyArray<double> rest_volumes() const { return cell_array(energy_.rest_volumes()); }

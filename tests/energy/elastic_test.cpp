@@ -257,7 +257,7 @@ TEST(ElasticEnergy, StepBoundNeverLetsACellInvert) {
       const VectorX x = body.moved(0.008, 2 * seed);
       const double size = std::pow(10.0, static_cast<double>(seed % 7) - 3);
       const VectorX p = size * (body.moved(1, 2 * seed + 1) - body.X);
-      const double step = energy.max_step(x, p);
+      const double step = energy.max_step(x, p, {});
       ASSERT_GT(step, 0);
       ASSERT_LE(step, 1);
       const auto before = energy.volume_ratios(x);
@@ -276,7 +276,7 @@ TEST(ElasticEnergy, StepBoundNeverLetsACellInvert) {
     }
   }
   const Body body(3);
-  EXPECT_EQ(make_energy(body, *find_law("stable_neo_hookean")).max_step(body.X, 100 * body.moved(1)), 1);
+  EXPECT_EQ(make_energy(body, *find_law("stable_neo_hookean")).max_step(body.X, 100 * body.moved(1), {}), 1);
 }
 
 TEST(ElasticEnergy, RefusesACellWithoutPositiveVolume) {

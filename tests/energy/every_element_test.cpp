@@ -203,9 +203,9 @@ TEST(InversionBound, HoldsInTheWholeCellWhenAskedFor) {
   const LawInfo& law = *find_law("neo_hookean");
   ElasticEnergy energy(2, "P2", cells, X, law, law.constants_from(hooke));
   EXPECT_TRUE(std::isfinite(energy.value(x, {})));
-  EXPECT_EQ(energy.max_step(X, x - X), 1);
+  EXPECT_EQ(energy.max_step(X, x - X, {}), 1);
   energy.bound_inversion_everywhere();
-  const double step = energy.max_step(X, x - X);
+  const double step = energy.max_step(X, x - X, {});
   EXPECT_GT(step, 0.5);
   EXPECT_LT(step, 0.9);
   const VectorX reached = X + step * (x - X);

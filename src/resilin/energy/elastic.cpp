@@ -269,7 +269,7 @@ VectorX ElasticEnergy::predicted_internal_values(const VectorX& x, const VectorX
   return mean_pressures(x, &p, t);
 }
 
-double ElasticEnergy::max_step(const VectorX& x, const VectorX& p) const {
+double ElasticEnergy::max_step(const VectorX& x, const VectorX& p, const Conditions&) const {
   if (!law().needs_positive_J) return 1;
   const std::vector<double> u = tiles_.blocks.local_displacements(x), v = tiles_.blocks.local_values(p);
   struct Bound {

@@ -61,7 +61,7 @@ class ElasticEnergy final : public Energy {
   /// cell, by a bound and not by samples (element/jacobian_bound.hpp). The energy itself knows the points
   /// alone: its minimum may fold a cell at the edge of a support, and is then out of reach. Cells with J <= 0
   /// at x bound nothing.
-  double max_step(const VectorX& x, const VectorX& p) const override;
+  double max_step(const VectorX& x, const VectorX& p, const Conditions& c) const override;
   void bound_inversion_everywhere() { bounds_everywhere_ = true; }
 
   struct VolumeRatio {

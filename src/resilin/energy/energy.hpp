@@ -13,8 +13,9 @@ namespace resilin {
 
 /// What loads and moving targets depend on besides the positions.
 struct Conditions {
-  double time = 0;  ///< [s]
-  double load = 1;  ///< load factor of a static run; 1 in motion
+  double time = 0;            ///< [s]
+  double load = 1;            ///< load factor of a static run; 1 in motion
+  double collider_delay = 0;  ///< how far moving colliders are behind, while a step leads them on [s]
 };
 
 /// One term of the sum that is minimised over the positions: E(x) in joules.
@@ -62,7 +63,9 @@ class Energy {
   }
 
   /// The largest step t in (0, 1] such that x + t p stays inside the domain with a margin.
-  virtual double max_step(const VectorX& /*x*/, const VectorX& /*p*/) const { return 1; }
+  virtual double max_step(const VectorX& /*x*/, const VectorX& /*p*/, const Conditions& /*c*/) const {
+    return 1;
+  }
 };
 
 }  // namespace resilin

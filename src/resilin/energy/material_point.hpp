@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "resilin/core/types.hpp"
+#include "resilin/energy/facet.hpp"
 
 namespace resilin {
 

@@ -108,7 +108,7 @@ bool Potential::has_potential(const VectorX& x) const {
 
 double Potential::max_step(const VectorX& x, const VectorX& p) const {
   double step = 1;
-  for_each_term([&](const Energy& energy) { step = std::min(step, energy.max_step(x, p)); });
+  for_each_term([&](const Energy& energy) { step = std::min(step, energy.max_step(x, p, conditions_)); });
   return step;
 }
 

@@ -103,7 +103,8 @@ VectorX drawn_mode(const World& world, const VectorX& equilibrium, const Vibrati
         std::max(farthest, mode.shape.segment(Eigen::Index{node} * world.dimension, world.dimension).norm());
   const VectorX motion = drawn_size * world.largest_extent() / farthest * mode.shape;
   double length = 1;
-  for (const auto& energy : world.elastic) length = std::min(length, energy->max_step(equilibrium, motion));
+  for (const auto& energy : world.elastic)
+    length = std::min(length, energy->max_step(equilibrium, motion, {}));
   return equilibrium + length * motion;
 }
 
