@@ -1,0 +1,38 @@
+#pragma once
+
+#include <limits>
+#include <string_view>
+
+#include "resilin/core/types.hpp"
+
+namespace resilin {
+
+/// A solid that bodies stay out of, as the signed distance to its surface: positive outside.
+///
+/// In 2D all points have z = 0 and the shape is its section there.
+class ColliderShape {
+ public:
+  virtual ~ColliderShape() = default;
+  virtual std::string_view kind() const = 0;
+
+  /// The point that a motion of the shape is told by [m].
+  virtual Vector3 reference_point() const = 0;
+
+  /// Signed distance d [m], also inside.
+  virtual double distance(const Vector3& x) const = 0;
+
+  /// d(to) - d(from), with its digits when the two are close.
+  virtual double distance_change(const Vector3& from, const Vector3& to) const = 0;
+
+  /// grad d: the unit normal, away from the solid.
+  virtual Vector3 normal(const Vector3& x) const = 0;
+
+  /// Hessian of d [1/m]; zero for a plane. The normal is in its kernel.
+  virtual Eigen::Matrix3d curvature(const Vector3& x) const = 0;
+
+  /// The first t >= 0 at which x + t p has come as near as `distance`, less than it has now; infinity when it
+  /// never does.
+  virtual double time_of_approach(const Vector3& x, const Vector3& p, double distance) const = 0;
+};
+
+}  // namespace resilin

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <vector>
+
+#include "resilin/energy/facet.hpp"
+
+namespace resilin {
+
+/// A node of a surface that may touch something.
+struct ContactNode {
+  Index node;
+  double stiffness;  ///< kappa A: barrier stiffness [Pa] times its share of the rest area [m^2]
+};
+
+/// The nodes of a surface, ascending, with their shares of the rest area.
+///
+/// Each facet is shared in proportion to the integral of N_a^2 (diagonal scaling; Hinton, Rock & Zienkiewicz
+/// 1976), which is positive for every node; the integral of N_a itself vanishes at the corners of a quadratic
+/// triangle, which nothing would keep out then. For flat linear facets and lines the two are the same.
+/// @param stiffness  kappa [Pa]
+std::vector<ContactNode> contact_nodes(int dim, const CellBlock& facets, const VectorX& rest_positions,
+                                       double stiffness);
+
+}  // namespace resilin

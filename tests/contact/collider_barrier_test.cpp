@@ -1,0 +1,259 @@
+#include "resilin/contact/collider_barrier.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <random>
+
+#include "resilin/contact/catalog.hpp"
+#include "resilin/contact/half_space.hpp"
+#include "resilin/contact/sphere.hpp"
+#include "resilin/mesh/generators.hpp"
+#include "resilin/mesh/second_order.hpp"
+#include "resilin/mesh/topology.hpp"
+
+namespace resilin {
+namespace {
+
+constexpr double dhat = 0.02;  // m
+
+ShapeDescription sample_shape(int dim) {
+  ShapeDescription d;
+  d.point = {0.1, -0.2, dim == 3 ? 0.3 : 0.0};
+  d.normal = {0.5, 1, dim == 3 ? -2.0 : 0};
+  d.center = {-0.3, 0.2, dim == 3 ? 0.1 : 0.0};
+  d.radius = 0.7;
+  return d;
+}
+
+/// Calls `check(dim, barrier, x)` for every kind of collider in 2D and 3D, with 40 nodes in random places of
+/// which about half are within the activation distance, at d > 0.
+template <class Check>
+void for_every_collider(const Check& check) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> uniform(-1, 1), share(0.02, 2);
+  for (const int dim : {2, 3}) {
+    for (const ShapeKind& kind : shape_kinds()) {
+      SCOPED_TRACE(std::string(kind.name) + " in " + std::to_string(dim) + "D");
+      const std::shared_ptr<const ColliderShape> shape = kind.make(sample_shape(dim));
+      std::vector<ContactNode> nodes;
+      VectorX x(Eigen::Index{40} * dim);
+      for (Index i = 0; i < 40; ++i) {
+        nodes.push_back({i, 5 + uniform(random)});
+        Vector3 place(uniform(random), uniform(random), dim == 3 ? uniform(random) : 0);
+        place += (share(random) * dhat - shape->distance(place)) * shape->normal(place);
+        x.segment(Eigen::Index{i} * dim, dim) = place.head(dim);
+      }
+      const ColliderBarrier barrier("it", dim, shape, nodes, dhat);
+      ASSERT_GT(barrier.nearest(x, {}).distance, 0);
+      check(dim, barrier, x);
+    }
+  }
+}
+
+VectorX random_direction(Eigen::Index size) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> normal;
+  VectorX p(size);
+  for (double& value : p) value = normal(random);
+  return p;
+}
+
+VectorX gradient(const ColliderBarrier& barrier, const VectorX& x) {
+  VectorX g = VectorX::Zero(x.size());
+  barrier.add_gradient(x, {}, g);
+  return g;
+}
+
+Eigen::MatrixXd hessian(const ColliderBarrier& barrier, int dim, const VectorX& x, Projection projection) {
+  const auto num_nodes = static_cast<Index>(x.size() / dim);
+  BlockMatrix A(dim, std::make_shared<BlockPattern>(BlockPatternBuilder(num_nodes).build()));
+  barrier.add_hessian(x, {}, projection, A);
+  EXPECT_TRUE(A.extra.empty());  // diagonal blocks are always in the pattern
+  Eigen::MatrixXd dense(x.size(), x.size());
+  VectorX unit = VectorX::Zero(x.size()), column;
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    unit[i] = 1;
+    multiply(A, unit, column);
+    dense.col(i) = column;
+    unit[i] = 0;
+  }
+  return dense;
+}
+
+TEST(EveryCollider, HasAUnitNormalThatIsTheSlopeOfItsDistance) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (const ShapeKind& kind : shape_kinds()) {
+    const auto shape = kind.make(sample_shape(3));
+    for (int i = 0; i < 20; ++i) {
+      const Vector3 x(uniform(random), uniform(random), uniform(random));
+      const Vector3 n = shape->normal(x);
+      EXPECT_NEAR(n.norm(), 1, 1e-15);
+      EXPECT_LT((shape->curvature(x) * n).norm(), 1e-14 * (1 + shape->curvature(x).norm()));
+      const double h = 1e-6;
+      for (int k = 0; k < 3; ++k) {
+        const Vector3 e = h * Vector3::Unit(k);
+        EXPECT_NEAR((shape->distance(x + e) - shape->distance(x - e)) / (2 * h), n[k], 1e-9);
+        EXPECT_NEAR(shape->distance_change(x - e, x + e) / (2 * h), n[k], 1e-9);
+        EXPECT_LT(
+            ((shape->normal(x + e) - shape->normal(x - e)) / (2 * h) - shape->curvature(x).col(k)).norm(),
+            1e-8 * (1 + shape->curvature(x).norm()));
+      }
+    }
+  }
+}
+
+TEST(EveryCollider, TellsWhenAPathFirstComesNear) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (const ShapeKind& kind : shape_kinds()) {
+    const auto shape = kind.make(sample_shape(3));
+    int met = 0;
+    for (int i = 0; i < 1000; ++i) {
+      Vector3 x(2 * uniform(random), 2 * uniform(random), 2 * uniform(random));
+      if (shape->distance(x) < 0) x += (0.1 - shape->distance(x)) * shape->normal(x);
+      const Vector3 p(3 * uniform(random), 3 * uniform(random), 3 * uniform(random));
+      const double wanted = 0.1 * shape->distance(x);
+      const double t = shape->time_of_approach(x, p, wanted);
+      // Never before t on the way there, exactly then.
+      for (double s = 0; s < 1; s += 0.05)
+        EXPECT_GT(shape->distance(x + s * std::min(t, 10.0) * p), wanted - 1e-12);
+      if (t > 1e3) continue;
+      ++met;
+      EXPECT_NEAR(shape->distance(x + t * p), wanted, 1e-11 * (1 + t));
+    }
+    EXPECT_GT(met, 50) << kind.name;
+  }
+}
+
+TEST(EveryCollider, HasItsSlopeAsGradientAndItsCurvatureAsHessian) {
+  for_every_collider([](int dim, const ColliderBarrier& barrier, const VectorX& x) {
+    const VectorX p = random_direction(x.size());
+    const VectorX g = gradient(barrier, x);
+    const double h = 1e-8;  // 1e-5 of the smallest distance
+    EXPECT_GT(g.norm(), 0);
+    EXPECT_NEAR((barrier.value(x + h * p, {}) - barrier.value(x - h * p, {})) / (2 * h), g.dot(p),
+                1e-6 * g.norm() * p.norm());
+    EXPECT_NEAR(barrier.difference(x - h * p, x + h * p, {}) / (2 * h), g.dot(p), 1e-7 * g.norm() * p.norm());
+    const VectorX difference = (gradient(barrier, x + h * p) - gradient(barrier, x - h * p)) / (2 * h);
+    EXPECT_LT((hessian(barrier, dim, x, Projection::none) * p - difference).norm(), 1e-5 * difference.norm());
+    VectorX magnitude = VectorX::Zero(x.size());
+    barrier.add_gradient_magnitude(x, {}, magnitude);
+    EXPECT_EQ(magnitude, g.cwiseAbs());
+  });
+}
+
+TEST(EveryCollider, IsPositiveSemidefiniteOnceProjected) {
+  for_every_collider([](int dim, const ColliderBarrier& barrier, const VectorX& x) {
+    for (const Projection projection : {Projection::clamp, Projection::absolute}) {
+      const Eigen::VectorXd values =
+          Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(hessian(barrier, dim, x, projection)).eigenvalues();
+      EXPECT_GT(values.minCoeff(), -1e-13 * values.maxCoeff());
+    }
+    // Projection leaves the push along the normal alone.
+    const Eigen::MatrixXd change =
+        hessian(barrier, dim, x, Projection::clamp) - hessian(barrier, dim, x, Projection::none);
+    for (const ContactNode& node : barrier.nodes()) {
+      const Vector3 y = node_position(dim, node.node, x);
+      const VectorX n = barrier.shape().normal(y).head(dim);
+      EXPECT_LT((change.block(node.node * dim, node.node * dim, dim, dim) * n).norm(),
+                1e-12 * (1 + change.norm()));
+    }
+  });
+}
+
+TEST(EveryCollider, StepsAtMostNineTenthsOfTheWayIn) {
+  for_every_collider([](int dim, const ColliderBarrier& barrier, const VectorX& x) {
+    for (const double length : {1e-3, 0.1, 1.0, 1e6}) {
+      const VectorX p = length * random_direction(x.size());
+      const double t = barrier.max_step(x, p, {});
+      ASSERT_GT(t, 0);
+      ASSERT_LE(t, 1);
+      for (const ContactNode& node : barrier.nodes()) {
+        const double before = barrier.shape().distance(node_position(dim, node.node, x));
+        const double after = barrier.shape().distance(node_position(dim, node.node, x + t * p));
+        EXPECT_GE(after, 0.1 * before - 1e-9 * before);
+      }
+      EXPECT_TRUE(std::isfinite(barrier.value(x + t * p, {})));
+    }
+    EXPECT_EQ(barrier.max_step(x, 1e-9 * random_direction(x.size()), {}), 1);
+  });
+}
+
+TEST(EveryCollider, CanBeMovedTowardsBodiesWithoutTouchingThem) {
+  for_every_collider([](int, ColliderBarrier barrier, const VectorX& x) {
+    const double before = barrier.nearest(x, {}).distance;
+    const Vector3 motion = 10 * barrier.shape().normal(Vector3::Zero());
+    for (int i = 0; i < 20; ++i) {
+      const double part = barrier.largest_motion(x, motion, {});
+      ASSERT_GT(part, 0);
+      barrier.move_by(part * motion);
+      ASSERT_GT(barrier.nearest(x, {}).distance, 0);
+    }
+    EXPECT_LT(barrier.nearest(x, {}).distance, 1e-5 * before);
+    // A half-space has all bodies on one side, and goes away from them all the way.
+    if (barrier.shape().kind() == "half_space") {
+      EXPECT_EQ(barrier.largest_motion(x, -motion, {}), 1);
+    }
+    barrier.move_to(barrier.shape().reference_point());
+    EXPECT_EQ(barrier.nearest(x, {}).distance, before);
+  });
+}
+
+TEST(ColliderBarrier, MovesWithTimeUntilItStops) {
+  const auto floor = std::make_shared<HalfSpace>(Vector3(0, 0, 1), Vector3(0, 0, 2));
+  const ColliderBarrier barrier("floor", 3, floor, {{0, 1}}, dhat, {.velocity = {0, 0, 0.5}, .until = 2});
+  const VectorX x = Vector3(4, 5, 3);
+  EXPECT_EQ(barrier.nearest(x, {.time = 0}).distance, 2);
+  EXPECT_EQ(barrier.nearest(x, {.time = 1}).distance, 1.5);
+  EXPECT_EQ(barrier.nearest(x, {.time = 7}).distance, 1);
+  EXPECT_EQ(barrier.nearest(x, {.time = 1, .collider_delay = 0.5}).distance, 1.75);
+  EXPECT_EQ(barrier.place({.time = 7}), Vector3(0, 0, 2));
+}
+
+TEST(ColliderBarrier, IsNotThereWhenSwitchedOff) {
+  const auto ball = std::make_shared<Sphere>(Vector3(0, 0, 0), 1);
+  ColliderBarrier barrier("ball", 3, ball, {{0, 1}}, dhat);
+  const VectorX x = Vector3(0.5, 0, 0), outside = Vector3(1.01, 0, 0);
+  EXPECT_EQ(barrier.value(x, {}), std::numeric_limits<double>::infinity());
+  EXPECT_GT(barrier.force(outside, {}).x(), 0);
+  barrier.set_active(false);
+  EXPECT_EQ(barrier.value(x, {}), 0);
+  EXPECT_EQ(barrier.max_step(outside, -outside, {}), 1);
+  EXPECT_EQ(barrier.force(outside, {}), Vector3::Zero());
+  barrier.set_active(true);
+  barrier.set_shape(std::make_shared<Sphere>(Vector3(0, 0, 0), 0.4));
+  EXPECT_TRUE(std::isfinite(barrier.value(x, {})));
+}
+
+TEST(ContactNodes, ShareTheSurfaceAmongAllTheirNodes) {
+  for (const char* kind : {"P1", "P2"}) {
+    Mesh mesh = make_box({1, 2, 3}, {1, 2, 2});
+    if (std::string_view(kind) == "P2") mesh = second_order(mesh).mesh;
+    VectorX X(3 * static_cast<Eigen::Index>(mesh.vertices.size()));
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+      X.segment<3>(3 * static_cast<Eigen::Index>(i)) = mesh.vertices[i];
+    const CellBlock facets = boundary(*mesh.find_solid(3)).facets;
+    double sum = 0;
+    for (const ContactNode& node : contact_nodes(3, facets, X, 7)) {
+      EXPECT_GT(node.stiffness, 0);
+      sum += node.stiffness;
+    }
+    EXPECT_NEAR(sum, 7 * 22.0, 1e-12 * sum) << kind;
+  }
+}
+
+TEST(ContactNodes, OfASecondOrderLineAreThoseOfSimpsonsRule) {
+  VectorX X(6);
+  X << 0, 0, 6, 0, 3, 0;
+  const std::vector<ContactNode> nodes = contact_nodes(2, {CellKind::line3, {0, 1, 2}}, X, 1);
+  ASSERT_EQ(nodes.size(), 3U);
+  EXPECT_NEAR(nodes[0].stiffness, 1, 1e-14);
+  EXPECT_NEAR(nodes[1].stiffness, 1, 1e-14);
+  EXPECT_NEAR(nodes[2].stiffness, 4, 1e-14);
+}
+
+}  // namespace
+}  // namespace resilin
