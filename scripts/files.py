@@ -13,7 +13,7 @@ def repository_files(*suffixes):
         listing = subprocess.run(command, capture_output=True, check=True, text=True).stdout
         paths = [ROOT / name for name in listing.split("\0") if name]
     except (OSError, subprocess.CalledProcessError):
-        paths = [p for p in ROOT.rglob("*") if p.relative_to(ROOT).parts[0] not in ("build", "out")]
+        paths = [p for p in ROOT.rglob("*") if not {"build", "out", "node_modules"} & set(p.relative_to(ROOT).parts)]
     chosen = {p for p in paths if p.is_file() and (not suffixes or p.name.endswith(suffixes))}
     return sorted(chosen)
 

@@ -1,0 +1,58 @@
+/** Short ways to make elements. */
+
+type Properties = Record<string, unknown> & { on?: Record<string, (event: never) => void>; data?: string };
+
+/** An element with properties and children; `data` becomes data-testid, `class` the class name. */
+export function element<K extends keyof HTMLElementTagNameMap>(
+  tag: K,
+  properties: Properties = {},
+  ...children: (Node | string)[]
+): HTMLElementTagNameMap[K] {
+  const made = document.createElement(tag);
+  for (const [name, value] of Object.entries(properties)) {
+    if (name === "on") {
+      for (const [event, listener] of Object.entries(value as object)) made.addEventListener(event, listener);
+    } else if (name === "data") made.dataset.testid = String(value);
+    else if (name === "class") made.className = String(value);
+    else if (name.includes("-")) made.setAttribute(name, String(value));
+    else Object.assign(made, { [name]: value });
+  }
+  made.append(...children);
+  return made;
+}
+
+/** Changes text only when it differs, so that an idle page stays idle. */
+export function setText(place: HTMLElement, text: string): void {
+  if (place.textContent !== text) place.textContent = text;
+}
+
+/** Drawings of 24 x 24 for buttons, stroked in the colour of the text. */
+const ICONS: Record<string, string> = {
+  hand: "M8 13V5.5a1.5 1.5 0 0 1 3 0V11m0-6.5a1.5 1.5 0 0 1 3 0V11m0-4.5a1.5 1.5 0 0 1 3 0V14c0 4-2 7-6 7-3.5 0-4.6-2-6-5l-1.5-3a1.4 1.4 0 0 1 2.4-1.4L8 14",
+  pin: "M9 4h6l-1 6 3 3v1H7v-1l3-3zM12 14v7",
+  poke: "M12 3a6 6 0 1 1 0 12a6 6 0 1 1 0-12M4 20c2.5-2.5 5-2.5 8 0s5.500 2.500 8 0",
+  pause: "M8 5v14M16 5v14",
+  play: "M7 4.500v15l12-7.500z",
+  step: "M6 5v14l9-7zM18 5v14",
+  reset: "M4.500 12a7.500 7.500 0 1 0 2.500-5.600M4.500 4v4.500h4.500",
+  help: "M9 9a3 3 0 1 1 4.500 2.600c-1 .6-1.500 1.200-1.500 2.400M12 17.500v.5",
+  plots: "M4 4v16h16M7 15l4-5 3 3 5-7",
+  link: "M10 14a4 4 0 0 0 6 0l3-3a4 4 0 0 0-6-6l-1 1M14 10a4 4 0 0 0-6 0l-3 3a4 4 0 0 0 6 6l1-1",
+};
+
+export function icon(name: string): SVGSVGElement {
+  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+  svg.setAttribute("viewBox", "0 0 24 24");
+  svg.setAttribute("aria-hidden", "true");
+  const path = document.createElementNS("http://www.w3.org/2000/svg", "path");
+  path.setAttribute("d", ICONS[name]);
+  svg.append(path);
+  return svg;
+}
+
+export function iconButton(name: string, label: string, press: () => void): HTMLButtonElement {
+  const button = element("button", { class: "icon", type: "button", title: label, data: `button-${name}` }, icon(name));
+  button.setAttribute("aria-label", label);
+  button.addEventListener("click", press);
+  return button;
+}

@@ -1,0 +1,65 @@
+/** The head-up line of a live scene: how fast, how far from the exact solution, and in words. */
+
+import { element, setText } from "./dom";
+import { fixed, power } from "./numbers";
+import type { Status } from "./protocol";
+
+const PHASES: [keyof Status, string][] = [
+  ["assembly_ms", "assembly"],
+  ["solve_ms", "solve"],
+  ["surface_ms", "surface"],
+  ["other_ms", "other"],
+];
+
+export class HeadUp {
+  readonly root = element("footer", { class: "head-up", data: "head-up" });
+  private readonly values = new Map<string, HTMLElement>();
+  private readonly phases: HTMLElement[] = [];
+  private readonly words = element("div", { class: "words", data: "words", role: "status" });
+
+  constructor() {
+    this.add("real_time_ratio", "real time", "simulated over real seconds", 5);
+    const bar = element("span", { class: "phases", "aria-hidden": "true" });
+    PHASES.forEach(([, name], i) => {
+      const piece = element("i", { class: `phase-${i}`, title: name });
+      this.phases.push(piece);
+      bar.append(piece);
+    });
+    this.add("step_ms", "step", "milliseconds of one step", 8).append(bar);
+    this.add("phases", "assembly + solve + surface + other", "milliseconds of one step by phase", 22, "wide");
+    this.add("iterations", "Newton · CG", "iterations of the last step", 8);
+    this.add("residual", "force residual", "the greatest force that is out of balance, and its share of the load", 17);
+    this.add("volume", "smallest volume", "smallest ratio of deformed to rest volume", 6);
+    this.add("inverted", "inverted", "cells turned inside out", 5, "wide");
+    this.root.append(this.words);
+  }
+
+  private add(name: string, label: string, title: string, width: number, extra = ""): HTMLElement {
+    const value = element("b", { data: name }, "–");
+    value.style.minWidth = `${width}ch`;
+    const item = element("div", { class: `item ${extra}`, title }, element("small", {}, label), value);
+    this.values.set(name, value);
+    this.root.append(item);
+    return item;
+  }
+
+  set(status: Status): void {
+    const text = (name: string, value: string) => setText(this.values.get(name)!, value);
+    text("real_time_ratio", `${fixed(status.real_time_ratio, 2)}×`);
+    text("step_ms", `${fixed(status.step_ms, 2)} ms`);
+    text("phases", PHASES.map(([key]) => fixed(status[key] as number, 2)).join(" + "));
+    text("iterations", `${status.newton_iterations} · ${status.linear_iterations}`);
+    const share = status.relative_residual;
+    text("residual", `${power(status.residual)} N (${share < 1e-4 ? power(100 * share) : fixed(100 * share, 2)} %)`);
+    text("volume", fixed(status.min_volume_ratio, 3));
+    text("inverted", String(status.inverted_cells));
+    this.values.get("inverted")!.classList.toggle("bad", status.inverted_cells > 0);
+    this.values.get("volume")!.classList.toggle("bad", status.min_volume_ratio <= 0);
+    const whole = Math.max(status.step_ms, 1e-9);
+    PHASES.forEach(
+      ([key], i) => (this.phases[i].style.width = `${Math.min((100 * (status[key] as number)) / whole, 100)}%`),
+    );
+    setText(this.words, status.words || (status.converged ? "" : "not converged in the time of a frame"));
+    this.words.dataset.mood = status.at_rest ? "rest" : status.converged ? "fine" : "behind";
+  }
+}

@@ -1,0 +1,152 @@
+/** The connection to a live scene. Frames wait here until one is drawn; what comes meanwhile replaces them. */
+
+import {
+  acknowledgement,
+  decodeFrame,
+  decodeTopology,
+  dragMessage,
+  isFrame,
+  vertexCount,
+  type Frame,
+  type Header,
+  type State,
+  type Status,
+  type Topology,
+} from "./protocol";
+
+export interface LiveEvents {
+  scene(header: Header, topology: Topology): void;
+  state(state: State): void;
+  status(status: Status): void;
+  refused(message: string): void;
+  lost(words: string): void;
+  found(): void;
+}
+
+const LOST =
+  "The connection is lost. The program ended or the network failed; start it again, this page reconnects by itself.";
+const NEW_TOKEN =
+  "The program was started again and has a new address. Open the one that it has printed; this one is no longer valid.";
+const RETRY = 1000; // [ms]
+
+export class LiveConnection {
+  connected = false;
+  answeredDrag = 0;
+  private socket: WebSocket | null = null;
+  private header: Header | null = null;
+  private waitingForTopology = false;
+  private newest: ArrayBuffer | null = null;
+  private positions = new Float32Array(0);
+  private dragNumber = 0;
+  private readonly sentAt = new Map<number, number>(); // [ms] of drags without an answer
+  dragLatencies: number[] = []; // [ms] from a drag message to the drawn frame that answers it
+
+  constructor(
+    private readonly token: string,
+    private readonly events: LiveEvents,
+  ) {}
+
+  connect(): void {
+    const address = new URL("live", location.href);
+    address.protocol = location.protocol === "https:" ? "wss:" : "ws:";
+    address.search = new URLSearchParams({ token: this.token }).toString();
+    address.hash = "";
+    const socket = new WebSocket(address);
+    socket.binaryType = "arraybuffer";
+    socket.onmessage = ({ data }) => (typeof data === "string" ? this.receiveText(data) : this.receiveBinary(data));
+    socket.onclose = () => this.retry();
+    this.socket = socket;
+  }
+
+  /** Asks by plain HTTP whether the program is there before it opens a socket anew. */
+  private async retry(): Promise<void> {
+    this.connected = false;
+    this.newest = null;
+    this.events.lost(LOST);
+    for (;;) {
+      await new Promise((done) => setTimeout(done, RETRY));
+      try {
+        const answer = await fetch(`?${new URLSearchParams({ token: this.token })}`, { cache: "no-store" });
+        if (answer.ok) break;
+        this.events.lost(NEW_TOKEN);
+      } catch {
+        this.events.lost(LOST);
+      }
+    }
+    this.connect();
+  }
+
+  private receiveText(text: string): void {
+    const message = JSON.parse(text);
+    switch (message.type) {
+      case "hello":
+        this.header = message as Header;
+        this.waitingForTopology = true;
+        this.newest = null;
+        break;
+      case "state":
+        this.events.state(message as State);
+        break;
+      case "status":
+        this.events.status(message as Status);
+        break;
+      case "error":
+        this.events.refused(String(message.message));
+        break;
+    }
+  }
+
+  private receiveBinary(buffer: ArrayBuffer): void {
+    if (this.waitingForTopology && this.header) {
+      this.waitingForTopology = false;
+      const topology = decodeTopology(buffer, this.header.parts);
+      this.positions = new Float32Array(3 * vertexCount(this.header.parts));
+      this.connected = true;
+      this.sentAt.clear();
+      this.events.found();
+      this.events.scene(this.header, topology);
+      if (this.header.controls) this.events.state(this.header.controls);
+    } else if (isFrame(buffer)) {
+      this.newest = buffer;
+    }
+  }
+
+  /** The newest frame that has not been drawn; null: there is none. */
+  takeFrame(): Frame | null {
+    if (!this.newest) return null;
+    const frame = decodeFrame(this.newest, this.positions);
+    this.newest = null;
+    return frame;
+  }
+
+  /** To be called when `frame` has been drawn: the program sends the next one. */
+  acknowledge(frame: Frame): void {
+    this.answeredDrag = frame.answersDrag;
+    for (const [number, sent] of this.sentAt) {
+      if (number > frame.answersDrag) continue;
+      this.dragLatencies.push(performance.now() - sent);
+      this.sentAt.delete(number);
+    }
+    this.dragLatencies = this.dragLatencies.slice(-500);
+    if (this.isOpen()) this.socket!.send(acknowledgement(frame.number));
+  }
+
+  send(message: object): void {
+    if (this.isOpen()) this.socket!.send(JSON.stringify(message));
+  }
+
+  drag(target: { x: number; y: number; z: number }): void {
+    if (!this.isOpen()) return;
+    this.sentAt.set(++this.dragNumber, performance.now());
+    this.socket!.send(dragMessage(this.dragNumber, target));
+  }
+
+  /** Closes the connection as a failing network would. */
+  drop(): void {
+    this.socket?.close();
+  }
+
+  private isOpen(): boolean {
+    return this.socket?.readyState === WebSocket.OPEN;
+  }
+}

@@ -1,0 +1,217 @@
+/** The page of a live scene. */
+
+import { iconButton, element, icon } from "./dom";
+import { Gestures, type Place } from "./gestures";
+import { HeadUp } from "./head_up";
+import { LiveConnection } from "./live";
+import { LivePanel } from "./live_panel";
+import { Overlays } from "./overlays";
+import type { Frame, Header, State, Topology } from "./protocol";
+import { Shell } from "./shell";
+import { Strip } from "./strip";
+import { Tools, type Tool } from "./tools";
+
+const KEYS: [string, string][] = [
+  ["left button on the body", "grab it, pin it or poke it, as the tool says"],
+  ["left button beside it, right button", "turn the camera"],
+  ["middle button, Shift and left button", "move the camera"],
+  ["wheel, two fingers", "come nearer, go away"],
+  ["1 2 3", "hand, pin, poke"],
+  ["Space", "pause and go on"],
+  ["s", "a single step"],
+  ["r", "reset to the start"],
+  ["f", "see the whole scene"],
+  ["w c x", "wireframe, coarse cells, cut"],
+  ["g", "ground on and off"],
+  ["?", "this help"],
+];
+
+const HOVER_LIMIT = 40_000; // triangles up to which the pointer's look follows what is below it
+
+export class LiveApp {
+  private readonly shell: Shell;
+  private readonly connection: LiveConnection;
+  private readonly headUp = new HeadUp();
+  private readonly strip = new Strip();
+  private readonly overlays = new Overlays(KEYS);
+  private readonly toolButtons = new Map<Tool, HTMLButtonElement>();
+  private readonly pauseButton: HTMLButtonElement;
+  private panel: LivePanel | null = null;
+  private tools: Tools | null = null;
+  private tool: Tool = "hand";
+  private state: State | null = null;
+  private readonly unsent = new Map<string, unknown>();
+  private hovered: Place | null = null;
+
+  constructor(token: string) {
+    this.connection = new LiveConnection(token, {
+      scene: (header, topology) => this.setScene(header, topology),
+      state: (state) => this.setState(state),
+      status: (status) => {
+        this.headUp.set(status);
+        this.strip.add(status);
+        this.shell.inspected.status = status;
+      },
+      refused: (message) => {
+        this.overlays.say(message);
+        this.panel?.restore();
+      },
+      lost: (words) => {
+        this.tools?.letGo();
+        this.overlays.showLost(words);
+      },
+      found: () => this.overlays.showLost(null),
+    });
+    this.shell = new Shell("live", this.overlays, {
+      fieldChosen: (name) => this.chooseField(name),
+      themeChanged: () => this.strip.redraw(),
+      tick: () => this.tick(),
+      drawn: (frame) => this.connection.acknowledge(frame),
+    });
+    this.pauseButton = iconButton("pause", "Pause (Space)", () => this.togglePause());
+    this.shell.bottom.append(this.toolbar(), this.headUp.root);
+    this.shell.left.append(this.strip.root);
+    new Gestures(this.shell.canvas, () => this.shell.stage!.orbit, {
+      press: (at) => this.tools?.press(at) ?? false,
+      drag: (at) => this.tools?.drag(at),
+      release: () => this.tools?.release(),
+      click: (at) => this.tools?.click(at),
+      hover: (at) => (this.hovered = at),
+      cameraMoved: () => this.shell.stage?.touch(),
+    });
+    addEventListener("keydown", (event) => this.key(event));
+    Object.assign(this.shell.inspected, {
+      connection: this.connection,
+      send: (message: object) => this.connection.send(message),
+      held: () => this.tools?.held ?? null,
+    });
+    this.connection.connect();
+  }
+
+  private toolbar(): HTMLElement {
+    const bar = element("nav", { class: "card toolbar", "aria-label": "tools" });
+    const names: [Tool, string][] = [
+      ["hand", "Hand: drag the body (1)"],
+      ["pin", "Pin: hold a place where it is (2)"],
+      ["poke", "Poke: push with a ball (3)"],
+    ];
+    for (const [tool, label] of names) {
+      const button = iconButton(tool, label, () => this.chooseTool(tool));
+      button.setAttribute("aria-pressed", String(tool === this.tool));
+      this.toolButtons.set(tool, button);
+      bar.append(button);
+    }
+    bar.append(
+      element("span", { class: "rule" }),
+      this.pauseButton,
+      iconButton("step", "Single step (s)", () => this.connection.send({ type: "step" })),
+      iconButton("reset", "Reset (r)", () => this.connection.send({ type: "reset" })),
+      element("span", { class: "rule" }),
+      iconButton("help", "Mouse and keys (?)", () => this.overlays.showHelp(true)),
+    );
+    return bar;
+  }
+
+  private setScene(header: Header, topology: Topology): void {
+    // Skins come with normals; the surface of cells gets creases where the body has edges.
+    const stage = this.shell.setScene(header, topology, (part) => header.parts[part].kind === "skin");
+    this.tools = new Tools(stage, this.connection);
+    this.tools.tool = this.tool;
+    const { gui } = this.shell;
+    this.panel = header.controls
+      ? new LivePanel(gui!, header, header.controls, {
+          set: (key, value) => this.unsent.set(key, value),
+          send: (message) => this.connection.send(message),
+        })
+      : null;
+    const { choices } = this.shell;
+    if (!header.fields.some((field) => field.name === choices.field)) choices.field = "";
+    this.shell.addDisplay();
+    this.shell
+      .display!.folder.add({ visible: true }, "visible")
+      .name("Curves")
+      .onChange((visible: boolean) => (this.strip.root.hidden = !visible));
+    this.chooseField(choices.field);
+    this.shell.inspected.header = header;
+  }
+
+  private setState(state: State): void {
+    this.state = state;
+    this.shell.inspected.state = state;
+    this.panel?.setState(state);
+    this.tools?.setState(state, this.shell.stage?.header.client);
+    this.shell.stage?.setGround(state.ground ? state.ground_height : null);
+    const name = state.paused ? "play" : "pause";
+    if (this.pauseButton.dataset.shows !== name) {
+      this.pauseButton.dataset.shows = name;
+      this.pauseButton.replaceChildren(icon(name));
+      this.pauseButton.title = state.paused ? "Go on (Space)" : "Pause (Space)";
+    }
+  }
+
+  private chooseField(name: string): void {
+    this.shell.forgetRange();
+    this.connection.send({ type: "field", name });
+  }
+
+  private chooseTool(tool: Tool): void {
+    this.tool = tool;
+    if (this.tools) this.tools.tool = tool;
+    this.toolButtons.forEach((button, name) => button.setAttribute("aria-pressed", String(name === tool)));
+    this.shell.inspected.tool = tool;
+  }
+
+  private togglePause(): void {
+    this.connection.send({ type: this.state?.paused ? "play" : "pause" });
+  }
+
+  private tick(): Frame | null {
+    for (const [key, value] of this.unsent) this.connection.send({ type: "set", key, value });
+    this.unsent.clear();
+    const frame = this.connection.takeFrame();
+    if (frame) {
+      this.shell.stage!.setFrame(frame);
+      this.shell.followRange(frame, true);
+      this.shell.inspected.time = frame.time;
+    }
+    this.tools?.beforeDraw();
+    this.showHover();
+    return frame;
+  }
+
+  private showHover(): void {
+    if (!this.hovered || !this.shell.stage || this.shell.stage.triangleCount() > HOVER_LIMIT) return;
+    const { x, y } = this.hovered;
+    this.hovered = null;
+    this.shell.canvas.dataset.over = this.shell.stage.pickAt(x, y) ? this.tool : "";
+  }
+
+  private key(event: KeyboardEvent): void {
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target instanceof HTMLInputElement) return;
+    const { shell } = this;
+    const toggle = (name: "wireframe" | "cells" | "cut") => {
+      shell.choices[name] = !shell.choices[name];
+      shell.stage?.setLook(shell.choices);
+      shell.display?.refresh();
+    };
+    const actions: Record<string, () => void> = {
+      "1": () => this.chooseTool("hand"),
+      "2": () => this.chooseTool("pin"),
+      "3": () => this.chooseTool("poke"),
+      " ": () => this.togglePause(),
+      s: () => this.connection.send({ type: "step" }),
+      r: () => this.connection.send({ type: "reset" }),
+      f: () => shell.stage && shell.stage.seeAll(),
+      w: () => toggle("wireframe"),
+      c: () => toggle("cells"),
+      x: () => toggle("cut"),
+      g: () => this.state && this.unsent.set("ground", !this.state.ground),
+      "?": () => this.overlays.showHelp(!this.overlays.helpIsOpen),
+      Escape: () => this.overlays.showHelp(false),
+    };
+    const action = actions[event.key];
+    if (!action) return;
+    event.preventDefault();
+    action();
+  }
+}

@@ -1,0 +1,41 @@
+/** Numbers as people read them. */
+
+const prefixes = ["p", "n", "µ", "m", "", "k", "M", "G", "T"];
+const MINUS = "\u2212";
+
+const withMinus = (text: string) => text.replace("-", MINUS);
+
+/** "12.3 kPa": three digits and a prefix. Ratios have no unit and no prefix. */
+export function withUnit(value: number, unit: string, digits = 3): string {
+  if (!Number.isFinite(value)) return "–";
+  if (!unit) return plain(value, digits);
+  if (value === 0) return `0 ${raised(unit)}`;
+  const exponent = Math.min(Math.max(Math.floor(Math.log10(Math.abs(value)) / 3 + 1e-9), -4), 4);
+  // A prefix would belong to the first factor only: 1 kJ/m^3 reads well, 1 mm^3 does not mean it.
+  const scaled = value / 1000 ** exponent;
+  return `${plain(scaled, digits)} ${prefixes[exponent + 4]}${raised(unit)}`;
+}
+
+/** Up to `digits` significant digits; powers of ten beyond 1e5 and below 1e-4. */
+export function plain(value: number, digits = 3): string {
+  if (!Number.isFinite(value)) return "–";
+  if (value === 0) return "0";
+  const size = Math.abs(value);
+  if (size >= 1e5 || size < 1e-4) return withMinus(value.toExponential(Math.max(digits - 2, 0))).replace("e+", "e");
+  const decimals = Math.max(0, digits - 1 - Math.floor(Math.log10(size)));
+  return withMinus(String(Number(value.toFixed(decimals))));
+}
+
+/** A fixed number of decimals, so that a changing number keeps its width. */
+export function fixed(value: number, decimals: number): string {
+  return Number.isFinite(value) ? withMinus(value.toFixed(decimals)) : "–";
+}
+
+/** "1.2e−5", always as wide. */
+export function power(value: number): string {
+  return Number.isFinite(value) ? withMinus(value.toExponential(1)) : "–";
+}
+
+export function raised(unit: string): string {
+  return unit.replace("^2", "²").replace("^3", "³");
+}

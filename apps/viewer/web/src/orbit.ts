@@ -1,0 +1,134 @@
+/** The camera: turns about a target, moves in the view plane, comes nearer; in 2D it looks straight down the z axis. */
+
+import * as THREE from "three";
+
+export interface Pose {
+  azimuth: number; // [rad] about `up`
+  elevation: number; // [rad]
+  distance: number; // [m]; in 2D the height of the window
+  target: [number, number, number];
+}
+
+const FIELD_OF_VIEW = 32; // [degrees], a portrait lens
+const LARGEST_ELEVATION = 1.55;
+
+export class Orbit {
+  readonly camera: THREE.PerspectiveCamera | THREE.OrthographicCamera;
+  pose: Pose = { azimuth: 0.6, elevation: 0.3, distance: 3, target: [0, 0, 0] };
+  private readonly east = new THREE.Vector3();
+  private readonly north = new THREE.Vector3();
+  private readonly up: THREE.Vector3;
+  private width = 1;
+  private height = 1;
+  private extent = 1;
+
+  constructor(
+    readonly flat: boolean,
+    up: [number, number, number],
+  ) {
+    this.camera = flat ? new THREE.OrthographicCamera() : new THREE.PerspectiveCamera(FIELD_OF_VIEW);
+    this.up = flat ? new THREE.Vector3(0, 1, 0) : new THREE.Vector3(...up).normalize();
+    // Azimuth 0 looks at the front: along -z when y is up, along +y when z is up.
+    if (Math.abs(this.up.z) > 0.9) this.north.set(0, -1, 0);
+    else if (Math.abs(this.up.y) > 0.9) this.north.set(0, 0, 1);
+    else this.north.set(0, 1, 0);
+    this.north.addScaledVector(this.up, -this.north.dot(this.up)).normalize();
+    this.east.crossVectors(this.up, this.north);
+  }
+
+  /** Looks at the box so that all of it is seen. */
+  fit(box: THREE.Box3, azimuth = 0.55, elevation = 0.28): void {
+    const center = box.getCenter(new THREE.Vector3());
+    const radius = Math.max(box.getSize(new THREE.Vector3()).length() / 2, 1e-9);
+    this.extent = 2 * radius;
+    const aspect = this.width / this.height;
+    const half = THREE.MathUtils.degToRad(FIELD_OF_VIEW / 2);
+    const across = Math.atan(Math.tan(half) * Math.min(aspect, 1));
+    const distance = this.flat ? (2.3 * radius) / Math.min(aspect, 1) : (1.08 * radius) / Math.sin(across);
+    this.pose = { azimuth, elevation, distance, target: center.toArray() };
+    this.apply();
+  }
+
+  resize(width: number, height: number): void {
+    [this.width, this.height] = [width, height];
+    this.apply();
+  }
+
+  turn(dx: number, dy: number): void {
+    if (this.flat) return this.move(dx, dy);
+    this.pose.azimuth -= (5 * dx) / this.height;
+    const elevation = this.pose.elevation + (5 * dy) / this.height;
+    this.pose.elevation = Math.min(Math.max(elevation, -LARGEST_ELEVATION), LARGEST_ELEVATION);
+    this.apply();
+  }
+
+  move(dx: number, dy: number): void {
+    const pixel = this.pixelSize();
+    const target = new THREE.Vector3(...this.pose.target);
+    target.addScaledVector(this.axis(0), -dx * pixel).addScaledVector(this.axis(1), dy * pixel);
+    this.pose.target = target.toArray();
+    this.apply();
+  }
+
+  zoom(factor: number): void {
+    this.pose.distance = Math.min(Math.max(this.pose.distance * factor, 0.02 * this.extent), 40 * this.extent);
+    this.apply();
+  }
+
+  setPose(pose: Pose): void {
+    this.pose = pose;
+    this.apply();
+  }
+
+  /** Size of a pixel at the target [m]. */
+  pixelSize(): number {
+    const height = this.flat
+      ? this.pose.distance
+      : 2 * this.pose.distance * Math.tan(THREE.MathUtils.degToRad(FIELD_OF_VIEW / 2));
+    return height / this.height;
+  }
+
+  axis(i: 0 | 1 | 2): THREE.Vector3 {
+    return new THREE.Vector3().setFromMatrixColumn(this.camera.matrixWorld, i);
+  }
+
+  /** The line of sight through a point of the window [pixels]. */
+  ray(x: number, y: number): THREE.Ray {
+    const caster = new THREE.Raycaster();
+    caster.setFromCamera(new THREE.Vector2((2 * x) / this.width - 1, 1 - (2 * y) / this.height), this.camera);
+    return caster.ray;
+  }
+
+  /** Where a place is seen in the window [pixels]. */
+  project(place: THREE.Vector3): { x: number; y: number } {
+    const seen = place.clone().project(this.camera);
+    return { x: ((seen.x + 1) / 2) * this.width, y: ((1 - seen.y) / 2) * this.height };
+  }
+
+  private apply(): void {
+    const { azimuth, elevation, distance, target } = this.pose;
+    const { camera } = this;
+    const center = new THREE.Vector3(...target);
+    if (camera instanceof THREE.OrthographicCamera) {
+      const halfHeight = distance / 2;
+      const halfWidth = (halfHeight * this.width) / this.height;
+      Object.assign(camera, { left: -halfWidth, right: halfWidth, top: halfHeight, bottom: -halfHeight });
+      Object.assign(camera, { near: 0.1 * this.extent, far: 30 * this.extent });
+      camera.position.copy(center).add(new THREE.Vector3(0, 0, 10 * this.extent));
+    } else {
+      camera.aspect = this.width / this.height;
+      const out = this.north
+        .clone()
+        .multiplyScalar(Math.cos(azimuth) * Math.cos(elevation))
+        .addScaledVector(this.east, Math.sin(azimuth) * Math.cos(elevation))
+        .addScaledVector(this.up, Math.sin(elevation));
+      camera.position.copy(center).addScaledVector(out, distance);
+      camera.near = 0.02 * distance;
+      camera.far = distance + 30 * this.extent;
+    }
+    camera.up.copy(this.up);
+    camera.lookAt(center);
+    camera.updateProjectionMatrix();
+    camera.updateMatrixWorld();
+  }
+}

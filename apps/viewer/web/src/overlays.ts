@@ -1,0 +1,60 @@
+/** What lies over the scene: the keyboard help, the lost connection, one line that passes. */
+
+import { element, setText } from "./dom";
+
+export class Overlays {
+  readonly root = element("div", { class: "overlays" });
+  private readonly lost = element("div", { class: "veil", data: "lost", role: "alert", hidden: true });
+  private readonly lostWords = element("p", {});
+  private readonly help: HTMLElement;
+  private readonly toast = element("div", { class: "toast", data: "toast", role: "alert", hidden: true });
+  private toastEnds = 0;
+
+  constructor(keys: [string, string][]) {
+    this.lost.append(element("div", { class: "card dialog" }, element("span", { class: "spinner" }), this.lostWords));
+    const rows = keys.map(([key, what]) =>
+      element("tr", {}, element("th", {}, element("kbd", {}, key)), element("td", {}, what)),
+    );
+    const close = element("button", { type: "button", on: { click: () => this.showHelp(false) } }, "Close");
+    this.help = element(
+      "div",
+      {
+        class: "veil",
+        data: "help",
+        hidden: true,
+        role: "dialog",
+        "aria-label": "keys",
+        on: { click: () => this.showHelp(false) },
+      },
+      element(
+        "div",
+        { class: "card dialog" },
+        element("h2", {}, "Mouse and keys"),
+        element("table", {}, ...rows),
+        close,
+      ),
+    );
+    this.root.append(this.lost, this.help, this.toast);
+  }
+
+  showLost(words: string | null): void {
+    this.lost.hidden = words === null;
+    if (words !== null) setText(this.lostWords, words);
+  }
+
+  showHelp(visible: boolean): void {
+    this.help.hidden = !visible;
+  }
+
+  get helpIsOpen(): boolean {
+    return !this.help.hidden;
+  }
+
+  /** One line for some seconds. */
+  say(text: string): void {
+    setText(this.toast, text);
+    this.toast.hidden = false;
+    clearTimeout(this.toastEnds);
+    this.toastEnds = window.setTimeout(() => (this.toast.hidden = true), 6000);
+  }
+}

@@ -1,0 +1,163 @@
+/** What the live page and the results page share: canvas, camera, panel, theme, colours of the shown field. */
+
+import GUI from "lil-gui";
+import { ColorBar } from "./color_bar";
+import { DisplayPanel, type DisplayChoices } from "./display_panel";
+import { element, setText } from "./dom";
+import { startInspection, type Inspected } from "./inspect";
+import type { Overlays } from "./overlays";
+import type { Frame, Header, Topology } from "./protocol";
+import { defaultLook, Stage } from "./stage";
+import { Theme } from "./theme";
+
+export interface ShellEvents {
+  fieldChosen(name: string): void;
+  themeChanged(): void;
+  /** Before each drawn frame; returns the frame that is drawn when it is new. */
+  tick(): Frame | null;
+  drawn(frame: Frame): void;
+}
+
+export class Shell {
+  readonly canvas = element("canvas", { class: "scene", data: "scene", "aria-label": "the scene", tabIndex: 0 });
+  readonly title = element("h1", {});
+  readonly subtitle = element("p", { class: "subtitle" });
+  readonly left = element("div", { class: "left" });
+  readonly bottom = element("div", { class: "bottom" });
+  readonly panelPlace = element("div", { class: "panel", data: "panel" });
+  readonly theme: Theme;
+  readonly bar: ColorBar;
+  readonly inspected: Inspected;
+  readonly choices: DisplayChoices = { ...defaultLook(), field: "", theme: "auto" };
+  stage: Stage | null = null;
+  gui: GUI | null = null;
+  display: DisplayPanel | null = null;
+  private typedRange: [number, number] | null = null;
+  private easedRange: [number, number] | null = null;
+  private running = true;
+
+  constructor(
+    kind: string,
+    readonly overlays: Overlays,
+    private readonly events: ShellEvents,
+  ) {
+    this.inspected = startInspection(kind);
+    this.bar = new ColorBar((range) => this.setRange(range));
+    const heading = element("header", { class: "card heading" }, this.title, this.subtitle);
+    this.left.append(heading, this.bar.root);
+    document.getElementById("app")!.append(this.canvas, this.left, this.panelPlace, this.bottom, overlays.root);
+    this.theme = new Theme((dark) => {
+      this.stage?.setDark(dark);
+      this.events.themeChanged();
+    });
+    this.theme.apply();
+    new ResizeObserver(() => this.stage?.resize()).observe(this.canvas);
+    Object.assign(this.inspected, {
+      stop: () => (this.running = false),
+      resume: () => {
+        if (!this.running) requestAnimationFrame(this.loop);
+        this.running = true;
+      },
+      drawNow: () => this.draw(true),
+      position: (vertex: number) => Array.from(this.stage?.frame?.positions.subarray(3 * vertex, 3 * vertex + 3) ?? []),
+      pickAt: (x: number, y: number) => this.stage?.pickAt(x, y),
+      seenAt: (vertex: number) => this.seenAt(vertex),
+    });
+    requestAnimationFrame(this.loop);
+  }
+
+  /** A new scene, or the same one again after the connection was lost. */
+  setScene(header: Header, topology: Topology, smoothParts: (part: number) => boolean): Stage {
+    const old = this.stage;
+    const same = old !== null && old.header.title === header.title && old.extent === header.extent;
+    const stage = new Stage(this.canvas, header, topology, smoothParts, old?.renderer);
+    if (same) stage.orbit.setPose(old.orbit.pose);
+    old?.dispose();
+    this.stage = stage;
+    stage.setDark(this.theme.dark);
+    stage.setLook(this.choices);
+    document.title = header.title ? `${header.title} · Resilin` : "Resilin";
+    setText(this.title, header.title || "Resilin");
+    const count = (kind: string) =>
+      header.parts.filter((p) => p.kind === kind).reduce((n, p) => n + p.num_triangles, 0);
+    const skin = count("skin");
+    const shown = (n: number) => n.toLocaleString("en");
+    setText(
+      this.subtitle,
+      skin > 0
+        ? `skin of ${shown(skin)} triangles, cells with ${shown(count("cells"))} outer ones`
+        : `${shown(count("cells"))} triangles`,
+    );
+    this.gui?.destroy();
+    this.gui = new GUI({ container: this.panelPlace, title: "Controls", width: 288 });
+    if (matchMedia("(max-width: 720px)").matches) this.gui.close();
+    return stage;
+  }
+
+  addDisplay(): void {
+    const { stage } = this;
+    this.display = new DisplayPanel(
+      this.gui!,
+      this.choices,
+      stage!.header.fields,
+      () => this.stage!,
+      this.theme,
+      (name) => this.events.fieldChosen(name),
+    );
+  }
+
+  private setRange(range: [number, number] | null): void {
+    this.typedRange = range;
+    this.easedRange = null;
+    this.stage?.touch();
+    this.showRange();
+  }
+
+  /** The colours follow the range of the values in a live scene without flicker: up at once, down slowly. */
+  followRange(frame: Frame, ease: boolean): void {
+    if (frame.field < 0) {
+      this.bar.set(null, [0, 1], false);
+      return;
+    }
+    const [low, high] = this.easedRange ?? [frame.least, frame.greatest];
+    const back = ease ? 0.03 : 1;
+    const next: [number, number] = [
+      frame.least < low ? frame.least : low + back * (frame.least - low),
+      frame.greatest > high ? frame.greatest : high + back * (frame.greatest - high),
+    ];
+    this.easedRange = next;
+    this.showRange(frame.field);
+  }
+
+  forgetRange(): void {
+    this.easedRange = this.typedRange = null;
+  }
+
+  private showRange(field = this.stage?.frame?.field ?? -1): void {
+    if (!this.stage || field < 0) return;
+    const [low, high] = this.typedRange ?? this.easedRange ?? [0, 1];
+    const range: [number, number] = [low, high > low ? high : low + Math.max(Math.abs(low) * 1e-6, 1e-30)];
+    this.stage.setBar(...range);
+    this.bar.set(this.stage.header.fields[field], range, this.typedRange !== null);
+  }
+
+  private readonly loop = (): void => {
+    if (!this.running) return;
+    requestAnimationFrame(this.loop);
+    this.draw(false);
+  };
+
+  private draw(force: boolean): void {
+    const frame = this.events.tick();
+    if (force) this.stage?.touch();
+    if (this.stage?.draw()) ++this.inspected.framesDrawn;
+    if (frame) this.events.drawn(frame);
+  }
+
+  private seenAt(vertex: number): { x: number; y: number } | null {
+    const { stage } = this;
+    if (!stage?.frame) return null;
+    const place = stage.restBox.min.clone().fromArray(stage.frame.positions, 3 * vertex);
+    return stage.orbit.project(place);
+  }
+}

@@ -1,0 +1,235 @@
+/** Everything that is drawn in 3D: bodies, ground, the hand's marks; drawn anew only when something has changed. */
+
+import * as THREE from "three";
+import { sceneUniforms } from "./body_shader";
+import { Ground } from "./ground";
+import { Marks } from "./marks";
+import { Orbit } from "./orbit";
+import { pick, type Hit } from "./picking";
+import type { Frame, Header, Topology } from "./protocol";
+import { LINES, Surface } from "./surface";
+
+/** Body colours, sRGB: flesh, then calm companions. */
+const BODY_COLORS = [0xe8957d, 0x7fa8c9, 0xd9b36c, 0x86b39a, 0xb79ac8, 0xc98d8d];
+
+export interface Look {
+  wireframe: boolean;
+  cells: boolean;
+  ground: boolean;
+  cut: boolean;
+  cutAxis: "x" | "y" | "z";
+  cutAt: number; // share of the box, 0 to 1
+  cutFlip: boolean;
+}
+
+export const defaultLook = (): Look => ({
+  wireframe: false,
+  cells: false,
+  ground: true,
+  cut: false,
+  cutAxis: "x",
+  cutAt: 0.5,
+  cutFlip: false,
+});
+
+export class Stage {
+  readonly renderer: THREE.WebGLRenderer;
+  readonly orbit: Orbit;
+  readonly marks: Marks;
+  readonly uniforms = sceneUniforms();
+  readonly restBox = new THREE.Box3();
+  readonly flat: boolean;
+  readonly extent: number;
+  look = defaultLook();
+  frame: Frame | null = null;
+  private readonly bodies = new THREE.Scene();
+  private readonly extras = new THREE.Scene(); // drawn over the bodies' depth, without shade of their own
+  private readonly ground: Ground | null;
+  private surfaces: Surface[] = [];
+  private changed = true;
+  private groundHeight: number | null = null;
+
+  constructor(
+    readonly canvas: HTMLCanvasElement,
+    readonly header: Header,
+    topology: Topology,
+    smoothParts: (part: number) => boolean,
+    renderer: THREE.WebGLRenderer | null = null, // of the scene before, which goes
+  ) {
+    this.flat = header.dimension === 2;
+    this.restBox.setFromArray(topology.restPositions);
+    this.extent = header.extent || this.restBox.getSize(new THREE.Vector3()).length();
+    this.renderer = renderer ?? rendererOf(canvas);
+    this.orbit = new Orbit(this.flat, header.up);
+    this.orbit.camera.layers.enable(LINES);
+    this.marks = new Marks(this.extent, this.flat);
+    this.extras.add(this.marks.group);
+    this.ground = this.flat ? null : new Ground(this.uniforms, header.up);
+    if (this.ground) this.extras.add(this.ground.disk);
+    this.uniforms.lit.value = !this.flat;
+    this.uniforms.hatch.value = 0.03 * this.extent;
+    this.buildSurfaces(topology, smoothParts);
+    this.resize();
+    this.orbit.fit(this.restBox);
+    this.applyLook();
+  }
+
+  private buildSurfaces(topology: Topology, smoothParts: (part: number) => boolean): void {
+    const bodyNames = [...new Set(this.header.parts.map((part) => part.body))];
+    this.header.parts.forEach((part, i) => {
+      const color = new THREE.Color(BODY_COLORS[bodyNames.indexOf(part.body) % BODY_COLORS.length]);
+      const lines = new THREE.Color(part.kind === "cells" && this.hasSkin(part.body) ? 0x2b6cb0 : 0x1c1a1d);
+      const surface = new Surface(
+        part,
+        topology.triangles[i],
+        topology.edges[i],
+        topology.restPositions,
+        this.uniforms,
+        color,
+        smoothParts(i),
+        lines,
+      );
+      this.surfaces.push(surface);
+      this.bodies.add(surface.mesh);
+    });
+  }
+
+  private hasSkin(body: string): boolean {
+    return this.header.parts.some((part) => part.kind === "skin" && part.body === body);
+  }
+
+  /** Whether the surface of this part is drawn; cells under a skin are only lines. */
+  isShown(part: number): boolean {
+    const { kind, body } = this.header.parts[part];
+    return kind === "skin" || !this.hasSkin(body);
+  }
+
+  setFrame(frame: Frame): void {
+    this.frame = frame;
+    this.surfaces.forEach((surface, i) => {
+      if (this.isShown(i) || this.look.cells) surface.update(frame);
+    });
+    if (frame.fieldValues) this.uniforms.fieldRange.value.set(frame.least, frame.greatest);
+    this.changed = true;
+  }
+
+  setLook(look: Partial<Look>): void {
+    Object.assign(this.look, look);
+    this.applyLook();
+  }
+
+  private applyLook(): void {
+    const { look } = this;
+    this.surfaces.forEach((surface, i) => {
+      const shown = this.isShown(i);
+      const carried = surface.part.kind === "cells" && this.hasSkin(surface.part.body);
+      surface.mesh.visible = shown;
+      surface.setOpacity(shown && look.cells && surface.part.kind === "skin" ? 0.42 : 1);
+      if (carried) surface.showLines(look.cells, true, 0.85);
+      else surface.showLines(shown && (look.wireframe || this.flat), false, look.wireframe ? 0.55 : 0.22);
+    });
+    if (this.frame) this.setFrame(this.frame);
+    this.applyCut();
+    this.applyGround();
+    this.changed = true;
+  }
+
+  private applyCut(): void {
+    const { look } = this;
+    const axis = "xyz".indexOf(look.cutAxis);
+    const normal = [0, 0, 0];
+    const low = this.restBox.min.getComponent(axis);
+    const high = this.restBox.max.getComponent(axis);
+    const at = low + look.cutAt * (high - low);
+    normal[axis] = look.cutFlip ? -1 : 1;
+    this.uniforms.cut.value.set(normal[0], normal[1], normal[2], look.cutFlip ? -at : at);
+    this.uniforms.cutOn.value = look.cut && !this.flat;
+  }
+
+  /** `height` along up [m]; null: there is none. */
+  setGround(height: number | null): void {
+    this.groundHeight = height;
+    this.marks.setGroundLine(this.flat && height !== null ? height : null, this.header.up);
+    this.applyGround();
+  }
+
+  private applyGround(): void {
+    if (!this.ground) return;
+    const visible = this.look.ground && this.groundHeight !== null;
+    this.ground.disk.visible = visible;
+    if (visible) this.ground.place(this.restBox.getCenter(new THREE.Vector3()), this.groundHeight!, this.extent);
+    this.changed = true;
+  }
+
+  setBar(least: number, greatest: number): void {
+    this.uniforms.barRange.value.set(least, greatest);
+    this.changed = true;
+  }
+
+  setDark(dark: boolean): void {
+    this.uniforms.dark.value = dark;
+    this.changed = true;
+  }
+
+  /** The camera where the whole scene is seen, as it is now. */
+  seeAll(): void {
+    const box = this.frame ? new THREE.Box3().setFromArray(this.frame.positions) : this.restBox;
+    const { azimuth, elevation } = this.orbit.pose;
+    this.orbit.fit(box, azimuth, elevation);
+    this.changed = true;
+  }
+
+  touch(): void {
+    this.changed = true;
+  }
+
+  pickAt(x: number, y: number): Hit | null {
+    if (!this.frame) return null;
+    const shown = this.surfaces.flatMap((surface, part) =>
+      this.isShown(part) ? [{ part, triangles: surface.triangles }] : [],
+    );
+    const { x: a, y: b, z: c, w } = this.uniforms.cut.value;
+    const cutAway = this.uniforms.cutOn.value
+      ? (px: number, py: number, pz: number) => a * px + b * py + c * pz > w
+      : null;
+    return pick(this.orbit.ray(x, y), shown, this.frame.positions, cutAway);
+  }
+
+  triangleCount(): number {
+    return this.surfaces.reduce((sum, s, i) => sum + (this.isShown(i) ? s.triangles.length / 3 : 0), 0);
+  }
+
+  resize(): void {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    if (width === 0 || height === 0) return;
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.renderer.setSize(width, height, false);
+    this.orbit.resize(width, height);
+    this.changed = true;
+  }
+
+  /** Draws when something has changed; true when it drew. */
+  draw(): boolean {
+    if (!this.changed) return false;
+    this.changed = false;
+    const { camera } = this.orbit;
+    this.marks.follow(this.orbit);
+    this.uniforms.up.value.set(...this.header.up).transformDirection(camera.matrixWorldInverse);
+    if (this.ground?.disk.visible) this.ground.shade(this.renderer, this.bodies);
+    this.renderer.clear();
+    this.renderer.render(this.bodies, camera);
+    this.renderer.render(this.extras, camera);
+    return true;
+  }
+
+  dispose(): void {
+    this.surfaces.forEach((surface) => surface.dispose());
+  }
+}
+
+function rendererOf(canvas: HTMLCanvasElement): THREE.WebGLRenderer {
+  const renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
+  renderer.setClearColor(0x000000, 0);
+  renderer.autoClear = false;
+  return renderer;
+}

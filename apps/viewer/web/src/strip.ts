@@ -1,0 +1,40 @@
+/** The last seconds of a live scene: milliseconds of a step, and energies. */
+
+import { Chart } from "./charts";
+import { element } from "./dom";
+import type { Status } from "./protocol";
+
+const KEPT = 200; // status messages: about 20 s
+
+export class Strip {
+  readonly root: HTMLElement;
+  private readonly steps: Chart;
+  private readonly energies: Chart;
+  private readonly history: Status[] = [];
+
+  constructor() {
+    const chart = (title: string, series: { label: string; unit: string }[]) =>
+      new Chart({ title, series, height: 84, timeLabel: "s", legend: true });
+    this.steps = chart("Time of a step [ms]", [{ label: "step", unit: "" }]);
+    this.energies = chart("Energy [J]", [
+      { label: "elastic", unit: "J" },
+      { label: "kinetic", unit: "J" },
+    ]);
+    this.root = element("div", { class: "card strip", data: "strip" }, this.steps.root, this.energies.root);
+  }
+
+  add(status: Status): void {
+    if (this.history.length > 0 && status.time < this.history[this.history.length - 1].time) this.history.length = 0;
+    this.history.push(status);
+    if (this.history.length > KEPT) this.history.shift();
+    if (this.root.hidden || this.root.offsetParent === null) return;
+    const times = this.history.map((s) => s.time);
+    this.steps.set(times, [this.history.map((s) => s.step_ms)]);
+    this.energies.set(times, [this.history.map((s) => s.elastic_energy), this.history.map((s) => s.kinetic_energy)]);
+  }
+
+  redraw(): void {
+    this.steps.redraw();
+    this.energies.redraw();
+  }
+}

@@ -1,0 +1,136 @@
+/** One part of the scene as three.js draws it. */
+
+import * as THREE from "three";
+import { lineMaterial, surfaceMaterial, type SceneUniforms } from "./body_shader";
+import { splitAtCreases, uniqueEdges, vertexNormals, type Corners } from "./creases";
+import type { Frame, Part } from "./protocol";
+
+/** The layer of lines: they cast no shade. */
+export const LINES = 1;
+
+const CREASE = (48 * Math.PI) / 180;
+
+export class Surface {
+  readonly mesh: THREE.Mesh<THREE.BufferGeometry, THREE.ShaderMaterial>;
+  private readonly corners: Corners | null; // null: drawn vertex i is vertex first_vertex + i
+  private readonly positions: THREE.BufferAttribute;
+  private readonly normals: THREE.BufferAttribute;
+  private readonly field: THREE.BufferAttribute;
+  private readonly drawnTriangles: Uint32Array;
+  private lines: THREE.LineSegments[] = [];
+
+  /** `smooth`: the frames bring normals. Other surfaces get theirs here, with creases where the rest shape has them. */
+  constructor(
+    readonly part: Part,
+    readonly triangles: Uint32Array, // vertices numbered over all parts
+    private readonly edges: Uint32Array,
+    restPositions: Float32Array,
+    private readonly shared: SceneUniforms,
+    color: THREE.Color,
+    readonly smooth: boolean,
+    private readonly lineColor: THREE.Color,
+  ) {
+    this.corners = smooth ? null : splitAtCreases(triangles, restPositions, CREASE);
+    const count = this.corners?.source.length ?? part.num_vertices;
+    const dynamic = <T extends THREE.BufferAttribute>(attribute: T) => {
+      attribute.setUsage(THREE.DynamicDrawUsage);
+      return attribute;
+    };
+    this.positions = dynamic(new THREE.BufferAttribute(new Float32Array(3 * count), 3));
+    this.normals = dynamic(
+      smooth
+        ? new THREE.BufferAttribute(new Int8Array(2 * count), 2, true)
+        : new THREE.BufferAttribute(new Float32Array(3 * count), 3),
+    );
+    this.field = dynamic(new THREE.BufferAttribute(new Uint16Array(count), 1, true));
+    this.drawnTriangles = this.corners?.triangles ?? triangles.map((vertex) => vertex - part.first_vertex);
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute("position", this.positions);
+    geometry.setAttribute(smooth ? "octahedral" : "normal", this.normals);
+    geometry.setAttribute("field", this.field);
+    geometry.setIndex(new THREE.BufferAttribute(this.drawnTriangles, 1));
+    this.mesh = new THREE.Mesh(geometry, surfaceMaterial(shared, color, smooth));
+    this.mesh.frustumCulled = false; // its places change with each frame
+  }
+
+  update(frame: Frame): void {
+    const places = this.positions.array as Float32Array;
+    const fields = this.field.array as Uint16Array;
+    const { first_vertex: first, num_vertices: count } = this.part;
+    if (this.corners) {
+      const { source } = this.corners;
+      for (let i = 0; i < source.length; ++i) {
+        const from = 3 * source[i];
+        places[3 * i] = frame.positions[from];
+        places[3 * i + 1] = frame.positions[from + 1];
+        places[3 * i + 2] = frame.positions[from + 2];
+      }
+      if (frame.fieldValues) for (let i = 0; i < source.length; ++i) fields[i] = frame.fieldValues[source[i]];
+      vertexNormals(this.drawnTriangles, places, this.normals.array as Float32Array);
+      this.normals.needsUpdate = true;
+    } else {
+      places.set(frame.positions.subarray(3 * first, 3 * (first + count)));
+      if (frame.normals) {
+        (this.normals.array as Int8Array).set(frame.normals.subarray(2 * first, 2 * (first + count)));
+        this.normals.needsUpdate = true;
+      }
+      if (frame.fieldValues) fields.set(frame.fieldValues.subarray(first, first + count));
+    }
+    this.positions.needsUpdate = true;
+    this.field.needsUpdate = frame.fieldValues !== null;
+    this.mesh.material.uniforms.fieldOn.value = frame.fieldValues ? 1 : 0;
+  }
+
+  setOpacity(opacity: number): void {
+    const { material } = this.mesh;
+    material.uniforms.opacity.value = opacity;
+    material.transparent = opacity < 1;
+  }
+
+  /** Lines along the edges; `through`: seen faintly through surfaces, too. */
+  showLines(visible: boolean, through: boolean, opacity: number): void {
+    for (const line of this.lines) {
+      this.mesh.parent?.remove(line);
+      line.material instanceof THREE.Material && line.material.dispose();
+    }
+    this.lines = [];
+    if (!visible) return;
+    const geometry = this.lineGeometry();
+    const add = (hidden: boolean, strength: number) => {
+      const line = new THREE.LineSegments(geometry, lineMaterial(this.shared, this.lineColor, strength, hidden));
+      line.frustumCulled = false;
+      line.renderOrder = 2;
+      line.layers.set(LINES);
+      this.lines.push(line);
+      this.mesh.parent?.add(line);
+    };
+    add(false, opacity);
+    if (through) add(true, 0.45 * opacity);
+  }
+
+  private edgeGeometry: THREE.BufferGeometry | null = null;
+
+  private lineGeometry(): THREE.BufferGeometry {
+    if (this.edgeGeometry) return this.edgeGeometry;
+    const wanted = this.edges.length > 0 ? this.edges : uniqueEdges(this.triangles);
+    const drawn = new Uint32Array(this.part.num_vertices);
+    if (this.corners) this.corners.source.forEach((vertex, i) => (drawn[vertex - this.part.first_vertex] = i));
+    else drawn.forEach((_, i) => (drawn[i] = i));
+    this.edgeGeometry = new THREE.BufferGeometry();
+    this.edgeGeometry.setAttribute("position", this.positions);
+    this.edgeGeometry.setIndex(
+      new THREE.BufferAttribute(
+        wanted.map((vertex) => drawn[vertex - this.part.first_vertex]),
+        1,
+      ),
+    );
+    return this.edgeGeometry;
+  }
+
+  dispose(): void {
+    this.showLines(false, false, 0);
+    this.mesh.geometry.dispose();
+    this.mesh.material.dispose();
+    this.mesh.removeFromParent();
+  }
+}

@@ -1,0 +1,116 @@
+/** The hand, the pin and the ball: what a press on the body does in a live scene. */
+
+import * as THREE from "three";
+import type { Place } from "./gestures";
+import type { LiveConnection } from "./live";
+import { placeOf, type Hit } from "./picking";
+import type { State } from "./protocol";
+import type { Stage } from "./stage";
+
+export type Tool = "hand" | "pin" | "poke";
+
+const PIN_REACH = 14; // pixels within which a click means a pin that is there
+
+export class Tools {
+  tool: Tool = "hand";
+  pokeRadius: number;
+  private grab: Hit | null = null;
+  private poking = false;
+  private readonly target = new THREE.Vector3();
+  private readonly plane = new THREE.Plane();
+  private unsent = false;
+  private pinned: number[] = [];
+  private readonly grabbed = new THREE.Vector3();
+
+  constructor(
+    readonly stage: Stage,
+    private readonly connection: LiveConnection,
+  ) {
+    this.pokeRadius = 0.1 * stage.extent;
+  }
+
+  get held(): Hit | null {
+    return this.grab;
+  }
+
+  press(at: Place): boolean {
+    if (this.tool === "pin") return false;
+    const hit = this.stage.pickAt(at.x, at.y);
+    if (!hit) return false;
+    const towardsEye = this.stage.orbit.axis(2);
+    this.plane.setFromNormalAndCoplanarPoint(towardsEye, hit.point);
+    this.target.copy(hit.point);
+    if (this.tool === "hand") {
+      this.grab = hit;
+      this.connection.send({ type: "grab", vertex: hit.vertex, point: hit.point.toArray() });
+    } else {
+      this.poking = true;
+      // The ball comes from the eye's side and reaches half its radius into the body.
+      if (!this.stage.flat) this.target.addScaledVector(towardsEye, 0.5 * this.pokeRadius);
+      this.plane.setFromNormalAndCoplanarPoint(towardsEye, this.target);
+      this.unsent = true;
+    }
+    this.stage.touch();
+    return true;
+  }
+
+  drag(at: Place): void {
+    if (!this.grab && !this.poking) return;
+    const met = this.stage.orbit.ray(at.x, at.y).intersectPlane(this.plane, new THREE.Vector3());
+    if (!met) return;
+    this.target.copy(met);
+    this.unsent = true;
+    this.stage.touch();
+  }
+
+  release(): void {
+    if (this.grab) this.connection.send({ type: "release" });
+    if (this.poking) this.connection.send({ type: "poke_end" });
+    this.letGo();
+  }
+
+  /** Forgets what is held without a word to the program. */
+  letGo(): void {
+    this.grab = null;
+    this.poking = this.unsent = false;
+    this.stage.marks.setHand(null, null);
+    this.stage.marks.setPoke(null, 0);
+    this.stage.touch();
+  }
+
+  click(at: Place): void {
+    if (this.tool !== "pin" || !this.stage.frame) return;
+    const near = this.pinned.find((vertex) => {
+      const seen = this.stage.orbit.project(this.vertexPlace(vertex));
+      return Math.hypot(seen.x - at.x, seen.y - at.y) < PIN_REACH;
+    });
+    if (near !== undefined) return this.connection.send({ type: "unpin", vertex: near });
+    const hit = this.stage.pickAt(at.x, at.y);
+    if (hit) this.connection.send({ type: "pin", vertex: hit.vertex });
+  }
+
+  setState(state: State, client: number | undefined): void {
+    this.pinned = state.pinned;
+    const takenAway = this.grab && client !== undefined && state.grabbed_by !== null && state.grabbed_by !== client;
+    if (takenAway) this.letGo();
+    this.stage.touch();
+  }
+
+  /** Once per drawn frame: one message at most, and the marks where they belong. */
+  beforeDraw(): void {
+    if (this.unsent) {
+      this.unsent = false;
+      if (this.grab) this.connection.drag(this.target);
+      if (this.poking) this.connection.send({ type: "poke", center: this.target.toArray(), radius: this.pokeRadius });
+    }
+    const { frame, marks } = this.stage;
+    if (!frame) return;
+    if (this.grab) marks.setHand(this.target, placeOf(this.grab, frame.positions, this.grabbed));
+    if (this.poking) marks.setPoke(this.target, this.pokeRadius);
+    marks.setPins(this.pinned.map((vertex) => this.vertexPlace(vertex)));
+  }
+
+  private vertexPlace(vertex: number): THREE.Vector3 {
+    return new THREE.Vector3().fromArray(this.stage.frame!.positions, 3 * vertex);
+  }
+}
