@@ -111,6 +111,13 @@ Boundary boundary(const CellBlock& block) {
   return result;
 }
 
+Boundary visible_facets(const CellBlock& block) {
+  if (dimension(block.kind) == 3) return boundary(block);
+  Boundary result{block, {}};
+  for (Index cell = 0; cell < block.num_cells(); ++cell) result.owners.push_back({cell, -1});
+  return result;
+}
+
 std::vector<std::array<Index, 2>> edges(const CellBlock& block) {
   std::vector<std::array<Index, 2>> result;
   for (Index cell = 0; cell < block.num_cells(); ++cell) {

@@ -28,6 +28,10 @@ struct Boundary {
 /// The boundary of a block of solid cells. Linear in the number of cells.
 Boundary boundary(const CellBlock& block);
 
+/// What is seen of solid cells: the boundary of those that fill space; those of a plane are seen themselves
+/// (`local` of their owners is -1).
+Boundary visible_facets(const CellBlock& block);
+
 /// Calls `visit` once for every distinct side (set of nodes) with all its uses, in a fixed order.
 void visit_facets(const CellBlock& block, const std::function<void(std::span<const Facet>)>& visit);
 

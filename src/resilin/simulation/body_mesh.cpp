@@ -8,6 +8,7 @@
 #include "resilin/mesh/check.hpp"
 #include "resilin/mesh/edit.hpp"
 #include "resilin/mesh/second_order.hpp"
+#include "resilin/simulation/cell_material.hpp"
 
 namespace resilin {
 namespace {
@@ -63,6 +64,12 @@ void orient(Mesh& mesh, const BodyDescription& body, int dim, std::vector<std::s
 }
 
 }  // namespace
+
+Placement::Placement(const BodyDescription& body)
+    : scale_(body.scale),
+      rotation_(rotation_matrix(body.rotate)),
+      center_(body.rotate ? body.rotate->center : Vector3(Vector3::Zero())),
+      translation_(body.translate) {}
 
 ChosenElement choose_element(const ElementCase& c) {
   const bool is_nearly_incompressible = c.poissons_ratio > locking_ratio;

@@ -10,6 +10,20 @@
 
 namespace resilin {
 
+/// Where a body's mesh stands in the world: scaled, then rotated, then translated.
+class Placement {
+ public:
+  explicit Placement(const BodyDescription& body);
+  Vector3 operator()(const Vector3& X) const {
+    return center_ + rotation_ * (scale_ * X - center_) + translation_;
+  }
+
+ private:
+  double scale_;
+  Matrix<3> rotation_;
+  Vector3 center_, translation_;
+};
+
 /// What the choice of an element depends on.
 struct ElementCase {
   CellKind cells;  ///< of the mesh

@@ -58,6 +58,14 @@ struct DampingDescription {
   double bulk_viscosity = 0;   ///< [Pa s]
 };
 
+/// A fine surface that a body's cells carry; placed with the body's mesh.
+struct SkinDescription {
+  std::string place = "skin";
+  Mesh surface;              ///< triangles; in 2D also lines
+  std::string surface_name;  ///< the file, for messages
+  bool is_smooth = false;    ///< see Embedding
+};
+
 struct BodyDescription {
   std::string place = "body";
   std::string name = "body";
@@ -78,6 +86,7 @@ struct BodyDescription {
       initial_velocities;       ///< dim per vertex [m/s]; empty: from velocity and velocity_gradient
   std::string mass = "lumped";  ///< lumped | consistent
   DampingDescription damping;
+  std::optional<SkinDescription> skin;
 };
 
 /// Prescribed displacement.

@@ -19,13 +19,10 @@ namespace {
 
 /// The mesh of a body in the world: scaled, rotated, translated.
 VectorX placed_vertices(const BodyDescription& description, const Mesh& mesh, int dim) {
-  const Eigen::Matrix3d rotation = rotation_matrix(description.rotate);
-  const Vector3 center = description.rotate ? description.rotate->center : Vector3(Vector3::Zero());
+  const Placement placement(description);
   VectorX positions(static_cast<Eigen::Index>(mesh.vertices.size()) * dim);
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-    const Vector3 scaled = description.scale * mesh.vertices[v];
-    const Vector3 X = center + rotation * (scaled - center) + description.translate;
-    positions.segment(static_cast<Eigen::Index>(v) * dim, dim) = X.head(dim);
+    positions.segment(static_cast<Eigen::Index>(v) * dim, dim) = placement(mesh.vertices[v]).head(dim);
   }
   return positions;
 }
@@ -159,15 +156,17 @@ void Builder::add_body(const BodyDescription& description) {
   body.cells = made.cells().nodes;
   for (Index& node : body.cells) node += body.first_node;
 
-  const VectorX placed = placed_vertices(description, made.mesh, world_.dimension);
-  append(world_.rest_positions, placed);
+  const VectorX rest = placed_vertices(description, made.mesh, world_.dimension);
+  append(world_.rest_positions, rest);
+  if (description.skin)
+    body.skin = make_skin(description, body, world_.rest_positions, world_.dimension, world_.warnings);
   append(world_.start_positions, description.initial_positions.empty()
-                                     ? placed
+                                     ? rest
                                      : values_of_nodes(description.initial_positions, made, world_.dimension,
                                                        description.place + ".initial_positions"));
   append(world_.start_velocities,
          description.initial_velocities.empty()
-             ? start_velocities_of(description, placed, world_.dimension)
+             ? start_velocities_of(description, rest, world_.dimension)
              : values_of_nodes(description.initial_velocities, made, world_.dimension,
                                description.place + ".initial_velocities"));
   world_.bodies.push_back(std::move(body));

@@ -9,6 +9,7 @@
 #include "resilin/energy/mass.hpp"
 #include "resilin/simulation/description.hpp"
 #include "resilin/simulation/section.hpp"
+#include "resilin/simulation/skin.hpp"
 #include "resilin/simulation/support.hpp"
 
 namespace resilin {
@@ -28,8 +29,9 @@ struct Body {
   CellKind cell_kind = CellKind::tetrahedron;
   std::vector<Index> cells;  ///< nodes of the cells, in the world's numbering
   std::shared_ptr<const ElasticEnergy> elastic;
-  double density = 0;  ///< [kg/m^3]
-  double mass = 0;     ///< [kg]
+  std::shared_ptr<const Skin> skin;  ///< null for a body without
+  double density = 0;                ///< [kg/m^3]
+  double mass = 0;                   ///< [kg]
 
   Index num_cells() const { return static_cast<Index>(cells.size()) / resilin::num_nodes(cell_kind); }
 };

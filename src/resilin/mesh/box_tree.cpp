@@ -1,0 +1,47 @@
+#include "resilin/mesh/box_tree.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace resilin {
+
+BoxTree::BoxTree(std::span<const Box> boxes) : items_(boxes.size()) {
+  std::iota(items_.begin(), items_.end(), 0);
+  if (items_.empty()) return;
+  nodes_.reserve(boxes.size());
+  nodes_.emplace_back();
+  build(boxes, 0, 0, static_cast<Index>(boxes.size()));
+}
+
+void BoxTree::build(std::span<const Box> boxes, Index node, Index first, Index last) {
+  Box all, centers;
+  const auto center = [&](Index item) -> Vector3 {
+    const Box& box = boxes[static_cast<std::size_t>(item)];
+    return 0.5 * (box.min + box.max);
+  };
+  for (Index i = first; i < last; ++i) {
+    const Index item = items_[static_cast<std::size_t>(i)];
+    all.add(boxes[static_cast<std::size_t>(item)].min);
+    all.add(boxes[static_cast<std::size_t>(item)].max);
+    centers.add(center(item));
+  }
+  Node made{.box = all, .first = first, .last = last};
+  if (last - first > leaf_size) {
+    Eigen::Index axis = 0;
+    (centers.max - centers.min).maxCoeff(&axis);
+    const Index middle = first + (last - first) / 2;
+    std::nth_element(items_.begin() + first, items_.begin() + middle, items_.begin() + last,
+                     [&](Index a, Index b) {
+                       const double x = center(a)[axis], y = center(b)[axis];
+                       return x != y ? x < y : a < b;
+                     });
+    made.left = static_cast<Index>(nodes_.size());
+    nodes_.emplace_back();
+    nodes_.emplace_back();
+    build(boxes, made.left, first, middle);
+    build(boxes, made.left + 1, middle, last);
+  }
+  nodes_[static_cast<std::size_t>(node)] = made;
+}
+
+}  // namespace resilin

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "resilin/core/types.hpp"
+#include "resilin/element/element.hpp"
+#include "resilin/mesh/box_tree.hpp"
+
+namespace resilin {
+
+/// The rest shape of cells, and its inverse: from places in space to reference coordinates. In 2D the third
+/// coordinate is zero.
+class CellMap {
+ public:
+  /// @param cells           nodes, element.num_nodes for each cell; every cell has positive volume
+  /// @param rest_positions  dim numbers per node [m]
+  CellMap(const ElementInfo& element, std::span<const Index> cells, const VectorX& rest_positions);
+
+  Index num_cells() const { return static_cast<Index>(affine_.size()); }
+  const ElementInfo& element() const { return element_; }
+  std::span<const Index> nodes(Index cell) const;
+
+  /// A box around the whole cell, also a curved one.
+  Box box(Index cell) const;
+  double mean_edge(Index cell) const;  ///< [m]
+
+  /// X(xi) [m].
+  Vector3 place(Index cell, const Vector3& xi) const;
+
+  /// How deep xi lies in the reference cell: the least of the barycentric coordinates, or of the distances
+  /// from the sides of the unit square or cube; negative outside.
+  double depth(const Vector3& xi) const;
+
+  /// xi with X(xi) = X for a place in the cell or near it; empty where Newton's method finds none.
+  std::optional<Vector3> invert(Index cell, const Vector3& X) const;
+
+  /// The place of the cell's surface that is nearest to X. Of curved cells each side is searched in small
+  /// flat pieces.
+  struct Nearest {
+    Vector3 xi;
+    double squared_distance;  ///< [m^2]
+  };
+  Nearest nearest_on_surface(Index cell, const Vector3& X) const;
+
+  /// Weights of the nodes at X, of which xi is the place in the cell or the nearest to it: the shape
+  /// functions and their slope from there to X. They sum to one, and sum_a w_a X_a = X.
+  void weights_at(Index cell, const Vector3& xi, const Vector3& X, std::span<double> weights) const;
+
+ private:
+  static constexpr int max_nodes = 10;
+  struct Affine {
+    Vector3 origin;
+    Matrix<3> dxi_dX;
+    bool is_exact;  ///< of straight simplices and of parallelepipeds
+  };
+  /// A flat piece of the reference cell's surface: a triangle, in 2D a segment.
+  using Piece = std::array<Vector3, 3>;
+
+  const Vector3& node(Index cell, int a) const;
+  Matrix<3> dX_dxi(Index cell, const Vector3& xi) const;
+  Affine affine_of(Index cell) const;
+  std::vector<Piece> cut_surface(int n) const;
+
+  const ElementInfo& element_;
+  std::vector<Index> nodes_;
+  std::vector<Vector3> places_;  ///< of the nodes [m]
+  std::vector<Affine> affine_;
+  std::vector<Piece> flat_pieces_;  ///< of a cell with flat sides
+  std::vector<Piece> fine_pieces_;  ///< of any other
+};
+
+}  // namespace resilin

@@ -1,0 +1,132 @@
+#include "resilin/mesh/embedding.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "resilin/core/error.hpp"
+#include "resilin/core/parallel.hpp"
+#include "resilin/mesh/cell_map.hpp"
+
+namespace resilin {
+namespace {
+
+constexpr std::size_t points_per_chunk = 1024;
+constexpr double inside_tolerance = 1e-9;  // of a reference coordinate: a point on a side is inside
+
+BoxTree tree_of(const CellMap& map, double margin) {
+  std::vector<Box> boxes;
+  for (Index cell = 0; cell < map.num_cells(); ++cell) {
+    boxes.push_back(map.box(cell));
+    boxes.back().min.array() -= margin;
+    boxes.back().max.array() += margin;
+  }
+  return BoxTree(boxes);
+}
+
+double extent_of(const VectorX& X, std::span<const Index> cells, int dim) {
+  Box box;
+  for (const Index node : cells) {
+    Vector3 place = Vector3::Zero();
+    place.head(dim) = X.segment(Eigen::Index{node} * dim, dim);
+    box.add(place);
+  }
+  return (box.max - box.min).maxCoeff();
+}
+
+/// Where a point is in the cells.
+struct Found {
+  Index cell = -1;
+  Vector3 xi = Vector3::Zero();
+  double depth = -1;
+  double distance = 0;  ///< from the nearest cell; zero inside
+};
+
+Found find(const CellMap& map, const BoxTree& tree, const Vector3& X) {
+  Found found;
+  tree.visit_containing(X, [&](Index cell) {
+    const std::optional<Vector3> xi = map.invert(cell, X);
+    if (!xi) return;
+    const double depth = map.depth(*xi);
+    if (depth < -inside_tolerance) return;
+    if (found.cell < 0 || depth > found.depth || (depth == found.depth && cell < found.cell))
+      found = {cell, *xi, depth, 0};
+  });
+  if (found.cell >= 0) return found;
+  found.cell = tree.nearest(X, [&](Index cell) { return map.nearest_on_surface(cell, X).squared_distance; });
+  const CellMap::Nearest nearest = map.nearest_on_surface(found.cell, X);
+  found.xi = nearest.xi;
+  found.distance = std::sqrt(nearest.squared_distance);
+  return found;
+}
+
+}  // namespace
+
+Embedding::Embedding(const ElementInfo& element, std::span<const Index> cells, const VectorX& rest_positions,
+                     std::span<const Vector3> points, bool is_smooth)
+    : dim_(element.dim),
+      nodes_per_point_(element.num_nodes),
+      cell_(points.size()),
+      nodes_(points.size() * width()),
+      weights_(points.size() * width()) {
+  if (cells.empty()) throw InputError("embedding", "at least one cell", "none");
+  const auto bad = std::ranges::find_if(points, [](const Vector3& X) { return !X.allFinite(); });
+  if (bad != points.end())
+    throw InputError("embedding: point " + std::to_string(bad - points.begin()), "finite coordinates",
+                     "inf or nan");
+  find_cells(element, cells, rest_positions, points);
+  number_used_nodes(static_cast<Index>(rest_positions.size() / dim_));
+  if (is_smooth && element.degree == 1) add_smoothing(element, cells, rest_positions, points);
+}
+
+void Embedding::find_cells(const ElementInfo& element, std::span<const Index> cells,
+                           const VectorX& rest_positions, std::span<const Vector3> points) {
+  const CellMap map(element, cells, rest_positions);
+  const double extent = extent_of(rest_positions, cells, dim_);
+  const BoxTree tree = tree_of(map, inside_tolerance * extent);
+  std::vector<double> distances(points.size());
+  parallel_for(points.size(), points_per_chunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p) {
+      Vector3 place = points[p];
+      if (dim_ == 2) place.z() = 0;
+      const Found found = find(map, tree, place);
+      cell_[p] = found.cell;
+      distances[p] = found.distance;
+      std::ranges::copy(map.nodes(found.cell), nodes_.begin() + static_cast<std::ptrdiff_t>(p * width()));
+      map.weights_at(found.cell, found.xi, place, std::span(weights_).subspan(p * width(), width()));
+    }
+  });
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    if (!(distances[p] > inside_tolerance * extent)) continue;
+    ++outside_.count;
+    if (distances[p] > outside_.distance)
+      outside_ = {outside_.count, static_cast<Index>(p), distances[p],
+                  distances[p] / map.mean_edge(cell_[p])};
+  }
+}
+
+void Embedding::number_used_nodes(Index num_nodes) {
+  std::vector<Index> number(static_cast<std::size_t>(num_nodes), -1);
+  for (const Index node : nodes_) number[static_cast<std::size_t>(node)] = 0;
+  for (Index node = 0; node < num_nodes; ++node) {
+    if (number[static_cast<std::size_t>(node)] < 0) continue;
+    number[static_cast<std::size_t>(node)] = static_cast<Index>(used_nodes_.size());
+    used_nodes_.push_back(node);
+  }
+  local_.reserve(nodes_.size());
+  for (const Index node : nodes_)
+    local_.push_back(static_cast<std::uint32_t>(number[static_cast<std::size_t>(node)]));
+}
+
+void Embedding::add_smoothing(const ElementInfo& element, std::span<const Index> cells,
+                              const VectorX& rest_positions, std::span<const Vector3> points) {
+  gradients_.emplace(element, cells, rest_positions, used_nodes_);
+  arms_.reserve(nodes_.size());
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    Vector3 arm = Vector3::Zero();
+    arm.head(dim_) =
+        points[i / width()].head(dim_) - rest_positions.segment(Eigen::Index{nodes_[i]} * dim_, dim_);
+    arms_.emplace_back(0.5 * weights_[i] * arm);
+  }
+}
+
+}  // namespace resilin

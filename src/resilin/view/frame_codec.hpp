@@ -1,0 +1,58 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "resilin/view/shown_surface.hpp"
+
+/// Topology and live frames as the page reads them (docs/view_protocol.md): little-endian, places in
+/// 1/65535 of their box, normals octahedral in two bytes, a field in 65,535 steps.
+namespace resilin {
+
+/// Least and greatest finite value of a field; both zero without any.
+struct FieldRange {
+  float least = 0, greatest = 0;
+};
+FieldRange finite_range(std::span<const float> field);
+
+/// The steps that a field is sent in: 0 for what is not a finite number, 1 at the least value, 65535 at the
+/// greatest.
+void encode_field(std::span<const float> field, FieldRange range, std::uint16_t* out);
+float decode_field(std::uint16_t step, FieldRange range);  ///< nan for 0
+
+struct LiveFrame {
+  std::uint32_t number = 0;
+  double time = 0;                     ///< [s]
+  std::uint32_t answers = 0;           ///< number of the newest drag message that it answers
+  std::span<const float> positions{};  ///< 3 per vertex [m]
+  std::span<const float> normals{};    ///< 3 per vertex; empty: none are sent
+  std::uint32_t field_number = 0;      ///< in the header's list
+  std::span<const float> field{};      ///< 1 per vertex; empty: none is sent
+};
+
+/// Writes the frame into `bytes`, whose memory is used again. A place that is not a number stands at the
+/// lower corner of the box, a field's at 0.
+void encode_frame(const LiveFrame& frame, std::string& bytes);
+
+std::string encode_topology(const ShownSurface& surface);
+
+/// A frame as it comes out.
+struct DecodedFrame {
+  std::uint32_t number = 0;
+  double time = 0;
+  std::uint32_t answers = 0;
+  std::uint32_t field_number = 0;
+  std::array<float, 3> corner{}, size{};  ///< of the box of all vertices [m]
+  FieldRange range;                       ///< of the field
+  std::vector<float> positions{}, normals{};
+  std::vector<float> field{};  ///< nan where there was no number
+};
+
+/// @throws InputError  when `bytes` is no whole frame
+DecodedFrame decode_frame(std::string_view bytes);
+
+}  // namespace resilin

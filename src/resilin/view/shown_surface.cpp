@@ -1,0 +1,178 @@
+#include "resilin/view/shown_surface.hpp"
+
+#include <algorithm>
+
+#include "resilin/core/parallel.hpp"
+#include "resilin/mesh/topology.hpp"
+
+namespace resilin {
+namespace {
+
+constexpr std::size_t vertices_per_chunk = 4096;
+
+/// Flat triangles of a facet, by positions in its list of nodes.
+std::span<const std::array<int, 3>> pieces_of(CellKind kind) {
+  static constexpr std::array<std::array<int, 3>, 1> triangle = {{{0, 1, 2}}};
+  static constexpr std::array<std::array<int, 3>, 2> quadrilateral = {{{0, 1, 2}, {0, 2, 3}}};
+  static constexpr std::array<std::array<int, 3>, 4> triangle6 = {
+      {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}};
+  switch (kind) {
+    case CellKind::triangle:
+      return triangle;
+    case CellKind::quadrilateral:
+      return quadrilateral;
+    case CellKind::triangle6:
+      return triangle6;
+    default:
+      return {};
+  }
+}
+
+/// The outline of a facet as a ring of nodes, by positions in its list of nodes.
+std::span<const int> outline_of(CellKind kind) {
+  static constexpr std::array<int, 4> corners = {0, 1, 2, 3};
+  static constexpr std::array<int, 6> triangle6 = {0, 3, 1, 4, 2, 5};
+  if (kind == CellKind::triangle6) return triangle6;
+  return std::span(corners).first(static_cast<std::size_t>(num_corners(kind)));
+}
+
+}  // namespace
+
+ShownSurface::ShownSurface(const World& world) : dim_(world.dimension) {
+  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+    const Body& body = world.bodies[b];
+    if (body.skin) {
+      begin_part(body, b, Kind::skin);
+      add_skin(body.skin);
+      end_part();
+    }
+    begin_part(body, b, Kind::cells);
+    add_cells(body);
+    end_part();
+  }
+  normals_ = VertexNormals(triangles_, num_vertices_);
+  rest_positions_.resize(static_cast<std::size_t>(num_vertices_) * 3);
+  positions(world.rest_positions, rest_positions_);
+  for (std::size_t p = 0; p < parts_.size(); ++p) {  // a skin's own, free of the rounding of its weights
+    if (!sources_[p].skin) continue;
+    const VectorX& rest = sources_[p].skin->rest_positions;
+    for (Eigen::Index i = 0; i < rest.size(); ++i)
+      rest_positions_[static_cast<std::size_t>(3 * parts_[p].first_vertex + i)] = static_cast<float>(rest[i]);
+  }
+}
+
+void ShownSurface::begin_part(const Body& body, std::size_t number, Kind kind) {
+  parts_.push_back({.name = body.name,
+                    .body = number,
+                    .kind = kind,
+                    .first_vertex = num_vertices_,
+                    .first_triangle = static_cast<Index>(triangles_.size()),
+                    .first_edge = static_cast<Index>(edges_.size())});
+  sources_.emplace_back();
+}
+
+void ShownSurface::end_part() {
+  Part& part = parts_.back();
+  part.num_vertices = num_vertices_ - part.first_vertex;
+  part.num_triangles = static_cast<Index>(triangles_.size()) - part.first_triangle;
+  part.num_edges = static_cast<Index>(edges_.size()) - part.first_edge;
+}
+
+void ShownSurface::add_skin(const std::shared_ptr<const Skin>& skin) {
+  sources_.back().skin = skin;
+  const auto first = static_cast<std::uint32_t>(num_vertices_);
+  const auto vertex = [&](Index i) { return first + static_cast<std::uint32_t>(i); };
+  for (Index f = 0; f < skin->facets.num_cells(); ++f) {
+    const auto nodes = skin->facets.cell(f);
+    if (nodes.size() == 2) {
+      edges_.push_back({vertex(nodes[0]), vertex(nodes[1])});
+    } else {
+      triangles_.push_back({vertex(nodes[0]), vertex(nodes[1]), vertex(nodes[2])});
+    }
+  }
+  num_vertices_ += skin->num_vertices();
+}
+
+void ShownSurface::add_cells(const Body& body) {
+  const CellBlock facets = visible_facets({body.cell_kind, body.cells}).facets;
+  // Vertices are the facets' nodes in rising order.
+  std::vector<Index>& nodes = sources_.back().nodes;
+  nodes = facets.nodes;
+  std::ranges::sort(nodes);
+  nodes.erase(std::ranges::unique(nodes).begin(), nodes.end());
+  std::vector<std::uint32_t> vertex_of(static_cast<std::size_t>(body.num_nodes));
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    vertex_of[static_cast<std::size_t>(nodes[i] - body.first_node)] =
+        static_cast<std::uint32_t>(num_vertices_) + static_cast<std::uint32_t>(i);
+
+  std::vector<Edge> edges;
+  for (Index f = 0; f < facets.num_cells(); ++f) {
+    const auto facet = facets.cell(f);
+    const auto vertex = [&](int i) {
+      return vertex_of[static_cast<std::size_t>(facet[static_cast<std::size_t>(i)] - body.first_node)];
+    };
+    for (const auto& [a, b, c] : pieces_of(facets.kind))
+      triangles_.push_back({vertex(a), vertex(b), vertex(c)});
+    const auto outline = outline_of(facets.kind);
+    for (std::size_t i = 0; i < outline.size(); ++i) {
+      const std::uint32_t a = vertex(outline[i]), b = vertex(outline[(i + 1) % outline.size()]);
+      edges.push_back({std::min(a, b), std::max(a, b)});
+    }
+  }
+  std::ranges::sort(edges);
+  edges.erase(std::ranges::unique(edges).begin(), edges.end());
+  edges_.insert(edges_.end(), edges.begin(), edges.end());
+  num_vertices_ += static_cast<Index>(nodes.size());
+}
+
+void ShownSurface::positions(const VectorX& x, std::span<float> out) const {
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    const auto part = out.subspan(3 * static_cast<std::size_t>(parts_[p].first_vertex),
+                                  3 * static_cast<std::size_t>(parts_[p].num_vertices));
+    if (sources_[p].skin) {
+      sources_[p].skin->embedding.apply(x, part);
+      continue;
+    }
+    const std::vector<Index>& nodes = sources_[p].nodes;
+    parallel_for(nodes.size(), vertices_per_chunk, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t v = begin; v < end; ++v) {
+        const double* place = x.data() + Eigen::Index{nodes[v]} * dim_;
+        part[3 * v] = static_cast<float>(place[0]);
+        part[3 * v + 1] = static_cast<float>(place[1]);
+        part[3 * v + 2] = dim_ == 3 ? static_cast<float>(place[2]) : 0.0F;
+      }
+    });
+  }
+}
+
+void ShownSurface::interpolate(std::span<const double> nodal_values, std::span<float> out) const {
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    const auto part = out.subspan(static_cast<std::size_t>(parts_[p].first_vertex),
+                                  static_cast<std::size_t>(parts_[p].num_vertices));
+    if (sources_[p].skin) {
+      sources_[p].skin->embedding.interpolate(nodal_values, part);
+      continue;
+    }
+    for (std::size_t v = 0; v < part.size(); ++v)
+      part[v] = static_cast<float>(nodal_values[static_cast<std::size_t>(sources_[p].nodes[v])]);
+  }
+}
+
+ShownSurface::MaterialPoint ShownSurface::material_point(Index vertex) const {
+  const auto after = std::ranges::find_if(
+      parts_, [&](const Part& part) { return vertex < part.first_vertex + part.num_vertices; });
+  const Index local = vertex - after->first_vertex;
+  const Source& source = sources_[static_cast<std::size_t>(after - parts_.begin())];
+  if (!source.skin) return {{source.nodes[static_cast<std::size_t>(local)]}, {1.0}};
+  const auto nodes = source.skin->embedding.nodes(local);
+  const auto weights = source.skin->embedding.weights(local);
+  return {{nodes.begin(), nodes.end()}, {weights.begin(), weights.end()}};
+}
+
+Index ShownSurface::nearest_node(Index vertex) const {
+  const MaterialPoint point = material_point(vertex);
+  return point
+      .nodes[static_cast<std::size_t>(std::ranges::max_element(point.weights) - point.weights.begin())];
+}
+
+}  // namespace resilin

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "resilin/simulation/world.hpp"
+#include "resilin/view/normals.hpp"
+
+namespace resilin {
+
+/// What is drawn of a world while it moves (docs/view_protocol.md): of each body the surface of its cells (in
+/// 2D the cells themselves), and its skin when it has one. Vertices, triangles and edges are numbered over
+/// all parts; every vertex belongs to a triangle or an edge.
+///
+/// Facets of second order are cut into four flat triangles at the nodes in the middle of their edges,
+/// quadrilaterals into two.
+class ShownSurface {
+ public:
+  enum class Kind { skin, cells };
+
+  struct Part {
+    std::string name;      ///< of the body
+    std::size_t body = 0;  ///< number in World::bodies
+    Kind kind = Kind::cells;
+    Index first_vertex = 0, num_vertices = 0;
+    Index first_triangle = 0, num_triangles = 0;
+    Index first_edge = 0, num_edges = 0;
+  };
+  using Triangle = VertexNormals::Triangle;
+  using Edge = std::array<std::uint32_t, 2>;
+
+  /// Keeps no reference to the world: a world with the same bodies and cells may take its place later (such
+  /// as one with other materials). A body's skin stands before its cells.
+  explicit ShownSurface(const World& world);
+
+  int dimension() const { return dim_; }
+  std::span<const Part> parts() const { return parts_; }
+  Index num_vertices() const { return num_vertices_; }
+  std::span<const Triangle> triangles() const { return triangles_; }  ///< outward; in 2D towards +z
+  std::span<const Edge> edges() const { return edges_; }              ///< of the cells' facets, each once
+  std::span<const float> rest_positions() const { return rest_positions_; }  ///< 3 per vertex [m]
+
+  /// @param x    positions of the world's nodes [m]
+  /// @param out  3 num_vertices() numbers; in 2D the third is zero
+  void positions(const VectorX& x, std::span<float> out) const;
+
+  /// Area-weighted normals of length 1 of the surface at `positions`; (0, 0, 1) where there is no area.
+  /// @param positions  3 num_vertices() numbers, as `positions` gives them
+  /// @param out        3 num_vertices() numbers
+  void normals(std::span<const float> positions, std::span<float> out) const {
+    normals_.evaluate(positions, out);
+  }
+
+  /// A place in the material, held by nodes of one cell: x = sum_a weights[a] x_nodes[a]. Of a vertex of the
+  /// cells that is the node itself; of a smooth skin the part that is linear in each cell.
+  struct MaterialPoint {
+    std::vector<Index> nodes;  ///< of the world
+    std::vector<double> weights;
+  };
+  MaterialPoint material_point(Index vertex) const;
+
+  /// The node with the greatest weight in the material point: the one to pin.
+  Index nearest_node(Index vertex) const;
+
+  /// A number per node of the world, carried to the vertices.
+  void interpolate(std::span<const double> nodal_values, std::span<float> out) const;
+
+ private:
+  void add_skin(const std::shared_ptr<const Skin>& skin);
+  void add_cells(const Body& body);
+  void begin_part(const Body& body, std::size_t number, Kind kind);
+  void end_part();
+  /// Where the vertices of a part come from.
+  struct Source {
+    std::shared_ptr<const Skin> skin;  ///< null for cells
+    std::vector<Index> nodes;          ///< of cells: the world's node of each vertex
+  };
+
+  int dim_ = 3;
+  Index num_vertices_ = 0;
+  std::vector<Part> parts_;
+  std::vector<Source> sources_;  ///< by part
+  std::vector<Triangle> triangles_;
+  std::vector<Edge> edges_;
+  std::vector<float> rest_positions_;
+  VertexNormals normals_;
+};
+
+}  // namespace resilin

@@ -1,0 +1,150 @@
+#include "resilin/view/shown_surface.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+
+#include "resilin/energy/facet.hpp"
+#include "resilin/mesh/edit.hpp"
+#include "small_scenes.hpp"
+
+namespace resilin::testing {
+namespace {
+
+using ::testing::Each;
+using ::testing::ElementsAre;
+
+Description bar_of(const std::string& element, int dim) {
+  Description scene = small_bar(dim, true);
+  BodyDescription& body = scene.bodies[0];
+  body.element = element;
+  if (element == "Q1")
+    body.mesh = dim == 3 ? make_hexahedron_box({1, 0.25, 0.25}, {8, 2, 2})
+                         : make_quadrilateral_rectangle({1, 0.25}, {8, 2});
+  return scene;
+}
+
+Vector3 vertex(const std::vector<float>& places, std::uint32_t v) {
+  return Eigen::Map<const Eigen::Vector3f>(places.data() + 3 * std::size_t{v}).cast<double>();
+}
+
+std::vector<float> places_of(const ShownSurface& surface, const VectorX& x) {
+  std::vector<float> places(static_cast<std::size_t>(3 * surface.num_vertices()));
+  surface.positions(x, places);
+  return places;
+}
+
+struct Case {
+  const char* element;
+  int dim;
+  int triangles;  ///< of the boundary of 8 x 2 x 2 cubes, in 2D of 8 x 2 squares
+};
+constexpr std::array<Case, 6> every_cell = {
+    {{"P1", 3, 144}, {"P2", 3, 4 * 144}, {"Q1", 3, 144}, {"P1", 2, 32}, {"P2", 2, 4 * 32}, {"Q1", 2, 32}}};
+
+TEST(ShownSurface, IsClosedAndTurnedOutwardsForEveryKindOfCell) {
+  for (const Case& c : every_cell) {
+    SCOPED_TRACE(std::string(c.element) + " in " + std::to_string(c.dim) + "D");
+    const World world(bar_of(c.element, c.dim));
+    const ShownSurface surface(world);
+    EXPECT_EQ(surface.triangles().size(), static_cast<std::size_t>(c.triangles));
+    const std::vector<float> places = places_of(surface, world.rest_positions);
+    double size = 0;  // volume by the divergence theorem, in 2D area
+    std::map<std::array<std::uint32_t, 2>, int> sides;
+    std::set<std::uint32_t> used;
+    for (const auto& [a, b, d] : surface.triangles()) {
+      const Vector3 A = vertex(places, a), B = vertex(places, b), C = vertex(places, d);
+      size += c.dim == 3 ? A.dot(B.cross(C)) / 6 : (B - A).cross(C - A).z() / 2;
+      for (const auto& [i, j] : {std::array{a, b}, std::array{b, d}, std::array{d, a}}) {
+        sides[{i, j}] += 1;
+        sides[{j, i}] -= 1;
+        used.insert(i);
+      }
+    }
+    EXPECT_NEAR(size, c.dim == 3 ? 0.0625 : 0.25, 1e-7);  // of floats
+    if (c.dim == 3) {
+      for (const auto& [side, count] : sides) EXPECT_EQ(count, 0);
+    }
+    EXPECT_EQ(used.size(), static_cast<std::size_t>(surface.num_vertices()));
+    EXPECT_EQ(*used.rbegin() + 1, used.size());
+  }
+}
+
+TEST(ShownSurface, HasEveryEdgeOfTheFacetsOnce) {
+  // Euler: V - E + F = 2 for the facets of the bar, V - E + F = 1 in the plane; a quadratic edge counts twice
+  // and has a vertex of its own.
+  for (const Case& c : every_cell) {
+    SCOPED_TRACE(std::string(c.element) + " in " + std::to_string(c.dim) + "D");
+    const World world(bar_of(c.element, c.dim));
+    const ShownSurface surface(world);
+    const int facets = c.triangles / (c.element[0] == 'Q' ? 2 : c.element[1] == '2' ? 4 : 1);
+    const int vertices = surface.num_vertices(), edges = static_cast<int>(surface.edges().size());
+    EXPECT_EQ(vertices - edges + facets, c.dim == 3 ? 2 : 1);
+    const std::set<ShownSurface::Edge> unique(surface.edges().begin(), surface.edges().end());
+    EXPECT_EQ(unique.size(), surface.edges().size());
+  }
+}
+
+TEST(ShownSurface, FollowsTheNodes) {
+  const World world(bar_of("P2", 3));
+  const ShownSurface surface(world);
+  const VectorX moved = world.rest_positions.array() * 1.5 + 0.25;
+  const std::vector<float> places = places_of(surface, moved);
+  for (Index v = 0; v < surface.num_vertices(); ++v) {
+    const auto [nodes, weights] = surface.material_point(v);
+    ASSERT_THAT(weights, ElementsAre(1.0));
+    EXPECT_EQ(nodes[0], surface.nearest_node(v));
+    EXPECT_LT((vertex(places, static_cast<std::uint32_t>(v)) - node_position(3, nodes[0], moved)).norm(),
+              1e-6);
+  }
+}
+
+TEST(ShownSurface, NumbersVerticesOverAllBodies) {
+  Description scene = small_bar(2, true);
+  scene.bodies.push_back(scene.bodies[0]);
+  scene.bodies[1].name = "other";
+  scene.bodies[1].translate = {0, 1, 0};
+  scene.fixes[0].body = scene.probes[0].body = "body";
+  const ShownSurface surface{World(scene)};
+  ASSERT_EQ(surface.parts().size(), 2u);
+  const ShownSurface::Part& part = surface.parts()[1];
+  EXPECT_EQ(part.name, "other");
+  EXPECT_EQ(part.first_vertex, surface.parts()[0].num_vertices);
+  EXPECT_EQ(part.first_triangle, 32);
+  for (const auto& triangle : surface.triangles().subspan(32))
+    EXPECT_GE(triangle[0], static_cast<std::uint32_t>(part.first_vertex));
+}
+
+TEST(Normals, OfABoxAreThoseOfItsSidesAndOfLengthOneAtEdges) {
+  const World world(bar_of("Q1", 3));
+  const ShownSurface surface(world);
+  std::vector<float> normals(static_cast<std::size_t>(3 * surface.num_vertices()));
+  surface.normals(surface.rest_positions(), normals);
+  const std::vector<float> places(surface.rest_positions().begin(), surface.rest_positions().end());
+  for (std::uint32_t v = 0; v < static_cast<std::uint32_t>(surface.num_vertices()); ++v) {
+    const Vector3 X = vertex(places, v), normal = vertex(normals, v);
+    EXPECT_NEAR(normal.norm(), 1, 1e-6);
+    const bool is_inside_a_side = X.z() == 0 && X.x() > 0 && X.x() < 1 && X.y() > 0 && X.y() < 0.25;
+    if (is_inside_a_side) {
+      EXPECT_LT((normal - Vector3(0, 0, -1)).norm(), 1e-6);
+    }
+  }
+}
+
+TEST(Normals, InThePlanePointTowardsTheViewerAlsoWhereThereIsNoArea) {
+  const ShownSurface surface{World(small_bar(2, true))};
+  std::vector<float> normals(static_cast<std::size_t>(3 * surface.num_vertices()));
+  surface.normals(surface.rest_positions(), normals);
+  const std::vector<float> nowhere(normals.size(), 0);
+  std::vector<float> without_area(normals.size());
+  surface.normals(nowhere, without_area);
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    EXPECT_EQ(normals[i], i % 3 == 2 ? 1 : 0);
+    EXPECT_EQ(without_area[i], i % 3 == 2 ? 1 : 0);
+  }
+}
+
+}  // namespace
+}  // namespace resilin::testing

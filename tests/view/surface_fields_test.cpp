@@ -1,0 +1,90 @@
+#include "resilin/view/surface_fields.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "resilin/core/error.hpp"
+#include "resilin/fields/evaluator.hpp"
+#include "small_scenes.hpp"
+
+namespace resilin::testing {
+namespace {
+
+State state_at(const VectorX& x) {
+  State state;
+  state.positions = x;
+  state.velocities = VectorX::Zero(x.size());
+  return state;
+}
+
+std::vector<float> field_of(const World& world, const State& state, std::string_view name) {
+  const ShownSurface surface(world);
+  std::vector<float> values(static_cast<std::size_t>(surface.num_vertices()));
+  SurfaceFields(world, surface).evaluate(world, state, name, values);
+  return values;
+}
+
+TEST(SurfaceFields, OfAUniformStrainAreThoseOfTheCells) {
+  for (const int dim : {2, 3}) {
+    const World world(small_bar(dim, true));
+    const State state = state_at(1.1 * world.rest_positions);
+    for (const FieldInfo* field : SurfaceFields::known()) {
+      if (field->is_on_nodes) continue;
+      const double expected =
+          FieldEvaluator(world).evaluate(state, std::vector{field->name}).front().values.front();
+      for (const float value : field_of(world, state, field->name))
+        ASSERT_NEAR(value, expected, 1e-6 * std::max(std::abs(expected), 1e-3)) << field->name;  // of floats
+    }
+  }
+}
+
+TEST(SurfaceFields, OfNodesAreLengths) {
+  const World world(small_bar(3, true));
+  const Vector3 shift(0.3, -0.4, 1.2);
+  VectorX x = world.rest_positions;
+  for (Index node = 0; node < world.num_nodes(); ++node) x.segment<3>(3 * node) += shift;
+  for (const float value : field_of(world, state_at(x), "displacement")) EXPECT_NEAR(value, 1.3, 1e-6);
+}
+
+/// Where the volume ratio is linear along the bar, a vertex has the mean of its cells' by volume.
+TEST(SurfaceFields, AreMeansOfTheCellsAroundAVertexByVolume) {
+  const World world(small_bar(3, true));
+  VectorX x = world.rest_positions;
+  for (Index node = 0; node < world.num_nodes(); ++node) x[3 * node] *= 1 + 0.2 * x[3 * node];
+  const State state = state_at(x);
+  const std::vector<double> cells =
+      FieldEvaluator(world).evaluate(state, std::vector<std::string>{"volume_ratio"}).front().values;
+  const Body& body = world.bodies[0];
+  const std::vector<double> volumes = body.elastic->rest_volumes();
+  const ShownSurface surface(world);
+  std::vector<float> values(static_cast<std::size_t>(surface.num_vertices()));
+  SurfaceFields(world, surface).evaluate(world, state, "volume_ratio", values);
+  for (Index v = 0; v < surface.num_vertices(); ++v) {
+    double sum = 0, volume = 0;
+    for (std::size_t i = 0; i < body.cells.size(); ++i)
+      if (body.cells[i] == surface.nearest_node(v)) {
+        sum += volumes[i / 4] * cells[i / 4];
+        volume += volumes[i / 4];
+      }
+    EXPECT_NEAR(values[static_cast<std::size_t>(v)], sum / volume, 1e-6);
+  }
+}
+
+TEST(SurfaceFields, AreNotANumberWhereACellHasNone) {
+  Description scene = small_bar(3, true);
+  scene.bodies[0].material.law = "neo_hookean";
+  const World world(scene);
+  const std::vector<float> values = field_of(world, state_at(-1.0 * world.rest_positions), "energy_density");
+  EXPECT_THAT(values, ::testing::Each(::testing::IsNan()));  // turned inside out: the logarithm has no value
+}
+
+TEST(SurfaceFields, RefuseOthersByName) {
+  const World world(small_bar(3, true));
+  const State state = state_at(world.rest_positions);
+  EXPECT_THROW(field_of(world, state, "von_misses"), InputError);
+  EXPECT_THROW(field_of(world, state, "cauchy_stress"), InputError);
+  EXPECT_THROW(field_of(world, state, "nodal_von_mises"), InputError);
+}
+
+}  // namespace
+}  // namespace resilin::testing
