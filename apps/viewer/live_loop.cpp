@@ -1,0 +1,238 @@
+#include "live_loop.hpp"
+
+#include <algorithm>
+#include <exception>
+#include <limits>
+#include <new>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
+
+namespace resilin::viewer {
+namespace {
+
+using Json = nlohmann::json;
+
+double seconds(std::chrono::steady_clock::duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+SharedBytes shared(std::string text) { return std::make_shared<const std::string>(std::move(text)); }
+
+/// What went wrong, in one line for the user.
+std::string words_of(const std::exception& error) {
+  if (dynamic_cast<const InputError*>(&error) != nullptr) return error.what();
+  if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr) return "out of memory";
+  return std::string("internal error: ") + error.what();
+}
+
+}  // namespace
+
+LiveLoop::LiveLoop(std::unique_ptr<LiveStage> stage, Mailbox& mailbox, std::function<void()> wake,
+                   const LiveLoopOptions& options)
+    : stage_(std::move(stage)),
+      mailbox_(&mailbox),
+      wake_(std::move(wake)),
+      options_(options),
+      tick_(Clock::now()) {
+  publish_scene();
+  thread_ = std::thread([this] { run(); });
+}
+
+LiveLoop::~LiveLoop() {
+  mailbox_->stop();
+  thread_.join();
+}
+
+void LiveLoop::run() {
+  for (Clock::time_point due = tick_;;) {
+    const bool was_active = is_active();
+    const Requests requests =
+        mailbox_->wait(due, was_active ? std::optional<Clock::time_point>(due) : std::nullopt);
+    if (requests.is_stopping) return;
+    for (const Command& command : requests.commands) obey(command);
+    // Ticks follow a timetable, not the ends of steps; late by a frame, the timetable begins anew.
+    const Clock::time_point now = Clock::now();
+    const Clock::time_point tick = was_active && now - due < options_.frame ? due : now;
+    if (is_active()) {
+      if (!was_active) lag_ = stage_->time_step(), tick_ = tick, progress_.clear();
+      advance(tick);
+    }
+    if (!requests.commands.empty()) publish_state();
+    if (has_changed_ || requests.wanted_fields != published_fields_) publish_snapshot(requests.wanted_fields);
+    publish_status(Clock::now());
+    wake_();
+    // A step that is due later than a frame is waited for, but never so long that pages would notice.
+    const double wait = std::clamp((stage_->time_step() - lag_) / speed_, seconds(options_.frame), 0.05);
+    due = tick + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(wait));
+  }
+}
+
+void LiveLoop::advance(Clock::time_point now) {
+  lag_ += seconds(now - tick_) * speed_;
+  tick_ = now;
+  const double time_step = stage_->time_step();
+  const Clock::time_point begin = Clock::now();
+  const double budget = seconds(options_.budget);
+  constexpr double nearly = 1 - 1e-6;  // timetables are in nanoseconds
+  while (is_active() && lag_ >= nearly * time_step) {
+    const double left = budget - seconds(Clock::now() - begin);
+    if (left <= 0) break;
+    step(left);
+    lag_ -= time_step;
+  }
+  lag_ = std::clamp(lag_, 0.0, time_step);
+}
+
+void LiveLoop::step(double budget) {
+  has_changed_ = true;
+  status_is_final_ = false;
+  try {
+    stage_->step(budget);
+    is_moving_ = !stage_->is_at_rest();
+  } catch (const std::exception& error) {
+    stop_after_fault(words_of(error));
+  }
+}
+
+/// A fault that no page has caused: everyone hears of it, and the scene waits for someone to change it.
+void LiveLoop::stop_after_fault(const std::string& why) {
+  is_paused_ = true;
+  mailbox_->refuse_all(why + "; the scene pauses, reset or reload it");
+  publish_state();
+}
+
+void LiveLoop::obey(const Command& command) {
+  if (!command.message) return leave(command.client);
+  is_moving_ = true;
+  has_changed_ = true;
+  try {
+    obey(command.client, *command.message);
+  } catch (const std::exception& error) {
+    mailbox_->refuse(command.client, words_of(error));
+  }
+  if (!stage_->is_grabbed()) grabbed_by_.reset();
+  if (!stage_->is_poking()) poked_by_.reset();
+}
+
+void LiveLoop::obey(ClientId client, const PageMessage& message) {
+  const auto owns = [client](const std::optional<ClientId>& owner) { return owner == client; };
+  const auto take = [client](std::optional<ClientId>& owner, const char* what) {
+    if (owner && *owner != client)
+      throw InputError(what, "another page is doing that; wait until it lets go");
+    owner = client;
+  };
+  if (const auto* drag = std::get_if<Drag>(&message)) {
+    if (!owns(grabbed_by_)) return;  // it was let go a moment ago
+    stage_->apply(message);
+    answered_drag_ = drag->number;
+  } else if (std::holds_alternative<Grab>(message)) {
+    take(grabbed_by_, "grab");
+    stage_->apply(message);
+    answered_drag_ = 0;
+  } else if (std::holds_alternative<Release>(message)) {
+    if (owns(grabbed_by_)) stage_->apply(message);
+  } else if (std::holds_alternative<Poke>(message)) {
+    take(poked_by_, "poke");
+    stage_->apply(message);
+  } else if (std::holds_alternative<PokeEnd>(message)) {
+    if (owns(poked_by_)) stage_->apply(message);
+  } else if (std::holds_alternative<Pause>(message)) {
+    is_paused_ = true;
+  } else if (std::holds_alternative<Play>(message)) {
+    is_paused_ = false;
+  } else if (std::holds_alternative<SingleStep>(message)) {
+    is_paused_ = true;
+    step(std::numeric_limits<double>::infinity());
+  } else if (std::holds_alternative<Reload>(message)) {
+    stage_->apply(message);
+    publish_scene();
+  } else if (const auto* set = std::get_if<SetControl>(&message); set != nullptr && set->key == "speed") {
+    const double speed = std::get<double>(set->value);
+    if (!(speed >= 0.01 && speed <= 10)) {
+      throw InputError("speed", "a number from 0.01 to 10", format_short(speed));
+    }
+    speed_ = speed;
+  } else {
+    stage_->apply(message);
+  }
+}
+
+void LiveLoop::leave(ClientId client) {
+  if (grabbed_by_ == client) obey({client, Release{}});
+  if (poked_by_ == client) obey({client, PokeEnd{}});
+}
+
+void LiveLoop::publish_scene() {
+  auto scene = std::make_shared<SceneNews>();
+  scene->generation = ++generation_;
+  scene->header = stage_->header();
+  scene->topology = shared(stage_->topology());
+  scene->field_names = stage_->field_names();
+  mailbox_->publish([&scene](News& news) {
+    news.scene = std::move(scene);
+    news.snapshot.reset();
+  });
+  publish_state();
+}
+
+void LiveLoop::publish_snapshot(const std::set<FieldChoice>& wanted) {
+  const Clock::time_point begin = Clock::now();
+  auto snapshot = std::make_shared<Snapshot>();
+  snapshot->generation = generation_;
+  snapshot->number = ++snapshot_number_;
+  try {
+    for (const FieldChoice& field : wanted) {
+      snapshot->frames[field] = shared(stage_->frame(snapshot->number, answered_drag_, field));
+    }
+  } catch (const std::exception& error) {
+    stop_after_fault(words_of(error));
+  }
+  published_fields_ = wanted;
+  has_changed_ = false;
+  surface_ms_ = 1e3 * seconds(Clock::now() - begin);
+  mailbox_->publish([&snapshot](News& news) { news.snapshot = std::move(snapshot); });
+}
+
+void LiveLoop::publish_state() {
+  Json state = stage_->state();
+  state["type"] = "state";
+  state["speed"] = speed_;
+  state["paused"] = is_paused_;
+  state["grabbed_by"] = grabbed_by_ ? Json(*grabbed_by_) : Json();
+  std::string text = state.dump(-1, ' ', false, Json::error_handler_t::replace);
+  mailbox_->publish([&text](News& news) {
+    if (news.state.text && *news.state.text == text) return;
+    news.state.text = shared(std::move(text));
+    ++news.state.version;
+  });
+}
+
+double LiveLoop::real_time_ratio(Clock::time_point now) {
+  progress_.push_back({now, stage_->time()});
+  while (now - progress_.front().wall > std::chrono::seconds(1) && progress_.size() > 2)
+    progress_.pop_front();
+  const double wall = seconds(now - progress_.front().wall);
+  return wall > 0 ? (stage_->time() - progress_.front().simulated) / wall : 0;
+}
+
+/// Ten times a second while the scene moves, and once more when it has stopped.
+void LiveLoop::publish_status(Clock::time_point now) {
+  const bool is_last = !is_active();
+  if (is_last ? status_is_final_ : now - status_time_ < std::chrono::milliseconds(100)) return;
+  status_time_ = now;
+  status_is_final_ = is_last;
+  Json status = stage_->status();
+  status["type"] = "status";
+  status["real_time_ratio"] = is_last ? 0 : real_time_ratio(now);
+  status["surface_ms"] = surface_ms_;
+  std::string text = status.dump(-1, ' ', false, Json::error_handler_t::replace);
+  mailbox_->publish([&text](News& news) {
+    news.status.text = shared(std::move(text));
+    ++news.status.version;
+  });
+}
+
+}  // namespace resilin::viewer

@@ -1,0 +1,150 @@
+#include "live_room.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
+
+namespace resilin::viewer {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t max_message_bytes = 64;  // of a binary one
+constexpr std::size_t max_refusals = 8;        // that wait for a page that does not read
+
+SharedBytes shared(std::string text) { return std::make_shared<const std::string>(std::move(text)); }
+
+std::string dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+}  // namespace
+
+void LiveRoom::opened(ClientId client) {
+  pages_[client] = {};
+  announce_wanted_fields();
+}
+
+void LiveRoom::closed(ClientId client) {
+  pages_.erase(client);
+  announce_wanted_fields();
+  mailbox_->post_leaving(client);
+}
+
+void LiveRoom::received(ClientId client, bool is_text, std::string_view bytes) {
+  Page& page = pages_.at(client);
+  try {
+    if (!is_text && bytes.size() > max_message_bytes) {
+      throw InputError("binary message", "at most " + std::to_string(max_message_bytes) + " bytes",
+                       std::to_string(bytes.size()));
+    }
+    handle(client, page, is_text ? read_text_message(bytes) : read_binary_message(bytes));
+  } catch (const InputError& error) {
+    refuse(page, error.what());
+  }
+}
+
+void LiveRoom::handle(ClientId client, Page& page, const PageMessage& message) {
+  if (const auto* acknowledged = std::get_if<Acknowledge>(&message)) {
+    if (page.unacknowledged == acknowledged->frame) page.unacknowledged.reset();
+  } else if (const auto* chosen = std::get_if<ChooseField>(&message)) {
+    choose_field(page, chosen->name);
+  } else if (!mailbox_->post(client, message)) {
+    throw InputError("message",
+                     "a page sends faster than the simulation can take it; the message is left out");
+  }
+}
+
+void LiveRoom::choose_field(Page& page, const std::string& name) {
+  FieldChoice choice;
+  if (!name.empty()) {
+    const News news = mailbox_->news();
+    const std::vector<std::string> known = news.scene ? news.scene->field_names : std::vector<std::string>{};
+    const auto found = std::ranges::find(known, name);
+    if (found == known.end()) {
+      throw InputError("message \"field\": name", "\"\" or one of " + join(known),
+                       Json(name.substr(0, 40)).dump());
+    }
+    choice = static_cast<std::size_t>(found - known.begin());
+  }
+  if (page.field == choice) return;
+  page.field = choice;
+  page.last_frame = 0;  // the same state is sent again with the other field
+  announce_wanted_fields();
+}
+
+void LiveRoom::announce_wanted_fields() {
+  std::set<FieldChoice> wanted;
+  for (const auto& [client, page] : pages_) wanted.insert(page.field);
+  mailbox_->set_wanted_fields(std::move(wanted));
+}
+
+void LiveRoom::refuse(Page& page, std::string why) {
+  if (page.refusals.size() < max_refusals) page.refusals.push_back(std::move(why));
+}
+
+void LiveRoom::take_refusals() {
+  for (const auto& [refused, reasons] : mailbox_->take_refusals()) {
+    for (auto& [client, page] : pages_) {
+      if (refused != client && refused != 0) continue;
+      for (const std::string& why : reasons) refuse(page, why);
+    }
+  }
+}
+
+std::optional<Outgoing> LiveRoom::next(ClientId client) {
+  take_refusals();
+  Page& page = pages_.at(client);
+  const News news = mailbox_->news();
+  if (!news.scene) return std::nullopt;
+  if (page.generation != news.scene->generation) return Outgoing{true, shared(hello(client, page, news))};
+  if (std::exchange(page.needs_topology, false)) return Outgoing{false, news.scene->topology};
+  if (!page.refusals.empty()) {
+    const Json error = {{"type", "error"}, {"message", std::move(page.refusals.front())}};
+    page.refusals.pop_front();
+    return Outgoing{true, shared(dump(error))};
+  }
+  if (page.state_version != news.state.version) {
+    page.state_version = news.state.version;
+    return Outgoing{true, news.state.text};
+  }
+  if (std::optional<Outgoing> frame = next_frame(page, news)) return frame;
+  if (page.status_version != news.status.version) {
+    page.status_version = news.status.version;
+    return Outgoing{true, news.status.text};
+  }
+  return std::nullopt;
+}
+
+std::string LiveRoom::hello(ClientId client, Page& page, const News& news) {
+  page.generation = news.scene->generation;
+  page.needs_topology = true;
+  page.unacknowledged.reset();
+  page.last_frame = 0;
+  if (page.field && *page.field >= news.scene->field_names.size()) {
+    page.field.reset();
+    announce_wanted_fields();
+  }
+  page.state_version = news.state.version;
+  Json header = news.scene->header;
+  header["type"] = "hello";
+  header["client"] = client;
+  header["controls"] = Json::parse(*news.state.text);
+  return dump(header);
+}
+
+std::optional<Outgoing> LiveRoom::next_frame(Page& page, const News& news) {
+  if (page.unacknowledged || !news.snapshot) return std::nullopt;
+  const Snapshot& snapshot = *news.snapshot;
+  if (snapshot.generation != page.generation || snapshot.number == page.last_frame) return std::nullopt;
+  const auto frame = snapshot.frames.find(page.field);
+  if (frame == snapshot.frames.end())
+    return std::nullopt;  // chosen a moment ago; it comes with the next snapshot
+  page.unacknowledged = page.last_frame = snapshot.number;
+  return Outgoing{false, frame->second};
+}
+
+}  // namespace resilin::viewer

@@ -1,0 +1,84 @@
+#include "mailbox.hpp"
+
+#include <utility>
+
+namespace resilin::viewer {
+
+bool Mailbox::post(ClientId client, const PageMessage& message) {
+  const std::lock_guard lock(mutex_);
+  std::vector<Command>& commands = requests_.commands;
+  const auto is_drag = [](const std::optional<PageMessage>& m) {
+    return m && std::holds_alternative<Drag>(*m);
+  };
+  if (!commands.empty() && commands.back().client == client && is_drag(commands.back().message) &&
+      std::holds_alternative<Drag>(message)) {
+    commands.back().message = message;
+    return true;
+  }
+  if (commands.size() >= max_commands) return false;
+  commands.push_back({client, message});
+  changed_.notify_one();
+  return true;
+}
+
+void Mailbox::post_leaving(ClientId client) {
+  const std::lock_guard lock(mutex_);
+  requests_.commands.push_back({client, std::nullopt});
+  refusals_.erase(client);
+  changed_.notify_one();
+}
+
+void Mailbox::set_wanted_fields(std::set<FieldChoice> fields) {
+  const std::lock_guard lock(mutex_);
+  if (fields == requests_.wanted_fields) return;
+  requests_.wanted_fields = std::move(fields);
+  wanted_fields_changed_ = true;
+  changed_.notify_one();
+}
+
+News Mailbox::news() const {
+  const std::lock_guard lock(mutex_);
+  return news_;
+}
+
+std::map<ClientId, std::vector<std::string>> Mailbox::take_refusals() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(refusals_, {});
+}
+
+Requests Mailbox::wait(Clock::time_point earliest, std::optional<Clock::time_point> latest) {
+  std::unique_lock lock(mutex_);
+  changed_.wait_until(lock, earliest, [this] { return requests_.is_stopping; });
+  const auto has_news = [this] {
+    return requests_.is_stopping || wanted_fields_changed_ || !requests_.commands.empty();
+  };
+  if (latest) {
+    changed_.wait_until(lock, *latest, has_news);
+  } else {
+    changed_.wait(lock, has_news);
+  }
+  wanted_fields_changed_ = false;
+  Requests found = requests_;
+  requests_.commands.clear();
+  return found;
+}
+
+void Mailbox::publish(const std::function<void(News&)>& change) {
+  const std::lock_guard lock(mutex_);
+  change(news_);
+}
+
+void Mailbox::refuse(ClientId client, std::string why) {
+  const std::lock_guard lock(mutex_);
+  refusals_[client].push_back(std::move(why));
+}
+
+void Mailbox::refuse_all(const std::string& why) { refuse(0, why); }
+
+void Mailbox::stop() {
+  const std::lock_guard lock(mutex_);
+  requests_.is_stopping = true;
+  changed_.notify_one();
+}
+
+}  // namespace resilin::viewer

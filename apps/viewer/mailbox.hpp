@@ -1,0 +1,99 @@
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "page_message.hpp"
+#include "page_server.hpp"
+
+/// What the server's thread and the simulation's thread hand to each other.
+namespace resilin::viewer {
+
+/// Index of a field of the header; none: frames without a field.
+using FieldChoice = std::optional<std::size_t>;
+
+/// The scene as it is described to a page; a new one after each reload.
+struct SceneNews {
+  std::uint64_t generation = 0;
+  nlohmann::json header;
+  SharedBytes topology;
+  std::vector<std::string> field_names;
+};
+
+/// One state of the bodies, encoded once for each choice of field that some page has made.
+struct Snapshot {
+  std::uint64_t generation = 0;
+  std::uint32_t number = 0;
+  std::map<FieldChoice, SharedBytes> frames;
+};
+
+/// A text that is sent again whenever its version has risen.
+struct VersionedText {
+  std::uint64_t version = 0;
+  SharedBytes text;
+};
+
+/// The newest of everything.
+struct News {
+  std::shared_ptr<const SceneNews> scene;
+  std::shared_ptr<const Snapshot> snapshot;
+  VersionedText state, status;
+};
+
+struct Command {
+  ClientId client = 0;
+  std::optional<PageMessage> message;  ///< none: the page has left
+};
+
+/// What the simulation's thread finds when it looks.
+struct Requests {
+  std::vector<Command> commands;
+  std::set<FieldChoice> wanted_fields;  ///< by the pages that are open
+  bool is_stopping = false;
+};
+
+class Mailbox {
+ public:
+  using Clock = std::chrono::steady_clock;
+  static constexpr std::size_t max_commands = 256;
+
+  // For the server's thread.
+  /// A drag replaces one of the same page that nobody has seen yet. False when the box is full.
+  bool post(ClientId client, const PageMessage& message);
+  void post_leaving(ClientId client);
+  void set_wanted_fields(std::set<FieldChoice> fields);
+  News news() const;
+  /// What pages are to be told, by page; 0 stands for all.
+  std::map<ClientId, std::vector<std::string>> take_refusals();
+
+  // For the simulation's thread.
+  /// Sleeps until `earliest`, then until there is a command, a change of wanted fields, or `latest` (none:
+  /// for ever).
+  Requests wait(Clock::time_point earliest, std::optional<Clock::time_point> latest);
+  void publish(const std::function<void(News&)>& change);
+  void refuse(ClientId client, std::string why);
+  void refuse_all(const std::string& why);  ///< tells it to every page
+
+  /// From any thread: ends `wait`.
+  void stop();
+
+ private:
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  Requests requests_;
+  bool wanted_fields_changed_ = false;
+  News news_;
+  std::map<ClientId, std::vector<std::string>> refusals_;
+};
+
+}  // namespace resilin::viewer

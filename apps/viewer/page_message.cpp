@@ -1,0 +1,235 @@
+#include "page_message.hpp"
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <vector>
+
+#include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
+
+namespace resilin::viewer {
+namespace {
+
+using Json = nlohmann::json;
+
+/// A value as the user sees it in a message: short, on one line, whatever it holds.
+std::string shown(const Json& value) {
+  constexpr std::size_t longest = 40;
+  std::string text = value.dump(-1, ' ', /*ensure_ascii=*/true, Json::error_handler_t::replace);
+  if (text.size() > longest) text = text.substr(0, longest) + "...";
+  return text;
+}
+
+/// The keys of one message; each is taken once, and none may be left.
+class Fields {
+ public:
+  Fields(const Json& json, std::string type) : json_(json), type_(std::move(type)), num_taken_(1) {}
+
+  double number(const char* key) {
+    const Json& value = take(key, "a finite number");
+    if (!is_finite_number(value)) refuse(key, "a finite number", value);
+    return value.get<double>();
+  }
+
+  std::uint32_t vertex() {
+    constexpr const char* expected = "a whole number from 0";
+    const Json& value = take("vertex", expected);
+    if (!value.is_number_unsigned() ||
+        value.get<std::uint64_t>() > std::numeric_limits<std::uint32_t>::max()) {
+      refuse("vertex", expected, value);
+    }
+    return value.get<std::uint32_t>();
+  }
+
+  std::string text(const char* key) {
+    const Json& value = take(key, "a text");
+    if (!value.is_string()) refuse(key, "a text", value);
+    return value.get<std::string>();
+  }
+
+  bool flag(const char* key) {
+    const Json& value = take(key, "true or false");
+    if (!value.is_boolean()) refuse(key, "true or false", value);
+    return value.get<bool>();
+  }
+
+  Vector3 vector(const char* key) {
+    constexpr const char* expected = "three finite numbers";
+    const Json& value = take(key, expected);
+    if (!value.is_array() || value.size() != 3) refuse(key, expected, value);
+    Vector3 vector;
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (!is_finite_number(value[i])) refuse(key, expected, value);
+      vector[static_cast<Eigen::Index>(i)] = value[i].get<double>();
+    }
+    return vector;
+  }
+
+  /// Refuses keys that nobody has asked for.
+  void finish(std::span<const std::string> known) const {
+    if (num_taken_ == json_.size()) return;
+    for (const auto& [key, value] : json_.items()) {
+      if (std::ranges::find(known, key) == known.end()) {
+        throw InputError("message \"" + type_ + "\"", "the keys " + join(known), shown(key));
+      }
+    }
+  }
+
+ private:
+  static bool is_finite_number(const Json& value) {
+    return value.is_number() && std::isfinite(value.get<double>());
+  }
+
+  const Json& take(const char* key, const char* expected) {
+    const auto found = json_.find(key);
+    if (found == json_.end()) throw InputError("message \"" + type_ + "\": " + key, expected, "none");
+    ++num_taken_;
+    return *found;
+  }
+
+  [[noreturn]] void refuse(const char* key, const char* expected, const Json& value) const {
+    throw InputError("message \"" + type_ + "\": " + key, expected, shown(value));
+  }
+
+  const Json& json_;
+  std::string type_;
+  std::size_t num_taken_;
+};
+
+PageMessage read_poke(Fields& fields) {
+  Poke poke{fields.vector("center"), fields.number("radius")};
+  if (!(poke.radius > 0)) {
+    throw InputError("message \"poke\": radius", "a positive number", format_short(poke.radius));
+  }
+  return poke;
+}
+
+using ReadValue = std::function<decltype(SetControl::value)(Fields&)>;
+
+/// The controls that `set` knows, and the kind of value of each.
+const std::map<std::string, ReadValue, std::less<>>& controls() {
+  static const ReadValue number = [](Fields& fields) { return fields.number("value"); };
+  static const ReadValue flag = [](Fields& fields) { return fields.flag("value"); };
+  static const ReadValue text = [](Fields& fields) { return fields.text("value"); };
+  static const ReadValue vector = [](Fields& fields) { return fields.vector("value"); };
+  static const std::map<std::string, ReadValue, std::less<>> table = {
+      {"damping", number}, {"gravity", vector},   {"ground", flag},         {"ground_height", number},
+      {"law", text},       {"max_force", number}, {"newton_limit", number}, {"poissons_ratio", number},
+      {"speed", number},   {"time_step", number}, {"tolerance", number},    {"youngs_modulus", number},
+  };
+  return table;
+}
+
+[[noreturn]] void refuse_word(const std::string& place, const std::string& word,
+                              const std::vector<std::string>& known) {
+  const std::string nearest = nearest_word(word.substr(0, 40), known);
+  throw InputError(place, "one of " + join(known), shown(word),
+                   nearest.empty() ? "" : "did you mean \"" + nearest + "\"?");
+}
+
+template <class Table>
+std::vector<std::string> names(const Table& table) {
+  std::vector<std::string> names;
+  for (const auto& [name, entry] : table) names.push_back(name);
+  return names;
+}
+
+PageMessage read_set(Fields& fields) {
+  std::string key = fields.text("key");
+  const auto control = controls().find(key);
+  if (control == controls().end()) refuse_word("message \"set\": key", key, names(controls()));
+  return SetControl{std::move(key), control->second(fields)};
+}
+
+struct MessageType {
+  std::vector<std::string> keys;
+  std::function<PageMessage(Fields&)> read;
+};
+
+template <class Message>
+MessageType plain() {
+  return {{"type"}, [](Fields&) { return Message{}; }};
+}
+
+const std::map<std::string, MessageType, std::less<>>& message_types() {
+  static const std::map<std::string, MessageType, std::less<>> table = {
+      {"grab", {{"type", "vertex", "point"}, [](Fields& f) { return Grab{f.vertex(), f.vector("point")}; }}},
+      {"release", plain<Release>()},
+      {"pin", {{"type", "vertex"}, [](Fields& f) { return Pin{f.vertex()}; }}},
+      {"unpin", {{"type", "vertex"}, [](Fields& f) { return Unpin{f.vertex()}; }}},
+      {"unpin_all", plain<UnpinAll>()},
+      {"poke", {{"type", "center", "radius"}, read_poke}},
+      {"poke_end", plain<PokeEnd>()},
+      {"set", {{"type", "key", "value"}, read_set}},
+      {"field", {{"type", "name"}, [](Fields& f) { return ChooseField{f.text("name")}; }}},
+      {"pause", plain<Pause>()},
+      {"play", plain<Play>()},
+      {"step", plain<SingleStep>()},
+      {"reset", plain<Reset>()},
+      {"reload", plain<Reload>()},
+  };
+  return table;
+}
+
+template <class Number>
+Number read_little_endian(std::string_view bytes, std::size_t offset) {
+  static_assert(std::endian::native == std::endian::little, "other machines need their bytes swapped here");
+  Number number;
+  std::memcpy(&number, bytes.data() + offset, sizeof number);
+  return number;
+}
+
+PageMessage read_drag(std::string_view bytes) {
+  Drag drag{read_little_endian<std::uint32_t>(bytes, 4), {}};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto coordinate = read_little_endian<float>(bytes, 8 + 4 * i);
+    if (!std::isfinite(coordinate)) {
+      throw InputError("drag: target", "three finite numbers", std::to_string(coordinate));
+    }
+    drag.target[static_cast<Eigen::Index>(i)] = static_cast<double>(coordinate);
+  }
+  return drag;
+}
+
+}  // namespace
+
+PageMessage read_text_message(std::string_view text) {
+  const Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (!json.is_object()) {
+    throw InputError("message", "one object of JSON with a \"type\"",
+                     json.is_discarded() ? "no JSON" : shown(json));
+  }
+  const auto type = json.find("type");
+  if (type == json.end() || !type->is_string()) {
+    throw InputError("message: type", "one of " + join(names(message_types())),
+                     type == json.end() ? "none" : shown(*type));
+  }
+  const auto& name = type->get_ref<const std::string&>();
+  const auto entry = message_types().find(name);
+  if (entry == message_types().end()) refuse_word("message: type", name, names(message_types()));
+  Fields fields(json, name);
+  PageMessage message = entry->second.read(fields);
+  fields.finish(entry->second.keys);
+  return message;
+}
+
+PageMessage read_binary_message(std::string_view bytes) {
+  constexpr unsigned char acknowledge = 1, drag = 2;
+  const auto kind = bytes.empty() ? 0 : static_cast<unsigned char>(bytes[0]);
+  const bool is_padded = bytes.size() >= 4 && bytes[1] == 0 && bytes[2] == 0 && bytes[3] == 0;
+  if (is_padded && kind == acknowledge && bytes.size() == 8) {
+    return Acknowledge{read_little_endian<std::uint32_t>(bytes, 4)};
+  }
+  if (is_padded && kind == drag && bytes.size() == 20) return read_drag(bytes);
+  throw InputError("binary message", "an acknowledgement of 8 bytes or a drag of 20",
+                   std::to_string(bytes.size()) + " bytes of kind " + std::to_string(kind));
+}
+
+}  // namespace resilin::viewer

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+
+/// The server of the page: HTTP and WebSocket on 127.0.0.1, on one thread of its own.
+namespace resilin::viewer {
+
+using ClientId = std::uint32_t;
+using SharedBytes = std::shared_ptr<const std::string>;
+
+/// One WebSocket message to a page.
+struct Outgoing {
+  bool is_text = true;
+  SharedBytes bytes;
+};
+
+/// What the pages at the other ends of WebSockets talk to. The server calls all of it from its own thread.
+///
+/// The server pulls: it asks for a page's next message when the page has taken the one before, so nothing
+/// piles up for a page that is slow, and a page that takes nothing is asked nothing.
+class PageService {
+ public:
+  virtual ~PageService() = default;
+  virtual void opened(ClientId client) = 0;
+  virtual void received(ClientId client, bool is_text, std::string_view bytes) = 0;
+  /// What to send next; nothing until `PageServer::wake` when there is nothing to say.
+  virtual std::optional<Outgoing> next(ClientId client) = 0;
+  virtual void closed(ClientId client) = 0;
+};
+
+/// What `GET` of a path gets: bytes in memory, or a file that is read while it is sent.
+struct Resource {
+  std::string content_type;
+  std::variant<SharedBytes, std::filesystem::path> content;
+  std::string script_nonce;  ///< of a page: scripts that carry it may run, and no others
+};
+
+struct ServerOptions {
+  std::uint16_t port = 0;  ///< 0: any free one
+  int max_connections = 32;
+  std::size_t max_header_bytes = 8192;
+  std::size_t max_message_bytes = 4096;              ///< of a page; a longer one ends its connection
+  std::chrono::milliseconds request_timeout{10000};  ///< for a request and for the WebSocket handshake
+  std::chrono::milliseconds send_timeout{10000};     ///< a page that takes a message for longer is dropped
+  std::chrono::milliseconds body_timeout{120000};    ///< for all of an answer of HTTP
+  std::chrono::milliseconds idle_timeout{60000};     ///< a page that no longer answers a ping is dropped
+};
+
+/// Listens from its construction to its destruction, which closes all connections.
+class PageServer {
+ public:
+  /// `resources` by path. `service` (may be null) answers WebSockets at /live and outlives the server.
+  /// @throws InputError  when the port cannot be had
+  PageServer(const ServerOptions& options, std::map<std::string, Resource> resources, PageService* service);
+  ~PageServer();
+  PageServer(const PageServer&) = delete;
+  PageServer& operator=(const PageServer&) = delete;
+
+  std::uint16_t port() const;
+  const std::string& token() const;
+  std::string address() const;  ///< "http://127.0.0.1:PORT/?token=..."
+
+  /// Asks the service for news to every page that waits for some. From any thread; cheap.
+  void wake();
+
+ private:
+  struct Contents;
+  std::unique_ptr<Contents> contents_;
+};
+
+}  // namespace resilin::viewer

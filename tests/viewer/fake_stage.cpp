@@ -1,0 +1,82 @@
+#include "fake_stage.hpp"
+
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "resilin/core/error.hpp"
+
+namespace resilin::viewer {
+
+nlohmann::json FakeStage::header() const {
+  return {{"title", "A fake"}, {"parts", nlohmann::json::array()}, {"num_vertices", num_vertices_}};
+}
+
+nlohmann::json FakeStage::state() const {
+  return {{"youngs_modulus", youngs_modulus_}, {"poking", is_poking_}};
+}
+
+void FakeStage::apply(const PageMessage& message) {
+  if (const auto* grab = std::get_if<Grab>(&message)) {
+    if (grab->vertex >= num_vertices_) {
+      throw InputError("grab: vertex", "a number below " + std::to_string(num_vertices_),
+                       std::to_string(grab->vertex));
+    }
+    is_grabbed_ = true;
+  } else if (std::holds_alternative<Release>(message)) {
+    is_grabbed_ = false;
+  } else if (std::holds_alternative<Poke>(message)) {
+    is_poking_ = true;
+  } else if (std::holds_alternative<PokeEnd>(message)) {
+    is_poking_ = false;
+  } else if (const auto* set = std::get_if<SetControl>(&message)) {
+    if (set->key != "youngs_modulus")
+      throw InputError(set->key, "youngs_modulus, all that this one knows", "another");
+    youngs_modulus_ = std::get<double>(set->value);
+  } else if (std::holds_alternative<Reset>(message)) {
+    is_grabbed_ = is_poking_ = false;
+    time_ = 0;
+  } else if (std::holds_alternative<Reload>(message)) {
+    if (switches_->breaks_on_reload) throw InputError("fake.toml", "the scene is broken");
+    is_grabbed_ = is_poking_ = false;
+    time_ = 0;
+  }
+}
+
+void FakeStage::step(double) {
+  if (switches_->breaks_in_step) throw std::runtime_error("a step broke");
+  std::this_thread::sleep_for(std::chrono::milliseconds(switches_->step_milliseconds));
+  ++switches_->num_steps;
+  time_ += time_step();
+}
+
+std::string FakeStage::frame(std::uint32_t number, std::uint32_t answered_drag,
+                             std::optional<std::size_t> field) {
+  const std::size_t field_bytes = field ? 2U * num_vertices_ : 0U;
+  std::string bytes(64 + 6U * num_vertices_ + field_bytes, '\0');
+  const auto write = [&bytes](std::size_t offset, auto value) {
+    std::memcpy(bytes.data() + offset, &value, sizeof value);
+  };
+  std::memcpy(bytes.data(), "RSF1", 4);
+  write(4, number);
+  write(8, time_);
+  write(16, answered_drag);
+  write(20, num_vertices_);
+  write(24, field ? 2U : 0U);
+  write(28, static_cast<std::uint32_t>(field.value_or(0)));
+  return bytes;
+}
+
+FakeScene::FakeScene(std::uint32_t num_vertices, ServerOptions options)
+    : server(options,
+             {{"/", {"text/html; charset=utf-8", std::make_shared<const std::string>("<p>page</p>"), "abc"}}},
+             &room),
+      loop(std::make_unique<FakeStage>(switches, num_vertices), mailbox, [this] { server.wake(); }) {}
+
+bool FakeScene::answers() const {
+  bench::PageClient newcomer = page();
+  newcomer.receive_text("hello");
+  return bench::frame_number(newcomer.receive_frame()) > 0;
+}
+
+}  // namespace resilin::viewer

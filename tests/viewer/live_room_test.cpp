@@ -1,0 +1,293 @@
+#include "viewer/live_room.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+#include "fake_stage.hpp"
+
+namespace resilin::viewer {
+namespace {
+
+using bench::PageClient;
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+constexpr const char* grab = R"({"type": "grab", "vertex": 1, "point": [0, 0, 0]})";
+
+json next_json(PageClient& page, std::string_view type) { return json::parse(page.receive_text(type)); }
+
+/// True once a `state` comes in which the keys have these values.
+bool comes_to(PageClient& page, const json& values) {
+  for (int i = 0; i < 100; ++i) {
+    json state = next_json(page, "state");
+    const json before = state;
+    state.update(values);
+    if (state == before) return true;
+  }
+  return false;
+}
+
+double processor_seconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+TEST(LiveRoom, TellsAPageEverythingInOrder) {
+  const FakeScene scene;
+  PageClient page = scene.page();
+  const auto hello = page.receive();
+  ASSERT_TRUE(hello && hello->is_text);
+  const json header = json::parse(hello->bytes);
+  EXPECT_EQ(header["type"], "hello");
+  EXPECT_EQ(header["title"], "A fake");
+  EXPECT_EQ(header["client"], 1);
+  EXPECT_EQ(header["controls"]["type"], "state");
+  EXPECT_EQ(header["controls"]["speed"], 1);
+  EXPECT_EQ(header["controls"]["paused"], false);
+  EXPECT_TRUE(header["controls"]["grabbed_by"].is_null());
+  const auto topology = page.receive();
+  ASSERT_TRUE(topology && !topology->is_text);
+  EXPECT_TRUE(topology->bytes.starts_with("RST1"));
+  const std::uint32_t first = bench::frame_number(page.receive_frame());
+  EXPECT_GT(bench::frame_number(page.receive_frame()), first);
+  EXPECT_TRUE(next_json(page, "status").contains("real_time_ratio"));
+}
+
+TEST(LiveRoom, SendsNothingMoreUntilAFrameIsAcknowledgedAndThenTheNewest) {
+  const FakeScene scene;
+  PageClient page = scene.page();
+  const std::uint32_t first = bench::frame_number(page.receive_frame(false));
+  int num_statuses = 0;
+  while (num_statuses < 3) {
+    const auto message = page.receive();
+    ASSERT_TRUE(message);
+    ASSERT_FALSE(bench::is_frame(*message)) << "a second frame before the first is acknowledged";
+    if (message->bytes.find("\"status\"") != std::string::npos) ++num_statuses;
+  }
+  page.acknowledge(first + 1000);  // none that it has
+  page.acknowledge(first);
+  const std::uint32_t second = bench::frame_number(page.receive_frame());
+  EXPECT_GE(second, first + 5) << "0.2 s later the newest frame is at least five further";
+}
+
+TEST(LiveRoom, ASlowPageDoesNotStallTheOthers) {
+  FakeScene scene(20000);
+  PageClient silent = scene.page();  // reads and never acknowledges
+  PageClient unread = scene.page();  // reads nothing at all
+  silent.receive_frame(false);
+  for (int i = 0; i < 2000; ++i) unread.send_text(R"({"type": "what"})");
+  PageClient page = scene.page();
+  const auto begin = std::chrono::steady_clock::now();
+  for (int i = 0; i < 30; ++i) page.receive_frame();
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
+}
+
+TEST(LiveRoom, APageThatTakesNothingIsDropped) {
+  ServerOptions options;
+  options.send_timeout = std::chrono::milliseconds(200);
+  FakeScene scene(2000000, options);  // a frame of 12 MB: more than sockets hold
+  PageClient page = scene.page();
+  page.send_text(R"({"type": "pause"})");  // its own frames are large, too
+  PageClient unread = scene.page();
+  ASSERT_TRUE(unread.send_text(grab));
+  ASSERT_TRUE(comes_to(page, {{"grabbed_by", 2}}));
+  EXPECT_TRUE(comes_to(page, {{"grabbed_by", nullptr}}))
+      << "the page that held the body is gone, so it is let go";
+}
+
+TEST(LiveRoom, SimulatesInRealTime) {
+  const FakeScene scene;
+  PageClient page = scene.page();
+  page.receive_frame();
+  const int before = scene.switches->num_steps;
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  const int steps = scene.switches->num_steps - before;
+  EXPECT_GT(steps, 15);  // 30, less what a busy machine loses
+  EXPECT_LE(steps, 32);
+}
+
+TEST(LiveRoom, DropsTimeThatIsLost) {
+  const FakeScene scene;
+  scene.switches->step_milliseconds = 400;
+  ASSERT_TRUE(comes_true([&] { return scene.switches->num_steps >= 2; }));
+  scene.switches->step_milliseconds = 0;
+  const int before = scene.switches->num_steps;
+  std::this_thread::sleep_for(std::chrono::milliseconds(600));
+  EXPECT_LE(scene.switches->num_steps - before, 40) << "it runs after the time that the slow steps have lost";
+}
+
+TEST(LiveRoom, PausesStepsAndPlays) {
+  const FakeScene scene;
+  PageClient page = scene.page();
+  page.send_text(R"({"type": "pause"})");
+  ASSERT_TRUE(comes_to(page, {{"paused", true}}));
+  const int paused_at = scene.switches->num_steps;
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  EXPECT_EQ(scene.switches->num_steps, paused_at);
+  page.send_text(R"({"type": "step"})");
+  ASSERT_TRUE(comes_true([&] { return scene.switches->num_steps == paused_at + 1; }));
+  page.send_text(R"({"type": "play"})");
+  EXPECT_TRUE(comes_to(page, {{"paused", false}}));
+  EXPECT_TRUE(comes_true([&] { return scene.switches->num_steps > paused_at + 2; }));
+}
+
+TEST(LiveRoom, SleepsWhenNothingMoves) {
+  const FakeScene scene;
+  PageClient page = scene.page();
+  scene.switches->rests = true;
+  page.receive_frame();
+  ASSERT_TRUE(comes_true([&] {
+    const int before = scene.switches->num_steps;
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    return scene.switches->num_steps == before;
+  }));
+  const double before = processor_seconds();
+  std::this_thread::sleep_for(std::chrono::milliseconds(1000));
+  EXPECT_LT(processor_seconds() - before, 0.01);
+}
+
+TEST(LiveRoom, GivesEachPageTheFieldThatItChooses) {
+  const FakeScene scene;
+  scene.switches->rests = true;
+  PageClient one = scene.page(), other = scene.page();
+  const std::size_t plain = one.receive_frame().size();
+  one.send_text(R"({"type": "field", "name": "von_mises"})");
+  std::string frame = one.receive_frame();
+  while (frame.size() == plain) frame = one.receive_frame();
+  EXPECT_EQ(frame.size(), plain + 200);
+  EXPECT_EQ(frame[28], 1);  // its number in the header's list
+  EXPECT_EQ(other.receive_frame().size(), plain);
+  one.send_text(R"({"type": "field", "name": "von_mise"})");
+  EXPECT_THAT(one.receive_text("error"), HasSubstr("one of displacement, von_mises"));
+}
+
+TEST(LiveRoom, LetsOnePageDragAndAnotherAfterIt) {
+  const FakeScene scene;
+  PageClient one = scene.page(), other = scene.page();
+  one.send_text(grab);
+  ASSERT_TRUE(comes_to(other, {{"grabbed_by", 1}}));
+  other.send_text(grab);
+  EXPECT_THAT(other.receive_text("error"), HasSubstr("another page"));
+  other.send_text(R"({"type": "release"})");  // not its own
+  for (std::uint32_t i = 1; i <= 50; ++i) one.drag(i, 0, 0, static_cast<float>(i));
+  while (bench::answered_drag(other.receive_frame()) != 50) {
+  }
+  one.send_text(R"({"type": "release"})");
+  ASSERT_TRUE(comes_to(other, {{"grabbed_by", nullptr}}));
+  other.send_text(grab);
+  ASSERT_TRUE(comes_to(one, {{"grabbed_by", 2}}));
+  one.drag(99, 0, 0, 0);  // too late
+  other.drag(7, 0, 0, 0);
+  while (bench::answered_drag(one.receive_frame()) != 7) {
+  }
+}
+
+TEST(LiveRoom, LetsGoWhenThePageThatHoldsLeaves) {
+  const FakeScene scene;
+  PageClient watching = scene.page();
+  {
+    PageClient holding = scene.page();
+    holding.send_text(grab);
+    holding.send_text(R"({"type": "poke", "center": [0, 0, 0], "radius": 1})");
+    ASSERT_TRUE(comes_to(watching, {{"grabbed_by", 2}, {"poking", true}}));
+  }
+  EXPECT_TRUE(comes_to(watching, {{"grabbed_by", nullptr}, {"poking", false}}));
+}
+
+TEST(LiveRoom, TellsOnlyThePageThatErred) {
+  const FakeScene scene;
+  PageClient page = scene.page(), other = scene.page();
+  page.send_text(R"({"type": "grab", "vertex": 100, "point": [0, 0, 0]})");
+  EXPECT_THAT(page.receive_text("error"), HasSubstr("expected a number below 100, got 100"));
+  page.send_text("no JSON");
+  EXPECT_THAT(page.receive_text("error"), HasSubstr("got no JSON"));
+  page.send_text(R"({"type": "set", "key": "speed", "value": 0})");
+  EXPECT_THAT(page.receive_text("error"), HasSubstr("from 0.01 to 10, got 0"));
+  page.send_binary(std::string(100, '\1'));
+  EXPECT_THAT(page.receive_text("error"), HasSubstr("at most 64 bytes"));
+  for (int i = 0; i < 20; ++i) {
+    const auto message = other.receive();
+    ASSERT_TRUE(message);
+    if (bench::is_frame(*message)) other.acknowledge(bench::frame_number(message->bytes));
+    EXPECT_EQ(message->bytes.find("\"error\""), std::string::npos);
+  }
+}
+
+TEST(LiveRoom, AMessageThatIsTooLongEndsTheConnectionOfItsPageAlone) {
+  const FakeScene scene;
+  PageClient page = scene.page();
+  PageClient other = scene.page();
+  page.send_text(std::string(5000, ' '));
+  EXPECT_THROW(page.receive_text("error"), std::runtime_error);
+  EXPECT_GT(bench::frame_number(other.receive_frame()), 0U);
+}
+
+TEST(LiveRoom, ReloadsAndKeepsTheOldSceneWhenTheNewOneIsBroken) {
+  const FakeScene scene;
+  PageClient page = scene.page(), other = scene.page();
+  page.receive_text("hello");
+  other.receive_text("hello");
+  scene.switches->breaks_on_reload = true;
+  page.send_text(R"({"type": "reload"})");
+  EXPECT_THAT(page.receive_text("error"), HasSubstr("fake.toml: the scene is broken"));
+  const int steps = scene.switches->num_steps;
+  EXPECT_TRUE(comes_true([&] { return scene.switches->num_steps > steps; }));
+  scene.switches->breaks_on_reload = false;
+  page.send_text(R"({"type": "reload"})");
+  EXPECT_EQ(next_json(other, "hello")["client"], 2);
+  EXPECT_GT(bench::frame_number(other.receive_frame()), 0U);
+}
+
+TEST(LiveRoom, AFaultInAStepIsToldToEveryPageAndPauses) {
+  const FakeScene scene;
+  PageClient page = scene.page(), other = scene.page();
+  page.receive_frame();
+  other.receive_frame();
+  scene.switches->breaks_in_step = true;
+  EXPECT_THAT(page.receive_text("error"), HasSubstr("a step broke"));
+  EXPECT_THAT(other.receive_text("error"), HasSubstr("reset or reload"));
+  scene.switches->breaks_in_step = false;
+  page.send_text(R"({"type": "play"})");
+  EXPECT_TRUE(comes_to(other, {{"paused", false}}));
+  EXPECT_TRUE(scene.answers());
+}
+
+TEST(LiveRoom, EndsWithPagesInEveryState) {
+  auto scene = std::make_unique<FakeScene>(2000000);
+  PageClient reading = scene->page(), unread = scene->page(), silent = scene->page();
+  bench::Socket half(scene->server.port());
+  half.send("GET /live?tok");
+  reading.receive_frame();
+  silent.receive_frame(false);
+  const auto begin = std::chrono::steady_clock::now();
+  scene.reset();
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
+  while (reading.receive()) {
+  }
+}
+
+TEST(LiveRoom, ComesToRestInTheEndWhateverOrderPagesComeAndGo) {
+  FakeScene scene;
+  for (int i = 0; i < 50; ++i) {
+    PageClient page = scene.page();
+    if (i % 2 == 0) page.send_text(grab);
+    if (i % 3 == 0) page.receive_frame(i % 2 == 0);
+    if (i % 5 == 0) page.send_text(R"({"type": "reload"})");
+  }
+  PageClient last = scene.page();
+  EXPECT_TRUE(comes_true([&] {
+    last.send_text(R"({"type": "pin", "vertex": 0})");
+    return scene.answers();
+  }));
+}
+
+}  // namespace
+}  // namespace resilin::viewer

@@ -1,0 +1,161 @@
+#include "viewer/page_server.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "fake_stage.hpp"
+#include "page_client.hpp"
+#include "resilin/core/error.hpp"
+
+namespace resilin::viewer {
+namespace {
+
+using bench::exchange;
+using bench::request_text;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+struct PageServerTest : ::testing::Test {
+  std::filesystem::path recording = std::filesystem::path(::testing::TempDir()) / "resilin_recording.bin";
+  ServerOptions options;
+  std::unique_ptr<PageServer> server;
+
+  void SetUp() override {
+    std::ofstream(recording, std::ios::binary) << std::string(3000000, 'r');
+    options.request_timeout = std::chrono::milliseconds(300);
+    server = std::make_unique<PageServer>(
+        options,
+        std::map<std::string, Resource>{
+            {"/",
+             {"text/html; charset=utf-8", std::make_shared<const std::string>("<p>the page</p>"), "n0nce"}},
+            {"/recording", {"application/octet-stream", recording, {}}},
+            {"/lost", {"application/json", recording.string() + ".lost", {}}}},
+        nullptr);
+  }
+  void TearDown() override { std::filesystem::remove(recording); }
+
+  std::string get(const std::string& path, const std::string& headers = {}) const {
+    return exchange(server->port(),
+                    request_text(server->port(), path + "?token=" + server->token(), headers));
+  }
+  std::string ask(const std::string& request) const { return exchange(server->port(), request); }
+  std::string host() const { return "Host: 127.0.0.1:" + std::to_string(server->port()) + "\r\n"; }
+};
+
+TEST_F(PageServerTest, ServesThePageWithHeadersThatKeepOthersOut) {
+  const std::string answer = get("/");
+  EXPECT_THAT(answer, StartsWith("HTTP/1.1 200"));
+  EXPECT_THAT(answer, HasSubstr("\r\n\r\n<p>the page</p>"));
+  for (const char* header :
+       {"Content-Security-Policy: default-src 'none'; script-src 'nonce-n0nce';", "frame-ancestors 'none'",
+        "X-Content-Type-Options: nosniff", "Referrer-Policy: no-referrer", "Cache-Control: no-store",
+        "Content-Type: text/html; charset=utf-8", "Content-Length: 15", "Connection: close"}) {
+    EXPECT_THAT(answer, HasSubstr(header));
+  }
+  EXPECT_THAT(answer, HasSubstr("ws://127.0.0.1:" + std::to_string(server->port())));
+  EXPECT_THAT(answer, Not(HasSubstr("Access-Control")));
+}
+
+TEST_F(PageServerTest, ServesAFileWhole) {
+  const std::string answer = get("/recording");
+  EXPECT_THAT(answer, StartsWith("HTTP/1.1 200"));
+  EXPECT_TRUE(answer.ends_with("\r\n\r\n" + std::string(3000000, 'r')));
+  EXPECT_THAT(get("/lost"), StartsWith("HTTP/1.1 404"));
+}
+
+TEST_F(PageServerTest, RefusesWhoDoesNotBelongHere) {
+  const std::string token = "?token=" + server->token();
+  const std::string line = "GET /" + token + " HTTP/1.1\r\n";
+  for (const std::string& request :
+       {request_text(server->port(), "/"),
+        request_text(server->port(), "/?token=00000000000000000000000000000000"),
+        request_text(server->port(), "/recording"), line + "\r\n", line + "Host: example.org\r\n\r\n",
+        line + host() + "Origin: http://example.org\r\n\r\n", line + host() + "Origin: null\r\n\r\n",
+        request_text(server->port(), "/nothing/here")}) {
+    const std::string answer = ask(request);
+    EXPECT_THAT(answer, StartsWith("HTTP/1.1 403")) << request;
+    EXPECT_THAT(answer, Not(HasSubstr("the page"))) << request;
+    EXPECT_THAT(answer, Not(HasSubstr(server->token()))) << request;
+  }
+}
+
+TEST_F(PageServerTest, AnswersWhatItDoesNotServeInOneLine) {
+  const std::string target = "/?token=" + server->token() + " HTTP/1.1\r\n" + host();
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"GET /nothing?token=" + server->token() + " HTTP/1.1\r\n" + host() + "\r\n", "HTTP/1.1 404"},
+      {"DELETE " + target + "\r\n", "HTTP/1.1 405"},
+      {"HEAD " + target + "\r\n", "HTTP/1.1 405"},
+      {"GET " + target + "Content-Length: 5\r\n\r\nhello", "HTTP/1.1 431"},
+      {"GET " + target + "X: " + std::string(20000, 'x') + "\r\n\r\n", "HTTP/1.1 431"},
+      {"GET /" + std::string(20000, 'x') + " HTTP/1.1\r\n\r\n", "HTTP/1.1 431"},
+      {"what is this\r\n\r\n", "HTTP/1.1 400"},
+      {"GET / HTTP/7.0\r\n\r\n", "HTTP/1.1 400"},
+      {"\x16\x03\x01\x02\x01\x01\x01\r\n\r\n", "HTTP/1.1 400"},
+  };
+  for (const auto& [request, expected] : cases) {
+    const std::string answer = ask(request);
+    EXPECT_THAT(answer, StartsWith(expected)) << request.substr(0, 80);
+  }
+  EXPECT_THAT(get("/"), StartsWith("HTTP/1.1 200"));
+}
+
+TEST_F(PageServerTest, RefusesAWebSocketWhereThereIsNoLiveScene) {
+  EXPECT_THROW(bench::PageClient(server->port(), server->token()), std::runtime_error);
+  EXPECT_THAT(get("/live"), StartsWith("HTTP/1.1 404"));
+}
+
+TEST_F(PageServerTest, EndsARequestThatDoesNotComeToItsEnd) {
+  bench::Socket slow(server->port());
+  slow.send("GET / HT");
+  EXPECT_EQ(slow.receive(), "");
+  bench::Socket silent(server->port());
+  EXPECT_EQ(silent.receive(), "");
+  EXPECT_THAT(get("/"), StartsWith("HTTP/1.1 200"));
+}
+
+TEST_F(PageServerTest, TakesNoMoreConnectionsThanItsLimit) {
+  std::vector<bench::Socket> sockets;
+  for (int i = 0; i < options.max_connections; ++i) sockets.emplace_back(server->port());
+  EXPECT_TRUE(comes_true([this] { return get("/").starts_with("HTTP/1.1 503"); }));
+  sockets.clear();
+  EXPECT_TRUE(comes_true([this] { return get("/").starts_with("HTTP/1.1 200"); }));
+}
+
+TEST_F(PageServerTest, SaysThatThePortIsInUse) {
+  options.port = server->port();
+  try {
+    const PageServer second(options, {}, nullptr);
+    FAIL() << "two servers on one port";
+  } catch (const InputError& error) {
+    EXPECT_EQ(
+        std::string(error.what()),
+        "port " + std::to_string(server->port()) +
+            ": expected a free one on 127.0.0.1, got one that another program listens on; end that program, "
+            "choose another port, or let --port 0 find a free one");
+  }
+}
+
+TEST_F(PageServerTest, GivesItsPortBackAtOnce) {
+  options.port = server->port();
+  get("/");
+  server.reset();
+  const PageServer second(options, {}, nullptr);
+  EXPECT_EQ(second.port(), options.port);
+  EXPECT_EQ(second.address(),
+            "http://127.0.0.1:" + std::to_string(options.port) + "/?token=" + second.token());
+}
+
+TEST_F(PageServerTest, EndsWhileRequestsAreUnderWay) {
+  std::vector<bench::Socket> sockets;
+  for (int i = 0; i < 8; ++i) {
+    sockets.emplace_back(server->port());
+    sockets.back().send(request_text(server->port(), "/recording?token=" + server->token()));
+  }
+  server.reset();
+}
+
+}  // namespace
+}  // namespace resilin::viewer
