@@ -13,6 +13,7 @@ import sys
 import time
 import xml.etree.ElementTree as ElementTree
 
+import check_browser
 import check_consumer
 import check_examples
 import check_format
@@ -144,6 +145,17 @@ def run_python():
     return run_pytest("python", check_python.run_in_build_folder())
 
 
+def run_browser():
+    checks = {"the results of the browser's tests are read rightly": check_browser.find_faults_of_this_check}
+    outcomes = [run_check(name, check) for name, check in {**checks, **check_browser.page_checks()}.items()]
+    if any(outcome.status == "skipped" for outcome in outcomes):
+        return outcomes
+    return outcomes + [
+        Outcome(f"browser: {name}", "failed" if problem else "passed", problem)
+        for name, problem in check_browser.browser_outcomes()
+    ]
+
+
 def run_wheel():
     return run_pytest("wheel", check_python.run_in_empty_environment())
 
@@ -157,11 +169,12 @@ STEPS = {
     "consumer": run_consumer,
     "python": run_python,
     "wheel": run_wheel,
+    "browser": run_browser,
     "sanitizers": run_sanitizers,
 }
-NEEDED_BUILD = {step: "release" for step in ("release", "examples", "validation", "consumer", "python", "wheel")} | {
-    "sanitizers": "asan"
-}
+NEEDED_BUILD = {
+    step: "release" for step in ("release", "examples", "validation", "consumer", "python", "wheel", "browser")
+} | {"sanitizers": "asan"}
 
 
 def report(outcomes):

@@ -4,6 +4,7 @@
 build_packages=(g++ cmake ninja-build libeigen3-dev libsuitesparse-dev libopenblas-dev libmetis-dev libtbb-dev
   libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libspdlog-dev libfmt-dev libfreetype-dev libpng-dev libboost-dev)
 test_packages=(libgtest-dev libgmock-dev python3 python3-venv ccache)
+browser_packages=(nodejs npm chromium)
 python_packages=(python3-dev python3-venv python3-numpy python3-scipy python3-matplotlib python3-torch)
 
 say() { printf '%s\n' "$*" >&2; }
@@ -14,6 +15,9 @@ packages_replaced_by_tools() {
   command -v g++ >/dev/null && echo g++
   command -v ninja >/dev/null && echo ninja-build
   command -v ccache >/dev/null && echo ccache
+  command -v node >/dev/null && echo nodejs
+  command -v npm >/dev/null && echo npm
+  command -v chromium >/dev/null && echo chromium
   local version
   version=$(cmake --version 2>/dev/null | sed -n '1s/[^0-9]*\([0-9.]*\).*/\1/p')
   [ -n "$version" ] && [ "$(printf '%s\n' 3.25 "$version" | sort -V | head -n 1)" = 3.25 ] && echo cmake
@@ -118,6 +122,17 @@ install_python_environment() {
   quietly "$root/build/python/install.log" "$folder/bin/pip" install --disable-pip-version-check \
     -r "$wanted" numpy scipy matplotlib || return 1
   cp "$wanted" "$folder/installed"
+}
+
+# Fetches what builds and tests the page, in the versions of its lock file. Where that fails, what needs them is counted as
+# skipped.
+install_page_tools() {
+  local folder=$root/apps/viewer/web
+  cmp -s "$folder/package-lock.json" "$folder/node_modules/installed" && return 0
+  say "Fetching what builds and tests the page ..."
+  mkdir -p "$root/build/browser"
+  (cd "$folder" && quietly "$root/build/browser/install.log" npm ci --no-audit --no-fund) || return 0
+  cp "$folder/package-lock.json" "$folder/node_modules/installed"
 }
 
 # Puts the formatter and the linters on PATH, in the versions that .pre-commit-config.yaml names. Where they cannot

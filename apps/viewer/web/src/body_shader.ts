@@ -75,16 +75,18 @@ vec3 studio(vec3 base, vec3 n, vec3 eye, float own) {
   vec3 fill = normalize(vec3(0.85, 0.15, 0.5));
   vec3 rim = normalize(vec3(0.35, 0.55, -0.75));
   float sky = 0.5 + 0.5 * dot(n, up);
-  vec3 ambient = mix(vec3(0.30, 0.245, 0.22), vec3(0.50, 0.53, 0.58), sky);
+  vec3 ambient = mix(vec3(0.27, 0.22, 0.20), vec3(0.40, 0.42, 0.46), sky);
   // Light goes a little way into soft matter: the terminator is wide and reddish.
   float wrapped = (dot(n, key) + 0.35) / 1.35;
   vec3 through = mix(vec3(1.0), vec3(1.0, 0.72, 0.62), own * (1.0 - smoothstep(0.0, 0.55, wrapped)));
-  vec3 light = ambient + max(wrapped, 0.0) * through * vec3(0.80, 0.77, 0.72);
+  vec3 light = ambient + max(wrapped, 0.0) * through * vec3(0.66, 0.63, 0.59);
   light += max(dot(n, fill), 0.0) * vec3(0.13, 0.15, 0.18);
   float grazing = pow(1.0 - max(dot(n, eye), 0.0), 3.0);
-  vec3 half1 = normalize(key + eye);
-  float shine = 0.16 * pow(max(dot(n, half1), 0.0), 28.0) + 0.10 * pow(max(dot(n, half1), 0.0), 120.0);
-  vec3 glow = vec3(0.9, 0.93, 1.0) * (grazing * (0.10 + 0.55 * max(dot(n, rim) * 0.6 + 0.4, 0.0)));
+  float mirrored = max(dot(n, normalize(key + eye)), 0.0);
+  // Where colours are to be read, there is little gloss to hide them.
+  float shine = (0.03 + 0.07 * own) * pow(mirrored, 26.0) + (0.02 + 0.06 * own) * pow(mirrored, 140.0);
+  vec3 glow = vec3(0.9, 0.93, 1.0) * (grazing * (0.06 + 0.40 * max(dot(n, rim) * 0.6 + 0.4, 0.0)));
+  light = mix(vec3(dot(light, vec3(0.34))) * 1.06 + 0.06, light, own);
   return base * light + shine + glow * mix(vec3(0.25), base, 0.5) * (dark ? 1.25 : 0.8);
 }
 
@@ -109,7 +111,7 @@ void main() {
   else if (!gl_FrontFacing && cutOn) rgb = face(eye);
   else {
     vec3 n = normalize(eyeNormal) * (gl_FrontFacing ? 1.0 : -1.0);
-    rgb = studio(albedo() * (fieldOn > 0.5 ? 0.93 : 1.0), n, eye, 1.0 - fieldOn);
+    rgb = studio(albedo(), n, eye, 1.0 - fieldOn);
   }
   gl_FragColor = vec4(rgb, opacity);
   #include <colorspace_fragment>

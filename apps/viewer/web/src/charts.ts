@@ -16,7 +16,6 @@ export interface ChartOptions {
   title: string;
   series: Series[];
   height: number;
-  timeLabel: string; // of the values under the pointer
   legend: boolean;
   clicked?: (index: number) => void; // a place on the time axis
 }

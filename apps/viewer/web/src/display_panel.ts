@@ -1,7 +1,6 @@
 /** The part of the panel that live scenes and results share: what is drawn and how. */
 
-import type { GUI } from "lil-gui";
-import type { Field } from "./protocol";
+import type { Controller, GUI } from "lil-gui";
 import type { Look, Stage } from "./stage";
 import type { Theme, ThemeChoice } from "./theme";
 
@@ -10,36 +9,53 @@ export interface DisplayChoices extends Look {
   theme: ThemeChoice;
 }
 
+export interface DisplayEvents {
+  field(name: string): void;
+  look(): void;
+  rangeOver?(choice: "all frames" | "this frame"): void; // of recordings
+}
+
 export class DisplayPanel {
   readonly folder: GUI;
 
   constructor(
     gui: GUI,
-    readonly choices: DisplayChoices,
-    fields: Field[],
-    stage: () => Stage,
+    private readonly choices: DisplayChoices,
+    stage: Stage,
     theme: Theme,
-    fieldChosen: (name: string) => void,
+    events: DisplayEvents,
   ) {
-    const flat = stage().flat;
-    const hasCells = stage().header.parts.some((_, i) => !stage().isShown(i));
     const folder = gui.addFolder("Display");
-    const apply = () => stage().setLook(this.look());
+    const apply = () => {
+      stage.setLook(this.look());
+      events.look();
+    };
+    const { fields, parts } = stage.header;
     const options = Object.fromEntries([["body colour", ""], ...fields.map((field) => [field.label, field.name])]);
-    folder.add(choices, "field", options).name("Colour by").onChange(fieldChosen);
-    folder.add(choices, "wireframe").name("Wireframe (w)").onChange(apply);
-    if (hasCells) folder.add(choices, "cells").name("Coarse cells (c)").onChange(apply);
-    if (!flat) {
-      folder.add(choices, "cut").name("Cut (x)").onChange(apply);
-      folder.add(choices, "cutAxis", ["x", "y", "z"]).name("Cut across").onChange(apply);
-      folder.add(choices, "cutAt", 0, 1, 0.01).name("Cut at").onChange(apply);
-      folder.add(choices, "cutFlip").name("Other side").onChange(apply);
-      folder.add(choices, "ground").name("Show ground").onChange(apply);
+    const named = (controller: Controller, id: string, name: string) => {
+      controller.domElement.dataset.testid = `show-${id}`;
+      return controller.name(name).onChange(apply);
+    };
+    named(folder.add(choices, "field", options), "field", "Colour by").onChange(events.field);
+    if (events.rangeOver) {
+      const range = folder.add({ over: "all frames" }, "over", ["all frames", "this frame"]);
+      named(range, "range", "Range over").onChange(events.rangeOver);
     }
-    folder
-      .add(choices, "theme", ["auto", "light", "dark"])
-      .name("Theme")
-      .onChange((choice: ThemeChoice) => theme.choose(choice));
+    named(folder.add(choices, "wireframe"), "wireframe", "Wireframe (w)");
+    if (parts.some((_, i) => !stage.isShown(i))) named(folder.add(choices, "cells"), "cells", "Coarse cells (c)");
+    if (!stage.flat) {
+      named(folder.add(choices, "ground"), "ground", "Show ground");
+    }
+    named(folder.add(choices, "theme", ["auto", "light", "dark"]), "theme", "Theme").onChange((choice: ThemeChoice) =>
+      theme.choose(choice),
+    );
+    if (!stage.flat) {
+      const cut = folder.addFolder("Cut").close();
+      named(cut.add(choices, "cut"), "cut", "Cut open (x)");
+      named(cut.add(choices, "cutAxis", ["x", "y", "z"]), "cutAxis", "Across");
+      named(cut.add(choices, "cutAt", 0, 1, 0.01), "cutAt", "At");
+      named(cut.add(choices, "cutFlip"), "cutFlip", "Other side");
+    }
     this.folder = folder;
   }
 
@@ -48,7 +64,7 @@ export class DisplayPanel {
     return look;
   }
 
-  /** Shows choices that were changed by a key. */
+  /** Shows choices that were changed by a key or by the address. */
   refresh(): void {
     this.folder.controllersRecursive().forEach((controller) => controller.updateDisplay());
   }

@@ -3,7 +3,7 @@
 import * as THREE from "three";
 import type { SceneUniforms } from "./body_shader";
 
-const SIZE = 256; // pixels of the shade
+const SIZE = 128; // pixels of the shade
 const REACH = 1.5; // half side of the square that is shaded, in extents of the scene
 
 /** How near each place is above the ground, seen from below. */
@@ -36,8 +36,8 @@ const blurMaterial = () =>
       varying vec2 at;
       void main() {
         float sum = 0.0, weights = 0.0;
-        for (int i = -6; i <= 6; ++i) {
-          float w = exp(-float(i * i) / 14.0);
+        for (int i = -4; i <= 4; ++i) {
+          float w = exp(-float(i * i) / 6.0);
           sum += w * texture2D(shade, at + float(i) * along).r;
           weights += w;
         }
@@ -76,9 +76,9 @@ const diskMaterial = (shared: SceneUniforms) =>
         vec2 inside = step(vec2(0.0), at) * step(at, vec2(1.0));
         float shadow = texture2D(shade, at).r * inside.x * inside.y;
         vec4 own = dark ? vec4(0.030, 0.035, 0.045, 0.55) : vec4(0.84, 0.85, 0.87, 0.55);
-        vec4 ink = dark ? vec4(0.20, 0.23, 0.28, 1.0) : vec4(0.45, 0.48, 0.53, 1.0);
+        vec4 ink = dark ? vec4(0.17, 0.19, 0.23, 1.0) : vec4(0.45, 0.48, 0.53, 1.0);
         vec4 c = vec4(own.rgb, 1.0) * own.a * near;
-        c = mix(c, vec4(ink.rgb, 1.0), 0.42 * lines * near);
+        c = mix(c, vec4(ink.rgb, 1.0), (dark ? 0.34 : 0.36) * lines * near);
         float strength = (dark ? 0.85 : 0.62) * shadow * near;
         vec3 tone = dark ? vec3(0.004) : vec3(0.045, 0.04, 0.05);
         c = vec4(tone, 1.0) * strength + c * (1.0 - strength);

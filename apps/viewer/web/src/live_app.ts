@@ -65,6 +65,7 @@ export class LiveApp {
     this.shell = new Shell("live", this.overlays, {
       fieldChosen: (name) => this.chooseField(name),
       themeChanged: () => this.strip.redraw(),
+      rangeChanged: (range) => range === null && this.shell.forgetRange(),
       tick: () => this.tick(),
       drawn: (frame) => this.connection.acknowledge(frame),
     });
@@ -114,7 +115,9 @@ export class LiveApp {
 
   private setScene(header: Header, topology: Topology): void {
     // Skins come with normals; the surface of cells gets creases where the body has edges.
-    const stage = this.shell.setScene(header, topology, (part) => header.parts[part].kind === "skin");
+    const stage = this.shell.setScene(header, topology, (part) =>
+      header.parts[part].kind === "skin" ? "given" : "creased",
+    );
     this.tools = new Tools(stage, this.connection);
     this.tools.tool = this.tool;
     const { gui } = this.shell;
@@ -126,7 +129,7 @@ export class LiveApp {
       : null;
     const { choices } = this.shell;
     if (!header.fields.some((field) => field.name === choices.field)) choices.field = "";
-    this.shell.addDisplay();
+    this.shell.addDisplay({ look: () => {} });
     this.shell
       .display!.folder.add({ visible: true }, "visible")
       .name("Curves")
@@ -173,6 +176,7 @@ export class LiveApp {
       this.shell.stage!.setFrame(frame);
       this.shell.followRange(frame, true);
       this.shell.inspected.time = frame.time;
+      this.shell.inspected.shownField = frame.field;
     }
     this.tools?.beforeDraw();
     this.showHover();
@@ -189,11 +193,6 @@ export class LiveApp {
   private key(event: KeyboardEvent): void {
     if (event.ctrlKey || event.metaKey || event.altKey || event.target instanceof HTMLInputElement) return;
     const { shell } = this;
-    const toggle = (name: "wireframe" | "cells" | "cut") => {
-      shell.choices[name] = !shell.choices[name];
-      shell.stage?.setLook(shell.choices);
-      shell.display?.refresh();
-    };
     const actions: Record<string, () => void> = {
       "1": () => this.chooseTool("hand"),
       "2": () => this.chooseTool("pin"),
@@ -202,9 +201,9 @@ export class LiveApp {
       s: () => this.connection.send({ type: "step" }),
       r: () => this.connection.send({ type: "reset" }),
       f: () => shell.stage && shell.stage.seeAll(),
-      w: () => toggle("wireframe"),
-      c: () => toggle("cells"),
-      x: () => toggle("cut"),
+      w: () => shell.toggle("wireframe"),
+      c: () => shell.toggle("cells"),
+      x: () => shell.toggle("cut"),
       g: () => this.state && this.unsent.set("ground", !this.state.ground),
       "?": () => this.overlays.showHelp(!this.overlays.helpIsOpen),
       Escape: () => this.overlays.showHelp(false),

@@ -59,10 +59,11 @@ export class LivePanel {
       this.setGravity(),
     );
     this.control("ground", folder.add(this.shown, "ground").name("Ground (g)"));
-    const reach = 2 * this.header.extent;
+    const step = 10 ** Math.floor(Math.log10(this.header.extent) - 2);
+    const reach = step * Math.ceil((2 * this.header.extent) / step);
     this.control(
       "ground_height",
-      folder.add(this.shown, "ground_height", -reach, reach, reach / 400).name("Ground height [m]"),
+      folder.add(this.shown, "ground_height", -reach, reach, step).name("Ground height [m]"),
     );
     this.control("max_force", this.log(folder, "max_force", 1e-2, 1e5, "N").name("Strongest hand"));
   }

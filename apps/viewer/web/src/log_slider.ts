@@ -45,9 +45,10 @@ export class LogSlider<T extends object> extends Controller {
         change: () => {
           const value = readNumber(this.field.value, unit);
           if (Number.isFinite(value)) this.setValue(value);
-          this.updateDisplay();
           this.finish();
         },
+        blur: () => this.updateDisplay(),
+        keydown: (event: KeyboardEvent) => event.key === "Enter" && this.field.blur(),
       },
     });
     this.slider.setAttribute("aria-labelledby", this.$name.id);

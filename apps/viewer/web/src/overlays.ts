@@ -51,8 +51,9 @@ export class Overlays {
   }
 
   /** One line for some seconds. */
-  say(text: string): void {
+  say(text: string, mood: "refused" | "fine" = "refused"): void {
     setText(this.toast, text);
+    this.toast.dataset.mood = mood;
     this.toast.hidden = false;
     clearTimeout(this.toastEnds);
     this.toastEnds = window.setTimeout(() => (this.toast.hidden = true), 6000);

@@ -2,17 +2,19 @@
 
 import GUI from "lil-gui";
 import { ColorBar } from "./color_bar";
-import { DisplayPanel, type DisplayChoices } from "./display_panel";
+import { DisplayPanel, type DisplayChoices, type DisplayEvents } from "./display_panel";
 import { element, setText } from "./dom";
 import { startInspection, type Inspected } from "./inspect";
 import type { Overlays } from "./overlays";
 import type { Frame, Header, Topology } from "./protocol";
 import { defaultLook, Stage } from "./stage";
+import type { Normals } from "./surface";
 import { Theme } from "./theme";
 
 export interface ShellEvents {
   fieldChosen(name: string): void;
   themeChanged(): void;
+  rangeChanged(range: [number, number] | null): void; // null: the user wants that of the values
   /** Before each drawn frame; returns the frame that is drawn when it is new. */
   tick(): Frame | null;
   drawn(frame: Frame): void;
@@ -67,10 +69,10 @@ export class Shell {
   }
 
   /** A new scene, or the same one again after the connection was lost. */
-  setScene(header: Header, topology: Topology, smoothParts: (part: number) => boolean): Stage {
+  setScene(header: Header, topology: Topology, normals: (part: number) => Normals): Stage {
     const old = this.stage;
     const same = old !== null && old.header.title === header.title && old.extent === header.extent;
-    const stage = new Stage(this.canvas, header, topology, smoothParts, old?.renderer);
+    const stage = new Stage(this.canvas, header, topology, normals, old?.renderer);
     if (same) stage.orbit.setPose(old.orbit.pose);
     old?.dispose();
     this.stage = stage;
@@ -78,37 +80,23 @@ export class Shell {
     stage.setLook(this.choices);
     document.title = header.title ? `${header.title} · Resilin` : "Resilin";
     setText(this.title, header.title || "Resilin");
-    const count = (kind: string) =>
-      header.parts.filter((p) => p.kind === kind).reduce((n, p) => n + p.num_triangles, 0);
-    const skin = count("skin");
-    const shown = (n: number) => n.toLocaleString("en");
-    setText(
-      this.subtitle,
-      skin > 0
-        ? `skin of ${shown(skin)} triangles, cells with ${shown(count("cells"))} outer ones`
-        : `${shown(count("cells"))} triangles`,
-    );
+    const shown = header.parts.filter((_, i) => stage.isShown(i));
+    const triangles = shown.reduce((sum, part) => sum + part.num_triangles, 0);
+    setText(this.subtitle, `${triangles.toLocaleString("en")} triangles`);
     this.gui?.destroy();
     this.gui = new GUI({ container: this.panelPlace, title: "Controls", width: 288 });
     if (matchMedia("(max-width: 720px)").matches) this.gui.close();
     return stage;
   }
 
-  addDisplay(): void {
-    const { stage } = this;
-    this.display = new DisplayPanel(
-      this.gui!,
-      this.choices,
-      stage!.header.fields,
-      () => this.stage!,
-      this.theme,
-      (name) => this.events.fieldChosen(name),
-    );
+  addDisplay(events: Omit<DisplayEvents, "field">): void {
+    const all = { ...events, field: (name: string) => this.events.fieldChosen(name) };
+    this.display = new DisplayPanel(this.gui!, this.choices, this.stage!, this.theme, all);
   }
 
   private setRange(range: [number, number] | null): void {
     this.typedRange = range;
-    this.easedRange = null;
+    this.events.rangeChanged(range);
     this.stage?.touch();
     this.showRange();
   }
@@ -127,6 +115,21 @@ export class Shell {
     ];
     this.easedRange = next;
     this.showRange(frame.field);
+  }
+
+  /** A fixed range, as over all frames of a recording. */
+  setFixedRange(range: [number, number]): void {
+    this.easedRange = range;
+    this.showRange();
+  }
+
+  get ownRange(): [number, number] | null {
+    return this.typedRange;
+  }
+
+  /** `null`: the range of the values. */
+  setOwnRange(range: [number, number] | null): void {
+    this.setRange(range);
   }
 
   forgetRange(): void {
@@ -152,6 +155,13 @@ export class Shell {
     if (force) this.stage?.touch();
     if (this.stage?.draw()) ++this.inspected.framesDrawn;
     if (frame) this.events.drawn(frame);
+  }
+
+  /** Turns a switch of the display on and off, as its key does. */
+  toggle(name: "wireframe" | "cells" | "cut"): void {
+    this.choices[name] = !this.choices[name];
+    this.stage?.setLook(this.choices);
+    this.display?.refresh();
   }
 
   private seenAt(vertex: number): { x: number; y: number } | null {

@@ -7,10 +7,10 @@ import { Marks } from "./marks";
 import { Orbit } from "./orbit";
 import { pick, type Hit } from "./picking";
 import type { Frame, Header, Topology } from "./protocol";
-import { LINES, Surface } from "./surface";
+import { LINES, Surface, type Normals } from "./surface";
 
 /** Body colours, sRGB: flesh, then calm companions. */
-const BODY_COLORS = [0xe8957d, 0x7fa8c9, 0xd9b36c, 0x86b39a, 0xb79ac8, 0xc98d8d];
+const BODY_COLORS = [0xe39a80, 0x7fa8c9, 0xd9b36c, 0x86b39a, 0xb79ac8, 0xc98d8d];
 
 export interface Look {
   wireframe: boolean;
@@ -47,13 +47,14 @@ export class Stage {
   private readonly ground: Ground | null;
   private surfaces: Surface[] = [];
   private changed = true;
+  private shadeIsOld = true;
   private groundHeight: number | null = null;
 
   constructor(
     readonly canvas: HTMLCanvasElement,
     readonly header: Header,
     topology: Topology,
-    smoothParts: (part: number) => boolean,
+    normals: (part: number) => Normals,
     renderer: THREE.WebGLRenderer | null = null, // of the scene before, which goes
   ) {
     this.flat = header.dimension === 2;
@@ -68,13 +69,13 @@ export class Stage {
     if (this.ground) this.extras.add(this.ground.disk);
     this.uniforms.lit.value = !this.flat;
     this.uniforms.hatch.value = 0.03 * this.extent;
-    this.buildSurfaces(topology, smoothParts);
+    this.buildSurfaces(topology, normals);
     this.resize();
     this.orbit.fit(this.restBox);
     this.applyLook();
   }
 
-  private buildSurfaces(topology: Topology, smoothParts: (part: number) => boolean): void {
+  private buildSurfaces(topology: Topology, normals: (part: number) => Normals): void {
     const bodyNames = [...new Set(this.header.parts.map((part) => part.body))];
     this.header.parts.forEach((part, i) => {
       const color = new THREE.Color(BODY_COLORS[bodyNames.indexOf(part.body) % BODY_COLORS.length]);
@@ -86,7 +87,7 @@ export class Stage {
         topology.restPositions,
         this.uniforms,
         color,
-        smoothParts(i),
+        normals(i),
         lines,
       );
       this.surfaces.push(surface);
@@ -110,7 +111,7 @@ export class Stage {
       if (this.isShown(i) || this.look.cells) surface.update(frame);
     });
     if (frame.fieldValues) this.uniforms.fieldRange.value.set(frame.least, frame.greatest);
-    this.changed = true;
+    this.changed = this.shadeIsOld = true;
   }
 
   setLook(look: Partial<Look>): void {
@@ -158,7 +159,7 @@ export class Stage {
     const visible = this.look.ground && this.groundHeight !== null;
     this.ground.disk.visible = visible;
     if (visible) this.ground.place(this.restBox.getCenter(new THREE.Vector3()), this.groundHeight!, this.extent);
-    this.changed = true;
+    this.changed = this.shadeIsOld = true;
   }
 
   setBar(least: number, greatest: number): void {
@@ -215,7 +216,8 @@ export class Stage {
     const { camera } = this.orbit;
     this.marks.follow(this.orbit);
     this.uniforms.up.value.set(...this.header.up).transformDirection(camera.matrixWorldInverse);
-    if (this.ground?.disk.visible) this.ground.shade(this.renderer, this.bodies);
+    if (this.ground?.disk.visible && this.shadeIsOld) this.ground.shade(this.renderer, this.bodies);
+    this.shadeIsOld = false;
     this.renderer.clear();
     this.renderer.render(this.bodies, camera);
     this.renderer.render(this.extras, camera);

@@ -8,6 +8,9 @@ import type { Frame, Part } from "./protocol";
 /** The layer of lines: they cast no shade. */
 export const LINES = 1;
 
+/** From where a surface has its normals: its frames bring them, or they are formed here, with or without creases. */
+export type Normals = "given" | "smooth" | "creased";
+
 const CREASE = (48 * Math.PI) / 180;
 
 export class Surface {
@@ -19,7 +22,6 @@ export class Surface {
   private readonly drawnTriangles: Uint32Array;
   private lines: THREE.LineSegments[] = [];
 
-  /** `smooth`: the frames bring normals. Other surfaces get theirs here, with creases where the rest shape has them. */
   constructor(
     readonly part: Part,
     readonly triangles: Uint32Array, // vertices numbered over all parts
@@ -27,10 +29,11 @@ export class Surface {
     restPositions: Float32Array,
     private readonly shared: SceneUniforms,
     color: THREE.Color,
-    readonly smooth: boolean,
+    normals: Normals,
     private readonly lineColor: THREE.Color,
   ) {
-    this.corners = smooth ? null : splitAtCreases(triangles, restPositions, CREASE);
+    const given = normals === "given";
+    this.corners = given ? null : splitAtCreases(triangles, restPositions, normals === "smooth" ? Math.PI : CREASE);
     const count = this.corners?.source.length ?? part.num_vertices;
     const dynamic = <T extends THREE.BufferAttribute>(attribute: T) => {
       attribute.setUsage(THREE.DynamicDrawUsage);
@@ -38,7 +41,7 @@ export class Surface {
     };
     this.positions = dynamic(new THREE.BufferAttribute(new Float32Array(3 * count), 3));
     this.normals = dynamic(
-      smooth
+      given
         ? new THREE.BufferAttribute(new Int8Array(2 * count), 2, true)
         : new THREE.BufferAttribute(new Float32Array(3 * count), 3),
     );
@@ -46,10 +49,10 @@ export class Surface {
     this.drawnTriangles = this.corners?.triangles ?? triangles.map((vertex) => vertex - part.first_vertex);
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("position", this.positions);
-    geometry.setAttribute(smooth ? "octahedral" : "normal", this.normals);
+    geometry.setAttribute(given ? "octahedral" : "normal", this.normals);
     geometry.setAttribute("field", this.field);
     geometry.setIndex(new THREE.BufferAttribute(this.drawnTriangles, 1));
-    this.mesh = new THREE.Mesh(geometry, surfaceMaterial(shared, color, smooth));
+    this.mesh = new THREE.Mesh(geometry, surfaceMaterial(shared, color, given));
     this.mesh.frustumCulled = false; // its places change with each frame
   }
 

@@ -1,0 +1,52 @@
+/** The view in the address: #frame=12&field=von_mises&camera=..., so that a link shows the same. */
+
+import type { Pose } from "./orbit";
+import type { Look } from "./stage";
+
+export interface SharedView {
+  frame?: number;
+  field?: string;
+  camera?: Pose;
+  look?: Partial<Look>;
+  range?: [number, number];
+}
+
+const SWITCHES = ["wireframe", "cells", "cut", "cutFlip"] as const;
+
+export function writeAddress(view: SharedView): string {
+  const parts: string[] = [];
+  if (view.frame !== undefined) parts.push(`frame=${view.frame}`);
+  if (view.field) parts.push(`field=${encodeURIComponent(view.field)}`);
+  if (view.camera) {
+    const { azimuth, elevation, distance, target } = view.camera;
+    parts.push(`camera=${[azimuth, elevation, distance, ...target].map((x) => Number(x.toPrecision(6))).join(",")}`);
+  }
+  const on = SWITCHES.filter((name) => view.look?.[name]);
+  if (on.length > 0) parts.push(`show=${on.join(",")}`);
+  if (view.look?.cut) parts.push(`cut=${view.look.cutAxis}${view.look.cutAt}`);
+  if (view.range) parts.push(`range=${view.range.join(",")}`);
+  return `#${parts.join("&")}`;
+}
+
+/** What an address says; what it says wrongly is left out. */
+export function readAddress(hash: string): SharedView {
+  const words = new URLSearchParams(hash.replace(/^#/, ""));
+  const view: SharedView = {};
+  const numbers = (name: string) => words.get(name)?.split(",").map(Number) ?? [];
+  const frame = Number(words.get("frame") ?? NaN);
+  if (Number.isInteger(frame) && frame >= 0) view.frame = frame;
+  const field = words.get("field");
+  if (field !== null) view.field = field;
+  const camera = numbers("camera");
+  if (camera.length === 6 && camera.every(Number.isFinite) && camera[2] > 0) {
+    const [azimuth, elevation, distance, x, y, z] = camera;
+    view.camera = { azimuth, elevation, distance, target: [x, y, z] };
+  }
+  const on = words.get("show")?.split(",") ?? [];
+  view.look = Object.fromEntries(SWITCHES.map((name) => [name, on.includes(name)]));
+  const cut = /^([xyz])([\d.]+)$/.exec(words.get("cut") ?? "");
+  if (cut && Number(cut[2]) <= 1) Object.assign(view.look, { cutAxis: cut[1], cutAt: Number(cut[2]) });
+  const range = numbers("range");
+  if (range.length === 2 && range.every(Number.isFinite) && range[0] < range[1]) view.range = [range[0], range[1]];
+  return view;
+}

@@ -1,0 +1,95 @@
+/** The column of plots beside a recorded scene: the probed place first, then what the report holds. */
+
+import { Chart } from "./charts";
+import { element } from "./dom";
+import type { RecordedValues } from "./recording";
+import { curvesOf, timeAxis, type Report, type TimeAxis } from "./report";
+
+const HEIGHT = 118;
+
+export class Plots {
+  readonly root = element("aside", { class: "card plots", data: "plots", "aria-label": "plots" });
+  private readonly probePlace = element("div", { data: "probe" });
+  private readonly hint = element("p", { class: "hint" }, "Click the body: the values of that place over time.");
+  private probeCharts: Chart[] = [];
+  private readonly reportCharts: Chart[] = [];
+  private readonly axis: TimeAxis;
+  private marked = 0;
+
+  constructor(
+    private readonly values: RecordedValues,
+    report: Report | null,
+    private readonly seek: (index: number) => void,
+  ) {
+    const { frames } = values.recording;
+    this.axis = timeAxis(frames);
+    this.root.append(this.probePlace);
+    this.probePlace.append(this.hint);
+    if (!report) return;
+    const times = report.frames.map((frame, i) => this.axis.of(frame, i));
+    const jump = (index: number) => {
+      const later = frames.findIndex((frame) => frame.number >= index);
+      seek(later < 0 ? frames.length - 1 : later);
+    };
+    for (const { title, series, values: rows } of curvesOf(report)) {
+      const chart = this.chart(title, series, jump);
+      chart.set(times, rows);
+      this.reportCharts.push(chart);
+      this.root.append(chart.root);
+    }
+  }
+
+  private chart(title: string, series: { label: string; unit: string }[], clicked: (index: number) => void): Chart {
+    return new Chart({ title, series, height: HEIGHT, legend: true, clicked });
+  }
+
+  get isEmpty(): boolean {
+    return this.reportCharts.length === 0 && this.probeCharts.length === 0;
+  }
+
+  /** Curves of one vertex: its displacement, and the field that is shown. `vertex` null: none. */
+  probe(vertex: number | null, field: number): void {
+    this.probeCharts.forEach((chart) => chart.destroy());
+    this.probeCharts = [];
+    this.probePlace.replaceChildren();
+    if (vertex === null) {
+      this.probePlace.append(this.hint);
+      return;
+    }
+    const { frames } = this.values.recording;
+    const flat = this.values.recording.header.dimension === 2;
+    const times = frames.map((frame, i) => this.axis.of(frame, i));
+    const moved = frames.map((_, i) => this.values.displacement(i, vertex));
+    const labels = flat ? ["x", "y", "length"] : ["x", "y", "z", "length"];
+    const rows = labels.map((label) => moved.map((u) => u["xyz".indexOf(label) < 0 ? 3 : "xyz".indexOf(label)]));
+    const add = (title: string, series: { label: string; unit: string }[], values: number[][]) => {
+      const chart = this.chart(title, series, this.seek);
+      chart.set(times, values);
+      this.probeCharts.push(chart);
+      this.probePlace.append(chart.root);
+    };
+    add(
+      `Displacement of vertex ${vertex} [m]`,
+      labels.map((label) => ({ label, unit: "m" })),
+      rows,
+    );
+    if (field > 0) {
+      const { label, unit } = this.values.fields[field];
+      const title = `${label} of vertex ${vertex}${unit ? ` [${unit}]` : ""}`;
+      const curve = frames.map((_, i) => this.values.value(i, field, vertex));
+      add(title[0].toUpperCase() + title.slice(1), [{ label, unit }], [curve]);
+    }
+    this.mark(this.marked);
+  }
+
+  /** The time that is shown. */
+  mark(index: number): void {
+    this.marked = index;
+    const time = this.axis.of(this.values.recording.frames[index], index);
+    [...this.probeCharts, ...this.reportCharts].forEach((chart) => chart.mark(time));
+  }
+
+  redraw(): void {
+    [...this.probeCharts, ...this.reportCharts].forEach((chart) => chart.redraw());
+  }
+}

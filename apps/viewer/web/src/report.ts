@@ -1,0 +1,78 @@
+/** report.json as far as the page draws it, and the curves that it makes of it. */
+
+import type { Series } from "./charts";
+
+interface ReportFrame {
+  time: number;
+  load: number;
+  newton_iterations?: number;
+  min_volume_ratio?: number;
+  energy?: Record<string, number>;
+  probes?: Record<string, { displacement?: number[] }>;
+  reactions?: Record<string, number[]>;
+}
+
+export interface Report {
+  status: string;
+  reason?: string;
+  title?: string;
+  version?: string;
+  frames: ReportFrame[];
+}
+
+export interface Curves {
+  title: string;
+  series: Series[];
+  values: number[][]; // one row for each series, one number for each frame of the report
+}
+
+export interface TimeAxis {
+  label: string;
+  unit: string;
+  of(frame: { time: number; load: number }, index: number): number;
+}
+
+/** Time where it passes, else the load factor, else the number of the frame. */
+export function timeAxis(frames: { time: number; load: number }[]): TimeAxis {
+  const grows = (of: (frame: { time: number; load: number }) => number) =>
+    frames.length > 1 && frames.every((frame, i) => i === 0 || of(frame) > of(frames[i - 1]));
+  if (grows((frame) => frame.time)) return { label: "time", unit: "s", of: (frame) => frame.time };
+  if (grows((frame) => frame.load)) return { label: "load", unit: "", of: (frame) => frame.load };
+  return { label: "frame", unit: "", of: (_, index) => index };
+}
+
+const AXES = "xyz";
+
+export function curvesOf(report: Report): Curves[] {
+  const { frames } = report;
+  const curves: Curves[] = [];
+  const keysOf = (pick: (frame: ReportFrame) => object | undefined) => [
+    ...new Set(frames.flatMap((frame) => Object.keys(pick(frame) ?? {}))),
+  ];
+  const add = (title: string, series: Series[], value: (frame: ReportFrame, series: number) => number | undefined) => {
+    const values = series.map((_, s) => frames.map((frame) => value(frame, s) ?? NaN));
+    if (values.some((row) => row.some(Number.isFinite))) curves.push({ title, series, values });
+  };
+  const components = (unit: string, count: number, letter: string): Series[] =>
+    [...AXES.slice(0, count)].map((axis) => ({ label: letter + axis, unit }));
+  const dimension = (pick: (frame: ReportFrame) => number[] | undefined) =>
+    Math.max(0, ...frames.map((frame) => pick(frame)?.length ?? 0));
+
+  const energies = keysOf((frame) => frame.energy).filter((name) => frames.some((frame) => frame.energy?.[name]));
+  add(
+    "Energy [J]",
+    energies.map((label) => ({ label, unit: "J" })),
+    (frame, s) => frame.energy?.[energies[s]],
+  );
+  for (const name of keysOf((frame) => frame.reactions)) {
+    const of = (frame: ReportFrame) => frame.reactions?.[name];
+    add(`Reaction of “${name}” [N]`, components("N", dimension(of), "F"), (frame, s) => of(frame)?.[s]);
+  }
+  for (const name of keysOf((frame) => frame.probes)) {
+    const of = (frame: ReportFrame) => frame.probes?.[name]?.displacement;
+    add(`Displacement of “${name}” [m]`, components("m", dimension(of), "u"), (frame, s) => of(frame)?.[s]);
+  }
+  add("Smallest volume ratio", [{ label: "J", unit: "" }], (frame) => frame.min_volume_ratio);
+  add("Newton iterations", [{ label: "iterations", unit: "" }], (frame) => frame.newton_iterations);
+  return curves;
+}

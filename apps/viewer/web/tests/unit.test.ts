@@ -1,0 +1,166 @@
+/** Parts of the page that need no browser. */
+
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import path from "node:path";
+import { test } from "node:test";
+import * as THREE from "three";
+import { readAddress, writeAddress } from "../src/address";
+import { color, viridis } from "../src/color_map";
+import { splitAtCreases, uniqueEdges, vertexNormals } from "../src/creases";
+import { readNumber } from "../src/log_slider";
+import { fixed, plain, withUnit } from "../src/numbers";
+import { pick } from "../src/picking";
+import { decodeFrame } from "../src/protocol";
+import { curvesOf, timeAxis } from "../src/report";
+import { repository } from "./harness";
+
+/** A box with corners at 0 and 1, two triangles on each side, seen from outside counter-clockwise. */
+function box(): { triangles: Uint32Array; places: Float32Array } {
+  const places = Float32Array.from([0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1]);
+  const quads = [0, 3, 2, 1, 4, 5, 6, 7, 0, 1, 5, 4, 1, 2, 6, 5, 2, 3, 7, 6, 3, 0, 4, 7];
+  const triangles: number[] = [];
+  for (let q = 0; q < quads.length; q += 4)
+    triangles.push(quads[q], quads[q + 1], quads[q + 2], quads[q], quads[q + 2], quads[q + 3]);
+  return { triangles: Uint32Array.from(triangles), places };
+}
+
+test("the page has the colours of resilin picture", () => {
+  const source = readFileSync(path.join(repository, "src/resilin/picture/color_map.cpp"), "utf8");
+  const table = /viridis = \{([\s\S]*?)\};/.exec(source)![1];
+  const numbers = [...table.matchAll(/\d+/g)].map(Number);
+  assert.deepEqual(viridis.flat(), numbers);
+  assert.deepEqual(color(0), viridis[0]);
+  assert.deepEqual(color(1), viridis[32]);
+});
+
+test("numbers read as people write them", () => {
+  assert.equal(withUnit(20000, "Pa"), "20 kPa");
+  assert.equal(withUnit(-0.00123, "m"), "\u22121.23 mm");
+  assert.equal(withUnit(0, "N"), "0 N");
+  assert.equal(plain(1234.5), "1235");
+  assert.equal(plain(1.5e-6), "1.5e\u22126");
+  assert.equal(fixed(NaN, 2), "–");
+  assert.equal(readNumber("20 kPa", "Pa"), 20000);
+  assert.equal(readNumber("2e4", "Pa"), 20000);
+  assert.equal(readNumber("5M", "Pa"), 5e6);
+  assert.ok(Number.isNaN(readNumber("soft", "Pa")));
+  assert.ok(Number.isNaN(readNumber("20 kN", "Pa")));
+});
+
+test("a box has sharp edges and a flat side has none", () => {
+  const { triangles, places } = box();
+  const corners = splitAtCreases(triangles, places, Math.PI / 4);
+  assert.equal(corners.source.length, 24); // four for each of six sides
+  assert.equal(splitAtCreases(triangles, places, Math.PI).source.length, 8);
+  const drawn = Float32Array.from([...corners.source].flatMap((v) => [...places.subarray(3 * v, 3 * v + 3)]));
+  const normals = new Float32Array(drawn.length);
+  vertexNormals(corners.triangles, drawn, normals);
+  for (let v = 0; v < corners.source.length; ++v) {
+    const n = normals.subarray(3 * v, 3 * v + 3);
+    assert.equal([...n].filter((x) => Math.abs(x) > 1e-6).length, 1, "a side's normal has one component");
+    const outside = [0, 1, 2].reduce((sum, k) => sum + n[k] * (drawn[3 * v + k] - 0.5), 0);
+    assert.ok(outside > 0, "normals point outwards");
+  }
+  assert.equal(uniqueEdges(triangles).length / 2, 18);
+});
+
+test("a line of sight meets the first triangle, or the first that is not cut away", () => {
+  const { triangles, places } = box();
+  const ray = new THREE.Ray(new THREE.Vector3(0.3, 0.2, 5), new THREE.Vector3(0, 0, -1));
+  const hit = pick(ray, [{ part: 0, triangles }], places, null)!;
+  assert.deepEqual(
+    hit.point.toArray().map((x) => Number(x.toFixed(6))),
+    [0.3, 0.2, 1],
+  );
+  assert.equal(hit.vertex, 4);
+  const behind = pick(ray, [{ part: 0, triangles }], places, (_x, _y, z) => z > 0.5)!;
+  assert.ok(Math.abs(behind.point.z) < 1e-6);
+  assert.equal(
+    pick(new THREE.Ray(ray.origin, new THREE.Vector3(0, 1, 0)), [{ part: 0, triangles }], places, null),
+    null,
+  );
+});
+
+test("a press on 200,000 triangles is answered within a frame", () => {
+  const n = 316;
+  const places = new Float32Array(3 * (n + 1) ** 2);
+  const triangles = new Uint32Array(6 * n * n);
+  for (let j = 0, v = 0; j <= n; ++j) for (let i = 0; i <= n; ++i, v += 3) places.set([i / n, j / n, 0], v);
+  for (let j = 0, t = 0; j < n; ++j)
+    for (let i = 0; i < n; ++i, t += 6) {
+      const a = j * (n + 1) + i;
+      triangles.set([a, a + 1, a + n + 2, a, a + n + 2, a + n + 1], t);
+    }
+  const ray = new THREE.Ray(new THREE.Vector3(0.7, 0.6, 3), new THREE.Vector3(0, 0, -1));
+  const times = Array.from({ length: 7 }, () => {
+    const start = process.cpuUsage().user;
+    assert.ok(pick(ray, [{ part: 0, triangles }], places, null));
+    return (process.cpuUsage().user - start) / 1000;
+  });
+  assert.ok(Math.min(...times) < 16, `${Math.min(...times)} ms`);
+});
+
+test("a frame is decoded as docs/view_protocol.md says", () => {
+  const buffer = new ArrayBuffer(64 + 12 + 4 + 4);
+  const view = new DataView(buffer);
+  view.setUint32(0, 0x31465352, true);
+  view.setUint32(4, 9, true);
+  view.setFloat64(8, 1.5, true);
+  view.setUint32(16, 4, true);
+  view.setUint32(20, 2, true);
+  view.setUint32(24, 3, true);
+  view.setUint32(28, 1, true);
+  [-1, 0, 2, 4, 2, 0].forEach((value, i) => view.setFloat32(32 + 4 * i, value, true));
+  view.setFloat32(56, 10, true);
+  view.setFloat32(60, 20, true);
+  [0, 65535, 0, 65535, 0, 0].forEach((value, i) => view.setUint16(64 + 2 * i, value, true));
+  [127, 0, 0, -127].forEach((value, i) => view.setInt8(76 + i, value));
+  [1, 65535].forEach((value, i) => view.setUint16(80 + 2 * i, value, true));
+  const frame = decodeFrame(buffer, new Float32Array(6));
+  assert.deepEqual([...frame.positions], [-1, 2, 2, 3, 0, 2]);
+  assert.deepEqual([frame.number, frame.time, frame.answersDrag, frame.field], [9, 1.5, 4, 1]);
+  assert.deepEqual([...frame.normals!, ...frame.fieldValues!], [127, 0, 0, -127, 1, 65535]);
+  assert.throws(() => decodeFrame(buffer, new Float32Array(9)), /another number of vertices/);
+});
+
+test("an address holds the whole view, and what is wrong in it is left out", () => {
+  const view = {
+    frame: 12,
+    field: "von_mises",
+    camera: { azimuth: 0.5, elevation: 0.25, distance: 3, target: [0, 1, -2] as [number, number, number] },
+    look: { wireframe: true, cells: false, cut: true, cutFlip: false, cutAxis: "y" as const, cutAt: 0.3 },
+    range: [1, 2e5] as [number, number],
+  };
+  assert.deepEqual(readAddress(writeAddress(view)), view);
+  const wrong = readAddress("#frame=-3&camera=1,2&cut=q9&range=5,1&show=nothing");
+  assert.deepEqual(wrong, { look: { wireframe: false, cells: false, cut: false, cutFlip: false } });
+});
+
+test("curves come from what the report holds", () => {
+  const frames = [0, 1, 2].map((t) => ({
+    time: t,
+    load: 1,
+    energy: { elastic: t, kinetic: 0 },
+    reactions: { left: [1, 2, t] },
+    probes: {},
+  }));
+  const curves = curvesOf({ status: "done", frames });
+  assert.deepEqual(
+    curves.map((c) => c.title),
+    ["Energy [J]", "Reaction of “left” [N]"],
+  );
+  assert.deepEqual(
+    curves[0].series.map((s) => s.label),
+    ["elastic"],
+  );
+  assert.deepEqual(curves[1].values[2], [0, 1, 2]);
+  assert.equal(timeAxis(frames).label, "time");
+  assert.equal(
+    timeAxis([
+      { time: 0, load: 0.5 },
+      { time: 0, load: 1 },
+    ]).label,
+    "load",
+  );
+});

@@ -1,0 +1,104 @@
+"""Checks the page of `resilin view`: its types and format, that the built file is that of its source, and its tests in
+a real browser with the program of the release build."""
+
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import tempfile
+
+from files import ROOT
+
+WEB = ROOT / "apps" / "viewer" / "web"
+PAGE = WEB / "dist" / "page.html"
+TIME_LIMIT = 600  # [s] for all tests in the browser; they take about a minute
+
+
+def run_node(*command, **options):
+    return subprocess.run(
+        command, cwd=WEB, capture_output=True, text=True, check=False, env={**os.environ, "NO_COLOR": "1"}, **options
+    )
+
+
+def problems_of(*command):
+    run = run_node(*command)
+    lines = (run.stdout + run.stderr).strip().splitlines()[-30:]
+    return [f"{' '.join(command)}: exit code {run.returncode}", *lines] if run.returncode else []
+
+
+def tool(name):
+    return str(WEB / "node_modules" / ".bin" / name)
+
+
+def find_type_problems():
+    return problems_of(tool("tsc"), "--noEmit")
+
+
+def find_format_problems():
+    return problems_of(tool("prettier"), "--check", "--log-level=warn", ".")
+
+
+def find_lock_problems():
+    """A lock file that names a host would send everyone there."""
+    lock = (WEB / "package-lock.json").read_text(encoding="utf-8")
+    problems = [
+        f"package-lock.json: names a host: {line.strip()}" for line in lock.splitlines() if '"resolved"' in line
+    ]
+    package = (WEB / "package.json").read_text(encoding="utf-8")
+    dependencies = re.search(r'"devDependencies": \{(.*?)\}', package, re.DOTALL)[1]
+    loose = re.findall(r'"(\S+)": "[^0-9]', dependencies)
+    return problems + [f"package.json: {name}: expected one exact version" for name in loose]
+
+
+def find_difference_of_built_page():
+    """The committed page is what its source gives, byte by byte."""
+    with tempfile.TemporaryDirectory() as folder:
+        built = pathlib.Path(folder) / "page.html"
+        problems = problems_of("node", "build.mjs", str(built))
+        if problems:
+            return problems
+        if built.read_bytes() != PAGE.read_bytes():
+            return [f"{PAGE.relative_to(ROOT)} is not what its source gives: npm run build in {WEB.relative_to(ROOT)}"]
+    return []
+
+
+def page_checks():
+    if shutil.which("node") is None or not (WEB / "node_modules" / "installed").is_file():
+        return {"the page": lambda: None}
+    return {
+        "types of the page": find_type_problems,
+        "format of the page": find_format_problems,
+        "the lock file of the page names no host": find_lock_problems,
+        "the built page is that of its source": find_difference_of_built_page,
+    }
+
+
+def browser_outcomes():
+    """(name, problem) of each test in the browser; the problem is empty when it passed."""
+    try:
+        run = run_node("node", "tests/run.mjs", timeout=TIME_LIMIT)
+    except subprocess.TimeoutExpired:
+        return [("tests in the browser", f"took more than {TIME_LIMIT} s")]
+    outcomes = outcomes_of_tap(run.stdout)
+    if not outcomes or (run.returncode != 0 and not any(problem for _, problem in outcomes)):
+        lines = (run.stdout + run.stderr).strip().splitlines()[-30:]
+        outcomes.append(("tests in the browser", "\n".join([f"exit code {run.returncode}", *lines])))
+    return outcomes
+
+
+def outcomes_of_tap(text):
+    outcomes = []
+    for block in re.split(r"^(?=(?:not )?ok \d+ - )", text, flags=re.MULTILINE):
+        head = re.match(r"(not )?ok \d+ - (.*)\n", block)
+        if head:
+            outcomes.append((head[2], block.strip() if head[1] else ""))
+    return outcomes
+
+
+def find_faults_of_this_check():
+    """What the runner of node writes is read rightly."""
+    text = "TAP version 13\n# Subtest: a\nok 1 - a\n  ---\n  ...\n# Subtest: b\nnot ok 2 - b\n  error: 'why'\n1..2\n"
+    (first, passed), (second, failed) = outcomes_of_tap(text)
+    wrong = (first, passed, second) != ("a", "", "b") or "why" not in failed
+    return [f"outcomes_of_tap: got {outcomes_of_tap(text)}"] if wrong else []
