@@ -21,6 +21,7 @@ export class Orbit {
   private width = 1;
   private height = 1;
   private extent = 1;
+  private covered = { right: 0, bottom: 0 }; // pixels of the window that something lies over
 
   constructor(
     readonly flat: boolean,
@@ -41,16 +42,26 @@ export class Orbit {
     const center = box.getCenter(new THREE.Vector3());
     const radius = Math.max(box.getSize(new THREE.Vector3()).length() / 2, 1e-9);
     this.extent = 2 * radius;
-    const aspect = this.width / this.height;
+    const free = { width: this.width - this.covered.right, height: this.height - this.covered.bottom };
+    const narrow = Math.min(free.width, free.height) / this.height;
     const half = THREE.MathUtils.degToRad(FIELD_OF_VIEW / 2);
-    const across = Math.atan(Math.tan(half) * Math.min(aspect, 1));
-    const distance = this.flat ? (2.3 * radius) / Math.min(aspect, 1) : (1.08 * radius) / Math.sin(across);
+    const across = Math.atan(Math.tan(half) * narrow);
+    const distance = this.flat ? this.flatHeight(box, free) : (1.02 * radius) / Math.sin(across);
     this.pose = { azimuth, elevation, distance, target: center.toArray() };
     this.apply();
   }
 
-  resize(width: number, height: number): void {
+  /** Height of the window in 2D, with a margin around the box [m]. */
+  private flatHeight(box: THREE.Box3, free: { width: number; height: number }): number {
+    const size = box.getSize(new THREE.Vector3());
+    return 1.25 * Math.max(size.x * (this.height / free.width), size.y * (this.height / free.height));
+  }
+
+  /** `covered`: what panels take of the window; the scene is in the middle of the rest. */
+  resize(width: number, height: number, covered = { right: 0, bottom: 0 }): void {
     [this.width, this.height] = [width, height];
+    this.covered = covered;
+    this.camera.setViewOffset(width, height, covered.right / 2, covered.bottom / 2, width, height);
     this.apply();
   }
 

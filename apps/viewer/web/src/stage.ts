@@ -205,7 +205,9 @@ export class Stage {
     if (width === 0 || height === 0) return;
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.renderer.setSize(width, height, false);
-    this.orbit.resize(width, height);
+    // The panel at the right and the bar below, where they are not laid over the scene as on a telephone.
+    const covered = width > 720 ? { right: 300, bottom: 70 } : { right: 0, bottom: 90 };
+    this.orbit.resize(width, height, covered);
     this.changed = true;
   }
 
