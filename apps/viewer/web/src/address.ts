@@ -50,3 +50,26 @@ export function readAddress(hash: string): SharedView {
   if (range.length === 2 && range.every(Number.isFinite) && range[0] < range[1]) view.range = [range[0], range[1]];
   return view;
 }
+
+const REST = 250; // [ms] between two changes of the address
+
+/** Keeps the address of the page in step with the view. */
+export class AddressBar {
+  private timer = 0;
+
+  /** `view`: what is to be shared now; null: not now. */
+  constructor(private readonly view: () => SharedView | null) {}
+
+  changed(): void {
+    if (this.timer !== 0) return;
+    this.timer = window.setTimeout(() => {
+      this.timer = 0;
+      this.write();
+    }, REST);
+  }
+
+  write(): void {
+    const view = this.view();
+    if (view) history.replaceState(null, "", writeAddress(view));
+  }
+}

@@ -1,6 +1,7 @@
 /** The page of a live scene. */
 
-import { iconButton, element, icon } from "./dom";
+import { AddressBar, readAddress } from "./address";
+import { element, icon, iconButton } from "./dom";
 import { Gestures, type Place } from "./gestures";
 import { HeadUp } from "./head_up";
 import { LiveConnection } from "./live";
@@ -8,6 +9,7 @@ import { LivePanel } from "./live_panel";
 import { Overlays } from "./overlays";
 import type { Frame, Header, State, Topology } from "./protocol";
 import { Shell } from "./shell";
+import type { Stage } from "./stage";
 import { Strip } from "./strip";
 import { Tools, type Tool } from "./tools";
 
@@ -42,6 +44,12 @@ export class LiveApp {
   private state: State | null = null;
   private readonly unsent = new Map<string, unknown>();
   private hovered: Place | null = null;
+  private isFirstScene = true;
+  private readonly addressBar = new AddressBar(() => ({
+    field: this.shell.choices.field,
+    camera: this.shell.stage!.orbit.pose,
+    look: this.shell.choices,
+  }));
 
   constructor(token: string) {
     this.connection = new LiveConnection(token, {
@@ -78,7 +86,10 @@ export class LiveApp {
       release: () => this.tools?.release(),
       click: (at) => this.tools?.click(at),
       hover: (at) => (this.hovered = at),
-      cameraMoved: () => this.shell.stage?.touch(),
+      cameraMoved: () => {
+        this.shell.stage?.touch();
+        this.addressBar.changed();
+      },
     });
     addEventListener("keydown", (event) => this.key(event));
     Object.assign(this.shell.inspected, {
@@ -128,14 +139,25 @@ export class LiveApp {
         })
       : null;
     const { choices } = this.shell;
+    if (this.isFirstScene) this.applyAddress(stage);
+    this.isFirstScene = false;
     if (!header.fields.some((field) => field.name === choices.field)) choices.field = "";
-    this.shell.addDisplay({ look: () => {} });
+    this.shell.addDisplay({ look: () => this.addressBar.changed() });
     this.shell
       .display!.folder.add({ visible: true }, "visible")
       .name("Curves")
       .onChange((visible: boolean) => (this.strip.root.hidden = !visible));
     this.chooseField(choices.field);
     this.shell.inspected.header = header;
+  }
+
+  /** What the address says of the view, as after the page was loaded again. */
+  private applyAddress(stage: Stage): void {
+    const view = readAddress(location.hash);
+    const { choices } = this.shell;
+    Object.assign(choices, view.look, { field: view.field ?? "" });
+    stage.setLook(choices);
+    if (view.camera) stage.orbit.setPose(view.camera);
   }
 
   private setState(state: State): void {
@@ -154,6 +176,8 @@ export class LiveApp {
 
   private chooseField(name: string): void {
     this.shell.forgetRange();
+    this.shell.choices.field = name;
+    this.addressBar.changed();
     this.connection.send({ type: "field", name });
   }
 
@@ -200,7 +224,7 @@ export class LiveApp {
       " ": () => this.togglePause(),
       s: () => this.connection.send({ type: "step" }),
       r: () => this.connection.send({ type: "reset" }),
-      f: () => shell.stage && shell.stage.seeAll(),
+      f: () => shell.stage?.seeAll(),
       w: () => shell.toggle("wireframe"),
       c: () => shell.toggle("cells"),
       x: () => shell.toggle("cut"),
@@ -212,5 +236,6 @@ export class LiveApp {
     if (!action) return;
     event.preventDefault();
     action();
+    this.addressBar.changed();
   }
 }

@@ -65,6 +65,16 @@ export class Orbit {
     this.apply();
   }
 
+  /** Looks from the direction `eye` of the target. */
+  lookFrom(eye: [number, number, number]): void {
+    const out = new THREE.Vector3(...eye).normalize();
+    if (this.flat || out.lengthSq() === 0) return;
+    this.pose.elevation = Math.asin(Math.min(Math.max(out.dot(this.up), -1), 1));
+    this.pose.elevation = Math.min(Math.max(this.pose.elevation, -LARGEST_ELEVATION), LARGEST_ELEVATION);
+    this.pose.azimuth = Math.atan2(out.dot(this.east), out.dot(this.north));
+    this.apply();
+  }
+
   turn(dx: number, dy: number): void {
     if (this.flat) return this.move(dx, dy);
     this.pose.azimuth -= (5 * dx) / this.height;

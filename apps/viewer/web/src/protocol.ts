@@ -44,6 +44,7 @@ export interface Header {
   dimension: 2 | 3;
   extent: number; // [m]
   up: Vector;
+  eye?: Vector; // from the scene to the eye, at first
   gravity: Vector;
   parts: Part[];
   fields: Field[];

@@ -1,6 +1,6 @@
 /** The page of recorded results. */
 
-import { readAddress, writeAddress } from "./address";
+import { AddressBar, readAddress, type SharedView } from "./address";
 import { element, iconButton } from "./dom";
 import { Gestures, type Place } from "./gestures";
 import { Overlays } from "./overlays";
@@ -25,8 +25,6 @@ const KEYS: [string, string][] = [
   ["?", "this help"],
 ];
 
-const ADDRESS_DELAY = 250; // [ms] of rest before the address follows the view
-
 export class ResultsApp {
   private readonly shell: Shell;
   private readonly overlays = new Overlays(KEYS);
@@ -36,7 +34,7 @@ export class ResultsApp {
   private wanted: number | null = 0; // frame to be drawn next
   private probed: number | null = null;
   private rangeOverAll = true;
-  private addressTimer = 0;
+  private readonly addressBar = new AddressBar(() => (this.timeline.isPlaying ? null : this.view()));
 
   constructor(
     private readonly values: RecordedValues,
@@ -56,7 +54,7 @@ export class ResultsApp {
     );
     stage.setGround(header.ground ?? null);
     this.shell.addDisplay({
-      look: () => this.viewChanged(),
+      look: () => this.addressBar.changed(),
       rangeOver: (choice) => {
         this.rangeOverAll = choice === "all frames";
         this.showRange();
@@ -66,7 +64,7 @@ export class ResultsApp {
       recording.frames,
       (index) => {
         this.wanted = index;
-        this.viewChanged();
+        this.addressBar.changed();
       },
       () => void this.share(),
     );
@@ -114,7 +112,7 @@ export class ResultsApp {
       hover: () => {},
       cameraMoved: () => {
         this.shell.stage!.touch();
-        this.viewChanged();
+        this.addressBar.changed();
       },
     });
     addEventListener("keydown", (event) => this.key(event));
@@ -139,7 +137,7 @@ export class ResultsApp {
     this.shell.setOwnRange(null);
     this.wanted = this.timeline.index;
     this.plots.probe(this.probed, this.field);
-    this.viewChanged();
+    this.addressBar.changed();
   }
 
   private showRange(): void {
@@ -148,7 +146,7 @@ export class ResultsApp {
     this.shell.setFixedRange(
       this.rangeOverAll ? this.values.range(field) : this.values.rangeOfFrame(this.timeline.index, field),
     );
-    this.viewChanged();
+    this.addressBar.changed();
   }
 
   private tick(): Frame | null {
@@ -171,22 +169,14 @@ export class ResultsApp {
     return frame;
   }
 
-  private viewChanged(): void {
-    if (this.addressTimer !== 0) return;
-    this.addressTimer = window.setTimeout(() => {
-      this.addressTimer = 0;
-      if (!this.timeline.isPlaying) history.replaceState(null, "", this.address());
-    }, ADDRESS_DELAY);
-  }
-
-  private address(): string {
-    return writeAddress({
+  private view(): SharedView {
+    return {
       frame: this.timeline.index,
       field: this.field < 0 ? "" : this.values.fields[this.field].name,
       camera: this.shell.stage!.orbit.pose,
       look: this.shell.choices,
       range: this.shell.ownRange ?? undefined,
-    });
+    };
   }
 
   private applyAddress(): void {
@@ -204,7 +194,7 @@ export class ResultsApp {
   }
 
   private async share(): Promise<void> {
-    history.replaceState(null, "", this.address());
+    this.addressBar.write();
     try {
       await navigator.clipboard.writeText(location.href);
       this.overlays.say("The link to this view is copied.", "fine");
@@ -235,6 +225,6 @@ export class ResultsApp {
     if (!action) return;
     event.preventDefault();
     action();
-    this.viewChanged();
+    this.addressBar.changed();
   }
 }

@@ -36,6 +36,7 @@ export class Shell {
   display: DisplayPanel | null = null;
   private typedRange: [number, number] | null = null;
   private easedRange: [number, number] | null = null;
+  private easedField = -1;
   private running = true;
 
   constructor(
@@ -53,6 +54,12 @@ export class Shell {
       this.events.themeChanged();
     });
     this.theme.apply();
+    // A switch that was clicked gives the keys back to the scene; who goes by Tab keeps the place.
+    this.panelPlace.addEventListener("click", ({ target }) => {
+      const isSwitch = target instanceof HTMLInputElement && target.type === "checkbox";
+      const isButton = target instanceof HTMLElement && target.closest("button") !== null;
+      if (isSwitch || isButton) this.canvas.focus({ preventScroll: true });
+    });
     new ResizeObserver(() => this.stage?.resize()).observe(this.canvas);
     Object.assign(this.inspected, {
       stop: () => (this.running = false),
@@ -107,6 +114,8 @@ export class Shell {
       this.bar.set(null, [0, 1], false);
       return;
     }
+    if (frame.field !== this.easedField) this.easedRange = null;
+    this.easedField = frame.field;
     const [low, high] = this.easedRange ?? [frame.least, frame.greatest];
     const back = ease ? 0.03 : 1;
     const next: [number, number] = [

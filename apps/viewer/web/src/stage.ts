@@ -72,6 +72,7 @@ export class Stage {
     this.buildSurfaces(topology, normals);
     this.resize();
     this.orbit.fit(this.restBox);
+    if (header.eye) this.orbit.lookFrom(header.eye);
     this.applyLook();
   }
 

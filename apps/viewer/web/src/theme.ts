@@ -21,10 +21,20 @@ export class Theme {
 
   apply(): void {
     document.documentElement.dataset.theme = this.dark ? "dark" : "light";
+    known.clear();
     this.changed(this.dark);
   }
 }
 
+/** Values that have been asked for since the theme changed: curves ask for them with each point. */
+const known = new Map<string, string>();
+
+/** The value of a custom property of style.css. */
 export function styleValue(name: string): string {
-  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+  let value = known.get(name);
+  if (value === undefined) {
+    value = getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+    known.set(name, value);
+  }
+  return value;
 }

@@ -34,7 +34,7 @@ export class Program {
   ) {}
 
   static async start(...args: string[]): Promise<Program> {
-    const child = spawn(program, ["view", ...args], { stdio: ["ignore", "pipe", "pipe"] });
+    const child = spawn(program, ["view", ...args, "--no-browser"], { stdio: ["ignore", "pipe", "pipe"] });
     let output = "";
     const address = await new Promise<string>((found, failed) => {
       const read = (text: Buffer) => {
@@ -142,6 +142,16 @@ export class Watched {
   /** The value of `expression` over `resilin`. */
   value<T>(expression: string): Promise<T> {
     return this.page.evaluate(`(() => { const resilin = window.resilin; return ${expression}; })()`) as Promise<T>;
+  }
+
+  /** Waits until the simulated time stands still, and returns it [s]. */
+  async restingTime(): Promise<number> {
+    for (let last = -1; ;) {
+      const time = await this.value<number>("resilin.time");
+      if (time === last) return time;
+      last = time;
+      await this.page.waitForTimeout(250);
+    }
   }
 
   /** The canvas itself, without what lies over it. */
