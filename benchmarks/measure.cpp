@@ -1,28 +1,14 @@
-#include <time.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
+#include "clock.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/simulation/simulation.hpp"
 #include "scenes.hpp"
 
 namespace resilin::bench {
 namespace {
-
-/// Processor time of all threads [s]: on a shared machine the wall clock also measures the neighbours.
-double cpu_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-double wall_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 struct Run {
   double cpu = 0, wall = 0;      ///< of all steps [s]
@@ -111,10 +97,13 @@ std::vector<Measurement> measure_cube(int n) {
   return measurements;
 }
 
-std::vector<Measurement> measure_seed001() {
+std::filesystem::path shared_mesh(const std::string& name) {
   const char* folder = std::getenv("RESILIN_SHARED");
-  const std::filesystem::path mesh =
-      std::filesystem::path(folder == nullptr ? "../shared" : folder) / "meshes" / "armadillo_coarse.node";
+  return std::filesystem::path(folder == nullptr ? "../shared" : folder) / "meshes" / name;
+}
+
+std::vector<Measurement> measure_seed001() {
+  const std::filesystem::path mesh = shared_mesh("armadillo_coarse.node");
   if (!std::filesystem::exists(mesh)) {
     throw InputError(
         "bench seed001", "the mesh armadillo_coarse.node", "none at " + mesh.string(),

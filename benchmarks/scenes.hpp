@@ -26,6 +26,9 @@ Description cube(int n);
 /// for a second and let go; steps of 0.01 s, each converged. @param mesh  armadillo_coarse.node
 Description seed001(const std::filesystem::path& mesh);
 
+/// Where a mesh would be that may not be shipped: below $RESILIN_SHARED.
+std::filesystem::path shared_mesh(const std::string& name);
+
 std::vector<Measurement> measure_bar(int n, bool is_dynamic, const std::string& element);
 std::vector<Measurement> measure_cube(int n);
 /// Needs $RESILIN_SHARED: the mesh may not be shipped. @throws InputError saying so

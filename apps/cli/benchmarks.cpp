@@ -1,5 +1,6 @@
 #include "benchmarks.hpp"
 
+#include "live.hpp"
 #include "resilin/energy/kernel_benchmark.hpp"
 #include "resilin/linear/solver_benchmark.hpp"
 #include "scenes.hpp"
@@ -47,6 +48,8 @@ std::vector<Measurement> bench_cube(const BenchOptions& options) {
 
 std::vector<Measurement> bench_seed001(const BenchOptions&) { return bench::measure_seed001(); }
 
+std::vector<Measurement> bench_view(const BenchOptions&) { return bench::measure_view(); }
+
 }  // namespace
 
 const std::vector<Benchmark>& benchmarks() {
@@ -60,6 +63,7 @@ const std::vector<Benchmark>& benchmarks() {
        bench_cube},
       {"seed001", "627 tetrahedra dragged and let go, every step converged; needs RESILIN_SHARED",
        bench_seed001},
+      {"view", "Dragging in real time: time of a step, and its distance to the solved step", bench_view},
   };
   return table;
 }

@@ -6,24 +6,11 @@
 #include <vector>
 
 #include "resilin/energy/material_point.hpp"
+#include "resilin/live/live_controls.hpp"
 #include "resilin/simulation/simulation.hpp"
 
 /// A scene that is simulated while someone plays with it.
 namespace resilin {
-
-/// What can be changed while the scene runs. Materials are those of all bodies.
-struct LiveControls {
-  std::string law;
-  double youngs_modulus = 1e5;  ///< [Pa] of the small-strain solid
-  double poissons_ratio = 0.4;
-  double damping = 0;                 ///< of all motion, in proportion to mass [1/s]
-  Vector3 gravity = Vector3::Zero();  ///< [m/s^2]
-  double time_step = 1.0 / 60;        ///< [s], 1e-4 to 0.1
-  double max_force = 0;               ///< of the hand [N]
-  std::optional<double> ground;       ///< height of a frictionless floor against gravity [m]; none: no floor
-  int newton_limit = 0;               ///< Newton iterations of a step; 0: as many as its time allows
-  double tolerance = 1e-4;            ///< force residual relative to the load at which a step is solved
-};
 
 /// What a step did, for the head-up line.
 struct LiveReport {
@@ -86,10 +73,13 @@ class LiveScene {
   /// A ball that pushes bodies away; it goes towards `center` as fast as they let it.
   void poke(const Vector3& center, double radius);
   void stop_poking();
-  bool is_poking() const;
+  std::optional<Vector3> ball() const;  ///< where its centre is now [m]
+  /// Where the floor is now, on its way to the height of the controls; along `up` [m].
+  std::optional<double> ground() const;
+  Vector3 up() const;  ///< against the gravity that the scene began with
 
-  /// Moves all nodes, at once and with no velocity; for tests of recovery. dim numbers per node [m].
-  void place(const VectorX& positions);
+  /// Puts all nodes elsewhere at once, dim numbers each [m], [m/s]; what is held and pinned stays so.
+  void place(const VectorX& positions, const VectorX& velocities);
 
   /// Back to the start; the controls stay.
   void reset();

@@ -6,6 +6,7 @@
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/energy/facet.hpp"
+#include "resilin/simulation/body_material.hpp"
 #include "resilin/simulation/body_mesh.hpp"
 #include "resilin/simulation/cell_material.hpp"
 #include "resilin/simulation/damping.hpp"
@@ -72,7 +73,6 @@ class Builder {
  private:
   std::size_t find_body(const std::string& name, const std::string& place) const;
   void add_body(const BodyDescription& body);
-  void add_material(const BodyDescription& description, const std::vector<double>& constants, Body& body);
   void add_support(const FixDescription& fix);
   void add_load(const LoadDescription& load);
   void add_probe(const ProbeDescription& probe);
@@ -96,8 +96,9 @@ void Builder::build() {
   }
   if (description_.bodies.empty()) throw InputError(world_.place, "at least one [[body]]", "none");
   for (const BodyDescription& body : description_.bodies) add_body(body);
+  // Once all bodies are placed, so that every energy sees the whole world's vertices.
   for (std::size_t b = 0; b < world_.bodies.size(); ++b)
-    add_material(description_.bodies[b], constants_[b], world_.bodies[b]);
+    elastic_.push_back(give_material(world_, description_.bodies[b], constants_[b], world_.bodies[b]));
   for (const FixDescription& fix : description_.fixes) add_support(fix);
   check_support_conflicts(world_.dimension, world_.supports, world_.rest_positions);
   for (const LoadDescription& load : description_.loads) add_load(load);
@@ -170,32 +171,6 @@ void Builder::add_body(const BodyDescription& description) {
              : values_of_nodes(description.initial_velocities, made, world_.dimension,
                                description.place + ".initial_velocities"));
   world_.bodies.push_back(std::move(body));
-}
-
-/// Once all bodies are placed, so that every energy sees the whole world's vertices.
-void Builder::add_material(const BodyDescription& description, const std::vector<double>& constants,
-                           Body& body) {
-  const MaterialDescription& material = description.material;
-  const LawInfo& law = require_law(material.law, material.place + ".law");
-  const std::size_t num_constants = law.constants.size();
-  for (std::size_t i = 0; i < num_constants; ++i) {
-    double sum = 0;
-    for (std::size_t k = i; k < constants.size(); k += num_constants) sum += constants[k];
-    const auto count = static_cast<double>(constants.size() / num_constants);
-    body.constants.emplace_back(law.constants[i].name, sum / count);
-  }
-  const auto elastic = std::make_shared<ElasticEnergy>(
-      world_.dimension, ElementChoice(body.element, description.quadrature), body.cells,
-      world_.rest_positions, law, constants, fibres_of_cells(law, description, body.num_cells()));
-  if (world_.newton.inversion_bound == "everywhere") elastic->bound_inversion_everywhere();
-  body.elastic = elastic;
-  elastic_.push_back(elastic);
-  body.density = material.density;
-  body.mass = material.density * body.elastic->total_rest_volume();
-  if ((world_.is_dynamic || world_.modes) && !(material.density > 0)) {
-    throw InputError(material.place + ".density", "a positive number in motion",
-                     format_number(material.density));
-  }
 }
 
 void Builder::add_support(const FixDescription& fix) {

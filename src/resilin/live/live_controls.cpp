@@ -1,0 +1,120 @@
+#include "resilin/live/live_controls.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
+#include "resilin/material/rest_tangents.hpp"
+#include "resilin/simulation/cell_material.hpp"
+
+namespace resilin {
+namespace {
+
+struct Range {
+  std::string_view key;
+  double LiveControls::* value;
+  double least, greatest;
+  std::string_view unit;
+};
+
+/// What sliders may ask for; wider than what they show.
+constexpr Range ranges[] = {
+    {"youngs_modulus", &LiveControls::youngs_modulus, 1, 1e12, " Pa"},
+    {"poissons_ratio", &LiveControls::poissons_ratio, -0.9, 0.4999, ""},
+    {"damping", &LiveControls::damping, 0, 1e4, " 1/s"},
+    {"time_step", &LiveControls::time_step, 1e-5, 1, " s"},
+    {"max_force", &LiveControls::max_force, 1e-12, 1e15, " N"},
+    {"tolerance", &LiveControls::tolerance, 1e-12, 0.5, ""},
+};
+
+/// Mean volume of a cell to the power 1 / dim [m].
+double cell_size(const World& world) {
+  double volume = 0, cells = 0;
+  for (const Body& body : world.bodies) {
+    volume += body.elastic->total_rest_volume();
+    cells += static_cast<double>(body.num_cells());
+  }
+  return std::pow(volume / cells, 1.0 / world.dimension);
+}
+
+}  // namespace
+
+LiveControls starting_controls(const Description& description, const World& world) {
+  const BodyDescription& first = description.bodies.front();
+  LiveControls controls;
+  controls.law = first.material.law;
+  const LawInfo& law = require_law(first.material.law, first.material.place + ".law");
+  const std::vector<double> constants =
+      constants_of_cells(law, first.material, world.bodies.front().num_cells());
+  double mu = 0, lambda = 0, count = 0;
+  for_each_rest_tangent(law, constants, [&](std::size_t, const double* A) {
+    lambda += A[4];  // dP_00/dF_11
+    mu += A[9 + 1];  // dP_01/dF_01
+    ++count;
+  });
+  const Hooke hooke{mu / count, lambda / count};
+  controls.youngs_modulus = hooke.youngs_modulus();
+  controls.poissons_ratio = hooke.poissons_ratio();
+  if (first.material.constants.contains("youngs_modulus")) {  // as written, without rounding
+    controls.youngs_modulus = first.material.constants.at("youngs_modulus");
+    controls.poissons_ratio = first.material.constants.at("poissons_ratio");
+  }
+  controls.damping = first.damping.mass;
+  controls.gravity = description.gravity;
+  controls.time_step = description.is_dynamic ? description.time_step : LiveControls{}.time_step;
+  double volume = 0;
+  for (const Body& body : world.bodies) volume += body.elastic->total_rest_volume();
+  // A twentieth of what doubles a cube of this volume, and no less than the weight.
+  const double area = std::pow(volume, (world.dimension - 1.0) / world.dimension);
+  double weight = 0;
+  for (const Body& body : world.bodies) weight += body.mass * controls.gravity.norm();
+  controls.max_force = std::max(0.05 * controls.youngs_modulus * area, weight);
+  controls.max_force = std::stod(format_short(controls.max_force));
+  return controls;
+}
+
+void check_controls(const LiveControls& controls) {
+  for (const Range& range : ranges) {
+    const double value = controls.*range.value;
+    if (value >= range.least && value <= range.greatest) continue;
+    const std::string unit(range.unit);
+    throw InputError(
+        std::string(range.key),
+        "a number from " + format_number(range.least) + unit + " to " + format_number(range.greatest) + unit,
+        format_number(value));
+  }
+  if (!controls.gravity.allFinite() || controls.gravity.norm() > 1e5)
+    throw InputError("gravity", "finite numbers of at most 1e5 m/s^2",
+                     format_number(controls.gravity.norm()));
+  if (controls.ground && !std::isfinite(*controls.ground))
+    throw InputError("ground_height", "a finite number [m]", format_number(*controls.ground));
+  if (controls.newton_limit < 0 || controls.newton_limit > 1000)
+    throw InputError("newton_limit", "a whole number from 0 to 1000", std::to_string(controls.newton_limit));
+  require_law(controls.law, "law");
+}
+
+MaterialDescription material_of(const LiveControls& controls, const MaterialDescription& description) {
+  MaterialDescription material = description;
+  material.law = controls.law;
+  material.cell_constants.clear();
+  if (require_law(controls.law, "law").max_fibres == 0) material.fibres.clear();
+  material.constants = {{"youngs_modulus", controls.youngs_modulus},
+                        {"poissons_ratio", controls.poissons_ratio}};
+  return material;
+}
+
+std::vector<std::string> live_laws() {
+  std::vector<std::string> names;
+  for (const LawInfo* law : laws()) {
+    if (law->max_fibres == 0 && std::isnan(law->only_poissons_ratio)) names.emplace_back(law->name);
+  }
+  return names;
+}
+
+double hand_stiffness(const LiveControls& controls, const World& world) {
+  const double thickness = world.dimension == 3 ? cell_size(world) : 1;
+  return 10 * controls.youngs_modulus * thickness;
+}
+
+}  // namespace resilin

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "resilin/simulation/world.hpp"
+
+namespace resilin {
+
+/// What can be changed while a scene runs. The material is that of all bodies.
+struct LiveControls {
+  std::string law;
+  double youngs_modulus = 1e5;  ///< [Pa] of the small-strain solid
+  double poissons_ratio = 0.4;
+  double damping = 0;                 ///< of all motion, in proportion to mass [1/s]
+  Vector3 gravity = Vector3::Zero();  ///< [m/s^2]
+  double time_step = 1.0 / 60;        ///< [s]
+  double max_force = 0;               ///< of the hand [N]
+  std::optional<double> ground;       ///< height of a floor without friction, against gravity [m]
+  int newton_limit = 0;               ///< Newton iterations of a step; 0: as many as its time allows
+  double tolerance = 1e-4;            ///< force residual relative to the load at which a step is solved
+};
+
+/// The controls that a scene begins with: its first body's material, its gravity and time step, and a hand
+/// that can stretch a body of its size and stiffness visibly.
+LiveControls starting_controls(const Description& description, const World& world);
+
+/// Throws InputError for the first value that cannot be.
+void check_controls(const LiveControls& controls);
+
+/// The material of `description` with the law and the stiffness of the controls.
+MaterialDescription material_of(const LiveControls& controls, const MaterialDescription& description);
+
+/// Laws that a scene can change to: those that E and nu alone make, without fibres.
+std::vector<std::string> live_laws();
+
+/// How stiff the hand's spring is, so that a place of a body follows it closely [N/m].
+double hand_stiffness(const LiveControls& controls, const World& world);
+
+}  // namespace resilin

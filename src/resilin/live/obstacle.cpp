@@ -1,0 +1,50 @@
+#include "resilin/live/obstacle.hpp"
+
+#include "resilin/mesh/topology.hpp"
+
+namespace resilin {
+namespace {
+
+std::vector<ContactNode> surface_nodes(const World& world, double stiffness) {
+  std::vector<ContactNode> nodes;
+  for (const Body& body : world.bodies) {
+    const Boundary surface = boundary({body.cell_kind, body.cells});
+    const std::vector<ContactNode> more =
+        contact_nodes(world.dimension, surface.facets, world.rest_positions, stiffness);
+    nodes.insert(nodes.end(), more.begin(), more.end());
+  }
+  return nodes;
+}
+
+/// Of the bodies' extent: large enough that a landing takes few Newton iterations, too small to be seen.
+constexpr double activation_share = 0.005;
+
+}  // namespace
+
+Obstacle::Obstacle(const std::string& name, const World& world, const VectorX& positions,
+                   std::shared_ptr<const ColliderShape> shape, const Vector3& way_out, double stiffness) {
+  const double reach = activation_share * world.largest_extent();
+  barrier_ =
+      std::make_shared<ColliderBarrier>(name, world.dimension, shape, surface_nodes(world, stiffness), reach);
+  goal_ = shape->reference_point();
+  // A node that is d inside comes out by moving at least -d along the way.
+  for (int attempt = 0; attempt < 1000; ++attempt) {
+    const double distance = barrier_->nearest(positions, {}).distance;
+    if (distance >= reach) break;
+    barrier_->move_by((reach - distance + 1e-3 * reach) * way_out);
+  }
+}
+
+bool Obstacle::advance(const VectorX& positions) {
+  const Vector3 motion = goal_ - barrier_->place({});
+  if (motion.norm() <= 1e-9 * barrier_->activation_distance()) return false;
+  const double share = barrier_->largest_motion(positions, motion, {});
+  barrier_->move_by(share * motion);
+  return share > 0;
+}
+
+bool Obstacle::has_arrived() const {
+  return (goal_ - barrier_->place({})).norm() <= 0.01 * barrier_->activation_distance();
+}
+
+}  // namespace resilin
