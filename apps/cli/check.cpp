@@ -104,6 +104,10 @@ void print_scene(const Scene& scene, const World& world) {
     print_line("fix " + support.name + ": " + std::to_string(support.nodes.size()) + " vertices");
   }
   for (const auto& load : world.external) print_line("load " + std::string(load->name()));
+  for (const auto& collider : world.colliders) {
+    print_line("collider " + std::string(collider->name()) + ": " + std::string(collider->shape().kind()) +
+               ", felt from " + format_short(collider->activation_distance()) + " m");
+  }
   print_line(std::to_string(world.num_free_unknowns()) + " unknowns, " + time_steps_text(world));
 }
 

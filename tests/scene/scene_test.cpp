@@ -147,7 +147,21 @@ INSTANTIATE_TEST_SUITE_P(
         WrongValue{"output.formats=[\"html\"]", "\"html\" is not part of this version; there is \"vtu\""},
         WrongValue{"contact={}", "contact: not part of this version"},
         WrongValue{"contact.friction=-0.1", "contact.friction: expected a number >= 0, got -0.1"},
-        WrongValue{"collider=[{kind=\"half_space\"}]", "collider[0]: not part of this version"}));
+        WrongValue{"collider=[{}]", "collider[0]: the key \"kind\" is missing"},
+        WrongValue{"collider=[{kind=\"cube\"}]",
+                   "collider[0].kind: expected \"half_space\" or \"sphere\", got \"cube\""},
+        WrongValue{"collider=[{kind=\"half_space\"}]", "collider[0]: a half_space needs the key \"point\""},
+        WrongValue{"collider=[{kind=\"half_space\",point=[0,0,0],normal=[0,0,0]}]",
+                   "collider[0].normal: expected a direction other than zero"},
+        WrongValue{"collider=[{kind=\"sphere\",center=[0,0,0],radius=0}]", "collider[0].radius"},
+        WrongValue{"collider=[{kind=\"sphere\",center=[0,0,9],radius=1,point=[0,0,0]}]",
+                   "collider[0].point: is a key of a half_space, not of a sphere"},
+        WrongValue{"collider=[{kind=\"sphere\",center=[0,0,9],radius=1,friction=0.3}]",
+                   "collider[0].friction: not part of this version"},
+        WrongValue{"collider=[{kind=\"sphere\",center=[0,0,9],radius=1,velocity=[0,0,1]}]",
+                   "collider[0].velocity: has a meaning only in motion"},
+        WrongValue{"collider=[{kind=\"sphere\",center=[0,0,9],radius=1,name=\"wall\"}]",
+                   "collider[0].name: expected a name of its own, got \"wall\""}));
 
 TEST(SceneFile, AcceptsContactThatIsSwitchedOff) { EXPECT_EQ(error_with({"contact.enabled=false"}), ""); }
 

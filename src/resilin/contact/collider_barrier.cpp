@@ -113,10 +113,12 @@ double ColliderBarrier::max_step(const VectorX& x, const VectorX& p, const Condi
   return step;
 }
 
-Vector3 ColliderBarrier::force(const VectorX& x, const Conditions& c) const {
-  Vector3 sum = Vector3::Zero();
+ColliderBarrier::Reaction ColliderBarrier::reaction(const VectorX& x, const Conditions& c) const {
+  Reaction sum;
   for_each_near(x, c, [&](const ContactNode& node, const Vector3& y, double d) {
-    sum -= node.stiffness * barrier_.slope(d) * shape_->normal(y);
+    const Vector3 force = -node.stiffness * barrier_.slope(d) * shape_->normal(y);
+    sum.force += force;
+    sum.torque += node_position(dim_, node.node, x).cross(force);
   });
   return sum;
 }
@@ -142,6 +144,13 @@ double ColliderBarrier::largest_motion(const VectorX& x, const Vector3& motion, 
     part = std::min(part, shape_->time_of_approach(y, -motion, left));
   }
   return part;
+}
+
+double ColliderBarrier::least_delay(const VectorX& x, const Conditions& c) const {
+  if (motion_.velocity.isZero(0)) return 0;
+  const double reached = time_moved(c), wanted = time_moved({.time = c.time});
+  const double part = largest_motion(x, (wanted - reached) * motion_.velocity, c);
+  return part == 1 ? 0 : c.time - (reached + part * (wanted - reached));
 }
 
 }  // namespace resilin

@@ -39,8 +39,12 @@ class ColliderBarrier final : public Energy {
                    BlockMatrix& hessian) const override;
   double max_step(const VectorX& x, const VectorX& p, const Conditions& c) const override;
 
-  /// Force of the collider on the bodies [N].
-  Vector3 force(const VectorX& x, const Conditions& c) const;
+  /// What the collider does to the bodies.
+  struct Reaction {
+    Vector3 force = Vector3::Zero();   ///< [N]
+    Vector3 torque = Vector3::Zero();  ///< about the origin [N m]
+  };
+  Reaction reaction(const VectorX& x, const Conditions& c) const;
 
   struct Nearest {
     double distance = std::numeric_limits<double>::infinity();  ///< [m]; negative inside the collider
@@ -53,6 +57,10 @@ class ColliderBarrier final : public Energy {
   /// less. Even where the bodies are pressed hard this is never zero, and the bodies stay in the domain.
   double largest_motion(const VectorX& x, const Vector3& motion, const Conditions& c,
                         double share = 0.1) const;
+
+  /// The least delay, from 0 to `c.collider_delay`, with which the collider's own motion has gone on from
+  /// there no further than `largest_motion` allows [s].
+  double least_delay(const VectorX& x, const Conditions& c) const;
 
   /// Where the shape's reference point is [m].
   Vector3 place(const Conditions& c) const { return shape_->reference_point() + displacement(c); }
@@ -70,10 +78,9 @@ class ColliderBarrier final : public Energy {
   const ColliderMotion& motion() const { return motion_; }
 
  private:
+  double time_moved(const Conditions& c) const { return std::min(c.time - c.collider_delay, motion_.until); }
   /// From where the shape was made.
-  Vector3 displacement(const Conditions& c) const {
-    return offset_ + std::min(c.time - c.collider_delay, motion_.until) * motion_.velocity;
-  }
+  Vector3 displacement(const Conditions& c) const { return offset_ + time_moved(c) * motion_.velocity; }
   /// Calls `visit(node, y, d)` for nodes nearer than the activation distance; y is relative to the shape.
   template <class Visit>
   void for_each_near(const VectorX& x, const Conditions& c, const Visit& visit) const;

@@ -17,17 +17,6 @@ void read_components(const SceneNode& node, std::array<bool, 3>& components) {
   if (std::ranges::count(components, true) == 0) node.fail("at least one letter of \"" + letters + "\"");
 }
 
-/// Keys that say something only while time passes.
-void expect_motion(const SceneNode& table, std::initializer_list<const char*> keys) {
-  if (table.context->is_dynamic) return;
-  for (const char* name : keys) {
-    if (table.has(name)) {
-      table.child(name).fail_with(
-          "has a meaning only in motion; set simulation.kind = \"dynamic\" or leave it out");
-    }
-  }
-}
-
 void expect_order(const SceneNode& table, double from, const std::optional<double>& until) {
   if (until && *until < from) table.child("until").fail("a time at or after `from`");
 }
@@ -78,6 +67,16 @@ void expect_keys_of_kind(const SceneNode& table, const LoadKind& kind) {
 }
 
 }  // namespace
+
+void expect_motion(const SceneNode& table, std::initializer_list<const char*> keys) {
+  if (table.context->is_dynamic) return;
+  for (const char* name : keys) {
+    if (table.has(name)) {
+      table.child(name).fail_with(
+          "has a meaning only in motion; set simulation.kind = \"dynamic\" or leave it out");
+    }
+  }
+}
 
 Keys<FixDescription> fix_keys() {
   using F = FixDescription;

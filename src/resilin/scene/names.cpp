@@ -7,23 +7,27 @@
 namespace resilin {
 namespace {
 
-template <class T>
-void check_unique_names(const std::vector<T>& entries) {
+/// The entries of all lists together.
+template <class... T>
+void check_unique_names(const std::vector<T>&... lists) {
   std::set<std::string> names;
-  for (const T& entry : entries) {
-    if (entry.name.empty()) throw InputError(entry.place + ".name", "a text that is not empty", "\"\"");
-    if (!names.insert(entry.name).second) {
-      throw InputError(entry.place + ".name", "a name of its own", '"' + printable(entry.name) + '"',
-                       "an entry above has it; give this one another `name`");
+  const auto check = [&names](const auto& entries) {
+    for (const auto& entry : entries) {
+      if (entry.name.empty()) throw InputError(entry.place + ".name", "a text that is not empty", "\"\"");
+      if (!names.insert(entry.name).second) {
+        throw InputError(entry.place + ".name", "a name of its own", '"' + printable(entry.name) + '"',
+                         "another entry has it; give this one another `name`");
+      }
     }
-  }
+  };
+  (check(lists), ...);
 }
 
 }  // namespace
 
 void check_names(const Description& description) {
   check_unique_names(description.bodies);
-  check_unique_names(description.fixes);
+  check_unique_names(description.fixes, description.colliders);  // the report lists both as reactions
   check_unique_names(description.loads);
   check_unique_names(description.probes);
   check_unique_names(description.sections);

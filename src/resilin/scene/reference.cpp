@@ -51,8 +51,8 @@ std::string scene_reference() {
     for (const KeyDoc& key : section.keys) page += row(key);
   }
   page +=
-      "\n## [contact], [[collider]]\nNot in this version: bodies pass through each other. `[contact]` with "
-      "`enabled = false` "
+      "\n## [contact]\nNot in this version: bodies pass through each other. `[contact]` with `enabled = "
+      "false` "
       "is accepted.\n";
   return page;
 }
@@ -74,6 +74,10 @@ std::vector<SectionDoc> scene_sections() {
                load_keys()),
       where_doc(),
       time_function_doc(),
+      document("[[collider]]",
+               "A solid that bodies cannot enter; they slide along it without friction. The force on them is "
+               "reported ([contact](contact.md)).",
+               collider_keys()),
       document("[newton]", "When the equations count as solved.", newton_keys()),
       document("[solver]", "How linear systems are solved.", solver_keys()),
       document("[[probe]]", "A vertex whose motion the report lists.", probe_keys()),

@@ -75,6 +75,7 @@ Json frame_json(const Frame& frame, int dimension) {
   json["energy"] = {{"elastic", frame.elastic_energy},
                     {"kinetic", frame.kinetic_energy},
                     {"external", frame.external_energy},
+                    {"contact", frame.contact_energy},
                     {"total", frame.total_energy()}};
   json["momentum"]["linear"] = vector_json(frame.linear_momentum, dimension);
   json["momentum"]["angular"] = moment_json(frame.angular_momentum, dimension);

@@ -35,13 +35,13 @@ void read_root(const SceneNode& root, Description& d) {
   if (root.has("title")) d.title = read_text(root.child("title"));
   read_optional(root, "simulation", simulation_keys(), d);
   if (root.has("contact")) refuse_contact(root.child("contact"));
-  if (root.has("collider")) refuse_collider(root.child("collider"));
   read_optional(root, "newton", newton_keys(), d.newton);
   read_optional(root, "solver", solver_keys(), d.solver);
   read_optional(root, "output", output_keys(), d.output);
   read_list(root, "body", d.bodies, read_body);
   read_list(root, "fix", d.fixes, read_fix);
   read_list(root, "load", d.loads, read_load);
+  read_list(root, "collider", d.colliders, read_collider);
   read_list(root, "probe", d.probes, read_probe);
   read_list(root, "section", d.sections, read_cut);
   if (d.bodies.empty()) root.fail_with("there is no [[body]]; a scene needs at least one, with a mesh");

@@ -57,9 +57,14 @@ SectionDoc modes_doc();
 void read_damping(const SceneNode& node, DampingDescription& damping);
 SectionDoc damping_doc();
 
-// contact_section.cpp: what the contract has and this version does not
+/// Refuses keys that say something only while time passes where it does not.
+void expect_motion(const SceneNode& table, std::initializer_list<const char*> keys);
+
+// contact_section.cpp
+Keys<ColliderDescription> collider_keys();
+void read_collider(const SceneNode& node, ColliderDescription& collider);
+/// Contact of bodies with each other: part of the contract, not of this version.
 void refuse_contact(const SceneNode& node);
-void refuse_collider(const SceneNode& node);
 
 // names.cpp
 /// Bodies, fixes, loads, probes and sections have names of their own; whether a name that is referred to

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "resilin/contact/catalog.hpp"
 #include "resilin/core/types.hpp"
 #include "resilin/energy/time_function.hpp"
 #include "resilin/mesh/mesh.hpp"
@@ -123,6 +124,18 @@ struct LoadDescription {
   TimeFunction time_function;          ///< in motion: a factor on the load, or on a spring's displacement
 };
 
+/// A solid that bodies cannot enter and slide along without friction.
+struct ColliderDescription {
+  std::string place = "collider";
+  std::string name;                 ///< the force on the bodies is reported under it
+  std::string kind = "half_space";  ///< a name of contact/catalog.cpp
+  ShapeDescription shape;
+  Vector3 velocity = Vector3::Zero();         ///< in motion [m/s] ...
+  std::optional<double> until;                ///< ... until this time [s]
+  std::optional<double> activation_distance;  ///< [m]; default: see default_activation_distance
+  std::optional<double> stiffness;  ///< of the barrier [Pa]; default 0.1 of each body's Young's modulus
+};
+
 struct ProbeDescription {
   std::string place = "probe";
   std::string name;
@@ -191,6 +204,7 @@ struct Description {
   std::vector<BodyDescription> bodies;
   std::vector<FixDescription> fixes;
   std::vector<LoadDescription> loads;
+  std::vector<ColliderDescription> colliders;
   std::vector<ProbeDescription> probes;
   std::vector<SectionDescription> sections;
   NewtonOptions newton;

@@ -6,7 +6,7 @@ namespace resilin {
 
 Frame measure_frame(const World& world, const State& state, const VectorX* step_gradient) {
   const int dim = world.dimension;
-  const Conditions conditions{.time = state.time, .load = state.load};
+  const Conditions conditions{.time = state.time, .load = state.load, .collider_delay = state.collider_delay};
   Frame frame;
   frame.step = state.step;
   frame.time = state.time;
@@ -23,6 +23,8 @@ Frame measure_frame(const World& world, const State& state, const VectorX* step_
   for (const auto& energy : world.elastic) frame.elastic_energy += energy->value(state.positions, conditions);
   for (const auto& energy : world.external)
     frame.external_energy += energy->value(state.positions, conditions);
+  for (const auto& collider : world.colliders)
+    frame.contact_energy += collider->value(state.positions, conditions);
 
   frame.min_volume_ratio = std::numeric_limits<double>::infinity();
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
@@ -47,6 +49,8 @@ Frame measure_frame(const World& world, const State& state, const VectorX* step_
     gradient = VectorX::Zero(state.positions.size());
     for (const auto& energy : world.elastic) energy->add_gradient(state.positions, conditions, gradient);
     for (const auto& energy : world.external) energy->add_gradient(state.positions, conditions, gradient);
+    for (const auto& collider : world.colliders)
+      collider->add_gradient(state.positions, conditions, gradient);
     step_gradient = &gradient;
   }
   for (const Support& support : world.supports) frame.reactions.emplace_back(support.name, Vector3::Zero());
@@ -60,6 +64,11 @@ Frame measure_frame(const World& world, const State& state, const VectorX* step_
         (*step_gradient)[static_cast<Eigen::Index>(i)];
     frame.reactions[support].second += force;
     frame.reaction_torques[support] += node_position(dim, node, state.positions).cross(force);
+  }
+  for (const auto& collider : world.colliders) {
+    const auto [force, torque] = collider->reaction(state.positions, conditions);
+    frame.reactions.emplace_back(collider->name(), force);
+    frame.reaction_torques.push_back(torque);
   }
   return frame;
 }

@@ -46,18 +46,18 @@ struct Frame {
   std::optional<Inversion> inversion;   ///< linear statics: where a cell is first turned inside out
   Index worst_cell = -1;                ///< where the volume ratio is least, in its body ...
   int worst_body = 0;                   ///< ... this one
-  double elastic_energy = 0, kinetic_energy = 0, external_energy = 0;  ///< [J]
-  Vector3 linear_momentum = Vector3::Zero();                           ///< [kg m/s]
-  Vector3 angular_momentum = Vector3::Zero();                          ///< about the origin [kg m^2/s]
+  double elastic_energy = 0, kinetic_energy = 0, external_energy = 0, contact_energy = 0;  ///< [J]
+  Vector3 linear_momentum = Vector3::Zero();                                               ///< [kg m/s]
+  Vector3 angular_momentum = Vector3::Zero();  ///< about the origin [kg m^2/s]
   std::vector<ProbeValue> probes;
   std::vector<std::pair<std::string, Vector3>>
-      reactions;  ///< forces that the supports exert on the bodies [N]
+      reactions;  ///< forces that supports, then colliders, exert on the bodies [N]
 
-  std::vector<Vector3> reaction_torques;  ///< of the same supports about the origin, on the moved nodes [N m]
+  std::vector<Vector3> reaction_torques;  ///< of the same about the origin, on the moved nodes [N m]
 
   std::vector<SectionForce> sections;  ///< what bodies carry through the cuts that the scene asks for
 
-  double total_energy() const { return elastic_energy + kinetic_energy + external_energy; }
+  double total_energy() const { return elastic_energy + kinetic_energy + external_energy + contact_energy; }
 };
 
 /// Measures a state. `step_gradient` is dE/dx of the step that led to it, inertia included (from which

@@ -10,11 +10,14 @@
 #include "resilin/core/text.hpp"
 #include "resilin/energy/facet.hpp"
 #include "resilin/mesh/topology.hpp"
+#include "resilin/simulation/colliders.hpp"
 #include "resilin/simulation/world.hpp"
 
 namespace resilin {
 namespace {
 
+constexpr const char* about_colliders =
+    "; a collider holds only what is within its activation distance at the start, and nothing sideways";
 constexpr double round_off = 1e-6;  ///< of a direction: the square root of what the Gram matrix leaves
 
 /// Rows: components of a node's motion; columns: 3 translations and 3 rotations (2D: 2 and 1) about `center`,
@@ -146,7 +149,8 @@ std::string cure(int dim, bool shifts, bool turns) {
 }
 
 /// One part for each connected component of the body, with what holds it.
-std::vector<Part> parts_of(const World& world, const Body& body, const std::vector<std::uint8_t>& is_held) {
+std::vector<Part> parts_of(const World& world, const Body& body, const std::vector<std::uint8_t>& is_held,
+                           const std::vector<HeldDirection>& held_directions) {
   const int dim = world.dimension;
   const int num_motions = dim == 3 ? 6 : 3;
   CellBlock block{.kind = body.cell_kind, .nodes = body.cells};
@@ -176,6 +180,15 @@ std::vector<Part> parts_of(const World& world, const Body& body, const std::vect
       part.gram += motions.row(k).transpose() * motions.row(k);
     }
   });
+  for (const auto& [node, direction] : held_directions) {
+    const Index v = node - body.first_node;
+    if (v < 0 || v >= body.num_nodes) continue;
+    Part& part = parts[static_cast<std::size_t>(components.of_vertex[static_cast<std::size_t>(v)])];
+    const Eigen::RowVectorXd motion =
+        direction.head(dim).transpose() *
+        rigid_motions(dim, node_position(dim, node, world.rest_positions), part.center, part.size);
+    part.gram += motion.transpose() * motion;
+  }
   return parts;
 }
 
@@ -188,8 +201,9 @@ void check_is_held(const World& world, const std::vector<Index>& held_nodes) {
   for (const Index node : held_nodes) {
     for (int k = 0; k < dim; ++k) is_held[static_cast<std::size_t>(node * dim + k)] = 1;
   }
+  const std::vector<HeldDirection> held_directions = directions_held_by_colliders(world);
   for (const Body& body : world.bodies) {
-    const std::vector<Part> parts = parts_of(world, body, is_held);
+    const std::vector<Part> parts = parts_of(world, body, is_held, held_directions);
     for (std::size_t p = 0; p < parts.size(); ++p) {
       const Part& part = parts[p];
       const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(part.gram);
@@ -209,7 +223,8 @@ void check_is_held(const World& world, const std::vector<Index>& held_nodes) {
       throw InputError(world.place, where + " is not held: " + std::to_string(num_free) + " of " +
                                         std::to_string(part.gram.rows()) +
                                         " rigid motions are free in a static run: " + join(names) + "; " +
-                                        cure(dim, starts_with("translation"), starts_with("rotation")));
+                                        cure(dim, starts_with("translation"), starts_with("rotation")) +
+                                        (world.colliders.empty() ? "" : about_colliders));
     }
   }
 }

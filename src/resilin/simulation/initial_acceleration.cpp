@@ -24,10 +24,11 @@ VectorX solve_with_mass(const World& world, const VectorX& b) {
 }  // namespace
 
 VectorX accelerations_at(const World& world, const State& state, const VectorX& prescribed) {
-  const Conditions conditions{.time = state.time, .load = state.load};
+  const Conditions conditions{.time = state.time, .load = state.load, .collider_delay = state.collider_delay};
   VectorX gradient = VectorX::Zero(state.positions.size());
   for (const auto& energy : world.elastic) energy->add_gradient(state.positions, conditions, gradient);
   for (const auto& energy : world.external) energy->add_gradient(state.positions, conditions, gradient);
+  for (const auto& collider : world.colliders) collider->add_gradient(state.positions, conditions, gradient);
   // v = (x - x_0) / c for any c.
   for (const auto& term : damping_terms(world, state.positions, state.positions - state.velocities, 1))
     term->add_gradient(state.positions, conditions, gradient);

@@ -24,7 +24,8 @@ double most_negative_eigenvalue(const Matrix<3>& H) {
 }  // namespace
 
 bool is_linear(const World& world) {
-  if (world.is_dynamic || world.elastic.size() != world.bodies.size()) return false;
+  if (world.is_dynamic || !world.colliders.empty() || world.elastic.size() != world.bodies.size())
+    return false;
   const auto has_linear_law = [](const Body& body) {
     return body.law == "linear_elastic" && !body.elastic->element().has_mean_volume;
   };

@@ -16,6 +16,7 @@ template <class Function>
 void Potential::for_each_term(const Function& function) const {
   for (const auto& energy : world_.elastic) function(*energy);
   for (const auto& energy : world_.external) function(*energy);
+  for (const auto& collider : world_.colliders) function(static_cast<const Energy&>(*collider));
   if (inertia_ != nullptr) function(static_cast<const Energy&>(*inertia_));
   for (const auto& term : more_terms_) function(*term);
 }
@@ -121,6 +122,7 @@ double Potential::force_scale(const VectorX& x, const VectorX& gradient) const {
     scale = std::max(scale, force.norm());
   };
   for (const auto& energy : world_.external) include(*energy);
+  for (const auto& collider : world_.colliders) include(*collider);
   if (inertia_ != nullptr) include(*inertia_);
   for (const auto& term : more_terms_) include(*term);
   double reaction = 0;

@@ -5,6 +5,7 @@
 
 #include "resilin/core/text.hpp"
 #include "resilin/integrator/backward_euler.hpp"
+#include "resilin/simulation/colliders.hpp"
 #include "resilin/simulation/damping.hpp"
 #include "resilin/simulation/initial_acceleration.hpp"
 #include "resilin/simulation/potential.hpp"
@@ -85,6 +86,7 @@ VectorX expected_shape(const Integrator& integrator, const History& start,
 bool is_in_domain(const World& world, const VectorX& x, const Conditions& conditions) {
   double sum = 0;
   for (const auto& energy : world.elastic) sum += energy->value(x, conditions);
+  for (const auto& collider : world.colliders) sum += collider->value(x, conditions);
   return std::isfinite(sum);
 }
 
@@ -122,13 +124,44 @@ double largest_free_distance(const World& world, const VectorX& vectors) {
   return std::sqrt(largest);
 }
 
-void move_to(State& state, Motion end, double time_step) {
+/// Newton's method on one stage, from x. Where bodies are in the way of moving colliders these go as far as
+/// they can without touching them, a few iterations let the bodies give way, and so on;
+/// `conditions.collider_delay` is how far they are behind at first, and becomes how far they still are.
+struct StageSolver {
+  static constexpr int most_advances = 100;
+  static constexpr int iterations_to_give_way = 3;
+
+  const World& world;
+  Newton& newton;
+  const Inertia& inertia;
+  std::span<const std::unique_ptr<Energy>> damping;
+  const VectorX& prescribed;  ///< places of the fixed unknowns
+  const NewtonObserver& observer;
+
+  NewtonReport solve(Conditions& conditions, const VectorX& guess, VectorX& x) const {
+    NewtonReport total;
+    const VectorX held = x;
+    for (int advance = 0;; ++advance) {
+      conditions.collider_delay = least_collider_delay(world, x, conditions);
+      const bool is_last = conditions.collider_delay == 0 || advance == most_advances;
+      const Potential potential(world, conditions, &inertia, damping);
+      if (advance == 0) choose_lower_start(potential, world.is_fixed, held, guess, x);
+      NewtonSettings settings = newton_settings(world);
+      if (!is_last) settings.max_iterations = std::min(settings.max_iterations, iterations_to_give_way);
+      add_to(total, newton.minimize(potential, world.is_fixed, prescribed, settings, x, observer));
+      if (is_last || total.status == NewtonReport::Status::interrupted) return total;
+    }
+  }
+};
+
+void move_to(State& state, Motion end, double time_step, double collider_delay) {
   state.previous_positions = std::move(state.positions);
   state.previous_velocities = std::move(state.velocities);
   state.previous_time_step = time_step;
   state.positions = std::move(end.positions);
   state.velocities = std::move(end.velocities);
   state.accelerations = std::move(end.accelerations);
+  state.collider_delay = collider_delay;
   ++state.step;
 }
 
@@ -138,6 +171,7 @@ struct TimeStepper::Attempt {
   StepReport report{};
   Motion end{};
   VectorX gradient{};
+  double collider_delay = 0;  ///< [s]
 };
 
 std::vector<double> event_times(const Description& description) {
@@ -148,6 +182,8 @@ std::vector<double> event_times(const Description& description) {
     if (entry.until) times.push_back(*entry.until);
   };
   for (const FixDescription& fix : description.fixes) add(fix);
+  for (const ColliderDescription& collider : description.colliders)
+    if (collider.until) times.push_back(*collider.until);
   for (const LoadDescription& load : description.loads) {
     add(load);
     times.push_back(load.from);
@@ -179,6 +215,7 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
   if (integrator.needs_accelerations() && is_event(world, state.time))
     start.now.accelerations = accelerations_from(world, state);
   std::vector<Motion> solutions;
+  double colliders_reached = state.time - state.collider_delay;
   for (int i = 0; i < integrator.num_stages(); ++i) {
     Stage stage = integrator.begin_stage(i, start, solutions, time_step);
     const VectorX& before = solutions.empty() ? start.now.positions : solutions.back().positions;
@@ -186,15 +223,15 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
     Motion prescribed{before, zero, zero};
     prescribe_motion(world, state, time_step, stage, prescribed);
     follow_prescribed(world, prescribed, stage);
-    const Conditions conditions{.time = state.time + stage.time_fraction * time_step, .load = 1};
+    Conditions conditions{.time = state.time + stage.time_fraction * time_step, .load = 1};
+    conditions.collider_delay = conditions.time - colliders_reached;
     const Inertia inertia(world.mass, stage.target(), stage.scale());
     const VectorX shape = expected_shape(integrator, start, solutions, stage, time_step);
     const auto damping = damping_terms(world, shape, stage.base_positions, stage.duration);
-    const Potential potential(world, conditions, &inertia, damping);
     VectorX x = before;
-    choose_lower_start(potential, world.is_fixed, before, stage.target(), x);
     const NewtonReport search =
-        newton.minimize(potential, world.is_fixed, prescribed.positions, newton_settings(world), x, observer);
+        StageSolver{world, newton, inertia, damping, prescribed.positions, observer}.solve(conditions,
+                                                                                           stage.target(), x);
     add_to(report.newton, search);
     if (search.status == NewtonReport::Status::interrupted) {
       report.status = StepReport::Status::interrupted;
@@ -204,7 +241,15 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
       report.status = StepReport::Status::not_converged;
       report.reason = describe_failure(world, search, x);
     }
-    potential.gradient(x, attempt.gradient);
+    if (conditions.collider_delay > 0) {
+      report.status = StepReport::Status::not_converged;
+      report.reason = "bodies are in the way of a moving collider, which is " +
+                      format_short(conditions.collider_delay) + " s behind its motion" +
+                      (report.reason.empty() ? "" : "; " + report.reason);
+    }
+    colliders_reached = conditions.time - conditions.collider_delay;
+    attempt.collider_delay = conditions.collider_delay;
+    Potential(world, conditions, &inertia, damping).gradient(x, attempt.gradient);
     solutions.push_back(stage.motion(std::move(x)));
   }
   attempt.end = integrator.finish(start, std::move(solutions), time_step);
@@ -217,14 +262,18 @@ TimeStepper::Attempt TimeStepper::safe_attempt(const World& world, Newton& newto
   Attempt found = attempt(world, newton, state, time_step, *integrator_, observer);
   if (found.report.status == StepReport::Status::interrupted || integrator_->solves_for_end()) return found;
   const Conditions end{.time = state.time + time_step, .load = 1};
-  if (is_in_domain(world, found.end.positions, end)) return found;
+  if (is_in_domain(world, found.end.positions, end)) {
+    found.collider_delay = 0;
+    return found;
+  }
   Attempt other = attempt(world, newton, state, time_step, BackwardEuler(), observer);
   std::swap(found.report.newton, other.report.newton);
   add_to(other.report.newton, found.report.newton);
   if (other.report.status == StepReport::Status::interrupted) return other;
   other.report.status = StepReport::Status::not_converged;
-  other.report.reason = "the step would have inverted an element, so that backward_euler took it" +
-                        (other.report.reason.empty() ? "" : "; " + other.report.reason);
+  other.report.reason =
+      "the step would have inverted an element or met a collider, so that backward_euler took it" +
+      (other.report.reason.empty() ? "" : "; " + other.report.reason);
   return other;
 }
 
@@ -236,7 +285,7 @@ StepReport TimeStepper::step(const World& world, Newton& newton, State& state, V
   if (found.report.status == StepReport::Status::interrupted) return found.report;
   found.report.time_step = dt;
   gradient = std::move(found.gradient);
-  move_to(state, std::move(found.end), dt);
+  move_to(state, std::move(found.end), dt, found.collider_delay);
   state.time = state.step * dt;
   return found.report;
 }
@@ -281,7 +330,7 @@ StepReport TimeStepper::adaptive_step(const World& world, Newton& newton, State&
       }
     }
     gradient = std::move(found.gradient);
-    move_to(state, std::move(found.end), planned.length);
+    move_to(state, std::move(found.end), planned.length, found.collider_delay);
     state.time = planned.end;
     // A step cut short at an event says nothing against longer ones.
     const double next = fitting * planned.length;

@@ -9,6 +9,7 @@
 #include "resilin/simulation/body_material.hpp"
 #include "resilin/simulation/body_mesh.hpp"
 #include "resilin/simulation/cell_material.hpp"
+#include "resilin/simulation/colliders.hpp"
 #include "resilin/simulation/damping.hpp"
 #include "resilin/simulation/loads.hpp"
 #include "resilin/simulation/selection.hpp"
@@ -102,6 +103,8 @@ void Builder::build() {
   for (const FixDescription& fix : description_.fixes) add_support(fix);
   check_support_conflicts(world_.dimension, world_.supports, world_.rest_positions);
   for (const LoadDescription& load : description_.loads) add_load(load);
+  for (const ColliderDescription& collider : description_.colliders)
+    world_.colliders.push_back(make_collider(collider, world_));
   for (const ProbeDescription& probe : description_.probes) add_probe(probe);
   for (const SectionDescription& section : description_.sections) add_section(section);
   build_pattern();

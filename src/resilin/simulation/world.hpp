@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "resilin/contact/collider_barrier.hpp"
 #include "resilin/energy/damping.hpp"
 #include "resilin/energy/elastic.hpp"
 #include "resilin/energy/mass.hpp"
@@ -77,6 +78,7 @@ class World {
 
   std::vector<std::shared_ptr<const Energy>> elastic;   ///< one for each body
   std::vector<std::shared_ptr<const Energy>> external;  ///< loads
+  std::vector<std::shared_ptr<const ColliderBarrier>> colliders;
   MassMatrix mass;
   MassMatrix mass_damping;  ///< mass times its damping [kg/s]; without nodes where there is none
   std::vector<std::shared_ptr<const ViscousBody>> viscous_bodies;
@@ -90,8 +92,9 @@ class World {
   const Body& body_of(Index node) const;
 };
 
-/// Throws InputError naming the part of a body that supports and springs do not hold: its free rigid motions
-/// would make the static problem singular. `held_nodes` are nodes that springs hold in all directions.
+/// Throws InputError naming the part of a body that supports, springs and colliders do not hold: its free
+/// rigid motions would make the static problem singular. `held_nodes` are nodes that springs hold in all
+/// directions.
 void check_is_held(const World& world, const std::vector<Index>& held_nodes);
 
 }  // namespace resilin
