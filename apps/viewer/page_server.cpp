@@ -25,6 +25,10 @@ namespace http = beast::http;
 namespace websocket = beast::websocket;
 using tcp = asio::ip::tcp;
 using boost::system::error_code;
+
+/// For calls that fail only when the other end has gone already, which the next read tells.
+void ignore(const error_code&) {}
+
 using Request = http::request<http::empty_body>;
 
 class LivePage;
@@ -255,7 +259,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     stream_.expires_after(shared_->options.body_timeout);
     http::async_write(stream_, *response, [self = shared_from_this(), response](error_code, std::size_t) {
       error_code ignored;
-      static_cast<void>(self->stream_.socket().shutdown(tcp::socket::shutdown_both, ignored));
+      ignore(self->stream_.socket().shutdown(tcp::socket::shutdown_both, ignored));
     });
   }
 
@@ -314,7 +318,7 @@ struct PageServer::Contents {
 
   void begin(tcp::socket socket) {
     error_code ignored;
-    static_cast<void>(socket.set_option(tcp::no_delay(true), ignored));
+    ignore(socket.set_option(tcp::no_delay(true), ignored));
     const auto connection = std::make_shared<Connection>(std::move(socket), shared);
     if (shared.num_connections > shared.options.max_connections) {
       connection->refuse(http::status::service_unavailable, "Too many pages are open; close one and reload.");
@@ -339,7 +343,7 @@ struct PageServer::Contents {
     shared.when_all_are_closed = [this] { context.stop(); };
     if (shared.pages.empty()) return context.stop();
     error_code ignored;
-    static_cast<void>(acceptor.close(ignored));
+    ignore(acceptor.close(ignored));
     retry.cancel();
     const auto pages = shared.pages;
     for (const auto& [client, page] : pages) {

@@ -1,0 +1,40 @@
+#include "resilin/view/header.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace resilin {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json numbers(const Vector3& vector) { return {vector.x(), vector.y(), vector.z()}; }
+
+Json part(const ShownSurface::Part& part) {
+  return {{"name", part.name},
+          {"body", part.name},
+          {"kind", part.kind == ShownSurface::Kind::skin ? "skin" : "cells"},
+          {"first_vertex", part.first_vertex},
+          {"num_vertices", part.num_vertices},
+          {"num_triangles", part.num_triangles},
+          {"num_edges", part.num_edges}};
+}
+
+}  // namespace
+
+std::string encode_header(const ViewHeader& header, const World& world, const ShownSurface& surface) {
+  Json json = {{"title", header.title},
+               {"version", header.version},
+               {"dimension", world.dimension},
+               {"extent", world.largest_extent()},
+               {"up", numbers(world.dimension == 2 ? Vector3::UnitY() : header.up)},
+               {"gravity", numbers(header.gravity)},
+               {"parts", Json::array()},
+               {"fields", Json::array()}};
+  for (const ShownSurface::Part& shown : surface.parts()) json["parts"].push_back(part(shown));
+  for (const FieldInfo* field : header.fields) {
+    json["fields"].push_back({{"name", field->name}, {"label", field->label}, {"unit", field->unit}});
+  }
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace resilin

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "resilin/fields/catalog.hpp"
+#include "resilin/view/shown_surface.hpp"
+
+namespace resilin {
+
+/// What a page is told before the first frame, besides the world and its surface.
+struct ViewHeader {
+  std::string title;
+  std::string version;                       ///< of the program
+  Vector3 up = Vector3::UnitZ();             ///< in 2D always y
+  Vector3 gravity = Vector3::Zero();         ///< [m/s^2]
+  std::span<const FieldInfo* const> fields;  ///< that frames may carry, in their order
+};
+
+/// The keys that the headers of live scenes and recordings share, as one object of JSON
+/// (docs/view_protocol.md, "Header").
+std::string encode_header(const ViewHeader& header, const World& world, const ShownSurface& surface);
+
+}  // namespace resilin
