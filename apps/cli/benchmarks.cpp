@@ -1,5 +1,6 @@
 #include "benchmarks.hpp"
 
+#include "latency.hpp"
 #include "live.hpp"
 #include "resilin/energy/kernel_benchmark.hpp"
 #include "resilin/linear/solver_benchmark.hpp"
@@ -50,6 +51,8 @@ std::vector<Measurement> bench_seed001(const BenchOptions&) { return bench::meas
 
 std::vector<Measurement> bench_view(const BenchOptions&) { return bench::measure_view(); }
 
+std::vector<Measurement> bench_latency(const BenchOptions&) { return bench::measure_latency(); }
+
 }  // namespace
 
 const std::vector<Benchmark>& benchmarks() {
@@ -64,6 +67,8 @@ const std::vector<Benchmark>& benchmarks() {
       {"seed001", "627 tetrahedra dragged and let go, every step converged; needs RESILIN_SHARED",
        bench_seed001},
       {"view", "Dragging in real time: time of a step, and its distance to the solved step", bench_view},
+      {"latency", "From moving the hand in the browser to the frame that shows it, through the page server",
+       bench_latency},
   };
   return table;
 }

@@ -19,6 +19,7 @@ using Action = std::function<int()>;
 void add_run(CLI::App& app, Action& action);
 void add_check(CLI::App& app, Action& action);
 void add_mesh(CLI::App& app, Action& action);
+void add_view(CLI::App& app, Action& action);
 void add_picture(CLI::App& app, Action& action);
 void add_materials(CLI::App& app, Action& action);
 void add_bench(CLI::App& app, Action& action);

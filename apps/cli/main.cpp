@@ -19,13 +19,6 @@ int fail(int code, const std::string& message) {
   return code;
 }
 
-/// The commands that later versions have.
-int refuse_view() {
-  return fail(wrong_input,
-              "view: the page in the browser is not part of this version; draw a run with `resilin picture` "
-              "or open its frames.pvd in ParaView");
-}
-
 int run_action(const Action& action) {
   try {
     return action();
@@ -68,8 +61,7 @@ int main(int argc, char** argv) {
   Action action;
   add_run(app, action);
   add_check(app, action);
-  CLI::App* view = app.add_subcommand("view", "Not part of this version: the page in the browser");
-  view->allow_extras()->callback([&action] { action = refuse_view; });
+  add_view(app, action);
   add_picture(app, action);
   add_mesh(app, action);
   add_materials(app, action);

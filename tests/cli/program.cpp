@@ -9,8 +9,10 @@
 #include <chrono>
 #include <fstream>
 #include <iterator>
+#include <regex>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 namespace resilin::testing {
 namespace {
@@ -23,6 +25,7 @@ pid_t start(const std::filesystem::path& folder, const std::vector<std::string>&
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
+  std::filesystem::remove(folder / "stdout.txt");  // of a run before
   const pid_t process = fork();
   if (process != 0) return process;
   const auto redirect = [&](const char* name, int descriptor) {
@@ -75,20 +78,44 @@ ProgramResult run_program(const std::filesystem::path& folder, const std::vector
   return finish(start(folder, arguments, environment), folder);
 }
 
+RunningProgram::RunningProgram(const std::filesystem::path& folder, const std::vector<std::string>& arguments)
+    : folder_(folder), process_(start(folder, arguments, {})) {}
+
+RunningProgram::~RunningProgram() {
+  if (process_ < 0) return;
+  kill(SIGKILL);
+  finish();
+}
+
+bool RunningProgram::is_running() const {
+  siginfo_t ended{};
+  return waitid(P_PID, static_cast<id_t>(process_), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+         ended.si_pid == 0;
+}
+
+std::string RunningProgram::wait_for(const std::string& pattern) {
+  const std::regex wanted(pattern);
+  for (;;) {
+    const bool was_running = is_running();
+    std::string out = read_text_file(folder_ / "stdout.txt");
+    if (!was_running || std::regex_search(out, wanted)) return out;
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+}
+
+void RunningProgram::kill(int signal) { ::kill(process_, signal); }
+
+ProgramResult RunningProgram::finish() { return testing::finish(std::exchange(process_, -1), folder_); }
+
 ProgramResult run_program_until(const std::filesystem::path& folder,
                                 const std::vector<std::string>& arguments, const std::filesystem::path& file,
                                 int signal) {
-  const pid_t process = start(folder, arguments, {});
-  const auto is_running = [process] {
-    siginfo_t ended{};
-    return waitid(P_PID, static_cast<id_t>(process), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 &&
-           ended.si_pid == 0;
-  };
-  while (!std::filesystem::exists(file) && is_running()) {
+  RunningProgram program(folder, arguments);
+  while (!std::filesystem::exists(file) && program.is_running()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  kill(process, signal);
-  return finish(process, folder);
+  program.kill(signal);
+  return program.finish();
 }
 
 std::string read_text_file(const std::filesystem::path& path) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <sys/types.h>
+
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -15,6 +17,25 @@ struct ProgramResult {
 /// Runs `resilin ARGUMENTS` in a folder, with variables such as "LC_ALL=C" in its environment.
 ProgramResult run_program(const std::filesystem::path& folder, const std::vector<std::string>& arguments,
                           const std::vector<std::string>& environment = {});
+
+/// `resilin ARGUMENTS` while it runs; killed at the end unless it has been waited for.
+class RunningProgram {
+ public:
+  RunningProgram(const std::filesystem::path& folder, const std::vector<std::string>& arguments);
+  ~RunningProgram();
+  RunningProgram(const RunningProgram&) = delete;
+  RunningProgram& operator=(const RunningProgram&) = delete;
+
+  /// What it has printed, as soon as that matches a regular expression or the program has ended.
+  std::string wait_for(const std::string& pattern);
+  bool is_running() const;
+  void kill(int signal);
+  ProgramResult finish();
+
+ private:
+  std::filesystem::path folder_;
+  pid_t process_;
+};
 
 /// Starts it and sends a signal as soon as `file` exists.
 ProgramResult run_program_until(const std::filesystem::path& folder,

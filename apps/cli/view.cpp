@@ -1,0 +1,106 @@
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "command.hpp"
+#include "interrupt.hpp"
+#include "resilin/core/error.hpp"
+#include "resilin/core/parallel.hpp"
+#include "resilin/scene/scene.hpp"
+#include "terminal.hpp"
+#include "viewer/browser.hpp"
+#include "viewer/scene_stage.hpp"
+#include "viewer/served_page.hpp"
+
+namespace resilin::cli {
+namespace {
+
+struct ViewOptions {
+  std::string shown;  ///< scene or folder
+  std::vector<std::string> overrides;
+  int port = 0;
+  int threads = 0;
+  bool has_no_browser = false;
+};
+
+viewer::ServerOptions server_options(const ViewOptions& options) {
+  viewer::ServerOptions server;
+  server.port = static_cast<std::uint16_t>(options.port);
+  return server;
+}
+
+/// Says where the page is, and waits for Ctrl-C.
+int serve(const viewer::PageServer& server, const ViewOptions& options) {
+  catch_interrupts();
+  print_line("Listening on " + server.address());
+  print_line("Open this address in a browser on this machine; Ctrl-C ends.");
+  std::fflush(stdout);
+  if (!options.has_no_browser) viewer::open_browser(server.address());
+  wait_for_interrupt();
+  return done;
+}
+
+int view_results(const ViewOptions& options) {
+  if (!options.overrides.empty()) {
+    throw InputError("--set", "a scene to change", "the folder of results " + options.shown);
+  }
+  const viewer::PageServer server(server_options(options), viewer::recorded_resources(options.shown),
+                                  nullptr);
+  return serve(server, options);
+}
+
+int view_scene(const ViewOptions& options) {
+  if (options.threads > 0) set_num_threads(options.threads);
+  auto stage = std::make_unique<viewer::SceneStage>(
+      [options] { return read_scene(options.shown, {.overrides = options.overrides}); });
+  print_warnings(stage->warnings());
+  Offset cells = 0;
+  for (const Body& body : stage->world().bodies) cells += body.num_cells();
+  const std::string title = stage->world().title;
+  print_line((title.empty() ? options.shown : title) + ": " + std::to_string(cells) + " cells, " +
+             std::to_string(stage->num_vertices()) + " vertices drawn, " + std::to_string(num_threads()) +
+             (num_threads() == 1 ? " thread" : " threads"));
+  const viewer::LiveServer live(std::move(stage), server_options(options));
+  return serve(live.server(), options);
+}
+
+int view(const ViewOptions& options) {
+  return std::filesystem::is_directory(options.shown) ? view_results(options) : view_scene(options);
+}
+
+}  // namespace
+
+void add_view(CLI::App& app, Action& action) {
+  auto options = std::make_shared<ViewOptions>();
+  CLI::App* command = app.add_subcommand(
+      "view", "Show the page in the browser: a scene to play with, or the results of a run");
+  command
+      ->add_option("shown", options->shown, "Scene file (TOML), or folder of a run with formats = [\"html\"]")
+      ->required()
+      ->type_name("SCENE.toml|DIR");
+  command->add_option("--port", options->port, "Port on 127.0.0.1; default 0, any free one")
+      ->check(CLI::Range(0, 65535));
+  command->add_option("--set", options->overrides, "Change a value of the scene; may be given several times")
+      ->type_name("KEY=VALUE")
+      ->expected(1)
+      ->take_all()
+      ->allow_extra_args(false);
+  command->add_option("--threads", options->threads, "Number of threads; default all cores")
+      ->check(CLI::Range(1, 1024));
+  command->add_flag("--no-browser", options->has_no_browser, "Print the address and open nothing");
+  command->footer(
+      "Examples:\n  resilin view examples/spot.toml\n  resilin view out/spot --port 8000 --no-browser\n\nThe "
+      "page is "
+      "for this machine alone. Its address holds a token that is made anew at every start: whoever\nhas it "
+      "can play "
+      "with the scene. Through ssh: ssh -L 8000:127.0.0.1:8000 HOST, then the address on your own "
+      "machine.\nCtrl-C "
+      "ends.");
+  command->callback([options, &action] { action = [options] { return view(*options); }; });
+}
+
+}  // namespace resilin::cli

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "live_stage.hpp"
+#include "resilin/live/live_scene.hpp"
+#include "resilin/scene/scene.hpp"
+#include "resilin/view/shown_surface.hpp"
+#include "resilin/view/surface_fields.hpp"
+
+namespace resilin::viewer {
+
+/// A scene file that is played with.
+class SceneStage : public LiveStage {
+ public:
+  /// @param read  reads the scene, now and at each reload
+  /// @throws InputError
+  explicit SceneStage(std::function<Scene()> read);
+
+  const World& world() const { return loaded_->live.world(); }
+  const std::vector<std::string>& warnings() const { return loaded_->warnings; }
+  Index num_vertices() const { return loaded_->surface.num_vertices(); }
+
+  nlohmann::json header() const override;
+  std::string topology() const override;
+  std::vector<std::string> field_names() const override;
+  nlohmann::json state() const override;
+  nlohmann::json status() const override;
+  void apply(const PageMessage& message) override;
+  bool is_grabbed() const override { return loaded_->live.is_grabbed(); }
+  bool is_poking() const override { return loaded_->live.ball().has_value(); }
+  double time() const override { return loaded_->live.state().time; }
+  double time_step() const override { return loaded_->live.controls().time_step; }
+  bool is_at_rest() const override { return loaded_->live.report().at_rest; }
+  void step(double seconds) override { loaded_->live.step({seconds}); }
+  std::string frame(std::uint32_t number, std::uint32_t answered_drag,
+                    std::optional<std::size_t> field) override;
+
+ private:
+  /// All that a reload replaces.
+  struct Loaded {
+    explicit Loaded(Scene scene);
+
+    std::vector<std::string> warnings;
+    LiveScene live;
+    ShownSurface surface;
+    SurfaceFields fields;
+    double ground_height = 0;                       ///< along up [m], while the floor is off, too
+    Vector3 grab_offset = Vector3::Zero();          ///< from the pointer to the place that is held [m]
+    std::map<Index, std::uint32_t> vertex_of_node;  ///< which vertex of the page a pinned node was pinned by
+    std::uint32_t shown_frame = 0;                  ///< whose places and normals the buffers hold
+    std::vector<float> positions, normals, field;
+  };
+
+  void grab(const Grab& grab);
+  void set(const SetControl& set);
+  Index checked_vertex(std::uint32_t vertex, const char* what) const;
+  Vector3 checked_place(const Vector3& place, const char* what) const;
+
+  std::function<Scene()> read_;
+  std::unique_ptr<Loaded> loaded_;
+};
+
+}  // namespace resilin::viewer

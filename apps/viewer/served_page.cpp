@@ -1,0 +1,37 @@
+#include "served_page.hpp"
+
+#include <utility>
+
+#include "access.hpp"
+#include "resilin/core/error.hpp"
+#include "resilin/view/page.hpp"
+
+namespace resilin::viewer {
+namespace {
+
+Resource page(std::string_view kind) {
+  std::string nonce = make_token();
+  auto html = std::make_shared<const std::string>(page_with(source_script(kind), nonce));
+  return {"text/html; charset=utf-8", std::move(html), std::move(nonce)};
+}
+
+}  // namespace
+
+LiveServer::LiveServer(std::unique_ptr<LiveStage> stage, const ServerOptions& options)
+    : room_(mailbox_),
+      server_(options, {{"/", page("live")}}, &room_),
+      loop_(std::move(stage), mailbox_, [this] { server_.wake(); }) {}
+
+std::map<std::string, Resource> recorded_resources(const std::filesystem::path& folder) {
+  const std::filesystem::path recording = folder / "recording.bin", report = folder / "report.json";
+  for (const std::filesystem::path& file : {recording, report}) {
+    if (std::filesystem::is_regular_file(file)) continue;
+    throw InputError(folder.string(), "a folder of results with " + file.filename().string(), "one without",
+                     "run the scene again with formats = [\"vtu\", \"html\"] in [output]");
+  }
+  return {{"/", page("recorded")},
+          {"/recording", {"application/octet-stream", recording, {}}},
+          {"/report", {"application/json", report, {}}}};
+}
+
+}  // namespace resilin::viewer
