@@ -2,12 +2,14 @@
 
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 
+#include "resilin/io/mesh_file.hpp"
 #include "resilin/live/live_scene.hpp"
 #include "resilin/mesh/generators.hpp"
 
 /// Scenes to play with, and a hand that plays by chance but always the same way.
-namespace resilin::test {
+namespace resilin::testing {
 
 /// A block of 0.4 x 0.4 x 1 m that stands on its held foot, soft enough to sway.
 inline Description standing_block(int n, double gravity = -9.81) {
@@ -26,6 +28,27 @@ inline Description standing_block(int n, double gravity = -9.81) {
   foot.where.axis = 2;
   foot.where.at = 0;
   scene.fixes.push_back(foot);
+  return scene;
+}
+
+/// The creature that its first author let people drag: light, stiff, without gravity, held at its feet.
+inline Description armadillo(const std::filesystem::path& mesh) {
+  Description scene;
+  scene.is_dynamic = true;
+  scene.time_step = 0.01;
+  BodyDescription body;
+  body.mesh = read_solid_mesh(mesh, 3).mesh;
+  body.element = "P1";
+  body.material.constants = {{"youngs_modulus", 6e5}, {"poissons_ratio", 0.3}};
+  body.material.density = 0.1;
+  scene.bodies.push_back(std::move(body));
+  FixDescription feet;
+  feet.name = "feet";
+  feet.where.kind = Where::Kind::plane;
+  feet.where.axis = 1;
+  feet.where.at = 0.029;  // the lowest vertex
+  feet.where.tolerance = 0.1;
+  scene.fixes.push_back(feet);
   return scene;
 }
 
@@ -62,4 +85,4 @@ class Chance {
 
 inline MaterialPoint at_node(Index node) { return {.nodes = {node}, .weights = {1}}; }
 
-}  // namespace resilin::test
+}  // namespace resilin::testing

@@ -18,19 +18,22 @@ std::vector<ContactNode> surface_nodes(const World& world, double stiffness) {
 
 /// Of the bodies' extent: large enough that a landing takes few Newton iterations, too small to be seen.
 constexpr double activation_share = 0.005;
+constexpr double barrier_stiffness = 0.1;  ///< of Young's modulus
+constexpr double least_motion = 1e-3;      ///< of the activation distance, to speak of
 
 }  // namespace
 
 Obstacle::Obstacle(const std::string& name, const World& world, const VectorX& positions,
-                   std::shared_ptr<const ColliderShape> shape, const Vector3& way_out, double stiffness) {
+                   std::shared_ptr<const ColliderShape> shape, const Vector3& way_out,
+                   double youngs_modulus) {
   const double reach = activation_share * world.largest_extent();
-  barrier_ =
-      std::make_shared<ColliderBarrier>(name, world.dimension, shape, surface_nodes(world, stiffness), reach);
+  barrier_ = std::make_shared<ColliderBarrier>(
+      name, world.dimension, shape, surface_nodes(world, barrier_stiffness * youngs_modulus), reach);
   goal_ = shape->reference_point();
   // A node that is d inside comes out by moving at least -d along the way.
   for (int attempt = 0; attempt < 1000; ++attempt) {
     const double distance = barrier_->nearest(positions, {}).distance;
-    if (distance >= reach) break;
+    if (distance >= 0.1 * reach) break;
     barrier_->move_by((reach - distance + 1e-3 * reach) * way_out);
   }
 }
@@ -40,7 +43,7 @@ bool Obstacle::advance(const VectorX& positions) {
   if (motion.norm() <= 1e-9 * barrier_->activation_distance()) return false;
   const double share = barrier_->largest_motion(positions, motion, {});
   barrier_->move_by(share * motion);
-  return share > 0;
+  return (share * motion).norm() > least_motion * barrier_->activation_distance();
 }
 
 bool Obstacle::has_arrived() const {

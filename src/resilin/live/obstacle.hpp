@@ -11,14 +11,14 @@ namespace resilin {
 /// inside.
 class Obstacle {
  public:
-  /// @param shape      where it starts; moved along `way_out` until all nodes are outside
-  /// @param stiffness  of the barrier [Pa]
+  /// @param shape           where it starts; moved along `way_out` until all nodes are outside
+  /// @param youngs_modulus  of the bodies [Pa]
   Obstacle(const std::string& name, const World& world, const VectorX& positions,
-           std::shared_ptr<const ColliderShape> shape, const Vector3& way_out, double stiffness);
+           std::shared_ptr<const ColliderShape> shape, const Vector3& way_out, double youngs_modulus);
 
   /// Where its reference point shall be [m].
   void set_goal(const Vector3& goal) { goal_ = goal; }
-  /// Goes nearer to the goal. @return whether it moved
+  /// Goes nearer to the goal. @return whether it moved to speak of
   bool advance(const VectorX& positions);
   /// Whether it is where it shall be, within a small part of its activation distance.
   bool has_arrived() const;

@@ -1,0 +1,165 @@
+#include "resilin/live/live_contents.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <variant>
+
+#include "resilin/contact/half_space.hpp"
+#include "resilin/core/error.hpp"
+#include "resilin/simulation/body_material.hpp"
+#include "resilin/simulation/loads.hpp"
+#include "resilin/simulation/time_stepping.hpp"
+
+namespace resilin {
+namespace {
+
+/// The scene as it is played with: in motion, with a gravity that can be changed.
+Description in_motion(Description description) {
+  description.is_dynamic = true;
+  description.modes.reset();
+  description.adaptive.reset();
+  description.gravity.setZero();
+  for (BodyDescription& body : description.bodies) body.mass = "lumped";
+  return description;
+}
+
+/// When all that changes by itself has come to its end [s]; before, bodies may be still and yet not at rest.
+double end_of_changes(const Description& description) {
+  const auto is_endless = [](const auto& entry) {
+    return std::holds_alternative<TimeFunction::Sine>(entry.time_function.form) ||
+           (entry.velocity != Vector3::Zero() && !entry.until);
+  };
+  if (std::ranges::any_of(description.fixes, is_endless) ||
+      std::ranges::any_of(description.loads, is_endless))
+    return std::numeric_limits<double>::infinity();
+  const std::vector<double> events = event_times(description);
+  return events.empty() ? 0 : events.back();
+}
+
+/// A small system is solved directly whatever its mass: stiff bodies at long steps are then as quick as soft
+/// ones.
+std::unique_ptr<LinearSolver> live_solver(const World& world) {
+  constexpr Index most_unknowns_direct = 2500;
+  const Index unknowns = world.num_free_unknowns();
+  return make_linear_solver({.kind = world.solver.kind,
+                             .is_dynamic = unknowns > most_unknowns_direct,
+                             .max_iterations = world.solver.max_iterations},
+                            unknowns);
+}
+
+}  // namespace
+
+LiveScene::Contents::Contents(const Description& scene)
+    : description(in_motion(scene)),
+      world(description),
+      own_external(world.external),
+      own_fixed(world.is_fixed),
+      newton(world.dimension, world.pattern, live_solver(world)),
+      controls(starting_controls(scene, world)) {
+  extent = world.largest_extent();
+  end_of_changes = resilin::end_of_changes(description);
+  if (controls.gravity.norm() > 0) {
+    up = -controls.gravity.normalized();
+  } else if (world.dimension == 2) {
+    up = Vector3::UnitY();
+  }
+  reset();
+}
+
+void LiveScene::Contents::reset() {
+  state = State{};
+  state.positions = world.start_positions;
+  state.velocities = world.start_velocities;
+  state.load = 1;
+  held.reset();
+  pinned.clear();
+  ball.reset();
+  floor.reset();
+  mending_steps = 0;
+  renew_fixed();
+  renew_floor();
+  renew_loads();
+  report = LiveReport{};
+  wake();
+}
+
+/// Gravity is a load of its own, so that it can be changed.
+void LiveScene::Contents::renew_loads() {
+  world.external = own_external;
+  if (floor) world.external.push_back(floor->barrier());
+  if (ball) world.external.push_back(ball->barrier());
+  if (controls.gravity.head(world.dimension).norm() > 0)
+    world.external.push_back(make_gravity(controls.gravity, world));
+  renew_damping();
+}
+
+/// Places a floor below all bodies; it then rises to its height.
+void LiveScene::Contents::renew_floor() {
+  const Vector3 goal = controls.ground.value_or(0) * up;
+  const Vector3 start = floor ? floor->barrier()->place({}) : goal;
+  floor.reset();
+  if (!controls.ground) return;
+  floor.emplace("ground", world, state.positions, std::make_shared<HalfSpace>(start, up), -up,
+                controls.youngs_modulus);
+  floor->set_goal(goal);
+}
+
+/// Floor and ball go where they shall be, as far as the bodies are out of their way.
+void LiveScene::Contents::advance_obstacles() {
+  if (floor && floor->advance(state.positions)) calm = {};
+  if (ball && ball->advance(state.positions)) calm = {};
+}
+
+void LiveScene::Contents::renew_damping() {
+  world.mass_damping = MassMatrix{};
+  if (controls.damping == 0) return;
+  world.mass_damping = world.mass;
+  world.mass_damping.nodal *= controls.damping;
+  for (double& slot : world.mass_damping.slots) slot *= controls.damping;
+}
+
+void LiveScene::Contents::renew_fixed() {
+  world.is_fixed = own_fixed;
+  for (const Index node : pinned) {
+    for (int k = 0; k < world.dimension; ++k)
+      world.is_fixed[static_cast<std::size_t>(node * world.dimension + k)] = 1;
+  }
+}
+
+void LiveScene::Contents::change_materials(const LiveControls& wanted) {
+  World changed = world;
+  std::vector<BodyDescription> bodies = description.bodies;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    bodies[b].material = material_of(wanted, bodies[b].material);
+    bodies[b].material.place = "material";
+    change_material(changed, b, bodies[b]);
+    const double energy = changed.bodies[b].elastic->value(state.positions, {});
+    if (std::isfinite(energy)) continue;
+    throw InputError("law", "a law that knows cells turned inside out while there are such",
+                     "\"" + wanted.law + "\", which needs J > 0 everywhere",
+                     "reset the scene, or wait until no cell is inverted");
+  }
+  world = std::move(changed);
+  description.bodies = std::move(bodies);
+}
+
+void LiveScene::Contents::set_controls(const LiveControls& asked) {
+  LiveControls wanted = asked;
+  // The hand grows with the stiffness, unless both are set.
+  if (wanted.max_force == controls.max_force)
+    wanted.max_force *= wanted.youngs_modulus / controls.youngs_modulus;
+  check_controls(wanted);
+  const bool changes_material = wanted.law != controls.law ||
+                                wanted.youngs_modulus != controls.youngs_modulus ||
+                                wanted.poissons_ratio != controls.poissons_ratio;
+  if (changes_material) change_materials(wanted);
+  const bool changes_floor =
+      wanted.ground != controls.ground || wanted.youngs_modulus != controls.youngs_modulus;
+  controls = wanted;
+  if (changes_floor) renew_floor();
+  renew_loads();
+  wake();
+}
+
+}  // namespace resilin

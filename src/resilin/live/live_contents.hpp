@@ -1,0 +1,73 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "resilin/live/live_scene.hpp"
+#include "resilin/live/obstacle.hpp"
+#include "resilin/simulation/potential.hpp"
+
+/// What a live scene holds. For the sources of this module alone.
+namespace resilin {
+
+struct Held {
+  MaterialPoint place;
+  Vector3 target;
+};
+
+/// Nothing moves any more: from here on steps lead straight to the equilibrium.
+struct Calm {
+  int quiet_steps = 0;    ///< in a row in which nothing moved to speak of
+  int seeking_steps = 0;  ///< since then, towards the equilibrium
+};
+
+struct LiveScene::Contents {
+  explicit Contents(const Description& scene);
+
+  void reset();
+  void wake() { calm = {}, report.at_rest = false; }
+  void renew_loads();
+  void renew_fixed();
+  void renew_floor();
+  void advance_obstacles();
+  void renew_damping();
+  void set_controls(const LiveControls& asked);
+  void change_materials(const LiveControls& wanted);
+
+  bool is_seeking() const;
+  void step(const StepBudget& budget);
+  NewtonReport minimize(const Potential& potential, const VectorX& guess, const VectorX& targets,
+                        double tolerance, const StepBudget& budget, VectorX& x);
+  void add_hand(std::vector<std::unique_ptr<Energy>>& terms) const;
+  void move_in_time(const StepBudget& budget);
+  void move_to_equilibrium(const StepBudget& budget);
+  double mending_factor();
+  double min_volume_ratio(const VectorX& x) const;
+  bool stay_upright(const Potential& potential, VectorX& x) const;
+  void measure(const NewtonReport& newton_report);
+  void note_calm(double dt);
+  std::string words() const;
+  double unloaded_scale() const;
+
+  Description description;
+  World world;
+  std::vector<std::shared_ptr<const Energy>> own_external;  ///< loads of the scene, without gravity
+  std::vector<std::uint8_t> own_fixed;                      ///< by supports
+  Newton newton;
+  LiveControls controls;
+  State state;
+  LiveReport report;
+  std::optional<Held> held;
+  std::optional<Obstacle> floor, ball;
+  double ball_radius = 0;
+  Vector3 up = Vector3::UnitZ();  ///< what the floor faces, whatever gravity becomes
+  std::vector<Index> pinned;
+  Calm calm;
+  int mending_steps = 0;  ///< in a row that started with cells inside out
+  double extent = 1;
+  double end_of_changes = 0;  ///< [s]
+};
+
+}  // namespace resilin

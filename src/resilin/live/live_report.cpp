@@ -1,0 +1,60 @@
+#include <algorithm>
+#include <limits>
+#include <span>
+
+#include "resilin/core/text.hpp"
+#include "resilin/live/live_contents.hpp"
+
+namespace resilin {
+
+void LiveScene::Contents::measure(const NewtonReport& newton_report) {
+  report.time = state.time;
+  report.converged = newton_report.converged();
+  report.newton_iterations = newton_report.iterations;
+  report.linear_iterations = newton_report.linear_iterations;
+  report.residual = newton_report.residual;
+  report.relative_residual = newton_report.relative_residual();
+  report.assembly_ms = 1e3 * newton_report.assembly_seconds;
+  report.solve_ms = 1e3 * newton_report.solve_seconds;
+  VectorX momentum;
+  world.mass.multiply(state.velocities, momentum);
+  report.kinetic_energy = 0.5 * momentum.dot(state.velocities);
+  report.elastic_energy = 0;
+  report.min_volume_ratio = std::numeric_limits<double>::infinity();
+  report.inverted_cells = 0;
+  for (const Body& body : world.bodies) {
+    report.elastic_energy += body.elastic->value(state.positions, {});
+    const double ratio = body.elastic->min_volume_ratio(state.positions).ratio;
+    report.min_volume_ratio = std::min(report.min_volume_ratio, ratio);
+    if (ratio > 0) continue;
+    const std::vector<double> ratios = body.elastic->volume_ratios(state.positions);
+    const auto width = static_cast<std::size_t>(body.elastic->num_points());
+    for (std::size_t first = 0; first < ratios.size(); first += width) {
+      const auto points = std::span(ratios).subspan(first, width);
+      if (std::ranges::any_of(points, [](double J) { return !(J > 0); })) ++report.inverted_cells;
+    }
+  }
+  report.words = words();
+}
+
+std::string LiveScene::Contents::words() const {
+  std::string text;
+  const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
+  const std::string share = format_short(report.relative_residual) + " of the load";
+  if (report.at_rest) {
+    add("at rest: exact equilibrium, the force residual is " + share);
+  } else if (is_seeking()) {
+    add("nothing moves: going on to the exact equilibrium, the force residual is " + share);
+  } else if (!report.converged) {
+    add("not solved to the end: after " + std::to_string(report.newton_iterations) +
+        (report.newton_iterations == 1 ? " Newton iteration" : " Newton iterations") +
+        " the force residual is " + share + "; the next step goes on from there");
+  }
+  if (report.inverted_cells > 0) {
+    add(std::to_string(report.inverted_cells) + (report.inverted_cells == 1 ? " cell is" : " cells are") +
+        " turned inside out");
+  }
+  return text;
+}
+
+}  // namespace resilin

@@ -1,0 +1,171 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "resilin/core/stopwatch.hpp"
+#include "resilin/energy/hand.hpp"
+#include "resilin/energy/inertia.hpp"
+#include "resilin/live/kinetic_guard.hpp"
+#include "resilin/live/live_contents.hpp"
+#include "resilin/optimize/residual.hpp"
+#include "resilin/simulation/damping.hpp"
+
+namespace resilin {
+namespace {
+
+constexpr int quiet_steps_before_seeking = 10;
+constexpr double nearly_flat = 0.1;          ///< volume ratio of a cell about to turn inside out
+constexpr double longest_mending_step = 10;  ///< [s], where bodies are held
+constexpr double fall_while_mending = 0.05;  ///< of the extent, in one step
+constexpr double quiet_speed = 1e-3;         ///< of the body's extent in a second
+constexpr double rest_tolerance = 1e-8;      ///< of the load
+constexpr double unloaded_force_scale =
+    1e-4;  ///< of E times the body's cross section, where there is no load
+
+}  // namespace
+
+bool LiveScene::Contents::is_seeking() const {
+  return state.time >= end_of_changes && calm.quiet_steps >= quiet_steps_before_seeking;
+}
+
+void LiveScene::Contents::step(const StepBudget& budget) {
+  if (report.at_rest) return;
+  double seconds = 0;
+  {
+    const Stopwatch watch(seconds);
+    advance_obstacles();
+    is_seeking() ? move_to_equilibrium(budget) : move_in_time(budget);
+  }
+  report.step_ms = 1e3 * seconds;
+}
+
+void LiveScene::Contents::add_hand(std::vector<std::unique_ptr<Energy>>& terms) const {
+  if (!held) return;
+  terms.push_back(std::make_unique<Hand>(world.dimension, held->place, held->target,
+                                         hand_stiffness(controls, world), controls.max_force));
+}
+
+/// Newton's method from the better of where things are and where they would fly, until the tolerance or the
+/// end of the time.
+NewtonReport LiveScene::Contents::minimize(const Potential& potential, const VectorX& guess,
+                                           const VectorX& targets, double tolerance, const StepBudget& budget,
+                                           VectorX& x) {
+  const auto start = std::chrono::steady_clock::now();
+  choose_lower_start(potential, world.is_fixed, state.positions, guess, x);
+  NewtonSettings settings = newton_settings(world);
+  settings.tolerance = tolerance;
+  settings.max_iterations = controls.newton_limit > 0 ? controls.newton_limit : world.newton.max_iterations;
+  return newton.minimize(potential, world.is_fixed, targets, settings, x, [&](const NewtonReport&) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() < budget.seconds;
+  });
+}
+
+void LiveScene::Contents::move_in_time(const StepBudget& budget) {
+  const double dt = controls.time_step;
+  const Conditions conditions{.time = state.time + dt, .load = 1};
+  const double step = dt * mending_factor();
+  const VectorX guess = state.positions + (dt / step) * dt * state.velocities;
+  VectorX targets = state.positions;
+  place_supports(world.dimension, world.supports, world.rest_positions, conditions, targets);
+  const bool is_driven = targets != state.positions;
+  const Inertia inertia(world.mass, guess, step * step);
+  auto terms = damping_terms(world, state.positions, state.positions, step);
+  add_hand(terms);
+  const Potential potential(world, conditions, &inertia, terms);
+  VectorX x = state.positions;
+  NewtonReport newton_report = minimize(potential, guess, targets, controls.tolerance, budget, x);
+  if (!held && !is_driven && report.min_volume_ratio > 0 && stay_upright(potential, x))
+    newton_report.status = NewtonReport::Status::stalled;
+  VectorX velocities = (x - state.positions) / step;
+  if (!is_driven && !newton_report.converged()) {
+    const Potential without_inertia(world, conditions, nullptr, terms);
+    const double gain = without_inertia.difference(state.positions, x);
+    limit_kinetic_energy(world.mass, state.velocities, gain, velocities);
+  }
+  state.previous_positions = std::move(state.positions);
+  state.positions = std::move(x);
+  state.velocities = std::move(velocities);
+  state.time += dt;
+  ++state.step;
+  measure(newton_report);
+  note_calm(dt);
+}
+
+/// Backward Euler dissipates the more the longer its step. Once nobody pulls, each step that starts with
+/// cells turned inside out counts as four times as long as the one before, until they are upright: up to
+/// statics where the bodies are held, and no longer than a free body takes to fall a little.
+double LiveScene::Contents::mending_factor() {
+  const bool is_folded = report.min_volume_ratio < nearly_flat && !held;
+  mending_steps = is_folded ? mending_steps + 1 : std::max(0, mending_steps - 1);
+  const double g = controls.gravity.norm();
+  const bool may_fall = g > 0 && std::ranges::find(world.is_fixed, std::uint8_t{1}) == world.is_fixed.end();
+  const double longest = may_fall ? std::sqrt(fall_while_mending * extent / g) : longest_mending_step;
+  return std::clamp(std::pow(4.0, mending_steps), 1.0, std::max(1.0, longest / controls.time_step));
+}
+
+double LiveScene::Contents::min_volume_ratio(const VectorX& x) const {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Body& body : world.bodies) least = std::min(least, body.elastic->min_volume_ratio(x).ratio);
+  return least;
+}
+
+/// A step that would turn a first cell inside out although nobody pulls goes only part of its way, as long as
+/// that lowers the potential, too. @return whether it was shortened
+bool LiveScene::Contents::stay_upright(const Potential& potential, VectorX& x) const {
+  if (min_volume_ratio(x) > 0) return false;
+  VectorX nearer = x;
+  for (int halving = 0; halving < 20; ++halving) {
+    nearer = 0.5 * (nearer + state.positions);
+    if (!(min_volume_ratio(nearer) > 0)) continue;
+    if (!(potential.difference(state.positions, nearer) <= 0)) return false;
+    x = std::move(nearer);
+    return true;
+  }
+  return false;
+}
+
+/// One step of the proximal point method: the mass matrix, divided by a scale that grows, keeps the system
+/// definite while velocities are no longer carried along.
+void LiveScene::Contents::move_to_equilibrium(const StepBudget& budget) {
+  const double dt = controls.time_step;
+  const Conditions conditions{.time = state.time, .load = 1};
+  VectorX targets = state.positions;
+  place_supports(world.dimension, world.supports, world.rest_positions, conditions, targets);
+  const double scale = dt * dt * std::pow(10.0, std::min(calm.seeking_steps, 8));
+  const Inertia inertia(world.mass, state.positions, scale);
+  std::vector<std::unique_ptr<Energy>> terms;
+  add_hand(terms);
+  const Potential potential(world, conditions, &inertia, terms);
+  VectorX x = state.positions;
+  NewtonReport newton_report = minimize(potential, x, targets, 0.1 * rest_tolerance, budget, x);
+  const Potential without_inertia(world, conditions, nullptr, terms);
+  VectorX gradient;
+  without_inertia.gradient(x, gradient);
+  const Residual residual = free_residual(gradient, world.is_fixed);
+  newton_report.residual = residual.norm;
+  newton_report.worst_unknown = residual.worst;
+  newton_report.force_scale = std::max(without_inertia.force_scale(x, gradient), unloaded_scale());
+  state.positions = std::move(x);
+  state.velocities.setZero();
+  ++state.step;
+  ++calm.seeking_steps;
+  measure(newton_report);
+  const double round_off = residual_round_off(without_inertia, world.is_fixed, state.positions, {});
+  report.at_rest = residual.norm <= std::max(rest_tolerance * newton_report.force_scale, round_off);
+  report.converged = report.at_rest;
+  report.words = words();
+}
+
+double LiveScene::Contents::unloaded_scale() const {
+  return unloaded_force_scale * controls.youngs_modulus * std::pow(extent, world.dimension - 1);
+}
+
+/// Whether anything moved in the last step.
+void LiveScene::Contents::note_calm(double dt) {
+  const double moved = (state.positions - state.previous_positions).cwiseAbs().maxCoeff();
+  const bool is_quiet = moved <= quiet_speed * extent * dt && report.inverted_cells == 0;
+  calm.quiet_steps = is_quiet ? calm.quiet_steps + 1 : 0;
+}
+
+}  // namespace resilin
