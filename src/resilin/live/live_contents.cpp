@@ -14,11 +14,29 @@
 namespace resilin {
 namespace {
 
+/// Whether a collider is a floor: level, facing up and at rest.
+bool is_floor(const ColliderDescription& collider, const Vector3& up) {
+  return collider.kind == "half_space" && collider.velocity == Vector3::Zero() &&
+         collider.shape.normal.normalized().dot(up) > 1 - 1e-12;
+}
+
+/// Against gravity; where there is none, the last axis.
+Vector3 up_of(const Description& scene) {
+  const Vector3 gravity =
+      scene.dimension == 2 ? Vector3(scene.gravity.x(), scene.gravity.y(), 0) : scene.gravity;
+  if (gravity.norm() > 0) return -gravity.normalized();
+  return scene.dimension == 2 ? Vector3::UnitY() : Vector3::UnitZ();
+}
+
 /// The scene as it is played with: in motion, with a gravity that can be changed.
 Description in_motion(Description description) {
   description.is_dynamic = true;
   description.modes.reset();
   description.adaptive.reset();
+  // Floor and gravity can be changed.
+  std::erase_if(description.colliders, [up = up_of(description)](const ColliderDescription& collider) {
+    return is_floor(collider, up);
+  });
   description.gravity.setZero();
   for (BodyDescription& body : description.bodies) body.mass = "lumped";
   return description;
@@ -26,12 +44,16 @@ Description in_motion(Description description) {
 
 /// When all that changes by itself has come to its end [s]; before, bodies may be still and yet not at rest.
 double end_of_changes(const Description& description) {
+  const auto moves_on = [](const ColliderDescription& collider) {
+    return collider.velocity != Vector3::Zero() && !collider.until;
+  };
   const auto is_endless = [](const auto& entry) {
     return std::holds_alternative<TimeFunction::Sine>(entry.time_function.form) ||
            (entry.velocity != Vector3::Zero() && !entry.until);
   };
   if (std::ranges::any_of(description.fixes, is_endless) ||
-      std::ranges::any_of(description.loads, is_endless))
+      std::ranges::any_of(description.loads, is_endless) ||
+      std::ranges::any_of(description.colliders, moves_on))
     return std::numeric_limits<double>::infinity();
   const std::vector<double> events = event_times(description);
   return events.empty() ? 0 : events.back();
@@ -54,15 +76,15 @@ LiveScene::Contents::Contents(const Description& scene)
     : description(in_motion(scene)),
       world(description),
       own_external(world.external),
+      own_colliders(world.colliders),
       own_fixed(world.is_fixed),
       newton(world.dimension, world.pattern, live_solver(world)),
       controls(starting_controls(scene, world)) {
   extent = world.largest_extent();
   end_of_changes = resilin::end_of_changes(description);
-  if (controls.gravity.norm() > 0) {
-    up = -controls.gravity.normalized();
-  } else if (world.dimension == 2) {
-    up = Vector3::UnitY();
+  up = up_of(scene);
+  for (const ColliderDescription& collider : scene.colliders) {
+    if (is_floor(collider, up)) controls.ground = collider.shape.point.dot(up);
   }
   reset();
 }
@@ -87,8 +109,9 @@ void LiveScene::Contents::reset() {
 /// Gravity is a load of its own, so that it can be changed.
 void LiveScene::Contents::renew_loads() {
   world.external = own_external;
-  if (floor) world.external.push_back(floor->barrier());
-  if (ball) world.external.push_back(ball->barrier());
+  world.colliders = own_colliders;
+  if (floor) world.colliders.push_back(floor->barrier());
+  if (ball) world.colliders.push_back(ball->barrier());
   if (controls.gravity.head(world.dimension).norm() > 0)
     world.external.push_back(make_gravity(controls.gravity, world));
   renew_damping();
@@ -100,8 +123,7 @@ void LiveScene::Contents::renew_floor() {
   const Vector3 start = floor ? floor->barrier()->place({}) : goal;
   floor.reset();
   if (!controls.ground) return;
-  floor.emplace("ground", world, state.positions, std::make_shared<HalfSpace>(start, up), -up,
-                controls.youngs_modulus);
+  floor.emplace("ground", world, state.positions, std::make_shared<HalfSpace>(start, up), -up);
   floor->set_goal(goal);
 }
 

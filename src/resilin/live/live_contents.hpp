@@ -53,8 +53,9 @@ struct LiveScene::Contents {
 
   Description description;
   World world;
-  std::vector<std::shared_ptr<const Energy>> own_external;  ///< loads of the scene, without gravity
-  std::vector<std::uint8_t> own_fixed;                      ///< by supports
+  std::vector<std::shared_ptr<const Energy>> own_external;            ///< loads of the scene, without gravity
+  std::vector<std::shared_ptr<const ColliderBarrier>> own_colliders;  ///< without floors
+  std::vector<std::uint8_t> own_fixed;                                ///< by supports
   Newton newton;
   LiveControls controls;
   State state;

@@ -80,7 +80,7 @@ void LiveScene::poke(const Vector3& center, double radius) {
       middle += node_position(c.world.dimension, node, c.state.positions) / c.world.num_nodes();
     const Vector3 out = center - middle;
     c.ball.emplace("ball", c.world, c.state.positions, std::make_shared<Sphere>(center, radius),
-                   out.norm() > 0 ? Vector3(out.normalized()) : c.up, c.controls.youngs_modulus);
+                   out.norm() > 0 ? Vector3(out.normalized()) : c.up);
     c.ball_radius = radius;
     c.renew_loads();
   }

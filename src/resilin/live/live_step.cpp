@@ -9,6 +9,7 @@
 #include "resilin/live/kinetic_guard.hpp"
 #include "resilin/live/live_contents.hpp"
 #include "resilin/optimize/residual.hpp"
+#include "resilin/simulation/colliders.hpp"
 #include "resilin/simulation/damping.hpp"
 
 namespace resilin {
@@ -63,7 +64,8 @@ NewtonReport LiveScene::Contents::minimize(const Potential& potential, const Vec
 
 void LiveScene::Contents::move_in_time(const StepBudget& budget) {
   const double dt = controls.time_step;
-  const Conditions conditions{.time = state.time + dt, .load = 1};
+  Conditions conditions{.time = state.time + dt, .load = 1, .collider_delay = state.collider_delay + dt};
+  conditions.collider_delay = least_collider_delay(world, state.positions, conditions);
   const double step = dt * mending_factor();
   const VectorX guess = state.positions + (dt / step) * dt * state.velocities;
   VectorX targets = state.positions;
@@ -87,6 +89,7 @@ void LiveScene::Contents::move_in_time(const StepBudget& budget) {
   state.positions = std::move(x);
   state.velocities = std::move(velocities);
   state.time += dt;
+  state.collider_delay = conditions.collider_delay;
   ++state.step;
   measure(newton_report);
   note_calm(dt);
@@ -129,7 +132,7 @@ bool LiveScene::Contents::stay_upright(const Potential& potential, VectorX& x) c
 /// definite while velocities are no longer carried along.
 void LiveScene::Contents::move_to_equilibrium(const StepBudget& budget) {
   const double dt = controls.time_step;
-  const Conditions conditions{.time = state.time, .load = 1};
+  const Conditions conditions{.time = state.time, .load = 1, .collider_delay = state.collider_delay};
   VectorX targets = state.positions;
   place_supports(world.dimension, world.supports, world.rest_positions, conditions, targets);
   const double scale = dt * dt * std::pow(10.0, std::min(calm.seeking_steps, 8));

@@ -1,34 +1,18 @@
 #include "resilin/live/obstacle.hpp"
 
-#include "resilin/mesh/topology.hpp"
+#include "resilin/simulation/colliders.hpp"
 
 namespace resilin {
 namespace {
 
-std::vector<ContactNode> surface_nodes(const World& world, double stiffness) {
-  std::vector<ContactNode> nodes;
-  for (const Body& body : world.bodies) {
-    const Boundary surface = boundary({body.cell_kind, body.cells});
-    const std::vector<ContactNode> more =
-        contact_nodes(world.dimension, surface.facets, world.rest_positions, stiffness);
-    nodes.insert(nodes.end(), more.begin(), more.end());
-  }
-  return nodes;
-}
-
-/// Of the bodies' extent: large enough that a landing takes few Newton iterations, too small to be seen.
-constexpr double activation_share = 0.005;
-constexpr double barrier_stiffness = 0.1;  ///< of Young's modulus
-constexpr double least_motion = 1e-3;      ///< of the activation distance, to speak of
+constexpr double least_motion = 1e-3;  ///< of the activation distance, to speak of
 
 }  // namespace
 
 Obstacle::Obstacle(const std::string& name, const World& world, const VectorX& positions,
-                   std::shared_ptr<const ColliderShape> shape, const Vector3& way_out,
-                   double youngs_modulus) {
-  const double reach = activation_share * world.largest_extent();
-  barrier_ = std::make_shared<ColliderBarrier>(
-      name, world.dimension, shape, surface_nodes(world, barrier_stiffness * youngs_modulus), reach);
+                   std::shared_ptr<const ColliderShape> shape, const Vector3& way_out) {
+  const double reach = default_activation_distance(world);
+  barrier_ = std::make_shared<ColliderBarrier>(name, world.dimension, shape, contact_nodes(world), reach);
   goal_ = shape->reference_point();
   // A node that is d inside comes out by moving at least -d along the way.
   for (int attempt = 0; attempt < 1000; ++attempt) {
