@@ -36,7 +36,7 @@ export interface Grip {
 export async function grip(watched: Watched): Promise<Grip> {
   const { width, height } = watched.page.viewportSize()!;
   const middle = width > 720 ? (width - 300) / 2 : width / 2;
-  for (const share of [0.4, 0.44, 0.48, 0.36, 0.52]) {
+  for (const share of [0.4, 0.44, 0.48, 0.36, 0.52, 0.56, 0.32]) {
     const [x, y] = [Math.round(middle), Math.round(share * height)];
     const vertex = await watched.value<number | null>(`resilin.pickAt(${x}, ${y})?.vertex ?? null`);
     if (vertex !== null) return { vertex, x, y };

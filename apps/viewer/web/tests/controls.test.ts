@@ -1,0 +1,166 @@
+/** Every control of a live scene, in a real browser with the real program behind it. */
+
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { difference, Program, TestBrowser } from "./harness";
+import { jelly, withPage } from "./live_pages";
+
+let browser: TestBrowser;
+let program: Program;
+
+before(async () => {
+  browser = await TestBrowser.start();
+  program = await Program.start(jelly, "--port", "0");
+});
+
+after(async () => {
+  await browser?.stop();
+  await program?.stop();
+});
+
+test("every control changes what it says", async () => {
+  await withPage(browser, program.address, async (watched) => {
+    const { page } = watched;
+    const control = (key: string) => page.getByTestId(`set-${key}`);
+    const typed: [string, string, string][] = [
+      ["youngs_modulus", "45 kPa", "resilin.state.youngs_modulus === 45000"],
+      ["poissons_ratio", "0.3", "resilin.state.poissons_ratio === 0.3"],
+      ["damping", "2", "resilin.state.damping === 2"],
+      ["strength", "5", "Math.abs(Math.hypot(...resilin.state.gravity) - 5) < 1e-9"],
+      ["ground_height", "-0.5", "Math.abs(resilin.state.ground_height + 0.5) < 1e-9"],
+      ["max_force", "250 N", "resilin.state.max_force === 250"],
+      ["speed", "0.5", "resilin.state.speed === 0.5"],
+      ["time_step", "10 ms", "Math.abs(resilin.state.time_step - 0.01) < 1e-12"],
+      ["newton_limit", "3", "resilin.state.newton_limit === 3"],
+      ["tolerance", "1e-4", "Math.abs(resilin.state.tolerance - 1e-4) < 1e-12"],
+    ];
+    for (const [key, text, expected] of typed) {
+      const field = control(key).locator("input:not([type=range])");
+      await field.fill(text);
+      await field.press("Enter");
+      await field.blur();
+      await watched.until(expected);
+    }
+    const laws = await watched.value<string[]>("resilin.header.laws.map((law) => law.name)");
+    const other = laws.find((law) => law !== "stable_neo_hookean")!;
+    const label = await watched.value<string>(`resilin.header.laws.find((l) => l.name === "${other}").label`);
+    await control("law").locator("select").selectOption({ label });
+    await watched.until(`resilin.state.law === "${other}"`);
+    await control("direction").locator("select").selectOption("left");
+    await watched.until("resilin.state.gravity[0] < -4.9");
+    const ground = await watched.value<boolean>("resilin.state.ground");
+    await control("ground").locator("input").click();
+    await watched.until(`resilin.state.ground === ${!ground}`);
+    await page.getByText("Read the scene again").click();
+    await watched.until("resilin.state.youngs_modulus === 30000");
+  });
+});
+
+test("a slider follows the hand and the program", async () => {
+  await withPage(browser, program.address, async (watched) => {
+    const slider = watched.page.getByTestId("set-youngs_modulus").locator("input[type=range]");
+    const box = (await slider.boundingBox())!;
+    await watched.page.mouse.move(box.x + 0.5 * box.width, box.y + box.height / 2);
+    await watched.page.mouse.down();
+    await watched.page.mouse.move(box.x + 0.8 * box.width, box.y + box.height / 2, { steps: 5 });
+    await watched.page.mouse.up();
+    await watched.until("resilin.state.youngs_modulus > 1e6");
+    await watched.value("resilin.send({ type: 'set', key: 'youngs_modulus', value: 30000 })");
+    const field = 'document.querySelector("[data-testid=set-youngs_modulus] .log-field")';
+    await watched.until(`${field}.value === "30 kPa"`);
+  });
+});
+
+test("what the program refuses is said in a line, and the control goes back", async () => {
+  await withPage(browser, program.address, async (watched) => {
+    const was = await watched.value<number>("resilin.state.youngs_modulus");
+    const field = watched.page.getByTestId("set-youngs_modulus").locator("input:not([type=range])");
+    await field.fill("-5");
+    await field.press("Enter");
+    await field.blur();
+    const toast = watched.page.getByTestId("toast");
+    await toast.waitFor({ state: "visible" });
+    assert.match(await toast.innerText(), /youngs_modulus/);
+    assert.equal(await watched.value("resilin.state.youngs_modulus"), was);
+    assert.equal(await field.inputValue(), "30 kPa");
+  });
+});
+
+test("colours differ by field; wireframe and cut change the picture", async () => {
+  await withPage(browser, program.address, async (watched) => {
+    const { page } = watched;
+    await watched.value("resilin.send({ type: 'reset' })");
+    await watched.until("resilin.time > 0.1"); // it has begun to sag, so that fields differ
+    await watched.value("resilin.send({ type: 'pause' })");
+    await watched.until("resilin.state.paused");
+    await watched.restingTime();
+    const pictures = new Map([["body colour", await watched.picture()]]);
+    const select = page.getByTestId("show-field").locator("select");
+    for (const name of ["displacement", "von Mises stress", "volume ratio"]) {
+      await select.selectOption({ label: name });
+      const place = await watched.value<number>(`resilin.header.fields.findIndex((f) => f.label === "${name}")`);
+      await watched.until(`resilin.shownField === ${place}`);
+      pictures.set(name, await watched.picture());
+      assert.match(await page.getByTestId("color-bar").innerText(), new RegExp(name));
+    }
+    const names = [...pictures.keys()];
+    for (const [i, a] of names.entries())
+      for (const b of names.slice(i + 1)) {
+        const differs = difference(pictures.get(a)!, pictures.get(b)!);
+        assert.ok(differs > 1, `${a} and ${b} differ by ${differs} of 255`);
+      }
+    await select.selectOption({ label: "body colour" });
+    await watched.until("resilin.shownField === -1");
+    const plain = await watched.picture();
+    assert.ok(difference(plain, pictures.get("body colour")!) < 0.5, "the body's own colour comes back");
+    await page.keyboard.press("w");
+    assert.ok(difference(plain, await watched.picture()) > 0.5, "wireframe");
+    await page.keyboard.press("w");
+    await page.keyboard.press("x");
+    const cut = await watched.picture();
+    assert.ok(difference(plain, cut) > 1, "cut");
+    await page.keyboard.press("x");
+    assert.ok(difference(plain, await watched.picture()) < 0.5, "closed again");
+    await watched.value("resilin.send({ type: 'play' })");
+    await watched.until("!resilin.state.paused");
+  });
+});
+
+test("pause, step and reset do what they say", async () => {
+  await withPage(browser, program.address, async (watched) => {
+    const { page } = watched;
+    await page.getByTestId("button-reset").click();
+    await watched.until("resilin.time < 1 && resilin.time > 0.05");
+    await page.getByTestId("scene").focus();
+    await page.keyboard.press(" ");
+    await watched.until("resilin.state.paused");
+    const time = await watched.restingTime();
+    await page.getByTestId("button-step").click();
+    await watched.until(`resilin.time > ${time}`);
+    const stepped = await watched.restingTime();
+    const step = await watched.value<number>("resilin.state.time_step");
+    // Times come as 64-bit numbers that sum up many steps.
+    assert.ok(Math.abs(stepped - time - step) < 1e-9, `one step: ${stepped - time}`);
+    await page.getByTestId("button-reset").click();
+    await watched.until("resilin.time === 0");
+    await page.getByTestId("button-pause").click();
+    await watched.until("resilin.time > 0.05");
+  });
+});
+
+test("help lists the keys, and the theme can be chosen", async () => {
+  await withPage(browser, program.address, async (watched) => {
+    const { page } = watched;
+    await page.keyboard.press("?");
+    const help = page.getByTestId("help");
+    await help.waitFor({ state: "visible" });
+    assert.match(await help.innerText(), /single step/);
+    await page.keyboard.press("Escape");
+    await help.waitFor({ state: "hidden" });
+    const background = () =>
+      page.evaluate(() => getComputedStyle(document.documentElement).getPropertyValue("--sky-2").trim());
+    const light = await background();
+    await page.getByTestId("show-theme").locator("select").selectOption("dark");
+    assert.notEqual(await background(), light);
+  });
+});
