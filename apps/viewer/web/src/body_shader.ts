@@ -79,7 +79,7 @@ vec3 studio(vec3 base, vec3 n, vec3 eye, float own) {
   // Light goes a little way into soft matter: the terminator is wide and reddish.
   float wrapped = (dot(n, key) + 0.35) / 1.35;
   vec3 through = mix(vec3(1.0), vec3(1.0, 0.72, 0.62), own * (1.0 - smoothstep(0.0, 0.55, wrapped)));
-  vec3 light = ambient + max(wrapped, 0.0) * through * vec3(0.66, 0.63, 0.59);
+  vec3 light = ambient + max(wrapped, 0.0) * through * vec3(0.61, 0.585, 0.55);
   light += max(dot(n, fill), 0.0) * vec3(0.13, 0.15, 0.18);
   float grazing = pow(1.0 - max(dot(n, eye), 0.0), 3.0);
   float mirrored = max(dot(n, normalize(key + eye)), 0.0);

@@ -2,7 +2,7 @@
 
 import { cssGradient } from "./color_map";
 import { element, setText } from "./dom";
-import { plain, raised } from "./numbers";
+import { plain, scaledUnit } from "./numbers";
 import type { Field } from "./protocol";
 
 export class ColorBar {
@@ -15,6 +15,7 @@ export class ColorBar {
   private readonly middles = [0.75, 0.5, 0.25].map(() => element("span", {}));
   private readonly automatic: HTMLButtonElement;
   private range: [number, number] = [0, 1];
+  private factor = 1; // of the unit that the numbers are shown in
 
   /** `edited`: the user typed a range, or null for the range of the values. */
   constructor(private readonly edited: (range: [number, number] | null) => void) {
@@ -58,7 +59,7 @@ export class ColorBar {
   }
 
   private readInputs(): void {
-    const number = (input: HTMLInputElement) => Number(input.value.replace("\u2212", "-"));
+    const number = (input: HTMLInputElement) => this.factor * Number(input.value.replace("\u2212", "-"));
     const [low, high] = [number(this.bottom), number(this.top)];
     if (Number.isFinite(low) && Number.isFinite(high) && low < high) this.edited([low, high]);
     else this.show(this.range);
@@ -69,14 +70,16 @@ export class ColorBar {
     this.root.hidden = field === null;
     if (!field) return;
     setText(this.name, field.label);
-    setText(this.unit, field.unit ? `[${raised(field.unit)}]` : "");
+    const { factor, name } = scaledUnit(Math.max(Math.abs(range[0]), Math.abs(range[1])), field.unit);
+    this.factor = factor;
+    setText(this.unit, name ? `[${name}]` : "");
     this.automatic.hidden = !typed;
     this.show(range);
   }
 
   private show(range: [number, number]): void {
     this.range = range;
-    const [low, high] = range;
+    const [low, high] = range.map((value) => value / this.factor);
     const edit = (input: HTMLInputElement, value: number) => {
       const text = plain(value);
       if (document.activeElement !== input && input.value !== text) input.value = text;

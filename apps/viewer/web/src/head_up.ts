@@ -18,7 +18,7 @@ export class HeadUp {
   private readonly words = element("div", { class: "words", data: "words", role: "status" });
 
   constructor() {
-    this.add("real_time_ratio", "real time", "simulated over real seconds", 5);
+    this.add("real_time_ratio", "real time", "simulated over real seconds", 6);
     const bar = element("span", { class: "phases", "aria-hidden": "true" });
     PHASES.forEach(([, name], i) => {
       const piece = element("i", { class: `phase-${i}`, title: name });
@@ -31,7 +31,7 @@ export class HeadUp {
     this.add("residual", "force residual", "the greatest force that is out of balance, and its share of the load", 17);
     this.add("volume", "smallest volume", "smallest ratio of deformed to rest volume", 6);
     this.add("inverted", "inverted", "cells turned inside out", 5, "wide");
-    this.root.append(this.words);
+    this.root.prepend(this.words);
   }
 
   private add(name: string, label: string, title: string, width: number, extra = ""): HTMLElement {
@@ -45,7 +45,7 @@ export class HeadUp {
 
   set(status: Status): void {
     const text = (name: string, value: string) => setText(this.values.get(name)!, value);
-    text("real_time_ratio", `${fixed(status.real_time_ratio, 2)}×`);
+    text("real_time_ratio", status.at_rest ? "at rest" : `${fixed(status.real_time_ratio, 2)}×`);
     text("step_ms", `${fixed(status.step_ms, 2)} ms`);
     text("phases", PHASES.map(([key]) => fixed(status[key] as number, 2)).join(" + "));
     text("iterations", `${status.newton_iterations} · ${status.linear_iterations}`);
@@ -59,7 +59,7 @@ export class HeadUp {
     PHASES.forEach(
       ([key], i) => (this.phases[i].style.width = `${Math.min((100 * (status[key] as number)) / whole, 100)}%`),
     );
-    setText(this.words, status.words || (status.converged ? "" : "not converged in the time of a frame"));
+    setText(this.words, status.words || (status.converged ? "solved" : "not solved in the time of a frame"));
     this.words.dataset.mood = status.at_rest ? "rest" : status.converged ? "fine" : "behind";
   }
 }

@@ -45,6 +45,7 @@ export class LiveApp {
   private readonly unsent = new Map<string, unknown>();
   private hovered: Place | null = null;
   private isFirstScene = true;
+  private restarts = 0; // how often time went back
   private readonly addressBar = new AddressBar(() => ({
     field: this.shell.choices.field,
     camera: this.shell.stage!.orbit.pose,
@@ -139,6 +140,8 @@ export class LiveApp {
         })
       : null;
     const { choices } = this.shell;
+    if (header.controls?.ground) stage.setGround(header.controls.ground_height);
+    if (!this.shell.cameraWasKept) stage.seeAll();
     if (this.isFirstScene) this.applyAddress(stage);
     this.isFirstScene = false;
     if (!header.fields.some((field) => field.name === choices.field)) choices.field = "";
@@ -199,7 +202,8 @@ export class LiveApp {
     if (frame) {
       this.shell.stage!.setFrame(frame);
       this.shell.followRange(frame, true);
-      this.shell.inspected.time = frame.time;
+      if (frame.time < (this.shell.inspected.time as number)) ++this.restarts;
+      Object.assign(this.shell.inspected, { time: frame.time, restarts: this.restarts });
       this.shell.inspected.shownField = frame.field;
     }
     this.tools?.beforeDraw();

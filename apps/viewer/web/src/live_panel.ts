@@ -63,7 +63,7 @@ export class LivePanel {
     const reach = step * Math.ceil((2 * this.header.extent) / step);
     this.control(
       "ground_height",
-      folder.add(this.shown, "ground_height", -reach, reach, step).name("Ground height [m]"),
+      folder.add(this.shown, "ground_height", -reach, reach, step).decimals(3).name("Ground height [m]"),
     );
     this.control("max_force", this.log(folder, "max_force", 1e-2, 1e5, "N").name("Strongest hand"));
   }
@@ -72,7 +72,7 @@ export class LivePanel {
     const folder = this.gui.addFolder("Time");
     this.control("speed", this.log(folder, "speed", 0.01, 1, "").name("Speed"));
     this.control("time_step", this.log(folder, "time_step", 1e-4, 0.1, "s").name("Time step"));
-    this.control("newton_limit", folder.add(this.shown, "newton_limit", 0, 50, 1).name("Newton limit (0: by time)"));
+    this.control("newton_limit", folder.add(this.shown, "newton_limit", 0, 50, 1).name("Newton limit"));
     this.control("tolerance", this.log(folder, "tolerance", 1e-8, 1e-1, "").name("Tolerance"));
     folder.add({ press: () => this.actions.send({ type: "reload" }) }, "press").name("Read the scene again");
     folder.add({ press: () => this.actions.send({ type: "unpin_all" }) }, "press").name("Remove all pins");

@@ -16,6 +16,16 @@ export function withUnit(value: number, unit: string, digits = 3): string {
   return `${plain(scaled, digits)} ${prefixes[exponent + 4]}${raised(unit)}`;
 }
 
+/** Factor and name of the unit in which `greatest` has one to three digits before the point: 1000 and "kPa". */
+export function scaledUnit(greatest: number, unit: string): { factor: number; name: string } {
+  const size = Math.abs(greatest);
+  if (!Number.isFinite(size) || size === 0) return { factor: 1, name: raised(unit) };
+  const exponent = Math.min(Math.max(Math.floor(Math.log10(size) / 3 + 1e-9), -4), 4);
+  const factor = 1000 ** exponent;
+  if (unit) return { factor, name: prefixes[exponent + 4] + raised(unit) };
+  return size >= 1e4 || size < 1e-3 ? { factor, name: `1e${3 * exponent}` } : { factor: 1, name: "" };
+}
+
 /** Up to `digits` significant digits; powers of ten beyond 1e5 and below 1e-4. */
 export function plain(value: number, digits = 3): string {
   if (!Number.isFinite(value)) return "–";

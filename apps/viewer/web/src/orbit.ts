@@ -29,9 +29,9 @@ export class Orbit {
   ) {
     this.camera = flat ? new THREE.OrthographicCamera() : new THREE.PerspectiveCamera(FIELD_OF_VIEW);
     this.up = flat ? new THREE.Vector3(0, 1, 0) : new THREE.Vector3(...up).normalize();
-    // Azimuth 0 looks at the front: along -z when y is up, along +y when z is up.
+    // Azimuth 0 looks along +y when z is up, and along +z when y is up: most animals of graphics face -z.
     if (Math.abs(this.up.z) > 0.9) this.north.set(0, -1, 0);
-    else if (Math.abs(this.up.y) > 0.9) this.north.set(0, 0, 1);
+    else if (Math.abs(this.up.y) > 0.9) this.north.set(0, 0, -1);
     else this.north.set(0, 1, 0);
     this.north.addScaledVector(this.up, -this.north.dot(this.up)).normalize();
     this.east.crossVectors(this.up, this.north);

@@ -53,6 +53,7 @@ export class ResultsApp {
       header.parts[part].kind === "skin" ? "smooth" : "creased",
     );
     stage.setGround(header.ground ?? null);
+    stage.seeAll();
     this.shell.addDisplay({
       look: () => this.addressBar.changed(),
       rangeOver: (choice) => {

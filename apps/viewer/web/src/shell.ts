@@ -34,6 +34,7 @@ export class Shell {
   stage: Stage | null = null;
   gui: GUI | null = null;
   display: DisplayPanel | null = null;
+  cameraWasKept = false; // by the last new scene, which was the same one
   private typedRange: [number, number] | null = null;
   private easedRange: [number, number] | null = null;
   private easedField = -1;
@@ -81,6 +82,7 @@ export class Shell {
     const same = old !== null && old.header.title === header.title && old.extent === header.extent;
     const stage = new Stage(this.canvas, header, topology, normals, old?.renderer);
     if (same) stage.orbit.setPose(old.orbit.pose);
+    this.cameraWasKept = same;
     old?.dispose();
     this.stage = stage;
     stage.setDark(this.theme.dark);

@@ -150,6 +150,7 @@ export class Stage {
 
   /** `height` along up [m]; null: there is none. */
   setGround(height: number | null): void {
+    if (height === this.groundHeight) return;
     this.groundHeight = height;
     this.marks.setGroundLine(this.flat && height !== null ? height : null, this.header.up);
     this.applyGround();
@@ -173,9 +174,16 @@ export class Stage {
     this.changed = true;
   }
 
-  /** The camera where the whole scene is seen, as it is now. */
+  /** The camera where the whole scene is seen, with the ground below it. */
   seeAll(): void {
-    const box = this.frame ? new THREE.Box3().setFromArray(this.frame.positions) : this.restBox;
+    const box = this.restBox.clone();
+    if (this.frame) box.setFromArray(this.frame.positions);
+    if (this.groundHeight !== null) {
+      const up = new THREE.Vector3(...this.header.up);
+      const low = box.getCenter(new THREE.Vector3());
+      const above = low.dot(up) - this.groundHeight;
+      if (above > 0 && above < 3 * this.extent) box.expandByPoint(low.addScaledVector(up, -above));
+    }
     const { azimuth, elevation } = this.orbit.pose;
     this.orbit.fit(box, azimuth, elevation);
     this.changed = true;
@@ -207,7 +215,7 @@ export class Stage {
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.renderer.setSize(width, height, false);
     // The panel at the right and the bar below, where they are not laid over the scene as on a telephone.
-    const covered = width > 720 ? { right: 300, bottom: 70 } : { right: 0, bottom: 90 };
+    const covered = width > 720 ? { right: 300, bottom: 130 } : { right: 0, bottom: 150 };
     this.orbit.resize(width, height, covered);
     this.changed = true;
   }

@@ -24,7 +24,9 @@ export class Strip {
   }
 
   add(status: Status): void {
-    if (this.history.length > 0 && status.time < this.history[this.history.length - 1].time) this.history.length = 0;
+    const last = this.history[this.history.length - 1];
+    if (last && status.time === last.time) return; // paused, or at rest
+    if (last && status.time < last.time) this.history.length = 0;
     this.history.push(status);
     if (this.history.length > KEPT) this.history.shift();
     if (this.root.hidden || this.root.offsetParent === null) return;

@@ -53,3 +53,11 @@ export const distance = (a: number[], b: number[]) => Math.hypot(...a.map((x, i)
 /** How far the vertex is from `place`, as an expression for `Watched.until`. */
 export const distanceFrom = (vertex: number, place: number[]) =>
   `Math.hypot(...resilin.position(${vertex}).map((x, i) => x - ${JSON.stringify(place)}[i]))`;
+
+/** Puts the scene back to its start and waits until the page has seen it. */
+export async function reset(watched: Watched): Promise<void> {
+  await watched.until("resilin.time > 0");
+  const restarts = await watched.value<number>("resilin.restarts");
+  await watched.value("resilin.send({ type: 'reset' })");
+  await watched.until(`resilin.restarts > ${restarts}`);
+}

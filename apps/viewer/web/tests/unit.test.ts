@@ -9,7 +9,7 @@ import { readAddress, writeAddress } from "../src/address";
 import { color, viridis } from "../src/color_map";
 import { splitAtCreases, uniqueEdges, vertexNormals } from "../src/creases";
 import { readNumber } from "../src/log_slider";
-import { fixed, plain, withUnit } from "../src/numbers";
+import { fixed, plain, scaledUnit, withUnit } from "../src/numbers";
 import { pick } from "../src/picking";
 import { decodeFrame } from "../src/protocol";
 import { curvesOf, timeAxis } from "../src/report";
@@ -38,6 +38,9 @@ test("numbers read as people write them", () => {
   assert.equal(withUnit(20000, "Pa"), "20 kPa");
   assert.equal(withUnit(-0.00123, "m"), "\u22121.23 mm");
   assert.equal(withUnit(0, "N"), "0 N");
+  assert.deepEqual(scaledUnit(123456, "Pa"), { factor: 1000, name: "kPa" });
+  assert.deepEqual(scaledUnit(0.4, "m"), { factor: 0.001, name: "mm" });
+  assert.deepEqual(scaledUnit(1.2, ""), { factor: 1, name: "" });
   assert.equal(plain(1234.5), "1235");
   assert.equal(plain(1.5e-6), "1.5e\u22126");
   assert.equal(fixed(NaN, 2), "–");
