@@ -61,11 +61,12 @@ void LiveLoop::run() {
       advance(tick);
     }
     if (!requests.commands.empty()) publish_state();
-    if (has_changed_ || requests.wanted_fields != published_fields_) publish_snapshot(requests.wanted_fields);
+    if (has_changed_ || is_blending() || requests.wanted_fields != published_fields_)
+      publish_snapshot(requests.wanted_fields);
     publish_status(Clock::now());
     wake_();
-    // A step that is due later than a frame is waited for, but never so long that pages would notice.
-    const double wait = std::clamp((stage_->time_step() - lag_) / speed_, seconds(options_.frame), 0.05);
+    const double until_step = is_blending() ? 0 : (stage_->time_step() - lag_) / speed_;
+    const double wait = std::max(until_step, seconds(options_.frame));
     due = tick + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(wait));
   }
 }
@@ -84,6 +85,11 @@ void LiveLoop::advance(Clock::time_point now) {
     lag_ -= time_step;
   }
   lag_ = std::clamp(lag_, 0.0, time_step);
+}
+
+bool LiveLoop::is_blending() const {
+  constexpr double rare = 1.5;  // in frames
+  return is_active() && stage_->time_step() > rare * seconds(options_.frame) * speed_;
 }
 
 void LiveLoop::step(double budget) {
@@ -183,9 +189,10 @@ void LiveLoop::publish_snapshot(const std::set<FieldChoice>& wanted) {
   auto snapshot = std::make_shared<Snapshot>();
   snapshot->generation = generation_;
   snapshot->number = ++snapshot_number_;
+  const double blend = is_blending() ? std::clamp(lag_ / stage_->time_step(), 0.0, 1.0) : 1;
   try {
     for (const FieldChoice& field : wanted) {
-      snapshot->frames[field] = shared(stage_->frame(snapshot->number, answered_drag_, field));
+      snapshot->frames[field] = shared(stage_->frame(snapshot->number, answered_drag_, field, blend));
     }
   } catch (const std::exception& error) {
     stop_after_fault(words_of(error));

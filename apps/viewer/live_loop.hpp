@@ -45,6 +45,8 @@ class LiveLoop {
   void stop_after_fault(const std::string& why);
   double real_time_ratio(Clock::time_point now);
   bool is_active() const { return !is_paused_ && is_moving_; }
+  /// Between steps that are rare to the eye, frames go evenly from state to state, one step late.
+  bool is_blending() const;
 
   void publish_scene();
   void publish_snapshot(const std::set<FieldChoice>& wanted);

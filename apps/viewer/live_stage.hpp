@@ -34,9 +34,11 @@ class LiveStage {
   /// One time step; no new iteration begins after `seconds`.
   virtual void step(double seconds) = 0;
 
-  /// The frame of the present state. @param field  index into `field_names`
+  /// A frame.
+  /// @param field  index into `field_names`
+  /// @param blend  1: the present state; less: that much of the way to it from the state one step before
   virtual std::string frame(std::uint32_t number, std::uint32_t answered_drag,
-                            std::optional<std::size_t> field) = 0;
+                            std::optional<std::size_t> field, double blend) = 0;
 };
 
 }  // namespace resilin::viewer

@@ -139,6 +139,18 @@ Json SceneStage::status() const {
           {"words", report.words}};
 }
 
+void SceneStage::step(double seconds) {
+  const State& state = loaded_->live.state();
+  loaded_->previous_positions = state.positions;
+  loaded_->previous_time = state.time;
+  loaded_->live.step({seconds});
+}
+
+void SceneStage::forget_previous_state() {
+  loaded_->previous_positions.resize(0);
+  loaded_->previous_time = loaded_->live.state().time;
+}
+
 void SceneStage::apply(const PageMessage& message) {
   Loaded& loaded = *loaded_;
   if (const auto* taken = std::get_if<Grab>(&message)) {
@@ -163,6 +175,7 @@ void SceneStage::apply(const PageMessage& message) {
     set(*control);
   } else if (std::holds_alternative<Reset>(message)) {
     loaded.live.reset();
+    forget_previous_state();
   } else if (std::holds_alternative<Reload>(message)) {
     loaded_ = std::make_unique<Loaded>(read_());
   }
@@ -228,16 +241,20 @@ Vector3 SceneStage::checked_place(const Vector3& place, const char* what) const 
 }
 
 std::string SceneStage::frame(std::uint32_t number, std::uint32_t answered_drag,
-                              std::optional<std::size_t> field) {
+                              std::optional<std::size_t> field, double blend) {
   Loaded& loaded = *loaded_;
   const State& state = loaded.live.state();
   if (loaded.shown_frame != number) {
-    loaded.surface.positions(state.positions, loaded.positions);
+    const bool is_present = blend >= 1 || loaded.previous_positions.size() != state.positions.size();
+    loaded.surface.positions(is_present
+                                 ? state.positions
+                                 : VectorX((1 - blend) * loaded.previous_positions + blend * state.positions),
+                             loaded.positions);
     if (!loaded.normals.empty()) loaded.surface.normals(loaded.positions, loaded.normals);
     loaded.shown_frame = number;
   }
   LiveFrame frame{.number = number,
-                  .time = state.time,
+                  .time = loaded.previous_time + std::min(blend, 1.0) * (state.time - loaded.previous_time),
                   .answers = answered_drag,
                   .positions = loaded.positions,
                   .normals = loaded.normals};

@@ -36,9 +36,9 @@ class SceneStage : public LiveStage {
   double time() const override { return loaded_->live.state().time; }
   double time_step() const override { return loaded_->live.controls().time_step; }
   bool is_at_rest() const override { return loaded_->live.report().at_rest; }
-  void step(double seconds) override { loaded_->live.step({seconds}); }
-  std::string frame(std::uint32_t number, std::uint32_t answered_drag,
-                    std::optional<std::size_t> field) override;
+  void step(double seconds) override;
+  std::string frame(std::uint32_t number, std::uint32_t answered_drag, std::optional<std::size_t> field,
+                    double blend) override;
 
  private:
   /// All that a reload replaces.
@@ -52,10 +52,13 @@ class SceneStage : public LiveStage {
     double ground_height = 0;                       ///< along up [m], while the floor is off, too
     Vector3 grab_offset = Vector3::Zero();          ///< from the pointer to the place that is held [m]
     std::map<Index, std::uint32_t> vertex_of_node;  ///< which vertex of the page a pinned node was pinned by
+    VectorX previous_positions;                     ///< one step before [m]
+    double previous_time = 0;                       ///< [s]
     std::uint32_t shown_frame = 0;                  ///< whose places and normals the buffers hold
     std::vector<float> positions, normals, field;
   };
 
+  void forget_previous_state();
   void grab(const Grab& grab);
   void set(const SetControl& set);
   Index checked_vertex(std::uint32_t vertex, const char* what) const;

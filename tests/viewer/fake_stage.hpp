@@ -43,8 +43,8 @@ class FakeStage : public LiveStage {
   double time_step() const override { return 1.0 / 60; }
   bool is_at_rest() const override { return switches_->rests; }
   void step(double seconds) override;
-  std::string frame(std::uint32_t number, std::uint32_t answered_drag,
-                    std::optional<std::size_t> field) override;
+  std::string frame(std::uint32_t number, std::uint32_t answered_drag, std::optional<std::size_t> field,
+                    double blend) override;
 
  private:
   std::shared_ptr<FakeStageSwitches> switches_;

@@ -124,6 +124,16 @@ TEST(LiveRoom, DropsTimeThatIsLost) {
   EXPECT_LE(scene.switches->num_steps - before, 40) << "it runs after the time that the slow steps have lost";
 }
 
+TEST(LiveRoom, ShowsSlowMotionAtTheRateOfFrames) {
+  const FakeScene scene;
+  PageClient page = scene.page();
+  page.send_text(R"({"type": "set", "key": "speed", "value": 0.05})");
+  ASSERT_TRUE(comes_to(page, {{"speed", 0.05}}));
+  const int steps = scene.switches->num_steps;
+  for (int i = 0; i < 30; ++i) page.receive_frame();
+  EXPECT_LE(scene.switches->num_steps - steps, 10) << "30 frames take half a second, 1.5 steps";
+}
+
 TEST(LiveRoom, PausesStepsAndPlays) {
   const FakeScene scene;
   PageClient page = scene.page();

@@ -1,0 +1,245 @@
+#include "viewer/scene_stage.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "resilin/core/error.hpp"
+#include "resilin/view/frame_codec.hpp"
+
+namespace resilin::viewer {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+constexpr const char* jelly = R"([simulation]
+kind = "dynamic"
+gravity = [0, 0, -9.81]
+time_step = 0.01
+end_time = 1
+[[body]]
+name = "jelly"
+element = "P1"
+mesh = { box = { size = [1, 1, 1], cells = [2, 2, 2] } }
+material = { law = "stable_neo_hookean", youngs_modulus = 1e4, poissons_ratio = 0.3, density = 1000 }
+[[fix]]
+where = { plane = { axis = "z", at = 0 } }
+)";
+
+constexpr const char* plate = R"([simulation]
+kind = "static"
+dimension = 2
+[[body]]
+name = "plate"
+element = "P1"
+mesh = { box = { size = [1, 1], cells = [2, 2] } }
+material = { law = "neo_hookean", youngs_modulus = 1e4, poissons_ratio = 0.3, density = 1000 }
+[[fix]]
+where = { plane = { axis = "y", at = 0 } }
+)";
+
+struct SceneStageTest : ::testing::Test {
+  std::string text = jelly;
+  SceneStage stage{[this] { return read_scene_from_text(text, "jelly.toml", "."); }};
+
+  DecodedFrame frame(std::optional<std::size_t> field = std::nullopt, double blend = 1) {
+    return decode_frame(stage.frame(++number, 0, field, blend));
+  }
+  Vector3 vertex(std::uint32_t v) {
+    const std::vector<float> x = frame().positions;
+    return Vector3(static_cast<double>(x[3 * v]), static_cast<double>(x[3 * v + 1]),
+                   static_cast<double>(x[3 * v + 2]));
+  }
+  /// A vertex of the upper side.
+  std::uint32_t top() {
+    const std::vector<float> x = frame().positions;
+    for (std::uint32_t v = 0; v < x.size() / 3; ++v) {
+      if (x[3 * v + 2] > 0.999F) return v;
+    }
+    return 0;
+  }
+  std::string refusal(const PageMessage& message) {
+    try {
+      stage.apply(message);
+      return {};
+    } catch (const InputError& error) {
+      return error.what();
+    }
+  }
+  void run(int num_steps) {
+    for (int i = 0; i < num_steps; ++i) stage.step(1);
+  }
+
+  std::uint32_t number = 0;
+};
+
+TEST_F(SceneStageTest, DescribesTheScene) {
+  const json header = stage.header();
+  EXPECT_EQ(header["title"], "jelly.toml");
+  EXPECT_EQ(header["parts"][0]["num_vertices"], 26);
+  EXPECT_EQ(header["fields"].size(), stage.field_names().size());
+  const auto stable =
+      std::ranges::find(header["laws"], "stable_neo_hookean", [](const json& law) { return law["name"]; });
+  ASSERT_NE(stable, header["laws"].end());
+  EXPECT_EQ((*stable)["label"], "Stable Neo-Hookean");
+  const json state = stage.state();
+  EXPECT_EQ(state["law"], "stable_neo_hookean");
+  EXPECT_EQ(state["youngs_modulus"], 1e4);
+  EXPECT_EQ(state["gravity"], json({0, 0, -9.81}));
+  EXPECT_EQ(state["time_step"], 0.01);
+  EXPECT_EQ(state["ground"], false);
+  EXPECT_EQ(state["ground_height"], 0) << "the floor would be under the lowest vertex";
+}
+
+TEST_F(SceneStageTest, AHandPullsTheVertexThatItHoldsWithoutAJolt) {
+  const std::uint32_t v = top();
+  const Vector3 before = vertex(v);
+  const Vector3 hit = before + Vector3(0.1, 0, 0);  // the pointer hit beside the vertex
+  stage.apply(Grab{v, hit});
+  EXPECT_TRUE(stage.is_grabbed());
+  stage.apply(Drag{1, hit + Vector3(0, 0.3, 0)});
+  run(30);
+  EXPECT_GT(vertex(v).y() - before.y(), 0.1);
+  EXPECT_LT(std::abs(vertex(v).x() - before.x()), 0.05);
+  stage.apply(Release{});
+  EXPECT_FALSE(stage.is_grabbed());
+}
+
+TEST_F(SceneStageTest, APinnedVertexStaysAndIsNamedAsThePageNamedIt) {
+  const std::uint32_t v = top();
+  const Vector3 before = vertex(v);
+  stage.apply(Pin{v});
+  EXPECT_EQ(stage.state()["pinned"], json({v}));
+  run(20);
+  EXPECT_LT((vertex(v) - before).norm(), 1e-4);  // 1/65535 of the box is the precision of a frame
+  stage.apply(Unpin{v});
+  EXPECT_EQ(stage.state()["pinned"], json::array());
+  run(20);
+  EXPECT_GT((vertex(v) - before).norm(), 1e-3);
+  stage.apply(Pin{v});
+  stage.apply(UnpinAll{});
+  EXPECT_EQ(stage.state()["pinned"], json::array());
+}
+
+TEST_F(SceneStageTest, SetsEachControl) {
+  const std::vector<std::pair<SetControl, json>> cases = {
+      {{"youngs_modulus", 3e4}, 3e4},
+      {{"poissons_ratio", 0.45}, 0.45},
+      {{"damping", 2.0}, 2.0},
+      {{"time_step", 0.02}, 0.02},
+      {{"max_force", 50.0}, 50.0},
+      {{"tolerance", 1e-3}, 1e-3},
+      {{"newton_limit", 3.0}, 3},
+      {{"ground_height", -0.5}, -0.5},
+      {{"ground", true}, true},
+      {{"law", "neo_hookean"}, "neo_hookean"},
+      {{"gravity", Vector3(1, 2, 3)}, json({1, 2, 3})},
+  };
+  for (const auto& [set, expected] : cases) {
+    stage.apply(set);
+    EXPECT_EQ(stage.state()[set.key], expected) << set.key;
+    run(1);
+  }
+}
+
+TEST_F(SceneStageTest, RefusesWhatCannotBeAndStaysAsItWas) {
+  const json before = stage.state();
+  const std::vector<std::pair<PageMessage, std::string>> cases = {
+      {Grab{26, Vector3::Zero()}, "grab: vertex: expected a number from 0 to 25, got 26"},
+      {Grab{0, Vector3(1e30, 0, 0)}, "within a thousand sizes of the bodies"},
+      {Pin{4294967295U}, "got 4294967295"},
+      {Unpin{26}, "unpin: vertex"},
+      {Poke{Vector3(0, 0, 1e9), 0.1}, "poke: center"},
+      {SetControl{"youngs_modulus", -1.0}, "youngs_modulus"},
+      {SetControl{"poissons_ratio", 0.5}, "poissons_ratio"},
+      {SetControl{"time_step", 0.0}, "time_step"},
+      {SetControl{"newton_limit", 1.5}, "newton_limit: expected a whole number from 0 to 1000, got 1.5"},
+      {SetControl{"law", "rubber"}, "rubber"},
+  };
+  for (const auto& [message, expected] : cases) {
+    EXPECT_THAT(refusal(message), HasSubstr(expected));
+    EXPECT_EQ(stage.state(), before);
+  }
+  run(1);
+}
+
+TEST_F(SceneStageTest, FramesCarryTheFieldThatIsAskedFor) {
+  run(10);
+  EXPECT_TRUE(frame().field.empty());
+  for (std::size_t i = 0; i < stage.field_names().size(); ++i) {
+    const DecodedFrame shown = frame(i);
+    EXPECT_EQ(shown.field_number, i);
+    EXPECT_EQ(shown.field.size(), 26U) << stage.field_names()[i];
+  }
+}
+
+TEST_F(SceneStageTest, FramesBetweenTwoStepsGoEvenlyFromOneToTheOther) {
+  run(10);
+  const DecodedFrame before = frame();
+  run(1);
+  const DecodedFrame after = frame();
+  const DecodedFrame between = frame(std::nullopt, 0.25);
+  EXPECT_NEAR(between.time, before.time + 0.25 * 0.01, 1e-12);
+  const float precision = 2e-5F * between.size[2];  // of a frame: 1/65535
+  for (std::size_t i = 0; i < before.positions.size(); ++i) {
+    EXPECT_NEAR(between.positions[i], 0.75F * before.positions[i] + 0.25F * after.positions[i], precision);
+  }
+  stage.apply(Reset{});
+  EXPECT_EQ(frame(std::nullopt, 0.25).time, 0);
+}
+
+TEST_F(SceneStageTest, ReloadsAndKeepsTheSceneWhenTheFileIsBroken) {
+  run(3);
+  text = "[simulation]\nkynd = 1\n";
+  EXPECT_THAT(refusal(Reload{}), HasSubstr("jelly.toml:2: simulation.kynd"));
+  EXPECT_GT(stage.time(), 0);
+  text = plate;
+  EXPECT_EQ(refusal(Reload{}), "");
+  EXPECT_EQ(stage.time(), 0);
+  EXPECT_EQ(stage.header()["dimension"], 2);
+  EXPECT_EQ(stage.header()["up"], json({0, 1, 0}));
+  stage.apply(Grab{0, Vector3(0, 0, 5)});  // a plane has no depth
+  run(2);
+  EXPECT_EQ(vertex(0).z(), 0);
+}
+
+TEST_F(SceneStageTest, StandsAnyOrderOfCommands) {
+  std::mt19937 random(1);
+  const auto below = [&random](std::uint32_t end) {
+    return std::uniform_int_distribution<std::uint32_t>(0, end - 1)(random);
+  };
+  const auto place = [&random] {
+    std::normal_distribution<double> one;
+    return Vector3(one(random), one(random), one(random));
+  };
+  const auto factor = [&random] { return std::exp(std::normal_distribution<double>(0, 2)(random)); };
+  for (int i = 0; i < 600; ++i) {
+    const PageMessage messages[] = {Grab{below(30), place()},
+                                    Drag{1, 10 * place()},
+                                    Release{},
+                                    Pin{below(30)},
+                                    Unpin{below(30)},
+                                    UnpinAll{},
+                                    Poke{place(), factor()},
+                                    PokeEnd{},
+                                    SetControl{"youngs_modulus", 1e4 * factor()},
+                                    SetControl{"poissons_ratio", 0.3 * factor()},
+                                    SetControl{"time_step", 0.01 * factor()},
+                                    SetControl{"ground", below(2) == 0},
+                                    SetControl{"ground_height", place().z()},
+                                    SetControl{"gravity", Vector3(10 * place())},
+                                    SetControl{"law", below(2) == 0 ? "neo_hookean" : "stable_neo_hookean"},
+                                    Reset{}};
+    refusal(messages[below(std::size(messages))]);
+    stage.step(0);
+    for (const float x : frame().positions) ASSERT_TRUE(std::isfinite(x)) << i;
+    ASSERT_TRUE(stage.status()["residual"].is_number());
+  }
+}
+
+}  // namespace
+}  // namespace resilin::viewer
