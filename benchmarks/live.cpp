@@ -7,6 +7,7 @@
 #include "clock.hpp"
 #include "resilin/io/mesh_file.hpp"
 #include "resilin/live/live_scene.hpp"
+#include "resilin/view/shown_surface.hpp"
 
 namespace resilin::bench {
 namespace {
@@ -70,10 +71,16 @@ LiveTiming measure_live(const LiveCase& live_case) {
   const Index node = farthest_node(world);
   const Vector3 start = node_position(world.dimension, node, world.rest_positions);
 
+  // What the page draws is a part of every step: positions and normals of the surface, skins included.
+  const ShownSurface surface(world);
+  std::vector<float> positions(3 * static_cast<std::size_t>(surface.num_vertices())),
+      normals(positions.size());
+
   LiveTiming timing;
   timing.vertices = world.num_nodes();
+  timing.drawn = surface.num_vertices();
   for (const Body& body : world.bodies) timing.cells += body.num_cells();
-  std::vector<double> wall, residuals, errors;
+  std::vector<double> wall, drawing, residuals, errors;
   const MaterialPoint place{.nodes = {node}, .weights = {1}};
   scene.grab(place, start);
   exact.grab(place, start);
@@ -89,7 +96,11 @@ LiveTiming measure_live(const LiveCase& live_case) {
     exact.step({.seconds = 60});
     const double cpu = cpu_seconds(), begin = wall_seconds();
     const LiveReport& report = scene.step({.seconds = 60});
+    const double stepped = wall_seconds();
+    surface.positions(scene.state().positions, positions);
+    surface.normals(positions, normals);
     wall.push_back(1e3 * (wall_seconds() - begin));
+    drawing.push_back(1e3 * (wall_seconds() - stepped));
     timing.cpu_ms += 1e3 * (cpu_seconds() - cpu) / (2 * steps_per_phase);
     timing.newton += static_cast<double>(report.newton_iterations) / (2 * steps_per_phase);
     timing.linear += static_cast<double>(report.linear_iterations) / (2 * steps_per_phase);
@@ -100,6 +111,7 @@ LiveTiming measure_live(const LiveCase& live_case) {
     if (moved > 0) errors.push_back((scene.state().positions - solved).norm() / moved);
   }
   timing.median_ms = median(wall);
+  timing.drawing_ms = median(drawing);
   timing.p95_ms = percentile_95(wall);
   timing.largest_ms = std::ranges::max(wall);
   timing.residual = median(residuals);
@@ -146,7 +158,10 @@ std::vector<LiveCase> live_cases() {
   if (const std::filesystem::path armadillo = shared_mesh("armadillo_coarse.node"); exists(armadillo)) {
     Description scene = seed001(armadillo);
     scene.loads.clear();
-    cases.push_back({.name = "armadillo, 627 cells, solved", .description = std::move(scene)});
+    SkinDescription skin;
+    skin.surface = read_mesh(shared_mesh("armadillo_skin.obj")).mesh;
+    scene.bodies.front().skin = skin;
+    cases.push_back({.name = "armadillo with skin, 627 cells, solved", .description = std::move(scene)});
   }
   const auto add = [&cases](const std::string& name, const Description& scene) {
     cases.push_back({.name = name + ", solved", .description = scene});
@@ -167,7 +182,10 @@ std::vector<Measurement> measure_view() {
     const auto add = [&](const std::string& what, double value) {
       measurements.emplace_back(live_case.name + ": " + what, value);
     };
+    add("cells", t.cells);
+    add("drawn vertices", t.drawn);
     add("median ms", t.median_ms);
+    add("of it positions and normals of the surface, ms", t.drawing_ms);
     add("95 % of steps, ms", t.p95_ms);
     add("mean processor ms", t.cpu_ms);
     add("Newton iterations", t.newton);
