@@ -143,7 +143,7 @@ INSTANTIATE_TEST_SUITE_P(
     Later, EveryWrongValue,
     ::testing::Values(
         WrongValue{"body.0.material.law=odgen", "did you mean \"ogden\"?"},
-        WrongValue{"body.0.skin=fine.obj", "body[0].skin: not part of this version"},
+        WrongValue{"body.0.skin=absent.obj", "absent.obj: no such file"},
         WrongValue{"output.formats=[\"html\"]", "\"html\" is not part of this version; there is \"vtu\""},
         WrongValue{"contact={}", "contact: not part of this version"},
         WrongValue{"contact.friction=-0.1", "contact.friction: expected a number >= 0, got -0.1"},
@@ -181,6 +181,26 @@ components = "y"
   EXPECT_EQ(scene.description.bodies[0].rotate->degrees, 90);
   EXPECT_EQ(scene.description.bodies[0].rotate->axis, Vector3(Vector3::UnitZ()));
   EXPECT_THAT(error_with({"simulation.dimension=2"}), HasSubstr("since simulation.dimension is 2, got 3"));
+}
+
+TEST(SceneFile, ReadsASkinByItsNameOrAsATable) {
+  const std::string file = (source_folder() / "tests/scene/scenes/beside/skin.obj").string();
+  const auto skin_of = [](const std::string& value) {
+    return *read_good_scene_with({"body.0.skin=" + value}).description.bodies[0].skin;
+  };
+  EXPECT_EQ(skin_of("\"" + file + "\"").surface.find_block(CellKind::triangle)->num_cells(), 4);
+  EXPECT_FALSE(skin_of("\"" + file + "\"").is_smooth);
+  EXPECT_TRUE(skin_of("{surface=\"" + file + "\",smooth=true}").is_smooth);
+}
+
+TEST(SceneFile, RefusesASkinWithoutTrianglesByName) {
+  const std::string file = (source_folder() / "tests/scene/scenes/beside/tetrahedron.msh").string();
+  EXPECT_THAT(error_with({"body.0.skin=\"" + file + "\""}),
+              AllOf(HasSubstr("body[0].skin: expected triangles in"), HasSubstr("tetrahedron.msh, got none"),
+                    HasSubstr("--surface")));
+  EXPECT_THAT(error_with({"body.0.skin={smooth=true}"}), HasSubstr("surface"));
+  EXPECT_THAT(error_with({"body.0.skin={surface=\"a.obj\",smoth=true}"}),
+              HasSubstr("did you mean \"smooth\"?"));
 }
 
 TEST(SceneFile, ReadsSpringsAndMotion) {

@@ -117,6 +117,34 @@ TEST(ShownSurface, NumbersVerticesOverAllBodies) {
     EXPECT_GE(triangle[0], static_cast<std::uint32_t>(part.first_vertex));
 }
 
+TEST(ShownSurface, DrawsASkinBeforeTheCellsThatCarryIt) {
+  Description scene = bar_of("P1", 3);
+  scene.bodies[0].skin = SkinDescription{
+      .surface = extract_surface(make_box({1, 0.25, 0.25}, {32, 8, 8})).mesh, .surface_name = "fine"};
+  const World world(scene);
+  const ShownSurface surface(world);
+  ASSERT_EQ(surface.parts().size(), 2u);
+  const ShownSurface::Part &skin = surface.parts()[0], &cells = surface.parts()[1];
+  EXPECT_EQ(skin.kind, ShownSurface::Kind::skin);
+  EXPECT_EQ(skin.num_triangles, 16 * 144);
+  EXPECT_EQ(skin.num_edges, 0);
+  EXPECT_EQ(cells.kind, ShownSurface::Kind::cells);
+  EXPECT_EQ(cells.first_vertex, skin.num_vertices);
+  EXPECT_GT(cells.num_edges, 0);
+
+  VectorX moved = world.rest_positions;
+  for (Index node = 0; node < world.num_nodes(); ++node) moved[3 * node + 1] *= 1 + moved[3 * node];
+  const std::vector<float> places = places_of(surface, moved);
+  for (Index v = 0; v < skin.num_vertices; ++v) {
+    const auto [nodes, weights] = surface.material_point(v);
+    ASSERT_EQ(nodes.size(), 4u);
+    Vector3 place = Vector3::Zero();
+    for (std::size_t a = 0; a < 4; ++a) place += weights[a] * node_position(3, nodes[a], moved);
+    EXPECT_LT((vertex(places, static_cast<std::uint32_t>(v)) - place).norm(), 1e-6);
+    EXPECT_THAT(nodes, ::testing::Contains(surface.nearest_node(v)));
+  }
+}
+
 TEST(Normals, OfABoxAreThoseOfItsSidesAndOfLengthOneAtEdges) {
   const World world(bar_of("Q1", 3));
   const ShownSurface surface(world);

@@ -5,6 +5,7 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/fields/evaluator.hpp"
+#include "resilin/mesh/edit.hpp"
 #include "small_scenes.hpp"
 
 namespace resilin::testing {
@@ -68,6 +69,19 @@ TEST(SurfaceFields, AreMeansOfTheCellsAroundAVertexByVolume) {
       }
     EXPECT_NEAR(values[static_cast<std::size_t>(v)], sum / volume, 1e-6);
   }
+}
+
+TEST(SurfaceFields, OfASkinAreCarriedByItsWeights) {
+  Description scene = small_bar(3, true);
+  scene.bodies[0].skin = SkinDescription{
+      .surface = extract_surface(make_box({1, 0.25, 0.25}, {32, 8, 8})).mesh, .surface_name = "fine"};
+  const World world(scene);
+  VectorX x = world.rest_positions;
+  for (Index node = 0; node < world.num_nodes(); ++node) x[3 * node] *= 1.5;  // u is linear along the bar
+  const std::vector<float> values = field_of(world, state_at(x), "displacement");
+  const Skin& skin = *world.bodies[0].skin;
+  for (Index v = 0; v < skin.num_vertices(); ++v)
+    EXPECT_NEAR(values[static_cast<std::size_t>(v)], 0.5 * skin.rest_positions[3 * v], 1e-6);
 }
 
 TEST(SurfaceFields, AreNotANumberWhereACellHasNone) {

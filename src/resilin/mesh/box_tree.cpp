@@ -11,6 +11,7 @@ BoxTree::BoxTree(std::span<const Box> boxes) : items_(boxes.size()) {
   nodes_.reserve(boxes.size());
   nodes_.emplace_back();
   build(boxes, 0, 0, static_cast<Index>(boxes.size()));
+  for (const Index item : items_) boxes_.push_back(boxes[static_cast<std::size_t>(item)]);
 }
 
 void BoxTree::build(std::span<const Box> boxes, Index node, Index first, Index last) {

@@ -42,7 +42,8 @@ class BoxTree {
       const Node& node = nodes_[static_cast<std::size_t>(stack[--size])];
       if (!node.box.contains(point)) continue;
       if (node.is_leaf()) {
-        for (Index i = node.first; i < node.last; ++i) visit(items_[static_cast<std::size_t>(i)]);
+        for (auto i = static_cast<std::size_t>(node.first); i < static_cast<std::size_t>(node.last); ++i)
+          if (boxes_[i].contains(point)) visit(items_[i]);
       } else {
         stack[size++] = node.left;
         stack[size++] = node.left + 1;
@@ -71,8 +72,9 @@ class BoxTree {
       if (entry.bound > least) continue;
       const Node& node = nodes_[static_cast<std::size_t>(entry.node)];
       if (node.is_leaf()) {
-        for (Index i = node.first; i < node.last; ++i) {
-          const Index item = items_[static_cast<std::size_t>(i)];
+        for (auto i = static_cast<std::size_t>(node.first); i < static_cast<std::size_t>(node.last); ++i) {
+          if (boxes_[i].squared_distance(point) > least) continue;
+          const Index item = items_[i];
           const double distance = squared_distance(item);
           if (distance < least || (distance == least && item < best)) {
             least = distance;
@@ -103,6 +105,7 @@ class BoxTree {
 
   std::vector<Node> nodes_;
   std::vector<Index> items_;
+  std::vector<Box> boxes_;  ///< of items_
 };
 
 }  // namespace resilin

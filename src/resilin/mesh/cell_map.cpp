@@ -2,16 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "resilin/mesh/cell_kind.hpp"
-#include "resilin/mesh/closest_point.hpp"
 
 namespace resilin {
 namespace {
 
-constexpr double rounding = 1e-12;      // by the size of a cell
-constexpr int pieces_along_a_side = 6;  // of a curved cell
+constexpr double rounding = 1e-12;  // by the size of a cell
 
 Vector3 center_of(const ElementInfo& element) {
   Vector3 center = Vector3::Zero();
@@ -22,7 +19,7 @@ Vector3 center_of(const ElementInfo& element) {
 }  // namespace
 
 CellMap::CellMap(const ElementInfo& element, std::span<const Index> cells, const VectorX& rest_positions)
-    : element_(element), nodes_(cells.begin(), cells.end()) {
+    : element_(element), block_{cell_kind(element), {cells.begin(), cells.end()}} {
   places_.reserve(cells.size());
   for (const Index node : cells) {
     Vector3 X = Vector3::Zero();
@@ -32,13 +29,6 @@ CellMap::CellMap(const ElementInfo& element, std::span<const Index> cells, const
   const Index count = static_cast<Index>(cells.size()) / element.num_nodes;
   affine_.resize(static_cast<std::size_t>(count));
   for (Index cell = 0; cell < count; ++cell) affine_[static_cast<std::size_t>(cell)] = affine_of(cell);
-  flat_pieces_ = cut_surface(1);
-  fine_pieces_ = cut_surface(pieces_along_a_side);
-}
-
-std::span<const Index> CellMap::nodes(Index cell) const {
-  const auto count = static_cast<std::size_t>(element_.num_nodes);
-  return std::span(nodes_).subspan(static_cast<std::size_t>(cell) * count, count);
 }
 
 const Vector3& CellMap::node(Index cell, int a) const {
@@ -125,25 +115,6 @@ std::optional<Vector3> CellMap::invert(Index cell, const Vector3& X) const {
   return std::nullopt;
 }
 
-CellMap::Nearest CellMap::nearest_on_surface(Index cell, const Vector3& X) const {
-  const bool is_flat = affine_[static_cast<std::size_t>(cell)].is_exact;
-  Nearest best{Vector3::Zero(), std::numeric_limits<double>::infinity()};
-  for (const Piece& piece : is_flat ? flat_pieces_ : fine_pieces_) {
-    const Vector3 a = place(cell, piece[0]), b = place(cell, piece[1]);
-    Vector3 xi;
-    if (element_.dim == 2) {
-      const auto share = closest_on_segment(X, a, b);
-      xi = share[0] * piece[0] + share[1] * piece[1];
-    } else {
-      const auto share = closest_on_triangle(X, a, b, place(cell, piece[2]));
-      xi = share[0] * piece[0] + share[1] * piece[1] + share[2] * piece[2];
-    }
-    const double squared_distance = (place(cell, xi) - X).squaredNorm();
-    if (squared_distance < best.squared_distance) best = {xi, squared_distance};
-  }
-  return best;
-}
-
 void CellMap::weights_at(Index cell, const Vector3& xi, const Vector3& X, std::span<double> weights) const {
   const auto count = static_cast<std::size_t>(element_.num_nodes),
              dim = static_cast<std::size_t>(element_.dim);
@@ -154,28 +125,6 @@ void CellMap::weights_at(Index cell, const Vector3& xi, const Vector3& X, std::s
   for (std::size_t a = 0; a < count; ++a)
     for (std::size_t k = 0; k < dim; ++k)
       weights[a] += slopes[a * dim + k] * rest[static_cast<Eigen::Index>(k)];
-}
-
-/// Each side of the reference cell in n x n flat pieces (triangles twice as many), in 2D n segments.
-std::vector<CellMap::Piece> CellMap::cut_surface(int n) const {
-  std::vector<Piece> pieces;
-  for (const CellSide& side : cell_sides(cell_kind(element_))) {
-    const auto corners = side.corners();
-    const auto corner = [&](std::size_t i) -> const Vector3& {
-      return element_.nodes[static_cast<std::size_t>(corners[i])];
-    };
-    const Vector3 origin = corner(0), along = corner(1) - corner(0);
-    const Vector3 across = corner(corners.size() - 1) - corner(0);
-    const auto at = [&](int i, int j) -> Vector3 { return origin + (i * along + j * across) / n; };
-    const bool is_triangle = corners.size() == 3;
-    for (int j = 0; j < (corners.size() == 2 ? 1 : n); ++j)
-      for (int i = 0; i < (is_triangle ? n - j : n); ++i) {
-        pieces.push_back({at(i, j), at(i + 1, j), at(i, j + 1)});
-        if (corners.size() > 2 && (!is_triangle || i + j < n - 1))
-          pieces.push_back({at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
-      }
-  }
-  return pieces;
 }
 
 }  // namespace resilin

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <optional>
 #include <span>
 #include <vector>
@@ -8,6 +7,7 @@
 #include "resilin/core/types.hpp"
 #include "resilin/element/element.hpp"
 #include "resilin/mesh/box_tree.hpp"
+#include "resilin/mesh/mesh.hpp"
 
 namespace resilin {
 
@@ -21,7 +21,11 @@ class CellMap {
 
   Index num_cells() const { return static_cast<Index>(affine_.size()); }
   const ElementInfo& element() const { return element_; }
-  std::span<const Index> nodes(Index cell) const;
+  const CellBlock& block() const { return block_; }
+  std::span<const Index> nodes(Index cell) const { return block_.cell(cell); }
+
+  /// X(xi) is affine: of straight simplices and of parallelepipeds.
+  bool is_affine(Index cell) const { return affine_[static_cast<std::size_t>(cell)].is_exact; }
 
   /// A box around the whole cell, also a curved one.
   Box box(Index cell) const;
@@ -37,14 +41,6 @@ class CellMap {
   /// xi with X(xi) = X for a place in the cell or near it; empty where Newton's method finds none.
   std::optional<Vector3> invert(Index cell, const Vector3& X) const;
 
-  /// The place of the cell's surface that is nearest to X. Of curved cells each side is searched in small
-  /// flat pieces.
-  struct Nearest {
-    Vector3 xi;
-    double squared_distance;  ///< [m^2]
-  };
-  Nearest nearest_on_surface(Index cell, const Vector3& X) const;
-
   /// Weights of the nodes at X, of which xi is the place in the cell or the nearest to it: the shape
   /// functions and their slope from there to X. They sum to one, and sum_a w_a X_a = X.
   void weights_at(Index cell, const Vector3& xi, const Vector3& X, std::span<double> weights) const;
@@ -54,22 +50,17 @@ class CellMap {
   struct Affine {
     Vector3 origin;
     Matrix<3> dxi_dX;
-    bool is_exact;  ///< of straight simplices and of parallelepipeds
+    bool is_exact;
   };
-  /// A flat piece of the reference cell's surface: a triangle, in 2D a segment.
-  using Piece = std::array<Vector3, 3>;
 
   const Vector3& node(Index cell, int a) const;
   Matrix<3> dX_dxi(Index cell, const Vector3& xi) const;
   Affine affine_of(Index cell) const;
-  std::vector<Piece> cut_surface(int n) const;
 
   const ElementInfo& element_;
-  std::vector<Index> nodes_;
+  CellBlock block_;
   std::vector<Vector3> places_;  ///< of the nodes [m]
   std::vector<Affine> affine_;
-  std::vector<Piece> flat_pieces_;  ///< of a cell with flat sides
-  std::vector<Piece> fine_pieces_;  ///< of any other
 };
 
 }  // namespace resilin

@@ -10,8 +10,10 @@ std::array<double, 3> closest_on_triangle(const Vector3& p, const Vector3& a, co
   // Above the inside of the triangle it is the foot of the perpendicular: solve the 2 x 2 normal equations.
   const Vector3 u = b - a, v = c - a, w = p - a;
   const double uu = u.squaredNorm(), uv = u.dot(v), vv = v.squaredNorm(), wu = w.dot(u), wv = w.dot(v);
+  // A triangle thinner than this is met by its sides to 1e-5 of its length.
+  constexpr double thin = 1e-10;
   const double determinant = uu * vv - uv * uv;  // (2 area)^2
-  if (determinant > 0) {
+  if (determinant > thin * uu * vv) {
     const double s = (vv * wu - uv * wv) / determinant, t = (uu * wv - uv * wu) / determinant;
     if (s >= 0 && t >= 0 && s + t <= 1) return {1 - s - t, s, t};
   }

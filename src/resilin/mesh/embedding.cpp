@@ -5,7 +5,7 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/parallel.hpp"
-#include "resilin/mesh/cell_map.hpp"
+#include "resilin/mesh/cell_surface.hpp"
 
 namespace resilin {
 namespace {
@@ -33,15 +33,15 @@ double extent_of(const VectorX& X, std::span<const Index> cells, int dim) {
   return (box.max - box.min).maxCoeff();
 }
 
-/// Where a point is in the cells.
+/// Where a point is in the cells, or on their surface.
 struct Found {
   Index cell = -1;
   Vector3 xi = Vector3::Zero();
   double depth = -1;
-  double distance = 0;  ///< from the nearest cell; zero inside
+  double distance = 0;  ///< from the cells; zero inside
 };
 
-Found find(const CellMap& map, const BoxTree& tree, const Vector3& X) {
+Found find_inside(const CellMap& map, const BoxTree& tree, const Vector3& X) {
   Found found;
   tree.visit_containing(X, [&](Index cell) {
     const std::optional<Vector3> xi = map.invert(cell, X);
@@ -51,12 +51,12 @@ Found find(const CellMap& map, const BoxTree& tree, const Vector3& X) {
     if (found.cell < 0 || depth > found.depth || (depth == found.depth && cell < found.cell))
       found = {cell, *xi, depth, 0};
   });
-  if (found.cell >= 0) return found;
-  found.cell = tree.nearest(X, [&](Index cell) { return map.nearest_on_surface(cell, X).squared_distance; });
-  const CellMap::Nearest nearest = map.nearest_on_surface(found.cell, X);
-  found.xi = nearest.xi;
-  found.distance = std::sqrt(nearest.squared_distance);
   return found;
+}
+
+Found find_outside(const CellSurface& surface, const Vector3& X) {
+  const CellSurface::Nearest nearest = surface.nearest(X);
+  return {nearest.cell, nearest.xi, -1, nearest.distance};
 }
 
 }  // namespace
@@ -83,24 +83,33 @@ void Embedding::find_cells(const ElementInfo& element, std::span<const Index> ce
   const CellMap map(element, cells, rest_positions);
   const double extent = extent_of(rest_positions, cells, dim_);
   const BoxTree tree = tree_of(map, inside_tolerance * extent);
-  std::vector<double> distances(points.size());
-  parallel_for(points.size(), points_per_chunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t p = begin; p < end; ++p) {
-      Vector3 place = points[p];
-      if (dim_ == 2) place.z() = 0;
-      const Found found = find(map, tree, place);
-      cell_[p] = found.cell;
-      distances[p] = found.distance;
-      std::ranges::copy(map.nodes(found.cell), nodes_.begin() + static_cast<std::ptrdiff_t>(p * width()));
-      map.weights_at(found.cell, found.xi, place, std::span(weights_).subspan(p * width(), width()));
-    }
+  const auto place = [&](std::size_t p) {
+    return dim_ == 2 ? Vector3(points[p].x(), points[p].y(), 0) : points[p];
+  };
+  std::vector<Found> found(points.size());
+  const auto for_points = [&](const auto& body) {
+    parallel_for(points.size(), points_per_chunk, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t p = begin; p < end; ++p) body(p);
+    });
+  };
+  for_points([&](std::size_t p) { found[p] = find_inside(map, tree, place(p)); });
+  if (std::ranges::any_of(found, [](const Found& f) { return f.cell < 0; })) {
+    const CellSurface surface(map);
+    for_points([&](std::size_t p) {
+      if (found[p].cell < 0) found[p] = find_outside(surface, place(p));
+    });
+  }
+  for_points([&](std::size_t p) {
+    cell_[p] = found[p].cell;
+    std::ranges::copy(map.nodes(cell_[p]), nodes_.begin() + static_cast<std::ptrdiff_t>(p * width()));
+    map.weights_at(cell_[p], found[p].xi, place(p), std::span(weights_).subspan(p * width(), width()));
   });
   for (std::size_t p = 0; p < points.size(); ++p) {
-    if (!(distances[p] > inside_tolerance * extent)) continue;
+    if (!(found[p].distance > inside_tolerance * extent)) continue;
     ++outside_.count;
-    if (distances[p] > outside_.distance)
-      outside_ = {outside_.count, static_cast<Index>(p), distances[p],
-                  distances[p] / map.mean_edge(cell_[p])};
+    if (found[p].distance > outside_.distance)
+      outside_ = {outside_.count, static_cast<Index>(p), found[p].distance,
+                  found[p].distance / map.mean_edge(cell_[p])};
   }
 }
 

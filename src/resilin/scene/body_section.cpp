@@ -69,8 +69,9 @@ Keys<BodyDescription> body_keys() {
       choice_key("mass", &B::mass, {"lumped", "consistent"}, {}, "How mass is spread over the vertices."),
       key<B>({"damping", "[damping](#damping)", "", "none", "In motion: forces against the velocity."},
              [](const SceneNode& node, B& b) { read_damping(node, b.damping); }),
-      later_key<B>("skin", "text", "A fine surface carried by the cells.",
-                   "leave it out: the mesh's own surface is shown"),
+      key<B>({"skin", "text or [skin](#skin)", "", "none",
+              "A fine surface that the cells carry, placed with the mesh; the page draws it."},
+             [](const SceneNode& node, B& b) { read_skin(node, b.skin); }),
   };
 }
 

@@ -67,6 +67,7 @@ std::vector<SectionDoc> scene_sections() {
       material_doc(),
       damping_doc(),
       rotation_doc(),
+      skin_doc(),
       document("[[fix]]", "Prescribed displacement, whole or by component; the reaction is reported.",
                fix_keys()),
       document("[[load]]",

@@ -41,6 +41,10 @@ SectionDoc where_doc();
 void read_rotation(const SceneNode& node, std::optional<Rotation>& rotation);
 SectionDoc rotation_doc();
 
+// skin_section.cpp
+void read_skin(const SceneNode& node, std::optional<SkinDescription>& skin);
+SectionDoc skin_doc();
+
 // condition_section.cpp
 Keys<FixDescription> fix_keys();
 Keys<LoadDescription> load_keys();

@@ -62,7 +62,7 @@ struct DampingDescription {
 /// A fine surface that a body's cells carry; placed with the body's mesh.
 struct SkinDescription {
   std::string place = "skin";
-  Mesh surface;              ///< triangles; in 2D also lines
+  Mesh surface{};            ///< triangles; in 2D also lines
   std::string surface_name;  ///< the file, for messages
   bool is_smooth = false;    ///< see Embedding
 };
