@@ -5,6 +5,7 @@
 #include "resilin/energy/kernel_benchmark.hpp"
 #include "resilin/linear/solver_benchmark.hpp"
 #include "scenes.hpp"
+#include "skin.hpp"
 
 namespace resilin::cli {
 namespace {
@@ -53,6 +54,23 @@ std::vector<Measurement> bench_view(const BenchOptions&) { return bench::measure
 
 std::vector<Measurement> bench_latency(const BenchOptions&) { return bench::measure_latency(); }
 
+/// Milliseconds of a frame, by body.
+std::vector<Measurement> bench_skin(const BenchOptions& options) {
+  std::vector<Measurement> measurements;
+  for (const bench::SkinTiming& timing : bench::measure_skins(options.n > 0 ? options.n : 10)) {
+    measurements.emplace_back(timing.name + ", cells", timing.cells);
+    measurements.emplace_back(timing.name + ", vertices of the skin", timing.vertices);
+    measurements.emplace_back(timing.name + ", outside the cells, %", timing.outside_percent);
+    measurements.emplace_back(timing.name + ", build ms", timing.build_ms);
+    measurements.emplace_back(timing.name + ", apply ms", timing.apply_ms);
+    measurements.emplace_back(timing.name + ", apply smooth ms", timing.smooth_apply_ms);
+    measurements.emplace_back(timing.name + ", normals ms", timing.normals_ms);
+    measurements.emplace_back(timing.name + ", von Mises ms", timing.field_ms);
+    measurements.emplace_back(timing.name + ", encode ms", timing.encode_ms);
+  }
+  return measurements;
+}
+
 }  // namespace
 
 const std::vector<Benchmark>& benchmarks() {
@@ -69,6 +87,9 @@ const std::vector<Benchmark>& benchmarks() {
       {"view", "Dragging in real time: time of a step, and its distance to the solved step", bench_view},
       {"latency", "From moving the hand in the browser to the frame that shows it, through the page server",
        bench_latency},
+      {"skin",
+       "A fine skin in each frame: embedding, normals, colours, the page's bytes; --n cells along an edge",
+       bench_skin},
   };
   return table;
 }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "command.hpp"
+#include "fill.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/io/mesh_file.hpp"
@@ -23,6 +24,8 @@ struct MeshOptions {
   bool remove_unused = false;
   bool surface = false;
   bool merge = false;
+  bool fills = false;  ///< a surface with tetrahedra
+  FillOptions fill;
 };
 
 Mesh make_tetrahedron_box(const Vector3& size, const std::array<int, 3>& cells, const Vector3& origin) {
@@ -58,7 +61,10 @@ Mesh make_box_mesh(const MeshOptions& options) {
 
 /// The mesh to start from, and the name of the file that it goes to.
 Mesh read_input(const MeshOptions& options, std::string& out) {
+  if (!options.fills && !options.fill.mesher.empty())
+    throw InputError("mesh --mesher", "--tets beside it", "none");
   if (!options.box.empty()) {
+    if (options.fills) throw InputError("mesh --tets", "a surface to fill", "--box");
     if (options.files.size() != 1)
       throw InputError("mesh --box", "one file, OUT", std::to_string(options.files.size()));
     out = options.files[0];
@@ -73,6 +79,11 @@ Mesh read_input(const MeshOptions& options, std::string& out) {
   out = options.files[1];
   MeshFile file = read_mesh(options.files[0]);
   print_warnings(file.warnings);
+  if (options.fills) {
+    Mesh filled = fill_surface(file, options.fill);
+    remove_unused_nodes(filled);
+    return filled;
+  }
   return std::move(file.mesh);
 }
 
@@ -111,8 +122,8 @@ int convert(const MeshOptions& options) {
 
 void add_mesh(CLI::App& app, Action& action) {
   auto options = std::make_shared<MeshOptions>();
-  CLI::App* command =
-      app.add_subcommand("mesh", "Convert and mend a mesh, extract its surface, or make a box");
+  CLI::App* command = app.add_subcommand(
+      "mesh", "Convert and mend a mesh, extract its surface, fill a surface with tetrahedra, or make a box");
   command
       ->add_option("files", options->files,
                    "IN and OUT, or OUT alone with --box; the extension tells the format")
@@ -130,12 +141,27 @@ void add_mesh(CLI::App& app, Action& action) {
   command->add_flag("--remove-unused", options->remove_unused, "Drop vertices that no cell uses");
   command->add_flag("--merge", options->merge, "Join vertices at exactly the same place");
   command->add_flag("--surface", options->surface, "Write the boundary as triangles");
+  CLI::Option* tets =
+      command
+          ->add_option("--tets", options->fill.tetrahedra,
+                       "Fill the closed surface IN with about this many tetrahedra, by gmsh or pytetwild")
+          ->type_name("N");
+  command->add_option("--mesher", options->fill.mesher, "The program that --tets calls: gmsh or pytetwild")
+      ->type_name("NAME");
+  command->add_option("--time-limit", options->fill.time_limit, "How long --tets may take [s]")
+      ->type_name("SECONDS")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   command->footer(
       "Examples:\n  resilin mesh armadillo.node armadillo.msh --remove-unused\n  resilin mesh bar.msh "
       "bar.obj --surface\n"
-      "  resilin mesh bar.msh --box 4 1 1 --cells 40 10 10\n\nOUT is replaced when it exists, only once the "
+      "  resilin mesh bar.msh --box 4 1 1 --cells 40 10 10\n"
+      "  resilin mesh creature.obj creature.msh --tets 5000\n\nOUT is replaced when it exists, only once the "
       "new file is whole.");
-  command->callback([options, &action] { action = [options] { return convert(*options); }; });
+  command->callback([options, tets, &action] {
+    options->fills = tets->count() > 0;
+    action = [options] { return convert(*options); };
+  });
 }
 
 }  // namespace resilin::cli

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "resilin/mesh/edit.hpp"
 
@@ -74,6 +75,18 @@ TEST(ShapeQuality, IsOneForTheRegularTetrahedronAndTriangle) {
   triangle.vertices = {{0, 0, 0}, {1, 0, 0}, {0.5, std::sqrt(0.75), 0}};
   triangle.blocks = {{CellKind::triangle, {0, 1, 2}}};
   EXPECT_NEAR(shape_qualities(triangle, triangle.blocks[0])[0], 1, 1e-14);
+}
+
+TEST(DihedralAngles, OfRegularRightAngledAndFlatTetrahedra) {
+  Mesh mesh;
+  mesh.vertices = {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}, {0, 0, 0},
+                   {1, 0, 0}, {0, 1, 0},   {0, 0, 1},   {1, 1, 1e-3}};
+  CellBlock& cells = mesh.block(CellKind::tetrahedron);
+  cells.nodes = {0, 1, 2, 3, 4, 5, 6, 7, 4, 5, 6, 8};
+  const std::vector<double> angles = smallest_dihedral_angles(mesh, cells);
+  EXPECT_NEAR(angles[0], 70.528779, 1e-6);                                 // arccos 1/3
+  EXPECT_NEAR(angles[1], 54.735610, 1e-6);                                 // arctan sqrt 2
+  EXPECT_NEAR(angles[2], std::atan(1e-3) * 180 / std::numbers::pi, 1e-9);  // a sliver
 }
 
 }  // namespace

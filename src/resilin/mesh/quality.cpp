@@ -1,6 +1,7 @@
 #include "resilin/mesh/quality.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -214,6 +215,26 @@ std::vector<std::array<Index, 2>> nonmanifold_edges(const CellBlock& triangles) 
   });
   std::sort(result.begin(), result.end());
   return result;
+}
+
+std::vector<double> smallest_dihedral_angles(const Mesh& mesh, const CellBlock& tetrahedra) {
+  return per_cell(tetrahedra, [&](Index cell) {
+    const auto nodes = tetrahedra.cell(cell);
+    const auto at = [&](int i) -> const Vector3& {
+      return mesh.vertices[static_cast<std::size_t>(nodes[static_cast<std::size_t>(i)])];
+    };
+    std::array<Vector3, 4> normals;  // of the sides, outward
+    for (std::size_t s = 0; s < 4; ++s) {
+      const auto corners = cell_sides(CellKind::tetrahedron)[s].corners();
+      normals[s] = (at(corners[1]) - at(corners[0])).cross(at(corners[2]) - at(corners[0]));
+    }
+    double smallest = std::numbers::pi;
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t j = i + 1; j < 4; ++j)
+        smallest =
+            std::min(smallest, std::atan2(normals[i].cross(normals[j]).norm(), -normals[i].dot(normals[j])));
+    return smallest * 180 / std::numbers::pi;
+  });
 }
 
 std::vector<double> shape_qualities(const Mesh& mesh, const CellBlock& block) {

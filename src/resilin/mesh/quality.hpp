@@ -46,6 +46,10 @@ std::vector<std::pair<Index, Index>> duplicate_vertices(const Mesh& mesh);
 /// Edges that three or more triangles share, smaller vertex first.
 std::vector<std::array<Index, 2>> nonmanifold_edges(const CellBlock& triangles);
 
+/// The smallest of the six angles between the sides of each tetrahedron [degrees]; about 70.5 when it is
+/// regular, near 0 for slivers.
+std::vector<double> smallest_dihedral_angles(const Mesh& mesh, const CellBlock& tetrahedra);
+
 /// Inverted or not, the shape of a tetrahedron: 6 sqrt(2) V / (root mean square edge)^3; 1 when regular, 0
 /// when flat, negative when inverted. In 2D 4/sqrt(3) A / (mean square edge). Source: Parthasarathy, Graichen
 /// & Hathaway 1994, "A comparison of tetrahedron quality measures". Of quadrilaterals and hexahedra the least

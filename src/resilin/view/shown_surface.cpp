@@ -158,7 +158,7 @@ void ShownSurface::interpolate(std::span<const double> nodal_values, std::span<f
   }
 }
 
-ShownSurface::MaterialPoint ShownSurface::material_point(Index vertex) const {
+MaterialPoint ShownSurface::material_point(Index vertex) const {
   const auto after = std::ranges::find_if(
       parts_, [&](const Part& part) { return vertex < part.first_vertex + part.num_vertices; });
   const Index local = vertex - after->first_vertex;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "resilin/energy/material_point.hpp"
 #include "resilin/simulation/world.hpp"
 #include "resilin/view/normals.hpp"
 
@@ -55,12 +56,8 @@ class ShownSurface {
     normals_.evaluate(positions, out);
   }
 
-  /// A place in the material, held by nodes of one cell: x = sum_a weights[a] x_nodes[a]. Of a vertex of the
-  /// cells that is the node itself; of a smooth skin the part that is linear in each cell.
-  struct MaterialPoint {
-    std::vector<Index> nodes;  ///< of the world
-    std::vector<double> weights;
-  };
+  /// Where a vertex is in the material, for a hand to pull there: of the cells it is the node itself; of a
+  /// smooth skin the part that is linear in each cell.
   MaterialPoint material_point(Index vertex) const;
 
   /// The node with the greatest weight in the material point: the one to pin.
