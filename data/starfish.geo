@@ -1,4 +1,4 @@
-// A starfish in the plane, 0.9 m across; `gmsh starfish.geo -2 -format msh41 -o starfish.msh` makes the mesh.
+// A starfish in the plane, 0.86 m across; `gmsh starfish.geo -2 -format msh41 -o starfish.msh` makes the mesh.
 // Its outline in polar coordinates, by a closed spline through 100 points:
 //   r(t) = 0.27 + 0.15 cos(5 t) + 0.03 cos(10 t)   [m], one arm up
 n = 100;

@@ -86,6 +86,16 @@ std::string time_steps_text(const World& world) {
   return format_short(world.end_time / world.time_step) + " time steps";
 }
 
+std::string skin_text(const Skin& skin) {
+  const Embedding::Outside& outside = skin.embedding.outside();
+  const std::string text = skin.name + ": " + std::to_string(skin.num_vertices()) + " vertices, " +
+                           std::to_string(skin.facets.num_cells()) + " " +
+                           std::string(name(skin.facets.kind));
+  if (outside.count == 0) return text + ", all inside the cells";
+  return text + ", " + std::to_string(outside.count) + " vertices outside the cells by at most " +
+         format_short(outside.distance) + " m";
+}
+
 void print_scene(const Scene& scene, const World& world) {
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     const Body& body = world.bodies[b];
@@ -98,6 +108,7 @@ void print_scene(const Scene& scene, const World& world) {
     for (const auto& [constant, value] : body.constants)
       rows.push_back({"  " + constant, format_short(value)});
     for (auto& row : mesh_rows(description.mesh)) rows.push_back(std::move(row));
+    if (body.skin) rows.push_back({"  skin", skin_text(*body.skin)});
     print_text(format_table(rows));
   }
   for (const Support& support : world.supports) {

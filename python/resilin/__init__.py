@@ -4,10 +4,12 @@ Material    a law at arrays of deformation gradients: energy, stress, tangent, f
 Elastic     the energy of a mesh: value, gradient, Hessian
 Simulation  a scene step by step; `run` simulates it to the end
 Mesh        from arrays, files, meshio objects and recipes
+embed       weights that carry fine points by the cells of a mesh
 """
 
 from resilin._core import InputError, __version__
 from resilin.elastic import Elastic
+from resilin.embedding import embed
 from resilin.material import Material, laws
 from resilin.mesh import Mesh, MeshReport, read_mesh
 from resilin.picture import Picture, picture
@@ -27,6 +29,7 @@ __all__ = [
     "Simulation",
     "Step",
     "__version__",
+    "embed",
     "laws",
     "num_threads",
     "picture",

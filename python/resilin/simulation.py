@@ -266,6 +266,20 @@ class Simulation:
         """Vertices of the cells of a body (M, d + 1), as rows of `positions`."""
         return self._core.cells(body)
 
+    def skin_positions(self, body):
+        """Where the skin of a body is now (V, 3) [m]; in 2D the third column is zero.
+
+        Raises
+        ------
+        InputError
+            For a body without the key `skin`.
+        """
+        return self._core.skin_positions(body)
+
+    def skin_triangles(self, body):
+        """Triangles of the skin (T, 3), as rows of `skin_positions`; of a curve in 2D its lines (T, 2)."""
+        return self._core.skin_facets(body)
+
     def vertices(self, body):
         """The rows of `positions` that belong to a body, as a slice."""
         return slice(*self._core.vertex_range(body))

@@ -13,8 +13,10 @@
 #include <vector>
 
 #include "bindings.hpp"
+#include "csr.hpp"
 #include "resilin/element/catalog.hpp"
 #include "resilin/io/mesh_file.hpp"
+#include "resilin/mesh/embedding.hpp"
 #include "resilin/mesh/generators.hpp"
 #include "resilin/mesh/second_order.hpp"
 
@@ -117,6 +119,29 @@ MeshFile with_second_order(const MeshFile& file) {
   return finer;
 }
 
+/// Weights of the nodes at points, by rows as scipy keeps them: (values, columns, row_begin).
+CsrArrays embed(const std::string& element_name, const Array2d<double>& rest_positions,
+                const Array2d<Index>& cells, const Array2d<double>& points) {
+  const int dim = static_cast<int>(rest_positions.shape(1));
+  const ElementInfo& element = require_element(element_name, dim, "element");
+  const Embedding embedding(element, {cells.data(), cells.size()}, unknowns(rest_positions), vectors(points));
+  Csr csr;
+  csr.row_begin = {0};
+  std::vector<std::pair<Index, double>> row;
+  for (Index p = 0; p < embedding.num_points(); ++p) {
+    row.clear();
+    for (std::size_t a = 0; a < embedding.nodes(p).size(); ++a)
+      row.emplace_back(embedding.nodes(p)[a], embedding.weights(p)[a]);
+    std::ranges::sort(row);
+    for (const auto& [node, weight] : row) {
+      csr.columns.push_back(node);
+      csr.values.push_back(weight);
+    }
+    csr.row_begin.push_back(static_cast<Index>(csr.columns.size()));
+  }
+  return arrays_of(std::move(csr));
+}
+
 }  // namespace
 
 void bind_mesh(nb::module_& module) {
@@ -157,6 +182,8 @@ void bind_mesh(nb::module_& module) {
           nb::arg("path"), nb::call_guard<nb::gil_scoped_release>());
   module.def("make_mesh", &make_mesh, nb::arg("positions"), nb::arg("cells"), nb::arg("groups"),
              nb::arg("name"));
+  module.def("embed", &embed, nb::arg("element"), nb::arg("rest_positions"), nb::arg("cells"),
+             nb::arg("points"));
   module.def("read_mesh", &read_mesh, nb::arg("path"), nb::call_guard<nb::gil_scoped_release>());
   module.def(
       "element_cells",

@@ -112,6 +112,28 @@ class RunningSimulation {
                                     static_cast<std::size_t>(num_nodes(body.cell_kind))});
   }
 
+  const Skin& skin(const std::string& name) const {
+    const Body& body = world().bodies[find_body(name)];
+    if (!body.skin)
+      throw InputError("body \"" + name + "\"", "a skin", "none", "its key in the scene is `skin`");
+    return *body.skin;
+  }
+
+  /// (V, 3) [m]
+  NumpyArray<double> skin_positions(const std::string& name) const {
+    const Embedding& embedding = skin(name).embedding;
+    std::vector<double> places(3 * static_cast<std::size_t>(embedding.num_points()));
+    embedding.apply(simulation_->state().positions, places);
+    return numpy_array(std::move(places), {static_cast<std::size_t>(embedding.num_points()), 3});
+  }
+
+  /// (T, 3), in 2D perhaps (T, 2)
+  NumpyArray<Index> skin_facets(const std::string& name) const {
+    const CellBlock& facets = skin(name).facets;
+    return numpy_array(facets.nodes, {static_cast<std::size_t>(facets.num_cells()),
+                                      static_cast<std::size_t>(num_nodes(facets.kind))});
+  }
+
   std::pair<Index, Index> vertex_range(const std::string& name) const {
     const Body& body = world().bodies[find_body(name)];
     return {body.first_node, body.first_node + body.num_nodes};
@@ -197,6 +219,8 @@ void bind_simulation(nb::module_& module) {
       .def("set_material", &RunningSimulation::set_material, nb::arg("body"), nb::arg("law"),
            nb::arg("constants"), nb::arg("cell_constants"), nb::arg("fibres"), nb::arg("density").none())
       .def("cells", &RunningSimulation::cells, nb::arg("body"))
+      .def("skin_positions", &RunningSimulation::skin_positions, nb::arg("body"))
+      .def("skin_facets", &RunningSimulation::skin_facets, nb::arg("body"))
       .def("vertex_range", &RunningSimulation::vertex_range, nb::arg("body"))
       .def("frame",
            [](const RunningSimulation& s) {

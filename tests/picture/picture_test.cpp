@@ -165,13 +165,13 @@ TEST(Surface, OfQuadraticCellsIsCurved) {
     points.emplace_back(std::cos(angle), std::sin(angle), 0);
   };
   for (const double degrees : {0, 120, 240, 60, 180, 300}) on_circle(degrees);
-  const Surface surface = find_surface({{CellKind::triangle6, {0, 1, 2, 3, 4, 5}}}, points);
+  const DrawnSurface surface = find_surface({{CellKind::triangle6, {0, 1, 2, 3, 4, 5}}}, points);
   double area = 0;
   for (const auto& triangle : surface.triangles) {
     std::array<Vector3, 3> p;
     for (std::size_t i = 0; i < 3; ++i)
-      p[i] =
-          Surface::at(triangle[i], [&](Index n) -> Vector3 { return points[static_cast<std::size_t>(n)]; });
+      p[i] = DrawnSurface::at(triangle[i],
+                              [&](Index n) -> Vector3 { return points[static_cast<std::size_t>(n)]; });
     area += 0.5 * (p[1] - p[0]).cross(p[2] - p[0]).z();
   }
   // The straight triangle has 1.30. Three parabolas of height 1/2 over sides of sqrt 3 add 2/3 of their
@@ -186,10 +186,10 @@ TEST(Surface, OfHexahedraHasTheirOuterSides) {
   const std::array<Vector3, 4> square = {Vector3(0, 0, 0), {0, 1, 0}, {0, 1, 1}, {0, 0, 1}};
   for (const double x : {0.0, 1.0, 2.0})
     for (const Vector3& corner : square) points.push_back(corner + x * Vector3::UnitX());
-  const Surface surface =
+  const DrawnSurface surface =
       find_surface({{CellKind::hexahedron, {0, 1, 2, 3, 4, 5, 6, 7, 4, 5, 6, 7, 8, 9, 10, 11}}}, points);
   EXPECT_EQ(surface.triangles.size(), 10u * 2 * 36);  // ten quadrilaterals, each of 6 x 6 pairs
-  const auto is_feature = [](const Surface::Line& line) { return line.is_feature; };
+  const auto is_feature = [](const DrawnSurface::Line& line) { return line.is_feature; };
   EXPECT_EQ(std::ranges::count_if(surface.edges, is_feature), 16);  // the four edges in the middle are flat
 }
 

@@ -140,7 +140,7 @@ Surface extract_surface(const Mesh& mesh) {
   }
   Surface surface;
   surface.mesh.vertices = mesh.vertices;
-  surface.mesh.blocks = {triangles_of(solid != nullptr ? boundary(*solid).facets : *plane)};
+  surface.mesh.blocks = {triangles_of(visible_facets(solid != nullptr ? *solid : *plane).facets)};
   const std::vector<Index> new_number = remove_unused_nodes(surface.mesh);
   for (std::size_t v = 0; v < new_number.size(); ++v) {
     if (new_number[v] >= 0) surface.volume_vertices.push_back(static_cast<Index>(v));

@@ -121,26 +121,26 @@ class Picture {
     field_ = pick_field(frame_, options_.field, "field");
     std::vector<double> shown;
     for (const auto& triangle : surface_.triangles)
-      for (const Surface::Corner& corner : triangle) shown.push_back(value(corner));
+      for (const DrawnSurface::Corner& corner : triangle) shown.push_back(value(corner));
     scale_ = choose_scale(shown, options_.range, options_.map);
     std::string label = options_.label.empty() ? field_.name : options_.label;
     if (!field_.component.empty()) label += ", " + field_.component;
     text_ = scale_text(scale_, label, options_.unit);
   }
 
-  double value(const Surface::Corner& corner) const {
+  double value(const DrawnSurface::Corner& corner) const {
     const auto number = [&](Index i) { return field_.values[static_cast<std::size_t>(i)]; };
-    return field_.is_on_points ? Surface::at(corner, number) : number(corner.cell);
+    return field_.is_on_points ? DrawnSurface::at(corner, number) : number(corner.cell);
   }
 
-  static Vector3 position(const Surface::Corner& corner, const std::vector<Vector3>& points) {
-    return Surface::at(corner, [&](Index i) -> Vector3 { return points[static_cast<std::size_t>(i)]; });
+  static Vector3 position(const DrawnSurface::Corner& corner, const std::vector<Vector3>& points) {
+    return DrawnSurface::at(corner, [&](Index i) -> Vector3 { return points[static_cast<std::size_t>(i)]; });
   }
 
   void place() {
     std::vector<Vector3> shown;
     for (const auto& triangle : surface_.triangles)
-      for (const Surface::Corner& corner : triangle) {
+      for (const DrawnSurface::Corner& corner : triangle) {
         shown.push_back(position(corner, points_));
         if (!rest_.empty()) shown.push_back(position(corner, rest_));
       }
@@ -175,8 +175,8 @@ class Picture {
     }
   }
 
-  void draw_line(const Surface::Line& line, const std::vector<Vector3>& points, double width, double lift,
-                 const Ink& ink) {
+  void draw_line(const DrawnSurface::Line& line, const std::vector<Vector3>& points, double width,
+                 double lift, const Ink& ink) {
     for (std::size_t i = 0; i + 1 < line.points.size(); ++i)
       canvas_.line(projection_(position(line.points[i], points)),
                    projection_(position(line.points[i + 1], points)), width, lift, ink);
@@ -185,7 +185,7 @@ class Picture {
   /// The middle one of the lengths of all edges [pixels].
   double usual_edge() const {
     std::vector<double> lengths;
-    for (const Surface::Line& edge : surface_.edges)
+    for (const DrawnSurface::Line& edge : surface_.edges)
       lengths.push_back((projection_(position(edge.points.front(), points_)) -
                          projection_(position(edge.points.back(), points_)))
                             .norm());
@@ -197,7 +197,7 @@ class Picture {
   void draw_edges() {
     const double unit = options_.height / 900.0, lift = 1.5 * unit;
     const bool shows_all = options_.edges == "on" || (options_.edges == "auto" && usual_edge() > 9 * unit);
-    for (const Surface::Line& edge : surface_.edges) {
+    for (const DrawnSurface::Line& edge : surface_.edges) {
       if (edge.is_feature && options_.edges != "off")
         draw_line(edge, points_, 1.5 * unit, lift, {{0, 0, 0}, 0.75});
       else if (shows_all)
@@ -207,7 +207,7 @@ class Picture {
 
   void draw_rest() {
     const double unit = options_.height / 900.0;
-    for (const Surface::Line& edge : find_surface(frame_.file.mesh.blocks, rest_).edges)
+    for (const DrawnSurface::Line& edge : find_surface(frame_.file.mesh.blocks, rest_).edges)
       if (edge.is_feature) draw_line(edge, rest_, 1.4 * unit, 0, {ink_, 0.55});
   }
 
@@ -247,7 +247,7 @@ class Picture {
   Color background_, ink_;
   TextPen pen_;
   std::vector<Vector3> points_, rest_;
-  Surface surface_;
+  DrawnSurface surface_;
   Canvas canvas_;
   PictureField field_;
   ColorScale scale_;

@@ -50,7 +50,7 @@ class SurfaceBuilder {
     }
   }
 
-  Surface build() {
+  DrawnSurface build() {
     for (std::size_t f = 0; f < facets_.size(); ++f) {
       const std::vector<Vector3> normals = corner_normals(f);
       add_triangles(facets_[f], normals);
@@ -68,24 +68,18 @@ class SurfaceBuilder {
  private:
   struct Edge {
     std::vector<std::size_t> facets;
-    std::vector<Surface::Corner> points;
+    std::vector<DrawnSurface::Corner> points;
   };
 
   void add_facets(const CellBlock& block, Index first_cell) {
-    const CellBlock* facets = &block;
-    std::vector<resilin::Facet> owners;
-    if (surface_.dimension == 3) {
-      Boundary found = boundary(block);
-      owners = std::move(found.owners);
-      boundaries_.push_back(std::move(found.facets));
-      facets = &boundaries_.back();
-    }
-    for (Index f = 0; f < facets->num_cells(); ++f) {
-      const std::span<const Index> nodes = facets->cell(f);
-      const auto corners = nodes.first(static_cast<std::size_t>(num_corners(facets->kind)));
-      const Index cell = owners.empty() ? f : owners[static_cast<std::size_t>(f)].cell;
+    Boundary visible = visible_facets(block);
+    const CellBlock& facets = boundaries_.emplace_back(std::move(visible.facets));
+    for (Index f = 0; f < facets.num_cells(); ++f) {
+      const std::span<const Index> nodes = facets.cell(f);
+      const auto corners = nodes.first(static_cast<std::size_t>(num_corners(facets.kind)));
+      const Index cell = visible.owners[static_cast<std::size_t>(f)].cell;
       for (const Index corner : corners) facets_at_[corner].push_back(facets_.size());
-      facets_.push_back({facets->kind, nodes, first_cell + cell, normal_of(corners, points_)});
+      facets_.push_back({facets.kind, nodes, first_cell + cell, normal_of(corners, points_)});
     }
   }
 
@@ -102,9 +96,9 @@ class SurfaceBuilder {
     return normals;
   }
 
-  Surface::Corner corner_at(const Facet& facet, const std::vector<Vector3>& normals, double xi,
-                            double eta) const {
-    Surface::Corner corner{.cell = facet.cell, .num_nodes = static_cast<int>(facet.nodes.size())};
+  DrawnSurface::Corner corner_at(const Facet& facet, const std::vector<Vector3>& normals, double xi,
+                                 double eta) const {
+    DrawnSurface::Corner corner{.cell = facet.cell, .num_nodes = static_cast<int>(facet.nodes.size())};
     std::ranges::copy(facet.nodes, corner.nodes.begin());
     shape_of(facet.kind).shape_values({xi, eta, 0}, std::span(corner.shares).first(facet.nodes.size()));
     const bool is_quadrilateral = normals.size() == 4;
@@ -155,12 +149,12 @@ class SurfaceBuilder {
   std::vector<Facet> facets_;
   std::map<Index, std::vector<std::size_t>> facets_at_;  ///< by corner
   std::map<std::array<Index, 2>, Edge> edges_;           ///< by corners
-  Surface surface_{.dimension = 2, .triangles = {}, .edges = {}};
+  DrawnSurface surface_{.dimension = 2, .triangles = {}, .edges = {}};
 };
 
 }  // namespace
 
-Surface find_surface(const std::vector<CellBlock>& blocks, const std::vector<Vector3>& points) {
+DrawnSurface find_surface(const std::vector<CellBlock>& blocks, const std::vector<Vector3>& points) {
   return SurfaceBuilder(blocks, points).build();
 }
 

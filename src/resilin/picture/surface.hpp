@@ -10,7 +10,7 @@ namespace resilin {
 
 /// What is seen of a body: the boundary of its cells, in 2D the cells themselves, cut into flat triangles
 /// that follow curved facets.
-struct Surface {
+struct DrawnSurface {
   struct Corner {
     Index cell;                      ///< of the frame
     std::array<Index, 6> nodes{};    ///< of the frame; `num_nodes` of them
@@ -37,6 +37,6 @@ struct Surface {
 };
 
 /// @param points  where the nodes of the frame are shown; normals and creases are those of this shape
-Surface find_surface(const std::vector<CellBlock>& blocks, const std::vector<Vector3>& points);
+DrawnSurface find_surface(const std::vector<CellBlock>& blocks, const std::vector<Vector3>& points);
 
 }  // namespace resilin
