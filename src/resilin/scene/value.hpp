@@ -22,9 +22,11 @@ struct SceneValue {
   using Numbers = std::shared_ptr<const NumberTable>;
   using MeshHandle = std::shared_ptr<const MeshFile>;
 
-  std::variant<bool, std::int64_t, double, std::string, Array, Table, Numbers, MeshHandle> data = Table{};
+  std::variant<bool, std::int64_t, double, std::string, Array, Table, Numbers, MeshHandle> data;
   std::shared_ptr<const std::string> source;  ///< "beam.toml" or "--set newton.tolerance=1"
   int line = 0;                               ///< from 1; 0 when the source has no lines
+
+  SceneValue();  ///< an empty table
 
   bool is_table() const { return std::holds_alternative<Table>(data); }
   bool is_array() const { return std::holds_alternative<Array>(data); }
@@ -42,6 +44,8 @@ struct SceneMember {
   std::string key;
   SceneValue value;
 };
+
+inline SceneValue::SceneValue() : data(Table{}) {}
 
 /// "beam.toml:12", or the source alone when there is no line.
 std::string source_and_line(const SceneValue& value);
