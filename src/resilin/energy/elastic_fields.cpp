@@ -6,11 +6,66 @@
 #include "resilin/core/parallel.hpp"
 #include "resilin/core/simd.hpp"
 #include "resilin/energy/elastic.hpp"
+#include "resilin/material/batch.hpp"
 
 namespace resilin {
 namespace {
 
 constexpr std::size_t blocks_per_chunk = 256;  ///< of a parallel loop
+constexpr std::size_t points_per_chunk = 2048;
+
+using RowMatrix = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+/// The states at all quadrature points of a body and their materials, for the law's batches.
+class PointStates {
+ public:
+  /// @param is_uniform  all cells have one material
+  /// @param fill        writes H = F - I of every point
+  template <class Fill>
+  PointStates(const ElasticEnergy& elastic, bool is_uniform, const Fill& fill)
+      : H_(static_cast<std::size_t>(elastic.num_cells() * elastic.num_points())) {
+    fill(H_);
+    batch_ = {.law = &elastic.law(),
+              .dim = 3,
+              .count = H_.size(),
+              .deformation_gradients = H_.empty() ? nullptr : H_.front().data(),
+              .holds_displacement_gradients = true,
+              .constants = {}};
+    add_materials(elastic, is_uniform);
+  }
+  PointStates(const PointStates&) = delete;
+  PointStates& operator=(const PointStates&) = delete;
+
+  std::size_t count() const { return H_.size(); }
+  const std::vector<RowMatrix>& H() const { return H_; }
+  const StateBatch<double>& batch() const { return batch_; }
+
+ private:
+  /// One row of constants and of fibres for all points, or one for each.
+  void add_materials(const ElasticEnergy& elastic, bool is_uniform) {
+    if (H_.empty()) return;
+    const Index num_cells = is_uniform ? 1 : elastic.num_cells(),
+                repeats = is_uniform ? 1 : elastic.num_points();
+    for (Index cell = 0; cell < num_cells; ++cell) {
+      const Material material = elastic.material(cell);
+      batch_.num_fibres = material.fibres.size();
+      for (Index q = 0; q < repeats; ++q) {
+        constants_.insert(constants_.end(), material.constants.begin(), material.constants.end());
+        fibres_.insert(fibres_.end(), material.fibres.begin(), material.fibres.end());
+      }
+    }
+    const std::size_t num_constants = elastic.law().constants.size();
+    for (std::size_t k = 0; k < num_constants; ++k)
+      batch_.constants.push_back({constants_.data() + k, is_uniform ? 0 : num_constants});
+    if (!fibres_.empty()) batch_.fibres = fibres_.front().data();
+    batch_.fibre_stride = is_uniform ? 0 : 3 * batch_.num_fibres;
+  }
+
+  std::vector<RowMatrix> H_;
+  std::vector<double> constants_;
+  std::vector<Vector3> fibres_;
+  StateBatch<double> batch_;
+};
 
 }  // namespace
 
@@ -122,24 +177,41 @@ std::vector<ElasticEnergy::VolumeChange> ElasticEnergy::mean_volume_changes(cons
 }
 
 std::vector<double> ElasticEnergy::energy_densities(const VectorX& x) const {
-  std::vector<double> densities(static_cast<std::size_t>(num_cells() * num_points()));
-  const std::vector<VolumeChange> changes = mean_volume_changes(x);
   // In plane strain H has a third row and column of zeros, so that the three-dimensional law serves both.
-  for_each_point(x, [&](std::size_t cell, std::size_t point, const Matrix<3>& H, double) {
-    const std::size_t i = place(cell, point);
-    densities[i] = from_displacement_gradient::energy_density<3>(material(static_cast<Index>(cell)), H) +
-                   changes[i].energy;
+  const bool is_uniform = tiles_.constant_stride == 0 && tiles_.directions.empty();
+  const PointStates states(*this, is_uniform, [&](std::vector<RowMatrix>& H) {
+    for_each_point(x, [&](std::size_t cell, std::size_t point, const Matrix<3>& h, double) {
+      H[place(cell, point)] = h;
+    });
   });
+  std::vector<double> densities(states.count());
+  resilin::energy_densities(states.batch(), densities.data());
+  const std::vector<VolumeChange> changes = mean_volume_changes(x);
+  for (std::size_t i = 0; i < densities.size(); ++i) densities[i] += changes[i].energy;
   return densities;
 }
 
 std::vector<Matrix<3>> ElasticEnergy::cauchy_stresses(const VectorX& x) const {
-  std::vector<Matrix<3>> stresses(static_cast<std::size_t>(num_cells() * num_points()));
+  const bool is_uniform = tiles_.constant_stride == 0 && tiles_.directions.empty();
+  const PointStates states(*this, is_uniform, [&](std::vector<RowMatrix>& H) {
+    for_each_point(x, [&](std::size_t cell, std::size_t point, const Matrix<3>& h, double) {
+      H[place(cell, point)] = h;
+    });
+  });
+  std::vector<RowMatrix> P(states.count());
+  if (!P.empty()) first_piola_kirchhoff_stresses(states.batch(), P.front().data());
   const std::vector<VolumeChange> changes = mean_volume_changes(x);
-  for_each_point(x, [&](std::size_t cell, std::size_t point, const Matrix<3>& H, double) {
-    const std::size_t i = place(cell, point);
-    stresses[i] = from_displacement_gradient::cauchy_stress<3>(material(static_cast<Index>(cell)), H) +
-                  changes[i].pressure * Matrix<3>::Identity();
+  std::vector<Matrix<3>> stresses(P.size());
+  const bool is_small = law().kind == LawKind::small_strain;
+  parallel_for(P.size(), points_per_chunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Matrix<3> F = Matrix<3>::Identity() + states.H()[i];
+      stresses[i] = changes[i].pressure * Matrix<3>::Identity();
+      if (is_small)
+        stresses[i] += P[i];
+      else
+        stresses[i] += P[i] * F.transpose() / F.determinant();
+    }
   });
   return stresses;
 }
