@@ -2,7 +2,7 @@
 # Sourced by bash with `root` set to the repository.
 
 build_packages=(g++ cmake ninja-build libeigen3-dev libsuitesparse-dev libopenblas-dev libmetis-dev libtbb-dev
-  libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libspdlog-dev libfmt-dev libfreetype-dev libpng-dev libboost-dev)
+  libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libspdlog-dev libfmt-dev libfreetype-dev libpng-dev zlib1g-dev libboost-dev)
 test_packages=(libgtest-dev libgmock-dev python3 python3-venv ccache)
 browser_packages=(nodejs npm chromium)
 python_packages=(python3-dev python3-venv python3-numpy python3-scipy python3-matplotlib python3-torch)

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -27,6 +28,7 @@ struct RunOptions {
   std::string scene;
   std::string out;
   std::vector<std::string> overrides;
+  std::vector<std::string> formats;  ///< empty: as the scene says
   int threads = 0;
   int steps = 0;
   bool resume = false;
@@ -36,6 +38,15 @@ struct RunOptions {
 std::filesystem::path out_folder(const RunOptions& options) {
   if (!options.out.empty()) return options.out;
   return std::filesystem::path("out") / std::filesystem::path(options.scene).stem();
+}
+
+std::vector<std::string> overrides(const RunOptions& options) {
+  std::vector<std::string> all = options.overrides;
+  if (options.formats.empty()) return all;
+  std::string list;
+  for (const std::string& format : options.formats) list += (list.empty() ? "\"" : ", \"") + format + '"';
+  all.push_back("output.formats=[" + list + "]");
+  return all;
 }
 
 RunOutcome simulate(Simulation& simulation, ResultFolder& results, Progress& progress, int max_steps) {
@@ -106,15 +117,22 @@ void print_end(const Simulation& simulation, const ResultFolder& results, const 
   print_line("took " + format_seconds(total) + " (reading and setting up " + format_seconds(setup_seconds) +
              ", assembly " + format_seconds(timing.assembly) + ", solving " + format_seconds(timing.solve) +
              ", output " + format_seconds(results.output_seconds()) + ")");
-  print_line("results: " + (results.path() / "report.json").string() + ", " +
-             (results.path() / "frames.pvd").string() + " (opens in ParaView)");
+  std::string files = "results: " + (results.path() / "report.json").string();
+  const std::filesystem::path list = results.path() / "frames.pvd";
+  if (std::ranges::count(simulation.world().output.formats, "vtu") > 0)
+    files += ", " + list.string() + " (opens in ParaView)";
+  for (const auto& [name, size] : results.shown_files()) {
+    files += ", " + (results.path() / name).string() + " (" + format_bytes(size) +
+             (name.ends_with(".html") ? ", opens in a browser)" : ")");
+  }
+  print_line(files);
 }
 
 int run(const RunOptions& options) {
   catch_interrupts();
   const Stopwatch stopwatch;
   if (options.threads > 0) set_num_threads(options.threads);
-  Scene scene = read_scene(options.scene, {.overrides = options.overrides});
+  Scene scene = read_scene(options.scene, {.overrides = overrides(options)});
   Simulation simulation(scene.description);
   ResultFolder results(out_folder(options), stopwatch.seconds());
   const LogFile log(results.path() / "log.txt", options.resume);
@@ -152,6 +170,13 @@ void add_run(CLI::App& app, Action& action) {
       ->expected(1)
       ->take_all()
       ->allow_extra_args(false);
+  command
+      ->add_option("--formats", options->formats,
+                   "What to write in place of the scene's output.formats, such as html,usda")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"vtu", "html", "usda"}))
+      ->expected(1)
+      ->take_all();
   command->add_option("--threads", options->threads, "Number of threads; default all cores")
       ->check(CLI::Range(1, 1024));
   command->add_option("--steps", options->steps, "Stop after this many steps")

@@ -80,7 +80,8 @@ class Result:
         return self.report["status"]
 
     def save(self, folder):
-        """Writes the folder that `resilin run --out` leaves: report.json, frames.pvd, frames/, checkpoint.bin."""
+        """Writes the folder that `resilin run --out` leaves: report.json, frames.pvd, frames/, checkpoint.bin and, as
+        output.formats asks, result.html and result.usda."""
         self._core.save(os.fspath(folder))
 
     def plot(self, field="von_mises", *, frame=-1, **options):

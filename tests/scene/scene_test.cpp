@@ -144,7 +144,7 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         WrongValue{"body.0.material.law=odgen", "did you mean \"ogden\"?"},
         WrongValue{"body.0.skin=absent.obj", "absent.obj: no such file"},
-        WrongValue{"output.formats=[\"html\"]", "\"html\" is not part of this version; there is \"vtu\""},
+        WrongValue{"output.formats=[\"obj\"]", "output.formats[0]"},
         WrongValue{"contact={}", "contact: not part of this version"},
         WrongValue{"contact.friction=-0.1", "contact.friction: expected a number >= 0, got -0.1"},
         WrongValue{"collider=[{}]", "collider[0]: the key \"kind\" is missing"},

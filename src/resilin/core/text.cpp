@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <cstddef>
 
 namespace resilin {
@@ -58,6 +59,15 @@ std::string format_short(double value) {
   const auto end =
       std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::general, 3);
   return {buffer.data(), end.ptr};
+}
+
+std::string format_bytes(std::uintmax_t count) {
+  constexpr std::array<const char*, 4> units = {" B", " kB", " MB", " GB"};
+  auto size = static_cast<double>(count);
+  std::size_t unit = 0;
+  for (; size >= 999.5 && unit + 1 < units.size(); ++unit) size /= 1000;
+  const double step = size < 9.995 ? 0.01 : size < 99.95 ? 0.1 : 1;  // three digits
+  return format_number(std::round(size / step) / std::round(1 / step)) + units[unit];
 }
 
 }  // namespace resilin

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
@@ -19,5 +20,8 @@ std::string format_number(double value);
 
 /// Three digits: "0.0123", "1.23e-09", independent of the locale.
 std::string format_short(double value);
+
+/// "512 B", "34 kB", "5.6 MB": three digits at most, steps of 1000.
+std::string format_bytes(std::uintmax_t count);
 
 }  // namespace resilin

@@ -10,6 +10,7 @@
 #include "resilin/io/vtu.hpp"
 #include "resilin/scene/frame_file.hpp"
 #include "resilin/scene/report.hpp"
+#include "resilin/scene/shown_results.hpp"
 
 namespace resilin {
 namespace {
@@ -53,6 +54,8 @@ struct ResultFolder::Contents {
   Clock::time_point start = Clock::now();
   Clock::time_point next_save = Clock::now();
   std::optional<FieldEvaluator> evaluator;  ///< of the world whose states are recorded
+  std::optional<ShownResults> shown;        ///< of the same
+  std::vector<std::pair<std::string, std::uintmax_t>> shown_files;
   double output_seconds = 0;
   double seconds_before = 0;  ///< until the folder was made, and of the run that this one resumes
 
@@ -80,12 +83,19 @@ struct ResultFolder::Contents {
             .output_seconds = output_seconds};
   }
 
-  void save(const World& world, const State& state, const RunSummary& summary) {
+  /// @param is_end  the run has ended for now: what is made of all frames is made, too
+  void save(const World& world, const State& state, const RunSummary& summary, bool is_end) {
     const Clock::time_point begin = Clock::now();
     if (!frames.empty() && writes_vtu(world))
       write_frame_list(folder / "frames.pvd", frames, world.is_dynamic);
     Json report = report_json(world, std::move(frames), summary);
     // The report first: a checkpoint never runs ahead of the frames that go with it.
+    if (is_end) {
+      shown_files = shown_of(world).finish(report["frames"].size(), report_text(report),
+                                           summary.outcome.status == RunStatus::done);
+      report["files"] = Json::object();
+      for (const auto& [name, size] : shown_files) report["files"][name] = size;
+    }
     write_text(folder / report_name, report_text(report));
     frames = std::move(report["frames"]);
     write_text(folder / checkpoint_name, serialize(state));
@@ -94,6 +104,11 @@ struct ResultFolder::Contents {
     // At most a tenth of the time goes into saving, however long the report has grown.
     next_save = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                    std::chrono::duration<double>(std::max(1.0, 10 * cost)));
+  }
+
+  ShownResults& shown_of(const World& world) {
+    if (!shown) shown.emplace(folder, world);
+    return *shown;
   }
 
   static bool writes_vtu(const World& world) {
@@ -119,6 +134,10 @@ const std::filesystem::path& ResultFolder::path() const { return contents_->fold
 
 double ResultFolder::output_seconds() const { return contents_->output_seconds; }
 
+const std::vector<std::pair<std::string, std::uintmax_t>>& ResultFolder::shown_files() const {
+  return contents_->shown_files;
+}
+
 std::optional<State> ResultFolder::resume() {
   const std::filesystem::path checkpoint = contents_->folder / checkpoint_name;
   if (!std::filesystem::exists(checkpoint)) return std::nullopt;
@@ -141,7 +160,8 @@ void ResultFolder::record(const Simulation& simulation, bool is_last) {
   if (Clock::now() >= contents_->next_save) {
     contents_->save(
         simulation.world(), simulation.state(),
-        contents_->summary(simulation, RunStatus::running, "the run had not ended when this was written"));
+        contents_->summary(simulation, RunStatus::running, "the run had not ended when this was written"),
+        false);
   }
 }
 
@@ -156,6 +176,7 @@ void ResultFolder::record(const World& world, const State& state, const Frame& f
     if (!contents_->evaluator) contents_->evaluator.emplace(world);
     const std::vector<FieldValues> fields = contents_->evaluator->evaluate(state, world.output.fields);
     if (Contents::writes_vtu(world)) contents_->write_frame(frames.size(), world, state, fields);
+    contents_->shown_of(world).record(frames.size(), state);
     frames.push_back(frame_json(frame, world, state, fields));
     contents_->output_seconds += seconds_since(begin);
   }
@@ -166,7 +187,7 @@ void ResultFolder::finish(const Simulation& simulation, RunStatus status, const 
 }
 
 void ResultFolder::finish(const World& world, const State& state, const RunSummary& summary) {
-  contents_->save(world, state, summary);
+  contents_->save(world, state, summary, true);
   // Frames of an earlier, longer run into the same folder are not part of this one.
   std::error_code error;
   for (std::size_t i = contents_->frames.size();

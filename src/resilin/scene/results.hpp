@@ -4,14 +4,17 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "resilin/scene/summary.hpp"
 #include "resilin/simulation/simulation.hpp"
 
 namespace resilin {
 
-/// The folder that a run leaves: report.json, frames/NNNN.vtu, frames.pvd, checkpoint.bin. It records one
-/// world, which must outlive it.
+/// The folder that a run leaves: report.json, frames/NNNN.vtu, frames.pvd, checkpoint.bin and, as
+/// output.formats asks, recording.bin and result.html, result.usda. It records one world, which must outlive
+/// it.
 ///
 /// Every file is written beside and renamed, so that a folder always holds whole files. Frames are written at
 /// once; report and checkpoint at most about once a second, and by `finish`.
@@ -26,6 +29,9 @@ class ResultFolder {
 
   const std::filesystem::path& path() const;
   double output_seconds() const;  ///< spent on writing
+
+  /// What `finish` has made to be looked at: names and sizes [bytes].
+  const std::vector<std::pair<std::string, std::uintmax_t>>& shown_files() const;
 
   /// The state to go on from, and takes over the frames up to it. Empty when the folder has no checkpoint.
   /// Throws InputError when there is one that cannot be used.

@@ -86,7 +86,10 @@ Keys<OutputOptions> output_keys() {
            "What a frame holds; [results.md](results.md#fields) lists the names. `nodal_` before the name of "
            "a cells' field smooths it onto the vertices."},
           [](const SceneNode& node, O& o) { o.fields = read_choices(node, field_names()); }),
-      choices_key("formats", &O::formats, {"vtu"}, {"html"}, "Kinds of files that are written."),
+      choices_key(
+          "formats", &O::formats, {"vtu", "html", "usda"}, {},
+          "vtu: a file for each frame, for ParaView; html: result.html, one page with the motion that "
+          "opens in any browser; usda: result.usda, for Blender and Houdini."),
   };
 }
 

@@ -169,7 +169,7 @@ struct SolverOptions {
 struct OutputOptions {
   int every = 1;  ///< frames are written for each n-th step
   std::vector<std::string> fields = {"displacement"};
-  std::vector<std::string> formats = {"vtu"};
+  std::vector<std::string> formats = {"vtu", "html"};  ///< vtu | html | usda
 };
 
 /// Steps in time whose length follows an estimate of their error.

@@ -279,6 +279,7 @@ World::World(const Description& description)
       is_dynamic(description.is_dynamic),
       title(description.title),
       place(description.place),
+      gravity(description.gravity),
       time_step(description.time_step),
       end_time(description.end_time),
       load_steps(description.load_steps),

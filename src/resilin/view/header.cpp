@@ -31,6 +31,7 @@ std::string encode_header(const ViewHeader& header, const World& world, const Sh
                {"parts", Json::array()},
                {"fields", Json::array()}};
   for (const ShownSurface::Part& shown : surface.parts()) json["parts"].push_back(part(shown));
+  if (header.ground) json["ground"] = *header.ground;
   for (const FieldInfo* field : header.fields) {
     json["fields"].push_back({{"name", field->name}, {"label", field->label}, {"unit", field->unit}});
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 
@@ -14,6 +15,7 @@ struct ViewHeader {
   std::string version;                       ///< of the program
   Vector3 up = Vector3::UnitZ();             ///< in 2D always y
   Vector3 gravity = Vector3::Zero();         ///< [m/s^2]
+  std::optional<double> ground{};            ///< height of a ground plane along `up`, to be drawn [m]
   std::span<const FieldInfo* const> fields;  ///< that frames may carry, in their order
 };
 

@@ -51,7 +51,6 @@ export interface Header {
   client?: number; // live
   controls?: State; // live
   laws?: { name: string; label: string }[]; // live
-  quantum?: number; // [m], of a recording
   ground?: number | null; // [m] along `up`, of a recording
 }
 

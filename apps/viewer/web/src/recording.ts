@@ -2,21 +2,20 @@
 
 import { decodeTopology, vertexCount, type Field, type Frame, type Header, type Topology } from "./protocol";
 
-/** A recorded state, in whole units of the header's quantum. */
+/** A recorded state. */
 export interface RecordedFrame {
   number: number; // of the frame in report.json
   step: number;
   time: number; // [s]
   load: number;
   ranges: [number, number][]; // least and greatest value of each recorded field
-  places: Int32Array;
-  fields: Uint16Array[];
+  displacements: Float32Array; // from the rest places [m]
+  fields: Uint16Array[]; // 0: not a number; 1 to 65535: from the least to the greatest value
 }
 
 export interface Recording {
   header: Header;
   topology: Topology;
-  restPlaces: Int32Array; // in units of the quantum, so that nothing has moved at rest
   frames: RecordedFrame[];
   skipped: number; // frames left out between two that are kept, because all would not fit
   damage: string; // in words; empty: the file ends where it should
@@ -58,7 +57,7 @@ export async function readRecording(buffer: ArrayBuffer, progress: (share: numbe
     if (i % stride === 0 || i === records.length - 1) frames.push(frame);
     progress((i + 1) / records.length);
   }
-  return { header, topology, restPlaces: decoder.restPlaces, frames, skipped: stride - 1, damage };
+  return { header, topology, frames, skipped: stride - 1, damage };
 }
 
 /** Where the whole records lie; one that the end of the file cuts off is left out. */
@@ -74,9 +73,28 @@ function recordsFrom(view: DataView, first: number): { begin: number; length: nu
   return records;
 }
 
+const LEVELS = 4095; // of a recorded field
+
+/** For each vertex the highest of its neighbours with lower numbers; -1 without any. */
+export function lowerNeighbours(topology: Topology, numVertices: number): Int32Array {
+  const neighbours = new Int32Array(numVertices).fill(-1);
+  const connect = (a: number, b: number) => {
+    const [low, high] = a < b ? [a, b] : [b, a];
+    if (low < high) neighbours[high] = Math.max(neighbours[high], low);
+  };
+  for (const corners of topology.triangles)
+    for (let i = 0; i < corners.length; i += 3) {
+      connect(corners[i], corners[i + 1]);
+      connect(corners[i + 1], corners[i + 2]);
+      connect(corners[i + 2], corners[i]);
+    }
+  for (const ends of topology.edges) for (let i = 0; i < ends.length; i += 2) connect(ends[i], ends[i + 1]);
+  return neighbours;
+}
+
 class Decoder {
-  readonly restPlaces: Int32Array;
-  private last: Int32Array;
+  private readonly displacements: Float64Array; // of the last frame, x of all vertices, then y, then z [m]
+  private readonly neighbours: Int32Array;
   private readonly numFields: number;
 
   constructor(
@@ -85,32 +103,39 @@ class Decoder {
     private readonly numVertices: number,
   ) {
     this.numFields = header.fields.length;
-    // Halves are rounded away from zero, as the writer does.
-    const quantum = header.quantum!;
-    const rounded = (x: number) => Math.sign(x) * Math.round(Math.abs(x) / quantum);
-    this.last = this.restPlaces = Int32Array.from(topology.restPositions, rounded);
+    this.displacements = new Float64Array(3 * numVertices);
+    this.neighbours = lowerNeighbours(topology, numVertices);
   }
 
   async decode(payload: Uint8Array): Promise<RecordedFrame> {
     const view = new DataView(payload.buffer, payload.byteOffset, payload.byteLength);
+    const quantum = view.getFloat64(24, true);
     const ranges: [number, number][] = [];
     for (let i = 0; i < this.numFields; ++i)
-      ranges.push([view.getFloat32(24 + 8 * i, true), view.getFloat32(28 + 8 * i, true)]);
-    const bytes = await inflated(payload.subarray(24 + 8 * this.numFields));
-    const count = 3 * this.numVertices;
-    const expected = 4 * count + 2 * this.numVertices * this.numFields;
+      ranges.push([view.getFloat32(32 + 8 * i, true), view.getFloat32(36 + 8 * i, true)]);
+    const bytes = await inflated(payload.subarray(32 + 8 * this.numFields));
+    const n = this.numVertices;
+    const expected = n * (12 + 2 * this.numFields);
     if (bytes.length !== expected) throw new Error(`A frame holds ${bytes.length} bytes, expected ${expected}.`);
-    const places = new Int32Array(count);
-    for (let i = 0; i < count; ++i) {
-      const code = bytes[i] | (bytes[count + i] << 8) | (bytes[2 * count + i] << 16) | (bytes[3 * count + i] << 24);
-      places[i] = this.last[i] + ((code >>> 1) ^ -(code & 1));
-    }
-    this.last = places;
+    const unfolded = (code: number) => (code >>> 1) ^ -(code & 1);
+    const displacements = new Float32Array(3 * n);
+    const steps = new Int32Array(n);
+    for (let k = 0; k < 3; ++k)
+      for (let v = 0, i = k * n; v < n; ++v, ++i) {
+        const code = bytes[i] | (bytes[3 * n + i] << 8) | (bytes[6 * n + i] << 16) | (bytes[9 * n + i] << 24);
+        const neighbour = this.neighbours[v];
+        steps[v] = unfolded(code) + (neighbour < 0 ? 0 : steps[neighbour]);
+        displacements[3 * v + k] = this.displacements[i] += quantum * steps[v];
+      }
     const fields: Uint16Array[] = [];
     for (let f = 0; f < this.numFields; ++f) {
-      const begin = 4 * count + 2 * this.numVertices * f;
-      const values = new Uint16Array(this.numVertices);
-      for (let i = 0; i < values.length; ++i) values[i] = bytes[begin + i] | (bytes[begin + values.length + i] << 8);
+      const begin = n * (12 + 2 * f);
+      const values = new Uint16Array(n);
+      for (let v = 0; v < n; ++v) {
+        const neighbour = this.neighbours[v];
+        steps[v] = unfolded(bytes[begin + v] | (bytes[begin + n + v] << 8)) + (neighbour < 0 ? 0 : steps[neighbour]);
+        values[v] = steps[v] === 0 ? 0 : 1 + Math.round(((steps[v] - 1) * 65534) / (LEVELS - 1));
+      }
       fields.push(values);
     }
     return {
@@ -119,7 +144,7 @@ class Decoder {
       time: view.getFloat64(8, true),
       load: view.getFloat64(16, true),
       ranges,
-      places,
+      displacements,
       fields,
     };
   }
@@ -152,16 +177,16 @@ export class RecordedValues {
   constructor(readonly recording: Recording) {
     const recorded = recording.header.fields;
     this.fields = [{ name: "displacement", label: "displacement", unit: "m" }, ...recorded];
-    this.positions = new Float32Array(recording.restPlaces.length);
-    this.lengths = new Uint16Array(recording.restPlaces.length / 3);
+    this.positions = new Float32Array(recording.topology.restPositions.length);
+    this.lengths = new Uint16Array(this.positions.length / 3);
   }
 
   /** `field`: place in `fields`; -1: none. */
   frame(index: number, field: number): Frame {
-    const { frames, header } = this.recording;
+    const { frames, topology } = this.recording;
     const recorded = frames[index];
-    const quantum = header.quantum!;
-    for (let i = 0; i < this.positions.length; ++i) this.positions[i] = quantum * recorded.places[i];
+    for (let i = 0; i < this.positions.length; ++i)
+      this.positions[i] = topology.restPositions[i] + recorded.displacements[i];
     const [least, greatest] = field < 0 ? [0, 1] : this.rangeOfFrame(index, field);
     const fieldValues =
       field < 0 ? null : field === 0 ? this.displacementCodes(index, greatest) : recorded.fields[field - 1];
@@ -207,12 +232,8 @@ export class RecordedValues {
 
   /** Components and length [m]. */
   displacement(index: number, vertex: number): [number, number, number, number] {
-    const { places } = this.recording.frames[index];
-    const { restPlaces: rest, header } = this.recording;
-    const quantum = header.quantum!;
-    const x = quantum * (places[3 * vertex] - rest[3 * vertex]);
-    const y = quantum * (places[3 * vertex + 1] - rest[3 * vertex + 1]);
-    const z = quantum * (places[3 * vertex + 2] - rest[3 * vertex + 2]);
+    const { displacements } = this.recording.frames[index];
+    const [x, y, z] = displacements.subarray(3 * vertex, 3 * vertex + 3);
     return [x, y, z, Math.sqrt(x * x + y * y + z * z)];
   }
 

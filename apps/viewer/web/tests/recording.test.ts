@@ -23,7 +23,7 @@ test("places and fields of a recording come back within their quanta", async () 
     // Half a quantum, and the rounding of 32-bit places.
     frame.positions.forEach((x, i) => assert.ok(Math.abs(x - expected.places[i]) < 0.51 * QUANTUM + 1e-7));
     expected.field.forEach((value, v) =>
-      assert.ok(Math.abs(values.value(f, 1, v) - value) <= 1e4 / 65534 + 1e-6 * value),
+      assert.ok(Math.abs(values.value(f, 1, v) - value) <= 1e4 / 4094 + 1e-6 * value),
     );
     assert.ok(Math.abs(frame.time - 0.1 * f) < 1e-12);
   });

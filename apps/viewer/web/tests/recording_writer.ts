@@ -3,9 +3,10 @@
 import { deflateSync } from "node:zlib";
 import { readFileSync, writeFileSync } from "node:fs";
 import path from "node:path";
+import { lowerNeighbours } from "../src/recording";
 import { webFolder } from "./harness";
 
-export const QUANTUM = 1e-5;
+export const QUANTUM = 2 ** -17; // about 1e-5 of the beam's length
 const SOURCE = '<script id="source" type="application/json">{"kind": "live"}</script>';
 
 export interface Beam {
@@ -59,7 +60,6 @@ export function writeRecording(beam: Beam): Buffer {
       },
     ],
     fields: [{ name: "von_mises", label: "von Mises stress", unit: "Pa" }],
-    quantum: QUANTUM,
   };
   const topology = Buffer.concat([bytesOf(Uint32Array.of(0x31545352, 1)), bytesOf(beam.triangles), bytesOf(beam.rest)]);
   const parts: Uint8Array[] = [
@@ -67,40 +67,52 @@ export function writeRecording(beam: Beam): Buffer {
     withLength(Buffer.from(JSON.stringify(header))),
     withLength(topology),
   ];
-  let last: Float64Array | Float32Array = beam.rest;
+  const neighbours = lowerNeighbours(
+    { triangles: [beam.triangles], edges: [], restPositions: beam.rest },
+    beam.rest.length / 3,
+  );
+  const less = (numbers: number[], v: number) => numbers[v] - (neighbours[v] < 0 ? 0 : numbers[neighbours[v]]);
+  const before = new Float64Array(beam.rest.length); // displacements that a reader has
+  const steps = (places: Float64Array): Buffer => {
+    const differences = [0, 1, 2].flatMap((k) => {
+      const along = Array.from({ length: places.length / 3 }, (_, v) => {
+        const i = 3 * v + k;
+        const step = Math.round((places[i] - beam.rest[i] - before[i]) / QUANTUM);
+        before[i] += QUANTUM * step;
+        return step;
+      });
+      return along.map((_, v) => less(along, v));
+    });
+    return planes(differences, 4);
+  };
+  const levels = (field: Float64Array): Buffer => {
+    const [least, greatest] = [Math.min(...field), Math.max(...field)];
+    const all = [...field].map((value) => 1 + Math.round((4094 * (value - least)) / (greatest - least || 1)));
+    return planes(
+      all.map((_, v) => less(all, v)),
+      2,
+    );
+  };
   beam.frames.forEach((frame, number) => {
     const payload = Buffer.concat([
       bytesOf(Uint32Array.of(number, number)),
-      bytesOf(Float64Array.of(frame.time, 1)),
+      bytesOf(Float64Array.of(frame.time, 1, QUANTUM)),
       bytesOf(Float32Array.of(Math.min(...frame.field), Math.max(...frame.field))),
-      deflateSync(Buffer.concat([places(frame.places, last), codes(frame.field)])),
+      deflateSync(Buffer.concat([steps(frame.places), levels(frame.field)])),
     ]);
     parts.push(bytesOf(Uint32Array.of(payload.length, crc32(payload))), payload);
-    last = frame.places;
   });
   return Buffer.concat(parts);
 }
 
-function places(now: Float64Array, before: Float64Array | Float32Array): Buffer {
-  const rounded = (x: number) => Math.sign(x) * Math.round(Math.abs(x) / QUANTUM);
-  const planes = Buffer.alloc(4 * now.length);
-  for (let i = 0; i < now.length; ++i) {
-    const difference = rounded(now[i]) - rounded(before[i]);
-    const code = difference >= 0 ? 2 * difference : -2 * difference - 1;
-    for (let k = 0; k < 4; ++k) planes[k * now.length + i] = Math.floor(code / 256 ** k) % 256;
-  }
-  return planes;
-}
-
-function codes(field: Float64Array): Buffer {
-  const [least, greatest] = [Math.min(...field), Math.max(...field)];
-  const planes = Buffer.alloc(2 * field.length);
-  field.forEach((value, i) => {
-    const code = 1 + Math.round((65534 * (value - least)) / (greatest - least || 1));
-    planes[i] = code % 256;
-    planes[field.length + i] = Math.floor(code / 256);
+/** The bytes of all numbers, the lowest first. */
+function planes(numbers: number[], count: number): Buffer {
+  const bytes = Buffer.alloc(count * numbers.length);
+  numbers.forEach((number, i) => {
+    const code = number >= 0 ? 2 * number : -2 * number - 1;
+    for (let k = 0; k < count; ++k) bytes[k * numbers.length + i] = Math.floor(code / 256 ** k) % 256;
   });
-  return planes;
+  return bytes;
 }
 
 /** The report that belongs to the recording. */

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "resilin/view/recording.hpp"
+#include "resilin/view/usda.hpp"
+
+namespace resilin {
+
+/// The files of a result folder that are looked at without ParaView: `recording.bin` and `result.html`, one
+/// page that needs no network, and `result.usda`. Frames are kept as they come; page and stage are made of
+/// them by `finish`.
+class ShownResults {
+ public:
+  /// A recording above this size is not put into a page, for browsers refuse such pages; `resilin view` shows
+  /// the folder.
+  static constexpr std::uintmax_t largest_embedded = std::uintmax_t{128} << 20;
+
+  /// Removes what an earlier run into the folder has left of formats that are not asked for.
+  /// @param world  kept by reference
+  ShownResults(std::filesystem::path folder, const World& world);
+
+  /// Records the frame with this number of the report; frames with this and higher numbers are dropped first.
+  void record(std::size_t number, const State& state);
+
+  /// Makes result.html and result.usda.
+  /// @param num_frames   of the report
+  /// @param report       text of report.json
+  /// @param is_complete  the run has ended: no later run goes on with it
+  /// @return  name and size of each file that was made [bytes]
+  std::vector<std::pair<std::string, std::uintmax_t>> finish(std::size_t num_frames,
+                                                             const std::string& report, bool is_complete);
+
+ private:
+  void keep(std::size_t num_frames);
+
+  std::filesystem::path folder_;
+  std::string title_;
+  std::unique_ptr<Recorder> recorder_;  ///< null: no page is wanted
+  std::unique_ptr<UsdaWriter> usda_;    ///< null: no stage is wanted
+  double codes_per_second_ = 24;        ///< of the stage
+  bool counts_frames_ = false;          ///< statics: the stage counts frames, not seconds
+};
+
+/// A page with a recording and its report inside (docs/view_protocol.md, "Addresses").
+std::string page_with_recording(std::string_view recording, std::string_view report);
+
+std::string base64(std::string_view bytes);
+
+}  // namespace resilin

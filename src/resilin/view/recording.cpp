@@ -1,0 +1,142 @@
+#include "resilin/view/recording.hpp"
+
+#include <zlib.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+
+#include "resilin/core/error.hpp"
+
+namespace resilin {
+namespace {
+
+constexpr std::string_view mark = "RSR1";
+
+std::uint32_t checksum(std::string_view bytes) {
+  return static_cast<std::uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+}
+
+std::string number_bytes(std::size_t value) {
+  const auto number = static_cast<std::uint32_t>(value);
+  return {reinterpret_cast<const char*>(&number), sizeof(number)};
+}
+
+/// A number that stands there; nothing when the bytes end before.
+std::optional<std::uint32_t> number_at(std::string_view bytes, std::size_t at) {
+  std::uint32_t number = 0;
+  if (bytes.size() < at + sizeof(number)) return std::nullopt;
+  std::memcpy(&number, bytes.data() + at, sizeof(number));
+  return number;
+}
+
+std::vector<const FieldInfo*> recorded_fields() {
+  std::vector<const FieldInfo*> infos;
+  for (const std::string& name : recorded_field_names()) infos.push_back(&require_field(name, "recording"));
+  return infos;
+}
+
+std::string encoded(ViewHeader header, const World& world, const ShownSurface& surface) {
+  const std::vector<const FieldInfo*> fields = recorded_fields();
+  header.fields = fields;
+  return encode_header(header, world, surface);
+}
+
+}  // namespace
+
+const std::vector<std::string>& recorded_field_names() {
+  static const std::vector<std::string> names = {"von_mises", "volume_ratio", "energy_density"};
+  return names;
+}
+
+Recorder::Recorder(std::filesystem::path path, const World& world, ViewHeader header)
+    : path_(std::move(path)),
+      world_(world),
+      surface_(world),
+      fields_(world, surface_),
+      header_(encoded(std::move(header), world, surface_)),
+      codec_(surface_, recorded_field_names().size(), world.largest_extent()) {}
+
+void Recorder::begin() {
+  const std::string topology = encode_topology(surface_);
+  std::error_code ignored;
+  std::filesystem::remove(path_, ignored);
+  next_number_ = 0;
+  codec_ = RecordingCodec(surface_, recorded_field_names().size(), world_.largest_extent());
+  append(std::string(mark) + number_bytes(header_.size()) + header_ + number_bytes(topology.size()) +
+         topology);
+}
+
+void Recorder::keep(std::uint32_t end) {
+  std::ifstream stream(path_, std::ios::binary);
+  if (end == 0 || !stream) return begin();
+  const std::string bytes((std::istreambuf_iterator<char>(stream)), {});
+  stream.close();
+  try {
+    const Recording recording = parse_recording(bytes, path_.string());
+    if (recording.header != header_ || recording.topology != encode_topology(surface_)) return begin();
+    codec_ = RecordingCodec(surface_, recorded_field_names().size(), world_.largest_extent());
+    next_number_ = 0;
+    std::size_t kept = recording.records.empty() ? recording.end : recording.records.front().begin - 8;
+    for (const auto& [at, payload] : recording.records) {
+      if (number_at(payload, 0).value_or(end) >= end) break;
+      next_number_ = codec_.decode(payload).number + 1;
+      kept = at + payload.size();
+    }
+    std::filesystem::resize_file(path_, kept);
+  } catch (const InputError&) {
+    begin();  // not a recording, or not of this scene
+  } catch (const std::filesystem::filesystem_error& error) {
+    throw FileError(path_.string(), "cannot be written: " + error.code().message());
+  }
+}
+
+void Recorder::record(std::uint32_t number, const State& state) {
+  RecordedFrame frame{.number = number,
+                      .step = static_cast<std::uint32_t>(state.step),
+                      .time = state.time,
+                      .load = state.load};
+  const auto n = static_cast<std::size_t>(surface_.num_vertices());
+  frame.displacements.resize(3 * n);
+  // Places are linear in those of the nodes; of displacements the small ones keep their digits.
+  surface_.positions(state.positions - world_.rest_positions, frame.displacements);
+  for (const std::string& name : recorded_field_names())
+    fields_.evaluate(world_, state, name, frame.fields.emplace_back(n));
+  const std::string payload = codec_.encode(frame);
+  append(number_bytes(payload.size()) + number_bytes(checksum(payload)) + payload);
+  next_number_ = number + 1;
+}
+
+void Recorder::append(std::string_view bytes) {
+  std::ofstream stream(path_, std::ios::binary | std::ios::app);
+  stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  stream.close();
+  if (!stream) throw FileError(path_.string(), "cannot be written; is the disk full?");
+}
+
+Recording parse_recording(std::string_view bytes, const std::string& place) {
+  if (!bytes.starts_with(mark))
+    throw InputError(place, "a recording, which begins with RSR1", "something else");
+  Recording recording;
+  std::size_t at = mark.size();
+  for (std::string* part : {&recording.header, &recording.topology}) {
+    const std::optional<std::uint32_t> size = number_at(bytes, at);
+    if (!size || bytes.size() - at - 4 < *size)
+      throw InputError(place, "a whole recording", "one that ends before its first frame");
+    *part = bytes.substr(at + 4, *size);
+    at += 4 + *size;
+  }
+  recording.end = at;
+  while (true) {
+    const std::optional<std::uint32_t> size = number_at(bytes, at), sum = number_at(bytes, at + 4);
+    if (!size || !sum || bytes.size() - at - 8 < *size) return recording;
+    const std::string_view payload = bytes.substr(at + 8, *size);
+    if (checksum(payload) != *sum) return recording;
+    recording.records.push_back({at + 8, payload});
+    at = recording.end = at + 8 + *size;
+  }
+}
+
+}  // namespace resilin
