@@ -65,11 +65,12 @@ LiveControls starting_controls(const Description& description, const World& worl
   controls.time_step = description.is_dynamic ? description.time_step : LiveControls{}.time_step;
   double volume = 0;
   for (const Body& body : world.bodies) volume += body.elastic->total_rest_volume();
-  // A twentieth of what doubles a cube of this volume, and no less than the weight.
+  // A fiftieth of what doubles a cube of this volume, and no less than half the weight: enough to tilt and
+  // stretch a body, too little to turn the cells at the hand inside out where they are not very fine.
   const double area = std::pow(volume, (world.dimension - 1.0) / world.dimension);
   double weight = 0;
   for (const Body& body : world.bodies) weight += body.mass * controls.gravity.norm();
-  controls.max_force = std::max(0.05 * controls.youngs_modulus * area, weight);
+  controls.max_force = std::max(0.02 * controls.youngs_modulus * area, 0.5 * weight);
   controls.max_force = std::stod(format_short(controls.max_force));
   return controls;
 }
