@@ -99,7 +99,7 @@ void UsdaWriter::keep(std::size_t count) {
   const std::uintmax_t size = std::filesystem::file_size(path_, error);
   num_frames_ = error ? 0 : std::min<std::size_t>(count, size / frame_size());
   if (error) {
-    std::ofstream(path_, std::ios::binary | std::ios::trunc);
+    const std::ofstream empty(path_, std::ios::binary | std::ios::trunc);
     error.clear();
   }
   std::filesystem::resize_file(path_, num_frames_ * frame_size(), error);
