@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <optional>
 
 #include "interrupt.hpp"
 #include "mesher.hpp"
@@ -125,6 +124,41 @@ void check_end(const Subprocess& run, const Found& found, const std::filesystem:
 
 Index num_tetrahedra(const Mesh& mesh) { return mesh.find_block(CellKind::tetrahedron)->num_cells(); }
 
+/// Calls the program with one size of cells after another until their number is near enough.
+struct Attempts {
+  const Found& found;
+  const std::filesystem::path& folder;
+  double extent;  ///< diagonal of the surface's box [m]
+  const FillOptions& options;
+
+  /// How far off the number is: a logarithm.
+  double miss(const Mesh& mesh) const {
+    return std::abs(std::log(static_cast<double>(num_tetrahedra(mesh)) / options.tetrahedra));
+  }
+
+  /// The nearest that comes of it. @param size  of the first attempt's cells [m]
+  Mesh run(double size) const {
+    const Stopwatch watch;
+    const std::filesystem::path result = folder / found.mesher->result;
+    Mesh best;
+    for (int attempt = 0; attempt < most_attempts; ++attempt) {
+      const double rest = std::max(options.time_limit - watch.seconds(), 0.1);
+      std::filesystem::remove(result);
+      const Subprocess run = found.mesher->run(found.program, folder, size, extent, rest);
+      if (attempt > 0 && run.end == Subprocess::End::out_of_time) break;
+      check_end(run, found, result, options.time_limit);
+      Mesh mesh = read_solid_mesh(result, 3).mesh;
+      const Index count = num_tetrahedra(mesh);
+      print_line(found.mesher->name + ": cells of " + format_short(size) + " m: " + std::to_string(count) +
+                 " tetrahedra after " + format_seconds(watch.seconds()));
+      size *= std::cbrt(static_cast<double>(count) / options.tetrahedra);
+      if (attempt == 0 || miss(mesh) < miss(best)) best = std::move(mesh);
+      if (miss(best) < near_enough) break;
+    }
+    return best;
+  }
+};
+
 /// How well shaped the cells are and how far the given surface stands out of them.
 void print_quality(const Mesh& mesh, const Mesh& surface) {
   const CellBlock& cells = *mesh.find_block(CellKind::tetrahedron);
@@ -167,33 +201,15 @@ Mesh fill_surface(const MeshFile& file, const FillOptions& options) {
   if (!(volume > 0)) throw InputError(place, file.numbering.file + " encloses no volume");
 
   catch_interrupts();
-  const Stopwatch watch;
-  const std::filesystem::path result = folder.path() / found.mesher->result;
-  double size = std::cbrt(6 * std::sqrt(2.0) * volume / options.tetrahedra);  // of regular tetrahedra
-  std::optional<Mesh> best;
-  const auto miss = [&](const Mesh& mesh) {
-    return std::abs(std::log(double(num_tetrahedra(mesh)) / options.tetrahedra));
-  };
-  for (int attempt = 0; attempt < most_attempts; ++attempt) {
-    const double rest = options.time_limit - watch.seconds();
-    std::filesystem::remove(result);
-    const Subprocess run = found.mesher->run(found.program, folder.path(), size, extent, std::max(rest, 0.1));
-    if (best && run.end == Subprocess::End::out_of_time) break;
-    check_end(run, found, result, options.time_limit);
-    Mesh mesh = read_solid_mesh(result, 3).mesh;
-    const Index count = num_tetrahedra(mesh);
-    print_line(found.mesher->name + ": cells of " + format_short(size) + " m: " + std::to_string(count) +
-               " tetrahedra after " + format_seconds(watch.seconds()));
-    size *= std::cbrt(static_cast<double>(count) / options.tetrahedra);
-    if (!best || miss(mesh) < miss(*best)) best = std::move(mesh);
-    if (miss(*best) < near_enough) break;
-  }
-  if (miss(*best) > acceptable)
+  const Attempts attempts{found, folder.path(), extent, options};
+  Mesh best =
+      attempts.run(std::cbrt(6 * std::sqrt(2.0) * volume / options.tetrahedra));  // regular tetrahedra
+  if (attempts.miss(best) > acceptable)
     print_warnings({"the nearest to " + std::to_string(options.tetrahedra) + " tetrahedra that " +
                     found.mesher->name + " makes of this surface is " +
-                    std::to_string(num_tetrahedra(*best))});
-  print_quality(*best, surface);
-  return std::move(*best);
+                    std::to_string(num_tetrahedra(best))});
+  print_quality(best, surface);
+  return best;
 }
 
 }  // namespace resilin::cli

@@ -72,7 +72,7 @@ std::optional<std::filesystem::path> find_program(const std::string& name) {
     rest.remove_prefix(std::min(colon + 1, rest.size()));
     if (!folder.is_absolute()) continue;
     std::error_code ignored;
-    const std::filesystem::path file = folder / name;
+    std::filesystem::path file = folder / name;
     if (std::filesystem::is_regular_file(file, ignored) && access(file.c_str(), X_OK) == 0) return file;
   }
   return std::nullopt;

@@ -49,7 +49,7 @@ TEST(BoxTree, FindsTheNearestBoxAndOfSeveralTheFirst) {
       if (distance(i) < distance(expected)) expected = i;
     EXPECT_EQ(tree.nearest(point, distance), expected);
   }
-  EXPECT_EQ(BoxTree({}).nearest(Vector3::Zero(), [](Index) { return 0.0; }), -1);
+  EXPECT_EQ(BoxTree().nearest(Vector3::Zero(), [](Index) { return 0.0; }), -1);
 }
 
 }  // namespace

@@ -23,12 +23,12 @@ class PointStates {
   /// @param fill        writes H = F - I of every point
   template <class Fill>
   PointStates(const ElasticEnergy& elastic, bool is_uniform, const Fill& fill)
-      : H_(static_cast<std::size_t>(elastic.num_cells() * elastic.num_points())) {
-    fill(H_);
+      : gradients_(static_cast<std::size_t>(elastic.num_cells() * elastic.num_points())) {
+    fill(gradients_);
     batch_ = {.law = &elastic.law(),
               .dim = 3,
-              .count = H_.size(),
-              .deformation_gradients = H_.empty() ? nullptr : H_.front().data(),
+              .count = gradients_.size(),
+              .deformation_gradients = gradients_.empty() ? nullptr : gradients_.front().data(),
               .holds_displacement_gradients = true,
               .constants = {}};
     add_materials(elastic, is_uniform);
@@ -36,14 +36,14 @@ class PointStates {
   PointStates(const PointStates&) = delete;
   PointStates& operator=(const PointStates&) = delete;
 
-  std::size_t count() const { return H_.size(); }
-  const std::vector<RowMatrix>& H() const { return H_; }
+  std::size_t count() const { return gradients_.size(); }
+  const std::vector<RowMatrix>& gradients() const { return gradients_; }
   const StateBatch<double>& batch() const { return batch_; }
 
  private:
   /// One row of constants and of fibres for all points, or one for each.
   void add_materials(const ElasticEnergy& elastic, bool is_uniform) {
-    if (H_.empty()) return;
+    if (gradients_.empty()) return;
     const Index num_cells = is_uniform ? 1 : elastic.num_cells(),
                 repeats = is_uniform ? 1 : elastic.num_points();
     for (Index cell = 0; cell < num_cells; ++cell) {
@@ -61,7 +61,7 @@ class PointStates {
     batch_.fibre_stride = is_uniform ? 0 : 3 * batch_.num_fibres;
   }
 
-  std::vector<RowMatrix> H_;
+  std::vector<RowMatrix> gradients_;
   std::vector<double> constants_;
   std::vector<Vector3> fibres_;
   StateBatch<double> batch_;
@@ -205,7 +205,7 @@ std::vector<Matrix<3>> ElasticEnergy::cauchy_stresses(const VectorX& x) const {
   const bool is_small = law().kind == LawKind::small_strain;
   parallel_for(P.size(), points_per_chunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const Matrix<3> F = Matrix<3>::Identity() + states.H()[i];
+      const Matrix<3> F = Matrix<3>::Identity() + states.gradients()[i];
       stresses[i] = changes[i].pressure * Matrix<3>::Identity();
       if (is_small)
         stresses[i] += P[i];

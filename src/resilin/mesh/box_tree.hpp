@@ -30,6 +30,7 @@ struct Box {
 /// n); the same for the same boxes.
 class BoxTree {
  public:
+  BoxTree() = default;
   explicit BoxTree(std::span<const Box> boxes);
 
   /// Calls `visit(i)` for each box that contains the point.

@@ -31,7 +31,7 @@ CellSurface::CellSurface(const CellMap& map) : map_(map) {
       pieces_.push_back(piece);
     }
   }
-  tree_.emplace(boxes);
+  tree_ = BoxTree(boxes);
 }
 
 /// n x n pieces of a side of the reference cell (of quadrilaterals twice as many), in 2D n segments, which
@@ -72,7 +72,7 @@ double CellSurface::squared_distance(const Piece& piece, const Vector3& X) const
 
 CellSurface::Nearest CellSurface::nearest(const Vector3& X) const {
   const auto piece_at = [&](Index i) -> const Piece& { return pieces_[static_cast<std::size_t>(i)]; };
-  const Piece& piece = piece_at(tree_->nearest(X, [&](Index i) { return squared_distance(piece_at(i), X); }));
+  const Piece& piece = piece_at(tree_.nearest(X, [&](Index i) { return squared_distance(piece_at(i), X); }));
   const auto share = shares(piece, X);
   const Vector3 xi = share[0] * piece.xi[0] + share[1] * piece.xi[1] + share[2] * piece.xi[2];
   return {piece.cell, xi, (map_.place(piece.cell, xi) - X).norm()};

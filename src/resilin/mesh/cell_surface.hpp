@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <optional>
 #include <vector>
 
 #include "resilin/mesh/cell_map.hpp"
@@ -37,7 +36,7 @@ class CellSurface {
 
   const CellMap& map_;
   std::vector<Piece> pieces_;
-  std::optional<BoxTree> tree_;
+  BoxTree tree_;
 };
 
 }  // namespace resilin

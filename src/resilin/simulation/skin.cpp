@@ -48,6 +48,7 @@ void check_distance(const SkinDescription& skin, const Body& body, const Embeddi
 std::shared_ptr<const Skin> make_skin(const BodyDescription& description, const Body& body,
                                       const VectorX& rest_positions, int dim,
                                       std::vector<std::string>& warnings) {
+  if (!description.skin) return nullptr;
   const SkinDescription& skin = *description.skin;
   Mesh surface = skin.surface;
   const CellBlock* facets = surface.find_block(CellKind::triangle);

@@ -162,8 +162,7 @@ void Builder::add_body(const BodyDescription& description) {
 
   const VectorX rest = placed_vertices(description, made.mesh, world_.dimension);
   append(world_.rest_positions, rest);
-  if (description.skin)
-    body.skin = make_skin(description, body, world_.rest_positions, world_.dimension, world_.warnings);
+  body.skin = make_skin(description, body, world_.rest_positions, world_.dimension, world_.warnings);
   append(world_.start_positions, description.initial_positions.empty()
                                      ? rest
                                      : values_of_nodes(description.initial_positions, made, world_.dimension,
