@@ -139,6 +139,17 @@ TEST(LiveScene, RecoversFromEveryBrokenStartByOneIterationForEachFrame) {
   }
 }
 
+TEST(LiveScene, CountsAStepAsSolvedByItsLastIterationAlsoWhenTheTimeIsOver) {
+  LiveScene scene(standing_block(2));
+  LiveControls controls = scene.controls();
+  controls.tolerance = 0.5;
+  scene.set_controls(controls);
+  const LiveReport& report = scene.step({.seconds = 0});
+  EXPECT_EQ(report.newton_iterations, 1);
+  EXPECT_LE(report.relative_residual, 0.5);
+  EXPECT_TRUE(report.converged) << report.words;
+}
+
 TEST(LiveScene, PinsHoldAndLetGo) {
   LiveScene scene(standing_block(2, 0));
   const Index corner = top_corner(scene.world());

@@ -57,9 +57,15 @@ NewtonReport LiveScene::Contents::minimize(const Potential& potential, const Vec
   NewtonSettings settings = newton_settings(world);
   settings.tolerance = tolerance;
   settings.max_iterations = controls.newton_limit > 0 ? controls.newton_limit : world.newton.max_iterations;
-  return newton.minimize(potential, world.is_fixed, targets, settings, x, [&](const NewtonReport&) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() < budget.seconds;
-  });
+  NewtonReport found =
+      newton.minimize(potential, world.is_fixed, targets, settings, x, [&](const NewtonReport&) {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() <
+               budget.seconds;
+      });
+  // The time may be over with the very iteration that solved the step.
+  if (found.status == NewtonReport::Status::interrupted && found.relative_residual() <= tolerance)
+    found.status = NewtonReport::Status::converged;
+  return found;
 }
 
 void LiveScene::Contents::move_in_time(const StepBudget& budget) {
