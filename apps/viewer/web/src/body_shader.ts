@@ -90,12 +90,16 @@ vec3 studio(vec3 base, vec3 n, vec3 eye, float own) {
   return base * light + shine + glow * mix(vec3(0.25), base, 0.5) * (dark ? 1.25 : 0.8);
 }
 
-/** The face of the cut, shaded where the line of sight meets the plane. */
-vec3 face(vec3 eye) {
-  vec3 n = mat3(viewMatrix) * cut.xyz;
-  vec3 ray = normalize(place - cameraPosition);
+/** How far along the line of sight the cut is, from the eye; negative: not before this place, which is an inside seen elsewhere. */
+float wayToCut(vec3 ray) {
   float along = dot(cut.xyz, ray);
-  vec3 hit = cameraPosition + ray * ((cut.w - dot(cut.xyz, cameraPosition)) / (abs(along) < 1e-6 ? 1e-6 : along));
+  float way = (cut.w - dot(cut.xyz, cameraPosition)) / (abs(along) < 1e-6 ? 1e-6 : along);
+  return way <= 1.0001 * distance(place, cameraPosition) ? way : -1.0;
+}
+
+/** The face of the cut, shaded where the line of sight meets the plane. */
+vec3 face(vec3 eye, vec3 hit) {
+  vec3 n = mat3(viewMatrix) * cut.xyz;
   vec3 a = normalize(abs(cut.y) < 0.9 ? cross(cut.xyz, vec3(0, 1, 0)) : cross(cut.xyz, vec3(1, 0, 0)));
   float stripe = (dot(hit, a) + dot(hit, cross(cut.xyz, a))) / hatch;
   float wide = fwidth(stripe) * 1.2;
@@ -106,9 +110,11 @@ vec3 face(vec3 eye) {
 void main() {
   if (cutOn && dot(cut.xyz, place) > cut.w) discard;
   vec3 eye = isOrthographic ? vec3(0, 0, 1) : normalize(-eyePlace);
+  vec3 ray = normalize(place - cameraPosition);
+  float way = cutOn && !gl_FrontFacing ? wayToCut(ray) : -1.0;
   vec3 rgb;
   if (!lit) rgb = albedo();
-  else if (!gl_FrontFacing && cutOn) rgb = face(eye);
+  else if (way > 0.0) rgb = face(eye, cameraPosition + way * ray);
   else {
     vec3 n = normalize(eyeNormal) * (gl_FrontFacing ? 1.0 : -1.0);
     rgb = studio(albedo(), n, eye, 1.0 - fieldOn);

@@ -5,7 +5,7 @@ import { element, icon, iconButton } from "./dom";
 import { Gestures, type Place } from "./gestures";
 import { HeadUp } from "./head_up";
 import { LiveConnection } from "./live";
-import { LivePanel } from "./live_panel";
+import { LivePanel, type LiveActions } from "./live_panel";
 import { Overlays } from "./overlays";
 import type { Frame, Header, State, Topology } from "./protocol";
 import { Shell } from "./shell";
@@ -132,13 +132,12 @@ export class LiveApp {
     );
     this.tools = new Tools(stage, this.connection);
     this.tools.tool = this.tool;
-    const { gui } = this.shell;
-    this.panel = header.controls
-      ? new LivePanel(gui!, header, header.controls, {
-          set: (key, value) => this.unsent.set(key, value),
-          send: (message) => this.connection.send(message),
-        })
-      : null;
+    const actions: LiveActions = {
+      set: (key, value) => this.unsent.set(key, value),
+      send: (message) => this.connection.send(message),
+    };
+    const { controls } = header;
+    this.panel = controls ? new LivePanel(this.shell.gui!, header, controls, actions, this.tools) : null;
     const { choices } = this.shell;
     if (header.controls?.ground) stage.setGround(header.controls.ground_height);
     if (!this.shell.cameraWasKept) stage.seeAll();

@@ -30,6 +30,7 @@ export class LivePanel {
     private readonly header: Header,
     state: State,
     private readonly actions: LiveActions,
+    private readonly ball: { pokeRadius: number }, // [m]
   ) {
     this.state = state;
     this.sceneGravity = header.gravity;
@@ -66,6 +67,15 @@ export class LivePanel {
       folder.add(this.shown, "ground_height", -reach, reach, step).decimals(3).name("Ground height [m]"),
     );
     this.control("max_force", this.log(folder, "max_force", 1e-2, 1e5, "N").name("Strongest hand"));
+    this.addBall(folder);
+  }
+
+  private addBall(folder: GUI): void {
+    const { extent } = this.header;
+    folder
+      .add(this.ball, "pokeRadius", 0.02 * extent, 0.5 * extent)
+      .decimals(3)
+      .name("Poking ball [m]");
   }
 
   private addTime(): void {

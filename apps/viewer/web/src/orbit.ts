@@ -21,7 +21,7 @@ export class Orbit {
   private width = 1;
   private height = 1;
   private extent = 1;
-  private covered = { right: 0, bottom: 0 }; // pixels of the window that something lies over
+  private covered = { left: 0, right: 0, bottom: 0 }; // pixels of the window that something lies over
 
   constructor(
     readonly flat: boolean,
@@ -42,7 +42,10 @@ export class Orbit {
     const center = box.getCenter(new THREE.Vector3());
     const radius = Math.max(box.getSize(new THREE.Vector3()).length() / 2, 1e-9);
     this.extent = 2 * radius;
-    const free = { width: this.width - this.covered.right, height: this.height - this.covered.bottom };
+    const free = {
+      width: this.width - this.covered.left - this.covered.right,
+      height: this.height - this.covered.bottom,
+    };
     const narrow = Math.min(free.width, free.height) / this.height;
     const half = THREE.MathUtils.degToRad(FIELD_OF_VIEW / 2);
     const across = Math.atan(Math.tan(half) * narrow);
@@ -58,10 +61,11 @@ export class Orbit {
   }
 
   /** `covered`: what panels take of the window; the scene is in the middle of the rest. */
-  resize(width: number, height: number, covered = { right: 0, bottom: 0 }): void {
+  resize(width: number, height: number, covered = { left: 0, right: 0, bottom: 0 }): void {
     [this.width, this.height] = [width, height];
     this.covered = covered;
-    this.camera.setViewOffset(width, height, covered.right / 2, covered.bottom / 2, width, height);
+    const right = (covered.right - covered.left) / 2;
+    this.camera.setViewOffset(width, height, right, covered.bottom / 2, width, height);
     this.apply();
   }
 

@@ -39,6 +39,7 @@ export class Shell {
   private easedRange: [number, number] | null = null;
   private easedField = -1;
   private running = true;
+  private restPositions: Float32Array = new Float32Array(0);
 
   constructor(
     kind: string,
@@ -70,6 +71,7 @@ export class Shell {
       },
       drawNow: () => this.draw(true),
       position: (vertex: number) => Array.from(this.stage?.frame?.positions.subarray(3 * vertex, 3 * vertex + 3) ?? []),
+      restPosition: (vertex: number) => Array.from(this.restPositions.subarray(3 * vertex, 3 * vertex + 3)),
       pickAt: (x: number, y: number) => this.stage?.pickAt(x, y),
       seenAt: (vertex: number) => this.seenAt(vertex),
     });
@@ -79,6 +81,7 @@ export class Shell {
   /** A new scene, or the same one again after the connection was lost. */
   setScene(header: Header, topology: Topology, normals: (part: number) => Normals): Stage {
     const old = this.stage;
+    this.restPositions = topology.restPositions;
     const same = old !== null && old.header.title === header.title && old.extent === header.extent;
     const stage = new Stage(this.canvas, header, topology, normals, old?.renderer);
     if (same) stage.orbit.setPose(old.orbit.pose);

@@ -214,8 +214,10 @@ export class Stage {
     if (width === 0 || height === 0) return;
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.renderer.setSize(width, height, false);
-    // The panel at the right and the bar below, where they are not laid over the scene as on a telephone.
-    const covered = width > 720 ? { right: 300, bottom: 130 } : { right: 0, bottom: 150 };
+    // The panel at the right and the bars below; on a telephone they are laid over the scene. Flat bodies fill their box,
+    // so they keep clear of the cards at the left, too.
+    const left = this.flat && width > 1000 ? 270 : 0;
+    const covered = width > 720 ? { left, right: 300, bottom: 130 } : { left: 0, right: 0, bottom: 150 };
     this.orbit.resize(width, height, covered);
     this.changed = true;
   }

@@ -1,8 +1,9 @@
 /** The page of a live scene in a real browser, with the real program behind it. */
 
 import assert from "node:assert/strict";
+import path from "node:path";
 import { after, before, test } from "node:test";
-import { Program, TestBrowser } from "./harness";
+import { difference, Program, repository, TestBrowser } from "./harness";
 import { distance, distanceFrom, grip, jelly, position, reset, strip, withPage } from "./live_pages";
 
 let browser: TestBrowser;
@@ -203,5 +204,25 @@ test("a flat scene is seen from the front and dragged in its plane", async () =>
     });
   } finally {
     await flat.stop();
+  }
+});
+
+test("coarse cells show through a skin", async () => {
+  const spot = await Program.start(path.join(repository, "examples/spot.toml"), "--port", "0");
+  try {
+    await withPage(browser, spot.address, async (watched) => {
+      assert.deepEqual(await watched.value("resilin.header.parts.map((part) => part.kind)"), ["skin", "cells"]);
+      await watched.value("resilin.send({ type: 'pause' })");
+      await watched.until("resilin.state.paused");
+      await watched.restingTime();
+      const skin = await watched.picture();
+      await watched.page.keyboard.press("c");
+      const through = await watched.picture();
+      assert.ok(difference(skin, through) > 0.5, "the picture changes");
+      await watched.page.keyboard.press("c");
+      assert.ok(difference(skin, await watched.picture()) < 0.2, "and changes back");
+    });
+  } finally {
+    await spot.stop();
   }
 });
