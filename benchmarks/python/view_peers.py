@@ -3,11 +3,11 @@
     pip install newton mujoco        # beside the resilin package
     python benchmarks/python/view_peers.py [--cells 10]
 
-The cube has 0.4 m edges, 1000 kg/m^3, E = 0.1 MPa, nu = 0.4. Resilin and VBD see the same tetrahedra (those of Newton's grid,
-five for each small cube) and the same energy, stable neo-Hookean; MuJoCo makes its own grid, of six, with its own law. Every
-method runs on one thread; times are of the process, without set-up, per step. Errors are root mean squares over the vertices,
-as shares of the displacement: against the method's own solved steps (what cutting short costs), and against the lowest
-point of Resilin's solved steps (what one would see).
+The cube has 0.4 m edges, 1000 kg/m^3, E = 0.1 MPa, nu = 0.4. Resilin and VBD see the same tetrahedra (those of Newton's
+grid, five for each small cube) and the same energy, stable neo-Hookean; MuJoCo makes its own grid, of six, with its own
+law. Every method runs on one thread; times are of the process, without set-up, per step. Errors are root mean squares
+over the vertices, as shares of the displacement: against the method's own solved steps (what cutting short costs), and
+against the lowest point of Resilin's solved steps (what one would see).
 """
 
 import argparse
@@ -48,9 +48,18 @@ def newton_grid(cells):
     lame = YOUNG * POISSON / ((1 + POISSON) * (1 - 2 * POISSON))
     size = EDGE / cells
     builder.add_soft_grid(
-        pos=warp.vec3(0, 0, 0), rot=warp.quat_identity(), vel=warp.vec3(0, 0, 0), dim_x=cells, dim_y=cells, dim_z=cells, cell_x=size, cell_y=size,
-        cell_z=size, density=DENSITY, k_mu=mu, k_lambda=lame + mu, k_damp=0.0, fix_left=True, add_surface_mesh_edges=False,
-    )  # fmt: skip
+        pos=warp.vec3(0, 0, 0),
+        rot=warp.quat_identity(),
+        vel=warp.vec3(0, 0, 0),
+        **{f"dim_{axis}": cells for axis in "xyz"},
+        **{f"cell_{axis}": size for axis in "xyz"},
+        density=DENSITY,
+        k_mu=mu,
+        k_lambda=lame + mu,
+        k_damp=0.0,
+        fix_left=True,
+        add_surface_mesh_edges=False,
+    )
     builder.color()
     return builder.finalize(device="cpu")
 
@@ -81,8 +90,8 @@ def run_mujoco(cells):
       <option timestep="{STEP}" integrator="discrete" solver="CG" gravity="0 0 -9.81"/>
       <size memory="500M"/>
       <worldbody>
-        <flexcomp name="cube" type="grid" dim="3" count="{n} {n} {n}" spacing="{size} {size} {size}" mass="{DENSITY * EDGE**3}"
-          radius="0.001" pos="{EDGE / 2} {EDGE / 2} {EDGE / 2}">
+        <flexcomp name="cube" type="grid" dim="3" count="{n} {n} {n}" spacing="{size} {size} {size}"
+          mass="{DENSITY * EDGE**3}" radius="0.001" pos="{EDGE / 2} {EDGE / 2} {EDGE / 2}">
           <contact selfcollide="none" contype="0" conaffinity="0"/>
           <elasticity young="{YOUNG}" poisson="{POISSON}"/>
           <pin gridrange="0 0 0 0 {n - 1} {n - 1}"/>
