@@ -1,8 +1,10 @@
 /** The page of recorded results in a real browser. */
 
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import path from "node:path";
 import { after, before, test } from "node:test";
-import { difference, TestBrowser, type Watched } from "./harness";
+import { difference, Program, runProgram, TestBrowser, webFolder, type Watched } from "./harness";
 import { bendingBeam, reportOf, writeRecording, writeResultPage } from "./recording_writer";
 
 const beam = bendingBeam(21, 0.4);
@@ -187,4 +189,29 @@ test("what cannot be read is said in a line", async () => {
     async (whole) => assert.match(await whole.page.locator(".subtitle").innerText(), /20 frames/),
     writeResultPage(browser.scratch, "cut.html", cut, reportOf(beam)),
   );
+});
+
+test("a run leaves result.html, and resilin view shows its folder", async () => {
+  const folder = path.join(browser.scratch, "jelly");
+  runProgram("run", path.join(webFolder, "tests/scenes/jelly.toml"), "--out", folder, "--quiet");
+  const report = JSON.parse(readFileSync(path.join(folder, "report.json"), "utf8"));
+  const program = await Program.start(folder, "--port", "0");
+  try {
+    for (const where of [`file://${folder}/result.html`, program.address])
+      await withPage(async (watched) => {
+        const last = report.frames.length - 1;
+        await watched.until(`resilin.frame === ${last}`);
+        // The corner's displacement in the recording is that of its probe in the report, to the recording's quantum.
+        const corner = await watched.value<number>(
+          "(() => { for (let v = 0; ; ++v) if (resilin.restPosition(v).every((x) => x > 0.999)) return v; })()",
+        );
+        const [x, y, z] = await watched.value<number[]>(`resilin.position(${corner})`);
+        const { displacement } = report.frames[last].probes.corner;
+        [x - 1, y - 1, z - 1].forEach((u, i) => assert.ok(Math.abs(u - displacement[i]) < 1e-4));
+        await seek(watched, 0);
+        assert.ok((await watched.picture()).covered > 0.02);
+      }, where);
+  } finally {
+    await program.stop();
+  }
 });
