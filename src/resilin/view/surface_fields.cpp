@@ -16,8 +16,7 @@ constexpr std::size_t nodes_per_chunk = 1024;
 
 bool is_known(const FieldInfo& field) {
   // The length of a vector is shown; directions, which have no unit, have none to show.
-  const bool is_of_node =
-      field.is_on_nodes && field.kind == FieldInfo::Kind::vector && !field.unit.empty();
+  const bool is_of_node = field.is_on_nodes && field.kind == FieldInfo::Kind::vector && !field.unit.empty();
   const bool is_of_cell = !field.is_on_nodes && field.kind == FieldInfo::Kind::scalar;
   return is_of_node || is_of_cell;
 }
