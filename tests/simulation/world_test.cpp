@@ -35,6 +35,30 @@ TEST(World, NamesTheFreeRigidMotionsOfAStaticBody) {
               AllOf(HasSubstr("1 of 3 rigid motions"), HasSubstr("translation along y")));
 }
 
+TEST(World, ChoosesTheElementByPoissonsRatioAndMotion) {
+  const auto chosen = [](double poissons_ratio, bool is_dynamic) {
+    Description scene = small_bar(3, is_dynamic);
+    scene.bodies[0].element = "auto";
+    scene.bodies[0].material.law = "stable_neo_hookean";
+    scene.bodies[0].material.constants = {{"youngs_modulus", 1e5}, {"poissons_ratio", poissons_ratio}};
+    return World(scene).bodies[0].element;
+  };
+  EXPECT_EQ(chosen(0.45, false), "P2");  // the limit itself, whatever rounding makes of it
+  EXPECT_EQ(chosen(0.45, true), "P1");
+  EXPECT_EQ(chosen(0.46, false), "P2P0");
+  EXPECT_EQ(chosen(0.46, true), "P2P0");
+}
+
+TEST(World, WarnsOfLinearElementsThatLock) {
+  Description scene = small_bar(3, true);
+  scene.bodies[0].element = "P1";
+  scene.bodies[0].material.law = "stable_neo_hookean";
+  scene.bodies[0].material.constants = {{"youngs_modulus", 1e5}, {"poissons_ratio", 0.49}};
+  EXPECT_THAT(World(scene).warnings, ::testing::Contains(HasSubstr("P2P0")));
+  scene.bodies[0].element = "P2P0";
+  EXPECT_THAT(World(scene).warnings, ::testing::Not(::testing::Contains(HasSubstr("lock"))));
+}
+
 TEST(World, SaysInWordsHowABodyCanMove) {
   Description scene = small_bar(3, false);
   const auto message = [&](const char* components, const std::vector<Index>& vertices) {

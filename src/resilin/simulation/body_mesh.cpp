@@ -13,7 +13,9 @@
 namespace resilin {
 namespace {
 
-constexpr double locking_ratio = 0.45;  ///< Poisson's ratio above which volume locking costs per cents
+/// Poisson's ratio above which volume locking costs per cents; read off a tangent, whose rounding is not
+/// meant.
+constexpr double locking_ratio = 0.45 + 1e-9;
 
 bool has_simplices(CellKind kind) { return num_corners(kind) == dimension(kind) + 1; }
 
