@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <regex>
 
+#include "jelly_scene.hpp"
 #include "page_client.hpp"
 #include "program.hpp"
 
@@ -13,21 +14,6 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
-
-/// A jelly cube that falls: little to compute.
-const std::string jelly = R"([simulation]
-kind = "dynamic"
-gravity = [0, 0, -9.81]
-time_step = 0.01
-end_time = 1
-[[body]]
-name = "jelly"
-element = "P1"
-mesh = { box = { size = [1, 1, 1], cells = [2, 2, 2] } }
-material = { law = "stable_neo_hookean", youngs_modulus = 1e4, poissons_ratio = 0.3, density = 1000 }
-[[fix]]
-where = { plane = { axis = "z", at = 0 } }
-)";
 
 struct Address {
   std::uint16_t port = 0;

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "jelly_scene.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/view/frame_codec.hpp"
 
@@ -14,21 +15,8 @@ namespace resilin::viewer {
 namespace {
 
 using nlohmann::json;
+using resilin::testing::jelly;
 using ::testing::HasSubstr;
-
-constexpr const char* jelly = R"([simulation]
-kind = "dynamic"
-gravity = [0, 0, -9.81]
-time_step = 0.01
-end_time = 1
-[[body]]
-name = "jelly"
-element = "P1"
-mesh = { box = { size = [1, 1, 1], cells = [2, 2, 2] } }
-material = { law = "stable_neo_hookean", youngs_modulus = 1e4, poissons_ratio = 0.3, density = 1000 }
-[[fix]]
-where = { plane = { axis = "z", at = 0 } }
-)";
 
 constexpr const char* plate = R"([simulation]
 kind = "static"

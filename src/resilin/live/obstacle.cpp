@@ -30,8 +30,4 @@ bool Obstacle::advance(const VectorX& positions) {
   return (share * motion).norm() > least_motion * barrier_->activation_distance();
 }
 
-bool Obstacle::has_arrived() const {
-  return (goal_ - barrier_->place({})).norm() <= 0.01 * barrier_->activation_distance();
-}
-
 }  // namespace resilin

@@ -19,9 +19,6 @@ class Obstacle {
   void set_goal(const Vector3& goal) { goal_ = goal; }
   /// Goes nearer to the goal. @return whether it moved to speak of
   bool advance(const VectorX& positions);
-  /// Whether it is where it shall be, within a small part of its activation distance.
-  bool has_arrived() const;
-
   const std::shared_ptr<ColliderBarrier>& barrier() const { return barrier_; }
 
  private:
