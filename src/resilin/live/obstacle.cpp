@@ -10,7 +10,7 @@ constexpr double least_motion = 1e-3;  ///< of the activation distance, to speak
 }  // namespace
 
 Obstacle::Obstacle(const std::string& name, const World& world, const VectorX& positions,
-                   std::shared_ptr<const ColliderShape> shape, const Vector3& way_out) {
+                   const std::shared_ptr<const ColliderShape>& shape, const Vector3& way_out) {
   const double reach = default_activation_distance(world);
   barrier_ = std::make_shared<ColliderBarrier>(name, world.dimension, shape, contact_nodes(world), reach);
   goal_ = shape->reference_point();
