@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "page_client.hpp"
 #include "resilin/mesh/generators.hpp"
+#include "viewer/page_client.hpp"
 #include "viewer/scene_stage.hpp"
 #include "viewer/served_page.hpp"
 

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "resilin/simulation/description.hpp"
+#include "resilin/world/description.hpp"
 
 namespace resilin::bench {
 

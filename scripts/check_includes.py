@@ -1,4 +1,4 @@
-"""Checks the direction between modules: who may include and link whom.
+"""Checks the direction between rooms: who may include and link whom, and that no Python module imports in a circle.
 
 The rule itself stands in CONTRIBUTING.md, in the block marked `direction`, as lines of `A <- B <- C` where B may use
 A and C both; a group in braces stands for each of its members, parts are separated by semicolons.
@@ -10,8 +10,10 @@ import re
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]resilin/([a-z_]+)/', re.MULTILINE)
+INCLUDE = re.compile(r'^\s*#\s*include\s*[<"](?:resilin/)?([a-z_]+)/', re.MULTILINE)
 MODULE = re.compile(r"resilin_module\(\s*([a-z_]+)(.*?)\)", re.DOTALL)
+LINKED = re.compile(r"\bresilin(?:::|_)([a-z_]+)")
+IMPORT = re.compile(r"^\s*(?:from resilin\.(\w+) import|import resilin\.(\w+)|from resilin import (.+))", re.MULTILINE)
 SUFFIXES = {".hpp", ".cpp", ".h", ".inl", ".cu", ".cuh"}
 
 
@@ -44,7 +46,10 @@ def reachable(module, below):
 
 def uses_in_text(path, text):
     """(line, used module) for each include of another module, or each DEPENDS of a CMakeLists.txt."""
-    if path.name == "CMakeLists.txt":
+    if path.name == "CMakeLists.txt" and "resilin_module(" not in text:
+        for match in LINKED.finditer(text):
+            yield text.count("\n", 0, match.start()) + 1, match.group(1)
+    elif path.name == "CMakeLists.txt":
         for match in MODULE.finditer(text):
             words = match.group(2).split()
             depends = words[words.index("DEPENDS") + 1 :] if "DEPENDS" in words else []
@@ -65,20 +70,55 @@ def problems_of_file(path, module, text, allowed):
         f"{path}:{line}: {module} may use {', '.join(sorted(allowed[module] - {module}))}, not {used}; "
         "move the shared part down or the using part up"
         for line, used in uses_in_text(path, text)
-        if used not in allowed[module]
+        if used in allowed and used not in allowed[module]
     ]
 
 
-def module_files():
-    """(path, module) for all library sources; everything in apps/ belongs to `apps`."""
-    for path in sorted((ROOT / "src" / "resilin").rglob("*")):
-        parts = path.relative_to(ROOT / "src" / "resilin").parts
-        # What lies straight in src/resilin, such as version.hpp, belongs to everyone.
-        if len(parts) > 1 and is_checked(path):
-            yield path, parts[0]
-    for path in sorted((ROOT / "apps").rglob("*")):
-        if is_checked(path):
-            yield path, "apps"
+def room_files():
+    """(path, room) for all sources: a folder of src/resilin is a room, and so is each program, Python and the tests."""
+    folders = {
+        "src/resilin/*": None,
+        "apps/*": None,
+        "benchmarks": "benchmarks",
+        "python/src": "python",
+        "tests": "tests",
+    }
+    for pattern, room in folders.items():
+        for folder in sorted(ROOT.glob(pattern)):
+            # What lies straight in src/resilin, such as version.hpp, belongs to everyone.
+            for path in sorted(folder.rglob("*")) if folder.is_dir() else []:
+                if is_checked(path):
+                    yield path, room or folder.name
+
+
+def circles(imports):
+    """The modules that import themselves through others, as "a -> b -> a"; `imports`: module -> modules."""
+    found = set()
+
+    def follow(path):
+        for used in sorted(imports.get(path[-1], ())):
+            if used in path:
+                circle = path[path.index(used) :]
+                first = circle.index(min(circle))
+                found.add(" -> ".join([*circle[first:], *circle[:first], circle[first]]))
+            else:
+                follow([*path, used])
+
+    for module in sorted(imports):
+        follow([module])
+    return sorted(found)
+
+
+def imports_of_text(text, modules):
+    """Modules of the package that a text imports, wherever in it."""
+    words = [word for groups in IMPORT.findall(text) for group in groups for word in re.findall(r"\w+", group)]
+    return {word for word in words if word in modules}
+
+
+def python_problems():
+    files = {path.stem: path for path in sorted((ROOT / "python" / "resilin").glob("*.py"))}
+    imports = {name: imports_of_text(path.read_text(encoding="utf-8"), files) for name, path in files.items()}
+    return [f"python/resilin: {circle}; one of them must do without" for circle in circles(imports)]
 
 
 def is_checked(path):
@@ -87,11 +127,12 @@ def is_checked(path):
 
 def find_problems():
     allowed = read_rule()
-    return [
+    problems = [
         problem
-        for path, module in module_files()
+        for path, module in room_files()
         for problem in problems_of_file(path.relative_to(ROOT), module, path.read_text(encoding="utf-8"), allowed)
     ]
+    return problems + python_problems()
 
 
 def find_faults_of_this_check():
@@ -100,9 +141,12 @@ def find_faults_of_this_check():
     cases = [  # file, module, text, number of problems
         ("a.hpp", "material", '#include "resilin/energy/energy.hpp"\n', 1),
         ("a.cpp", "linear", "#pragma once\n  # include <resilin/mesh/mesh.hpp>\n", 1),
-        ("a.cpp", "io", '#include "resilin/scene/scene.hpp"\n#include "resilin/simulation/world.hpp"\n', 2),
+        ("a.cpp", "io", '#include "resilin/scene/scene.hpp"\n#include "resilin/world/world.hpp"\n', 2),
         ("a.cpp", "optimize", '#include "resilin/linear/block_matrix.hpp"\n#include "resilin/core/types.hpp"\n', 0),
-        ("a.cpp", "apps", '#include "resilin/core/types.hpp"\n#include "resilin/scene/scene.hpp"\n', 0),
+        ("a.cpp", "cli", '#include "resilin/core/types.hpp"\n#include "resilin/scene/scene.hpp"\n', 0),
+        ("a.cpp", "viewer", '#include "bench/live.hpp"\n#include "benchmarks/live.hpp"\n', 1),
+        ("a.cpp", "benchmarks", '#include "viewer/page_client.hpp"\n#include <gtest/gtest.h>\n', 0),
+        ("CMakeLists.txt", "viewer", "target_link_libraries(resilin_viewer PUBLIC resilin::live resilin_cli)", 1),
         ("a.cpp", "elsewhere", "", 1),
         ("CMakeLists.txt", "core", "resilin_module(core SOURCES a.cpp DEPENDS mesh LINK x)", 1),
         ("CMakeLists.txt", "energy", "resilin_module(energy\n SOURCES a.cpp\n DEPENDS mesh linear\n LINK x)", 0),
@@ -112,6 +156,10 @@ def find_faults_of_this_check():
         found = problems_of_file(pathlib.Path(name), module, text, allowed)
         if len(found) != expected:
             faults.append(f"{module} with {text!r}: expected {expected} problems, got {found}")
+    if circles({"a": {"b"}, "b": {"c"}, "c": {"b"}}) != ["b -> c -> b"]:
+        faults.append("a circle of imports is not seen")
+    if imports_of_text("from resilin.a import x\n    from resilin import b, c\n", {"a", "c"}) != {"a", "c"}:
+        faults.append("imports are not seen")
     return faults
 
 

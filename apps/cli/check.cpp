@@ -11,7 +11,7 @@
 #include "resilin/mesh/quality.hpp"
 #include "resilin/scene/plausibility.hpp"
 #include "resilin/scene/scene.hpp"
-#include "resilin/simulation/world.hpp"
+#include "resilin/world/world.hpp"
 #include "terminal.hpp"
 
 namespace resilin::cli {

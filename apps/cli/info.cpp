@@ -10,7 +10,7 @@
 #include "resilin/core/text.hpp"
 #include "resilin/linear/blas.hpp"
 #include "resilin/linear/linear_solver.hpp"
-#include "resilin/scene/build_info.hpp"
+#include "resilin/results/build_info.hpp"
 #include "resilin/scene/scene.hpp"
 #include "terminal.hpp"
 

@@ -9,7 +9,7 @@
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/linear/blas.hpp"
-#include "resilin/scene/build_info.hpp"
+#include "resilin/results/build_info.hpp"
 
 namespace resilin::cli {
 namespace {

@@ -7,7 +7,7 @@
 #include "resilin/core/text.hpp"
 #include "resilin/picture/camera.hpp"
 #include "resilin/picture/color_map.hpp"
-#include "resilin/scene/result_picture.hpp"
+#include "resilin/results/result_picture.hpp"
 #include "terminal.hpp"
 
 namespace resilin::cli {

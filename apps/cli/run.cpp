@@ -16,8 +16,8 @@
 #include "resilin/core/log.hpp"
 #include "resilin/core/parallel.hpp"
 #include "resilin/core/text.hpp"
-#include "resilin/scene/results.hpp"
-#include "resilin/scene/run.hpp"
+#include "resilin/results/results.hpp"
+#include "resilin/results/run.hpp"
 #include "resilin/scene/scene.hpp"
 #include "terminal.hpp"
 

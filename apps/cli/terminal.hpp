@@ -28,7 +28,4 @@ void print_text(std::string_view text);
 
 std::string format_seconds(double seconds);  ///< "0.52 s", "3 min 20 s", "2 h 05 min"
 
-/// Columns as wide as their widest entry, two blanks between.
-std::string format_table(const std::vector<std::vector<std::string>>& rows);
-
 }  // namespace resilin::cli

@@ -9,7 +9,7 @@
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/live/live_controls.hpp"
-#include "resilin/scene/build_info.hpp"
+#include "resilin/results/build_info.hpp"
 #include "resilin/view/frame_codec.hpp"
 #include "resilin/view/header.hpp"
 

@@ -6,9 +6,9 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/fields/evaluator.hpp"
-#include "resilin/scene/report.hpp"
-#include "resilin/scene/result_picture.hpp"
-#include "resilin/scene/results.hpp"
+#include "resilin/results/report.hpp"
+#include "resilin/results/result_picture.hpp"
+#include "resilin/results/results.hpp"
 
 namespace resilin::python {
 namespace {

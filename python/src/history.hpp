@@ -8,7 +8,7 @@
 
 #include "bindings.hpp"
 #include "resilin/picture/picture.hpp"
-#include "resilin/scene/summary.hpp"
+#include "resilin/results/summary.hpp"
 #include "resilin/simulation/simulation.hpp"
 
 namespace resilin::python {

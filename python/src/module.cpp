@@ -5,7 +5,7 @@
 #include "bindings.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/parallel.hpp"
-#include "resilin/scene/build_info.hpp"
+#include "resilin/results/build_info.hpp"
 
 namespace nb = nanobind;
 

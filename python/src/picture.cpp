@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "bindings.hpp"
-#include "resilin/scene/result_picture.hpp"
+#include "resilin/results/result_picture.hpp"
 
 namespace resilin::python {
 namespace {

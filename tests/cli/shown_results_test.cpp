@@ -7,7 +7,7 @@
 #include <regex>
 
 #include "program.hpp"
-#include "resilin/scene/shown_results.hpp"
+#include "resilin/results/shown_results.hpp"
 
 namespace resilin::testing {
 namespace {

@@ -6,8 +6,8 @@
 #include <regex>
 
 #include "jelly_scene.hpp"
-#include "page_client.hpp"
 #include "program.hpp"
+#include "viewer/page_client.hpp"
 
 namespace resilin::testing {
 namespace {
@@ -70,9 +70,9 @@ TEST_F(View, ServesASceneUntilItIsInterrupted) {
     RunningProgram program(folder.path(), {"view", "jelly.toml", "--no-browser", "--threads", "1"});
     const Address address = address_of(program);
     const std::string page =
-        bench::exchange(address.port, bench::request_text(address.port, "/?token=" + address.token));
+        viewer::exchange(address.port, viewer::request_text(address.port, "/?token=" + address.token));
     EXPECT_THAT(page, HasSubstr("{\"kind\": \"live\"}"));
-    bench::PageClient client(address.port, address.token);
+    viewer::PageClient client(address.port, address.token);
     EXPECT_THAT(client.receive_text("hello"), HasSubstr("\"title\":\"jelly.toml\""));
     client.receive_frame();
     program.kill(signal);
@@ -87,7 +87,7 @@ TEST_F(View, ServesASceneUntilItIsInterrupted) {
 TEST_F(View, ReadsTheSceneAgainAndSurvivesABrokenOne) {
   RunningProgram program(folder.path(), {"view", "jelly.toml", "--no-browser"});
   const Address address = address_of(program);
-  bench::PageClient client(address.port, address.token);
+  viewer::PageClient client(address.port, address.token);
   client.receive_text("hello");
   folder.write("jelly.toml", "[simulation]\nkynd = 1\n");
   client.send_text(R"({"type": "reload"})");
@@ -123,7 +123,8 @@ TEST_F(View, ServesTheResultsOfARun) {
   RunningProgram program(folder.path(), {"view", "results", "--no-browser"});
   const Address address = address_of(program);
   const auto get = [&address](const std::string& path) {
-    return bench::exchange(address.port, bench::request_text(address.port, path + "?token=" + address.token));
+    return viewer::exchange(address.port,
+                            viewer::request_text(address.port, path + "?token=" + address.token));
   };
   EXPECT_THAT(get("/"), HasSubstr("{\"kind\": \"recorded\"}"));
   EXPECT_TRUE(get("/recording").ends_with("\r\n\r\nRSR1"));

@@ -2,11 +2,11 @@
 #include <gtest/gtest.h>
 
 #include "resilin/core/error.hpp"
-#include "resilin/energy/facet.hpp"
 #include "resilin/fields/evaluator.hpp"
 #include "resilin/fields/extremes.hpp"
 #include "resilin/fields/tensors.hpp"
 #include "resilin/material/derive.hpp"
+#include "resilin/mesh/facet.hpp"
 #include "shared_data.hpp"
 #include "small_scenes.hpp"
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "resilin/element/catalog.hpp"
-#include "resilin/energy/facet.hpp"
+#include "resilin/mesh/facet.hpp"
 #include "small_scenes.hpp"
 
 namespace resilin::testing {

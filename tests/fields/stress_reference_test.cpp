@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "reference_case.hpp"
-#include "resilin/energy/facet.hpp"
 #include "resilin/fields/evaluator.hpp"
+#include "resilin/mesh/facet.hpp"
 #include "resilin/mesh/topology.hpp"
 
 namespace resilin::testing {

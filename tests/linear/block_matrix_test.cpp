@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "bar_problem.hpp"
 #include "resilin/core/parallel.hpp"
-#include "resilin/linear/bar_problem.hpp"
 #include "sample_matrix.hpp"
 
 namespace resilin {

@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "bar_problem.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/parallel.hpp"
-#include "resilin/linear/bar_problem.hpp"
 #include "resilin/linear/linear_solver.hpp"
 #include "sample_matrix.hpp"
 

@@ -4,12 +4,12 @@
 
 #include <limits>
 
+#include "bar_problem.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/parallel.hpp"
-#include "resilin/linear/bar_problem.hpp"
 #include "resilin/linear/blas.hpp"
-#include "resilin/linear/solver_benchmark.hpp"
 #include "sample_matrix.hpp"
+#include "solver_benchmark.hpp"
 
 namespace resilin {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "resilin/linear/bar_problem.hpp"
+#include "bar_problem.hpp"
 #include "resilin/linear/ordering.hpp"
 #include "resilin/linear/permuted_pattern.hpp"
 #include "resilin/linear/rigid_modes.hpp"

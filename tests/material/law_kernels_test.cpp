@@ -1,6 +1,6 @@
 // The laws compiled for the instruction sets of this machine against the baseline, whose values other tests
 // compare with truth.
-#include "resilin/material/law_kernels.hpp"
+#include "resilin/material/kernels/law_kernels.hpp"
 
 #include <gtest/gtest.h>
 

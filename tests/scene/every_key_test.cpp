@@ -3,7 +3,7 @@
 #include <locale>
 #include <sstream>
 
-#include "resilin/simulation/world.hpp"
+#include "resilin/world/world.hpp"
 #include "scene_text.hpp"
 
 namespace resilin::testing {

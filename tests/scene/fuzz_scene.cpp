@@ -9,7 +9,7 @@
 #include "fuzz_driver.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/scene/scene.hpp"
-#include "resilin/simulation/world.hpp"
+#include "resilin/world/world.hpp"
 
 // Every outcome of reading a scene other than a world or an InputError of one line is a failure.
 

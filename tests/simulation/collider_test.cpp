@@ -7,7 +7,7 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/parallel.hpp"
-#include "resilin/simulation/colliders.hpp"
+#include "resilin/world/colliders.hpp"
 #include "small_scenes.hpp"
 
 namespace resilin::testing {

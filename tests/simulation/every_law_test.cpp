@@ -4,8 +4,8 @@
 
 #include <random>
 
-#include "resilin/energy/facet.hpp"
 #include "resilin/material/derive.hpp"
+#include "resilin/mesh/facet.hpp"
 #include "small_scenes.hpp"
 
 namespace resilin::testing {

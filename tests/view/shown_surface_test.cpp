@@ -6,8 +6,8 @@
 #include <map>
 #include <set>
 
-#include "resilin/energy/facet.hpp"
 #include "resilin/mesh/edit.hpp"
+#include "resilin/mesh/facet.hpp"
 #include "small_scenes.hpp"
 
 namespace resilin::testing {

@@ -74,9 +74,9 @@ FakeScene::FakeScene(std::uint32_t num_vertices, ServerOptions options)
       loop(std::make_unique<FakeStage>(switches, num_vertices), mailbox, [this] { server.wake(); }) {}
 
 bool FakeScene::answers() const {
-  bench::PageClient newcomer = page();
+  viewer::PageClient newcomer = page();
   newcomer.receive_text("hello");
-  return bench::frame_number(newcomer.receive_frame()) > 0;
+  return viewer::frame_number(newcomer.receive_frame()) > 0;
 }
 
 }  // namespace resilin::viewer

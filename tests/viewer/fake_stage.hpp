@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "page_client.hpp"
 #include "viewer/live_loop.hpp"
 #include "viewer/live_room.hpp"
 #include "viewer/live_stage.hpp"
 #include "viewer/mailbox.hpp"
+#include "viewer/page_client.hpp"
 #include "viewer/page_server.hpp"
 
 namespace resilin::viewer {
@@ -58,7 +58,7 @@ class FakeStage : public LiveStage {
 struct FakeScene {
   explicit FakeScene(std::uint32_t num_vertices = 100, ServerOptions options = {});
 
-  bench::PageClient page() const { return {server.port(), server.token()}; }
+  viewer::PageClient page() const { return {server.port(), server.token()}; }
   /// True as soon as a new page is served from beginning to end.
   bool answers() const;
 

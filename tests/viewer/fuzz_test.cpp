@@ -11,8 +11,8 @@
 namespace resilin::viewer {
 namespace {
 
-using bench::PageClient;
-using bench::Socket;
+using viewer::PageClient;
+using viewer::Socket;
 
 /// Random bytes, and good messages with random faults; the same at every run.
 class Faults {
@@ -101,7 +101,7 @@ void send_message(PageClient& page, Faults& faults) {
 
 std::string upgrade_request(const FakeScene& scene) {
   const std::string port = std::to_string(scene.server.port());
-  return bench::request_text(
+  return viewer::request_text(
       scene.server.port(), "/live?token=" + scene.server.token(),
       "Origin: http://127.0.0.1:" + port +
           "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
@@ -136,7 +136,7 @@ TEST(Fuzz, TheServerStandsAHundredThousandMessagesAndAnswersAfterwards) {
   }
   PageClient page(server.port(), server.token());
   page.receive_text("hello");
-  EXPECT_GT(bench::frame_number(page.receive_frame()), 0U);
+  EXPECT_GT(viewer::frame_number(page.receive_frame()), 0U);
   const int steps = stage->num_steps;
   page.send_text(R"({"type": "step"})");
   EXPECT_TRUE(comes_true([&] { return stage->num_steps > steps; }));
@@ -158,7 +158,7 @@ TEST(Fuzz, TheServerStandsBytesThatAreNoWebSocketFrames) {
 TEST(Fuzz, TheServerStandsRequestsThatAreNone) {
   const FakeScene scene;
   Faults faults(3);
-  const std::string page = bench::request_text(scene.server.port(), "/?token=" + scene.server.token());
+  const std::string page = viewer::request_text(scene.server.port(), "/?token=" + scene.server.token());
   const std::string live = upgrade_request(scene);
   for (int i = 0; i < 2000; ++i) {
     Socket socket(scene.server.port());

@@ -12,9 +12,9 @@
 namespace resilin::viewer {
 namespace {
 
-using bench::PageClient;
 using nlohmann::json;
 using ::testing::HasSubstr;
+using viewer::PageClient;
 
 constexpr const char* grab = R"({"type": "grab", "vertex": 1, "point": [0, 0, 0]})";
 
@@ -56,25 +56,25 @@ TEST(LiveRoom, TellsAPageEverythingInOrder) {
   const auto topology = page.receive();
   ASSERT_TRUE(topology && !topology->is_text);
   EXPECT_TRUE(topology->bytes.starts_with("RST1"));
-  const std::uint32_t first = bench::frame_number(page.receive_frame());
-  EXPECT_GT(bench::frame_number(page.receive_frame()), first);
+  const std::uint32_t first = viewer::frame_number(page.receive_frame());
+  EXPECT_GT(viewer::frame_number(page.receive_frame()), first);
   EXPECT_TRUE(next_json(page, "status").contains("real_time_ratio"));
 }
 
 TEST(LiveRoom, SendsNothingMoreUntilAFrameIsAcknowledgedAndThenTheNewest) {
   const FakeScene scene;
   PageClient page = scene.page();
-  const std::uint32_t first = bench::frame_number(page.receive_frame(false));
+  const std::uint32_t first = viewer::frame_number(page.receive_frame(false));
   int num_statuses = 0;
   while (num_statuses < 3) {
     const auto message = page.receive();
     ASSERT_TRUE(message);
-    ASSERT_FALSE(bench::is_frame(*message)) << "a second frame before the first is acknowledged";
+    ASSERT_FALSE(viewer::is_frame(*message)) << "a second frame before the first is acknowledged";
     if (message->bytes.find("\"status\"") != std::string::npos) ++num_statuses;
   }
   page.acknowledge(first + 1000);  // none that it has
   page.acknowledge(first);
-  const std::uint32_t second = bench::frame_number(page.receive_frame());
+  const std::uint32_t second = viewer::frame_number(page.receive_frame());
   EXPECT_GE(second, first + 5) << "0.2 s later the newest frame is at least five further";
 }
 
@@ -188,7 +188,7 @@ TEST(LiveRoom, LetsOnePageDragAndAnotherAfterIt) {
   EXPECT_THAT(other.receive_text("error"), HasSubstr("another page"));
   other.send_text(R"({"type": "release"})");  // not its own
   for (std::uint32_t i = 1; i <= 50; ++i) one.drag(i, 0, 0, static_cast<float>(i));
-  while (bench::answered_drag(other.receive_frame()) != 50) {
+  while (viewer::answered_drag(other.receive_frame()) != 50) {
   }
   one.send_text(R"({"type": "release"})");
   ASSERT_TRUE(comes_to(other, {{"grabbed_by", nullptr}}));
@@ -196,7 +196,7 @@ TEST(LiveRoom, LetsOnePageDragAndAnotherAfterIt) {
   ASSERT_TRUE(comes_to(one, {{"grabbed_by", 2}}));
   one.drag(99, 0, 0, 0);  // too late
   other.drag(7, 0, 0, 0);
-  while (bench::answered_drag(one.receive_frame()) != 7) {
+  while (viewer::answered_drag(one.receive_frame()) != 7) {
   }
 }
 
@@ -226,7 +226,7 @@ TEST(LiveRoom, TellsOnlyThePageThatErred) {
   for (int i = 0; i < 20; ++i) {
     const auto message = other.receive();
     ASSERT_TRUE(message);
-    if (bench::is_frame(*message)) other.acknowledge(bench::frame_number(message->bytes));
+    if (viewer::is_frame(*message)) other.acknowledge(viewer::frame_number(message->bytes));
     EXPECT_EQ(message->bytes.find("\"error\""), std::string::npos);
   }
 }
@@ -237,7 +237,7 @@ TEST(LiveRoom, AMessageThatIsTooLongEndsTheConnectionOfItsPageAlone) {
   PageClient other = scene.page();
   page.send_text(std::string(5000, ' '));
   EXPECT_THROW(page.receive_text("error"), std::runtime_error);
-  EXPECT_GT(bench::frame_number(other.receive_frame()), 0U);
+  EXPECT_GT(viewer::frame_number(other.receive_frame()), 0U);
 }
 
 TEST(LiveRoom, ReloadsAndKeepsTheOldSceneWhenTheNewOneIsBroken) {
@@ -253,7 +253,7 @@ TEST(LiveRoom, ReloadsAndKeepsTheOldSceneWhenTheNewOneIsBroken) {
   scene.switches->breaks_on_reload = false;
   page.send_text(R"({"type": "reload"})");
   EXPECT_EQ(next_json(other, "hello")["client"], 2);
-  EXPECT_GT(bench::frame_number(other.receive_frame()), 0U);
+  EXPECT_GT(viewer::frame_number(other.receive_frame()), 0U);
 }
 
 TEST(LiveRoom, AFaultInAStepIsToldToEveryPageAndPauses) {
@@ -273,7 +273,7 @@ TEST(LiveRoom, AFaultInAStepIsToldToEveryPageAndPauses) {
 TEST(LiveRoom, EndsWithPagesInEveryState) {
   auto scene = std::make_unique<FakeScene>(2000000);
   PageClient reading = scene->page(), unread = scene->page(), silent = scene->page();
-  bench::Socket half(scene->server.port());
+  viewer::Socket half(scene->server.port());
   half.send("GET /live?tok");
   reading.receive_frame();
   silent.receive_frame(false);

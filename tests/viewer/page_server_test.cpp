@@ -6,17 +6,17 @@
 #include <fstream>
 
 #include "fake_stage.hpp"
-#include "page_client.hpp"
 #include "resilin/core/error.hpp"
+#include "viewer/page_client.hpp"
 
 namespace resilin::viewer {
 namespace {
 
-using bench::exchange;
-using bench::request_text;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
+using viewer::exchange;
+using viewer::request_text;
 
 struct PageServerTest : ::testing::Test {
   std::filesystem::path recording = std::filesystem::path(::testing::TempDir()) / "resilin_recording.bin";
@@ -103,21 +103,21 @@ TEST_F(PageServerTest, AnswersWhatItDoesNotServeInOneLine) {
 }
 
 TEST_F(PageServerTest, RefusesAWebSocketWhereThereIsNoLiveScene) {
-  EXPECT_THROW(bench::PageClient(server->port(), server->token()), std::runtime_error);
+  EXPECT_THROW(viewer::PageClient(server->port(), server->token()), std::runtime_error);
   EXPECT_THAT(get("/live"), StartsWith("HTTP/1.1 404"));
 }
 
 TEST_F(PageServerTest, EndsARequestThatDoesNotComeToItsEnd) {
-  bench::Socket slow(server->port());
+  viewer::Socket slow(server->port());
   slow.send("GET / HT");
   EXPECT_EQ(slow.receive(), "");
-  bench::Socket silent(server->port());
+  viewer::Socket silent(server->port());
   EXPECT_EQ(silent.receive(), "");
   EXPECT_THAT(get("/"), StartsWith("HTTP/1.1 200"));
 }
 
 TEST_F(PageServerTest, TakesNoMoreConnectionsThanItsLimit) {
-  std::vector<bench::Socket> sockets;
+  std::vector<viewer::Socket> sockets;
   for (int i = 0; i < options.max_connections; ++i) sockets.emplace_back(server->port());
   EXPECT_TRUE(comes_true([this] { return get("/").starts_with("HTTP/1.1 503"); }));
   sockets.clear();
@@ -149,7 +149,7 @@ TEST_F(PageServerTest, GivesItsPortBackAtOnce) {
 }
 
 TEST_F(PageServerTest, EndsWhileRequestsAreUnderWay) {
-  std::vector<bench::Socket> sockets;
+  std::vector<viewer::Socket> sockets;
   for (int i = 0; i < 8; ++i) {
     sockets.emplace_back(server->port());
     sockets.back().send(request_text(server->port(), "/recording?token=" + server->token()));

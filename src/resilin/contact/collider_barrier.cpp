@@ -3,7 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 
-#include "resilin/energy/facet.hpp"
+#include "resilin/mesh/facet.hpp"
 
 namespace resilin {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "resilin/energy/facet.hpp"
+#include "resilin/mesh/facet.hpp"
 
 namespace resilin {
 

@@ -24,4 +24,7 @@ std::string format_short(double value);
 /// "512 B", "34 kB", "5.6 MB": three digits at most, steps of 1000.
 std::string format_bytes(std::uintmax_t count);
 
+/// Rows as lines of text, their columns as wide as the widest entry, two blanks between.
+std::string format_table(const std::vector<std::vector<std::string>>& rows);
+
 }  // namespace resilin

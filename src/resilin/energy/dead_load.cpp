@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "resilin/energy/cell_positions.hpp"
-#include "resilin/energy/facet.hpp"
-#include "resilin/energy/shape_integrals.hpp"
+#include "resilin/mesh/cell_positions.hpp"
+#include "resilin/mesh/facet.hpp"
+#include "resilin/mesh/shape_integrals.hpp"
 
 namespace resilin {
 

@@ -4,8 +4,8 @@
 
 #include "resilin/element/element.hpp"
 #include "resilin/energy/energy.hpp"
-#include "resilin/energy/facet.hpp"
 #include "resilin/energy/time_function.hpp"
+#include "resilin/mesh/facet.hpp"
 
 namespace resilin {
 

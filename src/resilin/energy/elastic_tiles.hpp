@@ -6,9 +6,9 @@
 
 #include "resilin/energy/kernels/element_blocks.hpp"
 #include "resilin/energy/kernels/quadrature_kernels.hpp"
+#include "resilin/material/kernels/law_kernels.hpp"
+#include "resilin/material/kernels/point_kernels.hpp"
 #include "resilin/material/law.hpp"
-#include "resilin/material/law_kernels.hpp"
-#include "resilin/material/point_kernels.hpp"
 
 namespace resilin {
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "resilin/energy/cell_positions.hpp"
-#include "resilin/energy/shape_integrals.hpp"
+#include "resilin/mesh/cell_positions.hpp"
+#include "resilin/mesh/shape_integrals.hpp"
 
 namespace resilin {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "resilin/fields/catalog.hpp"
 #include "resilin/fields/nodal_fit.hpp"
-#include "resilin/simulation/state.hpp"
-#include "resilin/simulation/world.hpp"
+#include "resilin/world/state.hpp"
+#include "resilin/world/world.hpp"
 
 namespace resilin {
 

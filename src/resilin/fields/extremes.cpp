@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "resilin/energy/facet.hpp"
+#include "resilin/mesh/facet.hpp"
 
 namespace resilin {
 namespace {

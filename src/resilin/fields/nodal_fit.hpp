@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "resilin/linear/linear_solver.hpp"
-#include "resilin/simulation/world.hpp"
+#include "resilin/world/world.hpp"
 
 namespace resilin {
 

@@ -8,8 +8,8 @@
 
 #include "resilin/energy/elastic.hpp"
 #include "resilin/fields/catalog.hpp"
-#include "resilin/simulation/state.hpp"
-#include "resilin/simulation/world.hpp"
+#include "resilin/world/state.hpp"
+#include "resilin/world/world.hpp"
 
 /// The rows of the catalogue. A new quantity is one row in catalog.cpp.
 namespace resilin {

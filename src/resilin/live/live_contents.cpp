@@ -7,9 +7,9 @@
 
 #include "resilin/contact/half_space.hpp"
 #include "resilin/core/error.hpp"
-#include "resilin/simulation/body_material.hpp"
-#include "resilin/simulation/loads.hpp"
-#include "resilin/simulation/time_stepping.hpp"
+#include "resilin/world/body_material.hpp"
+#include "resilin/world/event_times.hpp"
+#include "resilin/world/loads.hpp"
 
 namespace resilin {
 namespace {

@@ -6,7 +6,7 @@
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/material/rest_tangents.hpp"
-#include "resilin/simulation/cell_material.hpp"
+#include "resilin/world/cell_material.hpp"
 
 namespace resilin {
 namespace {

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "resilin/simulation/world.hpp"
+#include "resilin/world/world.hpp"
 
 namespace resilin {
 

@@ -9,8 +9,8 @@
 #include "resilin/live/kinetic_guard.hpp"
 #include "resilin/live/live_contents.hpp"
 #include "resilin/optimize/residual.hpp"
-#include "resilin/simulation/colliders.hpp"
-#include "resilin/simulation/damping.hpp"
+#include "resilin/world/colliders.hpp"
+#include "resilin/world/damping.hpp"
 
 namespace resilin {
 namespace {

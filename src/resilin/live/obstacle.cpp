@@ -1,6 +1,6 @@
 #include "resilin/live/obstacle.hpp"
 
-#include "resilin/simulation/colliders.hpp"
+#include "resilin/world/colliders.hpp"
 
 namespace resilin {
 namespace {

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "resilin/contact/collider_barrier.hpp"
-#include "resilin/simulation/world.hpp"
+#include "resilin/world/world.hpp"
 
 namespace resilin {
 

@@ -6,8 +6,8 @@
 
 #include "resilin/core/parallel.hpp"
 #include "resilin/core/simd.hpp"
-#include "resilin/material/law_kernels.hpp"
-#include "resilin/material/point_kernels.hpp"
+#include "resilin/material/kernels/law_kernels.hpp"
+#include "resilin/material/kernels/point_kernels.hpp"
 
 namespace resilin {
 namespace {

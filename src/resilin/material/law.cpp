@@ -8,7 +8,7 @@
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/material/catalog.hpp"
-#include "resilin/material/law_kernels.hpp"
+#include "resilin/material/kernels/law_kernels.hpp"
 #include "resilin/material/rest_tangents.hpp"
 
 namespace resilin {

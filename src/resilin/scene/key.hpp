@@ -8,8 +8,9 @@
 #include "resilin/core/text.hpp"
 #include "resilin/scene/node.hpp"
 
-/// The table of keys: each key of a section is one row that says what the key is, reads it, checks it and
-/// documents it. The reader, the refusal of unknown keys and docs/scene.md all walk the same rows.
+/// The table of keys: each key of a table of the scene file is one row that says what the key is, reads it,
+/// checks it and documents it. The reader, the refusal of unknown keys and docs/scene.md all walk the same
+/// rows.
 namespace resilin {
 
 /// What the reference says about a key.
@@ -22,7 +23,7 @@ struct KeyDoc {
   bool is_later = false;     ///< part of the contract, not of this version
 };
 
-/// A row of the table; `read` puts the value into the struct that the section fills.
+/// A row of the table; `read` puts the value into the struct that its table fills.
 template <class T>
 struct Key {
   KeyDoc doc;
@@ -32,8 +33,8 @@ struct Key {
 template <class T>
 using Keys = std::vector<Key<T>>;
 
-/// A section of the reference, such as "[simulation]".
-struct SectionDoc {
+/// A table of the scene file in the reference, such as "[simulation]".
+struct TableDoc {
   std::string title;
   std::string text;
   std::vector<KeyDoc> keys;
@@ -47,8 +48,8 @@ void refuse_unknown_keys(const SceneNode& table, const std::vector<std::string>&
 
 /// Reads the rows in their order, so that a row may rely on those above it. `more_keys` are known besides.
 template <class T>
-void read_section(const SceneNode& table, const Keys<T>& keys, T& target,
-                  const std::vector<std::string>& more_keys = {}) {
+void read_table(const SceneNode& table, const Keys<T>& keys, T& target,
+                const std::vector<std::string>& more_keys = {}) {
   expect_table(table);
   std::vector<std::string> known = more_keys;
   for (const Key<T>& key : keys) known.push_back(key.doc.name);
@@ -63,8 +64,8 @@ void read_section(const SceneNode& table, const Keys<T>& keys, T& target,
 }
 
 template <class T>
-SectionDoc document(std::string title, std::string text, const Keys<T>& keys) {
-  SectionDoc section{std::move(title), std::move(text), {}};
+TableDoc document(std::string title, std::string text, const Keys<T>& keys) {
+  TableDoc section{std::move(title), std::move(text), {}};
   for (const Key<T>& key : keys) section.keys.push_back(key.doc);
   return section;
 }

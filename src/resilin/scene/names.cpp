@@ -2,7 +2,7 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/io/text_scanner.hpp"
-#include "resilin/scene/sections.hpp"
+#include "resilin/scene/tables.hpp"
 
 namespace resilin {
 namespace {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "resilin/simulation/description.hpp"
+#include "resilin/world/description.hpp"
 
 namespace resilin {
 

@@ -1,5 +1,5 @@
 #include "resilin/scene/scene.hpp"
-#include "resilin/scene/sections.hpp"
+#include "resilin/scene/tables.hpp"
 
 namespace resilin {
 namespace {
@@ -45,7 +45,7 @@ std::string row(const KeyDoc& key) {
 
 std::string scene_reference() {
   std::string page(introduction);
-  for (const SectionDoc& section : scene_sections()) {
+  for (const TableDoc& section : scene_tables()) {
     page += "\n## " + section.title + "\n" + section.text + "\n\n";
     page += "| key | type | unit | default | meaning |\n| --- | --- | --- | --- | --- |\n";
     for (const KeyDoc& key : section.keys) page += row(key);
@@ -57,7 +57,7 @@ std::string scene_reference() {
   return page;
 }
 
-std::vector<SectionDoc> scene_sections() {
+std::vector<TableDoc> scene_tables() {
   return {
       document("[simulation]", "What is computed.", simulation_keys()),
       adaptive_doc(),
@@ -85,7 +85,7 @@ std::vector<SectionDoc> scene_sections() {
       document("[[section]]",
                "A plane cut through a body; the report lists the force and moment that the side beyond it "
                "exerts on the side below ([results.md](results.md#sections)).",
-               cut_keys()),
+               section_keys()),
       document("[output]", "What is written to the folder of results.", output_keys()),
   };
 }

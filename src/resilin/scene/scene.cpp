@@ -1,7 +1,7 @@
 #include "resilin/scene/scene.hpp"
 
 #include "resilin/io/atomic_file.hpp"
-#include "resilin/scene/sections.hpp"
+#include "resilin/scene/tables.hpp"
 
 namespace resilin {
 namespace {
@@ -21,12 +21,12 @@ void read_list(const SceneNode& root, const std::string& key, std::vector<T>& en
 void read_probe(const SceneNode& node, ProbeDescription& probe) {
   probe.place = node.place();
   probe.name = node.path;
-  read_section(node, probe_keys(), probe);
+  read_table(node, probe_keys(), probe);
 }
 
 template <class T>
 void read_optional(const SceneNode& root, const char* key, const Keys<T>& keys, T& target) {
-  if (root.has(key)) read_section(root.child(key), keys, target);
+  if (root.has(key)) read_table(root.child(key), keys, target);
 }
 
 void read_root(const SceneNode& root, Description& d) {
@@ -43,7 +43,7 @@ void read_root(const SceneNode& root, Description& d) {
   read_list(root, "load", d.loads, read_load);
   read_list(root, "collider", d.colliders, read_collider);
   read_list(root, "probe", d.probes, read_probe);
-  read_list(root, "section", d.sections, read_cut);
+  read_list(root, "section", d.sections, read_section);
   if (d.bodies.empty()) root.fail_with("there is no [[body]]; a scene needs at least one, with a mesh");
 }
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "resilin/scene/value.hpp"
-#include "resilin/simulation/description.hpp"
+#include "resilin/world/description.hpp"
 
 namespace resilin {
 

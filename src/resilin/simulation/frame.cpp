@@ -1,6 +1,6 @@
 #include "resilin/simulation/frame.hpp"
 
-#include "resilin/energy/facet.hpp"
+#include "resilin/mesh/facet.hpp"
 
 namespace resilin {
 

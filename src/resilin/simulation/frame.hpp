@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "resilin/optimize/newton.hpp"
-#include "resilin/simulation/linear_problem.hpp"
-#include "resilin/simulation/state.hpp"
-#include "resilin/simulation/world.hpp"
+#include "resilin/world/linear_problem.hpp"
+#include "resilin/world/state.hpp"
+#include "resilin/world/world.hpp"
 
 namespace resilin {
 

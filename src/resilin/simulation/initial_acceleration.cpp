@@ -1,7 +1,7 @@
 #include "resilin/simulation/initial_acceleration.hpp"
 
 #include "resilin/linear/linear_solver.hpp"
-#include "resilin/simulation/damping.hpp"
+#include "resilin/world/damping.hpp"
 
 namespace resilin {
 namespace {

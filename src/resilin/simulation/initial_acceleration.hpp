@@ -1,7 +1,7 @@
 #pragma once
 
-#include "resilin/simulation/state.hpp"
-#include "resilin/simulation/world.hpp"
+#include "resilin/world/state.hpp"
+#include "resilin/world/world.hpp"
 
 namespace resilin {
 

@@ -3,8 +3,8 @@
 #include <optional>
 
 #include "resilin/optimize/path_follower.hpp"
-#include "resilin/simulation/state.hpp"
 #include "resilin/simulation/step.hpp"
+#include "resilin/world/state.hpp"
 
 namespace resilin {
 

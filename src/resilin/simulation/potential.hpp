@@ -6,7 +6,7 @@
 
 #include "resilin/energy/inertia.hpp"
 #include "resilin/optimize/objective.hpp"
-#include "resilin/simulation/world.hpp"
+#include "resilin/world/world.hpp"
 
 namespace resilin {
 

@@ -5,11 +5,11 @@
 
 #include "resilin/simulation/frame.hpp"
 #include "resilin/simulation/load_control.hpp"
-#include "resilin/simulation/state.hpp"
 #include "resilin/simulation/step.hpp"
 #include "resilin/simulation/time_stepping.hpp"
 #include "resilin/simulation/vibration.hpp"
-#include "resilin/simulation/world.hpp"
+#include "resilin/world/state.hpp"
+#include "resilin/world/world.hpp"
 
 namespace resilin {
 

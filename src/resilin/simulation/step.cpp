@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "resilin/core/text.hpp"
-#include "resilin/energy/facet.hpp"
+#include "resilin/mesh/facet.hpp"
 
 namespace resilin {
 

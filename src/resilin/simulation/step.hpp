@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "resilin/optimize/newton.hpp"
-#include "resilin/simulation/linear_problem.hpp"
-#include "resilin/simulation/world.hpp"
+#include "resilin/world/linear_problem.hpp"
+#include "resilin/world/world.hpp"
 
 /// What steps in time and in load have in common.
 namespace resilin {

@@ -5,10 +5,10 @@
 
 #include "resilin/core/text.hpp"
 #include "resilin/integrator/backward_euler.hpp"
-#include "resilin/simulation/colliders.hpp"
-#include "resilin/simulation/damping.hpp"
 #include "resilin/simulation/initial_acceleration.hpp"
 #include "resilin/simulation/potential.hpp"
+#include "resilin/world/colliders.hpp"
+#include "resilin/world/damping.hpp"
 
 namespace resilin {
 namespace {
@@ -173,25 +173,6 @@ struct TimeStepper::Attempt {
   VectorX gradient{};
   double collider_delay = 0;  ///< [s]
 };
-
-std::vector<double> event_times(const Description& description) {
-  std::vector<double> times;
-  const auto add = [&times](const auto& entry) {
-    const std::vector<double> kinks = entry.time_function.kinks();
-    times.insert(times.end(), kinks.begin(), kinks.end());
-    if (entry.until) times.push_back(*entry.until);
-  };
-  for (const FixDescription& fix : description.fixes) add(fix);
-  for (const ColliderDescription& collider : description.colliders)
-    if (collider.until) times.push_back(*collider.until);
-  for (const LoadDescription& load : description.loads) {
-    add(load);
-    times.push_back(load.from);
-  }
-  std::ranges::sort(times);
-  times.erase(std::unique(times.begin(), times.end()), times.end());
-  return times;
-}
 
 TimeStepper::TimeStepper(const World& world)
     : integrator_(make_integrator(world.integrator, world.place + ": simulation.integrator")) {}

@@ -3,13 +3,10 @@
 #include <memory>
 
 #include "resilin/integrator/integrator.hpp"
-#include "resilin/simulation/state.hpp"
 #include "resilin/simulation/step.hpp"
+#include "resilin/world/state.hpp"
 
 namespace resilin {
-
-/// Where loads and prescribed motions begin, end or have a kink, rising [s].
-std::vector<double> event_times(const Description& description);
 
 /// Steps through time by the integrator of a world (docs/theory/integrators.md).
 class TimeStepper {

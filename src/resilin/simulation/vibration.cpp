@@ -43,21 +43,6 @@ void explain(EigenModes::Status status, StepReport& report) {
 
 }  // namespace
 
-void check_modes(const Description& description, World& world) {
-  world.output.every = 1;  // each mode is a frame
-  if (world.modes->count < 1 || world.modes->count > world.num_free_unknowns()) {
-    throw InputError(world.place + ": simulation.modes.count",
-                     "from 1 to " + std::to_string(world.num_free_unknowns()) + ", the unknowns of the scene",
-                     std::to_string(world.modes->count));
-  }
-  const bool has_loads = description.gravity.norm() > 0 || !description.loads.empty();
-  if (has_loads && !world.modes->is_loaded) {
-    world.warnings.push_back(world.place +
-                             ": loads do not act on vibrations about rest; for those about the loaded state "
-                             "set simulation.modes.about = \"load\"");
-  }
-}
-
 double VibrationMode::frequency() const {
   return is_rigid || eigenvalue < 0 ? 0 : std::sqrt(eigenvalue) / (2 * std::numbers::pi);
 }

@@ -2,14 +2,10 @@
 
 #include <functional>
 
-#include "resilin/simulation/state.hpp"
 #include "resilin/simulation/step.hpp"
+#include "resilin/world/state.hpp"
 
 namespace resilin {
-
-/// Throws InputError when a world, complete but for this, has fewer unknowns than modes are asked for; warns
-/// of loads that do not act. Every mode becomes a frame.
-void check_modes(const Description& description, World& world);
 
 /// One free vibration about an equilibrium.
 struct VibrationMode {

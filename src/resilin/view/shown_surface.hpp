@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "resilin/energy/material_point.hpp"
-#include "resilin/simulation/world.hpp"
 #include "resilin/view/normals.hpp"
+#include "resilin/world/world.hpp"
 
 namespace resilin {
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "resilin/fields/catalog.hpp"
-#include "resilin/simulation/state.hpp"
 #include "resilin/view/shown_surface.hpp"
+#include "resilin/world/state.hpp"
 
 namespace resilin {
 

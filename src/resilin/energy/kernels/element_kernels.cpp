@@ -3,7 +3,7 @@
 
 #include "resilin/energy/kernels/gather.hpp"
 #include "resilin/energy/kernels/lane_hessians.hpp"
-#include "resilin/material/law_kernels.hpp"
+#include "resilin/material/kernels/law_kernels.hpp"
 
 namespace resilin::RESILIN_SIMD_NAMESPACE {
 namespace {

@@ -7,7 +7,8 @@
 #include "resilin/material/law_text.hpp"
 
 // Law-independent loops over elements, `block_size` lanes (core/simd.hpp) at a time. A law is called between
-// them, once for each tile: measure -> law (material/law_kernels.hpp) -> energies, forces or Hessians.
+// them, once for each tile: measure -> law (material/kernels/law_kernels.hpp) -> energies, forces or
+// Hessians.
 namespace resilin {
 
 /// Some blocks of P1 elements. Lanes are the fastest index of every array.
@@ -43,7 +44,7 @@ struct HessianForm {
 
 struct ElementKernels {
   /// H = sum_a (u_a - u_0) dN_a/dX, by rows, [tile block][dim * dim][lane], and the variables of the law's
-  /// kind; for stretches the frame as well (material/lane_variables.hpp), unless `frames` is null.
+  /// kind; for stretches the frame as well (material/kernels/lane_variables.hpp), unless `frames` is null.
   void (*measure)(const ElementTile&, const LawForm&, const double* displacements, double* H,
                   double* variables, double* frames);
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "resilin/material/lane_tangent.hpp"
+#include "resilin/material/kernels/lane_tangent.hpp"
 
 /// Hessians of one P1 element per lane, from the shape gradients g_a of nodes 1, 2, ...; node 0 follows from
 /// translation invariance. Derivation: docs/theory/element_hessians.md.

@@ -1,0 +1,122 @@
+#pragma once
+
+#include "resilin/core/simd_math.hpp"
+#include "resilin/core/simd_svd.hpp"
+#include "resilin/material/kernels/lane_tensors.hpp"
+#include "resilin/material/kernels/law_kernels.hpp"
+
+/// From H = F - I to the variables of a law's kind, one state in each lane.
+namespace resilin::RESILIN_SIMD_NAMESPACE {
+
+/// The reduced invariants d1, d2, j (material/invariants.hpp); d2 = 0 where the law does not use it.
+template <int dim>
+RESILIN_INLINE void invariants(const Lanes H[], bool has_second_invariant, Lanes out[3]) {
+  if constexpr (dim == 2) {
+    const Lanes off = H[1] * H[2], det = H[0] * H[3] - off;
+    const Lanes J = (1.0 + H[0]) * (1.0 + H[3]) - off;
+    const Lanes j = select(J < Lanes(0.5), J - 1.0, H[0] + H[3] + det);
+    out[0] = norm2<2>(H) - 2.0 * det;
+    out[1] = out[0] + j * j;
+    out[2] = j;
+  } else {
+    Lanes cof_H[9];
+    cofactor(H, cof_H);
+    const Lanes m2 = cof_H[0] + cof_H[4] + cof_H[8];
+    const Lanes det = H[0] * cof_H[0] + H[1] * cof_H[1] + H[2] * cof_H[2];
+    const Lanes F0 = 1.0 + H[0], F4 = 1.0 + H[4], F8 = 1.0 + H[8];
+    const Lanes J =
+        F0 * (F4 * F8 - H[5] * H[7]) + H[1] * (H[5] * H[6] - H[3] * F8) + H[2] * (H[3] * H[7] - F4 * H[6]);
+    out[0] = norm2<3>(H) - 2.0 * (m2 + det);
+    out[1] = 0.0;
+    if (has_second_invariant) {
+      Lanes Y[9];
+      cofactor_minus_identity(H, cof_H, Y);
+      out[1] = norm2<3>(Y) - (2.0 * m2 + 4.0 * det);
+    }
+    // Near J = 0 the determinant of F itself: a cell that is exactly flat must be seen as such.
+    out[2] = select(J < Lanes(0.5), J - 1.0, H[0] + H[4] + H[8] + m2 + det);
+  }
+}
+
+/// eps:eps, nothing and tr eps of the small strain eps = sym H.
+template <int dim>
+RESILIN_INLINE void small_strain(const Lanes H[], Lanes out[3]) {
+  Lanes square = 0.0, trace = 0.0;
+  for (int i = 0; i < dim; ++i) {
+    trace += H[(dim + 1) * i];
+    square += H[(dim + 1) * i] * H[(dim + 1) * i];
+    for (int k = i + 1; k < dim; ++k) {
+      const Lanes sum = H[dim * i + k] + H[dim * k + i];
+      square += 0.5 * (sum * sum);
+    }
+  }
+  out[0] = square;
+  out[1] = 0.0;
+  out[2] = trace;
+}
+
+/// Columns of U and V of F = U diag(s) V^T, as rows of lanes: U_0, U_1, ..., V_0, V_1, ...
+constexpr int frame_rows(int dim) { return 2 * dim * dim; }
+
+/// The shifted principal stretches. Where the two smallest signed stretches cancel the rotation of F is not
+/// unique: e_3 is no number there (in 2D e_2), and so is all that a law makes of it.
+template <int dim>
+RESILIN_INLINE void stretches(const Lanes H[], Lanes e[3], Lanes frame[]) {
+  const auto copy = [](const auto& columns, Lanes* rows) {
+    for (int i = 0; i < dim; ++i)
+      for (int k = 0; k < dim; ++k) rows[dim * i + k] = columns[i][k];
+  };
+  const auto fill = [&](const auto& m) {
+    for (int i = 0; i < dim; ++i) e[i] = m.e[i];
+    const Mask is_unique = m.s[dim - 2] + m.s[dim - 1] > 1e-15 * m.s[0];
+    e[dim - 1] = select(is_unique, e[dim - 1], __builtin_nan(""));
+    if (frame == nullptr) return;
+    copy(m.U, frame);
+    copy(m.V, frame + dim * dim);
+  };
+  if constexpr (dim == 2) {
+    e[2] = 0.0;
+    fill(svd2(H));
+  } else {
+    fill(svd<true>(H));
+  }
+}
+
+/// The variables of FibreInvariants.
+template <int dim>
+RESILIN_INLINE void fibre_variables(const Lanes H[], bool has_second_invariant, const double* directions,
+                                    Lanes out[7]) {
+  Lanes H3[9];
+  embed<dim>(H, H3);
+  invariants<3>(H3, has_second_invariant, out);
+  for (int family = 0; family < 2; ++family) {
+    Lanes a[3], Ha[3];
+    load_rows(directions + family * 3 * block_size, 3, a);
+    for (int i = 0; i < 3; ++i) Ha[i] = dot<3>(H3 + 3 * i, a);
+    out[3 + family] = 2.0 * dot<3>(a, Ha) + dot<3>(Ha, Ha);  // |F a|^2 - 1 for |a| = 1
+    out[5 + family] = step(dot<3>(a, a));
+  }
+}
+
+/// The variables of the law's kind. `directions` is used for fibres alone; `frame`, which may be null, is
+/// filled for stretches alone.
+template <int dim>
+RESILIN_INLINE void variables_of(const LawForm& law, const Lanes H[], const double* directions,
+                                 Lanes out[max_variables], Lanes frame[]) {
+  if (law.kind == LawKind::invariants)
+    invariants<dim>(H, law.uses_second_invariant, out);
+  else if (law.kind == LawKind::small_strain)
+    small_strain<dim>(H, out);
+  else if (law.kind == LawKind::stretches)
+    stretches<dim>(H, out, frame);
+  else
+    fibre_variables<dim>(H, law.uses_second_invariant, directions, out);
+}
+
+/// Stores as many of them as the law's kind has.
+RESILIN_INLINE void store_variables(const LawForm& law, const Lanes variables[max_variables], double* rows) {
+  store_rows(variables, 3, rows);
+  if (law.kind == LawKind::fibres) store_rows(variables + 3, 4, rows + 3 * block_size);
+}
+
+}  // namespace resilin::RESILIN_SIMD_NAMESPACE

@@ -1,0 +1,77 @@
+#include "resilin/results/frame_file.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace resilin {
+namespace {
+
+/// Bodies with those of the same kind of cell behind the first of them.
+std::vector<std::size_t> bodies_by_kind(const World& world) {
+  std::vector<std::size_t> order;
+  for (std::size_t first = 0; first < world.bodies.size(); ++first)
+    for (std::size_t b = first; b < world.bodies.size(); ++b)
+      if (world.bodies[b].cell_kind == world.bodies[first].cell_kind &&
+          std::ranges::find(order, b) == order.end())
+        order.push_back(b);
+  return order;
+}
+
+/// Values by cell, body after body, in another order of the bodies.
+std::vector<double> reordered(const std::vector<double>& values, int components, const World& world,
+                              const std::vector<std::size_t>& order) {
+  std::vector<std::ptrdiff_t> begin = {0};
+  for (const Body& body : world.bodies)
+    begin.push_back(begin.back() + std::ptrdiff_t{components} * body.num_cells());
+  std::vector<double> result;
+  result.reserve(values.size());
+  for (const std::size_t b : order)
+    result.insert(result.end(), values.begin() + begin[b], values.begin() + begin[b + 1]);
+  return result;
+}
+
+}  // namespace
+
+VtuContent frame_content(const World& world, const State& state, std::span<const FieldValues> fields) {
+  VtuContent content;
+  Mesh& mesh = content.file.mesh;
+  mesh.vertices.assign(static_cast<std::size_t>(world.num_nodes()), Vector3::Zero());
+  for (Index node = 0; node < world.num_nodes(); ++node) {
+    mesh.vertices[static_cast<std::size_t>(node)].head(world.dimension) =
+        state.positions.segment(Eigen::Index{node} * world.dimension, world.dimension);
+  }
+  const std::vector<std::size_t> order = bodies_by_kind(world);
+  VtuValues body_numbers{.name = "body", .components = 1, .values = {}};
+  for (const std::size_t b : order) {
+    const Body& body = world.bodies[b];
+    std::vector<Index>& nodes = mesh.block(body.cell_kind).nodes;
+    nodes.insert(nodes.end(), body.cells.begin(), body.cells.end());
+    body_numbers.values.insert(body_numbers.values.end(), static_cast<std::size_t>(body.num_cells()),
+                               static_cast<double>(b));
+  }
+  content.cell_data.push_back(std::move(body_numbers));
+  for (const auto& [field, values] : fields) {
+    if (field->is_on_nodes)
+      content.point_data.push_back({field->name, field->components(), values});
+    else
+      content.cell_data.push_back(
+          {field->name, field->components(), reordered(values, field->components(), world, order)});
+  }
+  content.time = world.modes ? state.step : world.is_dynamic ? state.time : state.load;
+  return content;
+}
+
+void write_frame(std::ostream& stream, const VtuContent& content) {
+  VtuData data{.points = content.file.mesh.vertices,
+               .blocks = content.file.mesh.blocks,
+               .point_data = {},
+               .cell_data = {},
+               .time = content.time};
+  for (const VtuValues& array : content.point_data)
+    data.point_data.push_back({array.name, array.components, array.values});
+  for (const VtuValues& array : content.cell_data)
+    data.cell_data.push_back({array.name, array.components, array.values});
+  write_vtu(stream, data);
+}
+
+}  // namespace resilin

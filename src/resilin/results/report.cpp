@@ -1,0 +1,191 @@
+#include "resilin/results/report.hpp"
+
+#include <sys/resource.h>
+
+#include "resilin/core/parallel.hpp"
+#include "resilin/fields/extremes.hpp"
+#include "resilin/results/build_info.hpp"
+
+namespace resilin {
+namespace {
+
+Json vector_json(const Vector3& vector, int dimension) {
+  Json list = Json::array();
+  for (int i = 0; i < dimension; ++i) list.push_back(vector[i]);
+  return list;
+}
+
+/// Three numbers; in 2D the one about the plane's normal.
+Json moment_json(const Vector3& moment, int dimension) {
+  return dimension == 3 ? vector_json(moment, 3) : Json::array({moment[2]});
+}
+
+Json mode_json(const Frame::ModeValues& mode, int dimension) {
+  Json json = {{"number", mode.number},
+               {"frequency", mode.frequency},
+               {"rigid", mode.is_rigid},
+               {"unstable", mode.is_unstable},
+               {"effective_mass", vector_json(mode.effective_mass, dimension)}};
+  if (mode.is_unstable) json["growth_rate"] = mode.growth_rate;
+  return json;
+}
+
+Json extreme_json(const World& world, const Extreme& extreme, bool is_on_nodes) {
+  return {{"value", extreme.value},
+          {"body", world.bodies[extreme.body].name},
+          {is_on_nodes ? "vertex" : "cell", extreme.number},
+          {"position", vector_json(extreme.position, world.dimension)}};
+}
+
+}  // namespace
+
+std::string_view name(RunStatus status) {
+  switch (status) {
+    case RunStatus::running:
+      return "running";
+    case RunStatus::done:
+      return "done";
+    case RunStatus::not_converged:
+      return "not_converged";
+    case RunStatus::budget:
+      return "budget";
+  }
+  return "";
+}
+
+Json frame_json(const Frame& frame, int dimension) {
+  Json json;
+  json["step"] = frame.step;
+  json["time"] = frame.time;
+  json["load"] = frame.load;
+  if (frame.mode) json["mode"] = mode_json(*frame.mode, dimension);
+  json["newton_iterations"] = frame.newton_iterations;
+  json["linear_iterations"] = frame.linear_iterations;
+  json["converged"] = frame.converged;
+  json["residual"] = frame.residual;
+  json["residual_newton"] = frame.residual_newton;
+  json["failed_attempts"] = frame.failed_attempts;
+  if (frame.time_step > 0) json["time_step"] = frame.time_step;
+  if (frame.time_error > 0) json["time_error"] = frame.time_error;
+  json["unstable_modes"] = frame.unstable_modes ? Json(*frame.unstable_modes) : Json(nullptr);
+  if (frame.inversion) json["inversion_load"] = frame.inversion->load;
+  json["min_volume_ratio"] = frame.min_volume_ratio;
+  json["worst_cell"] = frame.worst_cell;
+  json["worst_body"] = frame.worst_body;
+  json["energy"] = {{"elastic", frame.elastic_energy},
+                    {"kinetic", frame.kinetic_energy},
+                    {"external", frame.external_energy},
+                    {"contact", frame.contact_energy},
+                    {"total", frame.total_energy()}};
+  json["momentum"]["linear"] = vector_json(frame.linear_momentum, dimension);
+  json["momentum"]["angular"] = moment_json(frame.angular_momentum, dimension);
+  json["probes"] = Json::object();
+  for (const Frame::ProbeValue& probe : frame.probes) {
+    json["probes"][probe.name] = {{"displacement", vector_json(probe.displacement, dimension)},
+                                  {"velocity", vector_json(probe.velocity, dimension)}};
+  }
+  json["reactions"] = Json::object();
+  for (const auto& [name, force] : frame.reactions) json["reactions"][name] = vector_json(force, dimension);
+  json["reaction_moments"] = Json::object();
+  for (std::size_t i = 0; i < frame.reactions.size(); ++i) {
+    json["reaction_moments"][frame.reactions[i].first] = moment_json(frame.reaction_torques[i], dimension);
+  }
+  json["sections"] = Json::object();
+  for (const SectionForce& section : frame.sections) {
+    json["sections"][section.name] = {{"force", vector_json(section.force, dimension)},
+                                      {"moment", moment_json(section.moment, dimension)},
+                                      {"center", vector_json(section.center, dimension)}};
+  }
+  return json;
+}
+
+namespace {
+
+Json extremes_json(const World& world, const State& state, std::span<const FieldValues> fields) {
+  Json json = Json::object();
+  for (const FieldValues& values : fields) {
+    const std::optional<Extremes> found = extremes(world, state, values);
+    if (!found) continue;
+    const bool is_on_nodes = values.field->is_on_nodes;
+    json[values.field->name] = {{"min", extreme_json(world, found->min, is_on_nodes)},
+                                {"max", extreme_json(world, found->max, is_on_nodes)}};
+  }
+  return json;
+}
+
+}  // namespace
+
+Json frame_json(const Frame& frame, const World& world, const State& state,
+                std::span<const FieldValues> fields) {
+  Json json = frame_json(frame, world.dimension);
+  json["extremes"] = extremes_json(world, state, fields);
+  return json;
+}
+
+Json bodies_json(const World& world) {
+  Json list = Json::array();
+  for (const Body& body : world.bodies) {
+    Json constants = Json::object();
+    for (const auto& [name, value] : body.constants) constants[name] = value;
+    list.push_back({{"name", body.name},
+                    {"law", body.law},
+                    {"constants", constants},
+                    {"element", body.element},
+                    {"element_reason", body.element_reason},
+                    {"quadrature", body.elastic->quadrature().name},
+                    {"mass", body.mass_kind},
+                    {"cells", body.num_cells()},
+                    {"vertices", body.num_vertices},
+                    {"unknowns", Offset{body.num_nodes} * world.dimension}});
+  }
+  return list;
+}
+
+Json report_json(const World& world, Json frames, const RunSummary& summary) {
+  Json report;
+  report["status"] = name(summary.outcome.status);
+  report["reason"] = summary.outcome.reason;
+  report["title"] = world.title;
+  report["version"] = version();
+  report["dimension"] = world.dimension;
+  report["kind"] = world.modes ? "modes" : world.is_dynamic ? "dynamic" : "static";
+  if (world.modes) {
+    report["modes"] = Json::array();
+    for (const Json& frame : frames)
+      if (frame.contains("mode")) report["modes"].push_back(frame["mode"]);
+  }
+  report["is_linear"] = is_linear(world);
+  report["frames"] = std::move(frames);
+  report["bodies"] = bodies_json(world);
+  report["solver"] = summary.solver;
+  report["timing"] = {{"total", summary.total_seconds},
+                      {"assembly", summary.timing.assembly},
+                      {"solve", summary.timing.solve},
+                      {"output", summary.output_seconds}};
+  report["peak_memory_MiB"] = peak_memory_MiB();
+  report["threads"] = num_threads();
+  return report;
+}
+
+std::string report_text(const Json& report) {
+  std::string text = "{";
+  for (const auto& [key, value] : report.items()) {
+    text += (text.size() > 1 ? ",\n " : "\n ") + Json(key).dump() + ": ";
+    if (!value.is_array()) {
+      text += value.dump();
+      continue;
+    }
+    text += '[';
+    for (std::size_t i = 0; i < value.size(); ++i) text += (i > 0 ? ",\n  " : "\n  ") + value[i].dump();
+    text += ']';
+  }
+  return text + "\n}\n";
+}
+
+double peak_memory_MiB() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+}  // namespace resilin

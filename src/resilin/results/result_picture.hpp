@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+
+#include "resilin/picture/picture.hpp"
+#include "resilin/world/state.hpp"
+#include "resilin/world/world.hpp"
+
+namespace resilin {
+
+/// Draws a frame that a run has left.
+///
+/// Label and unit of the colour bar are those of the field. A nodal or cell field that the frame does not
+/// hold is refused with those it holds; an empty field means von_mises where it is there, else displacement.
+/// @param place  the folder of a run, or one .vtu file
+/// @param frame  from 0, or from the end: -1 is the last
+/// @throws InputError
+Image draw_result(const std::filesystem::path& place, int frame, PictureOptions options);
+
+/// The same for a state; it may be coloured by any field of fields/catalog.hpp.
+Image draw_state(const World& world, const State& state, PictureOptions options);
+
+}  // namespace resilin

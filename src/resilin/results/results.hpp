@@ -1,0 +1,57 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "resilin/results/summary.hpp"
+#include "resilin/simulation/simulation.hpp"
+
+namespace resilin {
+
+/// The folder that a run leaves: report.json, frames/NNNN.vtu, frames.pvd, checkpoint.bin and, as
+/// output.formats asks, recording.bin and result.html, result.usda. It records one world, which must outlive
+/// it.
+///
+/// Every file is written beside and renamed, so that a folder always holds whole files. Frames are written at
+/// once; report and checkpoint at most about once a second, and by `finish`.
+class ResultFolder {
+ public:
+  /// Makes the folder. Throws FileError naming it when that fails or nothing can be written in it.
+  /// @param seconds_before  what the run has taken already, for the report's total
+  explicit ResultFolder(std::filesystem::path folder, double seconds_before = 0);
+  ~ResultFolder();
+  ResultFolder(const ResultFolder&) = delete;
+  ResultFolder& operator=(const ResultFolder&) = delete;
+
+  const std::filesystem::path& path() const;
+  double output_seconds() const;  ///< spent on writing
+
+  /// What `finish` has made to be looked at: names and sizes [bytes].
+  const std::vector<std::pair<std::string, std::uintmax_t>>& shown_files() const;
+
+  /// The state to go on from, and takes over the frames up to it. Empty when the folder has no checkpoint.
+  /// Throws InputError when there is one that cannot be used.
+  std::optional<State> resume();
+
+  /// Records the simulation's present frame when it is due (each `output.every` steps), or when `is_last`.
+  void record(const Simulation& simulation, bool is_last);
+
+  /// The same for a state that the simulation had; report and checkpoint wait for `finish`.
+  void record(const World& world, const State& state, const Frame& frame, bool is_last);
+
+  /// Writes report and checkpoint with how the run ended.
+  void finish(const Simulation& simulation, RunStatus status, const std::string& reason);
+
+  /// The same for a run that has ended already in this state.
+  void finish(const World& world, const State& state, const RunSummary& summary);
+
+ private:
+  struct Contents;
+  std::unique_ptr<Contents> contents_;
+};
+
+}  // namespace resilin

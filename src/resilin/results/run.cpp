@@ -1,0 +1,72 @@
+#include "resilin/results/run.hpp"
+
+#include "resilin/core/log.hpp"
+#include "resilin/core/text.hpp"
+
+namespace resilin {
+
+std::string reached(const Simulation& simulation) {
+  const State& state = simulation.state();
+  if (simulation.world().is_dynamic)
+    return "t = " + format_short(state.time) + " s (step " + std::to_string(state.step) + ")";
+  if (simulation.world().modes && state.mode > 0) {
+    const Frame::ModeValues& mode = *simulation.frame().mode;
+    return "mode " + std::to_string(mode.number) + " (" + format_short(mode.frequency) + " Hz)";
+  }
+  return "load factor " + format_short(state.load) + " (step " + std::to_string(state.step) + ")";
+}
+
+namespace {
+
+/// What is to be known about the end of a static run.
+std::string remarks(const Simulation& simulation) {
+  std::string text;
+  const World& world = simulation.world();
+  if (is_linear(world)) text += "; the problem is linear";
+  if (const std::optional<Inversion>& inversion = simulation.frame().inversion)
+    text += "; " + describe(world, *inversion);
+  if (world.follows_path && simulation.state().load < 1)
+    text += "; the path ends there because of simulation.max_steps";
+  if (const Index count = simulation.frame().unstable_modes.value_or(0); count > 0) {
+    text += "; the equilibrium is not stable: " + std::to_string(count) +
+            (count == 1 ? " unstable mode" : " unstable modes");
+  }
+  return text;
+}
+
+}  // namespace
+
+RunOutcome run_to_end(Simulation& simulation, const RunHooks& hooks) {
+  const auto is_stopped = [&hooks] { return hooks.is_stopped && hooks.is_stopped(); };
+  const NewtonObserver observer = [&](const NewtonReport& so_far) {
+    if (hooks.after_iteration) hooks.after_iteration(so_far);
+    return !is_stopped();
+  };
+  int truncated_steps = 0;
+  std::string first_reason;
+  for (int steps = 0; !simulation.is_finished(); ++steps) {
+    if (is_stopped()) return {RunStatus::budget, "stopped by the user at " + reached(simulation)};
+    if (hooks.max_steps > 0 && steps == hooks.max_steps) {
+      return {RunStatus::budget,
+              "stopped after " + std::to_string(steps) + " steps as asked, at " + reached(simulation)};
+    }
+    const StepReport report = simulation.step(observer);
+    if (report.status == StepReport::Status::interrupted)
+      return {RunStatus::budget, "stopped by the user at " + reached(simulation)};
+    for (const std::string& warning : report.warnings) log_warning(warning);
+    if (report.status == StepReport::Status::not_converged) {
+      log_warning(reached(simulation) + ": " + report.reason);
+      if (!simulation.world().is_dynamic) return {RunStatus::not_converged, report.reason};
+      if (truncated_steps++ == 0) first_reason = "at " + reached(simulation) + ": " + report.reason;
+    }
+    if (hooks.after_step) hooks.after_step(report);
+  }
+  if (truncated_steps == 0)
+    return {RunStatus::done,
+            "reached " + reached(simulation) + ", every step converged" + remarks(simulation)};
+  return {RunStatus::not_converged,
+          std::to_string(truncated_steps) + " of " + std::to_string(simulation.state().step) +
+              " steps were cut short before they converged; the first " + first_reason};
+}
+
+}  // namespace resilin

@@ -1,0 +1,169 @@
+#include <algorithm>
+#include <array>
+
+#include "resilin/scene/tables.hpp"
+
+namespace resilin {
+namespace {
+
+void read_components(const SceneNode& node, std::array<bool, 3>& components) {
+  const std::string letters = std::string("xyz").substr(0, static_cast<std::size_t>(node.context->dimension));
+  components = {false, false, false};
+  for (const char letter : read_text(node)) {
+    const std::size_t i = letters.find(letter);
+    if (i == std::string::npos || components[i]) node.fail("letters of \"" + letters + "\", each once");
+    components[i] = true;
+  }
+  if (std::ranges::count(components, true) == 0) node.fail("at least one letter of \"" + letters + "\"");
+}
+
+void expect_order(const SceneNode& table, double from, const std::optional<double>& until) {
+  if (until && *until < from) table.child("until").fail("a time at or after `from`");
+}
+
+struct LoadKind {
+  const char* name;
+  LoadDescription::Kind kind;
+  std::vector<std::string> needs;  ///< keys that this kind must have
+  std::vector<std::string> has;    ///< keys that it may have besides
+};
+
+const std::vector<LoadKind>& load_kinds() {
+  using K = LoadDescription::Kind;
+  static const std::vector<LoadKind> kinds = {
+      {"body_force", K::body_force, {"value"}, {"where"}},
+      {"traction", K::traction, {"value", "where"}, {}},
+      {"pressure", K::pressure, {"value", "where"}, {}},
+      {"nodal_force", K::nodal_force, {"value", "where"}, {}},
+      {"spring", K::spring, {"stiffness", "where"}, {"displacement", "velocity"}},
+  };
+  return kinds;
+}
+
+std::vector<std::string> load_kind_names() {
+  std::vector<std::string> names;
+  for (const LoadKind& kind : load_kinds()) names.emplace_back(kind.name);
+  return names;
+}
+
+const LoadKind& load_kind(LoadDescription::Kind kind) {
+  return *std::ranges::find_if(load_kinds(), [kind](const LoadKind& k) { return k.kind == kind; });
+}
+
+/// Keys of other kinds are refused, since they would do nothing.
+void expect_keys_of_kind(const SceneNode& table, const LoadKind& kind) {
+  const auto in = [](const std::vector<std::string>& words, const char* word) {
+    return std::ranges::find(words, word) != words.end();
+  };
+  for (const std::string& name : kind.needs) {
+    if (!table.has(name)) table.fail_with(std::string("a ") + kind.name + " needs the key \"" + name + "\"");
+  }
+  for (const char* name : {"value", "where", "stiffness", "displacement", "velocity"}) {
+    if (table.has(name) && !in(kind.needs, name) && !in(kind.has, name)) {
+      table.child(name).fail_with(std::string("a ") + kind.name + " has no such key; it has " +
+                                  join(kind.needs) + (kind.has.empty() ? "" : ", " + join(kind.has)));
+    }
+  }
+}
+
+}  // namespace
+
+void expect_motion(const SceneNode& table, std::initializer_list<const char*> keys) {
+  if (table.context->is_dynamic) return;
+  for (const char* name : keys) {
+    if (table.has(name)) {
+      table.child(name).fail_with(
+          "has a meaning only in motion; set simulation.kind = \"dynamic\" or leave it out");
+    }
+  }
+}
+
+Keys<FixDescription> fix_keys() {
+  using F = FixDescription;
+  return {
+      text_key("name", &F::name, "fix[0] ...", "Reactions are reported under it."),
+      text_key("body", &F::body, "the only body", "Name of the body that is held."),
+      key<F>({"where", "[where](#where)", "", "required", "Which vertices."},
+             [](const SceneNode& node, F& f) { read_where(node, f.where); }),
+      key<F>({"components", "letters of \"xyz\"", "", "all", "Which components are prescribed."},
+             [](const SceneNode& node, F& f) { read_components(node, f.components); }),
+      vector_key("displacement", &F::displacement, "m", "At load factor 1."),
+      matrix_key("gradient", &F::gradient, "", "Adds gradient * X, X the rest position."),
+      key<F>({"rotate", "[rotate](#rotate)", "", "none", "A turn, in place of displacement and gradient."},
+             [](const SceneNode& node, F& f) { read_rotation(node, f.rotate); }),
+      vector_key("velocity", &F::velocity, "m/s", "In motion: the vertices move on at this speed ..."),
+      key<F>({"until", "number >= 0", "s", "the end", "... until this time, and then stay."},
+             [](const SceneNode& node, F& f) { f.until = read_number(node, not_negative); }),
+      key<F>({"time_function", "[time_function](#time_function)", "", "none",
+              "In motion: a factor on displacement, gradient and rotate."},
+             [](const SceneNode& node, F& f) { read_time_function(node, f.time_function); }),
+  };
+}
+
+void read_fix(const SceneNode& node, FixDescription& fix) {
+  fix.place = node.place();
+  fix.name = node.path;
+  read_table(node, fix_keys(), fix);
+  expect_motion(node, {"velocity", "until", "time_function"});
+  if (node.has("time_function") && !node.has("displacement") && !node.has("gradient") && !fix.rotate) {
+    node.child("time_function")
+        .fail_with("is a factor on displacement, gradient or rotate; give one of them");
+  }
+  if (fix.rotate && (node.has("displacement") || node.has("gradient"))) {
+    node.child("rotate").fail_with("comes in place of displacement and gradient; leave out one or the other");
+  }
+}
+
+Keys<LoadDescription> load_keys() {
+  using L = LoadDescription;
+  return {
+      text_key("name", &L::name, "load[0] ...", "For messages and for `--set`."),
+      key<L>(
+          {"kind", one_of(load_kind_names()), "", "required",
+           "body_force per rest volume, traction per rest area, nodal_force on each vertex; pressure follows "
+           "the surface; a spring pulls each vertex to its rest position + displacement."},
+          [](const SceneNode& node, L& l) {
+            const std::string name = read_choice(node, load_kind_names());
+            for (const LoadKind& kind : load_kinds()) {
+              if (name == kind.name) l.kind = kind.kind;
+            }
+          }),
+      text_key("body", &L::body, "the only body", "Name of the body that is loaded."),
+      key<L>({"where", "[where](#where)", "", "required but for a body_force: all",
+              "Which vertices, or which surface."},
+             [](const SceneNode& node, L& l) { read_where(node, l.where); }),
+      key<L>({"value", "vector; number for a pressure", "N/m^3, N/m^2, N or Pa", "required but for a spring",
+              "The load at load factor 1; a positive pressure pushes inwards."},
+             [](const SceneNode& node, L& l) {
+               if (l.kind == L::Kind::pressure) {
+                 l.pressure = read_number(node);
+               } else {
+                 l.value = read_vector(node);
+               }
+             }),
+      number_key("stiffness", &L::stiffness, "N/m", positive, "Spring: on each vertex."),
+      vector_key("displacement", &L::displacement, "m",
+                 "Spring: its far end stands at rest position + this ..."),
+      vector_key("velocity", &L::velocity, "m/s", "... and, in motion, moves on at this speed."),
+      number_key("from", &L::from, "s", not_negative, "In motion: acts from this time ..."),
+      key<L>({"until", "number >= 0", "s", "the end", "... until this time."},
+             [](const SceneNode& node, L& l) { l.until = read_number(node, not_negative); }),
+      key<L>({"time_function", "[time_function](#time_function)", "", "none",
+              "In motion: a factor on the value, of a spring on its displacement."},
+             [](const SceneNode& node, L& l) { read_time_function(node, l.time_function); }),
+  };
+}
+
+void read_load(const SceneNode& node, LoadDescription& load) {
+  load.place = node.place();
+  load.name = node.path;
+  read_table(node, load_keys(), load);
+  expect_keys_of_kind(node, load_kind(load.kind));
+  expect_motion(node, {"velocity", "from", "until", "time_function"});
+  if (load.kind == LoadDescription::Kind::spring && node.has("time_function") && !node.has("displacement")) {
+    node.child("time_function").fail_with("is a factor on the spring's displacement; give one");
+  }
+  expect_order(node, load.from, load.until);
+}
+
+}  // namespace resilin

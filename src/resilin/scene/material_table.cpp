@@ -1,0 +1,161 @@
+#include <algorithm>
+#include <cmath>
+
+#include "resilin/material/law.hpp"
+#include "resilin/scene/tables.hpp"
+
+namespace resilin {
+namespace {
+
+std::vector<std::string> law_names() {
+  std::vector<std::string> names;
+  for (const LawInfo* law : laws()) names.emplace_back(law->name);
+  return names;
+}
+
+Keys<MaterialDescription> material_keys() {
+  using M = MaterialDescription;
+  return {
+      choice_key("law", &M::law, law_names(), {},
+                 "The strain energy; `resilin materials` and [laws](laws.md) describe each."),
+      number_key("density", &M::density, "kg/m^3", not_negative, "Mass per rest volume; in motion > 0."),
+  };
+}
+
+/// Constants that every law takes: the small-strain solid.
+const std::vector<std::string>& small_strain_names() {
+  static const std::vector<std::string> names = {"youngs_modulus", "poissons_ratio"};
+  return names;
+}
+
+/// Names that a law takes besides `law` and `density`.
+std::vector<std::string> constant_names(const LawInfo& law) {
+  std::vector<std::string> names = small_strain_names();
+  for (const ConstantText& constant : law.constants) names.emplace_back(constant.name);
+  return names;
+}
+
+const CellBlock& solid_cells(const SceneNode& node, const Mesh& mesh) {
+  const CellBlock* block = mesh.find_solid(node.context->dimension);
+  if (block == nullptr)
+    node.fail_with("values for each cell need a mesh with cells; is the key \"mesh\" of the body there?");
+  return *block;
+}
+
+/// A CSV file, a list or an array of one number for each cell.
+std::vector<double> read_cell_values(const SceneNode& node, const Mesh& mesh) {
+  return read_rows(node, static_cast<std::size_t>(solid_cells(node, mesh).num_cells()), 1, "cell").values;
+}
+
+std::vector<double> read_cell_field(const SceneNode& node, const Mesh& mesh) {
+  const std::string name = read_text(node);
+  const CellBlock& cells = solid_cells(node, mesh);
+  std::vector<std::string> names;
+  for (const CellField& field : mesh.cell_fields) {
+    if (&mesh.blocks[field.block] != &cells) continue;
+    if (field.name == name) return field.values;
+    names.push_back(field.name);
+  }
+  node.fail(names.empty() ? "a field of the mesh's cells; the mesh has none"
+                          : "a field of the mesh's cells: " + join(names),
+            "give the values in a file: { file = \"values.csv\" }");
+}
+
+/// A number, a list of one for each cell, { file = "young.csv" } or { cell_field = "name" }.
+void read_constant(const SceneNode& node, const std::string& name, const Mesh& mesh,
+                   MaterialDescription& material) {
+  if (node.value->is_array() || std::holds_alternative<SceneValue::Numbers>(node.value->data)) {
+    material.cell_constants[name] = read_cell_values(node, mesh);
+    return;
+  }
+  if (!node.value->is_table()) {
+    material.constants[name] = read_number(node);
+    return;
+  }
+  refuse_unknown_keys(node, {"file", "cell_field"});
+  if (node.value->table().size() != 1) node.fail("a number, { file = ... } or { cell_field = ... }");
+  material.cell_constants[name] = node.has("file") ? read_cell_values(node.child("file"), mesh)
+                                                   : read_cell_field(node.child("cell_field"), mesh);
+}
+
+/// A direction, a list or an array of one for each cell, or { file = "fibres.csv" }.
+std::vector<Vector3> read_directions(const SceneNode& node, const Mesh& mesh) {
+  const bool is_vector =
+      node.value->is_array() && !node.value->array().empty() && !node.value->array().front().is_array();
+  if (is_vector) return {read_vector(node)};
+  if (node.value->is_table()) refuse_unknown_keys(node, {"file"});
+  const SceneNode rows = node.value->is_table() ? node.child("file") : node;
+  const auto dim = static_cast<std::size_t>(node.context->dimension);
+  const NumberTable table =
+      read_rows(rows, static_cast<std::size_t>(solid_cells(node, mesh).num_cells()), dim, "cell");
+  std::vector<Vector3> directions(table.num_rows(), Vector3::Zero());
+  for (std::size_t i = 0; i < table.values.size(); ++i)
+    directions[i / dim][static_cast<Eigen::Index>(i % dim)] = table.values[i];
+  return directions;
+}
+
+void read_fibres(const SceneNode& node, const Mesh& mesh, MaterialDescription& material) {
+  expect_list(node, "directions, one for each family of fibres");
+  for (std::size_t i = 0; i < node.value->array().size(); ++i)
+    material.fibres.push_back(read_directions(node.element(i), mesh));
+}
+
+}  // namespace
+
+void read_material(const SceneNode& node, const Mesh& mesh, MaterialDescription& material) {
+  expect_table(node);
+  material.place = node.place();
+  if (node.has("law")) material.law = read_choice(node.child("law"), law_names());
+  const LawInfo& law = require_law(material.law, node.place() + ".law");
+  const std::vector<std::string> constants = constant_names(law);
+  std::vector<std::string> known = constants;
+  known.emplace_back("fibres");
+  read_table(node, material_keys(), material, known);
+  if (!std::isnan(law.only_poissons_ratio)) material.constants["poissons_ratio"] = law.only_poissons_ratio;
+  if (node.has("fibres")) read_fibres(node.child("fibres"), mesh, material);
+  const auto is_given = [&node](const std::string& name) { return node.has(name); };
+  if (std::ranges::any_of(constants, is_given)) material.constants.clear();
+  for (const std::string& name : constants) {
+    if (node.has(name)) read_constant(node.child(name), name, mesh, material);
+  }
+}
+
+TableDoc material_doc() {
+  const MaterialDescription defaults;
+  TableDoc doc = document(
+      "material",
+      "Young's modulus and Poisson's ratio mean the small-strain solid; each law "
+      "converts them to its own constants. "
+      "Constants named as in a law's formula are taken literally instead; [laws](laws.md) says which may be "
+      "left out and which may be given beside Young's modulus. "
+      "A constant may vary from cell to "
+      "cell: a list, or `{ file = \"young.csv\" }`, with one number for each cell, or `{ "
+      "cell_field = \"name\" }` of the mesh.",
+      material_keys());
+  const auto add = [&](const char* name, const char* type, const char* unit, const char* text) {
+    doc.keys.push_back({name, type, unit, default_text(defaults.constants.at(name)), text});
+  };
+  add("youngs_modulus", "number > 0", "Pa", "Stiffness of a small stretch.");
+  add("poissons_ratio", "number > -1 and < 0.5", "", "How much a stretched solid grows thinner.");
+  doc.keys.push_back(
+      {"fibres", "list of directions", "", "",
+       "Of holzapfel_gasser_ogden: for each family of fibres a rest direction, or `{ file = "
+       "\"fibres.csv\" }` or a list with one for each cell; they turn with the body's rotate."});
+  for (const LawInfo* law : laws()) {
+    for (const ConstantText& constant : law->constants) {
+      const std::string name(constant.name);
+      const auto known = std::ranges::find(doc.keys, name, &KeyDoc::name);
+      if (known == doc.keys.end()) {
+        ConstantText pure = constant;
+        pure.unit = "";
+        doc.keys.push_back(
+            {name, range_text(pure), std::string(constant.unit), "", "Of " + std::string(law->name) + "."});
+      } else {
+        known->text.insert(known->text.size() - 1, ", " + std::string(law->name));
+      }
+    }
+  }
+  return doc;
+}
+
+}  // namespace resilin

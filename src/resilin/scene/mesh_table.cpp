@@ -1,0 +1,118 @@
+#include "resilin/io/mesh_file.hpp"
+#include "resilin/mesh/generators.hpp"
+#include "resilin/scene/tables.hpp"
+
+namespace resilin {
+namespace {
+
+struct BoxDescription {
+  std::string kind;  ///< of its cells; empty: tetrahedra or, in 2D, triangles
+  Vector3 size = Vector3::Ones();
+  std::array<int, 3> cells = {1, 1, 1};
+  Vector3 origin = Vector3::Zero();
+};
+
+std::string simplices(int dim) { return dim == 3 ? "tetrahedra" : "triangles"; }
+
+std::vector<std::string> box_kinds(int dim) {
+  return {simplices(dim), dim == 3 ? "hexahedra" : "quadrilaterals"};
+}
+
+void read_cells(const SceneNode& node, BoxDescription& box) {
+  const int dim = node.context->dimension;
+  expect_list(node, "whole numbers, one for each direction", dim);
+  std::int64_t count = !box.kind.empty() && box.kind != simplices(dim) ? 1 : dim == 3 ? 6 : 2;
+  for (int i = 0; i < dim; ++i) {
+    const int cells = read_integer(node.element(static_cast<std::size_t>(i)), at_least_one);
+    box.cells[static_cast<std::size_t>(i)] = cells;
+    if (cells > node.context->max_box_cells / count) {
+      node.fail_with("expected at most " + std::to_string(node.context->max_box_cells) +
+                     " cells, got more; use fewer cells");
+    }
+    count *= cells;
+  }
+}
+
+Keys<BoxDescription> box_keys() {
+  using B = BoxDescription;
+  return {
+      key<B>({"kind", one_of(box_kinds(3)) + ", in 2D " + one_of(box_kinds(2)), "", "the first",
+              "Kind of its cells."},
+             [](const SceneNode& node, B& b) {
+               b.kind = read_choice(node, box_kinds(node.context->dimension));
+             }),
+      key<B>({"size", "vector > 0", "m", "required", "Edge lengths."},
+             [](const SceneNode& node, B& b) {
+               b.size = read_vector(node);
+               for (int i = 0; i < node.context->dimension; ++i) {
+                 if (!(b.size[i] > 0))
+                   node.fail_with("expected lengths > 0, got " + format_number(b.size[i]));
+               }
+             }),
+      key<B>({"cells", "vector of whole numbers >= 1", "", "required",
+              "Cubes along each direction, each cut into 6 tetrahedra; squares cut into 2 triangles in 2D. "
+              "Hexahedra and quadrilaterals are not cut."},
+             read_cells),
+      vector_key("origin", &B::origin, "m", "Corner with the smallest coordinates."),
+  };
+}
+
+Mesh read_box(const SceneNode& node) {
+  BoxDescription box;
+  read_table(node, box_keys(), box);
+  const std::array<int, 2> squares = {box.cells[0], box.cells[1]};
+  if (box.kind == "hexahedra") return make_hexahedron_box(box.size, box.cells, box.origin);
+  if (box.kind == "quadrilaterals")
+    return make_quadrilateral_rectangle(box.size.head<2>(), squares, box.origin.head<2>());
+  if (node.context->dimension == 3) return make_box(box.size, box.cells, box.origin);
+  return make_rectangle(box.size.head<2>(), squares, box.origin.head<2>());
+}
+
+Keys<Mesh> mesh_keys() {
+  return {key<Mesh>(
+      {"box", "table", "", "", "A box (a rectangle in 2D) with the groups `x_min`, `x_max`, `y_min`, ..."},
+      [](const SceneNode& node, Mesh& mesh) { mesh = read_box(node); })};
+}
+
+/// A file, or the mesh that a program hands over.
+Mesh read_mesh_of(const SceneNode& node, bool uses_corners_only) {
+  MeshFile file;
+  if (const auto* mesh = std::get_if<SceneValue::MeshHandle>(&node.value->data)) {
+    file = **mesh;
+  } else {
+    file = read_mesh(read_path(node));
+  }
+  if (uses_corners_only) resilin::use_corners_only(file);
+  prepare_solid_mesh(file, node.context->dimension);
+  for (const std::string& warning : file.warnings) node.context->warnings.push_back(warning);
+  return std::move(file.mesh);
+}
+
+}  // namespace
+
+void read_body_mesh(const SceneNode& node, BodyDescription& body) {
+  if (node.value->is_table()) {
+    if (!node.has("box")) node.fail("{ box = { size, cells } } or the name of a mesh file");
+    body.mesh_name = "box";
+    return read_table(node, mesh_keys(), body.mesh);
+  }
+  if (const auto* mesh = std::get_if<SceneValue::MeshHandle>(&node.value->data)) {
+    body.mesh_name = (*mesh)->numbering.file;
+  } else if (std::holds_alternative<std::string>(node.value->data)) {
+    body.mesh_name = read_text(node);
+  } else {
+    node.fail("the name of a mesh file or { box = { size, cells } }");
+  }
+  body.mesh = read_mesh_of(node, body.element == "P1");
+}
+
+TableDoc mesh_doc() {
+  TableDoc doc = document("mesh", "A file ([formats](mesh_formats.md)), or a table with", mesh_keys());
+  for (const Key<BoxDescription>& key : box_keys()) {
+    doc.keys.push_back(key.doc);
+    doc.keys.back().name = "box." + key.doc.name;
+  }
+  return doc;
+}
+
+}  // namespace resilin

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "resilin/scene/key.hpp"
+#include "resilin/world/description.hpp"
+
+/// The tables of a scene file. Each file `*_table.cpp` holds the keys of its tables and reads them.
+namespace resilin {
+
+// simulation_table.cpp
+Keys<Description> simulation_keys();
+Keys<NewtonOptions> newton_keys();
+Keys<SolverOptions> solver_keys();
+Keys<OutputOptions> output_keys();
+Keys<ProbeDescription> probe_keys();
+
+// section_table.cpp
+Keys<SectionDescription> section_keys();
+void read_section(const SceneNode& node, SectionDescription& section);
+
+// body_table.cpp
+Keys<BodyDescription> body_keys();
+void read_body(const SceneNode& node, BodyDescription& body);
+
+// mesh_table.cpp
+/// Reads a file or makes a box, and checks what came: troubles are errors, oddities are warnings.
+void read_body_mesh(const SceneNode& node, BodyDescription& body);
+TableDoc mesh_doc();
+
+// material_table.cpp
+/// `mesh` is that of the body, for values per cell.
+void read_material(const SceneNode& node, const Mesh& mesh, MaterialDescription& material);
+TableDoc material_doc();
+
+// where_table.cpp
+void read_where(const SceneNode& node, Where& where);
+TableDoc where_doc();
+/// { axis, center, degrees }, or in short [axis..., degrees] (in 2D: [degrees]).
+void read_rotation(const SceneNode& node, std::optional<Rotation>& rotation);
+TableDoc rotation_doc();
+
+// skin_table.cpp
+void read_skin(const SceneNode& node, std::optional<SkinDescription>& skin);
+TableDoc skin_doc();
+
+// condition_table.cpp
+Keys<FixDescription> fix_keys();
+Keys<LoadDescription> load_keys();
+void read_fix(const SceneNode& node, FixDescription& fix);
+void read_load(const SceneNode& node, LoadDescription& load);
+
+// time_table.cpp
+void read_time_function(const SceneNode& node, TimeFunction& function);
+TableDoc time_function_doc();
+void read_adaptive_steps(const SceneNode& node, std::optional<AdaptiveSteps>& adaptive);
+TableDoc adaptive_doc();
+void read_modes(const SceneNode& node, std::optional<ModesOptions>& modes);
+TableDoc modes_doc();
+void read_damping(const SceneNode& node, DampingDescription& damping);
+TableDoc damping_doc();
+
+/// Refuses keys that say something only while time passes where it does not.
+void expect_motion(const SceneNode& table, std::initializer_list<const char*> keys);
+
+// contact_table.cpp
+Keys<ColliderDescription> collider_keys();
+void read_collider(const SceneNode& node, ColliderDescription& collider);
+/// Contact of bodies with each other: part of the contract, not of this version.
+void refuse_contact(const SceneNode& node);
+
+// names.cpp
+/// Bodies, fixes, loads, probes and sections have names of their own; whether a name that is referred to
+/// exists is for `World`.
+void check_names(const Description& description);
+
+/// All tables in the order of the reference.
+std::vector<TableDoc> scene_tables();
+
+}  // namespace resilin

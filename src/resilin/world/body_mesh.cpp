@@ -1,0 +1,145 @@
+#include "resilin/world/body_mesh.hpp"
+
+#include <algorithm>
+
+#include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
+#include "resilin/element/catalog.hpp"
+#include "resilin/mesh/check.hpp"
+#include "resilin/mesh/edit.hpp"
+#include "resilin/mesh/second_order.hpp"
+#include "resilin/world/cell_material.hpp"
+
+namespace resilin {
+namespace {
+
+/// Poisson's ratio above which volume locking costs per cents; read off a tangent, whose rounding is not
+/// meant.
+constexpr double locking_ratio = 0.45 + 1e-9;
+
+bool has_simplices(CellKind kind) { return num_corners(kind) == dimension(kind) + 1; }
+
+std::string mesh_place(const BodyDescription& body) {
+  return body.mesh_name.empty() ? body.place + ".mesh" : body.mesh_name;
+}
+
+/// The element that the user named, which must fit the cells.
+const ElementInfo& named_element(const BodyDescription& body, int dim, const ElementCase& c) {
+  const std::string place = body.place + ".element";
+  const ElementInfo& element = require_element(body.element, dim, place);
+  if (is_simplex(element.shape) != has_simplices(c.cells)) {
+    throw InputError(place,
+                     std::string(has_simplices(c.cells) ? "P1, P2, P2P0" : "Q1, Q1P0") + " or auto for " +
+                         std::string(name(c.cells)),
+                     "\"" + body.element + "\"");
+  }
+  if (element.has_mean_volume && !c.law.has_volume_energy) {
+    throw InputError(place,
+                     "an element without a pressure: the volume energy of " + std::string(c.law.name) +
+                         " does not stand apart",
+                     "\"" + body.element + "\"",
+                     "use " + std::string(element.name.substr(0, 2)) + " or another law (docs/laws.md)");
+  }
+  return element;
+}
+
+/// Turns inverted cells around and refuses those that cannot be computed with.
+void orient(Mesh& mesh, const BodyDescription& body, int dim, std::vector<std::string>& warnings) {
+  const std::string place = mesh_place(body);
+  const CellBlock& block = *mesh.find_solid(dim);
+  const CellSigns signs = cell_signs(mesh, block);
+  for (const auto* bad : {&signs.not_finite, &signs.flat}) {
+    if (!bad->empty()) {
+      throw InputError(place + ": cell " + std::to_string(bad->front()), "a cell with a volume",
+                       bad == &signs.flat ? "volume zero" : "a coordinate that is not finite");
+    }
+  }
+  if (!signs.folded.empty()) {
+    throw InputError(place + ": cell " + std::to_string(signs.folded.front().cell),
+                     fold_text(mesh, block, signs.folded.front(), {}));
+  }
+  if (signs.inverted.empty()) return;
+  warnings.push_back(place + ": " + std::to_string(signs.inverted.size()) +
+                     " inverted cells were turned around, the first is cell " +
+                     std::to_string(signs.inverted.front()));
+  reorient(mesh, block.kind);
+}
+
+}  // namespace
+
+Placement::Placement(const BodyDescription& body)
+    : scale_(body.scale),
+      rotation_(rotation_matrix(body.rotate)),
+      center_(body.rotate ? body.rotate->center : Vector3(Vector3::Zero())),
+      translation_(body.translate) {}
+
+ChosenElement choose_element(const ElementCase& c) {
+  const bool is_nearly_incompressible = c.poissons_ratio > locking_ratio;
+  const std::string simple = has_simplices(c.cells) ? "P2" : "Q1";
+  if (is_nearly_incompressible && c.law.has_volume_energy) {
+    return {simple + "P0", "nu = " + format_short(c.poissons_ratio) + " is above " +
+                               format_short(locking_ratio) + ", where elements without a pressure lock"};
+  }
+  if (!has_simplices(c.cells)) return {simple, "the mesh has " + std::string(name(c.cells))};
+  if (is_nearly_incompressible) {
+    return {simple, "nu = " + format_short(c.poissons_ratio) + " is above " + format_short(locking_ratio) +
+                        ", and the volume energy of " + std::string(c.law.name) + " does not stand apart"};
+  }
+  if (is_second_order(c.cells)) return {"P2", "the mesh is of second order"};
+  if (c.is_dynamic) return {"P1", "in motion linear elements cost least"};
+  return {"P2", "in statics quadratic elements cost least for the same error"};
+}
+
+std::string locking_text(const ElementInfo& element, const ElementCase& c) {
+  if (element.has_mean_volume || element.degree > 1 || !(c.poissons_ratio > locking_ratio)) return "";
+  const std::string cure = c.law.has_volume_energy  ? (has_simplices(c.cells) ? "P2P0" : "Q1P0")
+                           : has_simplices(c.cells) ? "P2"
+                                                    : "";
+  return std::string(element.name) + " is too stiff for nu = " + format_short(c.poissons_ratio) +
+         " (volume locking)" + (cure.empty() ? "" : "; use element = \"" + cure + "\"");
+}
+
+const CellBlock& solid_cells(const BodyDescription& body, int dim) {
+  std::vector<std::string> found, solid;
+  for (const CellBlock& block : body.mesh.blocks) {
+    if (block.num_cells() == 0) continue;
+    found.emplace_back(name(block.kind));
+    if (dimension(block.kind) == dim) solid.push_back(found.back());
+  }
+  const CellBlock* cells = body.mesh.find_solid(dim);
+  if (cells == nullptr) {
+    throw InputError(mesh_place(body), std::string(dim == 3 ? "no tetrahedra" : "no triangles") + " (found " +
+                                           (found.empty() ? "no cells" : join(found)) + ")");
+  }
+  if (solid.size() > 1) {
+    throw InputError(mesh_place(body), "cells of one kind in a body", join(solid, " and "),
+                     "split the others or make them a body of their own");
+  }
+  return *cells;
+}
+
+BodyMesh make_body_mesh(const BodyDescription& body, int dim, const ElementCase& c,
+                        std::vector<std::string>& warnings) {
+  BodyMesh made;
+  if (body.element == "auto") {
+    const ChosenElement chosen = choose_element(c);
+    made.element = &require_element(chosen.name, dim, body.place + ".element");
+    made.reason = chosen.reason;
+  } else {
+    made.element = &named_element(body, dim, c);
+  }
+  if (const std::string text = locking_text(*made.element, c); !text.empty())
+    warnings.push_back(body.place + ".element: " + text);
+  made.element->quadrature(body.quadrature, body.place + ".quadrature");
+  made.mesh = body.mesh;
+  if (made.element->degree == 1) to_first_order(made.mesh);
+  orient(made.mesh, body, dim, warnings);
+  if (made.element->degree == 2) {
+    SecondOrderMesh finer = second_order(made.mesh);
+    made.mesh = std::move(finer.mesh);
+    made.ends = std::move(finer.ends);
+  }
+  return made;
+}
+
+}  // namespace resilin

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "resilin/element/element.hpp"
+#include "resilin/material/law.hpp"
+#include "resilin/world/description.hpp"
+
+namespace resilin {
+
+/// Where a body's mesh stands in the world: scaled, then rotated, then translated.
+class Placement {
+ public:
+  explicit Placement(const BodyDescription& body);
+  Vector3 operator()(const Vector3& X) const {
+    return center_ + rotation_ * (scale_ * X - center_) + translation_;
+  }
+
+ private:
+  double scale_;
+  Matrix<3> rotation_;
+  Vector3 center_, translation_;
+};
+
+/// What the choice of an element depends on.
+struct ElementCase {
+  CellKind cells;  ///< of the mesh
+  bool is_dynamic;
+  const LawInfo& law;
+  double poissons_ratio;  ///< of the small-strain solid; the largest of all cells
+};
+
+/// A name of element/catalog.hpp and why it was chosen.
+struct ChosenElement {
+  std::string name;
+  std::string reason;  ///< "nu = 0.49 is above 0.45, where elements without a pressure lock"
+};
+
+/// What element = "auto" means: an element with one pressure per cell for nearly incompressible solids, else
+/// P2 in statics and on meshes of second order, P1 in motion; Q1 on quadrilaterals and hexahedra.
+ChosenElement choose_element(const ElementCase& c);
+
+/// Why this element is a bad choice, with the cure; empty when it is not.
+std::string locking_text(const ElementInfo& element, const ElementCase& c);
+
+/// A body's mesh as its element needs it.
+struct BodyMesh {
+  const ElementInfo* element;
+  std::string reason;  ///< why the element was chosen; empty when the user chose it
+  /// Cells with all nodes of the element and positive volumes; the vertices of the given mesh come first.
+  Mesh mesh;
+  std::vector<std::array<Index, 2>> ends;  ///< of the edge in whose middle each further node stands
+
+  const CellBlock& cells() const { return *mesh.find_solid(element->dim); }
+};
+
+/// The cells that a body is made of. Throws InputError when there are none, or several kinds.
+const CellBlock& solid_cells(const BodyDescription& body, int dim);
+
+/// Throws InputError for an element that does not fit the cells, flat cells and cells that are turned inside
+/// out somewhere; inverted ones are turned around with a warning.
+BodyMesh make_body_mesh(const BodyDescription& body, int dim, const ElementCase& c,
+                        std::vector<std::string>& warnings);
+
+}  // namespace resilin

@@ -1,0 +1,232 @@
+// Which rigid motions of a body nothing holds.
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
+#include "resilin/mesh/facet.hpp"
+#include "resilin/mesh/topology.hpp"
+#include "resilin/world/colliders.hpp"
+#include "resilin/world/world.hpp"
+
+namespace resilin {
+namespace {
+
+constexpr const char* about_colliders =
+    "; a collider holds only what is within its activation distance at the start, and nothing sideways";
+constexpr double round_off = 1e-6;  ///< of a direction: the square root of what the Gram matrix leaves
+
+/// Rows: components of a node's motion; columns: 3 translations and 3 rotations (2D: 2 and 1) about `center`,
+/// lengths in units of `size` so that all columns count alike.
+Eigen::MatrixXd rigid_motions(int dim, const Vector3& X, const Vector3& center, double size) {
+  const Vector3 r = (X - center) / size;
+  if (dim == 2) {
+    Eigen::MatrixXd motions(2, 3);
+    motions << 1, 0, -r.y(), 0, 1, r.x();
+    return motions;
+  }
+  Eigen::MatrixXd motions(3, 6);
+  motions << 1, 0, 0, 0, r.z(), -r.y(), 0, 1, 0, -r.z(), 0, r.x(), 0, 0, 1, r.y(), -r.x(), 0;
+  return motions;
+}
+
+struct Part {
+  Vector3 center = Vector3::Zero();
+  double size = 0;
+  Index num_vertices = 0;
+  Eigen::MatrixXd gram;  ///< sum of r^T r over the held components: its rank is the number of held motions
+};
+
+std::string in_parentheses(const Eigen::VectorXd& v) {
+  std::vector<std::string> numbers;
+  for (const double value : v) numbers.push_back(format_short(std::abs(value) < 1e-12 ? 0 : value));
+  std::string text = "(";
+  text += join(numbers);
+  return text + ")";
+}
+
+/// A basis of the space that the columns of `space` span (orthonormal), of coordinate axes as far as they lie
+/// in it.
+std::vector<Eigen::VectorXd> simple_basis(Eigen::MatrixXd space) {
+  std::vector<Eigen::VectorXd> basis;
+  const auto take = [&](const Eigen::VectorXd& direction) {
+    basis.push_back(direction);
+    // What is left is orthogonal to it.
+    const Eigen::MatrixXd rest = space - direction * (direction.transpose() * space);
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(rest, Eigen::ComputeThinU);
+    space = svd.matrixU().leftCols((svd.singularValues().array() > round_off).count());
+  };
+  for (Eigen::Index axis = 0; axis < space.rows(); ++axis) {
+    const Eigen::VectorXd e = Eigen::VectorXd::Unit(space.rows(), axis);
+    if (space.cols() > 0 && (space * (space.transpose() * e) - e).norm() < round_off) take(e);
+  }
+  while (space.cols() > 0) {
+    Eigen::VectorXd direction = space.col(0);
+    Eigen::Index largest = 0;
+    direction.cwiseAbs().maxCoeff(&largest);
+    take(direction[largest] < 0 ? Eigen::VectorXd(-direction) : direction);
+  }
+  return basis;
+}
+
+/// "x", or "(0.6, 0.8, 0)" for another direction.
+std::string name_of(const Eigen::VectorXd& direction) {
+  for (Eigen::Index axis = 0; axis < direction.size(); ++axis) {
+    if (std::abs(direction[axis]) > 1 - round_off) return {"xyz"[axis]};
+  }
+  return in_parentheses(direction);
+}
+
+/// b + a x r: a turn about the axis a through a x b, for b orthogonal to a.
+struct Turn {
+  std::string name;
+  Vector3 axis = Vector3::UnitZ();
+  Vector3 shift = Vector3::Zero();
+};
+
+/// The point that no turn moves, the nearest to the center, if there is one.
+std::optional<Vector3> common_point(const std::vector<Turn>& turns) {
+  const auto n = static_cast<Eigen::Index>(turns.size());
+  Eigen::MatrixXd A(3 * n, 3);
+  Eigen::VectorXd b(3 * n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Turn& turn = turns[static_cast<std::size_t>(i)];
+    for (int k = 0; k < 3; ++k) A.block<3, 1>(3 * i, k) = turn.axis.cross(Vector3::Unit(k));
+    b.segment<3>(3 * i) = -turn.shift;
+  }
+  Vector3 r = A.completeOrthogonalDecomposition().solve(b);
+  if ((A * r - b).norm() > round_off * (1 + b.norm())) return std::nullopt;
+  return r;
+}
+
+/// The motions that the columns of `free` span (orthonormal, in the basis of `rigid_motions`), in words.
+std::vector<std::string> names_of_motions(int dim, const Part& part, const Eigen::MatrixXd& free) {
+  std::vector<std::string> names;
+  // Combinations that do not turn are translations; the others turn about their rotational part.
+  const Eigen::MatrixXd turns = free.bottomRows(free.rows() - dim);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(turns, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const auto num_turns = (svd.singularValues().array() > round_off).count();
+  const Eigen::MatrixXd shifts = (free * svd.matrixV().rightCols(free.cols() - num_turns)).topRows(dim);
+  for (const Eigen::VectorXd& direction : simple_basis(shifts))
+    names.push_back("translation along " + name_of(direction));
+  if (num_turns == 0) return names;
+  std::vector<Turn> list;
+  for (const Eigen::VectorXd& direction : simple_basis(svd.matrixU().leftCols(num_turns))) {
+    Turn turn{.name = dim == 2 ? "rotation" : "rotation about " + name_of(direction)};
+    const Eigen::VectorXd motion = free * turns.completeOrthogonalDecomposition().solve(direction);
+    if (dim == 3) turn.axis = direction;
+    turn.shift.head(dim) = motion.head(dim);
+    list.push_back(std::move(turn));
+  }
+  const bool axis_is_anywhere = shifts.cols() >= 2;
+  const std::optional<Vector3> common = common_point(list);
+  for (const Turn& turn : list) {
+    const Vector3 r = common ? *common : Vector3(turn.axis.cross(turn.shift));
+    const Vector3 through = part.center + part.size * r;
+    names.push_back(turn.name);
+    if (axis_is_anywhere) continue;
+    names.back() += (dim == 2 ? " about " : " through ") + in_parentheses(through.head(dim));
+  }
+  return names;
+}
+
+std::string cure(int dim, bool shifts, bool turns) {
+  std::string text;
+  if (shifts && turns) {
+    text = dim == 3 ? "add a [[fix]] on a face, or on three vertices that are not in a line"
+                    : "add a [[fix]] on an edge, or on two vertices";
+  } else if (shifts) {
+    text = "add a [[fix]] that holds one vertex in these directions (components = \"...\")";
+  } else {
+    text = "add a [[fix]] on a vertex away from " +
+           std::string(dim == 3 ? "the axis, in a direction across it" : "this point");
+  }
+  return text + "; or let simulation.kind be \"dynamic\"";
+}
+
+/// One part for each connected component of the body, with what holds it.
+std::vector<Part> parts_of(const World& world, const Body& body, const std::vector<std::uint8_t>& is_held,
+                           const std::vector<HeldDirection>& held_directions) {
+  const int dim = world.dimension;
+  const int num_motions = dim == 3 ? 6 : 3;
+  CellBlock block{.kind = body.cell_kind, .nodes = body.cells};
+  for (Index& node : block.nodes) node -= body.first_node;
+  const Components components = connected_components(block, body.num_nodes);
+  std::vector<Part> parts(static_cast<std::size_t>(components.count));
+  const auto for_each_vertex = [&](const auto& visit) {
+    for (Index v = 0; v < body.num_nodes; ++v) {
+      const Index part = components.of_vertex[static_cast<std::size_t>(v)];
+      if (part >= 0) visit(parts[static_cast<std::size_t>(part)], body.first_node + v);
+    }
+  };
+  for_each_vertex([&](Part& part, Index node) {
+    part.center += node_position(dim, node, world.rest_positions);
+    ++part.num_vertices;
+  });
+  for (Part& part : parts) part.center /= part.num_vertices;
+  for_each_vertex([&](Part& part, Index node) {
+    part.size = std::max(part.size, (node_position(dim, node, world.rest_positions) - part.center).norm());
+  });
+  for (Part& part : parts) part.gram = Eigen::MatrixXd::Zero(num_motions, num_motions);
+  for_each_vertex([&](Part& part, Index node) {
+    const Eigen::MatrixXd motions =
+        rigid_motions(dim, node_position(dim, node, world.rest_positions), part.center, part.size);
+    for (int k = 0; k < dim; ++k) {
+      if (is_held[static_cast<std::size_t>(node * dim + k)] == 0) continue;
+      part.gram += motions.row(k).transpose() * motions.row(k);
+    }
+  });
+  for (const auto& [node, direction] : held_directions) {
+    const Index v = node - body.first_node;
+    if (v < 0 || v >= body.num_nodes) continue;
+    Part& part = parts[static_cast<std::size_t>(components.of_vertex[static_cast<std::size_t>(v)])];
+    const Eigen::RowVectorXd motion =
+        direction.head(dim).transpose() *
+        rigid_motions(dim, node_position(dim, node, world.rest_positions), part.center, part.size);
+    part.gram += motion.transpose() * motion;
+  }
+  return parts;
+}
+
+}  // namespace
+
+void check_is_held(const World& world, const std::vector<Index>& held_nodes) {
+  const int dim = world.dimension;
+  std::vector<std::uint8_t> is_held(world.is_fixed.size(), 0);
+  for (std::size_t i = 0; i < is_held.size(); ++i) is_held[i] = world.support_of[i] >= 0 ? 1 : 0;
+  for (const Index node : held_nodes) {
+    for (int k = 0; k < dim; ++k) is_held[static_cast<std::size_t>(node * dim + k)] = 1;
+  }
+  const std::vector<HeldDirection> held_directions = directions_held_by_colliders(world);
+  for (const Body& body : world.bodies) {
+    const std::vector<Part> parts = parts_of(world, body, is_held, held_directions);
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      const Part& part = parts[p];
+      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(part.gram);
+      const double largest = std::max(solver.eigenvalues().maxCoeff(), 1e-300);
+      const auto num_free = (solver.eigenvalues().array() <= 1e-12 * largest).count();
+      if (num_free == 0) continue;
+      std::string where = "body \"" + body.name + "\"";
+      if (parts.size() > 1) {
+        where += ", component " + std::to_string(p + 1) + " (" + std::to_string(part.num_vertices) +
+                 " vertices around " + in_parentheses(part.center.head(dim)) + ")";
+      }
+      const std::vector<std::string> names =
+          names_of_motions(dim, part, solver.eigenvectors().leftCols(num_free));
+      const auto starts_with = [&](const char* word) {
+        return std::ranges::any_of(names, [&](const std::string& name) { return name.starts_with(word); });
+      };
+      throw InputError(world.place, where + " is not held: " + std::to_string(num_free) + " of " +
+                                        std::to_string(part.gram.rows()) +
+                                        " rigid motions are free in a static run: " + join(names) + "; " +
+                                        cure(dim, starts_with("translation"), starts_with("rotation")) +
+                                        (world.colliders.empty() ? "" : about_colliders));
+    }
+  }
+}
+
+}  // namespace resilin

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "resilin/world/world.hpp"
+
+namespace resilin {
+
+/// Nodes of a body (numbers of its mesh, ascending) that a `where` means, in the placed rest shape.
+///
+/// Places (box, plane, sphere) are tested at each node, also those in the middle of edges. A group means the
+/// nodes of its cells; listed vertices mean themselves and the nodes of `middles_between`.
+/// Only nodes that a cell uses are selected. Throws InputError beginning with `place` when the group is
+/// unknown (and lists those there are), a vertex number is out of range, or nothing is selected.
+/// @param mesh  of the body with all nodes of its element
+std::vector<Index> select_vertices(const Where& where, const Mesh& mesh, const Body& body,
+                                   const VectorX& rest_positions, int dim, const std::string& place);
+
+/// Surface facets of a body whose nodes are all selected, outward, in the world's numbering. Throws
+/// InputError when there is none.
+CellBlock select_facets(const std::vector<Index>& selected_vertices, const Body& body,
+                        const std::string& place);
+
+/// Nodes, in the world's numbering, of the cells whose nodes are all selected.
+std::vector<Index> select_cells(const std::vector<Index>& selected_vertices, const Body& body);
+
+}  // namespace resilin

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "resilin/energy/energy.hpp"
+#include "resilin/energy/time_function.hpp"
+#include "resilin/integrator/integrator.hpp"
+#include "resilin/world/description.hpp"
+
+namespace resilin {
+
+/// Nodes whose displacement is prescribed, whole or by component.
+struct Support {
+  std::string place;
+  std::string name;          ///< reactions are reported under it
+  std::vector<Index> nodes;  ///< of the world
+  std::array<bool, 3> components = {true, true, true};
+  Vector3 displacement = Vector3::Zero();
+  Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();
+  std::optional<Rotation> rotate;
+  Vector3 velocity = Vector3::Zero();
+  std::optional<double> until;
+  TimeFunction time_function;  ///< of displacement, gradient and rotate
+
+  /// Where a node with rest position X belongs [m].
+  Vector3 target(const Vector3& X, const Conditions& c) const;
+  /// How it moves there: the velocity [m/s] and the acceleration [m/s^2], from before where they jump.
+  Vector3 velocity_at(const Vector3& X, double time) const;
+  Vector3 acceleration_at(const Vector3& X, double time) const;
+};
+
+/// Which unknowns are prescribed, and by which support: dim numbers per node, -1 where free.
+std::vector<std::int32_t> supports_of_unknowns(int dim, Index num_nodes,
+                                               const std::vector<Support>& supports);
+
+/// Throws InputError when two supports ask for different places of one unknown; names the vertex and both.
+void check_support_conflicts(int dim, const std::vector<Support>& supports, const VectorX& rest_positions);
+
+/// Writes the prescribed places into `x`.
+void place_supports(int dim, const std::vector<Support>& supports, const VectorX& rest_positions,
+                    const Conditions& c, VectorX& x);
+
+/// The same with the velocities [m/s] and accelerations [m/s^2] of the prescribed motion.
+void place_supports(int dim, const std::vector<Support>& supports, const VectorX& rest_positions, double time,
+                    Motion& motion);
+
+}  // namespace resilin

@@ -1,0 +1,333 @@
+#include "resilin/world/world.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
+#include "resilin/mesh/facet.hpp"
+#include "resilin/world/body_material.hpp"
+#include "resilin/world/body_mesh.hpp"
+#include "resilin/world/cell_material.hpp"
+#include "resilin/world/colliders.hpp"
+#include "resilin/world/damping.hpp"
+#include "resilin/world/event_times.hpp"
+#include "resilin/world/loads.hpp"
+#include "resilin/world/selection.hpp"
+
+namespace resilin {
+namespace {
+
+/// The mesh of a body in the world: scaled, rotated, translated.
+VectorX placed_vertices(const BodyDescription& description, const Mesh& mesh, int dim) {
+  const Placement placement(description);
+  VectorX positions(static_cast<Eigen::Index>(mesh.vertices.size()) * dim);
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    positions.segment(static_cast<Eigen::Index>(v) * dim, dim) = placement(mesh.vertices[v]).head(dim);
+  }
+  return positions;
+}
+
+void append(VectorX& all, const VectorX& more) {
+  const Eigen::Index size = all.size();
+  all.conservativeResize(size + more.size());
+  all.tail(more.size()) = more;
+}
+
+/// Values given for the mesh's vertices; further nodes have the mean of their edge's ends.
+VectorX values_of_nodes(const std::vector<double>& given, const BodyMesh& body_mesh, int dim,
+                        const std::string& place) {
+  const auto num_nodes = static_cast<Eigen::Index>(body_mesh.mesh.vertices.size());
+  const Eigen::Index num_vertices = num_nodes - static_cast<Eigen::Index>(body_mesh.ends.size());
+  if (static_cast<Eigen::Index>(given.size()) != num_vertices * dim) {
+    throw InputError(
+        place, std::to_string(dim) + " numbers for each of " + std::to_string(num_vertices) + " vertices",
+        std::to_string(given.size()) + " numbers");
+  }
+  VectorX values(num_nodes * dim);
+  values.head(num_vertices * dim) = Eigen::Map<const VectorX>(given.data(), num_vertices * dim);
+  if (!values.head(num_vertices * dim).allFinite()) throw InputError(place, "finite numbers", "inf or nan");
+  for (std::size_t i = 0; i < body_mesh.ends.size(); ++i) {
+    const auto [a, b] = body_mesh.ends[i];
+    values.segment((num_vertices + static_cast<Eigen::Index>(i)) * dim, dim) =
+        0.5 * (values.segment(Eigen::Index{a} * dim, dim) + values.segment(Eigen::Index{b} * dim, dim));
+  }
+  return values;
+}
+
+VectorX start_velocities_of(const BodyDescription& description, const VectorX& positions, int dim) {
+  VectorX velocities(positions.size());
+  for (Eigen::Index i = 0; i < positions.size() / dim; ++i) {
+    const Vector3 X = node_position(dim, static_cast<Index>(i), positions);
+    velocities.segment(i * dim, dim) = (description.velocity + description.velocity_gradient * X).head(dim);
+  }
+  return velocities;
+}
+
+/// Throws InputError when a world, complete but for this, has fewer unknowns than modes are asked for; warns
+/// of loads that do not act. Every mode becomes a frame.
+void check_modes(const Description& description, World& world) {
+  world.output.every = 1;  // each mode is a frame
+  if (world.modes->count < 1 || world.modes->count > world.num_free_unknowns()) {
+    throw InputError(world.place + ": simulation.modes.count",
+                     "from 1 to " + std::to_string(world.num_free_unknowns()) + ", the unknowns of the scene",
+                     std::to_string(world.modes->count));
+  }
+  const bool has_loads = description.gravity.norm() > 0 || !description.loads.empty();
+  if (has_loads && !world.modes->is_loaded) {
+    world.warnings.push_back(world.place +
+                             ": loads do not act on vibrations about rest; for those about the loaded state "
+                             "set simulation.modes.about = \"load\"");
+  }
+}
+
+/// Makes a world out of its description, part by part.
+class Builder {
+ public:
+  Builder(const Description& description, World& world) : description_(description), world_(world) {}
+  void build();
+
+ private:
+  std::size_t find_body(const std::string& name, const std::string& place) const;
+  void add_body(const BodyDescription& body);
+  void add_support(const FixDescription& fix);
+  void add_load(const LoadDescription& load);
+  void add_probe(const ProbeDescription& probe);
+  void add_section(const SectionDescription& section);
+  void build_pattern();
+  void add_masses();
+  void find_fixed_unknowns();
+
+  const Description& description_;
+  World& world_;
+  std::vector<BodyMesh> meshes_;
+  std::vector<std::vector<double>> constants_;  ///< of each body's law, once or for each cell
+  std::vector<std::shared_ptr<ElasticEnergy>> elastic_;
+  std::vector<std::shared_ptr<Energy>> external_;
+  std::vector<Index> nodes_held_by_springs_;
+};
+
+void Builder::build() {
+  if (world_.dimension != 2 && world_.dimension != 3) {
+    throw InputError(world_.place + ": simulation.dimension", "2 or 3", std::to_string(world_.dimension));
+  }
+  if (description_.bodies.empty()) throw InputError(world_.place, "at least one [[body]]", "none");
+  for (const BodyDescription& body : description_.bodies) add_body(body);
+  // Once all bodies are placed, so that every energy sees the whole world's vertices.
+  for (std::size_t b = 0; b < world_.bodies.size(); ++b)
+    elastic_.push_back(give_material(world_, description_.bodies[b], constants_[b], world_.bodies[b]));
+  for (const FixDescription& fix : description_.fixes) add_support(fix);
+  check_support_conflicts(world_.dimension, world_.supports, world_.rest_positions);
+  for (const LoadDescription& load : description_.loads) add_load(load);
+  for (const ColliderDescription& collider : description_.colliders)
+    world_.colliders.push_back(make_collider(collider, world_));
+  for (const ProbeDescription& probe : description_.probes) add_probe(probe);
+  for (const SectionDescription& section : description_.sections) add_section(section);
+  build_pattern();
+  add_masses();
+  if (description_.gravity.head(world_.dimension).norm() > 0) {
+    world_.external.push_back(make_gravity(description_.gravity, world_));
+  }
+  find_fixed_unknowns();
+  world_.event_times = event_times(description_);
+  if (world_.is_dynamic) add_damping(description_, world_);
+  if (world_.modes) check_modes(description_, world_);
+  const bool finds_equilibrium = !world_.is_dynamic && (!world_.modes || world_.modes->is_loaded);
+  if (finds_equilibrium) check_is_held(world_, nodes_held_by_springs_);
+}
+
+std::size_t Builder::find_body(const std::string& name, const std::string& place) const {
+  std::vector<std::string> names;
+  for (std::size_t b = 0; b < world_.bodies.size(); ++b) {
+    if (world_.bodies[b].name == name || (name.empty() && world_.bodies.size() == 1)) return b;
+    names.push_back(world_.bodies[b].name);
+  }
+  throw InputError(place + ".body", "one of " + join(names), name.empty() ? "nothing" : "\"" + name + "\"");
+}
+
+void Builder::add_body(const BodyDescription& description) {
+  for (const Body& other : world_.bodies) {
+    if (other.name == description.name) {
+      throw InputError(description.place + ".name", "a name of its own for each body",
+                       "\"" + other.name + "\" twice");
+    }
+  }
+  const CellBlock& cells = solid_cells(description, world_.dimension);
+  const LawInfo& law = require_law(description.material.law, description.material.place + ".law");
+  constants_.push_back(constants_of_cells(law, description.material, cells.num_cells()));
+  const ElementCase element_case{.cells = cells.kind,
+                                 .is_dynamic = world_.is_dynamic,
+                                 .law = law,
+                                 .poissons_ratio = largest_poissons_ratio(law, constants_.back())};
+  const BodyMesh& made =
+      meshes_.emplace_back(make_body_mesh(description, world_.dimension, element_case, world_.warnings));
+  Body body;
+  body.name = description.name;
+  body.law = law.name;
+  body.element = made.element->name;
+  body.element_reason = made.reason;
+  if (!made.reason.empty())
+    world_.notes.push_back(description.place + ": element " + body.element + ": " + made.reason);
+  body.mass_kind = description.mass;
+  body.first_node = world_.num_nodes();
+  body.num_nodes = static_cast<Index>(made.mesh.vertices.size());
+  body.num_vertices = static_cast<Index>(description.mesh.vertices.size());
+  body.cell_kind = cell_kind(*made.element);
+  body.cells = made.cells().nodes;
+  for (Index& node : body.cells) node += body.first_node;
+
+  const VectorX rest = placed_vertices(description, made.mesh, world_.dimension);
+  append(world_.rest_positions, rest);
+  body.skin = make_skin(description, body, world_.rest_positions, world_.dimension, world_.warnings);
+  append(world_.start_positions, description.initial_positions.empty()
+                                     ? rest
+                                     : values_of_nodes(description.initial_positions, made, world_.dimension,
+                                                       description.place + ".initial_positions"));
+  append(world_.start_velocities,
+         description.initial_velocities.empty()
+             ? start_velocities_of(description, rest, world_.dimension)
+             : values_of_nodes(description.initial_velocities, made, world_.dimension,
+                               description.place + ".initial_velocities"));
+  world_.bodies.push_back(std::move(body));
+}
+
+void Builder::add_support(const FixDescription& fix) {
+  const std::size_t b = find_body(fix.body, fix.place);
+  const Body& body = world_.bodies[b];
+  Support support{.place = fix.place,
+                  .name = fix.name,
+                  .nodes = select_vertices(fix.where, meshes_[b].mesh, body, world_.rest_positions,
+                                           world_.dimension, fix.place + ".where"),
+                  .components = fix.components,
+                  .displacement = fix.displacement,
+                  .gradient = fix.gradient,
+                  .rotate = fix.rotate,
+                  .velocity = fix.velocity,
+                  .until = fix.until,
+                  .time_function = fix.time_function};
+  if (world_.dimension == 2) support.components[2] = false;
+  for (Index& node : support.nodes) node += body.first_node;
+  world_.supports.push_back(std::move(support));
+}
+
+void Builder::add_load(const LoadDescription& load) {
+  const std::size_t b = find_body(load.body, load.place);
+  external_.push_back(make_load(load, world_, world_.bodies[b], meshes_[b].mesh));
+  if (load.kind == LoadDescription::Kind::spring && load.stiffness > 0) {
+    for (const Index v : select_vertices(load.where, meshes_[b].mesh, world_.bodies[b], world_.rest_positions,
+                                         world_.dimension, load.place + ".where")) {
+      nodes_held_by_springs_.push_back(world_.bodies[b].first_node + v);
+    }
+  }
+}
+
+void Builder::add_probe(const ProbeDescription& probe) {
+  const Body& body = world_.bodies[find_body(probe.body, probe.place)];
+  Probe found{.name = probe.name, .node = body.first_node};
+  double nearest = std::numeric_limits<double>::infinity();
+  const auto num_corners = static_cast<std::size_t>(resilin::num_corners(body.cell_kind));
+  const auto width = static_cast<std::size_t>(resilin::num_nodes(body.cell_kind));
+  for (std::size_t i = 0; i < body.cells.size(); ++i) {
+    if (i % width >= num_corners) continue;
+    const Index node = body.cells[i];
+    const double distance =
+        (node_position(world_.dimension, node, world_.rest_positions) - probe.at).squaredNorm();
+    if (distance < nearest || (distance == nearest && node < found.node)) {
+      nearest = distance;
+      found.node = node;
+    }
+  }
+  world_.probes.push_back(std::move(found));
+}
+
+void Builder::add_section(const SectionDescription& section) {
+  const Body& body = world_.bodies[find_body(section.body, section.place)];
+  world_.sections.emplace_back(section, body, world_.dimension, world_.rest_positions);
+}
+
+/// One pattern for all energies; each looks up its slots in it.
+void Builder::build_pattern() {
+  BlockPatternBuilder builder(world_.num_nodes());
+  for (const auto& energy : elastic_) energy->add_pattern(builder);
+  for (const auto& energy : external_) energy->add_pattern(builder);
+  world_.pattern = std::make_shared<const BlockPattern>(builder.build());
+  for (const auto& energy : elastic_) energy->bind(*world_.pattern);
+  for (const auto& energy : external_) energy->bind(*world_.pattern);
+  world_.elastic.assign(elastic_.begin(), elastic_.end());
+  world_.external.assign(external_.begin(), external_.end());
+}
+
+void Builder::add_masses() {
+  MassMatrix& mass = world_.mass;
+  mass.dim = world_.dimension;
+  mass.nodal = VectorX::Zero(world_.num_nodes());
+  const auto is_consistent = [](const Body& body) { return body.mass_kind == "consistent"; };
+  if (std::ranges::any_of(world_.bodies, is_consistent)) {
+    mass.pattern = world_.pattern;
+    mass.slots.assign(static_cast<std::size_t>(world_.pattern->num_slots()), 0.0);
+  }
+  for (const Body& body : world_.bodies)
+    add_cell_masses(mass, body.elastic->element(), body.cells, world_.rest_positions, body.density,
+                    is_consistent(body));
+}
+
+void Builder::find_fixed_unknowns() {
+  const int dim = world_.dimension;
+  world_.support_of = supports_of_unknowns(dim, world_.num_nodes(), world_.supports);
+  world_.is_fixed.assign(world_.support_of.size(), 0);
+  for (std::size_t i = 0; i < world_.is_fixed.size(); ++i)
+    world_.is_fixed[i] = world_.support_of[i] >= 0 ? 1 : 0;
+  // A vertex that no cell uses has no stiffness: it stays where it is.
+  std::vector<bool> is_used(static_cast<std::size_t>(world_.num_nodes()), false);
+  for (const Body& body : world_.bodies) {
+    for (const Index node : body.cells) is_used[static_cast<std::size_t>(node)] = true;
+  }
+  for (std::size_t i = 0; i < world_.is_fixed.size(); ++i) {
+    if (!is_used[i / static_cast<std::size_t>(dim)]) world_.is_fixed[i] = 1;
+  }
+}
+
+}  // namespace
+
+World::World(const Description& description)
+    : dimension(description.dimension),
+      is_dynamic(description.is_dynamic),
+      title(description.title),
+      place(description.place),
+      gravity(description.gravity),
+      time_step(description.time_step),
+      end_time(description.end_time),
+      load_steps(description.load_steps),
+      follows_path(!description.is_dynamic && !description.modes && description.load_control == "arc_length"),
+      max_steps(description.max_steps),
+      unstable_modes(description.unstable_modes),
+      integrator(description.integrator),
+      adaptive(description.adaptive),
+      modes(description.modes),
+      newton(description.newton),
+      solver(description.solver),
+      output(description.output) {
+  Builder(description, *this).build();
+}
+
+Index World::num_free_unknowns() const {
+  return static_cast<Index>(std::count(is_fixed.begin(), is_fixed.end(), std::uint8_t{0}));
+}
+
+double World::largest_extent() const {
+  double extent = 0;
+  for (int k = 0; k < dimension; ++k) {
+    const auto coordinates = rest_positions(Eigen::seq(k, Eigen::last, dimension));
+    extent = std::max(extent, coordinates.maxCoeff() - coordinates.minCoeff());
+  }
+  return extent;
+}
+
+const Body& World::body_of(Index node) const {
+  const auto after = std::find_if(bodies.begin(), bodies.end(), [node](const Body& body) {
+    return node < body.first_node + body.num_nodes;
+  });
+  return *after;
+}
+
+}  // namespace resilin

@@ -1,0 +1,101 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "resilin/contact/collider_barrier.hpp"
+#include "resilin/energy/damping.hpp"
+#include "resilin/energy/elastic.hpp"
+#include "resilin/energy/mass.hpp"
+#include "resilin/world/description.hpp"
+#include "resilin/world/section.hpp"
+#include "resilin/world/skin.hpp"
+#include "resilin/world/support.hpp"
+
+namespace resilin {
+
+/// One body in the world's numbering of nodes.
+struct Body {
+  std::string name;
+  std::string law;
+  std::vector<std::pair<std::string, double>>
+      constants;  ///< of the law's formula; per-cell ones by their mean
+  std::string element;
+  std::string element_reason;  ///< why `element` was chosen; empty when the user chose it
+  std::string mass_kind;
+  Index first_node = 0;
+  Index num_nodes = 0;     ///< those of the mesh, then those that the element adds
+  Index num_vertices = 0;  ///< of the mesh
+  CellKind cell_kind = CellKind::tetrahedron;
+  std::vector<Index> cells;  ///< nodes of the cells, in the world's numbering
+  std::shared_ptr<const ElasticEnergy> elastic;
+  std::shared_ptr<const Skin> skin;  ///< null for a body without
+  double density = 0;                ///< [kg/m^3]
+  double mass = 0;                   ///< [kg]
+
+  Index num_cells() const { return static_cast<Index>(cells.size()) / resilin::num_nodes(cell_kind); }
+};
+
+struct Probe {
+  std::string name;
+  Index node = 0;
+};
+
+/// Everything about a simulation that does not change while it runs. A value: no step changes it.
+class World {
+ public:
+  /// Checks and assembles a description. Throws InputError, whose message begins with the place of the fault.
+  explicit World(const Description& description);
+
+  int dimension = 3;
+  bool is_dynamic = false;
+  std::string title;
+  std::string place;
+  Vector3 gravity = Vector3::Zero();  ///< [m/s^2]
+  double time_step = 0;
+  double end_time = 0;
+  int load_steps = 1;
+  bool follows_path = false;  ///< static: by arc length
+  int max_steps = 0;
+  std::string unstable_modes;
+  std::string integrator;
+  std::optional<AdaptiveSteps> adaptive;
+  std::optional<ModesOptions> modes;  ///< set when free vibrations are asked for
+  std::vector<double> event_times;    ///< where loads and prescribed motions are not smooth, rising [s]
+  NewtonOptions newton;
+  SolverOptions solver;
+  OutputOptions output;
+
+  VectorX rest_positions;    ///< [m], dim numbers per node, body after body
+  VectorX start_positions;   ///< [m]
+  VectorX start_velocities;  ///< [m/s]
+  std::vector<Body> bodies;
+  std::vector<Support> supports;
+  std::vector<Probe> probes;
+  std::vector<Section> sections;
+  std::vector<std::string> warnings;  ///< one line each
+  std::vector<std::string> notes;     ///< what was chosen for the user, one line each
+
+  std::vector<std::shared_ptr<const Energy>> elastic;   ///< one for each body
+  std::vector<std::shared_ptr<const Energy>> external;  ///< loads
+  std::vector<std::shared_ptr<const ColliderBarrier>> colliders;
+  MassMatrix mass;
+  MassMatrix mass_damping;  ///< mass times its damping [kg/s]; without nodes where there is none
+  std::vector<std::shared_ptr<const ViscousBody>> viscous_bodies;
+  std::shared_ptr<const BlockPattern> pattern;
+  std::vector<std::uint8_t> is_fixed;    ///< per unknown: prescribed, or of a vertex that no cell uses
+  std::vector<std::int32_t> support_of;  ///< per unknown: which support prescribes it; -1: none
+
+  Index num_nodes() const { return static_cast<Index>(rest_positions.size() / dimension); }
+  Index num_free_unknowns() const;
+  double largest_extent() const;  ///< of the rest shapes of all bodies, along the axes [m]
+  const Body& body_of(Index node) const;
+};
+
+/// Throws InputError naming the part of a body that supports, springs and colliders do not hold: its free
+/// rigid motions would make the static problem singular. `held_nodes` are nodes that springs hold in all
+/// directions.
+void check_is_held(const World& world, const std::vector<Index>& held_nodes);
+
+}  // namespace resilin
