@@ -18,7 +18,7 @@ NumberTable read_points(const SceneNode& node) {
   return read_rows(node, node.value->array().size(), 2, "point in time");
 }
 
-Table read_table(const SceneNode& node) {
+Table read_points_in_time(const SceneNode& node) {
   const NumberTable points = read_points(node);
   if (points.num_columns != 2 || points.num_rows() == 0)
     node.fail("points [t, f], at least one", "such as table = [[0, 0], [0.5, 1]]");
@@ -60,7 +60,7 @@ Keys<TimeFunction> time_function_keys() {
       key<F>({"table", "text or list of [t, f]", "s", "",
               "Points, or a CSV file of them: straight between them, level before the first and after the "
               "last."},
-             [](const SceneNode& node, F& f) { f.form = read_table(node); }),
+             [](const SceneNode& node, F& f) { f.form = read_points_in_time(node); }),
       key<F>({"sine", "{ frequency, amplitude, phase, offset }", "", "",
               "offset + amplitude sin(2 pi frequency t + phase)."},
              [](const SceneNode& node, F& f) { read_table(node, sine_keys(), f.form.emplace<Sine>()); }),
