@@ -17,6 +17,7 @@ namespace resilin::bench {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+using viewer::PageClient;
 using Measurements = std::vector<std::pair<std::string, double>>;
 
 /// Six squares of n^2 cells around the unit cube, each of two triangles. Corners and edges are there once for
@@ -105,9 +106,9 @@ void measure(int n, int num_drags, const std::string& name, Measurements& measur
   std::size_t bytes = 0;
   while (static_cast<int>(latencies.size()) < num_drags) {
     const std::string frame = page.receive_frame(false);
-    const std::size_t answered = answered_drag(frame);
+    const std::size_t answered = viewer::answered_drag(frame);
     while (latencies.size() < answered) latencies.push_back(hand.age(latencies.size() + 1));
-    hand.acknowledge(frame_number(frame));
+    hand.acknowledge(viewer::frame_number(frame));
     bytes = frame.size();
     ++num_frames;
   }
@@ -148,7 +149,7 @@ Description cube_with_skin(int n) {
   floor.where.at = 0;
   scene.fixes.push_back(floor);
   LoadDescription weight;
-  weight.kind = LoadDescription::Kind::body_force;
+  weight.kind = "body_force";
   weight.value = {0, 0, -9810};
   scene.loads.push_back(weight);
   return scene;

@@ -44,11 +44,11 @@ Description bar(int n, bool is_dynamic, const std::string& element) {
   body.material.law = "neo_hookean";
   body.material.constants = {{"youngs_modulus", 1e6}, {"poissons_ratio", element == "P1" ? 0.4 : 0.49}};
   body.material.density = 1000;
-  body.mass = "consistent";
+  body.mass = MassKind::consistent;
   scene.bodies.push_back(std::move(body));
   scene.fixes.push_back(clamp("wall", 0, 0, 1e-9));
   LoadDescription load;
-  load.kind = LoadDescription::Kind::body_force;
+  load.kind = "body_force";
   load.value = {0, 0, is_dynamic ? -9810.0 : -3000.0};
   scene.loads.push_back(load);
   scene.probes.push_back(probe("tip", {4, 0, 0}));
@@ -91,7 +91,7 @@ Description seed001(const std::filesystem::path& mesh) {
   body.material.law = "stable_neo_hookean";
   body.material.constants = {{"youngs_modulus", 6e5}, {"poissons_ratio", 0.3}};
   body.material.density = 0.1;
-  body.mass = "consistent";
+  body.mass = MassKind::consistent;
   Vector3 low = body.mesh.vertices.front();
   Vector3 top = low;
   for (const Vector3& X : body.mesh.vertices) {
@@ -101,7 +101,7 @@ Description seed001(const std::filesystem::path& mesh) {
   scene.bodies.push_back(std::move(body));
   scene.fixes.push_back(clamp("feet", 1, low.y(), 0.1));
   LoadDescription drag;
-  drag.kind = LoadDescription::Kind::spring;
+  drag.kind = "spring";
   drag.name = "mouse";
   drag.where.kind = Where::Kind::sphere;
   drag.where.center = top;

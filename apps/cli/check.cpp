@@ -114,7 +114,7 @@ void print_scene(const Scene& scene, const World& world) {
   for (const Support& support : world.supports) {
     print_line("fix " + support.name + ": " + std::to_string(support.nodes.size()) + " vertices");
   }
-  for (const auto& load : world.external) print_line("load " + std::string(load->name()));
+  for (const std::string& name : names_of_terms(world, EnergyCategory::external)) print_line("load " + name);
   for (const auto& collider : world.colliders) {
     print_line("collider " + std::string(collider->name()) + ": " + std::string(collider->shape().kind()) +
                ", felt from " + format_short(collider->activation_distance()) + " m");

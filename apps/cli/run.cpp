@@ -119,7 +119,7 @@ void print_end(const Simulation& simulation, const ResultFolder& results, const 
              ", output " + format_seconds(results.output_seconds()) + ")");
   std::string files = "results: " + (results.path() / "report.json").string();
   const std::filesystem::path list = results.path() / "frames.pvd";
-  if (std::ranges::count(simulation.world().output.formats, "vtu") > 0)
+  if (simulation.world().output.writes(OutputFormat::vtu))
     files += ", " + list.string() + " (opens in ParaView)";
   for (const auto& [name, size] : results.shown_files()) {
     files += ", " + (results.path() / name).string() + " (" + format_bytes(size) +

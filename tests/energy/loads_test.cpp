@@ -75,7 +75,7 @@ std::vector<std::shared_ptr<Energy>> all_loads(const Shape& shape, const MassMat
       std::make_shared<DeadLoad>("dead", forces, shape.rest),
       std::make_shared<Pressure>("pressure", shape.dim, shape.facets, 3.0, shape.rest),
       std::make_shared<HandleSpring>("spring", shape.dim, std::vector<Index>{0, 2}, 7.0, motion, shape.rest),
-      std::make_shared<Inertia>(mass, moved(shape.rest, 0.3), 0.04)};
+      std::make_shared<MassDistance>(EnergyCategory::inertia, mass, moved(shape.rest, 0.3), 0.04)};
 }
 
 const Conditions conditions{.time = 0.5, .load = 0.75};

@@ -77,7 +77,7 @@ TEST(LiveScene, HeldPoseConvergesAndTheHandKeepsItsForce) {
   ASSERT_TRUE(scene.report().at_rest) << scene.report().words;
   // Nothing else pulls: at rest the elastic force at the corner is the hand's.
   VectorX forces = VectorX::Zero(scene.state().positions.size());
-  scene.world().elastic[0]->add_gradient(scene.state().positions, {}, forces);
+  scene.world().bodies[0].elastic->add_gradient(scene.state().positions, {}, forces);
   EXPECT_NEAR(forces.segment(3 * Eigen::Index{corner}, 3).norm(), 20, 1e-4);
 }
 

@@ -18,9 +18,9 @@ TEST(EveryKey, MakesAWorld) {
   const World world(scene.description);
   EXPECT_EQ(world.bodies.size(), 9u);
   EXPECT_EQ(world.supports.size(), 2u);
-  EXPECT_EQ(world.external.size(), 6u);  // five loads and gravity
-  EXPECT_EQ(scene.description.newton.projection, "clamp");
-  EXPECT_EQ(scene.description.newton.inversion_bound, "everywhere");
+  EXPECT_EQ(names_of_terms(world, EnergyCategory::external).size(), 6u);  // five loads and gravity
+  EXPECT_EQ(scene.description.newton.projection, ProjectionChoice::clamp);
+  EXPECT_EQ(scene.description.newton.inversion_bound, InversionBound::everywhere);
   EXPECT_EQ(scene.description.output.fields.size(), 6u);
 }
 

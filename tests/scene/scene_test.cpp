@@ -25,7 +25,7 @@ TEST(SceneFile, FillsTheDescription) {
   ASSERT_EQ(d.fixes.size(), 1u);
   EXPECT_EQ(d.fixes[0].where.group, "x_min");
   ASSERT_EQ(d.loads.size(), 1u);
-  EXPECT_EQ(d.loads[0].kind, LoadDescription::Kind::traction);
+  EXPECT_EQ(d.loads[0].kind, "traction");
   EXPECT_EQ(d.loads[0].value, Vector3(0, 0, -100));
   ASSERT_EQ(d.probes.size(), 1u);
   EXPECT_EQ(d.probes[0].at, Vector3(2, 0.5, 0.5));
@@ -208,7 +208,7 @@ TEST(SceneFile, ReadsSpringsAndMotion) {
       {"simulation.kind=dynamic",
        "load=[{kind=\"spring\",where=\"all\",stiffness=10,velocity=[1,0,0],from=0.5,until=2}]"});
   const LoadDescription& spring = scene.description.loads[0];
-  EXPECT_EQ(spring.kind, LoadDescription::Kind::spring);
+  EXPECT_EQ(spring.kind, "spring");
   EXPECT_EQ(spring.stiffness, 10);
   EXPECT_EQ(spring.velocity, Vector3(1, 0, 0));
   EXPECT_EQ(spring.from, 0.5);

@@ -122,7 +122,7 @@ TEST(DampedMotion, ConvergesWithTheOrderOfItsIntegrator) {
 TEST(DampedMotion, GoesOnFromACheckpointWithTheSameBits) {
   for (const std::string& integrator : integrator_names()) {
     Description scene = spinning_bar(integrator, 0.002);
-    scene.bodies[0].mass = "consistent";
+    scene.bodies[0].mass = MassKind::consistent;
     scene.bodies[0].damping = {.mass = 1, .stiffness = 1e-3};
     Simulation unbroken(scene);
     Simulation first(scene);

@@ -16,7 +16,7 @@ Description column(const std::string& integrator, const std::string& mass, doubl
   description.end_time = 0.5;
   description.integrator = integrator;
   description.bodies[0].material.density = 1100;
-  description.bodies[0].mass = mass;
+  description.bodies[0].mass = find_spelled<MassKind>(mass).value();
   description.bodies[0].velocity_gradient(0, 2) = 5.0 / 3;
   description.fixes.push_back(fix("foot", plane(2, 0)));
   description.probes = {probe("corner", {1, 1, 6})};

@@ -10,7 +10,7 @@ namespace {
 
 LoadDescription pressure_on(const Where& where, double pressure) {
   LoadDescription load;
-  load.kind = LoadDescription::Kind::pressure;
+  load.kind = "pressure";
   load.where = where;
   load.pressure = pressure;
   return load;
@@ -39,7 +39,7 @@ bool has_potential(const Description& scene) {
   for (Eigen::Index i = 0; i < x.size(); ++i)
     if (world.is_fixed[static_cast<std::size_t>(i)] == 0)
       x[i] += 0.01 * std::sin(3.0 * static_cast<double>(i));
-  return Potential(world, {.time = 0, .load = 1}, nullptr).has_potential(x);
+  return Potential(world, {.time = 0, .load = 1}, static_stage(x)).has_potential(x);
 }
 
 TEST(FollowerPressure, HasAPotentialOnAClosedSurfaceOrWithHeldEdgesOnly) {
@@ -92,7 +92,10 @@ TEST(FollowerPressure, IsBalancedByTheWall) {
   ASSERT_TRUE(simulation.is_finished());
   const World& world = simulation.world();
   VectorX force = VectorX::Zero(world.rest_positions.size());
-  world.external[0]->add_gradient(simulation.state().positions, {.time = 0, .load = 1}, force);
+  for (const auto& term : world.terms) {
+    if (term->properties().category != EnergyCategory::external) continue;
+    term->add_gradient(simulation.state().positions, {.time = 0, .load = 1}, force);
+  }
   Vector3 sum = Vector3::Zero();
   for (Index i = 0; i < world.num_nodes(); ++i) sum += force.segment<3>(3 * i);
   EXPECT_LT((simulation.frame().reactions[0].second - sum).norm(), 1e-6 * sum.norm());

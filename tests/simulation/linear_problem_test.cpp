@@ -24,11 +24,11 @@ TEST(LinearProblem, IsRecognised) {
   EXPECT_FALSE(is_linear(World(scene)));
   scene = linear_bar(3);
   LoadDescription load;
-  load.kind = LoadDescription::Kind::spring;
+  load.kind = "spring";
   load.stiffness = 10;
   scene.loads.push_back(load);
   EXPECT_TRUE(is_linear(World(scene)));
-  scene.loads[0].kind = LoadDescription::Kind::pressure;  // follows the surface
+  scene.loads[0].kind = "pressure";  // follows the surface
   scene.loads[0].pressure = 1;
   EXPECT_FALSE(is_linear(World(scene)));
 }

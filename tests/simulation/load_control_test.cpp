@@ -65,7 +65,7 @@ Description column(int dimension, double factor) {
   foot.where.axis = dimension - 1;
   scene.fixes.push_back(foot);
   LoadDescription press;
-  press.kind = LoadDescription::Kind::traction;
+  press.kind = "traction";
   press.where = foot.where;
   press.where.at = 1;
   const double second_moment_per_area = thickness * thickness / 12;
@@ -80,7 +80,8 @@ TEST(UnstableModes, AreCountedBeyondEulersLoad) {
     for (const double factor : {0.8, 3.0}) {
       SCOPED_TRACE(std::to_string(dimension) + "D, Euler's load times " + std::to_string(factor));
       Description scene = column(dimension, factor);
-      scene.load_control = "arc_length";  // load steps minimise: they may find the way to the bent column
+      scene.load_control =
+          LoadControlKind::arc_length;  // load steps minimise: they may find the way to the bent column
       Simulation simulation(scene);
       StepReport report;
       std::vector<std::string> warnings;
@@ -108,7 +109,7 @@ TEST(UnstableModes, AreCountedBeyondEulersLoad) {
 
 TEST(UnstableModes, AreNotCountedWhenTheSceneSaysSo) {
   Description scene = column(2, 3);
-  scene.unstable_modes = "skip";
+  scene.unstable_modes = UnstableModes::skip;
   Simulation simulation(scene);
   simulation.step();
   EXPECT_FALSE(simulation.frame().unstable_modes.has_value());
@@ -134,14 +135,14 @@ Description shallow_arch() {
     scene.fixes.push_back(clamp);
   }
   LoadDescription press;
-  press.kind = LoadDescription::Kind::nodal_force;
+  press.kind = "nodal_force";
   press.where.kind = Where::Kind::sphere;
   press.where.center = {0.5, 0.13, 0};
   press.where.radius = 1e-3;
   press.value = {0, -arch_load, 0};
   scene.loads.push_back(press);
   scene.probes.push_back({.name = "crown", .body = "", .at = {0.5, 0.13, 0}});
-  scene.load_control = "arc_length";
+  scene.load_control = LoadControlKind::arc_length;
   scene.load_steps = 10;
   return scene;
 }
@@ -150,7 +151,7 @@ Description shallow_arch() {
 /// arch load. No path is followed here.
 double load_at_displacement(double displacement) {
   Description scene = shallow_arch();
-  scene.load_control = "load";
+  scene.load_control = LoadControlKind::load;
   FixDescription crown;
   crown.name = "crown";
   crown.where = scene.loads[0].where;
@@ -211,7 +212,7 @@ TEST(ArcLength, EndsAfterTheNumberOfStepsThatTheSceneAllows) {
 TEST(ArcLength, GoesStraightToFullLoadWhereNothingSnaps) {
   Description scene = small_bar(3, false);
   const Simulation expected = run_all(scene);
-  scene.load_control = "arc_length";
+  scene.load_control = LoadControlKind::arc_length;
   scene.load_steps = 3;
   const Simulation simulation = run_all(scene);
   EXPECT_EQ(simulation.state().load, 1);
@@ -230,7 +231,7 @@ TEST(ArcLength, DrivesTurningSupports) {
   scene.fixes.push_back(turned);
   const Simulation expected = run_all(scene);
   ASSERT_TRUE(expected.is_finished());
-  scene.load_control = "arc_length";
+  scene.load_control = LoadControlKind::arc_length;
   scene.load_steps = 3;
   const Simulation simulation = run_all(scene);
   EXPECT_EQ(simulation.state().load, 1);

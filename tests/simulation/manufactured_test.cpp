@@ -109,7 +109,7 @@ Errors solve(int dim, int n) {
       }
     });
   });
-  world.external.push_back(std::make_shared<DeadLoad>("manufactured", forces, world.rest_positions));
+  world.terms.push_back(std::make_shared<DeadLoad>("manufactured", forces, world.rest_positions));
   Simulation simulation(world);
   const Frame frame = run_to_end(simulation);
 

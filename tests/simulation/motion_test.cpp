@@ -87,7 +87,7 @@ TEST(ATumblingBar, ConvergesWithTheOrderOfItsIntegrator) {
 
 TEST(EveryIntegrator, GoesOnFromACheckpointWithTheSameBits) {
   for (const std::string& integrator : integrator_names()) {
-    for (const std::string mass : {"lumped", "consistent"}) {
+    for (const MassKind mass : {MassKind::lumped, MassKind::consistent}) {
       Description scene = small_bar(3, true);
       scene.integrator = integrator;
       scene.bodies[0].mass = mass;
@@ -98,7 +98,8 @@ TEST(EveryIntegrator, GoesOnFromACheckpointWithTheSameBits) {
       second.resume_from(deserialize_state(serialize(first.state()), "checkpoint.bin"), "checkpoint.bin");
       for (int step = 0; step < 6; ++step) unbroken.step();
       for (int step = 0; step < 3; ++step) second.step();
-      EXPECT_EQ(serialize(unbroken.state()), serialize(second.state())) << integrator << " " << mass;
+      EXPECT_EQ(serialize(unbroken.state()), serialize(second.state()))
+          << integrator << " " << spelling(mass);
     }
   }
 }
@@ -138,7 +139,7 @@ TEST(PrescribedMotion, ActsLikeGravityInTheFrameOfTheWall) {
   // nodes.
   const double amplitude = 0.01, frequency = 2;
   const TimeFunction shake{TimeFunction::Sine{.frequency = frequency, .phase = -90, .offset = 1}};
-  for (const std::string mass : {"lumped", "consistent"}) {
+  for (const MassKind mass : {MassKind::lumped, MassKind::consistent}) {
     for (const std::string integrator : {"bdf2", "tr_bdf2", "newmark", "midpoint"}) {
       Description shaken = shaken_bar(integrator);
       shaken.bodies[0].mass = mass;
@@ -159,7 +160,7 @@ TEST(PrescribedMotion, ActsLikeGravityInTheFrameOfTheWall) {
       const double wall = amplitude * shake.value(a.state().time);
       const double tip_a = a.frame().probes[0].displacement.z() - wall;
       const double tip_b = b.frame().probes[0].displacement.z();
-      EXPECT_NEAR(tip_a, tip_b, 2e-4 * std::abs(tip_b)) << integrator << " " << mass;
+      EXPECT_NEAR(tip_a, tip_b, 2e-4 * std::abs(tip_b)) << integrator << " " << spelling(mass);
     }
   }
 }

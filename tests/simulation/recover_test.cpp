@@ -70,7 +70,8 @@ TEST(Recover, TruncatedStepsNeverRaiseTheEnergyAndTheBodyComesBack) {
           ASSERT_TRUE(after.positions.allFinite());
           // 1/(2 dt^2) |x - x~|^2 + Psi at x, and at the old positions.
           const double dt = world.time_step;
-          const Inertia inertia(world.mass, before.positions + dt * before.velocities, dt * dt);
+          const MassDistance inertia(EnergyCategory::inertia, *world.mass,
+                                     before.positions + dt * before.velocities, dt * dt);
           const double staying = inertia.value(before.positions, {}) + potential_before;
           const double moving = inertia.value(after.positions, {}) + simulation.frame().elastic_energy;
           ASSERT_LE(moving, staying * (1 + 1e-12));

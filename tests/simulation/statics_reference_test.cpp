@@ -23,7 +23,7 @@ TEST(StaticsReference, CooksMembraneInTwoDimensions) {
     use_element(description, row);
     description.fixes.push_back(fix("left", group("left")));
     LoadDescription traction;
-    traction.kind = LoadDescription::Kind::traction;
+    traction.kind = "traction";
     traction.where = group("right");
     traction.value = {0, 1.0 / 16, 0};
     description.loads.push_back(traction);

@@ -107,7 +107,7 @@ TEST(World, SpringsHoldABodyToo) {
   Description scene = small_bar(3, false);
   scene.fixes.clear();
   LoadDescription spring;
-  spring.kind = LoadDescription::Kind::spring;
+  spring.kind = "spring";
   spring.stiffness = 1e4;
   spring.where.kind = Where::Kind::plane;
   scene.loads.push_back(spring);
@@ -222,7 +222,7 @@ TEST(CellConstants, MakeOnePartOfABodyStiffer) {
     young.push_back(x < 0.5 ? 1e5 : 4e5);
   }
   LoadDescription pull;
-  pull.kind = LoadDescription::Kind::traction;
+  pull.kind = "traction";
   pull.where.kind = Where::Kind::plane;
   pull.where.at = 1;
   pull.value = {100, 0, 0};
@@ -240,7 +240,7 @@ TEST(LoadSteps, AreHalvedUntilTheyConvergeAndTheLoadReachedIsNamed) {
   // A hydrostatic pull beyond the largest Cauchy stress that the law has, lambda / e: no equilibrium exists.
   scene.bodies[0].material.law = "neo_hookean";
   LoadDescription pull;
-  pull.kind = LoadDescription::Kind::pressure;
+  pull.kind = "pressure";
   pull.pressure = -1e6;
   scene.loads.push_back(pull);
   scene.newton.max_iterations = 30;

@@ -113,7 +113,7 @@ double ColliderBarrier::max_step(const VectorX& x, const VectorX& p, const Condi
   return step;
 }
 
-ColliderBarrier::Reaction ColliderBarrier::reaction(const VectorX& x, const Conditions& c) const {
+std::optional<Reaction> ColliderBarrier::reaction(const VectorX& x, const Conditions& c) const {
   Reaction sum;
   for_each_near(x, c, [&](const ContactNode& node, const Vector3& y, double d) {
     const Vector3 force = -node.stiffness * barrier_.slope(d) * shape_->normal(y);
@@ -121,6 +121,12 @@ ColliderBarrier::Reaction ColliderBarrier::reaction(const VectorX& x, const Cond
     sum.torque += node_position(dim_, node.node, x).cross(force);
   });
   return sum;
+}
+
+void ColliderBarrier::add_held_directions(const VectorX& x, std::vector<HeldDirection>& held) const {
+  for_each_near(x, {}, [&](const ContactNode& node, const Vector3& y, double) {
+    held.push_back({node.node, shape_->normal(y)});
+  });
 }
 
 ColliderBarrier::Nearest ColliderBarrier::nearest(const VectorX& x, const Conditions& c) const {

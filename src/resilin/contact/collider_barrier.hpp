@@ -31,6 +31,7 @@ class ColliderBarrier final : public Energy {
                   std::vector<ContactNode> nodes, double activation_distance, ColliderMotion motion = {});
 
   std::string_view name() const override { return name_; }
+  EnergyProperties properties() const override { return {.category = EnergyCategory::contact}; }
   double value(const VectorX& x, const Conditions& c) const override;
   double difference(const VectorX& from, const VectorX& to, const Conditions& c) const override;
   void add_gradient(const VectorX& x, const Conditions& c, VectorX& gradient) const override;
@@ -40,11 +41,10 @@ class ColliderBarrier final : public Energy {
   double max_step(const VectorX& x, const VectorX& p, const Conditions& c) const override;
 
   /// What the collider does to the bodies.
-  struct Reaction {
-    Vector3 force = Vector3::Zero();   ///< [N]
-    Vector3 torque = Vector3::Zero();  ///< about the origin [N m]
-  };
-  Reaction reaction(const VectorX& x, const Conditions& c) const;
+  std::optional<Reaction> reaction(const VectorX& x, const Conditions& c) const override;
+
+  /// Across its surface, the nodes that are near enough to feel it.
+  void add_held_directions(const VectorX& x, std::vector<HeldDirection>& held) const override;
 
   struct Nearest {
     double distance = std::numeric_limits<double>::infinity();  ///< [m]; negative inside the collider
@@ -60,7 +60,7 @@ class ColliderBarrier final : public Energy {
 
   /// The least delay, from 0 to `c.collider_delay`, with which the collider's own motion has gone on from
   /// there no further than `largest_motion` allows [s].
-  double least_delay(const VectorX& x, const Conditions& c) const;
+  double least_delay(const VectorX& x, const Conditions& c) const override;
 
   /// Where the shape's reference point is [m].
   Vector3 place(const Conditions& c) const { return shape_->reference_point() + displacement(c); }

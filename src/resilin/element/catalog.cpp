@@ -48,6 +48,15 @@ const ElementInfo* find_element(std::string_view name, int dim) {
   return nullptr;
 }
 
+const ElementInfo* find_element(int dim, bool of_simplices, int degree, bool has_mean_volume) {
+  for (const ElementInfo& element : infos()) {
+    if (element.dim == dim && resilin::is_simplex(element.shape) == of_simplices &&
+        element.degree == degree && element.has_mean_volume == has_mean_volume)
+      return &element;
+  }
+  return nullptr;
+}
+
 const ElementInfo& require_element(std::string_view name, int dim, const std::string& place) {
   if (const ElementInfo* element = find_element(name, dim)) return *element;
   std::vector<std::string> names;

@@ -29,6 +29,10 @@ std::vector<const ElementInfo*> elements();
 /// The element of this name in this dimension, or nullptr.
 const ElementInfo* find_element(std::string_view name, int dim);
 
+/// The element with these properties, or nullptr: of tetrahedra and triangles or not, the degree of its shape
+/// functions, one pressure per cell or none.
+const ElementInfo* find_element(int dim, bool of_simplices, int degree, bool has_mean_volume);
+
 /// The element of this name in this dimension; throws InputError(place, ...) that lists them when there is
 /// none.
 const ElementInfo& require_element(std::string_view name, int dim, const std::string& place);

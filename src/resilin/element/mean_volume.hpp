@@ -13,25 +13,29 @@ namespace resilin {
 struct QuadraticTriangleP0 : QuadraticTriangle {
   static constexpr std::string_view name = "P2P0";
   static constexpr std::string_view text = "quadratic triangle with one pressure";
+  static constexpr bool takes_mean_volume = true;
 };
 
 struct QuadraticTetrahedronP0 : QuadraticTetrahedron {
   static constexpr std::string_view name = "P2P0";
   static constexpr std::string_view text = "quadratic tetrahedron with one pressure";
+  static constexpr bool takes_mean_volume = true;
 };
 
 struct BilinearQuadrilateralP0 : BilinearQuadrilateral {
   static constexpr std::string_view name = "Q1P0";
   static constexpr std::string_view text = "bilinear quadrilateral with one pressure";
+  static constexpr bool takes_mean_volume = true;
 };
 
 struct TrilinearHexahedronP0 : TrilinearHexahedron {
   static constexpr std::string_view name = "Q1P0";
   static constexpr std::string_view text = "trilinear hexahedron with one pressure";
+  static constexpr bool takes_mean_volume = true;
 };
 
-/// Whether an element takes the mean volume ratio.
+/// Whether an element takes the mean volume ratio; one that says nothing of it does not.
 template <class Element>
-constexpr bool has_mean_volume = Element::name.ends_with("P0");
+constexpr bool has_mean_volume = requires { requires Element::takes_mean_volume; };
 
 }  // namespace resilin

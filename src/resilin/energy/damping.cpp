@@ -105,4 +105,44 @@ void ViscousBody::add_matrix(const VectorX& at, double factor, BlockMatrix& matr
       });
 }
 
+namespace {
+
+class StageDamping final : public Energy {
+ public:
+  StageDamping(const ViscousBody& body, const Stage& stage)
+      : body_(body), at_(stage.shape), base_positions_(stage.base_positions), duration_(stage.duration) {}
+
+  std::string_view name() const override { return "viscous damping"; }
+  EnergyProperties properties() const override {
+    return {.category = EnergyCategory::damping, .is_quadratic = true};
+  }
+  double value(const VectorX& x, const Conditions&) const override {
+    const VectorX u = x - base_positions_;
+    return 0.5 / duration_ * body_.power(at_, u, u);
+  }
+  double difference(const VectorX& from, const VectorX& to, const Conditions&) const override {
+    return 0.5 / duration_ * body_.power(at_, to - from, (to - base_positions_) + (from - base_positions_));
+  }
+  void add_gradient(const VectorX& x, const Conditions&, VectorX& gradient) const override {
+    body_.add_forces(at_, (x - base_positions_) / duration_, false, gradient);
+  }
+  void add_gradient_magnitude(const VectorX& x, const Conditions&, VectorX& magnitude) const override {
+    body_.add_forces(at_, (x - base_positions_) / duration_, true, magnitude);
+  }
+  void add_hessian(const VectorX&, const Conditions&, Projection, BlockMatrix& hessian) const override {
+    body_.add_matrix(at_, 1 / duration_, hessian);
+  }
+
+ private:
+  const ViscousBody& body_;
+  VectorX at_, base_positions_;
+  double duration_;
+};
+
+}  // namespace
+
+std::unique_ptr<Energy> ViscousDamping::in_motion(const Stage& stage) const {
+  return std::make_unique<StageDamping>(body_, stage);
+}
+
 }  // namespace resilin

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "resilin/element/element.hpp"
-#include "resilin/energy/energy.hpp"
+#include "resilin/energy/inertia.hpp"
 
 namespace resilin {
 
@@ -44,42 +44,47 @@ class ViscousBody {
   std::vector<Viscosity> viscosities_;
 };
 
-/// The damping of a stage of a time step: its velocities are v = (x - x_0) / c, so that
-///
-///   E(x) = c/2 v^T D v   has the slope   D v
-///
-/// with D at a shape known before (docs/theory/damping.md): symmetric and positive semidefinite.
-class StageDamping final : public Energy {
+/// Damping in proportion to mass: a force -D v with D = alpha M. In a stage with v = (x - x_0) / c it is the
+/// slope of c/2 v^T D v, a distance with the scale c.
+class MassDamping final : public MotionTerm {
  public:
-  /// @param body            kept by reference
-  /// @param at              the shape that D is taken at [m]
-  /// @param base_positions  x_0 [m]
-  /// @param duration        c [s]
-  StageDamping(const ViscousBody& body, VectorX at, VectorX base_positions, double duration)
-      : body_(body), at_(std::move(at)), base_positions_(std::move(base_positions)), duration_(duration) {}
+  /// @param damping  alpha M [kg/s]
+  explicit MassDamping(std::shared_ptr<const MassMatrix> damping) : damping_(std::move(damping)) {}
 
-  std::string_view name() const override { return "damping"; }
-  double value(const VectorX& x, const Conditions&) const override {
-    const VectorX u = x - base_positions_;
-    return 0.5 / duration_ * body_.power(at_, u, u);
-  }
-  double difference(const VectorX& from, const VectorX& to, const Conditions&) const override {
-    return 0.5 / duration_ * body_.power(at_, to - from, (to - base_positions_) + (from - base_positions_));
-  }
-  void add_gradient(const VectorX& x, const Conditions&, VectorX& gradient) const override {
-    body_.add_forces(at_, (x - base_positions_) / duration_, false, gradient);
-  }
-  void add_gradient_magnitude(const VectorX& x, const Conditions&, VectorX& magnitude) const override {
-    body_.add_forces(at_, (x - base_positions_) / duration_, true, magnitude);
-  }
-  void add_hessian(const VectorX&, const Conditions&, Projection, BlockMatrix& hessian) const override {
-    body_.add_matrix(at_, 1 / duration_, hessian);
+  std::string_view name() const override { return "mass damping"; }
+  EnergyProperties properties() const override {
+    return {.category = EnergyCategory::damping, .is_quadratic = true};
   }
 
  private:
-  const ViscousBody& body_;
-  VectorX at_, base_positions_;
-  double duration_;
+  std::unique_ptr<Energy> in_motion(const Stage& stage) const override {
+    return std::make_unique<MassDistance>(EnergyCategory::damping, *damping_, stage.base_positions,
+                                          stage.duration);
+  }
+
+  std::shared_ptr<const MassMatrix> damping_;
+};
+
+/// Resistance of a body to its rate of strain. In a stage with v = (x - x_0) / c it is
+///
+///   E(x) = c/2 v^T D v   with the slope   D v,
+///
+/// D taken at the shape that is expected of the stage (docs/theory/damping.md): symmetric and positive
+/// semidefinite.
+class ViscousDamping final : public MotionTerm {
+ public:
+  explicit ViscousDamping(ViscousBody body) : body_(std::move(body)) {}
+
+  std::string_view name() const override { return "viscous damping"; }
+  EnergyProperties properties() const override {
+    return {.category = EnergyCategory::damping, .is_quadratic = true};
+  }
+  const ViscousBody& body() const { return body_; }
+
+ private:
+  std::unique_ptr<Energy> in_motion(const Stage& stage) const override;
+
+  ViscousBody body_;
 };
 
 }  // namespace resilin

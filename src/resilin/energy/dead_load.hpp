@@ -32,6 +32,7 @@ class DeadLoad final : public Energy {
         active_(std::move(active)) {}
 
   std::string_view name() const override { return name_; }
+  EnergyProperties properties() const override { return {.is_quadratic = true}; }
   double value(const VectorX& x, const Conditions& c) const override;
   double difference(const VectorX& from, const VectorX& to, const Conditions& c) const override;
   void add_gradient(const VectorX& x, const Conditions& c, VectorX& gradient) const override;

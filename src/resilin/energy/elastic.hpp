@@ -38,6 +38,10 @@ class ElasticEnergy final : public Energy {
                 InstructionSet instruction_set = preferred_instruction_set());
 
   std::string_view name() const override { return "elastic"; }
+  EnergyProperties properties() const override {
+    return {.category = EnergyCategory::elastic,
+            .is_quadratic = law().is_quadratic && !element().has_mean_volume};
+  }
   double value(const VectorX& x, const Conditions& c) const override;
   double difference(const VectorX& from, const VectorX& to, const Conditions& c) const override;
   void add_gradient(const VectorX& x, const Conditions& c, VectorX& gradient) const override;

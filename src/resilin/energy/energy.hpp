@@ -1,12 +1,15 @@
 #pragma once
 
 #include <limits>
+#include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "resilin/core/projection.hpp"
 #include "resilin/core/types.hpp"
+#include "resilin/integrator/stage.hpp"
 #include "resilin/linear/block_matrix.hpp"
 
 namespace resilin {
@@ -18,14 +21,45 @@ struct Conditions {
   double collider_delay = 0;  ///< how far moving colliders are behind, while a step leads them on [s]
 };
 
+/// Under what a term is counted in reports.
+enum class EnergyCategory { elastic, external, contact, damping, inertia };
+
+/// What is known of a term without asking it for numbers.
+struct EnergyProperties {
+  EnergyCategory category = EnergyCategory::external;
+  bool is_quadratic = false;  ///< in x, with one Hessian for all x and all conditions
+  bool has_potential = true;  ///< false: its force may depend on the path; its Hessian is then symmetrised
+};
+
+/// What a term does to the bodies in sum, for terms that report it under their name.
+struct Reaction {
+  Vector3 force = Vector3::Zero();   ///< [N]
+  Vector3 torque = Vector3::Zero();  ///< about the origin [N m]
+};
+
+/// A direction in which something holds a node at the start of a static run.
+struct HeldDirection {
+  Index node;
+  Vector3 direction;  ///< of length 1
+};
+
+/// A number that a term was made with and that results may be differentiated by, such as a stiffness.
+struct EnergyParameter {
+  std::string name;  ///< as in a scene file
+  double value = 0;  ///< in the unit of the scene file
+};
+
 /// One term of the sum that is minimised over the positions: E(x) in joules.
 ///
-/// Positions are one number per unknown, node by node (`dim * node + component`) [m]. All functions are pure
-/// and give the same bits for any number of threads.
+/// Positions are one number per unknown, node by node (`dim * node + component`) [m]. Terms of a world are
+/// shared and never change; all functions are pure and give the same bits for any number of threads. What a
+/// step has to remember (a shape of its start, pairs of things that touch) lives in the term's own copy for
+/// that stage: see `begin_stage`.
 class Energy {
  public:
   virtual ~Energy() = default;
   virtual std::string_view name() const = 0;
+  virtual EnergyProperties properties() const = 0;
 
   /// [J]; zero at rest; +infinity outside the domain (J <= 0 under a logarithm).
   virtual double value(const VectorX& x, const Conditions& c) const = 0;
@@ -66,6 +100,44 @@ class Energy {
   virtual double max_step(const VectorX& /*x*/, const VectorX& /*p*/, const Conditions& /*c*/) const {
     return 1;
   }
+
+  // ---- one stage of a step, in motion and in statics
+
+  /// The term for one stage, which then belongs to the stage alone: terms that follow velocities, that lag
+  /// something behind or that keep what an iteration shares make one. Null: the term itself serves. It must
+  /// not outlive this term.
+  virtual std::unique_ptr<Energy> begin_stage(const Stage& /*stage*/) const { return nullptr; }
+
+  /// Asked of a stage's own terms alone, before `max_step`, `difference` and `add_gradient` between x and
+  /// x + p: what they all need (candidates for contact) may be found here, once.
+  virtual void prepare(const VectorX& /*x*/, const VectorX& /*p*/, const Conditions& /*c*/) {}
+
+  /// How little the term's own motion may be behind when bodies stand at x, at most `c.collider_delay` [s]:
+  /// zero where nothing is in its way.
+  virtual double least_delay(const VectorX& /*x*/, const Conditions& /*c*/) const { return 0; }
+
+  // ---- what others want to know
+
+  virtual std::optional<Reaction> reaction(const VectorX& /*x*/, const Conditions& /*c*/) const {
+    return std::nullopt;
+  }
+
+  /// Directions in which it holds nodes that stand at x, so that no rigid motion is free.
+  virtual void add_held_directions(const VectorX& /*x*/, std::vector<HeldDirection>& /*held*/) const {}
+
+  // ---- derivatives by the term's own numbers
+
+  virtual std::vector<EnergyParameter> parameters() const { return {}; }
+
+  /// w . d2E/dx dp for each parameter p, `weights` w one number per unknown: what an adjoint solution says of
+  /// the parameter.
+  virtual VectorX parameter_slopes(const VectorX& /*x*/, const VectorX& /*weights*/,
+                                   const Conditions& /*c*/) const {
+    return {};
+  }
 };
+
+/// A sum of energies; the order is that of the sum.
+using Terms = std::vector<std::shared_ptr<const Energy>>;
 
 }  // namespace resilin

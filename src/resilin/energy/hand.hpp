@@ -19,6 +19,7 @@ class Hand final : public Energy {
   Hand(int dim, MaterialPoint place, Vector3 target, double stiffness, double max_force);
 
   std::string_view name() const override { return "hand"; }
+  EnergyProperties properties() const override { return {}; }
   double value(const VectorX& x, const Conditions&) const override;
   double difference(const VectorX& from, const VectorX& to, const Conditions&) const override;
   void add_gradient(const VectorX& x, const Conditions&, VectorX& gradient) const override;

@@ -58,4 +58,17 @@ void HandleSpring::add_hessian(const VectorX&, const Conditions& c, Projection, 
   }
 }
 
+void HandleSpring::add_held_directions(const VectorX&, std::vector<HeldDirection>& held) const {
+  if (!(stiffness_ > 0)) return;
+  for (const Index node : nodes_)
+    for (int k = 0; k < dim_; ++k) held.push_back({node, Vector3::Unit(k)});
+}
+
+VectorX HandleSpring::parameter_slopes(const VectorX& x, const VectorX& weights, const Conditions& c) const {
+  VectorX slope = VectorX::Zero(1);
+  if (!active_.contains(c.time)) return slope;
+  for (const Index node : nodes_) slope[0] += node_position(dim_, node, weights).dot(stretch(node, x, c));
+  return slope;
+}
+
 }  // namespace resilin

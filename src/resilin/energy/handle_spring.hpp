@@ -19,11 +19,15 @@ class HandleSpring final : public Energy {
                VectorX rest_positions, ActiveTime active = {});
 
   std::string_view name() const override { return name_; }
+  EnergyProperties properties() const override { return {.is_quadratic = true}; }
   double value(const VectorX& x, const Conditions& c) const override;
   double difference(const VectorX& from, const VectorX& to, const Conditions& c) const override;
   void add_gradient(const VectorX& x, const Conditions& c, VectorX& gradient) const override;
   void add_gradient_magnitude(const VectorX& x, const Conditions& c, VectorX& magnitude) const override;
   void add_hessian(const VectorX&, const Conditions& c, Projection, BlockMatrix& hessian) const override;
+  void add_held_directions(const VectorX& x, std::vector<HeldDirection>& held) const override;
+  std::vector<EnergyParameter> parameters() const override { return {{"stiffness", stiffness_}}; }
+  VectorX parameter_slopes(const VectorX& x, const VectorX& weights, const Conditions& c) const override;
 
  private:
   /// Vector from the far end to the node.

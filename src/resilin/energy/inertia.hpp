@@ -1,25 +1,21 @@
 #pragma once
 
-#include "resilin/energy/energy.hpp"
 #include "resilin/energy/mass.hpp"
+#include "resilin/energy/motion_term.hpp"
 
 namespace resilin {
 
-/// What an implicit time step minimises besides the potential energy:
-///
-///   E = 1/(2 s) |x - x~|^2_M
-///
-/// x~ is where the nodes would go without forces and s [s^2] the integrator's scale
-/// (docs/theory/integrators.md).
-class Inertia final : public Energy {
+/// How far bodies are from a place, weighed by their mass: E = 1/(2 s) |x - x~|^2_M.
+class MassDistance final : public Energy {
  public:
   /// @param mass    kept by reference: must outlive this term
   /// @param target  x~ [m], dim numbers per node
-  /// @param scale   s [s^2]
-  Inertia(const MassMatrix& mass, VectorX target, double scale)
-      : mass_(mass), target_(std::move(target)), scale_(scale) {}
+  /// @param scale   s, so that E is an energy
+  MassDistance(EnergyCategory category, const MassMatrix& mass, VectorX target, double scale)
+      : category_(category), mass_(mass), target_(std::move(target)), scale_(scale) {}
 
-  std::string_view name() const override { return "inertia"; }
+  std::string_view name() const override { return "mass distance"; }
+  EnergyProperties properties() const override { return {.category = category_, .is_quadratic = true}; }
   double value(const VectorX& x, const Conditions&) const override;
   double difference(const VectorX& from, const VectorX& to, const Conditions&) const override;
   void add_gradient(const VectorX& x, const Conditions&, VectorX& gradient) const override;
@@ -29,9 +25,29 @@ class Inertia final : public Energy {
   }
 
  private:
+  EnergyCategory category_;
   const MassMatrix& mass_;
   VectorX target_;
   double scale_;
+};
+
+/// What an implicit time step minimises besides the potential energy: the distance to x~, where the nodes
+/// would go without forces, with the integrator's scale s [s^2] (docs/theory/integrators.md).
+class Inertia final : public MotionTerm {
+ public:
+  explicit Inertia(std::shared_ptr<const MassMatrix> mass) : mass_(std::move(mass)) {}
+
+  std::string_view name() const override { return "inertia"; }
+  EnergyProperties properties() const override {
+    return {.category = EnergyCategory::inertia, .is_quadratic = true};
+  }
+
+ private:
+  std::unique_ptr<Energy> in_motion(const Stage& stage) const override {
+    return std::make_unique<MassDistance>(EnergyCategory::inertia, *mass_, stage.target(), stage.scale());
+  }
+
+  std::shared_ptr<const MassMatrix> mass_;
 };
 
 }  // namespace resilin

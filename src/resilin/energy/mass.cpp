@@ -58,6 +58,13 @@ void MassMatrix::add_to(double factor, BlockMatrix& A) const {
     add_scaled_identity(s, slots[static_cast<std::size_t>(s)]);
 }
 
+MassMatrix MassMatrix::times(double factor) const {
+  MassMatrix product = *this;
+  product.nodal *= factor;
+  for (double& slot : product.slots) slot *= factor;
+  return product;
+}
+
 void add_cell_masses(MassMatrix& mass, const ElementInfo& element, std::span<const Index> cells,
                      const VectorX& rest_positions, double density, bool is_consistent) {
   const auto n = static_cast<std::size_t>(element.num_nodes);

@@ -23,6 +23,8 @@ struct MassMatrix {
   /// A += factor M.
   void add_to(double factor, BlockMatrix& A) const;
   double total() const { return nodal.sum(); }
+  /// The same matrix times a factor.
+  MassMatrix times(double factor) const;
 };
 
 /// Adds the mass of a body's cells. Consistent: m_ab = rho integral N_a N_b dV, for which `mass.pattern` and

@@ -68,14 +68,22 @@ double Pressure::difference(const VectorX& from, const VectorX& to, const Condit
 }
 
 void Pressure::add_gradient(const VectorX& x, const Conditions& c, VectorX& gradient) const {
-  const double p = factor(c);
-  if (p == 0) return;
+  if (const double p = factor(c); p != 0) add_forces(x, p, gradient);
+}
+
+VectorX Pressure::parameter_slopes(const VectorX& x, const VectorX& weights, const Conditions& c) const {
+  VectorX forces = VectorX::Zero(x.size());
+  add_forces(x, c.load * active_.factor(c.time), forces);
+  return VectorX::Constant(1, weights.dot(forces));
+}
+
+void Pressure::add_forces(const VectorX& x, double p, VectorX& forces) const {
   for (Index facet = 0; facet < facets_.num_cells(); ++facet) {
     const std::span<const Index> nodes = facets_.cell(facet);
     for (const FacetPoint& point : points_) {
       const Vector3 force = p * point.weight * area_vector(dim_, point, nodes, x);
       for (std::size_t a = 0; a < nodes.size(); ++a)
-        gradient.segment(Eigen::Index{nodes[a]} * dim_, dim_) += point.values[a] * force.head(dim_);
+        forces.segment(Eigen::Index{nodes[a]} * dim_, dim_) += point.values[a] * force.head(dim_);
     }
   }
 }

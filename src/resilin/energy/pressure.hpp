@@ -17,6 +17,7 @@ class Pressure final : public Energy {
            ActiveTime active = {});
 
   std::string_view name() const override { return name_; }
+  EnergyProperties properties() const override { return {.has_potential = false}; }
   double value(const VectorX& x, const Conditions& c) const override {
     return difference(rest_positions_, x, c);
   }
@@ -25,9 +26,12 @@ class Pressure final : public Energy {
   void add_gradient_magnitude(const VectorX& x, const Conditions& c, VectorX& magnitude) const override;
   void add_pattern(BlockPatternBuilder& builder) const override;
   void add_hessian(const VectorX& x, const Conditions& c, Projection, BlockMatrix& hessian) const override;
+  std::vector<EnergyParameter> parameters() const override { return {{"value", pressure_}}; }
+  VectorX parameter_slopes(const VectorX& x, const VectorX& weights, const Conditions& c) const override;
 
  private:
   double factor(const Conditions& c) const { return c.load * active_.factor(c.time) * pressure_; }
+  void add_forces(const VectorX& x, double pressure, VectorX& forces) const;
   void add_facet_hessian(std::span<const Index> nodes, const VectorX& x, double p,
                          BlockMatrix& hessian) const;
 

@@ -9,10 +9,7 @@ class BackwardEuler final : public Integrator {
  public:
   std::string_view name() const override { return "backward_euler"; }
   int order() const override { return 1; }
-
-  Stage begin_stage(int, const History& start, const std::vector<Motion>&, double dt) const override {
-    return {.base_positions = start.now.positions, .base_velocities = start.now.velocities, .duration = dt};
-  }
+  StepCoefficients coefficients(double) const override { return {.stages = {{.duration = 1}}}; }
 };
 
 }  // namespace resilin

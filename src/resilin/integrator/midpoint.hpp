@@ -14,21 +14,9 @@ class Midpoint final : public Integrator {
  public:
   std::string_view name() const override { return "midpoint"; }
   int order() const override { return 2; }
-  bool solves_for_end() const override { return false; }
 
-  Stage begin_stage(int, const History& start, const std::vector<Motion>&, double dt) const override {
-    return {.base_positions = start.now.positions,
-            .base_velocities = start.now.velocities,
-            .duration = 0.5 * dt,
-            .time_fraction = 0.5,
-            .is_mean = true};
-  }
-
-  Motion finish(const History& start, std::vector<Motion> solutions, double) const override {
-    Motion& middle = solutions.back();
-    return {.positions = 2 * middle.positions - start.now.positions,
-            .velocities = 2 * middle.velocities - start.now.velocities,
-            .accelerations = std::move(middle.accelerations)};
+  StepCoefficients coefficients(double) const override {
+    return {.stages = {{.duration = 0.5, .time_fraction = 0.5}}, .end_start = -1, .end_stage = 2};
   }
 
   /// dt^3/12 a', its slope from the accelerations in the middles of this step and the one before.

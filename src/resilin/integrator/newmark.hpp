@@ -13,12 +13,9 @@ class Newmark final : public Integrator {
  public:
   std::string_view name() const override { return "newmark"; }
   int order() const override { return 2; }
-  bool needs_accelerations() const override { return true; }
 
-  Stage begin_stage(int, const History& start, const std::vector<Motion>&, double dt) const override {
-    return {.base_positions = start.now.positions + 0.5 * dt * start.now.velocities,
-            .base_velocities = start.now.velocities + 0.5 * dt * start.now.accelerations,
-            .duration = 0.5 * dt};
+  StepCoefficients coefficients(double) const override {
+    return {.stages = {{.duration = 0.5, .start = {.value = 1, .slope = 0.5}}}};
   }
 };
 

@@ -18,24 +18,14 @@ class TrBdf2 final : public Integrator {
  public:
   std::string_view name() const override { return "tr_bdf2"; }
   int order() const override { return 2; }
-  int num_stages() const override { return 2; }
-  bool needs_accelerations() const override { return true; }
 
-  Stage begin_stage(int stage, const History& start, const std::vector<Motion>& solutions,
-                    double dt) const override {
+  StepCoefficients coefficients(double) const override {
     constexpr double g = 2 - std::numbers::sqrt2;
-    const double c = 0.5 * g * dt;
-    if (stage == 0) {
-      return {.base_positions = start.now.positions + c * start.now.velocities,
-              .base_velocities = start.now.velocities + c * start.now.accelerations,
-              .duration = c,
-              .time_fraction = g};
-    }
+    constexpr double c = 0.5 * g;
     constexpr double a1 = 1 / (g * (2 - g));
     constexpr double a2 = (1 - g) * (1 - g) / (g * (2 - g));
-    return {.base_positions = a1 * solutions[0].positions - a2 * start.now.positions,
-            .base_velocities = a1 * solutions[0].velocities - a2 * start.now.velocities,
-            .duration = c};
+    return {.stages = {{.duration = c, .time_fraction = g, .start = {.value = 1, .slope = c}},
+                       {.duration = c, .start = {.value = -a2}, .stages = {{.value = a1}}}}};
   }
 };
 

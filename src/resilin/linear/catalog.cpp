@@ -1,6 +1,8 @@
 #include "resilin/linear/catalog.hpp"
 
-#include <functional>
+#include <algorithm>
+#include <mutex>
+#include <stdexcept>
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
@@ -8,48 +10,81 @@
 namespace resilin {
 namespace {
 
-struct Entry {
-  const char* name;
-  std::unique_ptr<LinearSolver> (*make)(const LinearOptions&);
-};
-
-const Entry entries[] = {
+/// Every solver of this module; others are registered.
+std::vector<LinearSolverKind> built_in() {
+  return {
 #ifdef RESILIN_HAS_CHOLMOD
-    {"cholesky", make_cholmod},
+      {"cholesky", make_cholmod},
 #elif defined(RESILIN_HAS_LAPACK)
-    {"cholesky", make_multifrontal},
+      {"cholesky", make_multifrontal},
 #else
-    {"cholesky", make_ldlt},
+      {"cholesky", make_ldlt},
 #endif
 #ifdef RESILIN_HAS_LAPACK
-    {"multifrontal", make_multifrontal},
+      {"multifrontal", make_multifrontal, true},
 #endif
-    {"ldlt", make_ldlt},
-    {"cg_amg", make_cg_amg},
-    {"cg_ic0", make_cg_ic0},
-    {"cg_jacobi", make_cg_jacobi},
+      {"ldlt", make_ldlt, true},
+      {"cg_amg", make_cg_amg},
+      {"cg_ic0", make_cg_ic0},
+      {"cg_jacobi", make_cg_jacobi},
+  };
+}
+
+/// All solvers, behind a lock: programs register theirs at any time.
+struct Catalog {
+  std::mutex mutex;
+  std::vector<LinearSolverKind> kinds = built_in();
 };
+
+Catalog& catalog() {
+  static Catalog all;
+  return all;
+}
+
+std::vector<LinearSolverKind> kinds() {
+  const std::lock_guard lock(catalog().mutex);
+  return catalog().kinds;
+}
 
 }  // namespace
 
+void register_linear_solver(LinearSolverKind kind) {
+  const std::lock_guard lock(catalog().mutex);
+  const bool is_taken =
+      std::ranges::find(catalog().kinds, kind.name, &LinearSolverKind::name) != catalog().kinds.end();
+  if (is_taken || kind.name == "auto" || kind.make == nullptr)
+    throw std::invalid_argument("a linear solver needs a name of its own and a function that makes it: \"" +
+                                kind.name + "\"");
+  catalog().kinds.push_back(std::move(kind));
+}
+
 std::unique_ptr<LinearSolver> make_linear_solver(const LinearOptions& options, Index num_unknowns) {
   if (options.kind == "auto") return make_auto(options, num_unknowns);
-  if (!options.is_definite && options.kind != "multifrontal" && options.kind != "ldlt") {
-    throw InputError("solver.kind", "\"multifrontal\" or \"ldlt\" where the matrix need not be definite",
+  require_linear_solver(options.kind, "solver.kind");
+  const std::vector<LinearSolverKind> all = kinds();
+  const LinearSolverKind& kind = *std::ranges::find(all, options.kind, &LinearSolverKind::name);
+  if (!options.is_definite && !kind.solves_indefinite) {
+    std::vector<std::string> others;
+    for (const LinearSolverKind& other : all)
+      if (other.solves_indefinite) others.push_back('"' + other.name + '"');
+    throw InputError("solver.kind", join(others, " or ") + " where the matrix need not be definite",
                      "\"" + options.kind + "\"", "let it be \"auto\"");
   }
-  for (const Entry& entry : entries)
-    if (options.kind == entry.name) return entry.make(options);
+  return kind.make(options);
+}
+
+void require_linear_solver(const std::string& kind, const std::string& place) {
   std::vector<std::string> names = linear_solver_names();
   names.insert(names.begin(), "auto");
-  const std::string nearest = nearest_word(options.kind, names);
-  throw InputError("solver.kind", "one of " + join(names), "\"" + options.kind + "\"",
+  if (std::ranges::find(names, kind) != names.end()) return;
+  const std::string nearest = nearest_word(kind, names);
+  throw InputError(place, "one of " + join(names), "\"" + kind + "\"",
                    nearest.empty() ? "" : "did you mean \"" + nearest + "\"?");
 }
 
 std::vector<std::string> linear_solver_names() {
   std::vector<std::string> names;
-  for (const Entry& entry : entries) names.emplace_back(entry.name);
+  for (const LinearSolverKind& kind : kinds()) names.push_back(kind.name);
   return names;
 }
 

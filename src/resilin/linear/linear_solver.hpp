@@ -52,11 +52,25 @@ class LinearSolver {
                              double relative_tolerance) = 0;
 };
 
+/// An entry of the catalogue of solvers.
+struct LinearSolverKind {
+  std::string name;
+  std::unique_ptr<LinearSolver> (*make)(const LinearOptions& options);
+  bool solves_indefinite = false;  ///< takes matrices that need not be definite, and counts negative pivots
+};
+
+/// Adds a solver from outside this module, such as one of an optional library, to those that scenes may name.
+/// For a program to call before it reads scenes. Throws std::invalid_argument for a name that is taken.
+void register_linear_solver(LinearSolverKind kind);
+
 /// A solver by name: see linear/catalog.cpp. Throws InputError for an unknown name, and for one that cannot
 /// do without definite matrices when they need not be.
 std::unique_ptr<LinearSolver> make_linear_solver(const LinearOptions& options, Index num_unknowns);
 
-/// Names of all solvers that this build holds, in the order of the catalogue.
+/// Throws InputError at `place` unless `kind` is "auto" or one of `linear_solver_names`.
+void require_linear_solver(const std::string& kind, const std::string& place);
+
+/// Names of all solvers, in the order of the catalogue; registered ones last.
 std::vector<std::string> linear_solver_names();
 
 }  // namespace resilin

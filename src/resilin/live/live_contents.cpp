@@ -7,6 +7,7 @@
 
 #include "resilin/contact/half_space.hpp"
 #include "resilin/core/error.hpp"
+#include "resilin/energy/damping.hpp"
 #include "resilin/world/body_material.hpp"
 #include "resilin/world/event_times.hpp"
 #include "resilin/world/loads.hpp"
@@ -33,12 +34,15 @@ Description in_motion(Description description) {
   description.is_dynamic = true;
   description.modes.reset();
   description.adaptive.reset();
-  // Floor and gravity can be changed.
+  // Floor, gravity and damping by mass can be changed.
   std::erase_if(description.colliders, [up = up_of(description)](const ColliderDescription& collider) {
     return is_floor(collider, up);
   });
   description.gravity.setZero();
-  for (BodyDescription& body : description.bodies) body.mass = "lumped";
+  for (BodyDescription& body : description.bodies) {
+    body.mass = MassKind::lumped;
+    body.damping.mass = 0;
+  }
   return description;
 }
 
@@ -75,9 +79,6 @@ std::unique_ptr<LinearSolver> live_solver(const World& world) {
 LiveScene::Contents::Contents(const Description& scene)
     : description(in_motion(scene)),
       world(description),
-      own_external(world.external),
-      own_colliders(world.colliders),
-      own_fixed(world.is_fixed),
       newton(world.dimension, world.pattern, live_solver(world)),
       controls(starting_controls(scene, world)) {
   extent = world.largest_extent();
@@ -101,20 +102,21 @@ void LiveScene::Contents::reset() {
   mending_steps = 0;
   renew_fixed();
   renew_floor();
-  renew_loads();
+  renew_terms();
   report = LiveReport{};
   wake();
 }
 
-/// Gravity is a load of its own, so that it can be changed.
-void LiveScene::Contents::renew_loads() {
-  world.external = own_external;
-  world.colliders = own_colliders;
-  if (floor) world.colliders.push_back(floor->barrier());
-  if (ball) world.colliders.push_back(ball->barrier());
+/// The terms of the world, and those of what can be changed: gravity, floor, ball, damping.
+void LiveScene::Contents::renew_terms() {
+  terms = world.terms;
   if (controls.gravity.head(world.dimension).norm() > 0)
-    world.external.push_back(make_gravity(controls.gravity, world));
-  renew_damping();
+    terms.push_back(make_gravity(controls.gravity, world));
+  if (floor) terms.push_back(floor->barrier());
+  if (ball) terms.push_back(ball->barrier());
+  if (controls.damping > 0)
+    terms.push_back(std::make_shared<MassDamping>(
+        std::make_shared<const MassMatrix>(world.mass->times(controls.damping))));
 }
 
 /// Places a floor below all bodies; it then rises to its height.
@@ -133,19 +135,11 @@ void LiveScene::Contents::advance_obstacles() {
   if (ball && ball->advance(state.positions)) calm = {};
 }
 
-void LiveScene::Contents::renew_damping() {
-  world.mass_damping = MassMatrix{};
-  if (controls.damping == 0) return;
-  world.mass_damping = world.mass;
-  world.mass_damping.nodal *= controls.damping;
-  for (double& slot : world.mass_damping.slots) slot *= controls.damping;
-}
-
 void LiveScene::Contents::renew_fixed() {
-  world.is_fixed = own_fixed;
+  is_fixed = world.is_fixed;
   for (const Index node : pinned) {
     for (int k = 0; k < world.dimension; ++k)
-      world.is_fixed[static_cast<std::size_t>(node * world.dimension + k)] = 1;
+      is_fixed[static_cast<std::size_t>(node * world.dimension + k)] = 1;
   }
 }
 
@@ -163,6 +157,7 @@ void LiveScene::Contents::change_materials(const LiveControls& wanted) {
                      "reset the scene, or wait until no cell is inverted");
   }
   world = std::move(changed);
+  renew_terms();
   description.bodies = std::move(bodies);
 }
 
@@ -180,7 +175,7 @@ void LiveScene::Contents::set_controls(const LiveControls& asked) {
       wanted.ground != controls.ground || wanted.youngs_modulus != controls.youngs_modulus;
   controls = wanted;
   if (changes_floor) renew_floor();
-  renew_loads();
+  renew_terms();
   wake();
 }
 

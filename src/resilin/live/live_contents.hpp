@@ -28,34 +28,32 @@ struct LiveScene::Contents {
 
   void reset();
   void wake() { calm = {}, report.at_rest = false; }
-  void renew_loads();
+  void renew_terms();
   void renew_fixed();
   void renew_floor();
   void advance_obstacles();
-  void renew_damping();
   void set_controls(const LiveControls& asked);
   void change_materials(const LiveControls& wanted);
 
   bool is_seeking() const;
   void step(const StepBudget& budget);
-  NewtonReport minimize(const Potential& potential, const VectorX& guess, const VectorX& targets,
-                        double tolerance, const StepBudget& budget, VectorX& x);
-  void add_hand(std::vector<std::unique_ptr<Energy>>& terms) const;
+  NewtonReport minimize(Potential& potential, const VectorX& guess, const VectorX& targets, double tolerance,
+                        const StepBudget& budget, VectorX& x);
+  Terms with_hand(Terms all) const;
   void move_in_time(const StepBudget& budget);
   void move_to_equilibrium(const StepBudget& budget);
   double mending_factor();
   double min_volume_ratio(const VectorX& x) const;
-  bool stay_upright(const Potential& potential, VectorX& x) const;
+  bool stay_upright(Potential& potential, VectorX& x) const;
   void measure(const NewtonReport& newton_report);
   void note_calm(double dt);
   std::string words() const;
   double unloaded_scale() const;
 
   Description description;
-  World world;
-  std::vector<std::shared_ptr<const Energy>> own_external;            ///< loads of the scene, without gravity
-  std::vector<std::shared_ptr<const ColliderBarrier>> own_colliders;  ///< without floors
-  std::vector<std::uint8_t> own_fixed;                                ///< by supports
+  World world;  ///< of the scene, without gravity, floor and damping by mass, which can be changed
+  Terms terms;  ///< those of the world, and what controls and hands have added
+  std::vector<std::uint8_t> is_fixed;  ///< by supports and pins
   Newton newton;
   LiveControls controls;
   State state;

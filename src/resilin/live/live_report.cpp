@@ -17,7 +17,7 @@ void LiveScene::Contents::measure(const NewtonReport& newton_report) {
   report.assembly_ms = 1e3 * newton_report.assembly_seconds;
   report.solve_ms = 1e3 * newton_report.solve_seconds;
   VectorX momentum;
-  world.mass.multiply(state.velocities, momentum);
+  world.mass->multiply(state.velocities, momentum);
   report.kinetic_energy = 0.5 * momentum.dot(state.velocities);
   report.elastic_energy = 0;
   report.min_volume_ratio = std::numeric_limits<double>::infinity();

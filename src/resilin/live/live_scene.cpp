@@ -82,7 +82,7 @@ void LiveScene::poke(const Vector3& center, double radius) {
     c.ball.emplace("ball", c.world, c.state.positions, std::make_shared<Sphere>(center, radius),
                    out.norm() > 0 ? Vector3(out.normalized()) : c.up);
     c.ball_radius = radius;
-    c.renew_loads();
+    c.renew_terms();
   }
   c.ball->set_goal(center);
   c.wake();
@@ -91,7 +91,7 @@ void LiveScene::poke(const Vector3& center, double radius) {
 void LiveScene::stop_poking() {
   if (!contents_->ball) return;
   contents_->ball.reset();
-  contents_->renew_loads();
+  contents_->renew_terms();
   contents_->wake();
 }
 

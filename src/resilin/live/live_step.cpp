@@ -1,16 +1,14 @@
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
 #include "resilin/core/stopwatch.hpp"
 #include "resilin/energy/hand.hpp"
-#include "resilin/energy/inertia.hpp"
+#include "resilin/integrator/backward_euler.hpp"
 #include "resilin/live/kinetic_guard.hpp"
 #include "resilin/live/live_contents.hpp"
 #include "resilin/optimize/residual.hpp"
-#include "resilin/world/colliders.hpp"
-#include "resilin/world/damping.hpp"
+#include "resilin/simulation/stage_solver.hpp"
 
 namespace resilin {
 namespace {
@@ -41,61 +39,52 @@ void LiveScene::Contents::step(const StepBudget& budget) {
   report.step_ms = 1e3 * seconds;
 }
 
-void LiveScene::Contents::add_hand(std::vector<std::unique_ptr<Energy>>& terms) const {
-  if (!held) return;
-  terms.push_back(std::make_unique<Hand>(world.dimension, held->place, held->target,
+Terms LiveScene::Contents::with_hand(Terms all) const {
+  if (held)
+    all.push_back(std::make_shared<Hand>(world.dimension, held->place, held->target,
                                          hand_stiffness(controls, world), controls.max_force));
+  return all;
 }
 
 /// Newton's method from the better of where things are and where they would fly, until the tolerance or the
 /// end of the time.
-NewtonReport LiveScene::Contents::minimize(const Potential& potential, const VectorX& guess,
-                                           const VectorX& targets, double tolerance, const StepBudget& budget,
-                                           VectorX& x) {
-  const auto start = std::chrono::steady_clock::now();
-  choose_lower_start(potential, world.is_fixed, state.positions, guess, x);
+NewtonReport LiveScene::Contents::minimize(Potential& potential, const VectorX& guess, const VectorX& targets,
+                                           double tolerance, const StepBudget& budget, VectorX& x) {
   NewtonSettings settings = newton_settings(world);
   settings.tolerance = tolerance;
   settings.max_iterations = controls.newton_limit > 0 ? controls.newton_limit : world.newton.max_iterations;
-  NewtonReport found =
-      newton.minimize(potential, world.is_fixed, targets, settings, x, [&](const NewtonReport&) {
-        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() <
-               budget.seconds;
-      });
-  // The time may be over with the very iteration that solved the step.
-  if (found.status == NewtonReport::Status::interrupted && found.relative_residual() <= tolerance)
-    found.status = NewtonReport::Status::converged;
-  return found;
+  return solve_stage(potential, is_fixed, targets, guess, settings,
+                     {.seconds = budget.seconds, .iterations = settings.max_iterations}, newton, x);
 }
 
 void LiveScene::Contents::move_in_time(const StepBudget& budget) {
   const double dt = controls.time_step;
-  Conditions conditions{.time = state.time + dt, .load = 1, .collider_delay = state.collider_delay + dt};
-  conditions.collider_delay = least_collider_delay(world, state.positions, conditions);
   const double step = dt * mending_factor();
-  const VectorX guess = state.positions + (dt / step) * dt * state.velocities;
+  const History start{.now = {.positions = state.positions,
+                              .velocities = (dt / step) * (dt / step) * state.velocities,
+                              .accelerations = {}}};
+  const Stage stage = BackwardEuler().begin_stage(0, start, {}, step);
+  const Conditions conditions{
+      .time = state.time + dt, .load = 1, .collider_delay = state.collider_delay + dt};
   VectorX targets = state.positions;
   place_supports(world.dimension, world.supports, world.rest_positions, conditions, targets);
   const bool is_driven = targets != state.positions;
-  const Inertia inertia(world.mass, guess, step * step);
-  auto terms = damping_terms(world, state.positions, state.positions, step);
-  add_hand(terms);
-  const Potential potential(world, conditions, &inertia, terms);
+  const Terms all = with_hand(terms);
+  Potential potential(all, is_fixed, conditions, stage);
   VectorX x = state.positions;
-  NewtonReport newton_report = minimize(potential, guess, targets, controls.tolerance, budget, x);
+  NewtonReport newton_report = minimize(potential, stage.target(), targets, controls.tolerance, budget, x);
   if (!held && !is_driven && report.min_volume_ratio > 0 && stay_upright(potential, x))
     newton_report.status = NewtonReport::Status::stalled;
-  VectorX velocities = (x - state.positions) / step;
+  VectorX velocities = stage.velocities(x);
   if (!is_driven && !newton_report.converged()) {
-    const Potential without_inertia(world, conditions, nullptr, terms);
-    const double gain = without_inertia.difference(state.positions, x);
-    limit_kinetic_energy(world.mass, state.velocities, gain, velocities);
+    const double gain = potential.difference_without(EnergyCategory::inertia, state.positions, x);
+    limit_kinetic_energy(*world.mass, state.velocities, gain, velocities);
   }
   state.previous_positions = std::move(state.positions);
   state.positions = std::move(x);
   state.velocities = std::move(velocities);
   state.time += dt;
-  state.collider_delay = conditions.collider_delay;
+  state.collider_delay = potential.conditions().collider_delay;
   ++state.step;
   measure(newton_report);
   note_calm(dt);
@@ -108,7 +97,7 @@ double LiveScene::Contents::mending_factor() {
   const bool is_folded = report.min_volume_ratio < nearly_flat && !held;
   mending_steps = is_folded ? mending_steps + 1 : std::max(0, mending_steps - 1);
   const double g = controls.gravity.norm();
-  const bool may_fall = g > 0 && std::ranges::find(world.is_fixed, std::uint8_t{1}) == world.is_fixed.end();
+  const bool may_fall = g > 0 && std::ranges::find(is_fixed, std::uint8_t{1}) == is_fixed.end();
   const double longest = may_fall ? std::sqrt(fall_while_mending * extent / g) : longest_mending_step;
   return std::clamp(std::pow(4.0, mending_steps), 1.0, std::max(1.0, longest / controls.time_step));
 }
@@ -121,12 +110,13 @@ double LiveScene::Contents::min_volume_ratio(const VectorX& x) const {
 
 /// A step that would turn a first cell inside out although nobody pulls goes only part of its way, as long as
 /// that lowers the potential, too. @return whether it was shortened
-bool LiveScene::Contents::stay_upright(const Potential& potential, VectorX& x) const {
+bool LiveScene::Contents::stay_upright(Potential& potential, VectorX& x) const {
   if (min_volume_ratio(x) > 0) return false;
   VectorX nearer = x;
   for (int halving = 0; halving < 20; ++halving) {
     nearer = 0.5 * (nearer + state.positions);
     if (!(min_volume_ratio(nearer) > 0)) continue;
+    potential.prepare(state.positions, nearer - state.positions);
     if (!(potential.difference(state.positions, nearer) <= 0)) return false;
     x = std::move(nearer);
     return true;
@@ -141,26 +131,27 @@ void LiveScene::Contents::move_to_equilibrium(const StepBudget& budget) {
   const Conditions conditions{.time = state.time, .load = 1, .collider_delay = state.collider_delay};
   VectorX targets = state.positions;
   place_supports(world.dimension, world.supports, world.rest_positions, conditions, targets);
-  const double scale = dt * dt * std::pow(10.0, std::min(calm.seeking_steps, 8));
-  const Inertia inertia(world.mass, state.positions, scale);
-  std::vector<std::unique_ptr<Energy>> terms;
-  add_hand(terms);
-  const Potential potential(world, conditions, &inertia, terms);
+  const Stage stage{.base_positions = state.positions,
+                    .base_velocities = VectorX::Zero(state.positions.size()),
+                    .duration = dt * std::pow(10.0, 0.5 * std::min(calm.seeking_steps, 8)),
+                    .shape = state.positions};
+  const Terms all = terms_without(EnergyCategory::damping, with_hand(terms));
+  Potential potential(all, is_fixed, conditions, stage);
   VectorX x = state.positions;
   NewtonReport newton_report = minimize(potential, x, targets, 0.1 * rest_tolerance, budget, x);
-  const Potential without_inertia(world, conditions, nullptr, terms);
+  const Potential at_rest(all, is_fixed, conditions, static_stage(state.positions));
   VectorX gradient;
-  without_inertia.gradient(x, gradient);
-  const Residual residual = free_residual(gradient, world.is_fixed);
+  at_rest.gradient(x, gradient);
+  const Residual residual = free_residual(gradient, is_fixed);
   newton_report.residual = residual.norm;
   newton_report.worst_unknown = residual.worst;
-  newton_report.force_scale = std::max(without_inertia.force_scale(x, gradient), unloaded_scale());
+  newton_report.force_scale = std::max(at_rest.force_scale(x, gradient), unloaded_scale());
   state.positions = std::move(x);
   state.velocities.setZero();
   ++state.step;
   ++calm.seeking_steps;
   measure(newton_report);
-  const double round_off = residual_round_off(without_inertia, world.is_fixed, state.positions, {});
+  const double round_off = residual_round_off(at_rest, is_fixed, state.positions, {});
   report.at_rest = residual.norm <= std::max(rest_tolerance * newton_report.force_scale, round_off);
   report.converged = report.at_rest;
   report.words = words();

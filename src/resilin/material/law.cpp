@@ -61,6 +61,7 @@ LawInfo info(int index) {
           .inversion = Plain::inversion,
           .needs_positive_J = Plain::needs_positive_J,
           .uses_second_invariant = Plain::uses_second_invariant,
+          .is_quadratic = Plain::kind == LawKind::small_strain,
           .has_volume_energy = has_volume_energy<Plain>,
           .max_fibres = max_fibres<Plain>(),
           .only_poissons_ratio = only_poissons_ratio<Plain>(),

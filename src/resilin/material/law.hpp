@@ -24,6 +24,7 @@ struct LawInfo {
   std::string_view inversion;  ///< what happens at J <= 0, in words
   bool needs_positive_J;       ///< Psi = +infinity at J <= 0
   bool uses_second_invariant;
+  bool is_quadratic;           ///< in the displacement gradient
   bool has_volume_energy;      ///< its volume energy stands apart: elements with a mean volume take it
   int max_fibres;              ///< families of fibres that it can have; 0 for an isotropic law
   double only_poissons_ratio;  ///< the one that the law can have; not a number when it can have any

@@ -11,6 +11,7 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
   int short_boundary_steps = 0;
   VectorX gap = boundary_gap();
   bool boundary_moves = (gap.array() != 0).any();
+  objective.prepare(x, VectorX::Zero(x.size()));
   objective.gradient(x, gradient);
   measure_residual();
   first_residual = report.residual;
@@ -86,7 +87,7 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
 Newton::Newton(int dim, std::shared_ptr<const BlockPattern> pattern, std::unique_ptr<LinearSolver> solver)
     : hessian_(dim, std::move(pattern)), solver_(std::move(solver)) {}
 
-NewtonReport Newton::minimize(const Objective& objective, std::span<const std::uint8_t> is_fixed,
+NewtonReport Newton::minimize(Objective& objective, std::span<const std::uint8_t> is_fixed,
                               const VectorX& targets, const NewtonSettings& settings, VectorX& x,
                               const NewtonObserver& observer) {
   Search search{.newton = *this,

@@ -60,9 +60,8 @@ class Newton {
   ///
   /// Every accepted step lowers the objective (once the fixed unknowns are in place) and stays in the domain.
   /// A missed tolerance is a status, never an exception; x is then the best point reached.
-  NewtonReport minimize(const Objective& objective, std::span<const std::uint8_t> is_fixed,
-                        const VectorX& targets, const NewtonSettings& settings, VectorX& x,
-                        const NewtonObserver& observer = {});
+  NewtonReport minimize(Objective& objective, std::span<const std::uint8_t> is_fixed, const VectorX& targets,
+                        const NewtonSettings& settings, VectorX& x, const NewtonObserver& observer = {});
 
   std::string_view solver_name() const { return solver_->name(); }
   bool solver_is_direct() const { return solver_->is_direct(); }

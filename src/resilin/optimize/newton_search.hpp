@@ -22,7 +22,7 @@ struct Newton::Search {
   static constexpr int max_halvings_of_carried_values = 4;
 
   Newton& newton;
-  const Objective& objective;
+  Objective& objective;
   std::span<const std::uint8_t> is_fixed;
   const VectorX& targets;
   const NewtonSettings& settings;
@@ -203,8 +203,11 @@ struct Newton::Search {
   /// A projected Hessian is too stiff along directions of negative curvature, where a body leaves a saddle:
   /// the step is doubled for as long as that lowers the energy.
   void go_further(double decrease, double& length) {
-    while (objective.max_step(x, 2 * length * step) == 1) {
-      VectorX further = x + 2 * length * step;
+    while (true) {
+      const VectorX twice = 2 * length * step;
+      objective.prepare(x, twice);
+      if (objective.max_step(x, twice) < 1) return;
+      VectorX further = x + twice;
       const double more = -objective.difference(x, further);
       if (!(more > decrease) || !std::isfinite(more)) return;
       decrease = more;
@@ -255,6 +258,7 @@ struct Newton::Search {
     LineSearch result;
     const double slope = -step.dot(right_side);  // right side is minus the gradient, zero at fixed unknowns
     double magnitude = -1;
+    objective.prepare(x, step);
     result.length = objective.max_step(x, step);
     if (passes_whole(slope, result) || watchdog.steps > 0) return result;
     const int max_halvings = internal_is_old ? max_halvings_of_carried_values : settings.max_halvings;
@@ -295,6 +299,7 @@ struct Newton::Search {
   /// While the boundary moves there is no energy to compare with: the step goes as far as the domain allows.
   LineSearch follow_boundary() {
     LineSearch result;
+    objective.prepare(x, step);
     result.length = objective.max_step(x, step);
     for (int halving = 0; halving < 12; ++halving) {
       trial = x + result.length * step;

@@ -9,6 +9,9 @@ namespace resilin {
 class Objective {
  public:
   virtual ~Objective() = default;
+  /// Called once in each iteration, before the objective is asked about points between x and x + p: what all
+  /// of these need may be found here.
+  virtual void prepare(const VectorX& /*x*/, const VectorX& /*p*/) {}
   /// E(to) - E(from) [J], summed from small differences; +infinity when `to` is outside the domain.
   virtual double difference(const VectorX& from, const VectorX& to) const = 0;
   /// |E(x)| summed over its parts [J]: the scale of the round-off in a difference.

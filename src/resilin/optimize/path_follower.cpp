@@ -120,9 +120,10 @@ struct PathFollower::Search {
 
   /// Goes by (dx, dt), less where that would leave the domain of the energies; false when no part of it
   /// stays inside.
-  bool move_by(const Objective& objective, const VectorX& dx, double dt) {
+  bool move_by(Objective& objective, const VectorX& dx, double dt) {
     VectorX trial = x + dx;
     family.place_fixed(load + dt, trial);
+    objective.prepare(x, trial - x);
     double part = objective.max_step(x, trial - x);
     for (int halving = 0; halving < 12; ++halving, part *= 0.5) {
       trial = x + part * dx;

@@ -133,7 +133,7 @@ Json bodies_json(const World& world) {
                     {"element", body.element},
                     {"element_reason", body.element_reason},
                     {"quadrature", body.elastic->quadrature().name},
-                    {"mass", body.mass_kind},
+                    {"mass", spelling(body.mass_kind)},
                     {"cells", body.num_cells()},
                     {"vertices", body.num_vertices},
                     {"unknowns", Offset{body.num_nodes} * world.dimension}});

@@ -111,9 +111,7 @@ struct ResultFolder::Contents {
     return *shown;
   }
 
-  static bool writes_vtu(const World& world) {
-    return std::ranges::find(world.output.formats, "vtu") != world.output.formats.end();
-  }
+  static bool writes_vtu(const World& world) { return world.output.writes(OutputFormat::vtu); }
 };
 
 ResultFolder::ResultFolder(std::filesystem::path folder, double seconds_before)

@@ -35,10 +35,6 @@ std::optional<double> ground_of(const World& world) {
   return std::nullopt;
 }
 
-bool is_wanted(const World& world, const char* format) {
-  return std::ranges::find(world.output.formats, format) != world.output.formats.end();
-}
-
 void remove_file(const std::filesystem::path& path) {
   std::error_code ignored;
   std::filesystem::remove(path, ignored);
@@ -89,7 +85,7 @@ std::string page_with_recording(std::string_view recording, std::string_view rep
 
 ShownResults::ShownResults(std::filesystem::path folder, const World& world)
     : folder_(std::move(folder)), title_(world.title), counts_frames_(!world.is_dynamic) {
-  if (is_wanted(world, "html")) {
+  if (world.output.writes(OutputFormat::html)) {
     const ViewHeader header{.title = world.title,
                             .version = std::string(version()),
                             .up = up_of(world),
@@ -101,7 +97,7 @@ ShownResults::ShownResults(std::filesystem::path folder, const World& world)
     remove_file(folder_ / recording_name);
     remove_file(folder_ / page_name);
   }
-  if (is_wanted(world, "usda")) {
+  if (world.output.writes(OutputFormat::usda)) {
     usda_ = std::make_unique<UsdaWriter>(folder_ / points_name, world, up_of(world));
     if (world.is_dynamic && !world.adaptive) codes_per_second_ = 1 / (world.time_step * world.output.every);
   } else {

@@ -66,7 +66,7 @@ Keys<BodyDescription> body_keys() {
           {"initial_velocities", "text or rows", "m/s", "from velocity and velocity_gradient",
            "A CSV file, or a list, of one row for each vertex, in place of velocity and velocity_gradient."},
           [](const SceneNode& node, B& b) { b.initial_velocities = read_vertex_table(node, b.mesh); }),
-      choice_key("mass", &B::mass, {"lumped", "consistent"}, {}, "How mass is spread over the vertices."),
+      choice_key("mass", &B::mass, "How mass is spread over the vertices."),
       key<B>({"damping", "[damping](#damping)", "", "none", "In motion: forces against the velocity."},
              [](const SceneNode& node, B& b) { read_damping(node, b.damping); }),
       key<B>({"skin", "text or [skin](#skin)", "", "none",

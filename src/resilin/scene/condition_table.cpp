@@ -2,6 +2,7 @@
 #include <array>
 
 #include "resilin/scene/tables.hpp"
+#include "resilin/world/load_catalog.hpp"
 
 namespace resilin {
 namespace {
@@ -21,33 +22,17 @@ void expect_order(const SceneNode& table, double from, const std::optional<doubl
   if (until && *until < from) table.child("until").fail("a time at or after `from`");
 }
 
-struct LoadKind {
-  const char* name;
-  LoadDescription::Kind kind;
-  std::vector<std::string> needs;  ///< keys that this kind must have
-  std::vector<std::string> has;    ///< keys that it may have besides
-};
-
-const std::vector<LoadKind>& load_kinds() {
-  using K = LoadDescription::Kind;
-  static const std::vector<LoadKind> kinds = {
-      {"body_force", K::body_force, {"value"}, {"where"}},
-      {"traction", K::traction, {"value", "where"}, {}},
-      {"pressure", K::pressure, {"value", "where"}, {}},
-      {"nodal_force", K::nodal_force, {"value", "where"}, {}},
-      {"spring", K::spring, {"stiffness", "where"}, {"displacement", "velocity"}},
-  };
-  return kinds;
-}
-
 std::vector<std::string> load_kind_names() {
   std::vector<std::string> names;
-  for (const LoadKind& kind : load_kinds()) names.emplace_back(kind.name);
+  for (const LoadKind& kind : load_kinds()) names.push_back(kind.name);
   return names;
 }
 
-const LoadKind& load_kind(LoadDescription::Kind kind) {
-  return *std::ranges::find_if(load_kinds(), [kind](const LoadKind& k) { return k.kind == kind; });
+/// "body_force per rest volume, traction per rest area, ..."
+std::string load_kind_texts() {
+  std::vector<std::string> texts;
+  for (const LoadKind& kind : load_kinds()) texts.push_back(kind.name + " " + kind.text);
+  return join(texts, "; ") + ".";
 }
 
 /// Keys of other kinds are refused, since they would do nothing.
@@ -56,12 +41,12 @@ void expect_keys_of_kind(const SceneNode& table, const LoadKind& kind) {
     return std::ranges::find(words, word) != words.end();
   };
   for (const std::string& name : kind.needs) {
-    if (!table.has(name)) table.fail_with(std::string("a ") + kind.name + " needs the key \"" + name + "\"");
+    if (!table.has(name)) table.fail_with("a " + kind.name + " needs the key \"" + name + "\"");
   }
   for (const char* name : {"value", "where", "stiffness", "displacement", "velocity"}) {
     if (table.has(name) && !in(kind.needs, name) && !in(kind.has, name)) {
-      table.child(name).fail_with(std::string("a ") + kind.name + " has no such key; it has " +
-                                  join(kind.needs) + (kind.has.empty() ? "" : ", " + join(kind.has)));
+      table.child(name).fail_with("a " + kind.name + " has no such key; it has " + join(kind.needs) +
+                                  (kind.has.empty() ? "" : ", " + join(kind.has)));
     }
   }
 }
@@ -118,16 +103,8 @@ Keys<LoadDescription> load_keys() {
   using L = LoadDescription;
   return {
       text_key("name", &L::name, "load[0] ...", "For messages and for `--set`."),
-      key<L>(
-          {"kind", one_of(load_kind_names()), "", "required",
-           "body_force per rest volume, traction per rest area, nodal_force on each vertex; pressure follows "
-           "the surface; a spring pulls each vertex to its rest position + displacement."},
-          [](const SceneNode& node, L& l) {
-            const std::string name = read_choice(node, load_kind_names());
-            for (const LoadKind& kind : load_kinds()) {
-              if (name == kind.name) l.kind = kind.kind;
-            }
-          }),
+      key<L>({"kind", one_of(load_kind_names()), "", "required", load_kind_texts()},
+             [](const SceneNode& node, L& l) { l.kind = read_choice(node, load_kind_names()); }),
       text_key("body", &L::body, "the only body", "Name of the body that is loaded."),
       key<L>({"where", "[where](#where)", "", "required but for a body_force: all",
               "Which vertices, or which surface."},
@@ -135,7 +112,7 @@ Keys<LoadDescription> load_keys() {
       key<L>({"value", "vector; number for a pressure", "N/m^3, N/m^2, N or Pa", "required but for a spring",
               "The load at load factor 1; a positive pressure pushes inwards."},
              [](const SceneNode& node, L& l) {
-               if (l.kind == L::Kind::pressure) {
+               if (require_load_kind(l.kind, "").value_is_number) {
                  l.pressure = read_number(node);
                } else {
                  l.value = read_vector(node);
@@ -158,10 +135,12 @@ void read_load(const SceneNode& node, LoadDescription& load) {
   load.place = node.place();
   load.name = node.path;
   read_table(node, load_keys(), load);
-  expect_keys_of_kind(node, load_kind(load.kind));
+  const LoadKind& kind = require_load_kind(load.kind, node.place() + ".kind");
+  expect_keys_of_kind(node, kind);
   expect_motion(node, {"velocity", "from", "until", "time_function"});
-  if (load.kind == LoadDescription::Kind::spring && node.has("time_function") && !node.has("displacement")) {
-    node.child("time_function").fail_with("is a factor on the spring's displacement; give one");
+  const bool is_led = std::ranges::find(kind.has, "displacement") != kind.has.end();
+  if (is_led && node.has("time_function") && !node.has("displacement")) {
+    node.child("time_function").fail_with("is a factor on the " + kind.name + "'s displacement; give one");
   }
   expect_order(node, load.from, load.until);
 }

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "resilin/core/spelling.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/scene/node.hpp"
 
@@ -128,12 +129,30 @@ Key<T> choice_key(const char* name, std::string T::* member, const std::vector<s
           [=](const SceneNode& node, T& target) { target.*member = read_choice(node, there_is, later); }};
 }
 
-template <class T>
-Key<T> choices_key(const char* name, std::vector<std::string> T::* member,
-                   const std::vector<std::string>& there_is, const std::vector<std::string>& later,
-                   const char* text) {
-  return {{name, "list of " + one_of(there_is), "", default_text(T{}.*member), text + not_yet(later)},
-          [=](const SceneNode& node, T& target) { target.*member = read_choices(node, there_is, later); }};
+/// An enum with spellings.
+template <Spelled Choice>
+Choice read_choice(const SceneNode& node) {
+  return *find_spelled<Choice>(read_choice(node, all_spellings<Choice>()));
+}
+
+template <class T, Spelled Choice>
+Key<T> choice_key(const char* name, Choice T::* member, const char* text) {
+  return {{name, one_of(all_spellings<Choice>()), "", default_text(spelling(T{}.*member)), text},
+          [=](const SceneNode& node, T& target) { target.*member = read_choice<Choice>(node); }};
+}
+
+template <class T, Spelled Choice>
+Key<T> choices_key(const char* name, std::vector<Choice> T::* member, const char* text) {
+  std::vector<std::string> defaults;
+  const T standard{};
+  for (const Choice choice : standard.*member) defaults.push_back(spelling(choice));
+  return {{name, "list of " + one_of(all_spellings<Choice>()), "", default_text(defaults), text},
+          [=](const SceneNode& node, T& target) {
+            expect_list(node, "texts");
+            (target.*member).clear();
+            for (std::size_t i = 0; i < node.value->array().size(); ++i)
+              (target.*member).push_back(read_choice<Choice>(node.element(i)));
+          }};
 }
 
 /// A row with a reader of its own.

@@ -37,13 +37,13 @@ Keys<Description> simulation_keys() {
           "load_steps", &D::load_steps, at_least_one,
           "Static: number of equal steps that the loads are first tried in. A step that fails is halved."),
       choice_key(
-          "load_control", &D::load_control, {"load", "arc_length"}, {},
+          "load_control", &D::load_control,
           "Static: the load grows from step to step, or the path of equilibria is followed by arc length, "
           "also where the load falls (snap-through)."),
       integer_key("max_steps", &D::max_steps, at_least_one,
                   "Static, arc_length: the path ends at load factor 1 or after so many steps."),
       choice_key(
-          "unstable_modes", &D::unstable_modes, {"auto", "count", "skip"}, {},
+          "unstable_modes", &D::unstable_modes,
           "Static: whether each frame says how many unstable modes the equilibrium has (buckling). \"auto\" "
           "counts up to 10,000 free unknowns, beyond where a direct solver has shown that there are none."),
   };
@@ -55,9 +55,9 @@ Keys<NewtonOptions> newton_keys() {
       number_key("tolerance", &N::tolerance, "", positive, "Largest residual force, relative to the loads."),
       integer_key("max_iterations", &N::max_iterations, at_least_one,
                   "Newton iterations of a load or time step. A small number truncates a time step, safely."),
-      choice_key("projection", &N::projection, {"auto", "none", "clamp", "absolute"}, {},
+      choice_key("projection", &N::projection,
                  "What is done to negative eigenvalues of the elements' matrices."),
-      choice_key("inversion_bound", &N::inversion_bound, {"points", "everywhere"}, {},
+      choice_key("inversion_bound", &N::inversion_bound,
                  "Where laws that need J > 0 keep it: at the quadrature points, or, shown by a bound, in the "
                  "whole of every cell."),
   };
@@ -87,7 +87,7 @@ Keys<OutputOptions> output_keys() {
            "a cells' field smooths it onto the vertices."},
           [](const SceneNode& node, O& o) { o.fields = read_choices(node, field_names()); }),
       choices_key(
-          "formats", &O::formats, {"vtu", "html", "usda"}, {},
+          "formats", &O::formats,
           "vtu: a file for each frame, for ParaView; html: result.html, one page with the motion that "
           "opens in any browser; usda: result.usda, for Blender and Houdini."),
   };

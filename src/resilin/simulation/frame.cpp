@@ -1,6 +1,7 @@
 #include "resilin/simulation/frame.hpp"
 
 #include "resilin/mesh/facet.hpp"
+#include "resilin/simulation/potential.hpp"
 
 namespace resilin {
 
@@ -13,18 +14,17 @@ Frame measure_frame(const World& world, const State& state, const VectorX* step_
   frame.load = state.load;
 
   VectorX momentum;
-  world.mass.multiply(state.velocities, momentum);
+  world.mass->multiply(state.velocities, momentum);
   frame.kinetic_energy = 0.5 * momentum.dot(state.velocities);
   for (Index i = 0; i < world.num_nodes(); ++i) {
     const Vector3 p = node_position(dim, i, momentum);
     frame.linear_momentum += p;
     frame.angular_momentum += node_position(dim, i, state.positions).cross(p);
   }
-  for (const auto& energy : world.elastic) frame.elastic_energy += energy->value(state.positions, conditions);
-  for (const auto& energy : world.external)
-    frame.external_energy += energy->value(state.positions, conditions);
-  for (const auto& collider : world.colliders)
-    frame.contact_energy += collider->value(state.positions, conditions);
+  const Potential potential(world, conditions, static_stage(state.positions));
+  frame.elastic_energy = potential.energy(EnergyCategory::elastic, state.positions);
+  frame.external_energy = potential.energy(EnergyCategory::external, state.positions);
+  frame.contact_energy = potential.energy(EnergyCategory::contact, state.positions);
 
   frame.min_volume_ratio = std::numeric_limits<double>::infinity();
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
@@ -46,11 +46,7 @@ Frame measure_frame(const World& world, const State& state, const VectorX* step_
 
   VectorX gradient;
   if (step_gradient == nullptr) {
-    gradient = VectorX::Zero(state.positions.size());
-    for (const auto& energy : world.elastic) energy->add_gradient(state.positions, conditions, gradient);
-    for (const auto& energy : world.external) energy->add_gradient(state.positions, conditions, gradient);
-    for (const auto& collider : world.colliders)
-      collider->add_gradient(state.positions, conditions, gradient);
+    potential.gradient(state.positions, gradient);
     step_gradient = &gradient;
   }
   for (const Support& support : world.supports) frame.reactions.emplace_back(support.name, Vector3::Zero());
@@ -65,10 +61,11 @@ Frame measure_frame(const World& world, const State& state, const VectorX* step_
     frame.reactions[support].second += force;
     frame.reaction_torques[support] += node_position(dim, node, state.positions).cross(force);
   }
-  for (const auto& collider : world.colliders) {
-    const auto [force, torque] = collider->reaction(state.positions, conditions);
-    frame.reactions.emplace_back(collider->name(), force);
-    frame.reaction_torques.push_back(torque);
+  for (const auto& term : world.terms) {
+    const std::optional<Reaction> reaction = term->reaction(state.positions, conditions);
+    if (!reaction) continue;
+    frame.reactions.emplace_back(term->name(), reaction->force);
+    frame.reaction_torques.push_back(reaction->torque);
   }
   return frame;
 }

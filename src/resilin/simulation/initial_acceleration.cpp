@@ -1,7 +1,7 @@
 #include "resilin/simulation/initial_acceleration.hpp"
 
 #include "resilin/linear/linear_solver.hpp"
-#include "resilin/world/damping.hpp"
+#include "resilin/simulation/potential.hpp"
 
 namespace resilin {
 namespace {
@@ -10,8 +10,8 @@ constexpr double mass_tolerance = 1e-14;  ///< mass matrices are well conditione
 
 /// Solves M a = b over the free unknowns; `a` and `b` are zero at the others.
 VectorX solve_with_mass(const World& world, const VectorX& b) {
-  BlockMatrix matrix(world.dimension, world.mass.pattern);
-  world.mass.add_to(1, matrix);
+  BlockMatrix matrix(world.dimension, world.mass->pattern);
+  world.mass->add_to(1, matrix);
   eliminate(matrix, world.is_fixed);
   const auto solver = make_linear_solver({.kind = "cg_jacobi"}, world.num_free_unknowns());
   solver->analyze(matrix, world.start_positions);
@@ -25,25 +25,25 @@ VectorX solve_with_mass(const World& world, const VectorX& b) {
 
 VectorX accelerations_at(const World& world, const State& state, const VectorX& prescribed) {
   const Conditions conditions{.time = state.time, .load = state.load, .collider_delay = state.collider_delay};
-  VectorX gradient = VectorX::Zero(state.positions.size());
-  for (const auto& energy : world.elastic) energy->add_gradient(state.positions, conditions, gradient);
-  for (const auto& energy : world.external) energy->add_gradient(state.positions, conditions, gradient);
-  for (const auto& collider : world.colliders) collider->add_gradient(state.positions, conditions, gradient);
   // v = (x - x_0) / c for any c.
-  for (const auto& term : damping_terms(world, state.positions, state.positions - state.velocities, 1))
-    term->add_gradient(state.positions, conditions, gradient);
+  const Stage stage{.base_positions = state.positions - state.velocities,
+                    .base_velocities = state.velocities,
+                    .duration = 1,
+                    .shape = state.positions};
+  const Potential potential(world, conditions, stage);
+  VectorX gradient = potential.gradient_without(EnergyCategory::inertia, state.positions);
   if (!gradient.allFinite()) gradient.setZero();  // a start outside the domain pulls nowhere in particular
   VectorX a = VectorX::Zero(gradient.size());
   const auto is_fixed = [&](Eigen::Index i) { return world.is_fixed[static_cast<std::size_t>(i)] != 0; };
   for (Eigen::Index i = 0; i < a.size(); ++i)
     if (is_fixed(i)) a[i] = prescribed[i];
-  if (world.mass.is_lumped()) {
+  if (world.mass->is_lumped()) {
     for (Eigen::Index i = 0; i < a.size(); ++i)
-      if (!is_fixed(i)) a[i] = -gradient[i] / world.mass.nodal[i / world.dimension];
+      if (!is_fixed(i)) a[i] = -gradient[i] / world.mass->nodal[i / world.dimension];
     return a;
   }
   VectorX pull;
-  world.mass.multiply(a, pull);
+  world.mass->multiply(a, pull);
   VectorX right_side = -gradient - pull;
   for (Eigen::Index i = 0; i < a.size(); ++i)
     if (is_fixed(i)) right_side[i] = 0;

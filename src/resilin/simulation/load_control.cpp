@@ -28,7 +28,7 @@ double next_load(const World& world, const State& state) {
 
 /// Where the search for the equilibrium at `load` starts: the secant through the last two equilibria or the
 /// last one, whichever has the lower energy.
-VectorX predicted_positions(const World& world, const Objective& potential, const VectorX& targets,
+VectorX predicted_positions(const World& world, Objective& potential, const VectorX& targets,
                             const State& state, double load) {
   VectorX x = state.positions;
   if (state.load > state.previous_load) {
@@ -83,7 +83,7 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
   while (true) {
     const double load = next_load(world, state);
     const Conditions conditions{.time = 0, .load = load};
-    const Potential potential(world, conditions, nullptr);
+    Potential potential(world, conditions, static_stage(state.positions));
     VectorX targets = state.positions;
     place_supports(world.dimension, world.supports, world.rest_positions, conditions, targets);
     VectorX x = predicted_positions(world, potential, targets, state, load);
@@ -125,10 +125,11 @@ void LoadControl::find_inversion(const World& world, const State& state, StepRep
 
 void LoadControl::count_unstable_modes(const World& world, const Newton& newton, const State& state,
                                        StepReport& report) {
-  const Potential potential(world, {.time = 0, .load = state.load}, nullptr);
+  const Potential potential(world, {.time = 0, .load = state.load}, static_stage(state.positions));
   // Without a potential the eigenvalues of the symmetric part say nothing of stability.
-  if (world.unstable_modes == "skip" || !potential.has_potential(state.positions)) return;
-  if (world.unstable_modes == "auto" && world.num_free_unknowns() > most_unknowns_counted && !follower_) {
+  if (world.unstable_modes == UnstableModes::skip || !potential.has_potential(state.positions)) return;
+  if (world.unstable_modes == UnstableModes::automatic && world.num_free_unknowns() > most_unknowns_counted &&
+      !follower_) {
     // A Cholesky factorisation of the last step's exact matrix has shown that there are none.
     if (newton.solver_is_direct() && report.newton.last_step_was_exact) report.unstable_modes = 0;
   } else {

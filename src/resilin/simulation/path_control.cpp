@@ -16,12 +16,13 @@ constexpr double smallest_arc = 1e-4;   ///< relative to the first one
 constexpr double largest_arc = 4;       ///< the same
 constexpr double quick_iterations = 4;  ///< an arc that takes this many is right
 
+/// The loads of a step from the equilibrium `start`.
 class StaticLoads final : public LoadFamily {
  public:
-  explicit StaticLoads(const World& world) : world_(world) {}
+  StaticLoads(const World& world, const VectorX& start) : world_(world), stage_(static_stage(start)) {}
 
   std::unique_ptr<Objective> at(double load) const override {
-    return std::make_unique<Potential>(world_, Conditions{.time = 0, .load = load}, nullptr);
+    return std::make_unique<Potential>(world_, Conditions{.time = 0, .load = load}, stage_);
   }
   void place_fixed(double load, VectorX& x) const override {
     place_supports(world_.dimension, world_.supports, world_.rest_positions, {.time = 0, .load = load}, x);
@@ -29,6 +30,7 @@ class StaticLoads final : public LoadFamily {
 
  private:
   const World& world_;
+  Stage stage_;
 };
 
 PathSettings path_settings(const World& world, const State& state) {
@@ -47,11 +49,12 @@ double first_arc(const World& world, const State& state) {
 
 std::string LoadControl::begin_path(const World& world, Newton& newton, State& state, StepReport& report,
                                     const NewtonObserver& observer) {
-  const StaticLoads family(world);
+  const StaticLoads family(world, state.positions);
   VectorX targets = state.positions;
   family.place_fixed(0, targets);
-  const NewtonReport search = newton.minimize(*family.at(0), world.is_fixed, targets, newton_settings(world),
-                                              state.positions, observer);
+  const std::unique_ptr<Objective> unloaded = family.at(0);
+  const NewtonReport search =
+      newton.minimize(*unloaded, world.is_fixed, targets, newton_settings(world), state.positions, observer);
   add_to(report.newton, search);
   if (search.status == NewtonReport::Status::interrupted) {
     report.status = StepReport::Status::interrupted;
@@ -85,7 +88,7 @@ StepReport LoadControl::step_along_path(const World& world, Newton& newton, Stat
     if (report.status == StepReport::Status::interrupted) return report;
     if (!failure.empty()) return end_with(StepReport::Status::not_converged, failure);
   }
-  const StaticLoads family(world);
+  const StaticLoads family(world, state.positions);
   while (true) {
     const PathPoint previous{state.previous_positions, state.previous_load};
     PathPoint point{state.positions, state.load};

@@ -2,49 +2,47 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
-
-#include "resilin/energy/pressure.hpp"
 
 namespace resilin {
 
-Potential::Potential(const World& world, const Conditions& conditions, const Inertia* inertia,
-                     std::span<const std::unique_ptr<Energy>> more_terms)
-    : world_(world), conditions_(conditions), inertia_(inertia), more_terms_(more_terms) {}
+Potential::Potential(std::span<const std::shared_ptr<const Energy>> terms,
+                     std::span<const std::uint8_t> is_fixed, const Conditions& conditions, const Stage& stage)
+    : is_fixed_(is_fixed), conditions_(conditions) {
+  for (const auto& term : terms) {
+    std::unique_ptr<Energy> own = term->begin_stage(stage);
+    terms_.push_back(own ? own.get() : term.get());
+    if (own) own_.push_back(std::move(own));
+  }
+}
 
-template <class Function>
-void Potential::for_each_term(const Function& function) const {
-  for (const auto& energy : world_.elastic) function(*energy);
-  for (const auto& energy : world_.external) function(*energy);
-  for (const auto& collider : world_.colliders) function(static_cast<const Energy&>(*collider));
-  if (inertia_ != nullptr) function(static_cast<const Energy&>(*inertia_));
-  for (const auto& term : more_terms_) function(*term);
+void Potential::prepare(const VectorX& x, const VectorX& p) {
+  for (const auto& term : own_) term->prepare(x, p, conditions_);
 }
 
 double Potential::difference(const VectorX& from, const VectorX& to) const {
   double sum = 0;
-  for_each_term([&](const Energy& energy) { sum += energy.difference(from, to, conditions_); });
+  for (const Energy* term : terms_) sum += term->difference(from, to, conditions_);
   return sum;
 }
 
 double Potential::magnitude(const VectorX& x) const {
   double sum = 0;
-  for_each_term([&](const Energy& energy) { sum += std::abs(energy.value(x, conditions_)); });
+  for (const Energy* term : terms_) sum += std::abs(term->value(x, conditions_));
   return sum;
 }
 
 void Potential::gradient(const VectorX& x, VectorX& gradient) const {
   gradient.setZero(x.size());
-  for_each_term([&](const Energy& energy) { energy.add_gradient(x, conditions_, gradient); });
+  for (const Energy* term : terms_) term->add_gradient(x, conditions_, gradient);
 }
 
 void Potential::gradient_magnitude(const VectorX& x, VectorX& magnitude) const {
   magnitude.setZero(x.size());
-  for_each_term([&](const Energy& energy) { energy.add_gradient_magnitude(x, conditions_, magnitude); });
+  for (const Energy* term : terms_) term->add_gradient_magnitude(x, conditions_, magnitude);
 }
 
 void Potential::hessian(const VectorX& x, Projection projection, BlockMatrix& hessian) const {
-  for_each_term([&](const Energy& energy) { energy.add_hessian(x, conditions_, projection, hessian); });
+  for (const Energy* term : terms_) term->add_hessian(x, conditions_, projection, hessian);
 }
 
 namespace {
@@ -59,46 +57,45 @@ void append(VectorX& all, const VectorX& more) {
 
 VectorX Potential::internal_values(const VectorX& x) const {
   VectorX all;
-  for_each_term([&](const Energy& energy) { append(all, energy.internal_values(x)); });
+  for (const Energy* term : terms_) append(all, term->internal_values(x));
   return all;
 }
 
 VectorX Potential::predicted_internal_values(const VectorX& x, const VectorX& p, double t) const {
   VectorX all;
-  for_each_term([&](const Energy& energy) { append(all, energy.predicted_internal_values(x, p, t)); });
+  for (const Energy* term : terms_) append(all, term->predicted_internal_values(x, p, t));
   return all;
 }
 
 void Potential::hessian_at(const VectorX& internal, const VectorX& x, Projection projection,
                            BlockMatrix& hessian) const {
   Eigen::Index first = 0;
-  for_each_term([&](const Energy& energy) {
-    const Eigen::Index count = energy.num_internal_values();
-    energy.add_hessian_at(internal.segment(first, count), x, conditions_, projection, hessian);
+  for (const Energy* term : terms_) {
+    const Eigen::Index count = term->num_internal_values();
+    term->add_hessian_at(internal.segment(first, count), x, conditions_, projection, hessian);
     first += count;
-  });
+  }
 }
 
 bool Potential::has_potential(const VectorX& x) const {
-  std::vector<const Energy*> pressures;
-  for (const auto& energy : world_.external) {
-    if (dynamic_cast<const Pressure*>(energy.get()) != nullptr) pressures.push_back(energy.get());
-  }
-  if (pressures.empty()) return true;
+  std::vector<const Energy*> doubtful;
+  for (const Energy* term : terms_)
+    if (!term->properties().has_potential) doubtful.push_back(term);
+  if (doubtful.empty()) return true;
   // A symmetric tangent T has a.T b = b.T a for any a, b. The force is quadratic in x: its central difference
   // is T, for a step of any length.
   const auto tangent_times = [&](const VectorX& p) {
     VectorX after = VectorX::Zero(x.size()), before = after;
-    for (const Energy* pressure : pressures) {
-      pressure->add_gradient(x + p, conditions_, after);
-      pressure->add_gradient(x - p, conditions_, before);
+    for (const Energy* term : doubtful) {
+      term->add_gradient(x + p, conditions_, after);
+      term->add_gradient(x - p, conditions_, before);
     }
     return VectorX(0.5 * (after - before));
   };
   const double extent = x.maxCoeff() - x.minCoeff();
   VectorX a(x.size()), b(x.size());
   for (Eigen::Index i = 0; i < x.size(); ++i) {
-    const bool is_free = world_.is_fixed[static_cast<std::size_t>(i)] == 0;
+    const bool is_free = is_fixed_[static_cast<std::size_t>(i)] == 0;
     a[i] = is_free ? extent * std::sin(1.0 + 12.9898 * static_cast<double>(i)) : 0;
     b[i] = is_free ? extent * std::cos(2.0 + 78.233 * static_cast<double>(i)) : 0;
   }
@@ -109,27 +106,64 @@ bool Potential::has_potential(const VectorX& x) const {
 
 double Potential::max_step(const VectorX& x, const VectorX& p) const {
   double step = 1;
-  for_each_term([&](const Energy& energy) { step = std::min(step, energy.max_step(x, p, conditions_)); });
+  for (const Energy* term : terms_) step = std::min(step, term->max_step(x, p, conditions_));
   return step;
 }
 
 double Potential::force_scale(const VectorX& x, const VectorX& gradient) const {
   double scale = 0;
   VectorX force;
-  const auto include = [&](const Energy& energy) {
+  for (const Energy* term : terms_) {
+    if (term->properties().category == EnergyCategory::elastic) continue;
     force.setZero(x.size());
-    energy.add_gradient(x, conditions_, force);
+    term->add_gradient(x, conditions_, force);
     scale = std::max(scale, force.norm());
-  };
-  for (const auto& energy : world_.external) include(*energy);
-  for (const auto& collider : world_.colliders) include(*collider);
-  if (inertia_ != nullptr) include(*inertia_);
-  for (const auto& term : more_terms_) include(*term);
+  }
   double reaction = 0;
   for (Eigen::Index i = 0; i < gradient.size(); ++i) {
-    if (world_.is_fixed[static_cast<std::size_t>(i)] != 0) reaction += gradient[i] * gradient[i];
+    if (is_fixed_[static_cast<std::size_t>(i)] != 0) reaction += gradient[i] * gradient[i];
   }
   return std::max(scale, std::sqrt(reaction));
+}
+
+double Potential::energy(EnergyCategory category, const VectorX& x) const {
+  double sum = 0;
+  for (const Energy* term : terms_)
+    if (term->properties().category == category) sum += term->value(x, conditions_);
+  return sum;
+}
+
+double Potential::difference_without(EnergyCategory category, const VectorX& from, const VectorX& to) const {
+  double sum = 0;
+  for (const Energy* term : terms_)
+    if (term->properties().category != category) sum += term->difference(from, to, conditions_);
+  return sum;
+}
+
+VectorX Potential::gradient_without(EnergyCategory category, const VectorX& x) const {
+  VectorX gradient = VectorX::Zero(x.size());
+  for (const Energy* term : terms_)
+    if (term->properties().category != category) term->add_gradient(x, conditions_, gradient);
+  return gradient;
+}
+
+bool Potential::is_in_domain(const VectorX& x) const {
+  double sum = 0;
+  for (const Energy* term : terms_) sum += term->value(x, conditions_);
+  return std::isfinite(sum);
+}
+
+double Potential::least_delay(const VectorX& x) const {
+  double delay = 0;
+  for (const Energy* term : terms_) delay = std::max(delay, term->least_delay(x, conditions_));
+  return delay;
+}
+
+Terms terms_without(EnergyCategory category, const Terms& terms) {
+  Terms left;
+  std::ranges::copy_if(terms, std::back_inserter(left),
+                       [category](const auto& term) { return term->properties().category != category; });
+  return left;
 }
 
 }  // namespace resilin

@@ -4,20 +4,27 @@
 #include <span>
 #include <vector>
 
-#include "resilin/energy/inertia.hpp"
 #include "resilin/optimize/objective.hpp"
 #include "resilin/world/world.hpp"
 
 namespace resilin {
 
-/// The sum of a world's energies at given conditions, with the inertia and the damping of a time step when
-/// there are such.
+/// The sum of energies at given conditions in one stage of a step, in motion or in statics: what Newton
+/// minimises, and the one place where terms are added up.
 class Potential final : public Objective {
  public:
-  /// @param world, inertia, more_terms  kept by reference; `inertia` may be null
-  Potential(const World& world, const Conditions& conditions, const Inertia* inertia,
-            std::span<const std::unique_ptr<Energy>> more_terms = {});
+  /// @param terms, is_fixed  kept by reference
+  Potential(std::span<const std::shared_ptr<const Energy>> terms, std::span<const std::uint8_t> is_fixed,
+            const Conditions& conditions, const Stage& stage);
+  /// Of a world's own terms and fixed unknowns; kept by reference.
+  Potential(const World& world, const Conditions& conditions, const Stage& stage)
+      : Potential(world.terms, world.is_fixed, conditions, stage) {}
 
+  const Conditions& conditions() const { return conditions_; }
+  /// Within the stage: what lags stays where it is.
+  void set_conditions(const Conditions& conditions) { conditions_ = conditions; }
+
+  void prepare(const VectorX& x, const VectorX& p) override;
   double difference(const VectorX& from, const VectorX& to) const override;
   double magnitude(const VectorX& x) const override;
   void gradient(const VectorX& x, VectorX& gradient) const override;
@@ -31,17 +38,27 @@ class Potential final : public Objective {
   bool has_potential(const VectorX& x) const override;
   double max_step(const VectorX& x, const VectorX& p) const override;
 
-  /// The largest of: the loads, the reactions, the inertia force; each as the norm over all unknowns [N].
+  /// The largest of: each term but the elastic ones, the reactions; each as the norm over all unknowns [N].
   double force_scale(const VectorX& x, const VectorX& gradient) const override;
 
- private:
-  template <class Function>
-  void for_each_term(const Function& function) const;
+  // ---- parts of the sum
+  double energy(EnergyCategory category, const VectorX& x) const;  ///< [J]
+  double difference_without(EnergyCategory category, const VectorX& from, const VectorX& to) const;
+  VectorX gradient_without(EnergyCategory category, const VectorX& x) const;
+  /// The energy at x is finite.
+  bool is_in_domain(const VectorX& x) const;
+  /// How far behind terms that move by themselves have to be when bodies stand at x, at most
+  /// `conditions().collider_delay` [s].
+  double least_delay(const VectorX& x) const;
 
-  const World& world_;
+ private:
+  std::span<const std::uint8_t> is_fixed_;
   Conditions conditions_;
-  const Inertia* inertia_;
-  std::span<const std::unique_ptr<Energy>> more_terms_;
+  std::vector<std::unique_ptr<Energy>> own_;  ///< made for this stage
+  std::vector<const Energy*> terms_;          ///< in order, `own_` in place of those they were made of
 };
+
+/// The terms that are no part of a category.
+Terms terms_without(EnergyCategory category, const Terms& terms);
 
 }  // namespace resilin

@@ -26,26 +26,31 @@ NewtonSettings newton_settings(const World& world) {
   settings.max_iterations = world.newton.max_iterations;
   settings.is_quadratic = is_linear(world);
   settings.relaxed_steps = world.is_dynamic ? 0 : 4;
-  const std::string& policy = world.newton.projection;
-  if (policy == "none") {
-    settings.projection = ProjectionPolicy::none;
-  } else if (policy == "clamp") {
-    settings.projection = ProjectionPolicy::clamp;
-  } else if (policy == "absolute") {
-    settings.projection = ProjectionPolicy::absolute;
-  } else {
-    settings.projection = world.is_dynamic ? ProjectionPolicy::on_failure : ProjectionPolicy::adaptive;
+  switch (world.newton.projection) {
+    case ProjectionChoice::none:
+      settings.projection = ProjectionPolicy::none;
+      break;
+    case ProjectionChoice::clamp:
+      settings.projection = ProjectionPolicy::clamp;
+      break;
+    case ProjectionChoice::absolute:
+      settings.projection = ProjectionPolicy::absolute;
+      break;
+    case ProjectionChoice::automatic:
+      settings.projection = world.is_dynamic ? ProjectionPolicy::on_failure : ProjectionPolicy::adaptive;
   }
   return settings;
 }
 
-void choose_lower_start(const Objective& objective, std::span<const std::uint8_t> is_fixed,
-                        const VectorX& held, VectorX candidate, VectorX& x) {
+void choose_lower_start(Objective& objective, std::span<const std::uint8_t> is_fixed, const VectorX& held,
+                        VectorX candidate, VectorX& x) {
   for (Eigen::Index k = 0; k < x.size(); ++k) {
     if (is_fixed[static_cast<std::size_t>(k)] != 0) candidate[k] = held[k];
   }
+  const VectorX way = candidate - x;
+  objective.prepare(x, way);
   const double difference = objective.difference(x, candidate);
-  if (std::isfinite(difference) && difference < 0 && objective.max_step(x, candidate - x) == 1) x = candidate;
+  if (std::isfinite(difference) && difference < 0 && objective.max_step(x, way) == 1) x = candidate;
 }
 
 std::string describe_failure(const World& world, const NewtonReport& report, const VectorX& positions) {

@@ -7,8 +7,8 @@
 #include "resilin/integrator/backward_euler.hpp"
 #include "resilin/simulation/initial_acceleration.hpp"
 #include "resilin/simulation/potential.hpp"
-#include "resilin/world/colliders.hpp"
-#include "resilin/world/damping.hpp"
+#include "resilin/simulation/prescribed_motion.hpp"
+#include "resilin/simulation/stage_solver.hpp"
 
 namespace resilin {
 namespace {
@@ -28,41 +28,6 @@ History history_of(const State& state) {
           .previous_time_step = state.previous_time_step};
 }
 
-/// The prescribed motion at a time; fixed unknowns without a support stand still.
-void prescribe_motion_at(const World& world, double time, Motion& motion) {
-  for (Eigen::Index i = 0; i < motion.positions.size(); ++i) {
-    if (world.is_fixed[static_cast<std::size_t>(i)] == 0) continue;
-    motion.velocities[i] = 0;
-    motion.accelerations[i] = 0;
-  }
-  place_supports(world.dimension, world.supports, world.rest_positions, time, motion);
-}
-
-/// The prescribed motion at the time of a stage, written into the fixed unknowns of `motion`. A stage whose
-/// unknown is a mean takes the mean motion of the step, which leads the fixed unknowns to their places at its
-/// end.
-void prescribe_motion(const World& world, const State& start, double time_step, const Stage& stage,
-                      Motion& motion) {
-  if (!stage.is_mean) return prescribe_motion_at(world, start.time + stage.time_fraction * time_step, motion);
-  Motion end = motion;
-  prescribe_motion_at(world, start.time + time_step, end);
-  for (Eigen::Index i = 0; i < end.positions.size(); ++i) {
-    if (world.is_fixed[static_cast<std::size_t>(i)] == 0) continue;
-    motion.positions[i] = 0.5 * (start.positions[i] + end.positions[i]);
-    motion.velocities[i] = (end.positions[i] - start.positions[i]) / time_step;
-    motion.accelerations[i] = (end.velocities[i] - start.velocities[i]) / time_step;
-  }
-}
-
-/// Lets the stage give the fixed unknowns their prescribed velocities and accelerations.
-void follow_prescribed(const World& world, const Motion& prescribed, Stage& stage) {
-  for (Eigen::Index i = 0; i < prescribed.positions.size(); ++i) {
-    if (world.is_fixed[static_cast<std::size_t>(i)] == 0) continue;
-    stage.base_positions[i] = prescribed.positions[i] - stage.duration * prescribed.velocities[i];
-    stage.base_velocities[i] = prescribed.velocities[i] - stage.duration * prescribed.accelerations[i];
-  }
-}
-
 /// The accelerations that the loads and the prescribed motions give from now on.
 VectorX accelerations_from(const World& world, State state) {
   state.time += 2 * slack(state.time);
@@ -70,24 +35,6 @@ VectorX accelerations_from(const World& world, State state) {
   Motion prescribed{state.positions, zero, zero};
   prescribe_motion_at(world, state.time, prescribed);
   return accelerations_at(world, state, prescribed.accelerations);
-}
-
-/// About the shape at a stage's time, to the order of the integrator: where damping is formed.
-VectorX expected_shape(const Integrator& integrator, const History& start,
-                       const std::vector<Motion>& solutions, const Stage& stage, double time_step) {
-  if (integrator.order() == 1) return start.now.positions;
-  if (solutions.empty()) return start.now.positions + stage.time_fraction * time_step * start.now.velocities;
-  // The stage before ended at x with v; for a second stage the rest of the step is what is left of it.
-  const Motion& last = solutions.back();
-  const double passed = 2 * stage.duration;  // TR-BDF2: the first stage is as long as both its halves
-  return last.positions + (time_step - passed) * last.velocities;
-}
-
-bool is_in_domain(const World& world, const VectorX& x, const Conditions& conditions) {
-  double sum = 0;
-  for (const auto& energy : world.elastic) sum += energy->value(x, conditions);
-  for (const auto& collider : world.colliders) sum += collider->value(x, conditions);
-  return std::isfinite(sum);
 }
 
 struct PlannedStep {
@@ -123,36 +70,6 @@ double largest_free_distance(const World& world, const VectorX& vectors) {
   }
   return std::sqrt(largest);
 }
-
-/// Newton's method on one stage, from x. Where bodies are in the way of moving colliders these go as far as
-/// they can without touching them, a few iterations let the bodies give way, and so on;
-/// `conditions.collider_delay` is how far they are behind at first, and becomes how far they still are.
-struct StageSolver {
-  static constexpr int most_advances = 100;
-  static constexpr int iterations_to_give_way = 3;
-
-  const World& world;
-  Newton& newton;
-  const Inertia& inertia;
-  std::span<const std::unique_ptr<Energy>> damping;
-  const VectorX& prescribed;  ///< places of the fixed unknowns
-  const NewtonObserver& observer;
-
-  NewtonReport solve(Conditions& conditions, const VectorX& guess, VectorX& x) const {
-    NewtonReport total;
-    const VectorX held = x;
-    for (int advance = 0;; ++advance) {
-      conditions.collider_delay = least_collider_delay(world, x, conditions);
-      const bool is_last = conditions.collider_delay == 0 || advance == most_advances;
-      const Potential potential(world, conditions, &inertia, damping);
-      if (advance == 0) choose_lower_start(potential, world.is_fixed, held, guess, x);
-      NewtonSettings settings = newton_settings(world);
-      if (!is_last) settings.max_iterations = std::min(settings.max_iterations, iterations_to_give_way);
-      add_to(total, newton.minimize(potential, world.is_fixed, prescribed, settings, x, observer));
-      if (is_last || total.status == NewtonReport::Status::interrupted) return total;
-    }
-  }
-};
 
 void move_to(State& state, Motion end, double time_step, double collider_delay) {
   state.previous_positions = std::move(state.positions);
@@ -206,13 +123,11 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
     follow_prescribed(world, prescribed, stage);
     Conditions conditions{.time = state.time + stage.time_fraction * time_step, .load = 1};
     conditions.collider_delay = conditions.time - colliders_reached;
-    const Inertia inertia(world.mass, stage.target(), stage.scale());
-    const VectorX shape = expected_shape(integrator, start, solutions, stage, time_step);
-    const auto damping = damping_terms(world, shape, stage.base_positions, stage.duration);
+    Potential potential(world, conditions, stage);
     VectorX x = before;
-    const NewtonReport search =
-        StageSolver{world, newton, inertia, damping, prescribed.positions, observer}.solve(conditions,
-                                                                                           stage.target(), x);
+    const NewtonReport search = solve_stage(potential, world.is_fixed, prescribed.positions, stage.target(),
+                                            newton_settings(world), {}, newton, x, observer);
+    conditions = potential.conditions();
     add_to(report.newton, search);
     if (search.status == NewtonReport::Status::interrupted) {
       report.status = StepReport::Status::interrupted;
@@ -230,7 +145,7 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
     }
     colliders_reached = conditions.time - conditions.collider_delay;
     attempt.collider_delay = conditions.collider_delay;
-    Potential(world, conditions, &inertia, damping).gradient(x, attempt.gradient);
+    potential.gradient(x, attempt.gradient);
     solutions.push_back(stage.motion(std::move(x)));
   }
   attempt.end = integrator.finish(start, std::move(solutions), time_step);
@@ -243,7 +158,7 @@ TimeStepper::Attempt TimeStepper::safe_attempt(const World& world, Newton& newto
   Attempt found = attempt(world, newton, state, time_step, *integrator_, observer);
   if (found.report.status == StepReport::Status::interrupted || integrator_->solves_for_end()) return found;
   const Conditions end{.time = state.time + time_step, .load = 1};
-  if (is_in_domain(world, found.end.positions, end)) {
+  if (Potential(world, end, static_stage(state.positions)).is_in_domain(found.end.positions)) {
     found.collider_delay = 0;
     return found;
   }

@@ -16,7 +16,7 @@ constexpr double drawn_size = 0.1;  ///< of the largest extent
 /// (shape^T M 1_k)^2 for each axis k.
 Vector3 effective_mass(const World& world, const VectorX& shape) {
   VectorX momentum;
-  world.mass.multiply(shape, momentum);
+  world.mass->multiply(shape, momentum);
   Vector3 participation = Vector3::Zero();
   for (Eigen::Index i = 0; i < momentum.size(); ++i)
     participation[static_cast<int>(i % world.dimension)] += momentum[i];
@@ -52,13 +52,13 @@ std::vector<VibrationMode> find_modes(const World& world, const VectorX& equilib
   BlockMatrix stiffness(world.dimension, world.pattern);
   {
     const Stopwatch watch(report.newton.assembly_seconds);
-    const Potential potential(world, {.time = 0, .load = load}, nullptr);
+    const Potential potential(world, {.time = 0, .load = load}, static_stage(equilibrium));
     potential.hessian(equilibrium, Projection::none, stiffness);
   }
   const EigenProblem problem{
       .stiffness = stiffness,
-      .add_mass = [&world](double factor, BlockMatrix& A) { world.mass.add_to(factor, A); },
-      .multiply_mass = [&world](const VectorX& x, VectorX& y) { world.mass.multiply(x, y); },
+      .add_mass = [&world](double factor, BlockMatrix& A) { world.mass->add_to(factor, A); },
+      .multiply_mass = [&world](const VectorX& x, VectorX& y) { world.mass->multiply(x, y); },
       .is_fixed = world.is_fixed};
   // A factor is used for dozens of right sides: a direct solver unless the scene names another.
   const bool is_free_choice = world.solver.kind == "auto";
@@ -88,8 +88,7 @@ VectorX drawn_mode(const World& world, const VectorX& equilibrium, const Vibrati
         std::max(farthest, mode.shape.segment(Eigen::Index{node} * world.dimension, world.dimension).norm());
   const VectorX motion = drawn_size * world.largest_extent() / farthest * mode.shape;
   double length = 1;
-  for (const auto& energy : world.elastic)
-    length = std::min(length, energy->max_step(equilibrium, motion, {}));
+  for (const auto& term : world.terms) length = std::min(length, term->max_step(equilibrium, motion, {}));
   return equilibrium + length * motion;
 }
 

@@ -1,5 +1,7 @@
 #include "resilin/world/body_material.hpp"
 
+#include <algorithm>
+
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/world/cell_material.hpp"
@@ -22,7 +24,7 @@ std::shared_ptr<ElasticEnergy> give_material(const World& world, const BodyDescr
   auto elastic = std::make_shared<ElasticEnergy>(
       world.dimension, ElementChoice(body.element, description.quadrature), body.cells, world.rest_positions,
       law, constants, fibres_of_cells(law, description, body.num_cells()));
-  if (world.newton.inversion_bound == "everywhere") elastic->bound_inversion_everywhere();
+  if (world.newton.inversion_bound == InversionBound::everywhere) elastic->bound_inversion_everywhere();
   body.elastic = elastic;
   body.density = material.density;
   body.mass = material.density * body.elastic->total_rest_volume();
@@ -39,8 +41,9 @@ void change_material(World& world, std::size_t index, const BodyDescription& des
   const auto elastic = give_material(
       world, description, constants_of_cells(law, description.material, changed.num_cells()), changed);
   elastic->bind(*world.pattern);
+  std::ranges::replace(world.terms, std::shared_ptr<const Energy>(world.bodies[index].elastic),
+                       std::shared_ptr<const Energy>(elastic));
   world.bodies[index] = std::move(changed);
-  world.elastic[index] = elastic;
 }
 
 }  // namespace resilin

@@ -23,14 +23,30 @@ std::string mesh_place(const BodyDescription& body) {
   return body.mesh_name.empty() ? body.place + ".mesh" : body.mesh_name;
 }
 
+const ElementInfo& without_pressure(const ElementInfo& element) {
+  return *find_element(element.dim, is_simplex(element.shape), element.degree, false);
+}
+
+/// What does not lock on these cells: with one pressure where the law can have it, else of degree 2 where
+/// there is such an element. Null where there is none.
+const ElementInfo* without_locking(const ElementCase& c) {
+  const int dim = dimension(c.cells);
+  const bool simplices = has_simplices(c.cells);
+  const int degree = simplices ? 2 : 1;
+  if (c.law.has_volume_energy) return find_element(dim, simplices, degree, true);
+  return simplices ? find_element(dim, simplices, degree, false) : nullptr;
+}
+
 /// The element that the user named, which must fit the cells.
 const ElementInfo& named_element(const BodyDescription& body, int dim, const ElementCase& c) {
   const std::string place = body.place + ".element";
   const ElementInfo& element = require_element(body.element, dim, place);
   if (is_simplex(element.shape) != has_simplices(c.cells)) {
-    throw InputError(place,
-                     std::string(has_simplices(c.cells) ? "P1, P2, P2P0" : "Q1, Q1P0") + " or auto for " +
-                         std::string(name(c.cells)),
+    std::vector<std::string> fitting;
+    for (const ElementInfo* other : elements())
+      if (other->dim == dim && is_simplex(other->shape) == has_simplices(c.cells))
+        fitting.emplace_back(other->name);
+    throw InputError(place, join(fitting) + " or auto for " + std::string(name(c.cells)),
                      "\"" + body.element + "\"");
   }
   if (element.has_mean_volume && !c.law.has_volume_energy) {
@@ -38,7 +54,7 @@ const ElementInfo& named_element(const BodyDescription& body, int dim, const Ele
                      "an element without a pressure: the volume energy of " + std::string(c.law.name) +
                          " does not stand apart",
                      "\"" + body.element + "\"",
-                     "use " + std::string(element.name.substr(0, 2)) + " or another law (docs/laws.md)");
+                     "use " + std::string(without_pressure(element).name) + " or another law (docs/laws.md)");
   }
   return element;
 }
@@ -74,29 +90,30 @@ Placement::Placement(const BodyDescription& body)
       translation_(body.translate) {}
 
 ChosenElement choose_element(const ElementCase& c) {
+  const int dim = dimension(c.cells);
+  const bool simplices = has_simplices(c.cells);
+  const auto plain = [&](int degree, const std::string& reason) -> ChosenElement {
+    return {find_element(dim, simplices, degree, false), reason};
+  };
   const bool is_nearly_incompressible = c.poissons_ratio > locking_ratio;
-  const std::string simple = has_simplices(c.cells) ? "P2" : "Q1";
-  if (is_nearly_incompressible && c.law.has_volume_energy) {
-    return {simple + "P0", "nu = " + format_short(c.poissons_ratio) + " is above " +
-                               format_short(locking_ratio) + ", where elements without a pressure lock"};
-  }
-  if (!has_simplices(c.cells)) return {simple, "the mesh has " + std::string(name(c.cells))};
-  if (is_nearly_incompressible) {
-    return {simple, "nu = " + format_short(c.poissons_ratio) + " is above " + format_short(locking_ratio) +
-                        ", and the volume energy of " + std::string(c.law.name) + " does not stand apart"};
-  }
-  if (is_second_order(c.cells)) return {"P2", "the mesh is of second order"};
-  if (c.is_dynamic) return {"P1", "in motion linear elements cost least"};
-  return {"P2", "in statics quadratic elements cost least for the same error"};
+  const std::string above =
+      "nu = " + format_short(c.poissons_ratio) + " is above " + format_short(locking_ratio);
+  if (is_nearly_incompressible && c.law.has_volume_energy)
+    return {without_locking(c), above + ", where elements without a pressure lock"};
+  if (!simplices) return plain(1, "the mesh has " + std::string(name(c.cells)));
+  if (is_nearly_incompressible)
+    return plain(2,
+                 above + ", and the volume energy of " + std::string(c.law.name) + " does not stand apart");
+  if (is_second_order(c.cells)) return plain(2, "the mesh is of second order");
+  if (c.is_dynamic) return plain(1, "in motion linear elements cost least");
+  return plain(2, "in statics quadratic elements cost least for the same error");
 }
 
 std::string locking_text(const ElementInfo& element, const ElementCase& c) {
   if (element.has_mean_volume || element.degree > 1 || !(c.poissons_ratio > locking_ratio)) return "";
-  const std::string cure = c.law.has_volume_energy  ? (has_simplices(c.cells) ? "P2P0" : "Q1P0")
-                           : has_simplices(c.cells) ? "P2"
-                                                    : "";
+  const ElementInfo* cure = without_locking(c);
   return std::string(element.name) + " is too stiff for nu = " + format_short(c.poissons_ratio) +
-         " (volume locking)" + (cure.empty() ? "" : "; use element = \"" + cure + "\"");
+         " (volume locking)" + (cure == nullptr ? "" : "; use element = \"" + std::string(cure->name) + "\"");
 }
 
 const CellBlock& solid_cells(const BodyDescription& body, int dim) {
@@ -123,7 +140,7 @@ BodyMesh make_body_mesh(const BodyDescription& body, int dim, const ElementCase&
   BodyMesh made;
   if (body.element == "auto") {
     const ChosenElement chosen = choose_element(c);
-    made.element = &require_element(chosen.name, dim, body.place + ".element");
+    made.element = chosen.element;
     made.reason = chosen.reason;
   } else {
     made.element = &named_element(body, dim, c);

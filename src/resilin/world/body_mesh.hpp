@@ -32,9 +32,9 @@ struct ElementCase {
   double poissons_ratio;  ///< of the small-strain solid; the largest of all cells
 };
 
-/// A name of element/catalog.hpp and why it was chosen.
+/// An element and why it was chosen.
 struct ChosenElement {
-  std::string name;
+  const ElementInfo* element;
   std::string reason;  ///< "nu = 0.49 is above 0.45, where elements without a pressure lock"
 };
 

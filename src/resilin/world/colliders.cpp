@@ -104,23 +104,4 @@ void check_is_outside(const ColliderBarrier& collider, const World& world, const
       "move the body (translate) or the collider by " + format_short(gap - nearest.distance) + " m or more");
 }
 
-std::vector<HeldDirection> directions_held_by_colliders(const World& world) {
-  std::vector<HeldDirection> held;
-  for (const auto& collider : world.colliders) {
-    const Vector3 shift = collider->place({}) - collider->shape().reference_point();
-    for (const ContactNode& node : collider->nodes()) {
-      const Vector3 y = node_position(world.dimension, node.node, world.start_positions) - shift;
-      if (collider->shape().distance(y) < collider->activation_distance())
-        held.push_back({node.node, collider->shape().normal(y)});
-    }
-  }
-  return held;
-}
-
-double least_collider_delay(const World& world, const VectorX& x, const Conditions& conditions) {
-  double delay = 0;
-  for (const auto& collider : world.colliders) delay = std::max(delay, collider->least_delay(x, conditions));
-  return delay;
-}
-
 }  // namespace resilin

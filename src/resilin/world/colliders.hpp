@@ -26,16 +26,4 @@ std::shared_ptr<const ColliderBarrier> make_collider(const ColliderDescription& 
 void check_is_outside(const ColliderBarrier& collider, const World& world, const VectorX& positions,
                       const Conditions& conditions, const std::string& place);
 
-/// A direction in which something holds a node at the start of a static run.
-struct HeldDirection {
-  Index node;
-  Vector3 direction;
-};
-/// Across the surfaces of colliders, for the nodes that are near enough to feel them.
-std::vector<HeldDirection> directions_held_by_colliders(const World& world);
-
-/// How little the colliders of a world may be behind when bodies stand at x: zero where they all get to their
-/// places, at most `conditions.collider_delay` [s].
-double least_collider_delay(const World& world, const VectorX& x, const Conditions& conditions);
-
 }  // namespace resilin

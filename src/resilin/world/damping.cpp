@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "resilin/energy/inertia.hpp"
+#include "resilin/energy/damping.hpp"
 
 namespace resilin {
 namespace {
@@ -22,54 +22,41 @@ Viscosity rest_stiffness(const Material& material) {
   return {.eta = (3 * sum_ijij - sum_iijj) / 30, .zeta = (2 * sum_iijj - sum_ijij) / 15};
 }
 
-/// The viscosities that a body's `damping` asks for; null when it asks for none.
-std::shared_ptr<const ViscousBody> make_viscous_body(const DampingDescription& damping, const World& world,
-                                                     const Body& body) {
-  if (damping.stiffness == 0 && damping.shear_viscosity == 0 && damping.bulk_viscosity == 0) return nullptr;
+/// The viscosities that a body's `damping` asks for; empty when it asks for none.
+std::vector<Viscosity> viscosities_of(const DampingDescription& damping, const Body& body) {
+  if (damping.stiffness == 0 && damping.shear_viscosity == 0 && damping.bulk_viscosity == 0) return {};
   const Viscosity own{.eta = damping.shear_viscosity,
                       .zeta = damping.bulk_viscosity - 2.0 / 3 * damping.shear_viscosity};
-  std::vector<Viscosity> viscosities(static_cast<std::size_t>(damping.stiffness == 0 ? 1 : body.num_cells()),
-                                     own);
-  if (damping.stiffness > 0) {
-    for (std::size_t cell = 0; cell < viscosities.size(); ++cell) {
-      const Viscosity rest = rest_stiffness(body.elastic->material(static_cast<Index>(cell)));
-      viscosities[cell].eta += damping.stiffness * rest.eta;
-      viscosities[cell].zeta += damping.stiffness * rest.zeta;
-    }
+  if (damping.stiffness == 0) return {own};
+  std::vector<Viscosity> viscosities(static_cast<std::size_t>(body.num_cells()), own);
+  for (std::size_t cell = 0; cell < viscosities.size(); ++cell) {
+    const Viscosity rest = rest_stiffness(body.elastic->material(static_cast<Index>(cell)));
+    viscosities[cell].eta += damping.stiffness * rest.eta;
+    viscosities[cell].zeta += damping.stiffness * rest.zeta;
   }
-  return std::make_shared<const ViscousBody>(world.dimension, body.elastic->element(),
-                                             body.elastic->quadrature(), body.cells, world.rest_positions,
-                                             std::move(viscosities));
+  return viscosities;
 }
 
 }  // namespace
 
-void add_damping(const Description& description, World& world) {
-  MassMatrix& damping = world.mass_damping;
+Terms damping_terms(const Description& description, const World& world) {
+  Terms terms;
+  MassMatrix by_mass;
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     const Body& body = world.bodies[b];
     const DampingDescription& wanted = description.bodies[b].damping;
-    if (auto viscous = make_viscous_body(wanted, world, body))
-      world.viscous_bodies.push_back(std::move(viscous));
-    if (wanted.mass == 0) continue;
-    if (damping.nodal.size() == 0) {
-      damping = world.mass;
-      damping.nodal.setZero();
-      std::ranges::fill(damping.slots, 0.0);
+    if (std::vector<Viscosity> viscosities = viscosities_of(wanted, body); !viscosities.empty()) {
+      terms.push_back(std::make_shared<ViscousDamping>(
+          ViscousBody(world.dimension, body.elastic->element(), body.elastic->quadrature(), body.cells,
+                      world.rest_positions, std::move(viscosities))));
     }
-    add_cell_masses(damping, body.elastic->element(), body.cells, world.rest_positions,
-                    wanted.mass * body.density, body.mass_kind == "consistent");
+    if (wanted.mass == 0) continue;
+    if (by_mass.nodal.size() == 0) by_mass = world.mass->times(0);
+    add_cell_masses(by_mass, body.elastic->element(), body.cells, world.rest_positions,
+                    wanted.mass * body.density, body.mass_kind == MassKind::consistent);
   }
-}
-
-std::vector<std::unique_ptr<Energy>> damping_terms(const World& world, const VectorX& at,
-                                                   const VectorX& base_positions, double duration) {
-  std::vector<std::unique_ptr<Energy>> terms;
-  // c/2 v^T D v with D = alpha M and v = (x - x_0) / c has the form of an inertia with s = c.
-  if (world.mass_damping.nodal.size() > 0)
-    terms.push_back(std::make_unique<Inertia>(world.mass_damping, base_positions, duration));
-  for (const auto& body : world.viscous_bodies)
-    terms.push_back(std::make_unique<StageDamping>(*body, at, base_positions, duration));
+  if (by_mass.nodal.size() > 0)
+    terms.push_back(std::make_shared<MassDamping>(std::make_shared<const MassMatrix>(std::move(by_mass))));
   return terms;
 }
 

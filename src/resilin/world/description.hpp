@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <optional>
@@ -7,6 +8,7 @@
 #include <vector>
 
 #include "resilin/contact/catalog.hpp"
+#include "resilin/core/spelling.hpp"
 #include "resilin/core/types.hpp"
 #include "resilin/energy/time_function.hpp"
 #include "resilin/mesh/mesh.hpp"
@@ -16,6 +18,35 @@
 ///
 /// `place` says where a struct came from ("beam.toml: [[load]] 1") and begins every message about it.
 namespace resilin {
+
+// Choices with their spellings in a scene file, in order (core/spelling.hpp).
+
+/// How mass is spread over the nodes.
+enum class MassKind { lumped, consistent };
+constexpr std::array<std::string_view, 2> spellings(MassKind) { return {"lumped", "consistent"}; }
+
+/// What is done to negative eigenvalues of the elements' matrices; `automatic` chooses for statics and
+/// motion.
+enum class ProjectionChoice { automatic, none, clamp, absolute };
+constexpr std::array<std::string_view, 4> spellings(ProjectionChoice) {
+  return {"auto", "none", "clamp", "absolute"};
+}
+
+/// Where laws that need J > 0 keep it: at the quadrature points, or in the whole of every cell.
+enum class InversionBound { points, everywhere };
+constexpr std::array<std::string_view, 2> spellings(InversionBound) { return {"points", "everywhere"}; }
+
+/// How a static run goes on: by load steps, or along the path of equilibria, also where the load falls.
+enum class LoadControlKind { load, arc_length };
+constexpr std::array<std::string_view, 2> spellings(LoadControlKind) { return {"load", "arc_length"}; }
+
+/// Whether each equilibrium says how many unstable modes it has; `automatic` counts where it is cheap.
+enum class UnstableModes { automatic, count, skip };
+constexpr std::array<std::string_view, 3> spellings(UnstableModes) { return {"auto", "count", "skip"}; }
+
+/// What a run writes: files for ParaView, a page for browsers, a stage for Blender and Houdini.
+enum class OutputFormat { vtu, html, usda };
+constexpr std::array<std::string_view, 3> spellings(OutputFormat) { return {"vtu", "html", "usda"}; }
 
 /// Which vertices of a body are meant, in its rest shape after scale, rotate and translate.
 struct Where {
@@ -84,8 +115,8 @@ struct BodyDescription {
   /// of their edges.
   std::vector<double> initial_positions;
   std::vector<double>
-      initial_velocities;       ///< dim per vertex [m/s]; empty: from velocity and velocity_gradient
-  std::string mass = "lumped";  ///< lumped | consistent
+      initial_velocities;  ///< dim per vertex [m/s]; empty: from velocity and velocity_gradient
+  MassKind mass = MassKind::lumped;
   DampingDescription damping;
   std::optional<SkinDescription> skin;
 };
@@ -106,11 +137,10 @@ struct FixDescription {
 };
 
 struct LoadDescription {
-  enum class Kind { body_force, traction, pressure, nodal_force, spring };
   std::string place = "load";
   std::string name;
   std::string body;
-  Kind kind = Kind::body_force;
+  std::string kind = "body_force";  ///< a name of world/load_catalog.cpp
   Where where;
   /// body_force [N/m^3], traction [N/m^2] dead on the rest surface, nodal_force [N] on each vertex.
   Vector3 value = Vector3::Zero();
@@ -153,12 +183,10 @@ struct SectionDescription {
 };
 
 struct NewtonOptions {
-  double tolerance = 1e-8;          ///< force residual relative to the load (docs/theory/stopping.md)
-  int max_iterations = 100;         ///< per load or time step; a smaller number truncates a step, safely
-  std::string projection = "auto";  ///< auto | none | clamp | absolute
-  /// points | everywhere: where laws that need J > 0 keep it, at the quadrature points or in the whole of
-  /// every cell.
-  std::string inversion_bound = "points";
+  double tolerance = 1e-8;   ///< force residual relative to the load (docs/theory/stopping.md)
+  int max_iterations = 100;  ///< per load or time step; a smaller number truncates a step, safely
+  ProjectionChoice projection = ProjectionChoice::automatic;
+  InversionBound inversion_bound = InversionBound::points;
 };
 
 struct SolverOptions {
@@ -169,7 +197,9 @@ struct SolverOptions {
 struct OutputOptions {
   int every = 1;  ///< frames are written for each n-th step
   std::vector<std::string> fields = {"displacement"};
-  std::vector<std::string> formats = {"vtu", "html"};  ///< vtu | html | usda
+  std::vector<OutputFormat> formats = {OutputFormat::vtu, OutputFormat::html};
+
+  bool writes(OutputFormat format) const { return std::ranges::find(formats, format) != formats.end(); }
 };
 
 /// Steps in time whose length follows an estimate of their error.
@@ -198,9 +228,9 @@ struct Description {
   std::optional<AdaptiveSteps> adaptive;  ///< in motion; `time_step` is then the first step
   std::optional<ModesOptions> modes;      ///< free vibrations are asked for; not in motion
   int load_steps = 1;                     ///< static: first attempt; halved by itself when a step fails
-  std::string load_control = "load";  ///< static: load | arc_length, which follows a body that snaps through
-  int max_steps = 500;                ///< arc_length: the path ends after so many steps
-  std::string unstable_modes = "auto";  ///< static: auto | count | skip
+  LoadControlKind load_control = LoadControlKind::load;     ///< static
+  int max_steps = 500;                                      ///< arc_length: the path ends after so many steps
+  UnstableModes unstable_modes = UnstableModes::automatic;  ///< static
   std::vector<BodyDescription> bodies;
   std::vector<FixDescription> fixes;
   std::vector<LoadDescription> loads;

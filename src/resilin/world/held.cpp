@@ -183,7 +183,9 @@ std::vector<Part> parts_of(const World& world, const Body& body, const std::vect
   for (const auto& [node, direction] : held_directions) {
     const Index v = node - body.first_node;
     if (v < 0 || v >= body.num_nodes) continue;
-    Part& part = parts[static_cast<std::size_t>(components.of_vertex[static_cast<std::size_t>(v)])];
+    const Index number = components.of_vertex[static_cast<std::size_t>(v)];
+    if (number < 0) continue;  // a vertex that no cell uses
+    Part& part = parts[static_cast<std::size_t>(number)];
     const Eigen::RowVectorXd motion =
         direction.head(dim).transpose() *
         rigid_motions(dim, node_position(dim, node, world.rest_positions), part.center, part.size);
@@ -194,14 +196,12 @@ std::vector<Part> parts_of(const World& world, const Body& body, const std::vect
 
 }  // namespace
 
-void check_is_held(const World& world, const std::vector<Index>& held_nodes) {
+void check_is_held(const World& world) {
   const int dim = world.dimension;
   std::vector<std::uint8_t> is_held(world.is_fixed.size(), 0);
   for (std::size_t i = 0; i < is_held.size(); ++i) is_held[i] = world.support_of[i] >= 0 ? 1 : 0;
-  for (const Index node : held_nodes) {
-    for (int k = 0; k < dim; ++k) is_held[static_cast<std::size_t>(node * dim + k)] = 1;
-  }
-  const std::vector<HeldDirection> held_directions = directions_held_by_colliders(world);
+  std::vector<HeldDirection> held_directions;
+  for (const auto& term : world.terms) term->add_held_directions(world.start_positions, held_directions);
   for (const Body& body : world.bodies) {
     const std::vector<Part> parts = parts_of(world, body, is_held, held_directions);
     for (std::size_t p = 0; p < parts.size(); ++p) {

@@ -5,8 +5,6 @@
 #include <cmath>
 
 #include "resilin/core/text.hpp"
-#include "resilin/energy/dead_load.hpp"
-#include "resilin/energy/handle_spring.hpp"
 
 namespace resilin {
 namespace {
@@ -24,16 +22,8 @@ double most_negative_eigenvalue(const Matrix<3>& H) {
 }  // namespace
 
 bool is_linear(const World& world) {
-  if (world.is_dynamic || !world.colliders.empty() || world.elastic.size() != world.bodies.size())
-    return false;
-  const auto has_linear_law = [](const Body& body) {
-    return body.law == "linear_elastic" && !body.elastic->element().has_mean_volume;
-  };
-  const auto is_dead = [](const std::shared_ptr<const Energy>& energy) {
-    return dynamic_cast<const DeadLoad*>(energy.get()) != nullptr ||
-           dynamic_cast<const HandleSpring*>(energy.get()) != nullptr;
-  };
-  return std::ranges::all_of(world.bodies, has_linear_law) && std::ranges::all_of(world.external, is_dead);
+  const auto is_quadratic = [](const auto& term) { return term->properties().is_quadratic; };
+  return !world.is_dynamic && std::ranges::all_of(world.terms, is_quadratic);
 }
 
 std::optional<Inversion> first_inversion(const World& world, const VectorX& positions, double load) {

@@ -1,10 +1,6 @@
 #include "resilin/world/loads.hpp"
 
-#include <algorithm>
-
-#include "resilin/core/error.hpp"
-#include "resilin/energy/handle_spring.hpp"
-#include "resilin/energy/pressure.hpp"
+#include "resilin/world/load_catalog.hpp"
 #include "resilin/world/selection.hpp"
 
 namespace resilin {
@@ -22,41 +18,18 @@ ActiveTime active_time(const LoadDescription& load, bool is_dynamic) {
 
 std::shared_ptr<Energy> make_load(const LoadDescription& load, const World& world, const Body& body,
                                   const Mesh& mesh) {
-  using Kind = LoadDescription::Kind;
-  const int dim = world.dimension;
+  const LoadKind& kind = require_load_kind(load.kind, load.place + ".kind");
   const std::string where = load.place + ".where";
-  const std::string name = load.name.empty() ? load.place : load.name;
-  const ActiveTime active = active_time(load, world.is_dynamic);
-  const std::vector<Index> vertices =
-      select_vertices(load.where, mesh, body, world.rest_positions, dim, where);
-  std::vector<Index> nodes = vertices;
-  for (Index& node : nodes) node += body.first_node;
-  if (load.kind == Kind::spring) {
-    const HandleSpring::Motion motion{
-        .displacement = load.displacement, .velocity = load.velocity, .start = load.from};
-    return std::make_shared<HandleSpring>(name, dim, std::move(nodes), load.stiffness, motion,
-                                          world.rest_positions, active);
-  }
-  if (load.kind == Kind::pressure) {
-    return std::make_shared<Pressure>(name, dim, select_facets(vertices, body, where), load.pressure,
-                                      world.rest_positions, active);
-  }
-  VectorX forces = VectorX::Zero(world.rest_positions.size());
-  if (load.kind == Kind::body_force) {
-    const std::vector<Index> cells = select_cells(vertices, body);
-    if (cells.empty()) {
-      throw InputError(where, "a part of the volume (cells with all their vertices selected)",
-                       std::to_string(vertices.size()) + " vertices that fill no cell");
-    }
-    add_body_force(body.elastic->element(), cells, world.rest_positions, load.value, forces);
-  }
-  if (load.kind == Kind::traction) {
-    add_traction(dim, select_facets(vertices, body, where), world.rest_positions, load.value, forces);
-  }
-  if (load.kind == Kind::nodal_force) {
-    for (const Index node : nodes) forces.segment(Eigen::Index{node} * dim, dim) = load.value.head(dim);
-  }
-  return std::make_shared<DeadLoad>(name, std::move(forces), world.rest_positions, active);
+  LoadSite site{
+      .world = world,
+      .body = body,
+      .name = load.name.empty() ? load.place : load.name,
+      .where = where,
+      .nodes = {},
+      .vertices = select_vertices(load.where, mesh, body, world.rest_positions, world.dimension, where),
+      .active = active_time(load, world.is_dynamic)};
+  for (const Index vertex : site.vertices) site.nodes.push_back(body.first_node + vertex);
+  return kind.make(load, site);
 }
 
 std::shared_ptr<Energy> make_gravity(const Vector3& gravity, const World& world) {

@@ -5,12 +5,14 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/energy/inertia.hpp"
 #include "resilin/mesh/facet.hpp"
 #include "resilin/world/body_material.hpp"
 #include "resilin/world/body_mesh.hpp"
 #include "resilin/world/cell_material.hpp"
 #include "resilin/world/colliders.hpp"
 #include "resilin/world/damping.hpp"
+#include "resilin/world/description_check.hpp"
 #include "resilin/world/event_times.hpp"
 #include "resilin/world/loads.hpp"
 #include "resilin/world/selection.hpp"
@@ -101,39 +103,40 @@ class Builder {
   const Description& description_;
   World& world_;
   std::vector<BodyMesh> meshes_;
-  std::vector<std::vector<double>> constants_;  ///< of each body's law, once or for each cell
-  std::vector<std::shared_ptr<ElasticEnergy>> elastic_;
-  std::vector<std::shared_ptr<Energy>> external_;
-  std::vector<Index> nodes_held_by_springs_;
+  std::vector<std::vector<double>> constants_;     ///< of each body's law, once or for each cell
+  std::vector<std::shared_ptr<Energy>> coupling_;  ///< terms whose couplings make up the pattern
 };
 
 void Builder::build() {
-  if (world_.dimension != 2 && world_.dimension != 3) {
-    throw InputError(world_.place + ": simulation.dimension", "2 or 3", std::to_string(world_.dimension));
-  }
+  check_description(description_);
   if (description_.bodies.empty()) throw InputError(world_.place, "at least one [[body]]", "none");
   for (const BodyDescription& body : description_.bodies) add_body(body);
   // Once all bodies are placed, so that every energy sees the whole world's vertices.
   for (std::size_t b = 0; b < world_.bodies.size(); ++b)
-    elastic_.push_back(give_material(world_, description_.bodies[b], constants_[b], world_.bodies[b]));
+    coupling_.push_back(give_material(world_, description_.bodies[b], constants_[b], world_.bodies[b]));
   for (const FixDescription& fix : description_.fixes) add_support(fix);
   check_support_conflicts(world_.dimension, world_.supports, world_.rest_positions);
   for (const LoadDescription& load : description_.loads) add_load(load);
-  for (const ColliderDescription& collider : description_.colliders)
-    world_.colliders.push_back(make_collider(collider, world_));
   for (const ProbeDescription& probe : description_.probes) add_probe(probe);
   for (const SectionDescription& section : description_.sections) add_section(section);
   build_pattern();
+  world_.terms.assign(coupling_.begin(), coupling_.end());
+  if (description_.gravity.head(world_.dimension).norm() > 0)
+    world_.terms.push_back(make_gravity(description_.gravity, world_));
+  for (const ColliderDescription& collider : description_.colliders) {
+    world_.colliders.push_back(make_collider(collider, world_));
+    world_.terms.push_back(world_.colliders.back());
+  }
   add_masses();
-  if (description_.gravity.head(world_.dimension).norm() > 0) {
-    world_.external.push_back(make_gravity(description_.gravity, world_));
+  if (world_.is_dynamic) {
+    world_.terms.push_back(std::make_shared<Inertia>(world_.mass));
+    for (const auto& term : damping_terms(description_, world_)) world_.terms.push_back(term);
   }
   find_fixed_unknowns();
   world_.event_times = event_times(description_);
-  if (world_.is_dynamic) add_damping(description_, world_);
   if (world_.modes) check_modes(description_, world_);
   const bool finds_equilibrium = !world_.is_dynamic && (!world_.modes || world_.modes->is_loaded);
-  if (finds_equilibrium) check_is_held(world_, nodes_held_by_springs_);
+  if (finds_equilibrium) check_is_held(world_);
 }
 
 std::size_t Builder::find_body(const std::string& name, const std::string& place) const {
@@ -212,13 +215,7 @@ void Builder::add_support(const FixDescription& fix) {
 
 void Builder::add_load(const LoadDescription& load) {
   const std::size_t b = find_body(load.body, load.place);
-  external_.push_back(make_load(load, world_, world_.bodies[b], meshes_[b].mesh));
-  if (load.kind == LoadDescription::Kind::spring && load.stiffness > 0) {
-    for (const Index v : select_vertices(load.where, meshes_[b].mesh, world_.bodies[b], world_.rest_positions,
-                                         world_.dimension, load.place + ".where")) {
-      nodes_held_by_springs_.push_back(world_.bodies[b].first_node + v);
-    }
-  }
+  coupling_.push_back(make_load(load, world_, world_.bodies[b], meshes_[b].mesh));
 }
 
 void Builder::add_probe(const ProbeDescription& probe) {
@@ -248,20 +245,16 @@ void Builder::add_section(const SectionDescription& section) {
 /// One pattern for all energies; each looks up its slots in it.
 void Builder::build_pattern() {
   BlockPatternBuilder builder(world_.num_nodes());
-  for (const auto& energy : elastic_) energy->add_pattern(builder);
-  for (const auto& energy : external_) energy->add_pattern(builder);
+  for (const auto& energy : coupling_) energy->add_pattern(builder);
   world_.pattern = std::make_shared<const BlockPattern>(builder.build());
-  for (const auto& energy : elastic_) energy->bind(*world_.pattern);
-  for (const auto& energy : external_) energy->bind(*world_.pattern);
-  world_.elastic.assign(elastic_.begin(), elastic_.end());
-  world_.external.assign(external_.begin(), external_.end());
+  for (const auto& energy : coupling_) energy->bind(*world_.pattern);
 }
 
 void Builder::add_masses() {
-  MassMatrix& mass = world_.mass;
+  MassMatrix mass;
   mass.dim = world_.dimension;
   mass.nodal = VectorX::Zero(world_.num_nodes());
-  const auto is_consistent = [](const Body& body) { return body.mass_kind == "consistent"; };
+  const auto is_consistent = [](const Body& body) { return body.mass_kind == MassKind::consistent; };
   if (std::ranges::any_of(world_.bodies, is_consistent)) {
     mass.pattern = world_.pattern;
     mass.slots.assign(static_cast<std::size_t>(world_.pattern->num_slots()), 0.0);
@@ -269,6 +262,7 @@ void Builder::add_masses() {
   for (const Body& body : world_.bodies)
     add_cell_masses(mass, body.elastic->element(), body.cells, world_.rest_positions, body.density,
                     is_consistent(body));
+  world_.mass = std::make_shared<const MassMatrix>(std::move(mass));
 }
 
 void Builder::find_fixed_unknowns() {
@@ -298,7 +292,8 @@ World::World(const Description& description)
       time_step(description.time_step),
       end_time(description.end_time),
       load_steps(description.load_steps),
-      follows_path(!description.is_dynamic && !description.modes && description.load_control == "arc_length"),
+      follows_path(!description.is_dynamic && !description.modes &&
+                   description.load_control == LoadControlKind::arc_length),
       max_steps(description.max_steps),
       unstable_modes(description.unstable_modes),
       integrator(description.integrator),
@@ -308,6 +303,13 @@ World::World(const Description& description)
       solver(description.solver),
       output(description.output) {
   Builder(description, *this).build();
+}
+
+std::vector<std::string> names_of_terms(const World& world, EnergyCategory category) {
+  std::vector<std::string> names;
+  for (const auto& term : world.terms)
+    if (term->properties().category == category) names.emplace_back(term->name());
+  return names;
 }
 
 Index World::num_free_unknowns() const {

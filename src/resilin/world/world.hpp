@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "resilin/contact/collider_barrier.hpp"
-#include "resilin/energy/damping.hpp"
 #include "resilin/energy/elastic.hpp"
 #include "resilin/energy/mass.hpp"
 #include "resilin/world/description.hpp"
@@ -23,7 +22,7 @@ struct Body {
       constants;  ///< of the law's formula; per-cell ones by their mean
   std::string element;
   std::string element_reason;  ///< why `element` was chosen; empty when the user chose it
-  std::string mass_kind;
+  MassKind mass_kind = MassKind::lumped;
   Index first_node = 0;
   Index num_nodes = 0;     ///< those of the mesh, then those that the element adds
   Index num_vertices = 0;  ///< of the mesh
@@ -58,7 +57,7 @@ class World {
   int load_steps = 1;
   bool follows_path = false;  ///< static: by arc length
   int max_steps = 0;
-  std::string unstable_modes;
+  UnstableModes unstable_modes = UnstableModes::automatic;
   std::string integrator;
   std::optional<AdaptiveSteps> adaptive;
   std::optional<ModesOptions> modes;  ///< set when free vibrations are asked for
@@ -77,12 +76,11 @@ class World {
   std::vector<std::string> warnings;  ///< one line each
   std::vector<std::string> notes;     ///< what was chosen for the user, one line each
 
-  std::vector<std::shared_ptr<const Energy>> elastic;   ///< one for each body
-  std::vector<std::shared_ptr<const Energy>> external;  ///< loads
-  std::vector<std::shared_ptr<const ColliderBarrier>> colliders;
-  MassMatrix mass;
-  MassMatrix mass_damping;  ///< mass times its damping [kg/s]; without nodes where there is none
-  std::vector<std::shared_ptr<const ViscousBody>> viscous_bodies;
+  /// Everything that is minimised: strain energies body by body, loads and gravity, colliders, inertia,
+  /// damping. A caller may add terms of its own.
+  Terms terms;
+  std::shared_ptr<const MassMatrix> mass;
+  std::vector<std::shared_ptr<const ColliderBarrier>> colliders;  ///< those of `terms`, for who draws them
   std::shared_ptr<const BlockPattern> pattern;
   std::vector<std::uint8_t> is_fixed;    ///< per unknown: prescribed, or of a vertex that no cell uses
   std::vector<std::int32_t> support_of;  ///< per unknown: which support prescribes it; -1: none
@@ -93,9 +91,11 @@ class World {
   const Body& body_of(Index node) const;
 };
 
-/// Throws InputError naming the part of a body that supports, springs and colliders do not hold: its free
-/// rigid motions would make the static problem singular. `held_nodes` are nodes that springs hold in all
-/// directions.
-void check_is_held(const World& world, const std::vector<Index>& held_nodes);
+/// The names of terms of a category.
+std::vector<std::string> names_of_terms(const World& world, EnergyCategory category);
+
+/// Throws InputError naming the part of a body that neither supports nor terms hold: its free rigid motions
+/// would make the static problem singular.
+void check_is_held(const World& world);
 
 }  // namespace resilin

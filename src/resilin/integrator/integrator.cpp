@@ -1,0 +1,77 @@
+#include "resilin/integrator/integrator.hpp"
+
+#include <algorithm>
+
+namespace resilin {
+namespace {
+
+double step_ratio(const History& start, double time_step) {
+  return start.previous_time_step == 0 ? 0 : time_step / start.previous_time_step;
+}
+
+/// About the shape at the time of a stage: where damping is formed. A scheme of first order keeps that of the
+/// start; others go on from the last motion that they know.
+VectorX expected_shape(const StepCoefficients& scheme, std::size_t stage, int order, const History& start,
+                       const std::vector<Motion>& solutions, double dt) {
+  if (order == 1) return start.now.positions;
+  const Motion& last = solutions.empty() ? start.now : solutions.back();
+  const double passed = stage == 0 ? 0 : scheme.stages[stage - 1].time_fraction;
+  return last.positions + (scheme.stages[stage].time_fraction - passed) * dt * last.velocities;
+}
+
+}  // namespace
+
+VectorX Integrator::local_error(const History& start, const Motion& end, double time_step) const {
+  const double dt = time_step;
+  return end.positions - start.now.positions - dt * start.now.velocities -
+         dt * dt * (start.now.accelerations / 3 + end.accelerations / 6);
+}
+
+int Integrator::num_stages() const { return static_cast<int>(coefficients(1).stages.size()); }
+
+bool Integrator::needs_accelerations() const {
+  return std::ranges::any_of(coefficients(1).stages,
+                             [](const StageCoefficients& stage) { return stage.start.slope != 0; });
+}
+
+bool Integrator::solves_for_end() const { return coefficients(1).end_start == 0; }
+
+Stage Integrator::begin_stage(int stage, const History& start, const std::vector<Motion>& solutions,
+                              double time_step) const {
+  const StepCoefficients scheme = coefficients(step_ratio(start, time_step));
+  const auto number = static_cast<std::size_t>(stage);
+  const StageCoefficients& weights = scheme.stages[number];
+  Stage begun{.base_positions = weights.start.value * start.now.positions,
+              .base_velocities = weights.start.value * start.now.velocities,
+              .duration = weights.duration * time_step,
+              .time_fraction = weights.time_fraction,
+              .is_mean = scheme.end_start == -1 && scheme.end_stage == 2};
+  const auto add = [&](const MotionWeight& weight, const Motion& motion) {
+    if (weight.slope == 0) return;
+    begun.base_positions += weight.slope * time_step * motion.velocities;
+    begun.base_velocities += weight.slope * time_step * motion.accelerations;
+  };
+  add(weights.start, start.now);
+  for (std::size_t k = 0; k < weights.stages.size(); ++k) {
+    begun.base_positions += weights.stages[k].value * solutions[k].positions;
+    begun.base_velocities += weights.stages[k].value * solutions[k].velocities;
+    add(weights.stages[k], solutions[k]);
+  }
+  if (weights.previous != 0) {
+    begun.base_positions += weights.previous * start.previous_positions;
+    begun.base_velocities += weights.previous * start.previous_velocities;
+  }
+  begun.shape = expected_shape(scheme, number, order(), start, solutions, time_step);
+  return begun;
+}
+
+Motion Integrator::finish(const History& start, std::vector<Motion> solutions, double time_step) const {
+  const StepCoefficients scheme = coefficients(step_ratio(start, time_step));
+  Motion end = std::move(solutions.back());
+  if (scheme.end_start == 0 && scheme.end_stage == 1) return end;
+  end.positions = scheme.end_stage * end.positions + scheme.end_start * start.now.positions;
+  end.velocities = scheme.end_stage * end.velocities + scheme.end_start * start.now.velocities;
+  return end;
+}
+
+}  // namespace resilin

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <utility>
+
+#include "resilin/core/types.hpp"
+
+namespace resilin {
+
+/// Positions, velocities and accelerations at one instant, dim numbers per node.
+struct Motion {
+  VectorX positions;      ///< [m]
+  VectorX velocities;     ///< [m/s]
+  VectorX accelerations;  ///< [m/s^2]
+};
+
+/// One minimisation of an implicit step, or of a static one: min_x sum of energies, the inertia 1/(2 s) |x -
+/// x~|^2_M among them (docs/theory/integrators.md). Velocities and accelerations follow from its unknown x:
+///
+///   v = (x - x_0) / c,   a = (v - v_0) / c,   hence   x~ = x_0 + c v_0,   s = c^2
+///
+/// In statics nothing moves and c = 0; x_0 is then the equilibrium before.
+struct Stage {
+  VectorX base_positions;     ///< x_0: where a node would be that had stopped [m]
+  VectorX base_velocities{};  ///< v_0: the velocity of a node without forces [m/s]
+  double duration = 0;        ///< c [s]
+  double time_fraction = 1;   ///< of the step, where loads and moving supports are taken
+  bool is_mean = false;       ///< x is the mean of the start and the end of the step
+  VectorX shape{};            ///< about the x that is sought, known before: where lagged terms are formed [m]
+
+  bool is_static() const { return duration == 0; }
+  VectorX target() const { return base_positions + duration * base_velocities; }
+  double scale() const { return duration * duration; }
+  VectorX velocities(const VectorX& x) const { return (x - base_positions) / duration; }
+  Motion motion(VectorX x) const {
+    VectorX v = velocities(x);
+    VectorX a = (v - base_velocities) / duration;
+    return {.positions = std::move(x), .velocities = std::move(v), .accelerations = std::move(a)};
+  }
+};
+
+/// A stage of a static step from the equilibrium `x`.
+inline Stage static_stage(const VectorX& x) { return {.base_positions = x, .shape = x}; }
+
+}  // namespace resilin

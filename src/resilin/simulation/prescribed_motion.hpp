@@ -1,0 +1,21 @@
+#pragma once
+
+#include "resilin/world/state.hpp"
+#include "resilin/world/world.hpp"
+
+/// How supports move their nodes while time passes.
+namespace resilin {
+
+/// The prescribed motion at a time, written into the fixed unknowns of `motion`; those without a support
+/// stand still.
+void prescribe_motion_at(const World& world, double time, Motion& motion);
+
+/// The same at the time of a stage. A stage whose unknown is a mean takes the mean motion of the step, which
+/// leads the fixed unknowns to their places at its end.
+void prescribe_motion(const World& world, const State& start, double time_step, const Stage& stage,
+                      Motion& motion);
+
+/// Lets the stage give the fixed unknowns their prescribed velocities and accelerations.
+void follow_prescribed(const World& world, const Motion& prescribed, Stage& stage);
+
+}  // namespace resilin

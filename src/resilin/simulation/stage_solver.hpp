@@ -1,0 +1,33 @@
+#pragma once
+
+#include <limits>
+
+#include "resilin/optimize/newton.hpp"
+#include "resilin/simulation/potential.hpp"
+
+namespace resilin {
+
+/// How long the search for one stage may take.
+struct StageBudget {
+  /// After this no further Newton iteration begins; at least one is done [s].
+  double seconds = std::numeric_limits<double>::infinity();
+  int iterations = std::numeric_limits<int>::max();  ///< the same for this number of them
+};
+
+/// Newton's method on one stage of a step, for runs and for scenes that are played with.
+///
+/// Starts from x or from `guess`, whichever has the lower energy. Where bodies are in the way of what moves
+/// by itself (colliders), this goes as far as it can without touching them, a few iterations let the bodies
+/// give way, and so on: `potential.conditions().collider_delay` is how far it is behind at first, and becomes
+/// how far it still is.
+///
+/// @param targets  places of the fixed unknowns
+/// @param x        the start, and what is found
+/// @return         counts of all searches. A search that the budget ended is `interrupted`, as is one that
+/// the
+///                 observer ended, unless its last iteration solved the stage
+NewtonReport solve_stage(Potential& potential, std::span<const std::uint8_t> is_fixed, const VectorX& targets,
+                         const VectorX& guess, const NewtonSettings& settings, const StageBudget& budget,
+                         Newton& newton, VectorX& x, const NewtonObserver& observer = {});
+
+}  // namespace resilin

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "resilin/world/description.hpp"
+
+namespace resilin {
+
+/// Throws InputError for a choice that is none and a number that cannot be, wherever the description came
+/// from. What depends on meshes, laws and bodies is for those that read these.
+void check_description(const Description& description);
+
+}  // namespace resilin

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "resilin/energy/dead_load.hpp"
+#include "resilin/world/world.hpp"
+
+namespace resilin {
+
+/// Where a load acts, and what its energy needs besides its description.
+struct LoadSite {
+  const World& world;
+  const Body& body;
+  std::string name;
+  std::string where;            ///< begins messages about the selection
+  std::vector<Index> nodes;     ///< selected, in the world's numbering
+  std::vector<Index> vertices;  ///< the same in the body's mesh
+  ActiveTime active;
+};
+
+/// A kind of [[load]]: what it is called, which keys it has and the term that it adds.
+struct LoadKind {
+  std::string name;
+  std::string text;                ///< for the reference: "per rest volume"
+  std::vector<std::string> needs;  ///< keys that it must have
+  std::vector<std::string> has;    ///< keys that it may have besides
+  bool value_is_number = false;    ///< its `value` is a number, not a vector
+  std::shared_ptr<Energy> (*make)(const LoadDescription& load, const LoadSite& site);
+};
+
+/// Every kind of load. The scene reader, the reference and the property tests walk this list.
+const std::vector<LoadKind>& load_kinds();
+
+/// The kind of this name; throws InputError at `place` that lists them when there is none.
+const LoadKind& require_load_kind(const std::string& name, const std::string& place);
+
+}  // namespace resilin

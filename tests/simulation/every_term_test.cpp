@@ -1,0 +1,271 @@
+// Properties that every term of a world must have: each kind of load, each collider's shape, strain energies
+// of every element, gravity, inertia and damping. They walk the catalogues, so that a new entry is here.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "resilin/core/parallel.hpp"
+#include "resilin/element/catalog.hpp"
+#include "resilin/world/load_catalog.hpp"
+#include "small_scenes.hpp"
+
+namespace resilin::testing {
+namespace {
+
+constexpr double time_step = 0.01;  // [s]
+
+/// A bar in motion with a load of every kind on its end, all colliders near its underside, and damping.
+Description crowded_scene(int dimension, const std::string& element) {
+  Description scene = small_bar(dimension, true);
+  BodyDescription& body = scene.bodies[0];
+  const ElementInfo& info = require_element(element, dimension, "test");
+  body.element = element;
+  if (!is_simplex(info.shape)) {
+    body.mesh = dimension == 3 ? make_hexahedron_box({1, 0.25, 0.25}, {4, 1, 1})
+                               : make_quadrilateral_rectangle({1, 0.25}, {4, 1});
+  } else {
+    body.mesh = dimension == 3 ? make_box({1, 0.25, 0.25}, {4, 1, 1}) : make_rectangle({1, 0.25}, {4, 1});
+  }
+  body.mass = MassKind::consistent;
+  body.damping = {.mass = 2, .stiffness = 0.01, .shear_viscosity = 3, .bulk_viscosity = 5};
+  for (const LoadKind& kind : load_kinds()) {
+    LoadDescription load;
+    load.kind = load.name = kind.name;
+    load.value = {30, -20, dimension == 3 ? 10.0 : 0.0};
+    load.pressure = 400;
+    load.stiffness = 70;
+    load.displacement = {0.1, 0.2, 0};
+    load.velocity = {0, 0.3, 0};
+    if (kind.name != "body_force") {
+      load.where.kind = Where::Kind::plane;
+      load.where.at = 1;
+    }
+    scene.loads.push_back(load);
+  }
+  for (const ShapeKind& kind : shape_kinds()) {
+    ColliderDescription collider;
+    collider.kind = collider.name = kind.name;
+    const int up = dimension - 1;
+    collider.shape.point = -0.02 * Vector3::Unit(up);
+    collider.shape.normal = Vector3::Unit(up);
+    collider.shape.center = Vector3(0.5, 0, 0) - 0.52 * Vector3::Unit(up);
+    collider.shape.radius = 0.5;
+    collider.activation_distance = 0.1;
+    collider.velocity = {0.2, 0, 0};
+    scene.colliders.push_back(collider);
+  }
+  return scene;
+}
+
+struct TermCase {
+  int dimension;
+  std::string element;
+  std::string term;
+};
+
+void PrintTo(const TermCase& c, std::ostream* out) {
+  *out << c.term << ", " << c.element << ", " << c.dimension << "D";
+}
+
+World world_of(const TermCase& c) { return World(crowded_scene(c.dimension, c.element)); }
+
+/// Each term of a scene of linear cells, and the strain energy of every other element.
+std::vector<TermCase> all_cases() {
+  std::vector<TermCase> cases;
+  for (const int dimension : {2, 3}) {
+    for (const auto& term : World(crowded_scene(dimension, "P1")).terms)
+      cases.push_back({dimension, "P1", std::string(term->name())});
+  }
+  for (const ElementInfo* element : elements())
+    if (element->name != "P1") cases.push_back({element->dim, std::string(element->name), "elastic"});
+  return cases;
+}
+
+std::string name_of(const ::testing::TestParamInfo<TermCase>& info) {
+  std::string name =
+      info.param.term + "_" + info.param.element + "_" + std::to_string(info.param.dimension) + "d";
+  std::ranges::replace_if(name, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }, '_');
+  return name;
+}
+
+VectorX random_vector(Eigen::Index size, double amount, unsigned seed) {
+  std::mt19937 generator(seed);
+  std::uniform_real_distribution<double> uniform(-amount, amount);
+  VectorX x(size);
+  for (double& value : x) value = uniform(generator);
+  return x;
+}
+
+/// One term as it is in a stage of a step.
+struct EveryTerm : ::testing::TestWithParam<TermCase> {
+  World world = world_of(GetParam());
+  std::shared_ptr<const Energy> term;
+  std::unique_ptr<Energy> own;
+  const Energy* energy = nullptr;
+  VectorX x, p;
+  Conditions conditions{.time = 0.03, .load = 0.75, .collider_delay = 0.005};
+
+  void SetUp() override {
+    term = *std::ranges::find(world.terms, GetParam().term, [](const auto& t) { return t->name(); });
+    x = world.rest_positions + random_vector(world.rest_positions.size(), 0.01, 1);
+    p = random_vector(x.size(), 1, 2);
+    const Stage stage{.base_positions = x + random_vector(x.size(), 0.01, 3),
+                      .base_velocities = random_vector(x.size(), 1, 4),
+                      .duration = time_step,
+                      .shape = x + random_vector(x.size(), 0.01, 5)};
+    own = term->begin_stage(stage);
+    if (own) own->prepare(x, p, conditions);
+    energy = own ? own.get() : term.get();
+  }
+
+  VectorX gradient_at(const VectorX& at) const {
+    VectorX gradient = VectorX::Zero(at.size());
+    energy->add_gradient(at, conditions, gradient);
+    return gradient;
+  }
+  VectorX magnitude_at(const VectorX& at) const {
+    VectorX magnitude = VectorX::Zero(at.size());
+    energy->add_gradient_magnitude(at, conditions, magnitude);
+    return magnitude;
+  }
+  BlockMatrix hessian_at(const VectorX& at, Projection projection) const {
+    BlockMatrix hessian(world.dimension, world.pattern);
+    energy->add_hessian(at, conditions, projection, hessian);
+    return hessian;
+  }
+};
+
+TEST_P(EveryTerm, DifferenceIsThatOfItsValues) {
+  const VectorX to = x + 0.005 * p;
+  EXPECT_EQ(energy->difference(x, x, conditions), 0);
+  if (!energy->properties().has_potential) {  // the work depends on the path: there and back is nothing
+    const double there = energy->difference(x, to, conditions);
+    EXPECT_NEAR(there + energy->difference(to, x, conditions), 0, 1e-12 * std::abs(there));
+    return;
+  }
+  const double from_value = energy->value(x, conditions), to_value = energy->value(to, conditions);
+  // Sums of parts in another order: round-off of the values.
+  EXPECT_NEAR(energy->difference(x, to, conditions), to_value - from_value,
+              1e-11 * (std::abs(from_value) + std::abs(to_value)));
+}
+
+TEST_P(EveryTerm, GradientIsTheSlopeOfItsEnergy) {
+  const double h = 1e-6;  // central: error h^2 of the third derivative, round-off eps / h of the forces
+  const double slope = energy->difference(x - h * p, x + h * p, conditions) / (2 * h);
+  EXPECT_NEAR(slope, gradient_at(x).dot(p), 1e-6 * magnitude_at(x).dot(p.cwiseAbs()) + 1e-12);
+}
+
+TEST_P(EveryTerm, HessianIsTheSlopeOfItsGradientOrItsSymmetricPart) {
+  VectorX product;
+  multiply(hessian_at(x, Projection::none), p, product);
+  const double h = 1e-6;
+  const VectorX q = random_vector(x.size(), 1, 7);
+  const VectorX Tp = (gradient_at(x + h * p) - gradient_at(x - h * p)) / (2 * h);
+  const VectorX Tq = (gradient_at(x + h * q) - gradient_at(x - h * q)) / (2 * h);
+  const double scale = q.norm() * std::max(product.norm(), Tp.norm());
+  if (energy->properties().has_potential) {
+    EXPECT_NEAR(q.dot(product), q.dot(Tp), 1e-5 * scale + 1e-9);
+  } else {
+    EXPECT_NEAR(q.dot(product) + p.dot([&] {
+      VectorX other;
+      multiply(hessian_at(x, Projection::none), q, other);
+      return other;
+    }()),
+                q.dot(Tp) + p.dot(Tq), 1e-5 * scale + 1e-9);
+  }
+}
+
+TEST_P(EveryTerm, ProjectedHessianIsNeverNegative) {
+  for (const Projection projection : {Projection::clamp, Projection::absolute}) {
+    const BlockMatrix hessian = hessian_at(x, projection);
+    if (!energy->properties().has_potential) continue;  // follows the surface: not projected
+    for (unsigned seed = 10; seed < 30; ++seed) {
+      const VectorX q = random_vector(x.size(), 1, seed);
+      VectorX product;
+      multiply(hessian, q, product);
+      EXPECT_GE(q.dot(product), -1e-12 * q.norm() * product.norm());
+    }
+  }
+}
+
+TEST_P(EveryTerm, MagnitudeBoundsItsGradient) {
+  const VectorX gradient = gradient_at(x), magnitude = magnitude_at(x);
+  for (Eigen::Index i = 0; i < x.size(); ++i)
+    EXPECT_LE(std::abs(gradient[i]), magnitude[i] * (1 + 1e-12) + 1e-300) << "unknown " << i;
+}
+
+TEST_P(EveryTerm, IsFiniteWithinItsLargestStep) {
+  for (const double length : {0.001, 0.1, 10.0, 1000.0}) {
+    const VectorX q = length * random_vector(x.size(), 1, 9);
+    if (own) own->prepare(x, q, conditions);
+    const double step = energy->max_step(x, q, conditions);
+    EXPECT_GT(step, 0);
+    EXPECT_LE(step, 1);
+    EXPECT_TRUE(std::isfinite(energy->value(x + step * q, conditions))) << "length " << length;
+  }
+}
+
+TEST_P(EveryTerm, HasOneHessianEverywhereWhereItIsQuadratic) {
+  if (!energy->properties().is_quadratic) return;
+  const VectorX elsewhere = x + 0.005 * p;
+  VectorX here, there;
+  multiply(hessian_at(x, Projection::none), p, here);
+  multiply(hessian_at(elsewhere, Projection::none), p, there);
+  EXPECT_LE((here - there).norm(), 1e-12 * here.norm());
+}
+
+TEST_P(EveryTerm, DoesNothingInStaticsWhereItFollowsVelocities) {
+  const EnergyCategory category = term->properties().category;
+  if (category != EnergyCategory::inertia && category != EnergyCategory::damping) return;
+  EXPECT_EQ(term->begin_stage(static_stage(x)), nullptr);
+  EXPECT_EQ(term->value(x, conditions), 0);
+  EXPECT_NE(own, nullptr);
+}
+
+TEST_P(EveryTerm, HasTheSlopesOfItsParameters) {
+  const std::vector<EnergyParameter> parameters = term->parameters();
+  if (parameters.empty()) return;
+  const VectorX slopes = energy->parameter_slopes(x, p, conditions);
+  ASSERT_EQ(slopes.size(), static_cast<Eigen::Index>(parameters.size()));
+  // The same term made of a scene with another number.
+  const auto power = [&](std::size_t which, double factor) {
+    Description scene = crowded_scene(GetParam().dimension, GetParam().element);
+    for (LoadDescription& load : scene.loads) {
+      if (load.name != GetParam().term) continue;
+      if (parameters[which].name == "stiffness") load.stiffness *= factor;
+      if (parameters[which].name == "value") load.pressure *= factor;
+    }
+    const World changed(scene);
+    const auto other =
+        *std::ranges::find(changed.terms, GetParam().term, [](const auto& t) { return t->name(); });
+    EXPECT_NE(other->parameters()[which].value, parameters[which].value);
+    VectorX gradient = VectorX::Zero(x.size());
+    other->add_gradient(x, conditions, gradient);
+    return gradient.dot(p);
+  };
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const double h = 1e-4;
+    const double slope = (power(i, 1 + h) - power(i, 1 - h)) / (2 * h * parameters[i].value);
+    EXPECT_NEAR(slopes[static_cast<Eigen::Index>(i)], slope, 1e-7 * std::abs(slope)) << parameters[i].name;
+  }
+}
+
+TEST_P(EveryTerm, GivesTheSameBitsForAnyNumberOfThreads) {
+  const int threads_before = num_threads();
+  set_num_threads(1);
+  const double value = energy->value(x, conditions);
+  const VectorX gradient = gradient_at(x);
+  for (const int threads : {2, 8}) {
+    set_num_threads(threads);
+    EXPECT_EQ(energy->value(x, conditions), value);
+    EXPECT_EQ(gradient_at(x), gradient);
+  }
+  set_num_threads(threads_before);
+}
+
+INSTANTIATE_TEST_SUITE_P(AllTerms, EveryTerm, ::testing::ValuesIn(all_cases()), name_of);
+
+}  // namespace
+}  // namespace resilin::testing

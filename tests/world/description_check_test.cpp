@@ -1,0 +1,90 @@
+#include "resilin/world/description_check.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+
+#include "resilin/core/error.hpp"
+#include "small_scenes.hpp"
+
+namespace resilin::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct Wrong {
+  std::string name;
+  std::function<void(Description&)> change;
+  std::string message;
+};
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+std::vector<Wrong> wrong_descriptions() {
+  using D = Description;
+  return {
+      {"projection", [](D& d) { d.newton.projection = static_cast<ProjectionChoice>(9); },
+       "newton.projection: expected one of auto, none, clamp, absolute, got the number 9"},
+      {"inversion_bound", [](D& d) { d.newton.inversion_bound = static_cast<InversionBound>(2); },
+       "newton.inversion_bound: expected one of points, everywhere"},
+      {"mass", [](D& d) { d.bodies[0].mass = static_cast<MassKind>(-1); },
+       "mass: expected one of lumped, consistent"},
+      {"load_control", [](D& d) { d.load_control = static_cast<LoadControlKind>(5); },
+       "simulation.load_control: expected one of load, arc_length"},
+      {"unstable_modes", [](D& d) { d.unstable_modes = static_cast<UnstableModes>(3); },
+       "simulation.unstable_modes: expected one of auto, count, skip"},
+      {"format", [](D& d) { d.output.formats = {static_cast<OutputFormat>(3)}; },
+       "output.formats: expected one of vtu, html, usda"},
+      {"load_steps", [](D& d) { d.load_steps = 0; },
+       "simulation.load_steps: expected a whole number >= 1, got 0"},
+      {"max_steps", [](D& d) { d.max_steps = -3; }, "simulation.max_steps: expected a whole number >= 1"},
+      {"every", [](D& d) { d.output.every = 0; }, "output.every: expected a whole number >= 1"},
+      {"iterations", [](D& d) { d.newton.max_iterations = 0; }, "newton.max_iterations: expected"},
+      {"tolerance", [](D& d) { d.newton.tolerance = nan; }, "newton.tolerance: expected a finite number > 0"},
+      {"time_step", [](D& d) { d.time_step = -0.01; }, "simulation.time_step: expected a finite number > 0"},
+      {"end_time", [](D& d) { d.end_time = infinity; }, "simulation.end_time: expected a finite number > 0"},
+      {"gravity", [](D& d) { d.gravity.y() = nan; }, "simulation.gravity: expected finite numbers"},
+      {"scale", [](D& d) { d.bodies[0].scale = 0; }, "scale: expected a finite number > 0"},
+      {"dimension", [](D& d) { d.dimension = 4; }, "simulation.dimension: expected 2 or 3, got 4"},
+      {"integrator", [](D& d) { d.integrator = "newmarc"; }, "simulation.integrator: expected one of"},
+      {"solver", [](D& d) { d.solver.kind = "choleski"; }, "did you mean \"cholesky\"?"},
+      {"load_kind",
+       [](D& d) {
+         d.loads.push_back({.place = "[[load]] 0"});
+         d.loads[0].kind = "tracton";
+       },
+       "[[load]] 0.kind: expected one of body_force, traction, pressure, nodal_force, spring, got "
+       "\"tracton\"; "
+       "did you mean \"traction\"?"},
+      {"adaptive", [](D& d) { d.adaptive = {.tolerance = 0}; }, "simulation.adaptive.tolerance: expected"},
+  };
+}
+
+struct WrongDescription : ::testing::TestWithParam<Wrong> {};
+
+TEST_P(WrongDescription, IsRefusedByWorldWithItsPlace) {
+  Description description = small_bar(3, true);
+  ASSERT_NO_THROW(World{description});
+  GetParam().change(description);
+  try {
+    const World world(description);
+    ADD_FAILURE() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr(GetParam().message));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, WrongDescription, ::testing::ValuesIn(wrong_descriptions()),
+                         [](const auto& info) { return info.param.name; });
+
+TEST(Spelling, LeadsFromAWordToItsValueAndBack) {
+  for (const std::string& word : all_spellings<ProjectionChoice>())
+    EXPECT_EQ(spelling(find_spelled<ProjectionChoice>(word).value()), word);
+  EXPECT_EQ(find_spelled<ProjectionChoice>("clmap"), std::nullopt);
+}
+
+}  // namespace
+}  // namespace resilin::testing
