@@ -4,7 +4,7 @@
 #include <array>
 #include <numeric>
 
-namespace resilin::bench {
+namespace resilin {
 namespace {
 
 /// Nodes of the simplices, dim + 1 for each. Node (i, j, k) has the number (i * (n + 1) + j) * (n + 1) + k.
@@ -106,4 +106,4 @@ BarProblem make_bar_problem(const BarOptions& options) {
   return options.dim == 3 ? make_bar<3>(options) : make_bar<2>(options);
 }
 
-}  // namespace resilin::bench
+}  // namespace resilin

@@ -4,7 +4,7 @@
 
 #include "resilin/linear/block_matrix.hpp"
 
-namespace resilin::bench {
+namespace resilin {
 
 /// A bar of 4 x 1 (x 1) m, clamped at x = 0, under its own weight: what solvers are tested and timed on.
 struct BarOptions {
@@ -26,4 +26,4 @@ struct BarProblem {
 /// Linear triangles or tetrahedra along the paths from corner to corner of every cube (Kuhn).
 BarProblem make_bar_problem(const BarOptions& options);
 
-}  // namespace resilin::bench
+}  // namespace resilin

@@ -10,7 +10,7 @@
 
 #include "resilin/linear/linear_solver.hpp"
 
-namespace resilin::bench {
+namespace resilin {
 namespace {
 
 double thread_seconds() {
@@ -92,4 +92,4 @@ std::vector<SolverTiming> benchmark_solvers(const SolverBenchmarkOptions& option
   return timings;
 }
 
-}  // namespace resilin::bench
+}  // namespace resilin

@@ -5,7 +5,7 @@
 
 #include "bar_problem.hpp"
 
-namespace resilin::bench {
+namespace resilin {
 
 struct SolverBenchmarkOptions {
   BarOptions bar;
@@ -30,4 +30,4 @@ struct SolverTiming {
 
 std::vector<SolverTiming> benchmark_solvers(const SolverBenchmarkOptions& options);
 
-}  // namespace resilin::bench
+}  // namespace resilin

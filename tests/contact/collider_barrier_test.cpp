@@ -218,11 +218,11 @@ TEST(ColliderBarrier, IsNotThereWhenSwitchedOff) {
   ColliderBarrier barrier("ball", 3, ball, {{0, 1}}, dhat);
   const VectorX x = Vector3(0.5, 0, 0), outside = Vector3(1.01, 0, 0);
   EXPECT_EQ(barrier.value(x, {}), std::numeric_limits<double>::infinity());
-  EXPECT_GT(barrier.reaction(outside, {}).force.x(), 0);
+  EXPECT_GT(barrier.reaction(outside, {})->force.x(), 0);
   barrier.set_active(false);
   EXPECT_EQ(barrier.value(x, {}), 0);
   EXPECT_EQ(barrier.max_step(outside, -outside, {}), 1);
-  EXPECT_EQ(barrier.reaction(outside, {}).force, Vector3::Zero());
+  EXPECT_EQ(barrier.reaction(outside, {})->force, Vector3::Zero());
   barrier.set_active(true);
   barrier.set_shape(std::make_shared<Sphere>(Vector3(0, 0, 0), 0.4));
   EXPECT_TRUE(std::isfinite(barrier.value(x, {})));

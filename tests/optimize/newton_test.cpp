@@ -31,7 +31,7 @@ std::vector<std::uint8_t> both_ends_fixed() {
 
 NewtonReport solve(const VectorX& start, const VectorX& targets, NewtonSettings settings, VectorX& x,
                    const std::string& solver = "ldlt", const NewtonObserver& observer = {}) {
-  const Chain chain(num_nodes, weight());
+  Chain chain(num_nodes, weight());
   Newton newton(2, chain.pattern(), make_linear_solver({.kind = solver}, 2 * num_nodes));
   x = start;
   return newton.minimize(chain, both_ends_fixed(), targets, settings, x, observer);
@@ -50,7 +50,7 @@ TEST(Newton, FindsTheHangingChainWithEveryPolicyThatProjects) {
 }
 
 TEST(Newton, LowersTheObjectiveInEveryIteration) {
-  const Chain chain(num_nodes, weight());
+  Chain chain(num_nodes, weight());
   VectorX start = straight_line();
   for (Index i = 1; i + 1 < num_nodes; ++i) start.segment<2>(2 * i) = Eigen::Vector2d(0.3 * (i % 3), 0.1 * i);
   Newton newton(2, chain.pattern(), make_linear_solver({.kind = "ldlt"}, 2 * num_nodes));
