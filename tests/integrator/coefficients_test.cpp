@@ -11,8 +11,8 @@ struct SchemeCoefficients : ::testing::TestWithParam<std::string> {
   std::unique_ptr<Integrator> integrator = make_integrator(GetParam(), "test");
 };
 
-/// A node that stands still starts every stage where it is, and one of constant speed reaches the place of the
-/// stage's time: the values add up to 1, and with the slopes and c to the time.
+/// A node that stands still starts every stage where it is, and one of constant speed reaches the place of
+/// the stage's time: the values add up to 1, and with the slopes and c to the time.
 TEST_P(SchemeCoefficients, AreExactForUniformMotion) {
   for (const double ratio : {0.0, 0.5, 1.0, 3.0}) {
     const StepCoefficients scheme = integrator->coefficients(ratio);
@@ -31,7 +31,8 @@ TEST_P(SchemeCoefficients, AreExactForUniformMotion) {
     EXPECT_NEAR(scheme.end_start + scheme.end_stage, 1, 1e-15);
     EXPECT_NEAR(scheme.end_stage * scheme.stages.back().time_fraction, 1, 1e-15);
     if (ratio == 0) {
-      for (const StageCoefficients& stage : scheme.stages) EXPECT_EQ(stage.previous, 0) << "nothing was before";
+      for (const StageCoefficients& stage : scheme.stages)
+        EXPECT_EQ(stage.previous, 0) << "nothing was before";
     }
   }
 }
@@ -41,10 +42,8 @@ TEST_P(SchemeCoefficients, AreExactForUniformMotion) {
 TEST_P(SchemeCoefficients, ExpectTheShapeOfTheStage) {
   const double dt = 0.25;
   const VectorX x = VectorX::Constant(1, 3), v = VectorX::Constant(1, 2), a = VectorX::Zero(1);
-  const History start{.now = {x, v, a},
-                      .previous_positions = x - dt * v,
-                      .previous_velocities = v,
-                      .previous_time_step = dt};
+  const History start{
+      .now = {x, v, a}, .previous_positions = x - dt * v, .previous_velocities = v, .previous_time_step = dt};
   std::vector<Motion> solutions;
   for (int i = 0; i < integrator->num_stages(); ++i) {
     const Stage stage = integrator->begin_stage(i, start, solutions, dt);
@@ -57,7 +56,7 @@ TEST_P(SchemeCoefficients, ExpectTheShapeOfTheStage) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, SchemeCoefficients, ::testing::ValuesIn(integrator_names()),
-                         [](const auto& info) { return info.param; });
+                         [](const ::testing::TestParamInfo<std::string>& scheme) { return scheme.param; });
 
 }  // namespace
 }  // namespace resilin

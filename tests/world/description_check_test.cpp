@@ -53,13 +53,15 @@ std::vector<Wrong> wrong_descriptions() {
       {"solver", [](D& d) { d.solver.kind = "choleski"; }, "did you mean \"cholesky\"?"},
       {"load_kind",
        [](D& d) {
-         d.loads.push_back({.place = "[[load]] 0"});
+         d.loads.emplace_back();
+         d.loads[0].place = "[[load]] 0";
          d.loads[0].kind = "tracton";
        },
        "[[load]] 0.kind: expected one of body_force, traction, pressure, nodal_force, spring, got "
        "\"tracton\"; "
        "did you mean \"traction\"?"},
-      {"adaptive", [](D& d) { d.adaptive = {.tolerance = 0}; }, "simulation.adaptive.tolerance: expected"},
+      {"adaptive", [](D& d) { d.adaptive.emplace().tolerance = 0; },
+       "simulation.adaptive.tolerance: expected"},
   };
 }
 
@@ -78,7 +80,7 @@ TEST_P(WrongDescription, IsRefusedByWorldWithItsPlace) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, WrongDescription, ::testing::ValuesIn(wrong_descriptions()),
-                         [](const auto& info) { return info.param.name; });
+                         [](const ::testing::TestParamInfo<Wrong>& wrong) { return wrong.param.name; });
 
 TEST(Spelling, LeadsFromAWordToItsValueAndBack) {
   for (const std::string& word : all_spellings<ProjectionChoice>())
