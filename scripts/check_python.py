@@ -30,7 +30,7 @@ def run_in_empty_environment():
     venv = FOLDER / "empty"
     python = venv / "bin" / "python"
     (wheel,) = wheels.glob("*.whl")
-    pinned = [line for line in requirements() if line.startswith(("pytest", "meshio", "usd-core"))]
+    pinned = [line for line in requirements() if line.startswith(("pytest", "mypy", "meshio", "usd-core"))]
     install = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
     for command in (
         [INTERPRETER, "-m", "venv", "--clear", venv],

@@ -7,16 +7,19 @@ Mesh        from arrays, files, meshio objects and recipes
 embed       weights that carry fine points by the cells of a mesh
 """
 
-from resilin._core import InputError, __version__
+from resilin import _core
+from resilin._core import InputError
+from resilin.catalog import laws
 from resilin.elastic import Elastic
 from resilin.embedding import embed
-from resilin.material import Material, laws
+from resilin.material import Material
 from resilin.mesh import Mesh, MeshReport, read_mesh
 from resilin.picture import Picture, picture
 from resilin.simulation import Result, Simulation, Step, run
 from resilin.threads import num_threads, set_num_threads
 
 InputError.__module__ = __name__
+__version__ = _core.version()
 
 __all__ = [
     "Elastic",

@@ -1,26 +1,37 @@
 """Arrays of a caller, made ready for the core: real, float64 or float32, C-contiguous; or refused in one line."""
 
+from __future__ import annotations
+
 import sys
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
 from resilin._core import InputError
 
-FLOAT64 = np.dtype(np.float64)
-FLOAT32 = np.dtype(np.float32)
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+    from typing import TypeGuard
+
+    from numpy.typing import NDArray
+
+    from resilin.typing import TensorLike
+
+FLOAT64: np.dtype[np.float64] = np.dtype(np.float64)
+FLOAT32: np.dtype[np.float32] = np.dtype(np.float32)
 
 
-def is_tensor(value):
+def is_tensor(value: object) -> TypeGuard[TensorLike[Any]]:
     """Whether `value` is a torch tensor; torch is never imported for the question."""
     torch = sys.modules.get("torch")
     return torch is not None and isinstance(value, torch.Tensor)
 
 
-def refuse(place, expected, got, cure=""):
+def refuse(place: str, expected: str, got: str, cure: str = "") -> NoReturn:
     raise InputError(f"{place}: expected {expected}, got {got}" + (f"; {cure}" if cure else ""))
 
 
-def real_array(value, place):
+def real_array(value: object, place: str) -> NDArray[np.floating[Any]]:
     """`value` as a C-contiguous float64 or float32 array; the same object where it is one, else a copy.
 
     Whole numbers become float64, exactly up to 2^53.
@@ -49,7 +60,7 @@ def real_array(value, place):
     return np.require(array, dtype=wanted, requirements=["C", "A"])
 
 
-def square_matrices(value, place):
+def square_matrices(value: object, place: str) -> NDArray[np.floating[Any]]:
     """`value` as an array (..., d, d) of 2 by 2 or 3 by 3 matrices."""
     array = real_array(value, place)
     shape = array.shape
@@ -58,7 +69,12 @@ def square_matrices(value, place):
     return array
 
 
-def result_array(out, shape, like, inputs=()):
+def result_array(
+    out: object,
+    shape: tuple[int, ...],
+    like: NDArray[np.floating[Any]],
+    inputs: Iterable[NDArray[np.floating[Any]]] = (),
+) -> NDArray[np.floating[Any]]:
     """`out` once it has been found fit to hold a result, else a new array of the type of `like`."""
     if out is None:
         return np.empty(shape, like.dtype)
@@ -73,6 +89,6 @@ def result_array(out, shape, like, inputs=()):
     return out
 
 
-def describe(shape):
+def describe(shape: Sequence[int]) -> str:
     """(3,) as "(3,)"; () as "a single number"."""
     return str(tuple(shape)) if shape else "a single number"

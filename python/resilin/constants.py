@@ -1,14 +1,24 @@
 """Constants of a law, one number each or one for every state."""
 
+from __future__ import annotations
+
 import math
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from resilin import _core
 from resilin.arrays import describe, refuse
 
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
 
-def number_array(value, place):
+    from numpy.typing import NDArray
+
+    Scalar = TypeVar("Scalar", bound=np.generic)
+
+
+def number_array(value: object, place: str) -> NDArray[np.float64]:
     """A copy of `value`, one number or an array of them, in float64."""
     try:
         array = np.asarray(value)
@@ -19,7 +29,7 @@ def number_array(value, place):
     return np.array(array, dtype=np.float64, order="C")
 
 
-def common_shape(arrays, place):
+def common_shape(arrays: Mapping[str, NDArray[Any]], place: str) -> tuple[int, ...]:
     """The shape that all `arrays`, {name: array}, take together."""
     try:
         return np.broadcast_shapes(*(array.shape for array in arrays.values()))
@@ -28,7 +38,7 @@ def common_shape(arrays, place):
         refuse(place, "constants of one shape, or single numbers", shapes)
 
 
-def own_constants(info, given):
+def own_constants(info: _core.LawInfo, given: Mapping[str, NDArray[np.float64]]) -> dict[str, NDArray[np.float64]]:
     """The constants of the law's formula, {name: float64 array}, in its order.
 
     Parameters
@@ -45,7 +55,12 @@ def own_constants(info, given):
     return {name: given.get(name, values) for name, values in own.items()}
 
 
-def batch_law(info, constants, fibres, batch):
+def batch_law(
+    info: _core.LawInfo,
+    constants: Iterable[NDArray[np.float64]],
+    fibres: NDArray[np.float64] | None,
+    batch: tuple[int, ...],
+) -> _core.BatchLaw:
     """The core's law for arrays of states of the shape `batch`.
 
     Parameters
@@ -60,11 +75,11 @@ def batch_law(info, constants, fibres, batch):
     return _core.BatchLaw(info.name, spread, fibres)
 
 
-def spread_over(array, shape):
+def spread_over(array: NDArray[Scalar], shape: tuple[int, ...]) -> NDArray[Scalar]:
     return np.ascontiguousarray(np.broadcast_to(array, shape))
 
 
-def unit_fibres(fibres, info):
+def unit_fibres(fibres: object, info: _core.LawInfo) -> NDArray[np.float64] | None:
     """Directions of fibre families, (3,), (families, 3) or (..., families, 3), at unit length; two components
     lie in the plane."""
     if fibres is None:

@@ -1,14 +1,26 @@
 """Stress-stretch curves of materials."""
 
+from __future__ import annotations
+
 import json
 import warnings
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from resilin import _core
 from resilin.arrays import refuse
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from types import ModuleType
+
+    from matplotlib.axes import Axes
+    from numpy.typing import NDArray
+
+    from resilin.typing import AnyPath, CurveKind, Loss, RealArray, StressKind
 
 NUM_POINTS = 61  # of a curve for which no stretches are asked
 
@@ -17,8 +29,8 @@ NUM_POINTS = 61  # of a curve for which no stretches are asked
 class StabilityLimit:
     """Where a curve stops being stable, or ends."""
 
-    loss: str  #: "stress_drops", "directions_part", "not_elliptic" or "no_state"; see docs/materials.md
-    side: str  #: "above" or "below": where it is lost
+    loss: Loss  #: "stress_drops", "directions_part", "not_elliptic" or "no_state"; see docs/materials.md
+    side: Literal["above", "below"]  #: "above" or "below": where it is lost
     stretch: float  #: the last stable one
     volume_ratio: float
 
@@ -31,28 +43,29 @@ class StretchCurve:
     """
 
     law: str
-    kind: str  #: "uniaxial", "equibiaxial", "planar", "shear" or "volumetric"
-    stretch: np.ndarray  #: the amount of shear for "shear"
-    nominal_stress: np.ndarray  #: P11; P12 for "shear"; tr P / 3 for "volumetric" [Pa]
-    cauchy_stress: np.ndarray  #: the same entry of sigma [Pa]
-    volume_ratio: np.ndarray
-    energy_density: np.ndarray  #: [J/m^3]
-    stretches: np.ndarray  #: (N, 3), the diagonal of F with the free directions solved
-    stability: np.ndarray  #: (N,) of str: "stable", or what is lost (StabilityLimit.loss)
-    limits: tuple  #: of StabilityLimit, below rest and above
+    kind: CurveKind  #: "uniaxial", "equibiaxial", "planar", "shear" or "volumetric"
+    stretch: NDArray[np.float64]  #: the amount of shear for "shear"
+    nominal_stress: NDArray[np.float64]  #: P11; P12 for "shear"; tr P / 3 for "volumetric" [Pa]
+    cauchy_stress: NDArray[np.float64]  #: the same entry of sigma [Pa]
+    volume_ratio: NDArray[np.float64]
+    energy_density: NDArray[np.float64]  #: [J/m^3]
+    stretches: NDArray[np.float64]  #: (N, 3), the diagonal of F with the free directions solved
+    stability: NDArray[np.str_]  #: (N,) of str: "stable", or what is lost (StabilityLimit.loss)
+    limits: tuple[StabilityLimit, ...]  #: below rest and above
     stability_text: str  #: the limits in words; empty when there are none
     _csv: str = field(repr=False)
 
     @property
-    def is_stable(self):
+    def is_stable(self) -> NDArray[np.bool_]:
         """(N,) of bool."""
-        return self.stability == "stable"
+        is_stable: NDArray[np.bool_] = self.stability == "stable"
+        return is_stable
 
-    def to_csv(self, path):
+    def to_csv(self, path: AnyPath) -> None:
         """Writes names with units and a line for each point."""
         Path(path).write_text(self._csv, encoding="utf-8")
 
-    def to_json(self, path):
+    def to_json(self, path: AnyPath) -> None:
         """Writes what the arrays hold, point by point; null where there is no state."""
         names = ("stretch", "nominal_stress", "cauchy_stress", "volume_ratio", "energy_density", "stretches")
         columns = [getattr(self, name).tolist() for name in names] + [self.stability.tolist()]
@@ -68,7 +81,7 @@ class StretchCurve:
         }
         Path(path).write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
 
-    def plot(self, ax=None, stress="nominal", **style):
+    def plot(self, ax: Axes | None = None, stress: StressKind = "nominal", **style: Any) -> Axes:
         """Draws the stress over the stretch; unstable states are dashed.
 
         Parameters
@@ -106,34 +119,38 @@ class StretchCurve:
         return ax
 
 
-def stretch_curve(material, kind, stretches=None):
-    """The curve of a `Material`; see `Material.curve`."""
+def stretch_curve(
+    law: str,
+    constants: Mapping[str, Any],
+    fibres: NDArray[np.float64] | None,
+    kind: CurveKind,
+    stretches: RealArray | None,
+) -> StretchCurve:
+    """The curve of a law; see `Material.curve`."""
     if not isinstance(kind, str):
         refuse("kind", "the name of a curve", repr(kind))
-    if stretches is None:
-        stretches = np.linspace(*_core.usual_range(kind), NUM_POINTS)
-    stretches = _stretch_array(stretches)
-    constants = [_one_number(material.law, name, value) for name, value in material.constants.items()]
-    fibres = np.zeros((0, 3)) if material.fibres is None else np.asarray(material.fibres, dtype=np.float64)
-    if fibres.ndim != 2:
-        refuse(f"{material.law}.fibres", "one set of directions, (families, 3)", f"{fibres.shape}")
-    found = _core.stretch_curve(material.law, constants, np.ascontiguousarray(fibres), kind, stretches)
+    at = np.linspace(*_core.usual_range(kind), NUM_POINTS) if stretches is None else _stretch_array(stretches)
+    numbers = [_one_number(law, name, value) for name, value in constants.items()]
+    directions = np.zeros((0, 3)) if fibres is None else fibres
+    if directions.ndim != 2:
+        refuse(f"{law}.fibres", "one set of directions, (families, 3)", f"{directions.shape}")
+    found = _core.stretch_curve(law, numbers, directions, kind, at)
     limits = tuple(StabilityLimit(**limit) for limit in found.pop("limits"))
     stability, csv = np.array(found.pop("stability"), dtype="<U15"), found.pop("csv")
-    curve = StretchCurve(law=material.law, kind=kind, stability=stability, limits=limits, _csv=csv, **found)
+    curve = StretchCurve(law=law, kind=kind, stability=stability, limits=limits, _csv=csv, **found)
     if curve.stability_text:
         warnings.warn(curve.stability_text, stacklevel=3)
     return curve
 
 
-def _stretch_array(stretches):
+def _stretch_array(stretches: object) -> NDArray[np.float64]:
     array = np.asarray(stretches)
     if array.ndim != 1 or array.dtype.kind not in "fiu" and array.size > 0:
         refuse("stretches", "a list of numbers, (N,)", f"{array.dtype.name} {array.shape}")
     return np.ascontiguousarray(array, dtype=np.float64)
 
 
-def _one_number(law, name, value):
+def _one_number(law: str, name: str, value: Any) -> float:
     """The constant as a float; refuses one value for each state."""
     if hasattr(value, "detach"):
         value = value.detach().cpu().numpy()
@@ -142,15 +159,16 @@ def _one_number(law, name, value):
     return float(value)
 
 
-def _without_nan(value):
+def _without_nan(value: object) -> object:
     if isinstance(value, list):
         return [_without_nan(entry) for entry in value]
     return None if isinstance(value, float) and value != value else value
 
 
-def _pyplot():
+def _pyplot() -> ModuleType:
     try:
         import matplotlib.pyplot as pyplot
     except ImportError as error:
         raise ImportError("plots need matplotlib: pip install 'resilin[plot]'") from error
-    return pyplot
+    module: ModuleType = pyplot
+    return module

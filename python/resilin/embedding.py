@@ -1,9 +1,19 @@
 """Fine points carried by coarse cells."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from resilin import _core
 from resilin.arrays import describe, real_array, refuse
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+    from resilin.mesh import Mesh
+    from resilin.typing import RealArray
 
 # The element whose shape functions the cells of a kind have.
 ELEMENTS = {
@@ -12,7 +22,7 @@ ELEMENTS = {
 }
 
 
-def embed(mesh, points):
+def embed(mesh: Mesh, points: RealArray) -> csr_array:
     """Weights that carry points by the vertices of a mesh: `embed(mesh, points) @ positions`.
 
     A point moves with the shape functions of the cell that contains it, a point outside with those of the nearest cell

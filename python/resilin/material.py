@@ -1,26 +1,35 @@
 """Laws of hyperelastic solids at arrays of deformation gradients."""
 
-# ruff: noqa: N803, N806 - F, P, A and J are the letters of the field
+# ruff: noqa: N803, N806 - F and P are the letters of the field
+
+from __future__ import annotations
 
 import inspect
 import sys
-
-import numpy as np
+from typing import TYPE_CHECKING, Any, overload
 
 from resilin import _core
-from resilin.arrays import is_tensor, real_array, refuse, result_array, square_matrices
-from resilin.constants import batch_law, common_shape, number_array, own_constants, unit_fibres
+from resilin.arrays import is_tensor, refuse
+from resilin.catalog import law_table
+from resilin.constants import number_array, unit_fibres
+from resilin.law_at_arrays import LawAtArrays
 
-PROJECTIONS = {
-    None: _core.Projection.none,
-    "clamp": _core.Projection.clamp,
-    "absolute": _core.Projection.absolute,
-}
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from typing import TypeVar
 
+    import numpy as np
+    import torch
+    from numpy.typing import NDArray
 
-def laws():
-    """Every law by name, {name: LawInfo}: formula, source, constants with units, behaviour under inversion."""
-    return {law.name: law for law in _core.laws()}
+    from resilin.curve import StretchCurve
+    from resilin.law_at_tensors import LawAtTensors
+    from resilin.tensor_constants import TensorConstants
+    from resilin.typing import Constant, CurveKind, Projection, RealArray, TensorLike
+
+    Real = TypeVar("Real", np.float32, np.float64)  # the type of the numbers: results have that of F
+    T = TypeVar("T")  # the class of the tensors
+    Floats = NDArray[np.floating[Any]]
 
 
 class Material:
@@ -55,55 +64,76 @@ class Material:
     >>> P = law.first_piola_kirchhoff_stress(F)
     """
 
-    def __init__(self, law, *, youngs_modulus=None, poissons_ratio=None, fibres=None, **constants):
+    def __init__(
+        self,
+        law: str,
+        *,
+        youngs_modulus: Constant | None = None,
+        poissons_ratio: Constant | None = None,
+        fibres: Constant | None = None,
+        **constants: Constant | None,
+    ) -> None:
         if not isinstance(law, str):
             refuse("law", "a name", repr(law))
-        self._info = _core.require_law(law, "law")
-        given = {"youngs_modulus": youngs_modulus, "poissons_ratio": poissons_ratio, **constants}
+        info = self._info = _core.require_law(law, "law")
+        given: dict[str, object] = {"youngs_modulus": youngs_modulus, "poissons_ratio": poissons_ratio, **constants}
         given = {name: value for name, value in given.items() if value is not None}
-        self.tensors = {}  # the given constants that autograd follows
+        self.tensors: dict[str, torch.Tensor] = {}  # the given constants that autograd follows
+        directions: object = fibres
         if any(is_tensor(value) for value in (*given.values(), fibres)):
-            given, self.tensors, fibres = _for_tensors().split_constants(law, given, fibres)
+            from resilin.tensor_constants import split_constants
+
+            given, self.tensors, directions = split_constants(law, given, fibres)
         self._given = {name: number_array(value, f"{law}.{name}") for name, value in given.items()}
-        self._fibres = unit_fibres(fibres, self._info)
-        self._own = self._law = self._checked_versions = None
+        self._fibres = unit_fibres(directions, info)
+        self._law: LawAtArrays | TensorConstants
         if self.tensors:
-            self.states_shape = () if self._fibres is None else self._fibres.shape[:-2]
-            self._conversion = None
-            if "youngs_modulus" in given or "youngs_modulus" in self.tensors:
-                self._conversion = _for_tensors().conversion_from_young_poisson(self._given, self.tensors, self._info)
-            self.tensor_constants()
-            return
-        self._own = own_constants(self._info, self._given)
-        for array in self._own.values():
-            array.flags.writeable = False
-        self.states_shape = _states_shape(self._own, self._fibres, law)
-        self._law = batch_law(self._info, self._own.values(), self._fibres, self.states_shape)
+            from resilin.tensor_constants import TensorConstants
+
+            self._law = TensorConstants(info, self._given, self.tensors, self._fibres)
+        else:
+            self._law = LawAtArrays(info, self._given, self._fibres)
+        self._tensor_law: LawAtTensors | None = None  # made when the first tensor comes
 
     @property
-    def law(self):
+    def law(self) -> str:
         """The law's name."""
         return self._info.name
 
     @property
-    def info(self):
+    def info(self) -> _core.LawInfo:
         """Formula, source, constants with units and bounds, behaviour under inversion (LawInfo)."""
         return self._info
 
     @property
-    def constants(self):
+    def constants(self) -> dict[str, float | NDArray[np.float64] | torch.Tensor]:
         """The constants of the law's formula in its order: floats, arrays, or tensors where one requires grad."""
-        if self.tensors:
-            names = (constant.name for constant in self._info.constants)
-            return dict(zip(names, self.tensor_constants(), strict=True))
-        return {name: float(array) if array.ndim == 0 else array for name, array in self._own.items()}
+        if isinstance(self._law, LawAtArrays):
+            return {**self._law.constants()}
+        names = (constant.name for constant in self._info.constants)
+        return dict(zip(names, self._law.own(), strict=True))
 
     @property
-    def fibres(self):
+    def fibres(self) -> NDArray[np.float64] | None:
         """Unit vectors of the fibre families, (..., families, 3), or None."""
         return self._fibres
 
-    def energy_density(self, F, *, displacement_gradient=False, out=None):
+    @overload
+    def energy_density(
+        self, F: TensorLike[T], *, displacement_gradient: bool = False, out: TensorLike[T] | None = None
+    ) -> T: ...
+
+    @overload
+    def energy_density(
+        self, F: NDArray[Real], *, displacement_gradient: bool = False, out: NDArray[Real] | None = None
+    ) -> NDArray[Real]: ...
+
+    @overload
+    def energy_density(
+        self, F: RealArray, *, displacement_gradient: bool = False, out: NDArray[np.float64] | None = None
+    ) -> Floats: ...
+
+    def energy_density(self, F: Any, *, displacement_gradient: bool = False, out: Any = None) -> Any:
         """Strain energy density Psi [J/m^3].
 
         Parameters
@@ -120,25 +150,66 @@ class Material:
             Zero at rest; inf outside the law's domain.
         """
         if is_tensor(F):
-            return _for_tensors().energy_density(self, F, displacement_gradient, out)
-        F, batch, law = self._states(F)
-        psi = result_array(out, batch, F)
-        law.energy_densities(F, displacement_gradient, psi)
-        return psi if batch else psi[()]
+            return self._at_tensors().energy_density(F, displacement_gradient, out)
+        return self._at_arrays().energy_density(F, displacement_gradient, out)
 
-    def first_piola_kirchhoff_stress(self, F, *, displacement_gradient=False, out=None):
+    @overload
+    def first_piola_kirchhoff_stress(
+        self, F: TensorLike[T], *, displacement_gradient: bool = False, out: TensorLike[T] | None = None
+    ) -> T: ...
+
+    @overload
+    def first_piola_kirchhoff_stress(
+        self, F: NDArray[Real], *, displacement_gradient: bool = False, out: NDArray[Real] | None = None
+    ) -> NDArray[Real]: ...
+
+    @overload
+    def first_piola_kirchhoff_stress(
+        self, F: RealArray, *, displacement_gradient: bool = False, out: NDArray[np.float64] | None = None
+    ) -> Floats: ...
+
+    def first_piola_kirchhoff_stress(self, F: Any, *, displacement_gradient: bool = False, out: Any = None) -> Any:
         """First Piola-Kirchhoff stress P = dPsi/dF [Pa].
 
         Parameters are those of `energy_density`; the result and `out` are (..., d, d), nan outside the law's domain.
         """
         if is_tensor(F):
-            return _for_tensors().first_piola_kirchhoff_stress(self, F, displacement_gradient, out)
-        F, _, law = self._states(F)
-        P = result_array(out, F.shape, F)
-        law.first_piola_kirchhoff_stresses(F, displacement_gradient, P)
-        return P
+            return self._at_tensors().first_piola_kirchhoff_stress(F, displacement_gradient, out)
+        return self._at_arrays().first_piola_kirchhoff_stress(F, displacement_gradient, out)
 
-    def stress_tangent(self, F, projection=None, *, displacement_gradient=False, out=None):
+    @overload
+    def stress_tangent(
+        self,
+        F: TensorLike[T],
+        projection: Projection = None,
+        *,
+        displacement_gradient: bool = False,
+        out: TensorLike[T] | None = None,
+    ) -> T: ...
+
+    @overload
+    def stress_tangent(
+        self,
+        F: NDArray[Real],
+        projection: Projection = None,
+        *,
+        displacement_gradient: bool = False,
+        out: NDArray[Real] | None = None,
+    ) -> NDArray[Real]: ...
+
+    @overload
+    def stress_tangent(
+        self,
+        F: RealArray,
+        projection: Projection = None,
+        *,
+        displacement_gradient: bool = False,
+        out: NDArray[np.float64] | None = None,
+    ) -> Floats: ...
+
+    def stress_tangent(
+        self, F: Any, projection: Projection = None, *, displacement_gradient: bool = False, out: Any = None
+    ) -> Any:
         """Derivative of the stress, dP_ij/dF_kl [Pa], with indices in the order i, j, k, l.
 
         Parameters
@@ -155,14 +226,45 @@ class Material:
         array (..., d, d, d, d)
         """
         if is_tensor(F):
-            return _for_tensors().stress_tangent(self, F, projection, displacement_gradient, out)
-        kind = projection_named(projection)
-        F, _, law = self._states(F)
-        A = result_array(out, F.shape + F.shape[-2:], F)
-        law.stress_tangents(F, displacement_gradient, kind, A)
-        return A
+            return self._at_tensors().stress_tangent(F, projection, displacement_gradient, out)
+        return self._at_arrays().stress_tangent(F, projection, displacement_gradient, out)
 
-    def elastic_forces(self, F, Dm_inv, volume, *, displacement_gradient=False, out=None):
+    @overload
+    def elastic_forces(
+        self,
+        F: TensorLike[T],
+        Dm_inv: Constant,
+        volume: Constant,
+        *,
+        displacement_gradient: bool = False,
+        out: TensorLike[T] | None = None,
+    ) -> T: ...
+
+    @overload
+    def elastic_forces(
+        self,
+        F: NDArray[Real],
+        Dm_inv: NDArray[Real],
+        volume: NDArray[Real],
+        *,
+        displacement_gradient: bool = False,
+        out: NDArray[Real] | None = None,
+    ) -> NDArray[Real]: ...
+
+    @overload
+    def elastic_forces(
+        self,
+        F: RealArray,
+        Dm_inv: RealArray,
+        volume: RealArray,
+        *,
+        displacement_gradient: bool = False,
+        out: NDArray[np.float64] | None = None,
+    ) -> Floats: ...
+
+    def elastic_forces(
+        self, F: Any, Dm_inv: Any, volume: Any, *, displacement_gradient: bool = False, out: Any = None
+    ) -> Any:
         """Forces on the corners of tetrahedra or triangles [N]: f_a = -V P dN_a/dX.
 
         Parameters
@@ -181,15 +283,25 @@ class Material:
             One row for each corner, which sum to zero.
         """
         if is_tensor(F):
-            return _for_tensors().elastic_forces(self, F, Dm_inv, volume, displacement_gradient, out)
-        arrays = (square_matrices(F, "F"), square_matrices(Dm_inv, "Dm_inv"), real_array(volume, "volume"))
-        (F, Dm_inv, volume), batch, law = self._cells(*arrays)
-        dim = F.shape[-1]
-        forces = result_array(out, (*batch, dim + 1, dim), F, (Dm_inv, volume))
-        law.elastic_forces(F, displacement_gradient, Dm_inv, volume, forces)
-        return forces
+            return self._at_tensors().elastic_forces(F, Dm_inv, volume, displacement_gradient, out)
+        return self._at_arrays().elastic_forces(F, Dm_inv, volume, displacement_gradient, out)
 
-    def constant_derivatives(self, F, *, displacement_gradient=False):
+    @overload
+    def constant_derivatives(
+        self, F: TensorLike[T], *, displacement_gradient: bool = False
+    ) -> dict[str, tuple[T, T]]: ...
+
+    @overload
+    def constant_derivatives(
+        self, F: NDArray[Real], *, displacement_gradient: bool = False
+    ) -> dict[str, tuple[NDArray[Real], NDArray[Real]]]: ...
+
+    @overload
+    def constant_derivatives(
+        self, F: RealArray, *, displacement_gradient: bool = False
+    ) -> dict[str, tuple[Floats, Floats]]: ...
+
+    def constant_derivatives(self, F: Any, *, displacement_gradient: bool = False) -> Any:
         """Derivatives with respect to each constant p of the law's formula.
 
         Returns
@@ -198,36 +310,28 @@ class Material:
             {name: (dPsi/dp, dP/dp)}, arrays (...) and (..., d, d).
         """
         if is_tensor(F):
-            return _for_tensors().constant_derivatives(self, F, displacement_gradient)
-        F, batch, law = self._states(F)
-        derivatives = {}
-        for place, constant in enumerate(self._info.constants):
-            dpsi, dP = np.empty(batch, F.dtype), np.empty_like(F)
-            law.constant_derivatives(F, displacement_gradient, place, dpsi, dP)
-            derivatives[constant.name] = (dpsi if batch else dpsi[()], dP)
-        return derivatives
+            return self._at_tensors().constant_derivatives(F, displacement_gradient)
+        return self._at_arrays().constant_derivatives(F, displacement_gradient)
 
-    def cauchy_stress(self, F, *, displacement_gradient=False):
+    @overload
+    def cauchy_stress(self, F: TensorLike[T], *, displacement_gradient: bool = False) -> T: ...
+
+    @overload
+    def cauchy_stress(self, F: NDArray[Real], *, displacement_gradient: bool = False) -> NDArray[Real]: ...
+
+    @overload
+    def cauchy_stress(self, F: RealArray, *, displacement_gradient: bool = False) -> Floats: ...
+
+    def cauchy_stress(self, F: Any, *, displacement_gradient: bool = False) -> Any:
         """Cauchy stress sigma = P F^T / J [Pa], (..., 3, 3) also in plane strain.
 
         For a small-strain law it is the stress itself.
         """
         if is_tensor(F):
-            return _for_tensors().cauchy_stress(self, F, displacement_gradient)
-        F = square_matrices(F, "F")
-        in_space = (
-            np.zeros((*F.shape[:-2], 3, 3)) if displacement_gradient else np.tile(np.eye(3), (*F.shape[:-2], 1, 1))
-        )
-        in_space[..., : F.shape[-1], : F.shape[-1]] = F
-        sigma = self.first_piola_kirchhoff_stress(in_space, displacement_gradient=displacement_gradient)
-        if not self._info.is_small_strain:
-            if displacement_gradient:
-                in_space += np.eye(3)
-            with np.errstate(all="ignore"):  # nan and inf are results here
-                sigma = sigma @ in_space.swapaxes(-1, -2) / np.linalg.det(in_space)[..., None, None]
-        return sigma.astype(F.dtype, copy=False)
+            return self._at_tensors().cauchy_stress(F, displacement_gradient)
+        return self._at_arrays().cauchy_stress(F, displacement_gradient)
 
-    def curve(self, kind, stretches=None):
+    def curve(self, kind: CurveKind, stretches: RealArray | None = None) -> StretchCurve:
         """Stress over stretch of a block of the material, with the free directions solved.
 
         Parameters
@@ -246,9 +350,9 @@ class Material:
         """
         from resilin.curve import stretch_curve
 
-        return stretch_curve(self, kind, stretches)
+        return stretch_curve(self.law, self.constants, self._fibres, kind, stretches)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         parts = [repr(self.law)]
         for name, value in self.constants.items():
             parts.append(f"{name}={value:.6g}" if isinstance(value, float) else f"{name}=<{tuple(value.shape)}>")
@@ -256,121 +360,34 @@ class Material:
             parts.append(f"fibres=<{self._fibres.shape}>")
         return f"Material({', '.join(parts)})"
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return _rebuild, (self.law, {**self._given, **self.tensors}, self._fibres)
 
-    def tensor_constants(self):
-        """The law's own constants as tensors that depend on the given ones; none when nothing requires grad."""
-        if not self.tensors:
-            return []
-        versions = [tensor._version for tensor in self.tensors.values()]
-        if versions != self._checked_versions:  # an optimiser has been at work
-            _for_tensors().check_constants(self._given, self.tensors, self._info)
-            self._checked_versions = versions
-        return _for_tensors().own_tensors(self._given, self.tensors, self._conversion, self._info)
-
-    def law_for(self, batch):
-        """The core's law for states of the leading shape `batch`."""
-        if not self.states_shape or batch == self.states_shape:
+    def _at_arrays(self) -> LawAtArrays:
+        if isinstance(self._law, LawAtArrays):
             return self._law
-        return batch_law(self._info, self._own.values(), self._fibres, batch)
-
-    def _states(self, F):
-        """F ready for the core, its leading shape, and the law for it."""
-        F = square_matrices(F, "F")
-        batch = F.shape[:-2]
-        if self._law is None:
-            self._refuse_array()
-        if not self.states_shape or batch == self.states_shape:
-            return F, batch, self._law
-        batch = self._batch({"F": batch})
-        return np.ascontiguousarray(np.broadcast_to(F, (*batch, *F.shape[-2:]))), batch, self.law_for(batch)
-
-    def _cells(self, F, Dm_inv, volume):
-        """The same for three arrays, which take one type and one leading shape."""
-        if self._law is None:
-            self._refuse_array()
-        if Dm_inv.shape[-1] != F.shape[-1]:
-            refuse("Dm_inv", f"matrices as large as those of F, {F.shape[-2:]}", f"{Dm_inv.shape[-2:]}")
-        batch = F.shape[:-2]
-        is_one_type = F.dtype is Dm_inv.dtype is volume.dtype
-        if is_one_type and F.shape == Dm_inv.shape and batch == volume.shape and self.states_shape in ((), batch):
-            return (F, Dm_inv, volume), batch, self._law
-        batch = self._batch({"F": batch, "Dm_inv": Dm_inv.shape[:-2], "volume": volume.shape})
-        dtype = np.result_type(F, Dm_inv, volume)
-        cells = [(F, (*batch, *F.shape[-2:])), (Dm_inv, (*batch, *F.shape[-2:])), (volume, batch)]
-        cells = tuple(np.ascontiguousarray(np.broadcast_to(array, shape), dtype) for array, shape in cells)
-        return cells, batch, self.law_for(batch)
-
-    def _batch(self, shapes):
-        """The leading shape that arguments, {name: leading shape}, and the constants take together."""
-        try:
-            return np.broadcast_shapes(*shapes.values(), self.states_shape)
-        except ValueError:
-            got = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
-            refuse("F", f"leading shapes that go together and with the constants' {self.states_shape}", got)
-
-    def _refuse_array(self):
         names = " and ".join(self.tensors)
         refuse("F", f"a torch tensor because {names} requires grad", "a numpy array", "use torch.from_numpy(F)")
 
+    def _at_tensors(self) -> LawAtTensors:
+        if self._tensor_law is None:
+            from resilin.law_at_tensors import LawAtTensors
 
-def _states_shape(own, fibres, law):
-    shapes = dict(own)
-    if fibres is not None:
-        shapes["fibres"] = fibres[..., 0, 0]
-    return common_shape(shapes, law)
+            self._tensor_law = LawAtTensors(self._law)
+        return self._tensor_law
 
 
-def number_constants(material):
+def number_constants(material: Material) -> dict[str, float | NDArray[np.float64]]:
     """The constants of a material for what autograd cannot follow: a body or a simulation."""
-    if material.tensors:
-        names = " and ".join(material.tensors)
-        refuse(f"material.{names}", "numbers or arrays", "tensors that require grad", "use .detach()")
-    return material.constants
+    if isinstance(material._law, LawAtArrays):
+        return material._law.constants()
+    names = " and ".join(material.tensors)
+    refuse(f"material.{names}", "numbers or arrays", "tensors that require grad", "use .detach()")
 
 
-def projection_named(name):
-    """The core's Projection of this name."""
-    if name not in PROJECTIONS:
-        refuse("projection", 'None, "clamp" or "absolute"', repr(name))
-    return PROJECTIONS[name]
-
-
-_tensors = None
-
-
-def _for_tensors():
-    """The part for torch, imported when the first tensor comes."""
-    global _tensors  # noqa: PLW0603 - asked for at every call: an import statement costs half a microsecond
-    if _tensors is None:
-        from resilin import tensors as _tensors
-    return _tensors
-
-
-def _rebuild(law, constants, fibres):
+def _rebuild(law: str, constants: Mapping[str, Any], fibres: NDArray[np.float64] | None) -> Material:
     return Material(law, fibres=fibres, **constants)
 
 
-def _law_table():
-    """What help(Material) says about each law."""
-    lines = ["Laws", "----"]
-    for law in laws().values():
-        lines += [law.name, f"    Psi = {law.formula}", *(f"    {_described(constant)}" for constant in law.constants)]
-        if law.max_fibres > 0:
-            lines.append(f"    Fibres: up to {law.max_fibres} families.")
-        if law.only_poissons_ratio is not None:
-            lines.append(f"    Poisson's ratio: {law.only_poissons_ratio:g} only.")
-        lines += [f"    Inversion: {law.inversion}.", f"    Source: {law.source}."]
-    return "\n".join(lines) + "\n"
-
-
-def _described(constant):
-    text = f"{constant.name} = {constant.meaning}: {constant.range}"
-    if constant.is_free:
-        text += ", also beside youngs_modulus and poissons_ratio"
-    return text if constant.fallback is None else text + f"; {constant.fallback:g} unless given"
-
-
 if sys.flags.optimize < 2:  # there are docstrings
-    Material.__doc__ = inspect.cleandoc(Material.__doc__) + "\n\n" + _law_table()
+    Material.__doc__ = inspect.cleandoc(Material.__doc__ or "") + "\n\n" + law_table()

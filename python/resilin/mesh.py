@@ -1,12 +1,27 @@
 """Meshes from arrays, files, meshio objects and recipes."""
 
+from __future__ import annotations
+
 import os
 import warnings
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from resilin import _core
 from resilin.arrays import describe, real_array, refuse
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    import meshio
+    from numpy.typing import NDArray
+    from typing_extensions import Self  # noqa: UP035 - not in typing of Python 3.10
+
+    from resilin.typing import AnyPath, BoxPattern, IntegerArray, RealArray, RectanglePattern
+
+    Kind = TypeVar("Kind", _core.TetPattern, _core.TrianglePattern)
 
 # Names of meshio's cells; its order of nodes is ours but in second-order tetrahedra, whose last two are exchanged.
 MESHIO_KINDS = {
@@ -27,15 +42,15 @@ MESHIO_KINDS = {
 class MeshReport:
     """What is wrong with a mesh (`errors`: it cannot be simulated) and what is odd (`warnings`), one line each."""
 
-    def __init__(self, errors, warnings):
+    def __init__(self, errors: list[str], warnings: list[str]) -> None:
         self.errors = errors
         self.warnings = warnings
 
-    def __bool__(self):
+    def __bool__(self) -> bool:
         """True when there is no error."""
         return not self.errors
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         lines = [f"error: {line}" for line in self.errors] + [f"warning: {line}" for line in self.warnings]
         return "\n".join(lines) or "nothing is wrong"
 
@@ -61,19 +76,25 @@ class Mesh:
         Opens messages about the mesh.
     """
 
-    def __init__(self, positions, cells, groups=None, name="mesh"):
-        positions = np.asarray(real_array(positions, f"{name}: positions"), dtype=np.float64)
-        if positions.ndim != 2 or positions.shape[1] not in (2, 3):
-            refuse(f"{name}: positions", "an array (N, 2) or (N, 3)", describe(positions.shape))
-        blocks = cells if isinstance(cells, dict) else {_kind_of(cells, positions.shape[1], name): cells}
-        count = len(positions)
-        blocks = [(_kind(kind, name), _cell_array(kind, nodes, count, name)) for kind, nodes in blocks.items()]
-        groups = [
+    def __init__(
+        self,
+        positions: RealArray,
+        cells: IntegerArray | Mapping[str, IntegerArray],
+        groups: Mapping[str, IntegerArray] | None = None,
+        name: str = "mesh",
+    ) -> None:
+        points = np.ascontiguousarray(real_array(positions, f"{name}: positions"), dtype=np.float64)
+        if points.ndim != 2 or points.shape[1] not in (2, 3):
+            refuse(f"{name}: positions", "an array (N, 2) or (N, 3)", describe(points.shape))
+        count, dimension = points.shape
+        by_kind = cells if isinstance(cells, Mapping) else {_kind_of(cells, dimension, name): cells}
+        blocks = [(_kind(kind, name), _cell_array(kind, nodes, count, name)) for kind, nodes in by_kind.items()]
+        lists = [
             (str(group), _vertices(list_, count, f"{name}: group {group}")) for group, list_ in (groups or {}).items()
         ]
-        self._take(_core.make_mesh(np.ascontiguousarray(positions), blocks, groups, name), positions.shape[1])
+        self._take(_core.make_mesh(points, blocks, lists, name), dimension)
 
-    def _take(self, core, dimension=None):
+    def _take(self, core: _core.Mesh, dimension: int | None = None) -> Self:
         """Keeps the core's mesh. Without a dimension: 2 for a mesh without solid cells that lies in the plane."""
         self._core = core
         self._positions = core.positions()
@@ -82,23 +103,24 @@ class Mesh:
             is_flat = not np.any(self._positions[:, 2]) and not set(SPATIAL_KINDS) & self._cells.keys()
             dimension = 2 if is_flat else 3
         self._positions = np.ascontiguousarray(self._positions[:, :dimension])
-        for array in (self._positions, *self._cells.values()):
-            array.flags.writeable = False
+        self._positions.flags.writeable = False
+        for nodes in self._cells.values():
+            nodes.flags.writeable = False
         return self
 
     @classmethod
-    def _of(cls, core, dimension=None):
+    def _of(cls, core: _core.Mesh, dimension: int | None = None) -> Self:
         return cls.__new__(cls)._take(core, dimension)
 
     @classmethod
-    def read(cls, path):
+    def read(cls, path: AnyPath) -> Self:
         """Reads a file as it is: MSH, Medit, TetGen, Vega, OBJ, VTK or VTU, told by its first bytes."""
         core = _core.read_mesh(os.fspath(path))
         warn(core.warnings)
         return cls._of(core)
 
     @classmethod
-    def from_meshio(cls, mesh, name="mesh"):
+    def from_meshio(cls, mesh: meshio.Mesh, name: str = "mesh") -> Self:
         """From a meshio.Mesh; cell sets, point sets and physical groups become groups.
 
         Raises
@@ -106,7 +128,7 @@ class Mesh:
         InputError
             For kinds of cells that resilin does not know.
         """
-        blocks = {}
+        blocks: dict[str, list[NDArray[Any]]] = {}
         for block in mesh.cells:
             if block.type not in MESHIO_KINDS:
                 refuse(f"{name}: cells", f"one of {', '.join(MESHIO_KINDS)}", f'"{block.type}"')
@@ -118,7 +140,9 @@ class Mesh:
         return cls(positions, cells, _meshio_groups(mesh), name)
 
     @classmethod
-    def box(cls, size, cells, origin=(0, 0, 0), pattern="kuhn6"):
+    def box(
+        cls, size: RealArray, cells: IntegerArray, origin: RealArray = (0, 0, 0), pattern: BoxPattern = "kuhn6"
+    ) -> Self:
         """A box of tetrahedra with the groups body, x_min, x_max, y_min, ...
 
         Parameters
@@ -138,7 +162,9 @@ class Mesh:
         return cls._of(_core.make_box(size, cells, origin, _choice(_core.TetPattern, pattern, "box")), 3)
 
     @classmethod
-    def rectangle(cls, size, cells, origin=(0, 0), pattern="uniform"):
+    def rectangle(
+        cls, size: RealArray, cells: IntegerArray, origin: RealArray = (0, 0), pattern: RectanglePattern = "uniform"
+    ) -> Self:
         """A rectangle of triangles, two for each of `cells` (2,); see `box`.
 
         `pattern` "alternating" turns the diagonal of every other square, as on a chessboard; "quadrilaterals" leaves
@@ -147,21 +173,22 @@ class Mesh:
         size, cells, origin = _recipe(size, cells, origin, 2, "rectangle")
         if pattern == "quadrilaterals":
             return cls._of(_core.make_quadrilateral_rectangle(size, cells, origin), 2)
-        pattern = _choice(_core.TrianglePattern, pattern, "rectangle")
-        return cls._of(_core.make_rectangle(size, cells, origin, pattern), 2)
+        diagonals = _choice(_core.TrianglePattern, pattern, "rectangle")
+        return cls._of(_core.make_rectangle(size, cells, origin, diagonals), 2)
 
     @property
-    def positions(self):
+    def positions(self) -> NDArray[np.float64]:
         """Rest positions (N, 2) or (N, 3) [m]; read-only."""
         return self._positions
 
     @property
-    def dimension(self):
+    def dimension(self) -> int:
         """Number of coordinates of a vertex, 2 or 3."""
-        return self._positions.shape[1]
+        columns: int = self._positions.shape[1]
+        return columns
 
     @property
-    def cells(self):
+    def cells(self) -> NDArray[np.int32]:
         """Nodes of the tetrahedra or hexahedra, or of the cells of a plane where there are none (M, n); read-only."""
         for kind in SPATIAL_KINDS + PLANE_KINDS:
             if kind in self._cells:
@@ -169,21 +196,21 @@ class Mesh:
         return np.empty((0, self.dimension + 1), dtype=np.int32)
 
     @property
-    def cells_by_kind(self):
+    def cells_by_kind(self) -> dict[str, NDArray[np.int32]]:
         """All cells, {"tetrahedron": (M, 4), "triangle": (F, 3), ...}."""
         return dict(self._cells)
 
     @property
-    def groups(self):
+    def groups(self) -> dict[str, NDArray[np.int32]]:
         """Vertices of each group, {name: (K,)}, ascending."""
         return dict(self._core.groups())
 
     @property
-    def cell_fields(self):
+    def cell_fields(self) -> dict[str, NDArray[np.float64]]:
         """Numbers on cells that a file brought, {name: (M,)}."""
         return {name: values for name, _, values in self._core.cell_fields()}
 
-    def check(self):
+    def check(self) -> MeshReport:
         """What is wrong and what is odd, as `resilin check` says it.
 
         Returns
@@ -193,27 +220,27 @@ class Mesh:
         """
         return MeshReport(*self._core.check())
 
-    def write(self, path):
+    def write(self, path: AnyPath) -> None:
         """Writes .msh, .vtu, .mesh (Medit) or .obj (surface)."""
         self._core.write(os.fspath(path))
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         cells = ", ".join(f"{len(nodes)} {kind}" for kind, nodes in self._cells.items())
         return f"<resilin.Mesh {self._core.name}: {len(self._positions)} vertices, cells: {cells}>"
 
 
-def read_mesh(path):
+def read_mesh(path: AnyPath) -> Mesh:
     """The same as `Mesh.read`."""
     return Mesh.read(path)
 
 
-def warn(lines):
+def warn(lines: Iterable[str]) -> None:
     """Gives each line as a Python warning at the place of the caller's caller."""
     for line in lines:
         warnings.warn(line, stacklevel=3)
 
 
-def _kind_of(cells, dimension, name):
+def _kind_of(cells: Any, dimension: int, name: str) -> str:
     shape = np.shape(cells)
     kinds = {3: "triangle", 6: "triangle6", 4: "quadrilateral" if dimension == 2 else "tetrahedron"}
     kinds |= {8: "hexahedron", 10: "tetrahedron10"} if dimension == 3 else {}
@@ -223,14 +250,14 @@ def _kind_of(cells, dimension, name):
     return kinds[shape[1]]
 
 
-def _kind(kind, name):
+def _kind(kind: str, name: str) -> _core.CellKind:
     kinds = _core.CellKind.__members__
     if kind not in kinds:
         refuse(f"{name}: cells", f"one of {', '.join(kinds)}", repr(kind))
     return kinds[kind]
 
 
-def _cell_array(kind, nodes, num_vertices, name):
+def _cell_array(kind: str, nodes: object, num_vertices: int, name: str) -> NDArray[np.int32]:
     nodes = _indices(nodes, num_vertices, f"{name}: {kind} cells")
     columns = _core.num_nodes(_kind(kind, name))
     if nodes.ndim != 2 or nodes.shape[1] != columns:
@@ -238,14 +265,14 @@ def _cell_array(kind, nodes, num_vertices, name):
     return nodes
 
 
-def _vertices(list_, num_vertices, place):
+def _vertices(list_: object, num_vertices: int, place: str) -> NDArray[np.int32]:
     list_ = _indices(list_, num_vertices, place)
     if list_.ndim != 1:
         refuse(place, "a list of vertices", f"an array {describe(list_.shape)}")
     return list_
 
 
-def _indices(values, count, place):
+def _indices(values: object, count: int, place: str) -> NDArray[np.int32]:
     array = np.asarray(values)
     if array.size == 0:
         return np.empty(array.shape, dtype=np.int32)
@@ -257,7 +284,9 @@ def _indices(values, count, place):
     return np.ascontiguousarray(array, dtype=np.int32)
 
 
-def _recipe(size, cells, origin, dim, name):
+def _recipe(
+    size: object, cells: object, origin: object, dim: int, name: str
+) -> tuple[list[float], list[int], list[float]]:
     size, origin = np.asarray(size, dtype=np.float64), np.asarray(origin, dtype=np.float64)
     cells = np.asarray(cells)
     for key, array in (("size", size), ("cells", cells), ("origin", origin)):
@@ -274,18 +303,18 @@ def _recipe(size, cells, origin, dim, name):
     return size.tolist(), cells.tolist(), origin.tolist()
 
 
-def _choice(kinds, name, place):
+def _choice(kinds: type[Kind], name: str, place: str) -> Kind:
     if name not in kinds.__members__:
         refuse(f"{place}.pattern", f"one of {', '.join(kinds.__members__)}", repr(name))
     return kinds.__members__[name]
 
 
-def _our_order(block):
+def _our_order(block: meshio.CellBlock) -> NDArray[Any]:
     nodes = np.asarray(block.data)
     return nodes[:, [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]] if block.type == "tetra10" else nodes
 
 
-def _meshio_groups(mesh):
+def _meshio_groups(mesh: meshio.Mesh) -> dict[str, NDArray[Any]]:
     groups = {name: np.asarray(vertices) for name, vertices in mesh.point_sets.items() if vertices is not None}
     for name, cells_of_blocks in mesh.cell_sets.items():
         parts = [

@@ -1,11 +1,23 @@
 """Pictures of results, without a display and without other packages."""
 
+from __future__ import annotations
+
 import os
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from resilin import _core
 from resilin.arrays import refuse
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from typing import Literal
+
+    from numpy.typing import NDArray
+    from typing_extensions import Unpack
+
+    from resilin.typing import AnyPath, ColorMap, PictureOptions
 
 
 class Picture:
@@ -17,26 +29,26 @@ class Picture:
         Red, green, blue, from the top left corner; for matplotlib's `imshow` and the like.
     """
 
-    def __init__(self, image):
+    def __init__(self, image: _core.Image) -> None:
         self._image = image
 
     @property
-    def pixels(self):
+    def pixels(self) -> NDArray[np.uint8]:
         return self._image.pixels()
 
-    def save(self, path):
+    def save(self, path: AnyPath) -> None:
         """Writes a PNG file."""
         self._image.save(os.fspath(path))
 
-    def _repr_png_(self):
+    def _repr_png_(self) -> bytes:
         return self._image.png()
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         height, width, _ = self.pixels.shape
         return f"<resilin.Picture {width} x {height}>"
 
 
-def picture(place, field=None, *, frame=-1, **options):
+def picture(place: AnyPath, field: str | None = None, *, frame: int = -1, **options: Unpack[PictureOptions]) -> Picture:
     """Draws a frame that a run has left in a folder, as `resilin picture` does.
 
     Parameters
@@ -59,18 +71,18 @@ def picture(place, field=None, *, frame=-1, **options):
 
 
 def picture_options(
-    field=None,
+    field: str | None = None,
     *,
-    size=(1200, 900),
-    view="iso",
-    up="z",
-    range=None,
-    map="auto",
-    scale=1,
-    edges=None,
-    rest=False,
-    dark=False,
-):
+    size: Sequence[float] = (1200, 900),
+    view: str | Sequence[float] = "iso",
+    up: Literal["x", "y", "z"] = "z",
+    range: Sequence[float] | None = None,
+    map: ColorMap = "auto",
+    scale: float = 1,
+    edges: bool | None = None,
+    rest: bool = False,
+    dark: bool = False,
+) -> _core.PictureOptions:
     """What `Result.plot` takes, as the core wants it."""
     options = _core.PictureOptions()
     if field is not None and not isinstance(field, str):

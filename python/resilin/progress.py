@@ -1,7 +1,15 @@
 """One line about a run that goes on: overwritten in a terminal and in a notebook, else repeated now and then."""
 
+from __future__ import annotations
+
 import sys
 import time
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from resilin import _core
 
 BETWEEN_DRAWS = 0.1  # [s]
 BETWEEN_LINES = 2.0  # [s]
@@ -16,7 +24,7 @@ class Progress:
         None: in a terminal and in a notebook only.
     """
 
-    def __init__(self, simulation, is_shown=None):
+    def __init__(self, simulation: _core.Simulation, is_shown: bool | None = None) -> None:
         self._simulation = simulation
         self._overwrites = sys.stdout.isatty() or is_notebook()
         self._is_shown = self._overwrites if is_shown is None else is_shown
@@ -24,11 +32,11 @@ class Progress:
         self._next = self._start = time.monotonic()
 
     @property
-    def after_step(self):
+    def after_step(self) -> Callable[[], None] | None:
         """What the core is to call after each step, or None."""
         return self._step if self._is_shown else None
 
-    def _step(self):
+    def _step(self) -> None:
         now = time.monotonic()
         if now < self._next and not self._simulation.is_finished:
             return
@@ -40,7 +48,7 @@ class Progress:
         else:
             print(text, flush=True)
 
-    def _text(self):
+    def _text(self) -> str:
         simulation = self._simulation
         share = simulation.share_done
         if simulation.is_dynamic:
@@ -49,14 +57,14 @@ class Progress:
             state = f"step {simulation.step_number}, load {simulation.load:.4g}"
         return f"{100 * share:3.0f} %  {state}, {time.monotonic() - self._start:.3g} s"
 
-    def end(self):
+    def end(self) -> None:
         """Ends the line that was drawn."""
         if self._width:
             print(flush=True)
         self._width = 0
 
 
-def is_notebook():
+def is_notebook() -> bool:
     ipython = sys.modules.get("IPython")
     shell = ipython.get_ipython() if ipython is not None else None
     return type(shell).__name__ == "ZMQInteractiveShell"

@@ -1,7 +1,10 @@
 """Scenes as dicts, made ready for the core: the keys are those of a scene file (docs/scene.md)."""
 
+from __future__ import annotations
+
 import os
 from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -10,11 +13,18 @@ from resilin.arrays import describe, refuse
 from resilin.material import Material, number_constants
 from resilin.mesh import Mesh
 
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from resilin.typing import Overrides, Scene
+
+    Table = Mapping[str, object]
+
 LIST_SIZE = 64  # longer arrays of floating-point numbers are handed over as they are
 MAX_DEPTH = 16
 
 
-def read_scene(scene, overrides=()):
+def read_scene(scene: Scene, overrides: Overrides = ()) -> _core.Scene:
     """The core's scene of a path or of a dict.
 
     Parameters
@@ -28,23 +38,25 @@ def read_scene(scene, overrides=()):
     if isinstance(overrides, Mapping):
         overrides = [f"{key}={_toml(value)}" for key, value in overrides.items()]
     if isinstance(scene, Mapping):
-        plain = _plain(scene, "", _dimension_of(scene))
+        plain = _plain_table(scene, "", _dimension_of(scene), 0)
         return _core.read_scene_from_values(plain, "scene", "", list(overrides))
     if not isinstance(scene, str | os.PathLike):
         refuse("scene", "a path or a dict", type(scene).__name__)
     return _core.read_scene(os.fspath(scene), list(overrides))
 
 
-def _dimension_of(scene):
+def _dimension_of(scene: Table) -> Any:
     simulation = scene.get("simulation")
     return simulation.get("dimension", 3) if isinstance(simulation, Mapping) else 3
 
 
-def _plain(value, path, dimension, depth=0):
+def _plain(value: object, path: str, dimension: int, depth: int = 0) -> object:
     """`value` as dicts, lists, texts, numbers, long float64 arrays (rows, columns) and the core's meshes."""
     if depth > MAX_DEPTH:
         refuse(f"scene: {path}", f"at most {MAX_DEPTH} levels", "more", "does it contain itself?")
     if isinstance(value, Mapping):
+        if "positions" in value and path.endswith(".mesh"):
+            return _inline_mesh(value, f"scene: {path}")
         return _plain_table(value, path, dimension, depth)
     if isinstance(value, np.ndarray):
         return _plain_array(value, path)
@@ -63,9 +75,7 @@ def _plain(value, path, dimension, depth=0):
     refuse(f"scene: {path}", "a number, a text, a list, a dict, an array or a mesh", type(value).__name__)
 
 
-def _plain_table(table, path, dimension, depth):
-    if "positions" in table and path.endswith(".mesh"):
-        return _inline_mesh(table, f"scene: {path}")
+def _plain_table(table: Table, path: str, dimension: int, depth: int) -> dict[str, object]:
     plain = {}
     for key, value in table.items():
         if not isinstance(key, str):
@@ -74,13 +84,13 @@ def _plain_table(table, path, dimension, depth):
             entries = material_entries(value, dimension)
             for name in table.keys() & entries.keys() - {"law"}:
                 refuse(f"scene: {path}.{name}", "a value in the Material or beside it", "both")
-            plain.update(_plain(entries, path, dimension, depth + 1))
+            plain.update(_plain_table(entries, path, dimension, depth + 1))
         else:
             plain[key] = _plain(value, f"{path}.{key}" if path else key, dimension, depth + 1)
     return plain
 
 
-def _inline_mesh(table, place):
+def _inline_mesh(table: Mapping[str, Any], place: str) -> _core.Mesh:
     for key in table:
         if key not in ("positions", "cells", "groups"):
             refuse(f"{place}.{key}", "positions, cells and groups", "an unknown key")
@@ -89,7 +99,7 @@ def _inline_mesh(table, place):
     return Mesh(table["positions"], table["cells"], table.get("groups"), name=place)._core
 
 
-def _plain_array(array, path):
+def _plain_array(array: NDArray[Any], path: str) -> object:
     if array.dtype.kind not in "biuf" or array.ndim > 2:
         refuse(
             f"scene: {path}",
@@ -101,9 +111,9 @@ def _plain_array(array, path):
     return array.tolist()
 
 
-def material_entries(material, dimension=3):
+def material_entries(material: Material, dimension: int = 3) -> dict[str, Any]:
     """The entries of a scene's material: law, constants and fibres, for each family (d,) or (M, d)."""
-    entries = {"law": material.law, **number_constants(material)}
+    entries: dict[str, Any] = {"law": material.law, **number_constants(material)}
     if material.fibres is not None:
         fibres = material.fibres
         if fibres.ndim > 3:
@@ -114,7 +124,7 @@ def material_entries(material, dimension=3):
     return entries
 
 
-def _toml(value):
+def _toml(value: object) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, list | tuple | np.ndarray):

@@ -1,9 +1,11 @@
 """Simulations of scenes: step by step, or to the end with all results as arrays."""
 
+from __future__ import annotations
+
 import json
 import os
-from collections.abc import Mapping
-from typing import NamedTuple
+from collections.abc import Callable, Iterator, Mapping
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -11,39 +13,57 @@ from resilin import _core
 from resilin.arrays import refuse
 from resilin.mesh import warn
 from resilin.picture import Picture, picture_options
-from resilin.progress import Progress
 from resilin.scene import material_entries, read_scene
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+    from typing_extensions import Unpack
+
+    from resilin.material import Material
+    from resilin.typing import (
+        AnyPath,
+        BodyReport,
+        FrameReport,
+        Overrides,
+        PictureOptions,
+        Report,
+        RunStatus,
+        Scene,
+        StepStatus,
+    )
+
+    Floats = NDArray[np.float64]
 
 
 class Step(NamedTuple):
     """What became of one step; not converging is a result, not an error."""
 
-    status: str  #: "converged" or "not_converged"
+    status: StepStatus  #: "converged" or "not_converged"
     reason: str  #: in words, when it did not converge
     newton_iterations: int
     residual: float  #: force residual relative to the forces that balance
 
-    def __bool__(self):
+    def __bool__(self) -> bool:
         """True when the step converged."""
         return self.status == "converged"
 
 
-class Fields(Mapping):
+class Fields(Mapping[str, "Floats"]):
     """Fields of a result by name, computed when they are asked for; see docs/results.md."""
 
-    def __init__(self, evaluate):
+    def __init__(self, evaluate: Callable[[str], Floats]) -> None:
         self._evaluate = evaluate
 
-    def __getitem__(self, name):
+    def __getitem__(self, name: str) -> Floats:
         return self._evaluate(name)
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[str]:
         return iter(_core.field_names())
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(_core.field_names())
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<fields {', '.join(self)}>"
 
 
@@ -65,26 +85,26 @@ class Result:
         As report.json: status, reason, frames with energies, probes and reactions, bodies, timing.
     """
 
-    def __init__(self, core):
+    def __init__(self, core: _core.History) -> None:
         self._core = core
         self.positions = core.positions()
         self.velocities = core.velocities()
         self.times = core.times()
         self.loads = core.loads()
         self.fields = Fields(core.field)
-        self.report = json.loads(core.report())
+        self.report: Report = json.loads(core.report())
 
     @property
-    def status(self):
+    def status(self) -> RunStatus:
         """ "done", "not_converged", or "budget" when the run was stopped before its end."""
         return self.report["status"]
 
-    def save(self, folder):
+    def save(self, folder: AnyPath) -> None:
         """Writes the folder that `resilin run --out` leaves: report.json, frames.pvd, frames/, checkpoint.bin and, as
         output.formats asks, result.html and result.usda."""
         self._core.save(os.fspath(folder))
 
-    def plot(self, field="von_mises", *, frame=-1, **options):
+    def plot(self, field: str | None = "von_mises", *, frame: int = -1, **options: Unpack[PictureOptions]) -> Picture:
         """Draws the deformed body, coloured by a field; no display and no other package is needed.
 
         Parameters
@@ -120,7 +140,7 @@ class Result:
         """
         return Picture(self._core.draw(int(frame), picture_options(field, **options)))
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<resilin.Result {self.status}: {len(self.times)} frames; {self.report['reason']}>"
 
 
@@ -147,11 +167,11 @@ class Simulation:
     >>> simulation.positions
     """
 
-    def __init__(self, scene, overrides=()):
+    def __init__(self, scene: Scene, overrides: Overrides = ()) -> None:
         self._core = _core.Simulation(read_scene(scene, overrides))
         warn(self._core.warnings)
 
-    def step(self):
+    def step(self) -> Step:
         """One time step, or one load step as large as converges.
 
         Ctrl-C raises KeyboardInterrupt and leaves the state before the step.
@@ -163,7 +183,14 @@ class Simulation:
         """
         return Step(*self._core.step())
 
-    def run(self, out=None, *, resume=False, steps=None, progress=None):
+    def run(
+        self,
+        out: AnyPath | None = None,
+        *,
+        resume: bool = False,
+        steps: int | None = None,
+        progress: bool | None = None,
+    ) -> Result:
         """Steps to the end and records each `output.every`-th step.
 
         Ctrl-C raises KeyboardInterrupt; the simulation keeps the last whole step, `out` everything up to it.
@@ -183,6 +210,8 @@ class Simulation:
         -------
         Result
         """
+        from resilin.progress import Progress
+
         if steps is not None and (not isinstance(steps, int | np.integer) or steps < 1):
             refuse("steps", "a whole number of at least 1", repr(steps))
         if resume and out is None:
@@ -194,7 +223,7 @@ class Simulation:
         finally:
             line.end()
 
-    def set_material(self, body, material, density=None):
+    def set_material(self, body: str, material: Material, density: float | None = None) -> None:
         """Gives a body another material; the motion goes on from the present state.
 
         Parameters
@@ -215,59 +244,61 @@ class Simulation:
         self._core.set_material(body, law, uniform, by_cell, fibres, None if density is None else float(density))
 
     @property
-    def positions(self):
+    def positions(self) -> Floats:
         """(N, d) [m], the vertices of all bodies, one body after another."""
         return self._core.positions()
 
     @property
-    def velocities(self):
+    def velocities(self) -> Floats:
         """(N, d) [m/s]; zero in statics."""
         return self._core.velocities()
 
     @property
-    def rest_positions(self):
+    def rest_positions(self) -> Floats:
         """(N, d) [m]."""
         return self._core.rest_positions()
 
     @property
-    def time(self):
+    def time(self) -> float:
         """[s]"""
         return self._core.time
 
     @property
-    def load(self):
+    def load(self) -> float:
         """Load factor of a static run; 1 in motion."""
         return self._core.load
 
     @property
-    def is_finished(self):
+    def is_finished(self) -> bool:
         """Whether the end time or the full load is reached."""
         return self._core.is_finished
 
     @property
-    def frame(self):
+    def frame(self) -> FrameReport:
         """What report.json says about the present state: energies, momenta, probes, reactions."""
-        return json.loads(self._core.frame())
+        frame: FrameReport = json.loads(self._core.frame())
+        return frame
 
     @property
-    def bodies(self):
+    def bodies(self) -> list[BodyReport]:
         """What report.json says about the bodies."""
-        return json.loads(self._core.bodies())
+        bodies: list[BodyReport] = json.loads(self._core.bodies())
+        return bodies
 
     @property
-    def fields(self):
+    def fields(self) -> Fields:
         """Fields of the present state by name, as in `Result` without the axis of the frames."""
         return Fields(lambda name: self._core.field(name)[0])
 
-    def plot(self, field="von_mises", **options):
+    def plot(self, field: str | None = "von_mises", **options: Unpack[PictureOptions]) -> Picture:
         """Draws the present state; see `Result.plot`."""
         return Picture(self._core.draw(picture_options(field, **options)))
 
-    def cells(self, body):
+    def cells(self, body: str) -> NDArray[np.int32]:
         """Vertices of the cells of a body (M, d + 1), as rows of `positions`."""
         return self._core.cells(body)
 
-    def skin_positions(self, body):
+    def skin_positions(self, body: str) -> Floats:
         """Where the skin of a body is now (V, 3) [m]; in 2D the third column is zero.
 
         Raises
@@ -277,19 +308,27 @@ class Simulation:
         """
         return self._core.skin_positions(body)
 
-    def skin_triangles(self, body):
+    def skin_triangles(self, body: str) -> NDArray[np.int32]:
         """Triangles of the skin (T, 3), as rows of `skin_positions`; of a curve in 2D its lines (T, 2)."""
         return self._core.skin_facets(body)
 
-    def vertices(self, body):
+    def vertices(self, body: str) -> slice:
         """The rows of `positions` that belong to a body, as a slice."""
         return slice(*self._core.vertex_range(body))
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<resilin.Simulation {self._core.title}: {self._core.reached()}>"
 
 
-def run(scene, out=None, *, overrides=(), resume=False, steps=None, progress=None):
+def run(
+    scene: Scene,
+    out: AnyPath | None = None,
+    *,
+    overrides: Overrides = (),
+    resume: bool = False,
+    steps: int | None = None,
+    progress: bool | None = None,
+) -> Result:
     """Simulates a scene to its end; see `Simulation` and `Simulation.run`.
 
     Returns

@@ -1,17 +1,20 @@
 """How many threads the core uses."""
 
+from __future__ import annotations
+
 import operator
+from typing import SupportsIndex
 
 from resilin import _core
 from resilin.arrays import refuse
 
 
-def num_threads():
+def num_threads() -> int:
     """Number of threads that loops use; all cores unless `set_num_threads` was called."""
     return _core.num_threads()
 
 
-def set_num_threads(count):
+def set_num_threads(count: SupportsIndex) -> None:
     """Limits every later computation to `count` threads; results are the same bits for any number."""
     try:
         number = operator.index(count)

@@ -2,7 +2,23 @@
 
 # ruff: noqa: N803, N806 - E, F and P are the letters of the field
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, overload
+
 from resilin.material import Material
+
+if TYPE_CHECKING:
+    from typing import TypeVar
+
+    import numpy as np
+    import torch
+    from numpy.typing import NDArray
+
+    from resilin.typing import Constant, TensorLike
+
+    Real = TypeVar("Real", np.float32, np.float64)
+    T = TypeVar("T")
 
 
 class StableNeoHookean:
@@ -24,42 +40,68 @@ class StableNeoHookean:
         [Pa], [-]; tensors that require grad are differentiated through.
     """
 
-    def __init__(self, youngs_modulus=1e6, poissons_ratio=0.45):
+    def __init__(self, youngs_modulus: Constant = 1e6, poissons_ratio: Constant = 0.45) -> None:
         self._material = Material("neo_hookean_quadratic", youngs_modulus=youngs_modulus, poissons_ratio=poissons_ratio)
         self._given = youngs_modulus, poissons_ratio
 
     @property
-    def E(self):  # noqa: N802
+    def E(self) -> Constant:  # noqa: N802
         """Young's modulus [Pa]."""
         return self._given[0]
 
     @property
-    def nu(self):
+    def nu(self) -> Constant:
         """Poisson's ratio."""
         return self._given[1]
 
     @property
-    def mu(self):
+    def mu(self) -> float | NDArray[np.float64] | torch.Tensor:
         """Shear modulus [Pa]."""
         return self._material.constants["shear_modulus"]
 
     @property
-    def lam(self):
+    def lam(self) -> float | NDArray[np.float64] | torch.Tensor:
         """Lame's lambda [Pa]."""
         return self._material.constants["lame_lambda"]
 
-    def energy_density(self, F):
+    @overload
+    def energy_density(self, F: TensorLike[T]) -> T: ...
+
+    @overload
+    def energy_density(self, F: NDArray[Real]) -> NDArray[Real]: ...
+
+    def energy_density(self, F: Any) -> Any:
         """Psi (M,) [J/m^3] at deformation gradients F (M, 3, 3)."""
         return self._material.energy_density(F)
 
-    def first_piola_kirchhoff_stress(self, F):
+    @overload
+    def first_piola_kirchhoff_stress(self, F: TensorLike[T]) -> T: ...
+
+    @overload
+    def first_piola_kirchhoff_stress(self, F: NDArray[Real]) -> NDArray[Real]: ...
+
+    def first_piola_kirchhoff_stress(self, F: Any) -> Any:
         """P = dPsi/dF (M, 3, 3) [Pa]."""
         return self._material.first_piola_kirchhoff_stress(F)
 
-    def first_piola_kirchhoff_stress_analytic(self, F):
+    @overload
+    def first_piola_kirchhoff_stress_analytic(self, F: TensorLike[T]) -> T: ...
+
+    @overload
+    def first_piola_kirchhoff_stress_analytic(self, F: NDArray[Real]) -> NDArray[Real]: ...
+
+    def first_piola_kirchhoff_stress_analytic(self, F: Any) -> Any:
         """The same: there is one stress."""
         return self._material.first_piola_kirchhoff_stress(F)
 
-    def compute_elastic_forces(self, F, Dm_inv, volume):
+    @overload
+    def compute_elastic_forces(self, F: TensorLike[T], Dm_inv: Constant, volume: Constant) -> T: ...
+
+    @overload
+    def compute_elastic_forces(
+        self, F: NDArray[Real], Dm_inv: NDArray[Real], volume: NDArray[Real]
+    ) -> NDArray[Real]: ...
+
+    def compute_elastic_forces(self, F: Any, Dm_inv: Any, volume: Any) -> Any:
         """Forces on the corners (M, 4, 3) [N], from F (M, 3, 3), Dm_inv (M, 3, 3) [1/m] and volume (M,) [m^3]."""
         return self._material.elastic_forces(F, Dm_inv, volume)

@@ -1,7 +1,9 @@
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bindings.hpp"
@@ -30,8 +32,10 @@ nb::list limits(const StretchCurve& curve) {
 
 /// Everything that the Python layer shows of a curve.
 /// @param fibres  (families, 3), unit vectors; no row for an isotropic law
-nb::dict stretch_curve(const std::string& law, std::vector<double> constants, const Array2d<double>& fibres,
-                       const std::string& load_case, const Vector1d<double>& stretches) {
+nb::typed<nb::dict, nb::str, nb::any> stretch_curve(const std::string& law, std::vector<double> constants,
+                                                    const Array2d<double>& fibres,
+                                                    const std::string& load_case,
+                                                    const Vector1d<double>& stretches) {
   Material material{};
   material.law = &require_law(law, "law");
   material.constants = std::move(constants);
@@ -65,11 +69,15 @@ nb::dict stretch_curve(const std::string& law, std::vector<double> constants, co
 }  // namespace
 
 void bind_curve(nb::module_& module) {
-  module.def("stretch_curve", &stretch_curve);
-  module.def("usual_range", [](const std::string& load_case) {
-    const LoadRange range = usual_range(require_load_case(load_case, "kind"));
-    return nb::make_tuple(range.from, range.to);
-  });
+  module.def("stretch_curve", &stretch_curve, nb::arg("law"), nb::arg("constants"), nb::arg("fibres"),
+             nb::arg("kind"), nb::arg("stretches"));
+  module.def(
+      "usual_range",
+      [](const std::string& load_case) {
+        const LoadRange range = usual_range(require_load_case(load_case, "kind"));
+        return std::pair(range.from, range.to);
+      },
+      nb::arg("kind"));
 }
 
 }  // namespace resilin::python

@@ -12,13 +12,13 @@ namespace nb = nanobind;
 NB_MODULE(_core, module) {
   using namespace resilin;
   nb::set_leak_warnings(false);  // torch keeps what its graphs refer to until the interpreter has ended
-  module.attr("__version__") = std::string(version());
   const nb::exception<InputError> input_error(module, "InputError", PyExc_ValueError);
   module.def(
       "input_error_text",
       [](const std::string& place, const std::string& expected, const std::string& got,
          const std::string& cure) { return std::string(InputError(place, expected, got, cure).what()); },
       nb::arg("place"), nb::arg("expected"), nb::arg("got"), nb::arg("cure"));
+  module.def("version", [] { return std::string(version()); });
   module.def("num_threads", &num_threads);
   module.def("set_num_threads", &set_num_threads, nb::arg("count"));
   python::bind_material(module);

@@ -204,8 +204,8 @@ void bind_simulation(nb::module_& module) {
       nb::arg("path"), nb::arg("overrides"), nb::call_guard<nb::gil_scoped_release>());
   module.def(
       "read_scene_from_values",
-      [](const nb::dict& values, const std::string& name, const std::filesystem::path& folder,
-         const std::vector<std::string>& overrides) {
+      [](const nb::typed<nb::dict, nb::str, nb::object>& values, const std::string& name,
+         const std::filesystem::path& folder, const std::vector<std::string>& overrides) {
         return read_scene_from_values(scene_value(values), name, folder, {.overrides = overrides});
       },
       nb::arg("values"), nb::arg("name"), nb::arg("folder"), nb::arg("overrides"));
@@ -213,7 +213,8 @@ void bind_simulation(nb::module_& module) {
   bind_history(module);
   nb::class_<RunningSimulation>(module, "Simulation")
       .def(nb::init<const Scene&>(), nb::arg("scene"), nb::call_guard<nb::gil_scoped_release>())
-      .def("step", &RunningSimulation::step)
+      .def("step", &RunningSimulation::step,
+           nb::sig("def step(self) -> tuple[typing.Literal['converged', 'not_converged'], str, int, float]"))
       .def("run", &RunningSimulation::run, nb::arg("out").none(), nb::arg("resumes"), nb::arg("max_steps"),
            nb::arg("after_step").none())
       .def("set_material", &RunningSimulation::set_material, nb::arg("body"), nb::arg("law"),

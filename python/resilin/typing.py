@@ -1,0 +1,188 @@
+"""Types for annotations of programs that use Resilin; nothing here does anything when a program runs.
+
+Results are `numpy.typing.NDArray`. Arguments may be what `numpy.asarray` makes an array of real numbers (`RealArray`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from os import PathLike
+from typing import Any, Literal, Protocol, TypeAlias, TypedDict, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+T_co = TypeVar("T_co", covariant=True)
+
+
+class HasArray(Protocol):
+    """Arrays, numpy's single numbers, and what other packages let numpy read as an array."""
+
+    def __array__(self) -> np.ndarray[Any, np.dtype[np.floating[Any] | np.integer[Any]]]: ...
+
+
+class TensorLike(Protocol[T_co]):
+    """torch.Tensor, with itself as T_co, for a reader of types that has no torch at hand."""
+
+    @property
+    def requires_grad(self) -> bool: ...
+
+    def double(self) -> T_co: ...
+
+
+Number: TypeAlias = "float | HasArray"
+RealArray: TypeAlias = "Number | Sequence[Number | Sequence[Number | Sequence[Number | Sequence[Number]]]]"
+Constant: TypeAlias = "RealArray | TensorLike[Any]"
+IntegerArray: TypeAlias = "HasArray | Sequence[HasArray | Sequence[int]] | Sequence[int]"
+AnyPath: TypeAlias = "str | PathLike[str]"
+
+#: A file, or a dict with the keys of docs/scene.md
+Scene: TypeAlias = "AnyPath | Mapping[str, object]"
+#: {"newton.tolerance": 1e-6} or ["newton.tolerance=1e-6"]
+Overrides: TypeAlias = "Mapping[str, object] | Iterable[str]"
+
+Projection: TypeAlias = Literal["clamp", "absolute"] | None
+MassKind: TypeAlias = Literal["lumped", "consistent"]
+BoxPattern: TypeAlias = Literal["kuhn6", "five", "hexahedra"]
+RectanglePattern: TypeAlias = Literal["uniform", "alternating", "quadrilaterals"]
+CurveKind: TypeAlias = Literal["uniaxial", "equibiaxial", "planar", "shear", "volumetric"]
+ColorMap: TypeAlias = Literal["auto", "viridis", "diverging"]
+StressKind: TypeAlias = Literal["nominal", "cauchy"]
+Loss: TypeAlias = Literal["stress_drops", "directions_part", "not_elliptic", "no_state"]
+StepStatus: TypeAlias = Literal["converged", "not_converged"]
+RunStatus: TypeAlias = Literal["done", "not_converged", "budget"]
+Triplets: TypeAlias = tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float64]]
+
+
+class PictureOptions(TypedDict, total=False):
+    """What `Result.plot` says about them."""
+
+    size: Sequence[float]
+    view: str | Sequence[float]
+    up: Literal["x", "y", "z"]
+    range: Sequence[float] | None
+    map: ColorMap
+    scale: float
+    edges: bool | None
+    rest: bool
+    dark: bool
+
+
+class ModeReport(TypedDict, total=False):
+    """A free vibration."""
+
+    number: int
+    frequency: float
+    rigid: bool
+    unstable: bool
+    effective_mass: list[float]
+    growth_rate: float
+
+
+class EnergyReport(TypedDict):
+    """[J]"""
+
+    elastic: float
+    kinetic: float
+    external: float
+    contact: float
+    total: float
+
+
+class MomentumReport(TypedDict):
+    linear: list[float]
+    angular: list[float]
+
+
+class ProbeReport(TypedDict):
+    displacement: list[float]
+    velocity: list[float]
+
+
+class SectionReport(TypedDict):
+    force: list[float]
+    moment: list[float]
+    center: list[float]
+
+
+class ExtremeReport(TypedDict, total=False):
+    value: float
+    body: str
+    vertex: int
+    cell: int
+    position: list[float]
+
+
+class ExtremesReport(TypedDict):
+    min: ExtremeReport
+    max: ExtremeReport
+
+
+class FrameReport(TypedDict, total=False):
+    """A frame of report.json; `mode`, `time_step`, `time_error` and `inversion_load` where there is one."""
+
+    step: int
+    time: float
+    load: float
+    mode: ModeReport
+    newton_iterations: int
+    linear_iterations: int
+    converged: bool
+    residual: float
+    residual_newton: float
+    failed_attempts: int
+    time_step: float
+    time_error: float
+    unstable_modes: int | None
+    inversion_load: float
+    min_volume_ratio: float
+    worst_cell: int
+    worst_body: int
+    energy: EnergyReport
+    momentum: MomentumReport
+    probes: dict[str, ProbeReport]
+    reactions: dict[str, list[float]]
+    reaction_moments: dict[str, list[float]]
+    sections: dict[str, SectionReport]
+    extremes: dict[str, ExtremesReport]
+
+
+class BodyReport(TypedDict):
+    name: str
+    law: str
+    constants: dict[str, float]
+    element: str
+    element_reason: str
+    quadrature: str
+    mass: str
+    cells: int
+    vertices: int
+    unknowns: int
+
+
+class TimingReport(TypedDict):
+    """[s]"""
+
+    total: float
+    assembly: float
+    solve: float
+    output: float
+
+
+class Report(TypedDict, total=False):
+    """report.json (docs/results.md); `modes` of free vibrations alone."""
+
+    status: RunStatus
+    reason: str
+    title: str
+    version: str
+    dimension: int
+    kind: Literal["static", "dynamic", "modes"]
+    modes: list[ModeReport]
+    is_linear: bool
+    frames: list[FrameReport]
+    bodies: list[BodyReport]
+    solver: str
+    timing: TimingReport
+    peak_memory_MiB: float
+    threads: int
