@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "benchmarks.hpp"
+#include "resilin/core/cpu.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/parallel.hpp"
 #include "resilin/core/text.hpp"
@@ -64,7 +65,6 @@ int fail(int code, const std::string& message) {
 }
 
 int main(int argc, char** argv) {
-  choose_blas_kernel();
   Command command;
   CLI::App app("List the built-in benchmarks, or run one", "resilin bench");
   app.add_option("name", command.name, "Name of a benchmark");
@@ -78,6 +78,8 @@ int main(int argc, char** argv) {
   app.footer("Example:\n  resilin bench cube --threads 1 --json");
   try {
     app.parse(argc, argv);
+    preferred_instruction_set();
+    choose_blas_kernel();
     run(command);
   } catch (const CLI::Success& success) {
     return app.exit(success);

@@ -17,29 +17,33 @@
 namespace resilin::cli {
 namespace {
 
-std::vector<std::string> instruction_sets() {
-  std::vector<std::string> names;
-  for (const InstructionSet set : available_instruction_sets()) names.emplace_back(name(set));
-  return names;
+std::vector<std::string> names(const std::vector<InstructionSet>& sets) {
+  std::vector<std::string> all;
+  for (const InstructionSet set : sets) all.emplace_back(name(set));
+  return all;
 }
 
 int print_info(bool as_json) {
   const std::string in_use(name(preferred_instruction_set()));
+  const std::vector<std::string> available = names(available_instruction_sets());
   const std::string blas = blas_kernel_name();
   const std::vector<std::string> solvers = linear_solver_names();
   if (as_json) {
-    const nlohmann::ordered_json json = {
-        {"version", version()},      {"compiler", compiler()},
-        {"instruction_set", in_use}, {"instruction_sets", instruction_sets()},
-        {"blas_kernel", blas},       {"solvers", solvers},
-        {"threads", num_threads()}};
+    const nlohmann::ordered_json json = {{"version", version()},
+                                         {"compiler", compiler()},
+                                         {"instruction_set", in_use},
+                                         {"instruction_sets", available},
+                                         {"compiled_instruction_sets", names(compiled_instruction_sets())},
+                                         {"blas_kernel", blas},
+                                         {"solvers", solvers},
+                                         {"threads", num_threads()}};
     print_line(json.dump(1));
     return done;
   }
   print_text(format_table({{"version", std::string(version())},
                            {"compiler", compiler()},
-                           {"instruction set", in_use + " (of " + join(instruction_sets()) + ")"},
-                           {"BLAS kernel", blas},
+                           {"elements, iterative solvers", in_use + " (of " + join(available) + ")"},
+                           {"direct solvers, BLAS", blas},
                            {"linear solvers", join(solvers)},
                            {"threads", std::to_string(num_threads())}}));
   return done;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "command.hpp"
+#include "resilin/core/cpu.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/linear/blas.hpp"
@@ -21,6 +22,8 @@ int fail(int code, const std::string& message) {
 
 int run_action(const Action& action) {
   try {
+    preferred_instruction_set();  // what cannot be had is said before any work is done
+    choose_blas_kernel();
     return action();
   } catch (const InputError& error) {
     return fail(wrong_input, error.what());
@@ -51,7 +54,6 @@ std::string help_hint(const CLI::App& app) {
 }
 
 int main(int argc, char** argv) {
-  choose_blas_kernel();
   CLI::App app("Resilin simulates hyperelastic solids with finite elements.", "resilin");
   app.set_version_flag("--version", std::string(version()));
   app.require_subcommand(1);

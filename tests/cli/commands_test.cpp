@@ -9,6 +9,8 @@
 namespace resilin::testing {
 namespace {
 
+using ::testing::AllOf;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
@@ -111,6 +113,26 @@ TEST_F(Commands, InfoTellsHowItWasBuilt) {
     EXPECT_TRUE(info.contains(key)) << key;
   }
   EXPECT_THAT(run({"info", "--scene-reference"}).out, StartsWith("# The scene file"));
+}
+
+TEST_F(Commands, ResilinIsaChoosesTheKernelsOfElementsAndOfBlas) {
+  const nlohmann::json best = nlohmann::json::parse(run({"info", "--json"}).out);
+  for (const std::string set : best["instruction_sets"]) {
+    const nlohmann::json info =
+        nlohmann::json::parse(run_program(folder.path(), {"info", "--json"}, {"RESILIN_ISA=" + set}).out);
+    EXPECT_EQ(info["instruction_set"], set);
+    const std::string blas = info["blas_kernel"];
+    if (!blas.starts_with("OpenBLAS")) continue;
+    EXPECT_THAT(blas, EndsWith(set == "avx512" ? "SkylakeX" : set == "avx2" ? "Haswell" : "Prescott"));
+  }
+}
+
+TEST_F(Commands, AnInstructionSetThatIsNotThereIsOneLine) {
+  const ProgramResult result = run_program(folder.path(), {"info"}, {"RESILIN_ISA=avx1024"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, AllOf(StartsWith("resilin: environment variable RESILIN_ISA: expected"),
+                                HasSubstr("got \"avx1024\"")));
+  EXPECT_EQ(std::ranges::count(result.err, '\n'), 1);
 }
 
 TEST_F(Commands, BenchListsTheBenchmarks) {

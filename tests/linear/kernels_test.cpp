@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "resilin/linear/block_kernels.hpp"
-#include "resilin/linear/kernel_dispatch.hpp"
-#include "resilin/linear/multigrid_kernels.hpp"
+#include "resilin/core/cpu.hpp"
+#include "resilin/linear/kernels/block_kernels.hpp"
+#include "resilin/linear/kernels/multigrid_kernels.hpp"
 #include "sample_matrix.hpp"
 
 namespace resilin::detail {
@@ -13,18 +13,18 @@ namespace {
 /// What this machine does not run cannot be tested on it. Every set must agree with the plainest to
 /// round-off.
 struct EveryInstructionSet : ::testing::TestWithParam<InstructionSet> {
-  const BlockKernels* kernels = block_kernels_for(GetParam());
-  const BlockKernels& plain = *block_kernels_for(InstructionSet::baseline);
-  const MultigridKernels* multigrid = multigrid_kernels_for(GetParam());
-  const MultigridKernels& plain_multigrid = *multigrid_kernels_for(InstructionSet::baseline);
-
-  void SetUp() override {
-    if (kernels == nullptr) GTEST_SKIP() << "not on this machine";
-  }
+  const BlockKernels& kernels = block_kernels(GetParam());
+  const BlockKernels& plain = block_kernels(available_instruction_sets().front());
+  const MultigridKernels& multigrid = multigrid_kernels(GetParam());
+  const MultigridKernels& plain_multigrid = multigrid_kernels(available_instruction_sets().front());
 };
-INSTANTIATE_TEST_SUITE_P(Kernels, EveryInstructionSet,
-                         ::testing::Values(InstructionSet::baseline, InstructionSet::avx2,
-                                           InstructionSet::avx512));
+INSTANTIATE_TEST_SUITE_P(Kernels, EveryInstructionSet, ::testing::ValuesIn(available_instruction_sets()),
+                         [](const auto& set) { return std::string(name(set.param)); });
+
+TEST(LinearKernels, AreThoseOfThePreferredInstructionSet) {
+  EXPECT_EQ(&block_kernels(), &block_kernels(preferred_instruction_set()));
+  EXPECT_EQ(&multigrid_kernels(), &multigrid_kernels(preferred_instruction_set()));
+}
 
 std::vector<double> random_numbers(std::size_t count) {
   const VectorX numbers = VectorX::Random(static_cast<Eigen::Index>(count));
@@ -50,7 +50,7 @@ TEST_P(EveryInstructionSet, MultipliesAlike) {
     for (const bool is_plain : {true, false}) {
       std::vector<double>& result = y[is_plain ? 0 : 1];
       result.assign(x.size(), 0.0);
-      (is_plain ? plain : *kernels)
+      (is_plain ? plain : kernels)
           .multiply_rows[dim - 2](pattern.row_begin.data(), pattern.columns.data(), pattern.columns.data(),
                                   A.values.data(), x.data(), result.data(), 0, A.num_nodes());
     }
@@ -72,7 +72,7 @@ TEST_P(EveryInstructionSet, EliminatesAndSolvesAlike) {
     std::vector<double> work[2];
     std::vector<float> z[2];
     for (const bool is_plain : {true, false}) {
-      const BlockKernels& set = is_plain ? plain : *kernels;
+      const BlockKernels& set = is_plain ? plain : kernels;
       work[is_plain ? 0 : 1] = start;
       set.eliminate_row[dim - 2](work[is_plain ? 0 : 1].data(), 3, 5, pairs.data(), inverse.data());
       z[is_plain ? 0 : 1].assign(r.begin(), r.begin() + 3 * dim);
@@ -89,11 +89,11 @@ TEST_P(EveryInstructionSet, SumsAlike) {
   for (const std::size_t size : {3U, 16U, 1001U}) {
     const std::vector<double> a = random_numbers(size), b = random_numbers(size);
     const auto n = static_cast<KernelOffset>(size);
-    EXPECT_NEAR(kernels->dot(a.data(), b.data(), n), plain.dot(a.data(), b.data(), n),
+    EXPECT_NEAR(kernels.dot(a.data(), b.data(), n), plain.dot(a.data(), b.data(), n),
                 1e-13 * std::sqrt(double(n)));
     std::vector<double> y = b, plain_y = b;
-    kernels->axpy(0.7, a.data(), y.data(), n);
-    kernels->xpby(a.data(), -0.3, y.data(), n);
+    kernels.axpy(0.7, a.data(), y.data(), n);
+    kernels.xpby(a.data(), -0.3, y.data(), n);
     plain.axpy(0.7, a.data(), plain_y.data(), n);
     plain.xpby(a.data(), -0.3, plain_y.data(), n);
     EXPECT_LT(relative_difference(y, plain_y), 1e-15);
@@ -133,7 +133,7 @@ TEST_P(EveryInstructionSet, SmoothsAlike) {
     std::vector<float> results[2];
     const std::vector<double> start = random_numbers(static_cast<std::size_t>(4 * chain.lanes));
     for (const bool is_plain : {true, false}) {
-      const MultigridKernels& set = is_plain ? plain_multigrid : *multigrid;
+      const MultigridKernels& set = is_plain ? plain_multigrid : multigrid;
       std::vector<float> r(start.begin(), start.end()), b = r, x(r.size()), y(r.size());
       set.pre_smooth[dim - 2][kind](chain.view(), r.data(), x.data());
       set.post_smooth[dim - 2][kind](chain.view(), b.data(), x.data());

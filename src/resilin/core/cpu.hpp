@@ -4,25 +4,26 @@
 #include <string_view>
 #include <vector>
 
-namespace resilin {
+#include "resilin/core/instruction_set.hpp"
 
-/// Instruction sets for which the kernels are compiled, the slowest first.
-enum class InstructionSet {
-  baseline,  ///< whatever the compiler targets without flags: 2 lanes of doubles
-  avx2,      ///< AVX2 and FMA: 4 lanes
-  avx512,    ///< AVX-512 F, DQ, VL, BW: 8 lanes
-};
+namespace resilin {
 
 std::string_view name(InstructionSet set);
 
-/// Instruction sets that this build holds and this processor runs, the slowest first; never empty.
+/// Instruction sets that this build holds (cmake -DRESILIN_INSTRUCTION_SETS=...), the slowest first; never
+/// empty.
+std::vector<InstructionSet> compiled_instruction_sets();
+
+/// Those of them that this processor runs. Empty where the program was built for a better machine alone.
 std::vector<InstructionSet> available_instruction_sets();
 
-/// The one by this name, when it is available.
-std::optional<InstructionSet> find_instruction_set(std::string_view name);
+/// The one that the environment variable RESILIN_ISA asks for, read once: for tests and measurements.
+/// @throws InputError  when it is not available
+std::optional<InstructionSet> requested_instruction_set();
 
-/// What new energies use: the environment variable RESILIN_ISA when it names an available set (for tests and
-/// measurements), else the fastest available one.
+/// What kernels use, those of elements and those of linear algebra: the requested set, else the fastest
+/// available one.
+/// @throws InputError  when there is none, or when RESILIN_ISA asks for one that is not available
 InstructionSet preferred_instruction_set();
 
 }  // namespace resilin

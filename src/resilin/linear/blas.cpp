@@ -3,7 +3,10 @@
 #include <dlfcn.h>
 
 #include <cstdlib>
+#include <string>
 #include <string_view>
+
+#include "resilin/core/cpu.hpp"
 
 #ifdef RESILIN_HAS_LAPACK
 extern "C" void dgemm_(const char*, const char*, const int*, const int*, const int*, const double*,
@@ -37,15 +40,24 @@ std::string_view openblas_core() {
   return core_name != nullptr ? core_name() : std::string_view{};
 }
 
-bool has_avx512() {
+/// The kernels of OpenBLAS that should be in use; empty when its own choice is right. It knows a processor by
+/// its model, not by what it can do, and takes Haswell's kernels for one that is newer than the library.
+std::string wanted_core(std::string_view core) {
 #if defined(__x86_64__)
-  __builtin_cpu_init();
-  return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-         __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl") &&
-         __builtin_cpu_supports("avx512cd");
-#else
-  return false;
+  if (const auto requested = requested_instruction_set()) {
+    switch (*requested) {
+      case InstructionSet::baseline:
+        return "Prescott";
+      case InstructionSet::avx2:
+        return "Haswell";
+      case InstructionSet::avx512:
+        return "SkylakeX";
+    }
+  }
+  if (processor_runs(InstructionSet::avx512) && (core == "Haswell" || core == "Zen")) return "SkylakeX";
 #endif
+  static_cast<void>(core);
+  return {};
 }
 
 }  // namespace
@@ -57,13 +69,14 @@ std::string blas_kernel_name() {
 
 bool choose_blas_kernel() {
   const std::string_view core = openblas_core();
-  if (!has_avx512() || (core != "Haswell" && core != "Zen")) return false;
-  if (std::getenv("OPENBLAS_CORETYPE") != nullptr) return false;
+  if (core.empty() || std::getenv("OPENBLAS_CORETYPE") != nullptr) return false;
+  const std::string wanted = wanted_core(core);
+  if (wanted.empty() || wanted == core) return false;
   // OpenBLAS reads the variable in this pair of functions, which its own start-up and shut-down call.
   const auto quit = find_function<void()>("gotoblas_dynamic_quit");
   const auto init = find_function<void()>("gotoblas_dynamic_init");
   if (quit == nullptr || init == nullptr) return false;
-  setenv("OPENBLAS_CORETYPE", "SkylakeX", 1);
+  setenv("OPENBLAS_CORETYPE", wanted.c_str(), 1);
   quit();
   init();
   unsetenv("OPENBLAS_CORETYPE");

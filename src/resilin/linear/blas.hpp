@@ -9,7 +9,8 @@ namespace resilin {
 std::string blas_kernel_name();
 
 /// Makes OpenBLAS use AVX-512 kernels where the processor has them but is newer than the library, which then
-/// falls back to older ones (1.8 times slower). Returns true when it changed something.
+/// falls back to older ones (1.8 times slower); with the environment variable RESILIN_ISA (core/cpu.hpp)
+/// those of the set that it asks for. Returns true when it changed something.
 ///
 /// For the start of a program, before other threads run: it swaps the library's kernel table. Leaves a choice
 /// made by the environment variable OPENBLAS_CORETYPE alone.

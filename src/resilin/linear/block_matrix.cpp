@@ -4,7 +4,7 @@
 #include <cassert>
 
 #include "resilin/core/parallel.hpp"
-#include "resilin/linear/block_kernels.hpp"
+#include "resilin/linear/kernels/block_kernels.hpp"
 
 namespace resilin {
 namespace {

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "resilin/linear/block_kernels.hpp"
+#include "resilin/linear/kernels/block_kernels.hpp"
 #include "resilin/linear/catalog.hpp"
 #include "resilin/linear/conjugate_gradients.hpp"
 #include "resilin/linear/diagonal_check.hpp"

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "resilin/linear/block_kernels.hpp"
+#include "resilin/linear/kernels/block_kernels.hpp"
 
 namespace resilin {
 namespace {

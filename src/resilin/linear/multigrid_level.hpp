@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "resilin/linear/multigrid_kernels.hpp"
+#include "resilin/linear/kernels/multigrid_kernels.hpp"
 #include "resilin/linear/rigid_modes.hpp"
 
 namespace resilin {

@@ -305,6 +305,14 @@ constexpr ElementKernels kernels = {measure<dim>,  add_energies<dim>, add_forces
 
 }  // namespace
 
-const ElementKernels& element_kernels(int dim) { return dim == 2 ? kernels<2> : kernels<3>; }
-
 }  // namespace resilin::RESILIN_SIMD_NAMESPACE
+
+namespace resilin {
+
+template <InstructionSet>
+const ElementKernels& compiled_element_kernels(int dim) {
+  return dim == 2 ? RESILIN_SIMD_NAMESPACE::kernels<2> : RESILIN_SIMD_NAMESPACE::kernels<3>;
+}
+template const ElementKernels& compiled_element_kernels<InstructionSet::RESILIN_SIMD_NAMESPACE>(int);
+
+}  // namespace resilin

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "resilin/core/cpu.hpp"
+#include "resilin/core/instruction_set.hpp"
 #include "resilin/material/law_text.hpp"
 
 // Law-independent loops over elements, `block_size` lanes (core/simd.hpp) at a time. A law is called between
@@ -78,14 +78,7 @@ constexpr int node_stride(int dim) { return dim == 3 ? 4 : 2; }
 
 const ElementKernels& element_kernels(int dim, InstructionSet set);
 
-namespace baseline {
-const ElementKernels& element_kernels(int dim);
-}
-namespace avx2 {
-const ElementKernels& element_kernels(int dim);
-}
-namespace avx512 {
-const ElementKernels& element_kernels(int dim);
-}
+template <InstructionSet set>
+const ElementKernels& compiled_element_kernels(int dim);
 
 }  // namespace resilin

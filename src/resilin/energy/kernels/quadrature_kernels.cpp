@@ -336,9 +336,17 @@ constexpr QuadratureKernels kernels = {gradients<dim, num_nodes>,  add_energies<
 
 }  // namespace
 
-const QuadratureKernels& quadrature_kernels(int dim, int num_nodes) {
-  if (dim == 2) return num_nodes == 4 ? kernels<2, 4> : kernels<2, 6>;
-  return num_nodes == 8 ? kernels<3, 8> : kernels<3, 10>;
-}
-
 }  // namespace resilin::RESILIN_SIMD_NAMESPACE
+
+namespace resilin {
+
+template <InstructionSet>
+const QuadratureKernels& compiled_quadrature_kernels(int dim, int num_nodes) {
+  if (dim == 2)
+    return num_nodes == 4 ? RESILIN_SIMD_NAMESPACE::kernels<2, 4> : RESILIN_SIMD_NAMESPACE::kernels<2, 6>;
+  return num_nodes == 8 ? RESILIN_SIMD_NAMESPACE::kernels<3, 8> : RESILIN_SIMD_NAMESPACE::kernels<3, 10>;
+}
+template const QuadratureKernels& compiled_quadrature_kernels<InstructionSet::RESILIN_SIMD_NAMESPACE>(int,
+                                                                                                      int);
+
+}  // namespace resilin

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "resilin/core/cpu.hpp"
+#include "resilin/core/instruction_set.hpp"
 #include "resilin/energy/kernels/element_kernels.hpp"
 
 // Loops over elements with several quadrature points, `block_size` lanes (core/simd.hpp) at a time. They know
@@ -61,14 +61,7 @@ struct QuadratureKernels {
 /// For elements of so many nodes in so many dimensions, P1 aside.
 const QuadratureKernels& quadrature_kernels(int dim, int num_nodes, InstructionSet set);
 
-namespace baseline {
-const QuadratureKernels& quadrature_kernels(int dim, int num_nodes);
-}
-namespace avx2 {
-const QuadratureKernels& quadrature_kernels(int dim, int num_nodes);
-}
-namespace avx512 {
-const QuadratureKernels& quadrature_kernels(int dim, int num_nodes);
-}
+template <InstructionSet set>
+const QuadratureKernels& compiled_quadrature_kernels(int dim, int num_nodes);
 
 }  // namespace resilin

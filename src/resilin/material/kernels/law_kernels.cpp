@@ -237,6 +237,14 @@ const LawKernels& kernels_of(LawList<Law...>, int law_index) {
 
 }  // namespace
 
-const LawKernels& law_kernels(int law_index) { return kernels_of(Laws{}, law_index); }
-
 }  // namespace resilin::RESILIN_SIMD_NAMESPACE
+
+namespace resilin {
+
+template <InstructionSet>
+const LawKernels& compiled_law_kernels(int law_index) {
+  return RESILIN_SIMD_NAMESPACE::kernels_of(Laws{}, law_index);
+}
+template const LawKernels& compiled_law_kernels<InstructionSet::RESILIN_SIMD_NAMESPACE>(int);
+
+}  // namespace resilin

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "resilin/core/cpu.hpp"
+#include "resilin/core/instruction_set.hpp"
 #include "resilin/material/law_text.hpp"
 
 namespace resilin {
@@ -58,14 +58,7 @@ struct LawKernels {
 /// Kernels of the law at this place in the catalogue.
 const LawKernels& law_kernels(int law_index, InstructionSet set);
 
-namespace baseline {
-const LawKernels& law_kernels(int law_index);
-}
-namespace avx2 {
-const LawKernels& law_kernels(int law_index);
-}
-namespace avx512 {
-const LawKernels& law_kernels(int law_index);
-}
+template <InstructionSet set>
+const LawKernels& compiled_law_kernels(int law_index);
 
 }  // namespace resilin

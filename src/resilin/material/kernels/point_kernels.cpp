@@ -111,6 +111,14 @@ constexpr PointKernels kernels = {variables<dim>, stresses<dim>, tangents<dim>, 
 
 }  // namespace
 
-const PointKernels& point_kernels(int dim) { return dim == 2 ? kernels<2> : kernels<3>; }
-
 }  // namespace resilin::RESILIN_SIMD_NAMESPACE
+
+namespace resilin {
+
+template <InstructionSet>
+const PointKernels& compiled_point_kernels(int dim) {
+  return dim == 2 ? RESILIN_SIMD_NAMESPACE::kernels<2> : RESILIN_SIMD_NAMESPACE::kernels<3>;
+}
+template const PointKernels& compiled_point_kernels<InstructionSet::RESILIN_SIMD_NAMESPACE>(int);
+
+}  // namespace resilin

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "resilin/core/cpu.hpp"
+#include "resilin/core/instruction_set.hpp"
 #include "resilin/core/projection.hpp"
 #include "resilin/material/law_text.hpp"
 
@@ -46,14 +46,7 @@ struct PointKernels {
 
 const PointKernels& point_kernels(int dim, InstructionSet set);
 
-namespace baseline {
-const PointKernels& point_kernels(int dim);
-}
-namespace avx2 {
-const PointKernels& point_kernels(int dim);
-}
-namespace avx512 {
-const PointKernels& point_kernels(int dim);
-}
+template <InstructionSet set>
+const PointKernels& compiled_point_kernels(int dim);
 
 }  // namespace resilin

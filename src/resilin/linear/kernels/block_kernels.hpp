@@ -1,17 +1,17 @@
 #pragma once
 
-#include <stdint.h>  // and nothing else: see block_kernels.inl
+#include <stdint.h>
+
+#include "resilin/core/instruction_set.hpp"
 
 namespace resilin::detail {
 
 using KernelIndex = int32_t;
 using KernelOffset = int64_t;
 
-/// The inner loops of this module, compiled once for each instruction set; `block_kernels()` gives the best
-/// that this machine runs. Arrays of two functions are indexed by dim - 2. Blocks are row-major.
+/// The inner loops of this module, compiled once for each instruction set. Arrays of two functions are
+/// indexed by dim - 2. Blocks are row-major.
 struct BlockKernels {
-  const char* instruction_set;
-
   /// Rows [first, last) of y += A x for the stored upper blocks and their transposes. Blocks beyond the
   /// diagonal add to y[targets[slot]]; the rows themselves are overwritten up to what was added to them
   /// before.
@@ -36,6 +36,11 @@ struct BlockKernels {
   void (*xpby)(const double* x, double factor, double* y, KernelOffset size);  ///< y = x + factor y
 };
 
+/// Those of an instruction set that this build holds; of the preferred one (core/cpu.hpp).
+const BlockKernels& block_kernels(InstructionSet set);
 const BlockKernels& block_kernels();
+
+template <InstructionSet set>
+const BlockKernels& compiled_block_kernels();
 
 }  // namespace resilin::detail

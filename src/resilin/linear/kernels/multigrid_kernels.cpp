@@ -1,7 +1,6 @@
-// Inner loops of the multigrid. Included like block_kernels.inl, under the same rule: nothing of the standard
-// library or of Eigen.
-
-#include "resilin/linear/multigrid_kernels.hpp"
+// Inner loops of the multigrid, compiled like block_kernels.cpp and under the same rule: nothing of the
+// standard library or of Eigen.
+#include "resilin/linear/kernels/multigrid_kernels.hpp"
 
 namespace resilin::detail {
 namespace {
@@ -243,10 +242,7 @@ void galerkin_product(const LevelView& level, const TransferView& transfer, floa
   }
 }
 
-}  // namespace
-
-extern const MultigridKernels RESILIN_KERNELS;
-const MultigridKernels RESILIN_KERNELS = {
+constexpr MultigridKernels kernels = {
     {{pre_smooth<2>, pre_smooth<3>}, {pre_smooth<3>, pre_smooth<6>}},
     {{post_smooth<2>, post_smooth<3>}, {post_smooth<3>, post_smooth<6>}},
     {{multiply<2>, multiply<3>}, {multiply<3>, multiply<6>}},
@@ -258,5 +254,13 @@ const MultigridKernels RESILIN_KERNELS = {
      {smooth_prolongation<3, 6>, smooth_prolongation<6, 6>}},
     {{galerkin_product<2, 3>, galerkin_product<3, 3>}, {galerkin_product<3, 6>, galerkin_product<6, 6>}},
 };
+
+}  // namespace
+
+template <InstructionSet>
+const MultigridKernels& compiled_multigrid_kernels() {
+  return kernels;
+}
+template const MultigridKernels& compiled_multigrid_kernels<InstructionSet::RESILIN_SIMD_NAMESPACE>();
 
 }  // namespace resilin::detail

@@ -1,8 +1,7 @@
-// The inner loops of this module. Included by one source file for each instruction set, which is compiled
-// with that set's flags and defines RESILIN_KERNELS; hence nothing of the standard library or of Eigen may
-// come in here, whose inline functions the linker would share with the rest of the program.
-
-#include "resilin/linear/block_kernels.hpp"
+// The inner loops of this module, compiled once for each instruction set (cmake/ResilinKernels.cmake):
+// nothing of the standard library or of Eigen may come in here, whose inline functions the linker would share
+// with the rest of the program.
+#include "resilin/linear/kernels/block_kernels.hpp"
 
 namespace resilin::detail {
 namespace {
@@ -163,11 +162,7 @@ void xpby(const double* x, double factor, double* y, Offset size) {
   for (Offset k = 0; k < size; ++k) y[k] = x[k] + factor * y[k];
 }
 
-}  // namespace
-
-extern const BlockKernels RESILIN_KERNELS;
-const BlockKernels RESILIN_KERNELS = {
-    RESILIN_INSTRUCTION_SET,
+constexpr BlockKernels kernels = {
     {multiply_rows<2>, multiply_rows<3>},
     {solve_incomplete<2>, solve_incomplete<3>},
     {eliminate_row<2>, eliminate_row<3>},
@@ -175,5 +170,13 @@ const BlockKernels RESILIN_KERNELS = {
     axpy,
     xpby,
 };
+
+}  // namespace
+
+template <InstructionSet>
+const BlockKernels& compiled_block_kernels() {
+  return kernels;
+}
+template const BlockKernels& compiled_block_kernels<InstructionSet::RESILIN_SIMD_NAMESPACE>();
 
 }  // namespace resilin::detail

@@ -1,6 +1,8 @@
 #pragma once
 
-#include <stdint.h>  // and nothing else: see block_kernels.inl
+#include <stdint.h>
+
+#include "resilin/core/instruction_set.hpp"
 
 namespace resilin::detail {
 
@@ -57,6 +59,11 @@ struct MultigridKernels {
                                  float* coarse);
 };
 
+/// Those of an instruction set that this build holds; of the preferred one (core/cpu.hpp).
+const MultigridKernels& multigrid_kernels(InstructionSet set);
 const MultigridKernels& multigrid_kernels();
+
+template <InstructionSet set>
+const MultigridKernels& compiled_multigrid_kernels();
 
 }  // namespace resilin::detail

@@ -1,0 +1,31 @@
+#pragma once
+
+// For the sources that choose between kernels: cmake/ResilinKernels.cmake tells them, and core/cpu.cpp, which
+// instruction sets are compiled (RESILIN_COMPILED_SETS).
+
+#include <array>
+#include <string>
+
+#include "resilin/core/cpu.hpp"
+#include "resilin/core/error.hpp"
+
+namespace resilin {
+
+template <InstructionSet... sets>
+struct InstructionSets {
+  static constexpr std::array<InstructionSet, sizeof...(sets)> all = {sets...};
+
+  /// What `kernels_of.operator()<set>()` gives, a pointer to the kernels of that set.
+  template <class KernelsOf>
+  static auto kernels(InstructionSet set, const KernelsOf& kernels_of) {
+    decltype((kernels_of.template operator()<sets>(), ...)) found = nullptr;
+    static_cast<void>(((set == sets && (found = kernels_of.template operator()<sets>(), true)) || ...));
+    if (found == nullptr)
+      throw InputError("instruction set", "one that this build holds", std::string(name(set)));
+    return found;
+  }
+};
+
+using CompiledSets = InstructionSets<RESILIN_COMPILED_SETS>;
+
+}  // namespace resilin

@@ -1,0 +1,16 @@
+#include "resilin/core/kernel_dispatch.hpp"
+#include "resilin/energy/kernels/element_kernels.hpp"
+#include "resilin/energy/kernels/quadrature_kernels.hpp"
+
+namespace resilin {
+
+const ElementKernels& element_kernels(int dim, InstructionSet set) {
+  return *CompiledSets::kernels(set, [dim]<InstructionSet s>() { return &compiled_element_kernels<s>(dim); });
+}
+
+const QuadratureKernels& quadrature_kernels(int dim, int num_nodes, InstructionSet set) {
+  return *CompiledSets::kernels(
+      set, [dim, num_nodes]<InstructionSet s>() { return &compiled_quadrature_kernels<s>(dim, num_nodes); });
+}
+
+}  // namespace resilin

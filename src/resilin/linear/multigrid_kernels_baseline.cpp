@@ -1,2 +1,0 @@
-#define RESILIN_KERNELS multigrid_kernels_baseline
-#include "resilin/linear/multigrid_kernels.inl"

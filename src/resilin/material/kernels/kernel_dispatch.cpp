@@ -1,0 +1,16 @@
+#include "resilin/core/kernel_dispatch.hpp"
+#include "resilin/material/kernels/law_kernels.hpp"
+#include "resilin/material/kernels/point_kernels.hpp"
+
+namespace resilin {
+
+const LawKernels& law_kernels(int law_index, InstructionSet set) {
+  return *CompiledSets::kernels(
+      set, [law_index]<InstructionSet s>() { return &compiled_law_kernels<s>(law_index); });
+}
+
+const PointKernels& point_kernels(int dim, InstructionSet set) {
+  return *CompiledSets::kernels(set, [dim]<InstructionSet s>() { return &compiled_point_kernels<s>(dim); });
+}
+
+}  // namespace resilin
