@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "resilin/linear/kernels/block_kernels.hpp"
 #include "resilin/linear/catalog.hpp"
 #include "resilin/linear/conjugate_gradients.hpp"
 #include "resilin/linear/diagonal_check.hpp"
+#include "resilin/linear/kernels/block_kernels.hpp"
 #include "resilin/linear/merged_pattern.hpp"
 #include "resilin/linear/ordering.hpp"
 #include "resilin/linear/permuted_pattern.hpp"
