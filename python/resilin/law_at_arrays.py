@@ -38,13 +38,13 @@ class LawAtArrays:
     ) -> None:
         self.info = info
         self.fibres = fibres
-        self.own = own_constants(info, given)
+        self.own: dict[str, NDArray[np.float64]] = own_constants(info, given)
         for array in self.own.values():
             array.flags.writeable = False
         shapes = dict(self.own)
         if fibres is not None:
             shapes["fibres"] = fibres[..., 0, 0]
-        self.states_shape = common_shape(shapes, info.name)
+        self.states_shape: tuple[int, ...] = common_shape(shapes, info.name)
         self._law = batch_law(info, self.own.values(), fibres, self.states_shape)
 
     def constants(self) -> dict[str, float | NDArray[np.float64]]:

@@ -87,11 +87,11 @@ class Result:
 
     def __init__(self, core: _core.History) -> None:
         self._core = core
-        self.positions = core.positions()
-        self.velocities = core.velocities()
-        self.times = core.times()
-        self.loads = core.loads()
-        self.fields = Fields(core.field)
+        self.positions: Floats = core.positions()
+        self.velocities: Floats = core.velocities()
+        self.times: Floats = core.times()
+        self.loads: Floats = core.loads()
+        self.fields: Fields = Fields(core.field)
         self.report: Report = json.loads(core.report())
 
     @property

@@ -68,14 +68,17 @@ class PictureOptions(TypedDict, total=False):
     dark: bool
 
 
-class ModeReport(TypedDict, total=False):
-    """A free vibration."""
-
+class _Mode(TypedDict):
     number: int
     frequency: float
     rigid: bool
     unstable: bool
     effective_mass: list[float]
+
+
+class ModeReport(_Mode, total=False):
+    """A free vibration; how fast it grows where it is unstable."""
+
     growth_rate: float
 
 
@@ -105,12 +108,17 @@ class SectionReport(TypedDict):
     center: list[float]
 
 
-class ExtremeReport(TypedDict, total=False):
+class _Extreme(TypedDict):
     value: float
     body: str
+    position: list[float]
+
+
+class ExtremeReport(_Extreme, total=False):
+    """At a vertex or in a cell, as the field has it."""
+
     vertex: int
     cell: int
-    position: list[float]
 
 
 class ExtremesReport(TypedDict):
@@ -118,23 +126,17 @@ class ExtremesReport(TypedDict):
     max: ExtremeReport
 
 
-class FrameReport(TypedDict, total=False):
-    """A frame of report.json; `mode`, `time_step`, `time_error` and `inversion_load` where there is one."""
-
+class _Frame(TypedDict):
     step: int
     time: float
     load: float
-    mode: ModeReport
     newton_iterations: int
     linear_iterations: int
     converged: bool
     residual: float
     residual_newton: float
     failed_attempts: int
-    time_step: float
-    time_error: float
     unstable_modes: int | None
-    inversion_load: float
     min_volume_ratio: float
     worst_cell: int
     worst_body: int
@@ -145,6 +147,15 @@ class FrameReport(TypedDict, total=False):
     reaction_moments: dict[str, list[float]]
     sections: dict[str, SectionReport]
     extremes: dict[str, ExtremesReport]
+
+
+class FrameReport(_Frame, total=False):
+    """A frame of report.json; these where there is one."""
+
+    mode: ModeReport
+    time_step: float
+    time_error: float
+    inversion_load: float
 
 
 class BodyReport(TypedDict):
@@ -169,16 +180,13 @@ class TimingReport(TypedDict):
     output: float
 
 
-class Report(TypedDict, total=False):
-    """report.json (docs/results.md); `modes` of free vibrations alone."""
-
+class _Report(TypedDict):
     status: RunStatus
     reason: str
     title: str
     version: str
     dimension: int
     kind: Literal["static", "dynamic", "modes"]
-    modes: list[ModeReport]
     is_linear: bool
     frames: list[FrameReport]
     bodies: list[BodyReport]
@@ -186,3 +194,9 @@ class Report(TypedDict, total=False):
     timing: TimingReport
     peak_memory_MiB: float
     threads: int
+
+
+class Report(_Report, total=False):
+    """report.json (docs/results.md); modes of free vibrations."""
+
+    modes: list[ModeReport]
