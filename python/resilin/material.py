@@ -5,12 +5,10 @@
 from __future__ import annotations
 
 import inspect
-import sys
 from typing import TYPE_CHECKING, Any, overload
 
 from resilin import _core
 from resilin.arrays import is_tensor, refuse
-from resilin.catalog import law_table
 from resilin.constants import number_array, unit_fibres
 from resilin.law_at_arrays import LawAtArrays
 
@@ -389,5 +387,17 @@ def _rebuild(law: str, constants: Mapping[str, Any], fibres: NDArray[np.float64]
     return Material(law, fibres=fibres, **constants)
 
 
-if sys.flags.optimize < 2:  # there are docstrings
-    Material.__doc__ = inspect.cleandoc(Material.__doc__ or "") + "\n\n" + law_table()
+class _Help:
+    """A docstring whose table of laws is made when somebody reads it."""
+
+    def __init__(self, text: str) -> None:
+        self._text = text
+
+    def __get__(self, _: object, owner: type) -> str:
+        from resilin.law_table import law_table
+
+        return f"{inspect.cleandoc(self._text)}\n\n{law_table()}"
+
+
+if Material.__doc__:  # python -OO leaves none
+    Material.__doc__ = _Help(Material.__doc__)  # type: ignore[assignment]

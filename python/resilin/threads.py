@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import operator
-from typing import SupportsIndex
+from typing import TYPE_CHECKING
 
 from resilin import _core
 from resilin.arrays import refuse
+
+if TYPE_CHECKING:
+    from typing import SupportsIndex
 
 
 def num_threads() -> int:
