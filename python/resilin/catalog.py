@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from typing import TYPE_CHECKING
 
 from resilin import _core
@@ -27,3 +28,15 @@ def projection_named(name: Projection) -> _core.Projection:
 def laws() -> dict[str, _core.LawInfo]:
     """Every law by name, {name: LawInfo}: formula, source, constants with units, behaviour under inversion."""
     return {law.name: law for law in _core.laws()}
+
+
+class HelpWithLaws:
+    """A docstring that closes with a table of the laws, which is made when somebody reads it."""
+
+    def __init__(self, text: str) -> None:
+        self._text = text
+
+    def __get__(self, _: object, owner: type) -> str:
+        from resilin.law_table import law_table
+
+        return f"{inspect.cleandoc(self._text)}\n\n{law_table(laws())}"

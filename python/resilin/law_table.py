@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from resilin.catalog import laws
-
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from resilin import _core
 
 
-def law_table() -> str:
+def law_table(laws: Mapping[str, _core.LawInfo]) -> str:
     """What each law is, and its constants."""
     lines = ["Laws", "----"]
-    for law in laws().values():
+    for law in laws.values():
         lines += [law.name, f"    Psi = {law.formula}", *(f"    {_described(constant)}" for constant in law.constants)]
         if law.max_fibres > 0:
             lines.append(f"    Fibres: up to {law.max_fibres} families.")

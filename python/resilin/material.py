@@ -4,11 +4,11 @@
 
 from __future__ import annotations
 
-import inspect
 from typing import TYPE_CHECKING, Any, overload
 
 from resilin import _core
 from resilin.arrays import is_tensor, refuse
+from resilin.catalog import HelpWithLaws
 from resilin.constants import number_array, unit_fibres
 from resilin.law_at_arrays import LawAtArrays
 
@@ -387,17 +387,5 @@ def _rebuild(law: str, constants: Mapping[str, Any], fibres: NDArray[np.float64]
     return Material(law, fibres=fibres, **constants)
 
 
-class _Help:
-    """A docstring whose table of laws is made when somebody reads it."""
-
-    def __init__(self, text: str) -> None:
-        self._text = text
-
-    def __get__(self, _: object, owner: type) -> str:
-        from resilin.law_table import law_table
-
-        return f"{inspect.cleandoc(self._text)}\n\n{law_table()}"
-
-
 if Material.__doc__:  # python -OO leaves none
-    Material.__doc__ = _Help(Material.__doc__)  # type: ignore[assignment]
+    Material.__doc__ = HelpWithLaws(Material.__doc__)  # type: ignore[assignment]
