@@ -36,27 +36,9 @@ double lowest(const ShownSurface& surface, const Vector3& up) {
   return lowest;
 }
 
-/// "stable_neo_hookean" as it is printed: "Stable Neo-Hookean".
-std::string label_of_law(std::string name) {
-  std::ranges::replace(name, '_', ' ');
-  constexpr std::pair<std::string_view, std::string_view> spellings[] = {
-      {"neo hookean", "Neo-Hookean"},
-      {"saint venant kirchhoff", "Saint Venant-Kirchhoff"},
-      {"mooney rivlin", "Mooney-Rivlin"},
-      {"arruda boyce", "Arruda-Boyce"},
-      {"arap", "ARAP"},
-      {"simo", "Simo"}};
-  for (const auto& [plain, printed] : spellings) {
-    if (const std::size_t at = name.find(plain); at != std::string::npos)
-      name.replace(at, plain.size(), printed);
-  }
-  if (name[0] >= 'a' && name[0] <= 'z') name[0] = static_cast<char>(name[0] - 'a' + 'A');
-  return name;
-}
-
 Json laws_to_choose() {
   Json laws = Json::array();
-  for (const std::string& name : live_laws()) laws.push_back({{"name", name}, {"label", label_of_law(name)}});
+  for (const LawInfo* law : live_laws()) laws.push_back({{"name", law->name}, {"label", law->title}});
   return laws;
 }
 

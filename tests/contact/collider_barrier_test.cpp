@@ -105,6 +105,13 @@ TEST(EveryCollider, HasAUnitNormalThatIsTheSlopeOfItsDistance) {
   }
 }
 
+TEST(EveryCollider, IsCalledFlatWhereItDoesNotCurve) {
+  for (const ShapeKind& kind : shape_kinds()) {
+    const std::shared_ptr<const ColliderShape> shape = kind.make(sample_shape(3));
+    EXPECT_EQ(shape->is_flat(), shape->curvature(Vector3(1, 2, 3)).isZero(0)) << kind.name;
+  }
+}
+
 TEST(EveryCollider, TellsWhenAPathFirstComesNear) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> uniform(-1, 1);

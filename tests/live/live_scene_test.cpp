@@ -238,10 +238,10 @@ TEST(LiveScene, RefusesWhatCannotBeAndStaysAsItIs) {
 TEST(LiveScene, ChangesItsLawUnlessCellsAreInsideOut) {
   LiveScene scene(standing_block(2, 0));
   LiveControls controls = scene.controls();
-  for (const std::string& law : live_laws()) {
-    controls.law = law;
+  for (const LawInfo* law : live_laws()) {
+    controls.law = law->name;
     scene.set_controls(controls);
-    EXPECT_EQ(scene.world().bodies[0].law, law);
+    EXPECT_EQ(scene.world().bodies[0].law, law->name);
     scene.step();
   }
   controls.law = "stable_neo_hookean";

@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 
 #include <fstream>
+#include <set>
 #include <sstream>
+#include <string_view>
 
 #include "resilin/core/error.hpp"
 #include "resilin/material/reference.hpp"
@@ -33,6 +35,15 @@ TEST(Law, IsFoundByItsName) {
   EXPECT_EQ(find_law("stable_neo_hookean")->name, "stable_neo_hookean");
   EXPECT_EQ(find_law("rubber"), nullptr);
   for (const LawInfo* law : laws()) EXPECT_EQ(find_law(law->name), law);
+}
+
+TEST(Law, HasATitleThatTellsItFromTheOthers) {
+  std::set<std::string_view> titles;
+  for (const LawInfo* law : laws()) {
+    EXPECT_TRUE(titles.insert(law->title).second) << law->title << " is the title of two laws";
+    EXPECT_NE(law->title, law->name) << "a title is for people";
+  }
+  EXPECT_EQ(find_law("stable_neo_hookean")->title, "Stable Neo-Hookean");
 }
 
 TEST(Law, UnknownNameListsTheLaws) {

@@ -15,6 +15,9 @@ class ColliderShape {
   virtual ~ColliderShape() = default;
   virtual std::string_view kind() const = 0;
 
+  /// Whether its surface is one plane (in 2D a line), the same everywhere.
+  virtual bool is_flat() const { return false; }
+
   /// The point that a motion of the shape is told by [m].
   virtual Vector3 reference_point() const = 0;
 

@@ -11,6 +11,7 @@ class HalfSpace final : public ColliderShape {
   HalfSpace(const Vector3& point, const Vector3& normal) : point_(point), normal_(normal.normalized()) {}
 
   std::string_view kind() const override { return "half_space"; }
+  bool is_flat() const override { return true; }
   Vector3 reference_point() const override { return point_; }
   double distance(const Vector3& x) const override { return normal_.dot(x - point_); }
   double distance_change(const Vector3& from, const Vector3& to) const override {

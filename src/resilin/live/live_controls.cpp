@@ -105,12 +105,12 @@ MaterialDescription material_of(const LiveControls& controls, const MaterialDesc
   return material;
 }
 
-std::vector<std::string> live_laws() {
-  std::vector<std::string> names;
-  for (const LawInfo* law : laws()) {
-    if (law->max_fibres == 0 && std::isnan(law->only_poissons_ratio)) names.emplace_back(law->name);
-  }
-  return names;
+std::vector<const LawInfo*> live_laws() {
+  std::vector<const LawInfo*> all = laws();
+  std::erase_if(all, [](const LawInfo* law) {
+    return law->max_fibres > 0 || !std::isnan(law->only_poissons_ratio);
+  });
+  return all;
 }
 
 double hand_stiffness(const LiveControls& controls, const World& world) {

@@ -2,7 +2,9 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "resilin/material/law.hpp"
 #include "resilin/world/world.hpp"
 
 namespace resilin {
@@ -32,7 +34,7 @@ void check_controls(const LiveControls& controls);
 MaterialDescription material_of(const LiveControls& controls, const MaterialDescription& description);
 
 /// Laws that a scene can change to: those that E and nu alone make, without fibres.
-std::vector<std::string> live_laws();
+std::vector<const LawInfo*> live_laws();
 
 /// How stiff the hand's spring is, so that a place of a body follows it closely [N/m].
 double hand_stiffness(const LiveControls& controls, const World& world);

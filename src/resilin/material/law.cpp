@@ -56,6 +56,7 @@ LawInfo info(int index) {
   return {.index = index,
           .kind = Plain::kind,
           .name = Plain::name,
+          .title = Plain::title,
           .formula = Plain::formula,
           .source = Plain::source,
           .inversion = Plain::inversion,

@@ -19,6 +19,7 @@ struct LawInfo {
   int index;  ///< place in the catalogue
   LawKind kind;
   std::string_view name;
+  std::string_view title;  ///< the name as it is printed
   std::string_view formula;
   std::string_view source;
   std::string_view inversion;  ///< what happens at J <= 0, in words

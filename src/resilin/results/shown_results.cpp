@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <ostream>
 
-#include "resilin/contact/half_space.hpp"
 #include "resilin/core/log.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/io/atomic_file.hpp"
@@ -27,9 +26,9 @@ Vector3 up_of(const World& world) {
 std::optional<double> ground_of(const World& world) {
   const Vector3 up = up_of(world);
   for (const auto& collider : world.colliders) {
-    const bool is_plane = dynamic_cast<const HalfSpace*>(&collider->shape()) != nullptr;
-    const Vector3 point = collider->shape().reference_point();
-    if (is_plane && collider->motion().velocity.isZero(0) && collider->shape().normal(point).dot(up) > 0.9999)
+    const ColliderShape& shape = collider->shape();
+    const Vector3 point = shape.reference_point();
+    if (shape.is_flat() && collider->motion().velocity.isZero(0) && shape.normal(point).dot(up) > 0.9999)
       return point.dot(up);
   }
   return std::nullopt;

@@ -16,6 +16,7 @@ template <class Real = double>
 struct Arap {
   static constexpr LawKind kind = LawKind::stretches;
   static constexpr std::string_view name = "arap";
+  static constexpr std::string_view title = "ARAP";
   static constexpr std::string_view formula = "mu |F - R|^2, F = R S";
   static constexpr std::string_view source = "Sorkine & Alexa 2007; Kim & Eberle 2022, ch. 5";
   static constexpr std::string_view inversion =

@@ -18,6 +18,7 @@ template <class Real = double>
 struct ArrudaBoyce {
   static constexpr LawKind kind = LawKind::invariants;
   static constexpr std::string_view name = "arruda_boyce";
+  static constexpr std::string_view title = "Arruda-Boyce";
   static constexpr std::string_view formula =
       "mu ((I - 3)/2 + (I^2 - 9)/(20 N) + 11 (I^3 - 27)/(1050 N^2) + 19 (I^4 - 81)/(7000 N^3) + 519 (I^5 - "
       "243)/(673750 N^4)) + kappa/2 (J - 1)^2, I = J^(-2/3) I_C";

@@ -15,6 +15,7 @@ template <class Real = double>
 struct Corotated {
   static constexpr LawKind kind = LawKind::stretches;
   static constexpr std::string_view name = "corotated";
+  static constexpr std::string_view title = "Corotated";
   static constexpr std::string_view formula = "mu |F - R|^2 + lambda/2 (J - 1)^2, F = R S";
   static constexpr std::string_view source = "Stomakhin et al. 2012, eq. 4 (fixed corotated)";
   static constexpr std::string_view inversion =

@@ -15,6 +15,7 @@ template <class Real = double>
 struct CorotatedLinear {
   static constexpr LawKind kind = LawKind::stretches;
   static constexpr std::string_view name = "corotated_linear";
+  static constexpr std::string_view title = "Corotated linear";
   static constexpr std::string_view formula = "mu |F - R|^2 + lambda/2 (tr(R^T F) - 3)^2, F = R S";
   static constexpr std::string_view source = "Mueller & Gross 2004; Sifakis & Barbic 2012, sec. 3.4";
   static constexpr std::string_view inversion =

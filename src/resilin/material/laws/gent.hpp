@@ -15,6 +15,7 @@ template <class Real = double>
 struct Gent {
   static constexpr LawKind kind = LawKind::invariants;
   static constexpr std::string_view name = "gent";
+  static constexpr std::string_view title = "Gent";
   static constexpr std::string_view formula = "-mu/2 J_m ln(1 - (J^(-2/3) I_C - 3)/J_m) + kappa/2 (J - 1)^2";
   static constexpr std::string_view source = "Gent 1996, eq. 2";
   static constexpr std::string_view inversion =

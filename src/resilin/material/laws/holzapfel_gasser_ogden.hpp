@@ -17,6 +17,7 @@ template <class Real = double>
 struct HolzapfelGasserOgden {
   static constexpr LawKind kind = LawKind::fibres;
   static constexpr std::string_view name = "holzapfel_gasser_ogden";
+  static constexpr std::string_view title = "Holzapfel-Gasser-Ogden";
   static constexpr std::string_view formula =
       "mu/2 (I - 3) + k1/(2 k2) sum_a (exp(k2 <E_a>^2) - 1) + kappa/2 (J - 1)^2, I = J^(-2/3) I_C, E_a = kd "
       "I + (1 - 3 kd) J^(-2/3) |F a|^2 - 1, <x> = max(x, 0)";

@@ -15,6 +15,7 @@ template <class Real = double>
 struct LinearElastic {
   static constexpr LawKind kind = LawKind::small_strain;
   static constexpr std::string_view name = "linear_elastic";
+  static constexpr std::string_view title = "Linear elastic";
   static constexpr std::string_view formula = "mu eps:eps + lambda/2 (tr eps)^2, eps = (F + F^T)/2 - I";
   static constexpr std::string_view source = "Hooke 1678; Bower 2009, sec. 3.2";
   static constexpr std::string_view inversion = "finite for every F; blind to inversion";

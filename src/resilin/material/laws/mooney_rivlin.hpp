@@ -15,6 +15,7 @@ template <class Real = double>
 struct MooneyRivlin {
   static constexpr LawKind kind = LawKind::invariants;
   static constexpr std::string_view name = "mooney_rivlin";
+  static constexpr std::string_view title = "Mooney-Rivlin";
   static constexpr std::string_view formula =
       "c10 (J^(-2/3) I_C - 3) + c01 (J^(-4/3) II_C - 3) + kappa/2 (J - 1)^2";
   static constexpr std::string_view source = "Mooney 1940; Rivlin 1948; Bonet & Wood 2008, sec. 6.5";

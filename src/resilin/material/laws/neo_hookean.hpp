@@ -15,6 +15,7 @@ template <class Real = double>
 struct NeoHookean {
   static constexpr LawKind kind = LawKind::invariants;
   static constexpr std::string_view name = "neo_hookean";
+  static constexpr std::string_view title = "Neo-Hookean";
   static constexpr std::string_view formula = "mu/2 (I_C - 3) - mu ln J + lambda/2 (ln J)^2";
   static constexpr std::string_view source = "Bonet & Wood 2008, eq. 6.28";
   static constexpr std::string_view inversion = "energy is infinite at J <= 0; softens beyond J = e";

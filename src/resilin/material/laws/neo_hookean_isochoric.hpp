@@ -15,6 +15,7 @@ template <class Real = double>
 struct NeoHookeanIsochoric {
   static constexpr LawKind kind = LawKind::invariants;
   static constexpr std::string_view name = "neo_hookean_isochoric";
+  static constexpr std::string_view title = "Neo-Hookean isochoric";
   static constexpr std::string_view formula = "mu/2 (J^(-2/3) I_C - 3) + kappa/2 (J - 1)^2";
   static constexpr std::string_view source = "Bower 2009, sec. 3.5.5";
   static constexpr std::string_view inversion = "energy is infinite at J <= 0";

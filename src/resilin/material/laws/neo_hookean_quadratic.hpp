@@ -15,6 +15,7 @@ template <class Real = double>
 struct NeoHookeanQuadratic {
   static constexpr LawKind kind = LawKind::invariants;
   static constexpr std::string_view name = "neo_hookean_quadratic";
+  static constexpr std::string_view title = "Neo-Hookean quadratic";
   static constexpr std::string_view formula = "mu/2 (I_C - 3) - mu ln J + lambda/2 (J - 1)^2";
   static constexpr std::string_view source = "Ogden 1997, ch. 7; Wang & Yang 2016";
   static constexpr std::string_view inversion = "energy is infinite at J <= 0";

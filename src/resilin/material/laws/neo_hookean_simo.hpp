@@ -17,6 +17,7 @@ template <class Real = double>
 struct NeoHookeanSimo {
   static constexpr LawKind kind = LawKind::invariants;
   static constexpr std::string_view name = "neo_hookean_simo";
+  static constexpr std::string_view title = "Neo-Hookean Simo";
   static constexpr std::string_view formula = "mu/2 (J^(-2/3) I_C - 3) + kappa/4 (J^2 - 1 - 2 ln J)";
   static constexpr std::string_view source = "Simo & Miehe 1992; deal.II step-44";
   static constexpr std::string_view inversion = "energy is infinite at J <= 0";

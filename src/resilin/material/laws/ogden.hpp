@@ -16,6 +16,7 @@ template <class Real = double>
 struct Ogden {
   static constexpr LawKind kind = LawKind::stretches;
   static constexpr std::string_view name = "ogden";
+  static constexpr std::string_view title = "Ogden";
   static constexpr std::string_view formula =
       "sum_p mu_p/alpha_p (l_1^alpha_p + l_2^alpha_p + l_3^alpha_p - 3) + kappa/2 (J - 1)^2, l_i = J^(-1/3) "
       "s_i";

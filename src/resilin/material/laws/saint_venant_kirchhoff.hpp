@@ -17,6 +17,7 @@ template <class Real = double>
 struct SaintVenantKirchhoff {
   static constexpr LawKind kind = LawKind::invariants;
   static constexpr std::string_view name = "saint_venant_kirchhoff";
+  static constexpr std::string_view title = "Saint Venant-Kirchhoff";
   static constexpr std::string_view formula = "mu E:E + lambda/2 (tr E)^2, E = (F^T F - I)/2";
   static constexpr std::string_view source = "Bonet & Wood 2008, eq. 6.13";
   static constexpr std::string_view inversion = "finite for every F; an inverted cell can stay inverted";

@@ -18,6 +18,7 @@ template <class Real = double>
 struct StableNeoHookean {
   static constexpr LawKind kind = LawKind::invariants;
   static constexpr std::string_view name = "stable_neo_hookean";
+  static constexpr std::string_view title = "Stable Neo-Hookean";
   static constexpr std::string_view formula = "mu/2 (I_C - 3) - mu (J - 1) + lambda/2 (J - 1)^2";
   static constexpr std::string_view source = "Smith, de Goes & Kim 2018, eq. 13";
   static constexpr std::string_view inversion = "finite for every F; an inverted cell is pushed back";

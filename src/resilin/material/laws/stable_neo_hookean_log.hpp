@@ -18,6 +18,7 @@ template <class Real = double>
 struct StableNeoHookeanLog {
   static constexpr LawKind kind = LawKind::invariants;
   static constexpr std::string_view name = "stable_neo_hookean_log";
+  static constexpr std::string_view title = "Stable Neo-Hookean log";
   static constexpr std::string_view formula =
       "mu/2 (I_C - 3) - mu/2 ln((I_C + 1)/4) - 3/4 mu (J - 1) + lambda/2 (J - 1)^2";
   static constexpr std::string_view source = "Smith, de Goes & Kim 2018, eq. 14";

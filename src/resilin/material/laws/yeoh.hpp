@@ -16,6 +16,7 @@ template <class Real = double>
 struct Yeoh {
   static constexpr LawKind kind = LawKind::invariants;
   static constexpr std::string_view name = "yeoh";
+  static constexpr std::string_view title = "Yeoh";
   static constexpr std::string_view formula =
       "c10 x + c20 x^2 + c30 x^3 + kappa/2 (J - 1)^2, x = J^(-2/3) I_C - 3";
   static constexpr std::string_view source = "Yeoh 1993";
