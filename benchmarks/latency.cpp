@@ -10,7 +10,7 @@
 
 #include "resilin/mesh/generators.hpp"
 #include "viewer/page_client.hpp"
-#include "viewer/scene_stage.hpp"
+#include "viewer/served_live_scene.hpp"
 #include "viewer/served_page.hpp"
 
 namespace resilin::bench {
@@ -88,9 +88,9 @@ class Hand {
 };
 
 void measure(int n, int num_drags, const std::string& name, Measurements& measurements) {
-  auto stage = std::make_unique<viewer::SceneStage>([n] { return Scene{cube_with_skin(n), {}}; });
+  auto scene = std::make_unique<viewer::ServedLiveScene>([n] { return Scene{cube_with_skin(n), {}}; });
   const int num_vertices = 6 * (n + 1) * (n + 1);
-  const viewer::LiveServer live(std::move(stage), {});
+  const viewer::LiveServer live(std::move(scene), {});
   PageClient page(live.server().port(), live.server().token());
   page.send_text(R"({"type": "field", "name": "von_mises"})");
   // The middle of the upper side, the last of the six.

@@ -13,7 +13,7 @@
 #include "resilin/scene/scene.hpp"
 #include "terminal.hpp"
 #include "viewer/browser.hpp"
-#include "viewer/scene_stage.hpp"
+#include "viewer/served_live_scene.hpp"
 #include "viewer/served_page.hpp"
 
 namespace resilin::cli {
@@ -55,16 +55,16 @@ int view_results(const ViewOptions& options) {
 
 int view_scene(const ViewOptions& options) {
   if (options.threads > 0) set_num_threads(options.threads);
-  auto stage = std::make_unique<viewer::SceneStage>(
+  auto scene = std::make_unique<viewer::ServedLiveScene>(
       [options] { return read_scene(options.shown, {.overrides = options.overrides}); });
-  print_warnings(stage->warnings());
+  print_warnings(scene->warnings());
   Offset cells = 0;
-  for (const Body& body : stage->world().bodies) cells += body.num_cells();
-  const std::string title = stage->world().title;
+  for (const Body& body : scene->world().bodies) cells += body.num_cells();
+  const std::string title = scene->world().title;
   print_line((title.empty() ? options.shown : title) + ": " + std::to_string(cells) + " cells, " +
-             std::to_string(stage->num_vertices()) + " vertices drawn, " + std::to_string(num_threads()) +
+             std::to_string(scene->num_vertices()) + " vertices drawn, " + std::to_string(num_threads()) +
              (num_threads() == 1 ? " thread" : " threads"));
-  const viewer::LiveServer live(std::move(stage), server_options(options));
+  const viewer::LiveServer live(std::move(scene), server_options(options));
   return serve(live.server(), options);
 }
 

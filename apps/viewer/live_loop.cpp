@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "resilin/core/error.hpp"
-#include "resilin/core/text.hpp"
+#include "resilin/core/overloaded.hpp"
 
 namespace resilin::viewer {
 namespace {
@@ -30,9 +30,9 @@ std::string words_of(const std::exception& error) {
 
 }  // namespace
 
-LiveLoop::LiveLoop(std::unique_ptr<LiveStage> stage, Mailbox& mailbox, std::function<void()> wake,
+LiveLoop::LiveLoop(std::unique_ptr<ServedScene> scene, Mailbox& mailbox, std::function<void()> wake,
                    const LiveLoopOptions& options)
-    : stage_(std::move(stage)),
+    : scene_(std::move(scene)),
       mailbox_(&mailbox),
       wake_(std::move(wake)),
       options_(options),
@@ -57,7 +57,7 @@ void LiveLoop::run() {
     const Clock::time_point now = Clock::now();
     const Clock::time_point tick = was_active && now - due < options_.frame ? due : now;
     if (is_active()) {
-      if (!was_active) lag_ = stage_->time_step(), tick_ = tick, progress_.clear();
+      if (!was_active) lag_ = scene_->time_step(), tick_ = tick, progress_.clear();
       advance(tick);
     }
     if (!requests.commands.empty()) publish_state();
@@ -65,16 +65,16 @@ void LiveLoop::run() {
       publish_snapshot(requests.wanted_fields);
     publish_status(Clock::now());
     wake_();
-    const double until_step = is_blending() ? 0 : (stage_->time_step() - lag_) / speed_;
+    const double until_step = is_blending() ? 0 : (scene_->time_step() - lag_) / scene_->speed();
     const double wait = std::max(until_step, seconds(options_.frame));
     due = tick + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(wait));
   }
 }
 
 void LiveLoop::advance(Clock::time_point now) {
-  lag_ += seconds(now - tick_) * speed_;
+  lag_ += seconds(now - tick_) * scene_->speed();
   tick_ = now;
-  const double time_step = stage_->time_step();
+  const double time_step = scene_->time_step();
   const Clock::time_point begin = Clock::now();
   const double budget = seconds(options_.budget);
   constexpr double nearly = 1 - 1e-6;  // timetables are in nanoseconds
@@ -89,15 +89,15 @@ void LiveLoop::advance(Clock::time_point now) {
 
 bool LiveLoop::is_blending() const {
   constexpr double rare = 1.5;  // in frames
-  return is_active() && stage_->time_step() > rare * seconds(options_.frame) * speed_;
+  return is_active() && scene_->time_step() > rare * seconds(options_.frame) * scene_->speed();
 }
 
 void LiveLoop::step(double budget) {
   has_changed_ = true;
   status_is_final_ = false;
   try {
-    stage_->step(budget);
-    is_moving_ = !stage_->is_at_rest();
+    scene_->step(budget);
+    is_moving_ = !scene_->is_at_rest();
   } catch (const std::exception& error) {
     stop_after_fault(words_of(error));
   }
@@ -119,51 +119,50 @@ void LiveLoop::obey(const Command& command) {
   } catch (const std::exception& error) {
     mailbox_->refuse(command.client, words_of(error));
   }
-  if (!stage_->is_grabbed()) grabbed_by_.reset();
-  if (!stage_->is_poking()) poked_by_.reset();
+  if (!scene_->is_grabbed()) grabbed_by_.reset();
+  if (!scene_->is_poking()) poked_by_.reset();
 }
 
-void LiveLoop::obey(ClientId client, const PageMessage& message) {
-  const auto owns = [client](const std::optional<ClientId>& owner) { return owner == client; };
+void LiveLoop::obey(ClientId client, const LoopMessage& message) {
   const auto take = [client](std::optional<ClientId>& owner, const char* what) {
     if (owner && *owner != client)
       throw InputError(what, "another page is doing that; wait until it lets go");
     owner = client;
   };
-  if (const auto* drag = std::get_if<Drag>(&message)) {
-    if (!owns(grabbed_by_)) return;  // it was let go a moment ago
-    stage_->apply(message);
-    answered_drag_ = drag->number;
-  } else if (std::holds_alternative<Grab>(message)) {
-    take(grabbed_by_, "grab");
-    stage_->apply(message);
-    answered_drag_ = 0;
-  } else if (std::holds_alternative<Release>(message)) {
-    if (owns(grabbed_by_)) stage_->apply(message);
-  } else if (std::holds_alternative<Poke>(message)) {
-    take(poked_by_, "poke");
-    stage_->apply(message);
-  } else if (std::holds_alternative<PokeEnd>(message)) {
-    if (owns(poked_by_)) stage_->apply(message);
-  } else if (std::holds_alternative<Pause>(message)) {
-    is_paused_ = true;
-  } else if (std::holds_alternative<Play>(message)) {
-    is_paused_ = false;
-  } else if (std::holds_alternative<SingleStep>(message)) {
-    is_paused_ = true;
-    step(std::numeric_limits<double>::infinity());
-  } else if (std::holds_alternative<Reload>(message)) {
-    stage_->apply(message);
-    publish_scene();
-  } else if (const auto* set = std::get_if<SetControl>(&message); set != nullptr && set->key == "speed") {
-    const double speed = std::get<double>(set->value);
-    if (!(speed >= 0.01 && speed <= 10)) {
-      throw InputError("speed", "a number from 0.01 to 10", format_short(speed));
-    }
-    speed_ = speed;
-  } else {
-    stage_->apply(message);
-  }
+  std::visit(Overloaded{
+                 [&](const Grab& grab) {
+                   take(grabbed_by_, "grab");
+                   scene_->apply(grab);
+                   answered_drag_ = 0;
+                 },
+                 [&](const Drag& drag) {
+                   if (grabbed_by_ != client) return;  // it was let go a moment ago
+                   scene_->apply(drag);
+                   answered_drag_ = drag.number;
+                 },
+                 [&](const Release& release) {
+                   if (grabbed_by_ == client) scene_->apply(release);
+                 },
+                 [&](const Poke& poke) {
+                   take(poked_by_, "poke");
+                   scene_->apply(poke);
+                 },
+                 [&](const PokeEnd& end) {
+                   if (poked_by_ == client) scene_->apply(end);
+                 },
+                 [this](const Pause&) { is_paused_ = true; },
+                 [this](const Play&) { is_paused_ = false; },
+                 [this](const SingleStep&) {
+                   is_paused_ = true;
+                   step(std::numeric_limits<double>::infinity());
+                 },
+                 [this](const Reload& reload) {
+                   scene_->apply(reload);
+                   publish_scene();
+                 },
+                 [this](const auto& for_the_scene) { scene_->apply(for_the_scene); },
+             },
+             message);
 }
 
 void LiveLoop::leave(ClientId client) {
@@ -174,9 +173,9 @@ void LiveLoop::leave(ClientId client) {
 void LiveLoop::publish_scene() {
   auto scene = std::make_shared<SceneNews>();
   scene->generation = ++generation_;
-  scene->header = stage_->header();
-  scene->topology = shared(stage_->topology());
-  scene->field_names = stage_->field_names();
+  scene->header = scene_->header();
+  scene->topology = shared(scene_->topology());
+  scene->field_names = scene_->field_names();
   mailbox_->publish([&scene](News& news) {
     news.scene = std::move(scene);
     news.snapshot.reset();
@@ -189,10 +188,10 @@ void LiveLoop::publish_snapshot(const std::set<FieldChoice>& wanted) {
   auto snapshot = std::make_shared<Snapshot>();
   snapshot->generation = generation_;
   snapshot->number = ++snapshot_number_;
-  const double blend = is_blending() ? std::clamp(lag_ / stage_->time_step(), 0.0, 1.0) : 1;
+  const double blend = is_blending() ? std::clamp(lag_ / scene_->time_step(), 0.0, 1.0) : 1;
   try {
     for (const FieldChoice& field : wanted) {
-      snapshot->frames[field] = shared(stage_->frame(snapshot->number, answered_drag_, field, blend));
+      snapshot->frames[field] = shared(scene_->frame(snapshot->number, answered_drag_, field, blend));
     }
   } catch (const std::exception& error) {
     stop_after_fault(words_of(error));
@@ -204,9 +203,8 @@ void LiveLoop::publish_snapshot(const std::set<FieldChoice>& wanted) {
 }
 
 void LiveLoop::publish_state() {
-  Json state = stage_->state();
+  Json state = scene_->state();
   state["type"] = "state";
-  state["speed"] = speed_;
   state["paused"] = is_paused_;
   state["grabbed_by"] = grabbed_by_ ? Json(*grabbed_by_) : Json();
   std::string text = state.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -218,11 +216,11 @@ void LiveLoop::publish_state() {
 }
 
 double LiveLoop::real_time_ratio(Clock::time_point now) {
-  progress_.push_back({now, stage_->time()});
+  progress_.push_back({now, scene_->time()});
   while (now - progress_.front().wall > std::chrono::seconds(1) && progress_.size() > 2)
     progress_.pop_front();
   const double wall = seconds(now - progress_.front().wall);
-  return wall > 0 ? (stage_->time() - progress_.front().simulated) / wall : 0;
+  return wall > 0 ? (scene_->time() - progress_.front().simulated) / wall : 0;
 }
 
 /// Ten times a second while the scene moves, and once more when it has stopped.
@@ -231,7 +229,7 @@ void LiveLoop::publish_status(Clock::time_point now) {
   if (is_last ? status_is_final_ : now - status_time_ < std::chrono::milliseconds(100)) return;
   status_time_ = now;
   status_is_final_ = is_last;
-  Json status = stage_->status();
+  Json status = scene_->status();
   status["type"] = "status";
   status["real_time_ratio"] = is_last ? 0 : real_time_ratio(now);
   status["surface_ms"] = surface_ms_;

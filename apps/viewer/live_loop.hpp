@@ -11,8 +11,8 @@
 #include <string>
 #include <thread>
 
-#include "live_stage.hpp"
 #include "mailbox.hpp"
+#include "served_scene.hpp"
 
 namespace resilin::viewer {
 
@@ -27,7 +27,7 @@ struct LiveLoopOptions {
 class LiveLoop {
  public:
   /// Begins to simulate. `wake` is called whenever there is news; the mailbox outlives the loop.
-  LiveLoop(std::unique_ptr<LiveStage> stage, Mailbox& mailbox, std::function<void()> wake,
+  LiveLoop(std::unique_ptr<ServedScene> scene, Mailbox& mailbox, std::function<void()> wake,
            const LiveLoopOptions& options = {});
   ~LiveLoop();
   LiveLoop(const LiveLoop&) = delete;
@@ -38,7 +38,7 @@ class LiveLoop {
 
   void run();
   void obey(const Command& command);
-  void obey(ClientId client, const PageMessage& message);
+  void obey(ClientId client, const LoopMessage& message);
   void leave(ClientId client);
   void advance(Clock::time_point now);
   void step(double seconds);
@@ -53,12 +53,11 @@ class LiveLoop {
   void publish_state();
   void publish_status(Clock::time_point now);
 
-  std::unique_ptr<LiveStage> stage_;
+  std::unique_ptr<ServedScene> scene_;
   Mailbox* mailbox_;
   std::function<void()> wake_;
   LiveLoopOptions options_;
 
-  double speed_ = 1;  // simulated over wall time
   bool is_paused_ = false;
   bool is_moving_ = true;   // the last step changed something
   double lag_ = 0;          // simulated time that the wall clock is ahead [s]

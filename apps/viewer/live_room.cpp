@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "resilin/core/error.hpp"
+#include "resilin/core/overloaded.hpp"
 #include "resilin/core/text.hpp"
 
 namespace resilin::viewer {
@@ -48,14 +49,19 @@ void LiveRoom::received(ClientId client, bool is_text, std::string_view bytes) {
 }
 
 void LiveRoom::handle(ClientId client, Page& page, const PageMessage& message) {
-  if (const auto* acknowledged = std::get_if<Acknowledge>(&message)) {
-    if (page.unacknowledged == acknowledged->frame) page.unacknowledged.reset();
-  } else if (const auto* chosen = std::get_if<ChooseField>(&message)) {
-    choose_field(page, chosen->name);
-  } else if (!mailbox_->post(client, message)) {
-    throw InputError("message",
-                     "a page sends faster than the simulation can take it; the message is left out");
-  }
+  std::visit(Overloaded{
+                 [&page](const Acknowledge& acknowledged) {
+                   if (page.unacknowledged == acknowledged.frame) page.unacknowledged.reset();
+                 },
+                 [this, &page](const ChooseField& chosen) { choose_field(page, chosen.name); },
+                 [this, client](const auto& for_the_loop) {
+                   if (mailbox_->post(client, for_the_loop)) return;
+                   throw InputError(
+                       "message",
+                       "a page sends faster than the simulation can take it; the message is left out");
+                 },
+             },
+             message);
 }
 
 void LiveRoom::choose_field(Page& page, const std::string& name) {
@@ -132,7 +138,7 @@ std::string LiveRoom::hello(ClientId client, Page& page, const News& news) {
   Json header = news.scene->header;
   header["type"] = "hello";
   header["client"] = client;
-  header["controls"] = Json::parse(*news.state.text);
+  header["state"] = Json::parse(*news.state.text);
   return dump(header);
 }
 

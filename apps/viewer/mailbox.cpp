@@ -4,10 +4,10 @@
 
 namespace resilin::viewer {
 
-bool Mailbox::post(ClientId client, const PageMessage& message) {
+bool Mailbox::post(ClientId client, const LoopMessage& message) {
   const std::lock_guard lock(mutex_);
   std::vector<Command>& commands = requests_.commands;
-  const auto is_drag = [](const std::optional<PageMessage>& m) {
+  const auto is_drag = [](const std::optional<LoopMessage>& m) {
     return m && std::holds_alternative<Drag>(*m);
   };
   if (!commands.empty() && commands.back().client == client && is_drag(commands.back().message) &&

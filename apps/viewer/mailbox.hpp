@@ -52,7 +52,7 @@ struct News {
 
 struct Command {
   ClientId client = 0;
-  std::optional<PageMessage> message;  ///< none: the page has left
+  std::optional<LoopMessage> message;  ///< none: the page has left
 };
 
 /// What the simulation's thread finds when it looks.
@@ -69,7 +69,7 @@ class Mailbox {
 
   // For the server's thread.
   /// A drag replaces one of the same page that nobody has seen yet. False when the box is full.
-  bool post(ClientId client, const PageMessage& message);
+  bool post(ClientId client, const LoopMessage& message);
   void post_leaving(ClientId client);
   void set_wanted_fields(std::set<FieldChoice> fields);
   News news() const;

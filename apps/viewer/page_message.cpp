@@ -1,17 +1,16 @@
 #include "page_message.hpp"
 
-#include <array>
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <functional>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <vector>
 
 #include "resilin/core/error.hpp"
+#include "resilin/core/overloaded.hpp"
 #include "resilin/core/text.hpp"
 
 namespace resilin::viewer {
@@ -30,7 +29,7 @@ std::string shown(const Json& value) {
 /// The keys of one message; each is taken once, and none may be left.
 class Fields {
  public:
-  Fields(const Json& json, std::string type) : json_(json), type_(std::move(type)), num_taken_(1) {}
+  Fields(const Json& json, std::string type) : json_(json), type_(std::move(type)) {}
 
   double number(const char* key) {
     const Json& value = take(key, "a finite number");
@@ -73,12 +72,10 @@ class Fields {
   }
 
   /// Refuses keys that nobody has asked for.
-  void finish(std::span<const std::string> known) const {
-    if (num_taken_ == json_.size()) return;
+  void finish() const {
     for (const auto& [key, value] : json_.items()) {
-      if (std::ranges::find(known, key) == known.end()) {
-        throw InputError("message \"" + type_ + "\"", "the keys " + join(known), shown(key));
-      }
+      if (std::ranges::find(taken_, key) != taken_.end()) continue;
+      throw InputError("message \"" + type_ + "\"", "the keys " + join(taken_), shown(key));
     }
   }
 
@@ -90,7 +87,7 @@ class Fields {
   const Json& take(const char* key, const char* expected) {
     const auto found = json_.find(key);
     if (found == json_.end()) throw InputError("message \"" + type_ + "\": " + key, expected, "none");
-    ++num_taken_;
+    taken_.emplace_back(key);
     return *found;
   }
 
@@ -100,7 +97,7 @@ class Fields {
 
   const Json& json_;
   std::string type_;
-  std::size_t num_taken_;
+  std::vector<std::string> taken_ = {"type"};
 };
 
 PageMessage read_poke(Fields& fields) {
@@ -111,22 +108,6 @@ PageMessage read_poke(Fields& fields) {
   return poke;
 }
 
-using ReadValue = std::function<decltype(SetControl::value)(Fields&)>;
-
-/// The controls that `set` knows, and the kind of value of each.
-const std::map<std::string, ReadValue, std::less<>>& controls() {
-  static const ReadValue number = [](Fields& fields) { return fields.number("value"); };
-  static const ReadValue flag = [](Fields& fields) { return fields.flag("value"); };
-  static const ReadValue text = [](Fields& fields) { return fields.text("value"); };
-  static const ReadValue vector = [](Fields& fields) { return fields.vector("value"); };
-  static const std::map<std::string, ReadValue, std::less<>> table = {
-      {"damping", number}, {"gravity", vector},   {"ground", flag},         {"ground_height", number},
-      {"law", text},       {"max_force", number}, {"newton_limit", number}, {"poissons_ratio", number},
-      {"speed", number},   {"time_step", number}, {"tolerance", number},    {"youngs_modulus", number},
-  };
-  return table;
-}
-
 [[noreturn]] void refuse_word(const std::string& place, const std::string& word,
                               const std::vector<std::string>& known) {
   const std::string nearest = nearest_word(word.substr(0, 40), known);
@@ -134,48 +115,56 @@ const std::map<std::string, ReadValue, std::less<>>& controls() {
                    nearest.empty() ? "" : "did you mean \"" + nearest + "\"?");
 }
 
-template <class Table>
-std::vector<std::string> names(const Table& table) {
-  std::vector<std::string> names;
-  for (const auto& [name, entry] : table) names.push_back(name);
-  return names;
+ControlValue read_value(const LiveControl& control, Fields& fields) {
+  return std::visit(Overloaded{
+                        [&](const Switch&) -> ControlValue { return fields.flag("value"); },
+                        [&](const Choice&) -> ControlValue { return fields.text("value"); },
+                        [&](const Arrow&) -> ControlValue { return fields.vector("value"); },
+                        [&](const auto&) -> ControlValue { return fields.number("value"); },
+                    },
+                    control.form);
 }
 
 PageMessage read_set(Fields& fields) {
-  std::string key = fields.text("key");
-  const auto control = controls().find(key);
-  if (control == controls().end()) refuse_word("message \"set\": key", key, names(controls()));
-  return SetControl{std::move(key), control->second(fields)};
+  const std::string key = fields.text("key");
+  const LiveControl* control = find_live_control(key);
+  if (control != nullptr) return SetControl{control, read_value(*control, fields)};
+  std::vector<std::string> known;
+  for (const LiveControl& entry : live_control_table()) known.emplace_back(entry.key);
+  refuse_word("message \"set\": key", key, known);
 }
 
-struct MessageType {
-  std::vector<std::string> keys;
-  std::function<PageMessage(Fields&)> read;
-};
+using ReadMessage = PageMessage (*)(Fields&);
 
 template <class Message>
-MessageType plain() {
-  return {{"type"}, [](Fields&) { return Message{}; }};
+PageMessage plain(Fields&) {
+  return Message{};
 }
 
-const std::map<std::string, MessageType, std::less<>>& message_types() {
-  static const std::map<std::string, MessageType, std::less<>> table = {
-      {"grab", {{"type", "vertex", "point"}, [](Fields& f) { return Grab{f.vertex(), f.vector("point")}; }}},
-      {"release", plain<Release>()},
-      {"pin", {{"type", "vertex"}, [](Fields& f) { return Pin{f.vertex()}; }}},
-      {"unpin", {{"type", "vertex"}, [](Fields& f) { return Unpin{f.vertex()}; }}},
-      {"unpin_all", plain<UnpinAll>()},
-      {"poke", {{"type", "center", "radius"}, read_poke}},
-      {"poke_end", plain<PokeEnd>()},
-      {"set", {{"type", "key", "value"}, read_set}},
-      {"field", {{"type", "name"}, [](Fields& f) { return ChooseField{f.text("name")}; }}},
-      {"pause", plain<Pause>()},
-      {"play", plain<Play>()},
-      {"step", plain<SingleStep>()},
-      {"reset", plain<Reset>()},
-      {"reload", plain<Reload>()},
+const std::map<std::string, ReadMessage, std::less<>>& message_types() {
+  static const std::map<std::string, ReadMessage, std::less<>> table = {
+      {"grab", [](Fields& f) -> PageMessage { return Grab{f.vertex(), f.vector("point")}; }},
+      {"release", plain<Release>},
+      {"pin", [](Fields& f) -> PageMessage { return Pin{f.vertex()}; }},
+      {"unpin", [](Fields& f) -> PageMessage { return Unpin{f.vertex()}; }},
+      {"unpin_all", plain<UnpinAll>},
+      {"poke", read_poke},
+      {"poke_end", plain<PokeEnd>},
+      {"set", read_set},
+      {"field", [](Fields& f) -> PageMessage { return ChooseField{f.text("name")}; }},
+      {"pause", plain<Pause>},
+      {"play", plain<Play>},
+      {"step", plain<SingleStep>},
+      {"reset", plain<Reset>},
+      {"reload", plain<Reload>},
   };
   return table;
+}
+
+std::vector<std::string> names_of_types() {
+  std::vector<std::string> names;
+  for (const auto& [name, read] : message_types()) names.push_back(name);
+  return names;
 }
 
 template <class Number>
@@ -208,15 +197,15 @@ PageMessage read_text_message(std::string_view text) {
   }
   const auto type = json.find("type");
   if (type == json.end() || !type->is_string()) {
-    throw InputError("message: type", "one of " + join(names(message_types())),
+    throw InputError("message: type", "one of " + join(names_of_types()),
                      type == json.end() ? "none" : shown(*type));
   }
   const auto& name = type->get_ref<const std::string&>();
   const auto entry = message_types().find(name);
-  if (entry == message_types().end()) refuse_word("message: type", name, names(message_types()));
+  if (entry == message_types().end()) refuse_word("message: type", name, names_of_types());
   Fields fields(json, name);
-  PageMessage message = entry->second.read(fields);
-  fields.finish(entry->second.keys);
+  PageMessage message = entry->second(fields);
+  fields.finish();
   return message;
 }
 

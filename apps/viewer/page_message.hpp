@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "resilin/core/types.hpp"
+#include "resilin/live/control_table.hpp"
 
 /// What a page can say: docs/view_protocol.md, "Messages of the page".
 namespace resilin::viewer {
@@ -31,10 +32,9 @@ struct Poke {
   double radius = 0;                 ///< [m], positive
 };
 struct PokeEnd {};
-/// A control takes a new value; which kind of value depends on the key.
 struct SetControl {
-  std::string key;
-  std::variant<double, bool, std::string, Vector3> value;
+  const LiveControl* control = nullptr;  ///< an entry of the table
+  ControlValue value;                    ///< of the kind that its form has
 };
 struct ChooseField {
   std::string name;  ///< empty: none
@@ -48,8 +48,20 @@ struct Acknowledge {
   std::uint32_t frame = 0;
 };
 
-using PageMessage = std::variant<Grab, Drag, Release, Pin, Unpin, UnpinAll, Poke, PokeEnd, SetControl,
-                                 ChooseField, Pause, Play, SingleStep, Reset, Reload, Acknowledge>;
+template <class Variant, class... More>
+struct Extended;
+template <class... Kind, class... More>
+struct Extended<std::variant<Kind...>, More...> {
+  using type = std::variant<Kind..., More...>;
+};
+
+/// What changes the scene.
+using SceneMessage =
+    std::variant<Grab, Drag, Release, Pin, Unpin, UnpinAll, Poke, PokeEnd, SetControl, Reset, Reload>;
+/// What is said to the simulation.
+using LoopMessage = Extended<SceneMessage, Pause, Play, SingleStep>::type;
+/// All that a page can say; the rest is for the server.
+using PageMessage = Extended<LoopMessage, ChooseField, Acknowledge>::type;
 
 /// Reads a message, strictly: every key is known and there, every number is finite.
 /// @throws InputError  one line that says what was expected

@@ -17,10 +17,10 @@ Resource page(std::string_view kind) {
 
 }  // namespace
 
-LiveServer::LiveServer(std::unique_ptr<LiveStage> stage, const ServerOptions& options)
+LiveServer::LiveServer(std::unique_ptr<ServedScene> scene, const ServerOptions& options)
     : room_(mailbox_),
       server_(options, {{"/", page("live")}}, &room_),
-      loop_(std::move(stage), mailbox_, [this] { server_.wake(); }) {}
+      loop_(std::move(scene), mailbox_, [this] { server_.wake(); }) {}
 
 std::map<std::string, Resource> recorded_resources(const std::filesystem::path& folder) {
   const std::filesystem::path recording = folder / "recording.bin", report = folder / "report.json";

@@ -7,9 +7,9 @@
 
 #include "live_loop.hpp"
 #include "live_room.hpp"
-#include "live_stage.hpp"
 #include "mailbox.hpp"
 #include "page_server.hpp"
+#include "served_scene.hpp"
 
 /// The two things that the page can be served with: docs/view_protocol.md, "Addresses".
 namespace resilin::viewer {
@@ -18,7 +18,7 @@ namespace resilin::viewer {
 class LiveServer {
  public:
   /// @throws InputError  when the port cannot be had
-  LiveServer(std::unique_ptr<LiveStage> stage, const ServerOptions& options);
+  LiveServer(std::unique_ptr<ServedScene> scene, const ServerOptions& options);
 
   const PageServer& server() const { return server_; }
 

@@ -170,7 +170,8 @@ TEST(LiveScene, DroppedOnAFloorComesToRestAboveIt) {
   description.fixes.clear();
   LiveScene scene(description);
   LiveControls controls = scene.controls();
-  controls.ground = -0.2;
+  controls.has_ground = true;
+  controls.ground_height = -0.2;
   controls.damping = 2;
   scene.set_controls(controls);
   double lowest = 1;
@@ -188,7 +189,8 @@ TEST(LiveScene, FloorRisesUnderABodyAsFastAsItGetsOutOfTheWay) {
   description.fixes.clear();
   LiveScene scene(description);
   LiveControls controls = scene.controls();
-  controls.ground = 0.5;  // through the middle of the body
+  controls.has_ground = true;
+  controls.ground_height = 0.5;  // through the middle of the body
   scene.set_controls(controls);
   for (int i = 0; i < 300; ++i) {
     scene.step();

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "fake_stage.hpp"
+#include "fake_scene.hpp"
 
 namespace resilin::viewer {
 namespace {
@@ -125,8 +125,9 @@ TEST(Fuzz, TheServerStandsAHundredThousandMessagesAndAnswersAfterwards) {
   Mailbox mailbox;
   CountingRoom room(mailbox);
   PageServer server({}, {}, &room);
-  const auto stage = std::make_shared<FakeStageSwitches>();
-  const LiveLoop loop(std::make_unique<FakeStage>(stage, 100), mailbox, [&server] { server.wake(); });
+  const auto switches = std::make_shared<FakeSwitches>();
+  const LiveLoop loop(std::make_unique<FakeServedScene>(switches, 100), mailbox,
+                      [&server] { server.wake(); });
   Faults faults(1);
   while (room.num_received < num_messages) {
     PageClient page(server.port(), server.token());
@@ -137,9 +138,9 @@ TEST(Fuzz, TheServerStandsAHundredThousandMessagesAndAnswersAfterwards) {
   PageClient page(server.port(), server.token());
   page.receive_text("hello");
   EXPECT_GT(viewer::frame_number(page.receive_frame()), 0U);
-  const int steps = stage->num_steps;
+  const int steps = switches->num_steps;
   page.send_text(R"({"type": "step"})");
-  EXPECT_TRUE(comes_true([&] { return stage->num_steps > steps; }));
+  EXPECT_TRUE(comes_true([&] { return switches->num_steps > steps; }));
 }
 
 TEST(Fuzz, TheServerStandsBytesThatAreNoWebSocketFrames) {

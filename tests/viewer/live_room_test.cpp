@@ -7,7 +7,7 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
-#include "fake_stage.hpp"
+#include "fake_scene.hpp"
 
 namespace resilin::viewer {
 namespace {
@@ -20,12 +20,12 @@ constexpr const char* grab = R"({"type": "grab", "vertex": 1, "point": [0, 0, 0]
 
 json next_json(PageClient& page, std::string_view type) { return json::parse(page.receive_text(type)); }
 
-/// True once a `state` comes in which the keys have these values.
+/// True once a `state` comes in which the keys, of objects inside it too, have these values.
 bool comes_to(PageClient& page, const json& values) {
   for (int i = 0; i < 100; ++i) {
     json state = next_json(page, "state");
     const json before = state;
-    state.update(values);
+    state.update(values, /*merge_objects=*/true);
     if (state == before) return true;
   }
   return false;
@@ -49,10 +49,10 @@ TEST(LiveRoom, TellsAPageEverythingInOrder) {
   EXPECT_EQ(header["type"], "hello");
   EXPECT_EQ(header["title"], "A fake");
   EXPECT_EQ(header["client"], 1);
-  EXPECT_EQ(header["controls"]["type"], "state");
-  EXPECT_EQ(header["controls"]["speed"], 1);
-  EXPECT_EQ(header["controls"]["paused"], false);
-  EXPECT_TRUE(header["controls"]["grabbed_by"].is_null());
+  EXPECT_EQ(header["state"]["type"], "state");
+  EXPECT_EQ(header["state"]["values"]["speed"], 1);
+  EXPECT_EQ(header["state"]["paused"], false);
+  EXPECT_TRUE(header["state"]["grabbed_by"].is_null());
   const auto topology = page.receive();
   ASSERT_TRUE(topology && !topology->is_text);
   EXPECT_TRUE(topology->bytes.starts_with("RST1"));
@@ -128,7 +128,7 @@ TEST(LiveRoom, ShowsSlowMotionAtTheRateOfFrames) {
   const FakeScene scene;
   PageClient page = scene.page();
   page.send_text(R"({"type": "set", "key": "speed", "value": 0.05})");
-  ASSERT_TRUE(comes_to(page, {{"speed", 0.05}}));
+  ASSERT_TRUE(comes_to(page, {{"values", {{"speed", 0.05}}}}));
   const int steps = scene.switches->num_steps;
   for (int i = 0; i < 30; ++i) page.receive_frame();
   EXPECT_LE(scene.switches->num_steps - steps, 10) << "30 frames take half a second, 1.5 steps";

@@ -63,18 +63,26 @@ TEST(PageMessage, OfEachTypeIsRead) {
 }
 
 TEST(PageMessage, SetsEachControlToItsKindOfValue) {
-  for (const char* key : {"youngs_modulus", "poissons_ratio", "damping", "time_step", "speed", "max_force",
-                          "ground_height", "newton_limit", "tolerance"}) {
-    const std::string begin = std::string(R"({"type": "set", "key": ")") + key + R"(", "value": )";
-    EXPECT_EQ(std::get<double>(read_as<SetControl>(begin + "0.5}").value), 0.5);
-    EXPECT_THAT(refusal(begin + "true}"), HasSubstr("a finite number, got true"));
+  for (const LiveControl& control : live_control_table()) {
+    const std::string key(control.key);
+    const std::string begin = R"({"type": "set", "key": ")" + key + R"(", "value": )";
+    // Values of all kinds, in the order of ControlValue.
+    const std::vector<std::string> values = {"0.5", "true", R"("gent")", "[0, 0, 1]"};
+    const std::size_t own = value_of(control, LiveControls{}).index();
+    for (std::size_t kind = 0; kind < values.size(); ++kind) {
+      SCOPED_TRACE(key + " = " + values[kind]);
+      const std::string text = begin + values[kind] + "}";
+      if (kind != own) {
+        EXPECT_THAT(refusal(text), HasSubstr("message \"set\": value: expected"));
+        continue;
+      }
+      const auto set = read_as<SetControl>(text);
+      EXPECT_EQ(set.control, &control);
+      EXPECT_EQ(set.value.index(), own);
+    }
   }
-  EXPECT_EQ(std::get<std::string>(read_as<SetControl>(R"({"type":"set","key":"law","value":"gent"})").value),
-            "gent");
-  EXPECT_EQ(std::get<bool>(read_as<SetControl>(R"({"type":"set","key":"ground","value":false})").value),
-            false);
-  EXPECT_EQ(std::get<Vector3>(read_as<SetControl>(R"({"type":"set","key":"gravity","value":[0,0,1]})").value),
-            Vector3(0, 0, 1));
+  const auto gravity = read_as<SetControl>(R"({"type":"set","key":"gravity","value":[0,0,1]})");
+  EXPECT_EQ(std::get<Vector3>(gravity.value), Vector3(0, 0, 1));
 }
 
 TEST(PageMessage, ThatIsWrongIsRefusedInOneLineThatSaysWhatWasExpected) {
@@ -103,7 +111,8 @@ TEST(PageMessage, ThatIsWrongIsRefusedInOneLineThatSaysWhatWasExpected) {
       {R"({"type": "poke", "center": [0, 0, 0], "radius": 0})", "radius: expected a positive number, got 0"},
       {R"({"type": "poke", "center": [0, 0, 0], "radius": -1})", "got -1"},
       {R"({"type": "set", "key": "youngs_modulos", "value": 1})", "did you mean \"youngs_modulus\"?"},
-      {R"({"type": "set", "key": "paused", "value": true})", "message \"set\": key: expected one of damping"},
+      {R"({"type": "set", "key": "paused", "value": true})",
+       "message \"set\": key: expected one of law, youngs_modulus"},
       {R"({"type": "set", "key": "law", "value": 3})", "a text, got 3"},
       {R"({"type": "set", "key": "ground", "value": 1})", "true or false, got 1"},
       {R"({"type": "set", "key": "gravity", "value": -9.81})", "three finite numbers, got -9.81"},

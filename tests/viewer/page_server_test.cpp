@@ -5,7 +5,7 @@
 
 #include <fstream>
 
-#include "fake_stage.hpp"
+#include "fake_scene.hpp"
 #include "resilin/core/error.hpp"
 #include "viewer/page_client.hpp"
 

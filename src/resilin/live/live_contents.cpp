@@ -80,12 +80,14 @@ LiveScene::Contents::Contents(const Description& scene)
     : description(in_motion(scene)),
       world(description),
       newton(world.dimension, world.pattern, live_solver(world)),
-      controls(starting_controls(scene, world)) {
+      controls(starting_controls(scene, world, up_of(scene))) {
   extent = world.largest_extent();
   end_of_changes = resilin::end_of_changes(description);
   up = up_of(scene);
   for (const ColliderDescription& collider : scene.colliders) {
-    if (is_floor(collider, up)) controls.ground = collider.shape.point.dot(up);
+    if (!is_floor(collider, up)) continue;
+    controls.has_ground = true;
+    controls.ground_height = collider.shape.point.dot(up);
   }
   reset();
 }
@@ -121,10 +123,10 @@ void LiveScene::Contents::renew_terms() {
 
 /// Places a floor below all bodies; it then rises to its height.
 void LiveScene::Contents::renew_floor() {
-  const Vector3 goal = controls.ground.value_or(0) * up;
+  const Vector3 goal = controls.ground_height * up;
   const Vector3 start = floor ? floor->barrier()->place({}) : goal;
   floor.reset();
-  if (!controls.ground) return;
+  if (!controls.has_ground) return;
   floor.emplace("ground", world, state.positions, std::make_shared<HalfSpace>(start, up), -up);
   floor->set_goal(goal);
 }
@@ -171,8 +173,9 @@ void LiveScene::Contents::set_controls(const LiveControls& asked) {
                                 wanted.youngs_modulus != controls.youngs_modulus ||
                                 wanted.poissons_ratio != controls.poissons_ratio;
   if (changes_material) change_materials(wanted);
-  const bool changes_floor =
-      wanted.ground != controls.ground || wanted.youngs_modulus != controls.youngs_modulus;
+  const bool changes_floor = wanted.has_ground != controls.has_ground ||
+                             wanted.ground_height != controls.ground_height ||
+                             wanted.youngs_modulus != controls.youngs_modulus;
   controls = wanted;
   if (changes_floor) renew_floor();
   renew_terms();

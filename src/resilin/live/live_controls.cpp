@@ -2,31 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
-#include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/material/rest_tangents.hpp"
 #include "resilin/world/cell_material.hpp"
 
 namespace resilin {
 namespace {
-
-struct Range {
-  std::string_view key;
-  double LiveControls::* value;
-  double least, greatest;
-  std::string_view unit;
-};
-
-/// What sliders may ask for; wider than what they show.
-constexpr Range ranges[] = {
-    {"youngs_modulus", &LiveControls::youngs_modulus, 1, 1e12, " Pa"},
-    {"poissons_ratio", &LiveControls::poissons_ratio, -0.9, 0.4999, ""},
-    {"damping", &LiveControls::damping, 0, 1e4, " 1/s"},
-    {"time_step", &LiveControls::time_step, 1e-5, 1, " s"},
-    {"max_force", &LiveControls::max_force, 1e-12, 1e15, " N"},
-    {"tolerance", &LiveControls::tolerance, 1e-12, 0.5, ""},
-};
 
 /// Mean volume of a cell to the power 1 / dim [m].
 double cell_size(const World& world) {
@@ -38,9 +21,18 @@ double cell_size(const World& world) {
   return std::pow(volume / cells, 1.0 / world.dimension);
 }
 
+/// A round height at or just under the lowest node at rest, along `up` [m].
+double height_under(const World& world, const Vector3& up) {
+  double lowest = std::numeric_limits<double>::infinity();
+  for (Index node = 0; node < world.num_nodes(); ++node)
+    lowest = std::min(lowest, node_position(world.dimension, node, world.rest_positions).dot(up));
+  const double digits = std::pow(10, 3 - std::floor(std::log10(world.largest_extent())));
+  return std::floor(lowest * digits + 1e-6) / digits;
+}
+
 }  // namespace
 
-LiveControls starting_controls(const Description& description, const World& world) {
+LiveControls starting_controls(const Description& description, const World& world, const Vector3& up) {
   const BodyDescription& first = description.bodies.front();
   LiveControls controls;
   controls.law = first.material.law;
@@ -72,27 +64,8 @@ LiveControls starting_controls(const Description& description, const World& worl
   for (const Body& body : world.bodies) weight += body.mass * controls.gravity.norm();
   controls.max_force = std::max(0.02 * controls.youngs_modulus * area, 0.5 * weight);
   controls.max_force = std::stod(format_short(controls.max_force));
+  controls.ground_height = height_under(world, up);
   return controls;
-}
-
-void check_controls(const LiveControls& controls) {
-  for (const Range& range : ranges) {
-    const double value = controls.*range.value;
-    if (value >= range.least && value <= range.greatest) continue;
-    const std::string unit(range.unit);
-    throw InputError(
-        std::string(range.key),
-        "a number from " + format_number(range.least) + unit + " to " + format_number(range.greatest) + unit,
-        format_number(value));
-  }
-  if (!controls.gravity.allFinite() || controls.gravity.norm() > 1e5)
-    throw InputError("gravity", "finite numbers of at most 1e5 m/s^2",
-                     format_number(controls.gravity.norm()));
-  if (controls.ground && !std::isfinite(*controls.ground))
-    throw InputError("ground_height", "a finite number [m]", format_number(*controls.ground));
-  if (controls.newton_limit < 0 || controls.newton_limit > 1000)
-    throw InputError("newton_limit", "a whole number from 0 to 1000", std::to_string(controls.newton_limit));
-  require_law(controls.law, "law");
 }
 
 MaterialDescription material_of(const LiveControls& controls, const MaterialDescription& description) {
@@ -107,9 +80,8 @@ MaterialDescription material_of(const LiveControls& controls, const MaterialDesc
 
 std::vector<const LawInfo*> live_laws() {
   std::vector<const LawInfo*> all = laws();
-  std::erase_if(all, [](const LawInfo* law) {
-    return law->max_fibres > 0 || !std::isnan(law->only_poissons_ratio);
-  });
+  std::erase_if(
+      all, [](const LawInfo* law) { return law->max_fibres > 0 || !std::isnan(law->only_poissons_ratio); });
   return all;
 }
 

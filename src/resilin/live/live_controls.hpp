@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,14 +17,17 @@ struct LiveControls {
   Vector3 gravity = Vector3::Zero();  ///< [m/s^2]
   double time_step = 1.0 / 60;        ///< [s]
   double max_force = 0;               ///< of the hand [N]
-  std::optional<double> ground;       ///< height of a floor without friction, against gravity [m]
+  bool has_ground = false;            ///< a floor without friction
+  double ground_height = 0;           ///< of the floor, against gravity [m]
   int newton_limit = 0;               ///< Newton iterations of a step; 0: as many as its time allows
   double tolerance = 1e-4;            ///< force residual relative to the load at which a step is solved
+  double speed = 1;                   ///< simulated over real time, for whoever calls the steps
 };
 
 /// The controls that a scene begins with: its first body's material, its gravity and time step, and a hand
-/// that can stretch a body of its size and stiffness visibly.
-LiveControls starting_controls(const Description& description, const World& world);
+/// that can stretch a body of its size and stiffness visibly. The ground is off, under the lowest node along
+/// `up`.
+LiveControls starting_controls(const Description& description, const World& world, const Vector3& up);
 
 /// Throws InputError for the first value that cannot be.
 void check_controls(const LiveControls& controls);

@@ -1,7 +1,7 @@
 /** The view in the address: #frame=12&field=von_mises&camera=..., so that a link shows the same. */
 
 import type { Pose } from "./orbit";
-import type { Look } from "./stage";
+import type { Look } from "./viewport";
 
 export interface SharedView {
   frame?: number;

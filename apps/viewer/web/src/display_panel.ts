@@ -1,7 +1,7 @@
 /** The part of the panel that live scenes and results share: what is drawn and how. */
 
 import type { Controller, GUI } from "lil-gui";
-import type { Look, Stage } from "./stage";
+import type { Look, Viewport } from "./viewport";
 import type { Theme, ThemeChoice } from "./theme";
 
 export interface DisplayChoices extends Look {
@@ -21,16 +21,16 @@ export class DisplayPanel {
   constructor(
     gui: GUI,
     private readonly choices: DisplayChoices,
-    stage: Stage,
+    viewport: Viewport,
     theme: Theme,
     events: DisplayEvents,
   ) {
     const folder = gui.addFolder("Display");
     const apply = () => {
-      stage.setLook(this.look());
+      viewport.setLook(this.look());
       events.look();
     };
-    const { fields, parts } = stage.header;
+    const { fields, parts } = viewport.header;
     const options = Object.fromEntries([["body colour", ""], ...fields.map((field) => [field.label, field.name])]);
     const named = (controller: Controller, id: string, name: string) => {
       controller.domElement.dataset.testid = `show-${id}`;
@@ -42,14 +42,14 @@ export class DisplayPanel {
       named(range, "range", "Range over").onChange(events.rangeOver);
     }
     named(folder.add(choices, "wireframe"), "wireframe", "Wireframe (w)");
-    if (parts.some((_, i) => !stage.isShown(i))) named(folder.add(choices, "cells"), "cells", "Coarse cells (c)");
-    if (!stage.flat) {
+    if (parts.some((_, i) => !viewport.isShown(i))) named(folder.add(choices, "cells"), "cells", "Coarse cells (c)");
+    if (!viewport.flat) {
       named(folder.add(choices, "ground"), "ground", "Show ground");
     }
     named(folder.add(choices, "theme", ["auto", "light", "dark"]), "theme", "Theme").onChange((choice: ThemeChoice) =>
       theme.choose(choice),
     );
-    if (!stage.flat) {
+    if (!viewport.flat) {
       const cut = folder.addFolder("Cut").close();
       named(cut.add(choices, "cut"), "cut", "Cut open (x)");
       named(cut.add(choices, "cutAxis", ["x", "y", "z"]), "cutAxis", "Across");

@@ -1,21 +1,23 @@
 /** The connection to a live scene. Frames wait here until one is drawn; what comes meanwhile replaces them. */
 
 import {
-  acknowledgement,
   decodeFrame,
+  decodeMessage,
   decodeTopology,
-  dragMessage,
+  encodeMessage,
   isFrame,
   vertexCount,
   type Frame,
-  type Header,
+  type Hello,
+  type PageMessage,
+  type Point,
   type State,
   type Status,
   type Topology,
 } from "./protocol";
 
 export interface LiveEvents {
-  scene(header: Header, topology: Topology): void;
+  scene(hello: Hello, topology: Topology): void;
   state(state: State): void;
   status(status: Status): void;
   refused(message: string): void;
@@ -27,13 +29,14 @@ const LOST =
   "The connection is lost. The program ended or the network failed; start it again, this page reconnects by itself.";
 const NEW_TOKEN =
   "The program was started again and has a new address. Open the one that it has printed; this one is no longer valid.";
+const NOT_UNDERSTOOD = "This page does not understand the program; load it again.";
 const RETRY = 1000; // [ms]
 
 export class LiveConnection {
   connected = false;
   answeredDrag = 0;
   private socket: WebSocket | null = null;
-  private header: Header | null = null;
+  private hello: Hello | null = null;
   private waitingForTopology = false;
   private newest: ArrayBuffer | null = null;
   private positions = new Float32Array(0);
@@ -53,7 +56,7 @@ export class LiveConnection {
     address.hash = "";
     const socket = new WebSocket(address);
     socket.binaryType = "arraybuffer";
-    socket.onmessage = ({ data }) => (typeof data === "string" ? this.receiveText(data) : this.receiveBinary(data));
+    socket.onmessage = ({ data }: MessageEvent<string | ArrayBuffer>) => this.receive(data);
     socket.onclose = () => this.retry();
     this.socket = socket;
   }
@@ -76,36 +79,47 @@ export class LiveConnection {
     this.connect();
   }
 
+  private receive(data: string | ArrayBuffer): void {
+    try {
+      if (typeof data === "string") this.receiveText(data);
+      else this.receiveBinary(data);
+    } catch (error) {
+      this.events.refused(`${NOT_UNDERSTOOD} ${error instanceof Error ? error.message : String(error)}`);
+    }
+  }
+
   private receiveText(text: string): void {
-    const message = JSON.parse(text);
+    const message = decodeMessage(text);
     switch (message.type) {
       case "hello":
-        this.header = message as Header;
+        this.hello = message;
         this.waitingForTopology = true;
         this.newest = null;
         break;
       case "state":
-        this.events.state(message as State);
+        this.events.state(message);
         break;
       case "status":
-        this.events.status(message as Status);
+        this.events.status(message);
         break;
       case "error":
-        this.events.refused(String(message.message));
+        this.events.refused(message.message);
         break;
+      default:
+        message satisfies never;
     }
   }
 
   private receiveBinary(buffer: ArrayBuffer): void {
-    if (this.waitingForTopology && this.header) {
+    if (this.waitingForTopology && this.hello) {
       this.waitingForTopology = false;
-      const topology = decodeTopology(buffer, this.header.parts);
-      this.positions = new Float32Array(3 * vertexCount(this.header.parts));
+      const topology = decodeTopology(buffer, this.hello.parts);
+      this.positions = new Float32Array(3 * vertexCount(this.hello.parts));
       this.connected = true;
       this.sentAt.clear();
       this.events.found();
-      this.events.scene(this.header, topology);
-      if (this.header.controls) this.events.state(this.header.controls);
+      this.events.scene(this.hello, topology);
+      this.events.state(this.hello.state);
     } else if (isFrame(buffer)) {
       this.newest = buffer;
     }
@@ -128,17 +142,17 @@ export class LiveConnection {
       this.sentAt.delete(number);
     }
     this.dragLatencies = this.dragLatencies.slice(-500);
-    if (this.isOpen()) this.socket!.send(acknowledgement(frame.number));
+    this.send({ type: "acknowledge", frame: frame.number });
   }
 
-  send(message: object): void {
-    if (this.isOpen()) this.socket!.send(JSON.stringify(message));
+  send(message: PageMessage): void {
+    if (this.isOpen()) this.socket!.send(encodeMessage(message));
   }
 
-  drag(target: { x: number; y: number; z: number }): void {
+  drag(target: Point): void {
     if (!this.isOpen()) return;
     this.sentAt.set(++this.dragNumber, performance.now());
-    this.socket!.send(dragMessage(this.dragNumber, target));
+    this.send({ type: "drag", number: this.dragNumber, target });
   }
 
   /** Closes the connection as a failing network would. */

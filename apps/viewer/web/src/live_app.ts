@@ -7,9 +7,9 @@ import { HeadUp } from "./head_up";
 import { LiveConnection } from "./live";
 import { LivePanel, type LiveActions } from "./live_panel";
 import { Overlays } from "./overlays";
-import type { Frame, Header, State, Topology } from "./protocol";
+import type { ControlValue, Frame, Hello, PageMessage, State, Topology } from "./protocol";
 import { Shell } from "./shell";
-import type { Stage } from "./stage";
+import type { Viewport } from "./viewport";
 import { Strip } from "./strip";
 import { Tools, type Tool } from "./tools";
 
@@ -24,7 +24,6 @@ const KEYS: [string, string][] = [
   ["r", "reset to the start"],
   ["f", "see the whole scene"],
   ["w c x", "wireframe, coarse cells, cut"],
-  ["g", "ground on and off"],
   ["?", "this help"],
 ];
 
@@ -42,19 +41,20 @@ export class LiveApp {
   private tools: Tools | null = null;
   private tool: Tool = "hand";
   private state: State | null = null;
-  private readonly unsent = new Map<string, unknown>();
+  private client = 0; // how the program calls this page
+  private readonly unsent = new Map<string, ControlValue>(); // by the key of the control
   private hovered: Place | null = null;
   private isFirstScene = true;
   private restarts = 0; // how often time went back
   private readonly addressBar = new AddressBar(() => ({
     field: this.shell.choices.field,
-    camera: this.shell.stage!.orbit.pose,
+    camera: this.shell.viewport!.orbit.pose,
     look: this.shell.choices,
   }));
 
   constructor(token: string) {
     this.connection = new LiveConnection(token, {
-      scene: (header, topology) => this.setScene(header, topology),
+      scene: (hello, topology) => this.setScene(hello, topology),
       state: (state) => this.setState(state),
       status: (status) => {
         this.headUp.set(status);
@@ -81,21 +81,21 @@ export class LiveApp {
     this.pauseButton = iconButton("pause", "Pause (Space)", () => this.togglePause());
     this.shell.bottom.append(this.toolbar(), this.headUp.root);
     this.shell.left.append(this.strip.root);
-    new Gestures(this.shell.canvas, () => this.shell.stage!.orbit, {
+    new Gestures(this.shell.canvas, () => this.shell.viewport!.orbit, {
       press: (at) => this.tools?.press(at) ?? false,
       drag: (at) => this.tools?.drag(at),
       release: () => this.tools?.release(),
       click: (at) => this.tools?.click(at),
       hover: (at) => (this.hovered = at),
       cameraMoved: () => {
-        this.shell.stage?.touch();
+        this.shell.viewport?.touch();
         this.addressBar.changed();
       },
     });
     addEventListener("keydown", (event) => this.key(event));
     Object.assign(this.shell.inspected, {
       connection: this.connection,
-      send: (message: object) => this.connection.send(message),
+      send: (message: PageMessage) => this.connection.send(message),
       held: () => this.tools?.held ?? null,
     });
     this.connection.connect();
@@ -125,49 +125,50 @@ export class LiveApp {
     return bar;
   }
 
-  private setScene(header: Header, topology: Topology): void {
+  private setScene(hello: Hello, topology: Topology): void {
     // Skins come with normals; the surface of cells gets creases where the body has edges.
-    const stage = this.shell.setScene(header, topology, (part) =>
-      header.parts[part].kind === "skin" ? "given" : "creased",
+    const viewport = this.shell.setScene(hello, topology, (part) =>
+      hello.parts[part].kind === "skin" ? "given" : "creased",
     );
-    this.tools = new Tools(stage, this.connection);
+    this.client = hello.client;
+    this.tools = new Tools(viewport, this.connection);
     this.tools.tool = this.tool;
     const actions: LiveActions = {
       set: (key, value) => this.unsent.set(key, value),
       send: (message) => this.connection.send(message),
     };
-    const { controls } = header;
-    this.panel = controls ? new LivePanel(this.shell.gui!, header, controls, actions, this.tools) : null;
+    this.panel = new LivePanel(this.shell.gui!, hello, actions, this.tools);
+    this.overlays.setKeys([...KEYS, ...this.panel.hotkeys]);
     const { choices } = this.shell;
-    if (header.controls?.ground) stage.setGround(header.controls.ground_height);
-    if (!this.shell.cameraWasKept) stage.seeAll();
-    if (this.isFirstScene) this.applyAddress(stage);
+    viewport.setGround(hello.state.ground);
+    if (!this.shell.cameraWasKept) viewport.seeAll();
+    if (this.isFirstScene) this.applyAddress(viewport);
     this.isFirstScene = false;
-    if (!header.fields.some((field) => field.name === choices.field)) choices.field = "";
+    if (!hello.fields.some((field) => field.name === choices.field)) choices.field = "";
     this.shell.addDisplay({ look: () => this.addressBar.changed() });
     this.shell
       .display!.folder.add({ visible: true }, "visible")
       .name("Curves")
       .onChange((visible: boolean) => (this.strip.root.hidden = !visible));
     this.chooseField(choices.field);
-    this.shell.inspected.header = header;
+    this.shell.inspected.header = hello;
   }
 
   /** What the address says of the view, as after the page was loaded again. */
-  private applyAddress(stage: Stage): void {
+  private applyAddress(viewport: Viewport): void {
     const view = readAddress(location.hash);
     const { choices } = this.shell;
     Object.assign(choices, view.look, { field: view.field ?? "" });
-    stage.setLook(choices);
-    if (view.camera) stage.orbit.setPose(view.camera);
+    viewport.setLook(choices);
+    if (view.camera) viewport.orbit.setPose(view.camera);
   }
 
   private setState(state: State): void {
     this.state = state;
     this.shell.inspected.state = state;
     this.panel?.setState(state);
-    this.tools?.setState(state, this.shell.stage?.header.client);
-    this.shell.stage?.setGround(state.ground ? state.ground_height : null);
+    this.tools?.setState(state, this.client);
+    this.shell.viewport?.setGround(state.ground);
     const name = state.paused ? "play" : "pause";
     if (this.pauseButton.dataset.shows !== name) {
       this.pauseButton.dataset.shows = name;
@@ -199,7 +200,7 @@ export class LiveApp {
     this.unsent.clear();
     const frame = this.connection.takeFrame();
     if (frame) {
-      this.shell.stage!.setFrame(frame);
+      this.shell.viewport!.setFrame(frame);
       this.shell.followRange(frame, true);
       if (frame.time < (this.shell.inspected.time as number)) ++this.restarts;
       Object.assign(this.shell.inspected, { time: frame.time, restarts: this.restarts });
@@ -211,10 +212,10 @@ export class LiveApp {
   }
 
   private showHover(): void {
-    if (!this.hovered || !this.shell.stage || this.shell.stage.triangleCount() > HOVER_LIMIT) return;
+    if (!this.hovered || !this.shell.viewport || this.shell.viewport.triangleCount() > HOVER_LIMIT) return;
     const { x, y } = this.hovered;
     this.hovered = null;
-    this.shell.canvas.dataset.over = this.shell.stage.pickAt(x, y) ? this.tool : "";
+    this.shell.canvas.dataset.over = this.shell.viewport.pickAt(x, y) ? this.tool : "";
   }
 
   private key(event: KeyboardEvent): void {
@@ -227,15 +228,14 @@ export class LiveApp {
       " ": () => this.togglePause(),
       s: () => this.connection.send({ type: "step" }),
       r: () => this.connection.send({ type: "reset" }),
-      f: () => shell.stage?.seeAll(),
+      f: () => shell.viewport?.seeAll(),
       w: () => shell.toggle("wireframe"),
       c: () => shell.toggle("cells"),
       x: () => shell.toggle("cut"),
-      g: () => this.state && this.unsent.set("ground", !this.state.ground),
       "?": () => this.overlays.showHelp(!this.overlays.helpIsOpen),
       Escape: () => this.overlays.showHelp(false),
     };
-    const action = actions[event.key];
+    const action = actions[event.key] ?? this.panel?.hotkeyAction(event.key);
     if (!action) return;
     event.preventDefault();
     action();

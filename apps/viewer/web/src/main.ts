@@ -1,9 +1,10 @@
 /** Starts the page that its source asks for: a live scene, a result folder, or what is in the page itself. */
 
+import { nullable, object, word } from "./decode";
 import { element } from "./dom";
 import { LiveApp } from "./live_app";
 import { readRecording, RecordedValues } from "./recording";
-import type { Report } from "./report";
+import { readReport } from "./report";
 import { ResultsApp } from "./results_app";
 
 const token = new URLSearchParams(location.search).get("token") ?? "";
@@ -25,21 +26,20 @@ async function startResults(embedded: boolean): Promise<void> {
   document.body.append(words);
   try {
     const buffer = embedded ? bytesOfBase64(textOf("recording")) : await (await fetched("recording")).arrayBuffer();
-    const report: Report | null = embedded
-      ? JSON.parse(textOf("report") || "null")
-      : await (await fetched("report")).json();
     const recording = await readRecording(
       buffer,
       (share) => (words.textContent = `Reading the recording: ${Math.round(100 * share)} %`),
     );
     if (recording.frames.length === 0) throw new Error(recording.damage || "The recording holds no frame.");
-    new ResultsApp(new RecordedValues(recording), report);
+    const report: unknown = JSON.parse(embedded ? textOf("report") || "null" : await (await fetched("report")).text());
+    new ResultsApp(new RecordedValues(recording), nullable(readReport)(report, "report"));
     words.remove();
   } catch (error) {
     words.textContent = `The results cannot be shown. ${error instanceof Error ? error.message : String(error)}`;
   }
 }
 
-const source = JSON.parse(textOf("source")) as { kind: string };
-if (source.kind === "live") new LiveApp(token);
-else void startResults(source.kind === "embedded");
+const readSource = object({ kind: word("live", "recorded", "embedded") });
+const { kind } = readSource(JSON.parse(textOf("source")), "source");
+if (kind === "live") new LiveApp(token);
+else void startResults(kind === "embedded");

@@ -7,14 +7,13 @@ export class Overlays {
   private readonly lost = element("div", { class: "veil", data: "lost", role: "alert", hidden: true });
   private readonly lostWords = element("p", {});
   private readonly help: HTMLElement;
+  private readonly keys = element("table", {});
   private readonly toast = element("div", { class: "toast", data: "toast", role: "alert", hidden: true });
   private toastEnds = 0;
 
   constructor(keys: [string, string][]) {
     this.lost.append(element("div", { class: "card dialog" }, element("span", { class: "spinner" }), this.lostWords));
-    const rows = keys.map(([key, what]) =>
-      element("tr", {}, element("th", {}, element("kbd", {}, key)), element("td", {}, what)),
-    );
+    this.setKeys(keys);
     const close = element("button", { type: "button", on: { click: () => this.showHelp(false) } }, "Close");
     this.help = element(
       "div",
@@ -26,15 +25,18 @@ export class Overlays {
         "aria-label": "keys",
         on: { click: () => this.showHelp(false) },
       },
-      element(
-        "div",
-        { class: "card dialog" },
-        element("h2", {}, "Mouse and keys"),
-        element("table", {}, ...rows),
-        close,
-      ),
+      element("div", { class: "card dialog" }, element("h2", {}, "Mouse and keys"), this.keys, close),
     );
     this.root.append(this.lost, this.help, this.toast);
+  }
+
+  /** What the help lists: a key or a gesture, and what it does. */
+  setKeys(keys: [string, string][]): void {
+    this.keys.replaceChildren(
+      ...keys.map(([key, what]) =>
+        element("tr", {}, element("th", {}, element("kbd", {}, key)), element("td", {}, what)),
+      ),
+    );
   }
 
   showLost(words: string | null): void {

@@ -1,79 +1,128 @@
-/** What the page and the program say to each other; docs/view_protocol.md describes it. */
+/**
+ * What the page and the program say to each other, in both directions: the types, and the one place where bytes and
+ * texts become values of them. docs/view_protocol.md describes it.
+ */
 
-export interface Part {
-  name: string;
-  body: string;
-  kind: "skin" | "cells";
-  first_vertex: number;
-  num_vertices: number;
-  num_triangles: number;
-  num_edges: number;
+import {
+  either,
+  flag,
+  list,
+  measurement,
+  nullable,
+  number,
+  object,
+  optional,
+  record,
+  tagged,
+  text,
+  vector,
+  word,
+  type Read,
+  type Vector,
+} from "./decode";
+
+export type { Vector };
+
+// What the program says: headers, and the messages of a live scene.
+
+const part = object({
+  name: text,
+  body: text,
+  kind: word("skin", "cells"),
+  first_vertex: number,
+  num_vertices: number,
+  num_triangles: number,
+  num_edges: number,
+});
+export type Part = Read<typeof part>;
+
+const field = object({ name: text, label: text, unit: text });
+export type Field = Read<typeof field>;
+
+/** What is drawn: of a live scene and of a recording. */
+const headerShape = {
+  title: text,
+  version: text,
+  dimension: word(2, 3),
+  extent: number, // [m]
+  up: vector,
+  eye: optional(vector), // from the scene to the eye, at first
+  gravity: vector,
+  parts: list(part),
+  fields: list(field),
+};
+
+export const readHeader = object({
+  ...headerShape,
+  ground: optional(nullable(number)), // [m] along `up`, of a recording
+});
+export type Header = Read<typeof readHeader>;
+
+const controlShape = { key: text, folder: text, label: text, help: text };
+const control = tagged("kind", {
+  slider: object({ ...controlShape, unit: text, least: number, greatest: number, step: number }),
+  log_slider: object({ ...controlShape, unit: text, least: number, greatest: number }),
+  switch: object({ ...controlShape, hotkey: text }), // "": none
+  choice: object({ ...controlShape, options: list(object({ name: text, label: text })) }),
+  arrow: object({ ...controlShape, unit: text, greatest: number, step: number, initial: vector }),
+});
+export type Control = Read<typeof control>;
+export type ControlOf<K extends Control["kind"]> = Extract<Control, { kind: K }>;
+
+/** What a control of each kind holds. */
+export const valueReaders = { slider: number, log_slider: number, switch: flag, choice: text, arrow: vector };
+const controlValue = either(number, flag, text, vector);
+export type ControlValue = Read<typeof controlValue>;
+export type ControlValues = Record<string, ControlValue>; // by the key of the control
+
+const stateShape = {
+  values: record(controlValue),
+  paused: flag,
+  ground: nullable(number), // [m] along `up`; null: there is none
+  pinned: list(number),
+  grabbed_by: nullable(number),
+  poking: flag,
+  warnings: list(text),
+};
+const state = object(stateShape);
+export type State = Read<typeof state>;
+
+const status = object({
+  time: number,
+  real_time_ratio: measurement,
+  step_ms: measurement,
+  assembly_ms: measurement,
+  solve_ms: measurement,
+  surface_ms: measurement,
+  other_ms: measurement,
+  newton_iterations: number,
+  linear_iterations: number,
+  residual: measurement, // [N]
+  relative_residual: measurement,
+  min_volume_ratio: measurement,
+  inverted_cells: number,
+  converged: flag,
+  at_rest: flag,
+  elastic_energy: measurement, // [J]
+  kinetic_energy: measurement, // [J]
+  words: text,
+});
+export type Status = Read<typeof status>;
+
+const serverMessage = tagged("type", {
+  hello: object({ ...headerShape, client: number, controls: list(control), state }),
+  state,
+  status,
+  error: object({ message: text }),
+});
+export type ServerMessage = Read<typeof serverMessage>;
+export type Hello = Extract<ServerMessage, { type: "hello" }>;
+
+export function decodeMessage(json: string): ServerMessage {
+  return serverMessage(JSON.parse(json), "message of the program");
 }
 
-export interface Field {
-  name: string;
-  label: string;
-  unit: string;
-}
-
-export type Vector = [number, number, number];
-
-export interface State {
-  youngs_modulus: number; // [Pa]
-  poissons_ratio: number;
-  law: string;
-  damping: number; // [1/s]
-  gravity: Vector; // [m/s^2]
-  time_step: number; // [s]
-  speed: number;
-  max_force: number; // [N]
-  ground: boolean;
-  ground_height: number; // [m]
-  paused: boolean;
-  pinned: number[];
-  grabbed_by: number | null;
-  poking: boolean;
-  newton_limit: number;
-  tolerance: number;
-  warnings: string[];
-}
-
-export interface Header {
-  title: string;
-  version: string;
-  dimension: 2 | 3;
-  extent: number; // [m]
-  up: Vector;
-  eye?: Vector; // from the scene to the eye, at first
-  gravity: Vector;
-  parts: Part[];
-  fields: Field[];
-  client?: number; // live
-  controls?: State; // live
-  laws?: { name: string; label: string }[]; // live
-  ground?: number | null; // [m] along `up`, of a recording
-}
-
-export interface Status {
-  time: number;
-  real_time_ratio: number;
-  step_ms: number;
-  assembly_ms: number;
-  solve_ms: number;
-  surface_ms: number;
-  other_ms: number;
-  newton_iterations: number;
-  linear_iterations: number;
-  residual: number; // [N]
-  relative_residual: number;
-  min_volume_ratio: number;
-  inverted_cells: number;
-  converged: boolean;
-  at_rest: boolean;
-  elastic_energy: number; // [J]
-  kinetic_energy: number; // [J]
-  words: string;
-}
+// Topologies and frames.
 
 export interface Topology {
   triangles: Uint32Array[]; // by part, vertices numbered over all parts
@@ -161,19 +210,46 @@ export function decodeFrame(buffer: ArrayBuffer, positions: Float32Array): Frame
   };
 }
 
-export function acknowledgement(frame: number): ArrayBuffer {
-  const message = new DataView(new ArrayBuffer(8));
-  message.setUint8(0, 1);
-  message.setUint32(4, frame, true);
-  return message.buffer;
+// What the page says.
+
+export interface Point {
+  x: number; // [m]
+  y: number;
+  z: number;
 }
 
-export function dragMessage(number: number, target: { x: number; y: number; z: number }): ArrayBuffer {
-  const message = new DataView(new ArrayBuffer(20));
-  message.setUint8(0, 2);
-  message.setUint32(4, number, true);
-  message.setFloat32(8, target.x, true);
-  message.setFloat32(12, target.y, true);
-  message.setFloat32(16, target.z, true);
-  return message.buffer;
+export type PageMessage =
+  | { type: "acknowledge"; frame: number }
+  | { type: "drag"; number: number; target: Point }
+  | { type: "grab"; vertex: number; point: Vector }
+  | { type: "release" }
+  | { type: "pin" | "unpin"; vertex: number }
+  | { type: "unpin_all" }
+  | { type: "poke"; center: Vector; radius: number }
+  | { type: "poke_end" }
+  | { type: "set"; key: string; value: ControlValue }
+  | { type: "field"; name: string } // "": none
+  | { type: "pause" | "play" | "step" | "reset" | "reload" };
+
+/** Acknowledgements and drags, which are many, as bytes; the others as JSON. */
+export function encodeMessage(message: PageMessage): string | ArrayBuffer {
+  switch (message.type) {
+    case "acknowledge": {
+      const bytes = new DataView(new ArrayBuffer(8));
+      bytes.setUint8(0, 1);
+      bytes.setUint32(4, message.frame, true);
+      return bytes.buffer;
+    }
+    case "drag": {
+      const bytes = new DataView(new ArrayBuffer(20));
+      bytes.setUint8(0, 2);
+      bytes.setUint32(4, message.number, true);
+      bytes.setFloat32(8, message.target.x, true);
+      bytes.setFloat32(12, message.target.y, true);
+      bytes.setFloat32(16, message.target.z, true);
+      return bytes.buffer;
+    }
+    default:
+      return JSON.stringify(message);
+  }
 }

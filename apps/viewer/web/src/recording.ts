@@ -1,6 +1,14 @@
 /** Reads a recording: header, topology, and frames as differences; docs/view_protocol.md describes the format. */
 
-import { decodeTopology, vertexCount, type Field, type Frame, type Header, type Topology } from "./protocol";
+import {
+  decodeTopology,
+  readHeader,
+  vertexCount,
+  type Field,
+  type Frame,
+  type Header,
+  type Topology,
+} from "./protocol";
 
 /** A recorded state. */
 export interface RecordedFrame {
@@ -37,7 +45,7 @@ export async function readRecording(buffer: ArrayBuffer, progress: (share: numbe
     offset += 4 + length;
     return bytes;
   };
-  const header = JSON.parse(new TextDecoder().decode(take("header"))) as Header;
+  const header = readHeader(JSON.parse(new TextDecoder().decode(take("header"))), "header of the recording");
   const topology = decodeTopology(take("topology"), header.parts);
 
   const records = recordsFrom(view, offset);

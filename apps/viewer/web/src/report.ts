@@ -1,24 +1,21 @@
 /** report.json as far as the page draws it, and the curves that it makes of it. */
 
 import type { Series } from "./charts";
+import { list, measurement, object, optional, record, text, type Read } from "./decode";
 
-interface ReportFrame {
-  time: number;
-  load: number;
-  newton_iterations?: number;
-  min_volume_ratio?: number;
-  energy?: Record<string, number>;
-  probes?: Record<string, { displacement?: number[] }>;
-  reactions?: Record<string, number[]>;
-}
+const reportFrame = object({
+  time: measurement,
+  load: measurement,
+  newton_iterations: optional(measurement),
+  min_volume_ratio: optional(measurement),
+  energy: optional(record(measurement)),
+  probes: optional(record(object({ displacement: optional(list(measurement)) }))),
+  reactions: optional(record(list(measurement))),
+});
+type ReportFrame = Read<typeof reportFrame>;
 
-export interface Report {
-  status: string;
-  reason?: string;
-  title?: string;
-  version?: string;
-  frames: ReportFrame[];
-}
+export const readReport = object({ status: text, reason: optional(text), frames: list(reportFrame) });
+export type Report = Read<typeof readReport>;
 
 export interface Curves {
   title: string;

@@ -49,11 +49,11 @@ export class ResultsApp {
       drawn: () => {},
     });
     const header = { ...recording.header, fields: values.fields };
-    const stage = this.shell.setScene(header, recording.topology, (part) =>
+    const viewport = this.shell.setScene(header, recording.topology, (part) =>
       header.parts[part].kind === "skin" ? "smooth" : "creased",
     );
-    stage.setGround(header.ground ?? null);
-    stage.seeAll();
+    viewport.setGround(header.ground ?? null);
+    viewport.seeAll();
     this.shell.addDisplay({
       look: () => this.addressBar.changed(),
       rangeOver: (choice) => {
@@ -105,14 +105,14 @@ export class ResultsApp {
   }
 
   private listen(): void {
-    new Gestures(this.shell.canvas, () => this.shell.stage!.orbit, {
+    new Gestures(this.shell.canvas, () => this.shell.viewport!.orbit, {
       press: () => false,
       drag: () => {},
       release: () => {},
       click: (at) => this.click(at),
       hover: () => {},
       cameraMoved: () => {
-        this.shell.stage!.touch();
+        this.shell.viewport!.touch();
         this.addressBar.changed();
       },
     });
@@ -121,7 +121,7 @@ export class ResultsApp {
   }
 
   private click(at: Place): void {
-    const hit = this.shell.stage!.pickAt(at.x, at.y);
+    const hit = this.shell.viewport!.pickAt(at.x, at.y);
     if (hit) this.probe(hit.vertex);
   }
 
@@ -155,11 +155,11 @@ export class ResultsApp {
     this.timeline.tick();
     if (this.wanted === null) return null;
     const frame = this.values.frame(this.wanted, this.field);
-    const stage = this.shell.stage!;
-    stage.setFrame(frame);
+    const viewport = this.shell.viewport!;
+    viewport.setFrame(frame);
     if (this.field < 0) this.shell.bar.set(null, [0, 1], false);
     else this.showRange();
-    stage.marks.setProbes(
+    viewport.marks.setProbes(
       this.probed === null ? [] : [new THREE.Vector3().fromArray(frame.positions, 3 * this.probed)],
     );
     this.plots.mark(this.wanted);
@@ -174,7 +174,7 @@ export class ResultsApp {
     return {
       frame: this.timeline.index,
       field: this.field < 0 ? "" : this.values.fields[this.field].name,
-      camera: this.shell.stage!.orbit.pose,
+      camera: this.shell.viewport!.orbit.pose,
       look: this.shell.choices,
       range: this.shell.ownRange ?? undefined,
     };
@@ -187,9 +187,9 @@ export class ResultsApp {
     Object.assign(shell.choices, view.look);
     shell.choices.field = this.values.fields.some((field) => field.name === view.field) ? view.field! : "";
     shell.display!.refresh();
-    shell.stage!.setLook(shell.choices);
+    shell.viewport!.setLook(shell.choices);
     this.chooseField(shell.choices.field);
-    if (view.camera) shell.stage!.orbit.setPose(view.camera);
+    if (view.camera) shell.viewport!.orbit.setPose(view.camera);
     if (view.range) shell.setOwnRange(view.range);
     this.timeline.seek(view.frame ?? this.values.recording.frames.length - 1);
   }
@@ -215,7 +215,7 @@ export class ResultsApp {
       ArrowRight: () => timeline.seek(timeline.index + 1),
       Home: () => timeline.seek(0),
       End: () => timeline.seek(Infinity),
-      f: () => shell.stage!.seeAll(),
+      f: () => shell.viewport!.seeAll(),
       w: () => shell.toggle("wireframe"),
       c: () => shell.toggle("cells"),
       x: () => shell.toggle("cut"),

@@ -7,7 +7,7 @@ import { element, setText } from "./dom";
 import { startInspection, type Inspected } from "./inspect";
 import type { Overlays } from "./overlays";
 import type { Frame, Header, Topology } from "./protocol";
-import { defaultLook, Stage } from "./stage";
+import { defaultLook, Viewport } from "./viewport";
 import type { Normals } from "./surface";
 import { Theme } from "./theme";
 
@@ -31,7 +31,7 @@ export class Shell {
   readonly bar: ColorBar;
   readonly inspected: Inspected;
   readonly choices: DisplayChoices = { ...defaultLook(), field: "", theme: "auto" };
-  stage: Stage | null = null;
+  viewport: Viewport | null = null;
   gui: GUI | null = null;
   display: DisplayPanel | null = null;
   cameraWasKept = false; // by the last new scene, which was the same one
@@ -52,7 +52,7 @@ export class Shell {
     this.left.append(heading, this.bar.root);
     document.getElementById("app")!.append(this.canvas, this.left, this.panelPlace, this.bottom, overlays.root);
     this.theme = new Theme((dark) => {
-      this.stage?.setDark(dark);
+      this.viewport?.setDark(dark);
       this.events.themeChanged();
     });
     this.theme.apply();
@@ -62,7 +62,7 @@ export class Shell {
       const isButton = target instanceof HTMLElement && target.closest("button") !== null;
       if (isSwitch || isButton) this.canvas.focus({ preventScroll: true });
     });
-    new ResizeObserver(() => this.stage?.resize()).observe(this.canvas);
+    new ResizeObserver(() => this.viewport?.resize()).observe(this.canvas);
     Object.assign(this.inspected, {
       stop: () => (this.running = false),
       resume: () => {
@@ -70,46 +70,47 @@ export class Shell {
         this.running = true;
       },
       drawNow: () => this.draw(true),
-      position: (vertex: number) => Array.from(this.stage?.frame?.positions.subarray(3 * vertex, 3 * vertex + 3) ?? []),
+      position: (vertex: number) =>
+        Array.from(this.viewport?.frame?.positions.subarray(3 * vertex, 3 * vertex + 3) ?? []),
       restPosition: (vertex: number) => Array.from(this.restPositions.subarray(3 * vertex, 3 * vertex + 3)),
-      pickAt: (x: number, y: number) => this.stage?.pickAt(x, y),
+      pickAt: (x: number, y: number) => this.viewport?.pickAt(x, y),
       seenAt: (vertex: number) => this.seenAt(vertex),
     });
     requestAnimationFrame(this.loop);
   }
 
   /** A new scene, or the same one again after the connection was lost. */
-  setScene(header: Header, topology: Topology, normals: (part: number) => Normals): Stage {
-    const old = this.stage;
+  setScene(header: Header, topology: Topology, normals: (part: number) => Normals): Viewport {
+    const old = this.viewport;
     this.restPositions = topology.restPositions;
     const same = old !== null && old.header.title === header.title && old.extent === header.extent;
-    const stage = new Stage(this.canvas, header, topology, normals, old?.renderer);
-    if (same) stage.orbit.setPose(old.orbit.pose);
+    const viewport = new Viewport(this.canvas, header, topology, normals, old?.renderer);
+    if (same) viewport.orbit.setPose(old.orbit.pose);
     this.cameraWasKept = same;
     old?.dispose();
-    this.stage = stage;
-    stage.setDark(this.theme.dark);
-    stage.setLook(this.choices);
+    this.viewport = viewport;
+    viewport.setDark(this.theme.dark);
+    viewport.setLook(this.choices);
     document.title = header.title ? `${header.title} · Resilin` : "Resilin";
     setText(this.title, header.title || "Resilin");
-    const shown = header.parts.filter((_, i) => stage.isShown(i));
+    const shown = header.parts.filter((_, i) => viewport.isShown(i));
     const triangles = shown.reduce((sum, part) => sum + part.num_triangles, 0);
     setText(this.subtitle, `${triangles.toLocaleString("en")} triangles`);
     this.gui?.destroy();
     this.gui = new GUI({ container: this.panelPlace, title: "Controls", width: 288 });
     if (matchMedia("(max-width: 720px)").matches) this.gui.close();
-    return stage;
+    return viewport;
   }
 
   addDisplay(events: Omit<DisplayEvents, "field">): void {
     const all = { ...events, field: (name: string) => this.events.fieldChosen(name) };
-    this.display = new DisplayPanel(this.gui!, this.choices, this.stage!, this.theme, all);
+    this.display = new DisplayPanel(this.gui!, this.choices, this.viewport!, this.theme, all);
   }
 
   private setRange(range: [number, number] | null): void {
     this.typedRange = range;
     this.events.rangeChanged(range);
-    this.stage?.touch();
+    this.viewport?.touch();
     this.showRange();
   }
 
@@ -150,12 +151,12 @@ export class Shell {
     this.easedRange = this.typedRange = null;
   }
 
-  private showRange(field = this.stage?.frame?.field ?? -1): void {
-    if (!this.stage || field < 0) return;
+  private showRange(field = this.viewport?.frame?.field ?? -1): void {
+    if (!this.viewport || field < 0) return;
     const [low, high] = this.typedRange ?? this.easedRange ?? [0, 1];
     const range: [number, number] = [low, high > low ? high : low + Math.max(Math.abs(low) * 1e-6, 1e-30)];
-    this.stage.setBar(...range);
-    this.bar.set(this.stage.header.fields[field], range, this.typedRange !== null);
+    this.viewport.setBar(...range);
+    this.bar.set(this.viewport.header.fields[field], range, this.typedRange !== null);
   }
 
   private readonly loop = (): void => {
@@ -166,22 +167,22 @@ export class Shell {
 
   private draw(force: boolean): void {
     const frame = this.events.tick();
-    if (force) this.stage?.touch();
-    if (this.stage?.draw()) ++this.inspected.framesDrawn;
+    if (force) this.viewport?.touch();
+    if (this.viewport?.draw()) ++this.inspected.framesDrawn;
     if (frame) this.events.drawn(frame);
   }
 
   /** Turns a switch of the display on and off, as its key does. */
   toggle(name: "wireframe" | "cells" | "cut"): void {
     this.choices[name] = !this.choices[name];
-    this.stage?.setLook(this.choices);
+    this.viewport?.setLook(this.choices);
     this.display?.refresh();
   }
 
   private seenAt(vertex: number): { x: number; y: number } | null {
-    const { stage } = this;
-    if (!stage?.frame) return null;
-    const place = stage.restBox.min.clone().fromArray(stage.frame.positions, 3 * vertex);
-    return stage.orbit.project(place);
+    const { viewport } = this;
+    if (!viewport?.frame) return null;
+    const place = viewport.restBox.min.clone().fromArray(viewport.frame.positions, 3 * vertex);
+    return viewport.orbit.project(place);
   }
 }

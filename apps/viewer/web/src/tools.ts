@@ -5,7 +5,7 @@ import type { Place } from "./gestures";
 import type { LiveConnection } from "./live";
 import { placeOf, type Hit } from "./picking";
 import type { State } from "./protocol";
-import type { Stage } from "./stage";
+import type { Viewport } from "./viewport";
 
 export type Tool = "hand" | "pin" | "poke";
 
@@ -23,10 +23,10 @@ export class Tools {
   private readonly grabbed = new THREE.Vector3();
 
   constructor(
-    readonly stage: Stage,
+    readonly viewport: Viewport,
     private readonly connection: LiveConnection,
   ) {
-    this.pokeRadius = 0.1 * stage.extent;
+    this.pokeRadius = 0.1 * viewport.extent;
   }
 
   get held(): Hit | null {
@@ -35,9 +35,9 @@ export class Tools {
 
   press(at: Place): boolean {
     if (this.tool === "pin") return false;
-    const hit = this.stage.pickAt(at.x, at.y);
+    const hit = this.viewport.pickAt(at.x, at.y);
     if (!hit) return false;
-    const towardsEye = this.stage.orbit.axis(2);
+    const towardsEye = this.viewport.orbit.axis(2);
     this.plane.setFromNormalAndCoplanarPoint(towardsEye, hit.point);
     this.target.copy(hit.point);
     if (this.tool === "hand") {
@@ -46,21 +46,21 @@ export class Tools {
     } else {
       this.poking = true;
       // The ball comes from the eye's side and reaches half its radius into the body.
-      if (!this.stage.flat) this.target.addScaledVector(towardsEye, 0.5 * this.pokeRadius);
+      if (!this.viewport.flat) this.target.addScaledVector(towardsEye, 0.5 * this.pokeRadius);
       this.plane.setFromNormalAndCoplanarPoint(towardsEye, this.target);
       this.unsent = true;
     }
-    this.stage.touch();
+    this.viewport.touch();
     return true;
   }
 
   drag(at: Place): void {
     if (!this.grab && !this.poking) return;
-    const met = this.stage.orbit.ray(at.x, at.y).intersectPlane(this.plane, new THREE.Vector3());
+    const met = this.viewport.orbit.ray(at.x, at.y).intersectPlane(this.plane, new THREE.Vector3());
     if (!met) return;
     this.target.copy(met);
     this.unsent = true;
-    this.stage.touch();
+    this.viewport.touch();
   }
 
   release(): void {
@@ -73,27 +73,27 @@ export class Tools {
   letGo(): void {
     this.grab = null;
     this.poking = this.unsent = false;
-    this.stage.marks.setHand(null, null);
-    this.stage.marks.setPoke(null, 0);
-    this.stage.touch();
+    this.viewport.marks.setHand(null, null);
+    this.viewport.marks.setPoke(null, 0);
+    this.viewport.touch();
   }
 
   click(at: Place): void {
-    if (this.tool !== "pin" || !this.stage.frame) return;
+    if (this.tool !== "pin" || !this.viewport.frame) return;
     const near = this.pinned.find((vertex) => {
-      const seen = this.stage.orbit.project(this.vertexPlace(vertex));
+      const seen = this.viewport.orbit.project(this.vertexPlace(vertex));
       return Math.hypot(seen.x - at.x, seen.y - at.y) < PIN_REACH;
     });
     if (near !== undefined) return this.connection.send({ type: "unpin", vertex: near });
-    const hit = this.stage.pickAt(at.x, at.y);
+    const hit = this.viewport.pickAt(at.x, at.y);
     if (hit) this.connection.send({ type: "pin", vertex: hit.vertex });
   }
 
-  setState(state: State, client: number | undefined): void {
+  setState(state: State, client: number): void {
     this.pinned = state.pinned;
-    const takenAway = this.grab && client !== undefined && state.grabbed_by !== null && state.grabbed_by !== client;
+    const takenAway = this.grab && state.grabbed_by !== null && state.grabbed_by !== client;
     if (takenAway) this.letGo();
-    this.stage.touch();
+    this.viewport.touch();
   }
 
   /** Once per drawn frame: one message at most, and the marks where they belong. */
@@ -103,7 +103,7 @@ export class Tools {
       if (this.grab) this.connection.drag(this.target);
       if (this.poking) this.connection.send({ type: "poke", center: this.target.toArray(), radius: this.pokeRadius });
     }
-    const { frame, marks } = this.stage;
+    const { frame, marks } = this.viewport;
     if (!frame) return;
     if (this.grab) marks.setHand(this.target, placeOf(this.grab, frame.positions, this.grabbed));
     if (this.poking) marks.setPoke(this.target, this.pokeRadius);
@@ -111,6 +111,6 @@ export class Tools {
   }
 
   private vertexPlace(vertex: number): THREE.Vector3 {
-    return new THREE.Vector3().fromArray(this.stage.frame!.positions, 3 * vertex);
+    return new THREE.Vector3().fromArray(this.viewport.frame!.positions, 3 * vertex);
   }
 }

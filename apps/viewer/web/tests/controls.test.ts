@@ -23,16 +23,16 @@ test("every control changes what it says", async () => {
     const { page } = watched;
     const control = (key: string) => page.getByTestId(`set-${key}`);
     const typed: [string, string, string][] = [
-      ["youngs_modulus", "45 kPa", "resilin.state.youngs_modulus === 45000"],
-      ["poissons_ratio", "0.3", "resilin.state.poissons_ratio === 0.3"],
-      ["damping", "2", "resilin.state.damping === 2"],
-      ["strength", "5", "Math.abs(Math.hypot(...resilin.state.gravity) - 5) < 1e-9"],
-      ["ground_height", "-0.5", "Math.abs(resilin.state.ground_height + 0.5) < 1e-9"],
-      ["max_force", "250 N", "resilin.state.max_force === 250"],
-      ["speed", "0.5", "resilin.state.speed === 0.5"],
-      ["time_step", "10 ms", "Math.abs(resilin.state.time_step - 0.01) < 1e-12"],
-      ["newton_limit", "3", "resilin.state.newton_limit === 3"],
-      ["tolerance", "1e-4", "Math.abs(resilin.state.tolerance - 1e-4) < 1e-12"],
+      ["youngs_modulus", "45 kPa", "resilin.state.values.youngs_modulus === 45000"],
+      ["poissons_ratio", "0.3", "resilin.state.values.poissons_ratio === 0.3"],
+      ["damping", "2", "resilin.state.values.damping === 2"],
+      ["gravity", "5", "Math.abs(Math.hypot(...resilin.state.values.gravity) - 5) < 1e-9"],
+      ["ground_height", "-0.5", "Math.abs(resilin.state.values.ground_height + 0.5) < 1e-9"],
+      ["max_force", "250 N", "resilin.state.values.max_force === 250"],
+      ["speed", "0.5", "resilin.state.values.speed === 0.5"],
+      ["time_step", "10 ms", "Math.abs(resilin.state.values.time_step - 0.01) < 1e-12"],
+      ["newton_limit", "3", "resilin.state.values.newton_limit === 3"],
+      ["tolerance", "1e-4", "Math.abs(resilin.state.values.tolerance - 1e-4) < 1e-12"],
     ];
     for (const [key, text, expected] of typed) {
       const field = control(key).locator("input:not([type=range])");
@@ -41,18 +41,38 @@ test("every control changes what it says", async () => {
       await field.blur();
       await watched.until(expected);
     }
-    const laws = await watched.value<string[]>("resilin.header.laws.map((law) => law.name)");
-    const other = laws.find((law) => law !== "stable_neo_hookean")!;
-    const label = await watched.value<string>(`resilin.header.laws.find((l) => l.name === "${other}").label`);
-    await control("law").locator("select").selectOption({ label });
-    await watched.until(`resilin.state.law === "${other}"`);
-    await control("direction").locator("select").selectOption("left");
-    await watched.until("resilin.state.gravity[0] < -4.9");
-    const ground = await watched.value<boolean>("resilin.state.ground");
+    const laws = await watched.value<{ name: string; label: string }[]>(
+      "resilin.header.controls.find((control) => control.key === 'law').options",
+    );
+    const other = laws.find((law) => law.name !== "stable_neo_hookean")!;
+    await control("law").locator("select").selectOption({ label: other.label });
+    await watched.until(`resilin.state.values.law === "${other.name}"`);
+    await control("gravity-1").locator("select").selectOption("left");
+    await watched.until("resilin.state.values.gravity[0] < -4.9");
+    const ground = await watched.value<boolean>("resilin.state.values.ground");
     await control("ground").locator("input").click();
-    await watched.until(`resilin.state.ground === ${!ground}`);
+    await watched.until(`resilin.state.values.ground === ${!ground}`);
+    await page.getByTestId("scene").focus();
+    await page.keyboard.press("g");
+    await watched.until(`resilin.state.values.ground === ${ground}`);
     await page.getByText("Read the scene again").click();
-    await watched.until("resilin.state.youngs_modulus === 30000");
+    await watched.until("resilin.state.values.youngs_modulus === 30000");
+  });
+});
+
+test("every control that the program lists is in the panel, with a line of help", async () => {
+  await withPage(browser, program.address, async (watched) => {
+    const controls = await watched.value<{ key: string; help: string; folder: string }[]>("resilin.header.controls");
+    assert.ok(controls.length > 10);
+    for (const { key, help } of controls) {
+      const widget = watched.page.getByTestId(`set-${key}`);
+      assert.equal(await widget.getAttribute("title"), help);
+      assert.match(help, /^[A-Z].*[^.]$/, "a line, not a sentence with a full stop");
+    }
+    assert.deepEqual(
+      await watched.value<string[]>("Object.keys(resilin.state.values).sort()"),
+      controls.map(({ key }) => key).sort(),
+    );
   });
 });
 
@@ -64,7 +84,7 @@ test("a slider follows the hand and the program", async () => {
     await watched.page.mouse.down();
     await watched.page.mouse.move(box.x + 0.8 * box.width, box.y + box.height / 2, { steps: 5 });
     await watched.page.mouse.up();
-    await watched.until("resilin.state.youngs_modulus > 1e6");
+    await watched.until("resilin.state.values.youngs_modulus > 1e6");
     await watched.value("resilin.send({ type: 'set', key: 'youngs_modulus', value: 30000 })");
     const field = 'document.querySelector("[data-testid=set-youngs_modulus] .log-field")';
     await watched.until(`${field}.value === "30 kPa"`);
@@ -73,7 +93,7 @@ test("a slider follows the hand and the program", async () => {
 
 test("what the program refuses is said in a line, and the control goes back", async () => {
   await withPage(browser, program.address, async (watched) => {
-    const was = await watched.value<number>("resilin.state.youngs_modulus");
+    const was = await watched.value<number>("resilin.state.values.youngs_modulus");
     const field = watched.page.getByTestId("set-youngs_modulus").locator("input:not([type=range])");
     await field.fill("-5");
     await field.press("Enter");
@@ -81,7 +101,7 @@ test("what the program refuses is said in a line, and the control goes back", as
     const toast = watched.page.getByTestId("toast");
     await toast.waitFor({ state: "visible" });
     assert.match(await toast.innerText(), /youngs_modulus/);
-    assert.equal(await watched.value("resilin.state.youngs_modulus"), was);
+    assert.equal(await watched.value("resilin.state.values.youngs_modulus"), was);
     assert.equal(await field.inputValue(), "30 kPa");
   });
 });
@@ -137,7 +157,7 @@ test("pause, step and reset do what they say", async () => {
     await page.getByTestId("button-step").click();
     await watched.until(`resilin.time > ${time}`);
     const stepped = await watched.restingTime();
-    const step = await watched.value<number>("resilin.state.time_step");
+    const step = await watched.value<number>("resilin.state.values.time_step");
     // Times come as 64-bit numbers that sum up many steps.
     assert.ok(Math.abs(stepped - time - step) < 1e-9, `one step: ${stepped - time}`);
     await page.getByTestId("button-reset").click();

@@ -11,7 +11,7 @@ import { splitAtCreases, uniqueEdges, vertexNormals } from "../src/creases";
 import { readNumber } from "../src/log_slider";
 import { fixed, plain, scaledUnit, withUnit } from "../src/numbers";
 import { pick } from "../src/picking";
-import { decodeFrame } from "../src/protocol";
+import { decodeFrame, decodeMessage, encodeMessage } from "../src/protocol";
 import { curvesOf, timeAxis } from "../src/report";
 import { repository } from "./harness";
 
@@ -125,6 +125,84 @@ test("a frame is decoded as docs/view_protocol.md says", () => {
   assert.deepEqual([frame.number, frame.time, frame.answersDrag, frame.field], [9, 1.5, 4, 1]);
   assert.deepEqual([...frame.normals!, ...frame.fieldValues!], [127, 0, 0, -127, 1, 65535]);
   assert.throws(() => decodeFrame(buffer, new Float32Array(9)), /another number of vertices/);
+});
+
+/** What `hello` must hold, of a scene with one control of each kind. */
+function hello(): Record<string, unknown> {
+  const shared = { folder: "Material", help: "What it does" };
+  const slider = { ...shared, unit: "Pa", least: 1, greatest: 10 };
+  return {
+    type: "hello",
+    client: 3,
+    title: "Spot",
+    version: "0.1.0",
+    dimension: 3,
+    extent: 1,
+    up: [0, 1, 0],
+    gravity: [0, -9.81, 0],
+    parts: [],
+    fields: [{ name: "von_mises", label: "von Mises stress", unit: "Pa" }],
+    controls: [
+      { kind: "slider", key: "a", label: "A", ...slider, step: 0.1 },
+      { kind: "log_slider", key: "b", label: "B", ...slider },
+      { kind: "switch", key: "c", label: "C", ...shared, hotkey: "g" },
+      { kind: "choice", key: "d", label: "D", ...shared, options: [{ name: "one", label: "One" }] },
+      { kind: "arrow", key: "e", label: "E", ...shared, unit: "m", greatest: 1, step: 0.1, initial: [0, 0, 1] },
+    ],
+    state: {
+      type: "state",
+      values: { a: 1, b: 2, c: true, d: "one", e: [0, 0, 1] },
+      paused: false,
+      ground: null,
+      pinned: [],
+      grabbed_by: null,
+      poking: false,
+      warnings: [],
+    },
+  };
+}
+
+test("a message of the program has its type, or is refused in a line that says where", () => {
+  const read = (message: object) => decodeMessage(JSON.stringify(message));
+  const whole = read(hello());
+  assert.equal(whole.type, "hello");
+  if (whole.type !== "hello") return;
+  assert.deepEqual(
+    whole.controls.map((control) => control.kind),
+    ["slider", "log_slider", "switch", "choice", "arrow"],
+  );
+  assert.equal(whole.state.values.d, "one");
+  assert.equal(whole.eye, undefined);
+  assert.throws(() => read({ type: "hallo" }), /message of the program.type: expected one of hello, state, .*"hallo"/);
+  assert.throws(() => read([]), /expected an object, got \[\]/);
+  assert.throws(() => read({ type: "error" }), /program.message: expected a text, got nothing/);
+  assert.throws(() => read({ ...hello(), dimension: 4 }), /dimension: expected one of 2, 3, got 4/);
+  assert.throws(() => read({ ...hello(), up: [0, 1] }), /up: expected three numbers/);
+  assert.throws(() => read({ ...hello(), controls: [{ kind: "slider" }] }), /controls\[0\].key: expected a text/);
+  assert.throws(() => read({ ...hello(), controls: [{ kind: "knob" }] }), /controls\[0\].kind: expected one of slider/);
+});
+
+test("a number that the program could not write is not a number", () => {
+  const numbers = ["time", "real_time_ratio", "step_ms", "assembly_ms", "solve_ms", "surface_ms", "other_ms"].concat(
+    ["newton_iterations", "linear_iterations", "residual", "relative_residual", "min_volume_ratio"],
+    ["inverted_cells", "elastic_energy", "kinetic_energy"],
+  );
+  const status = { type: "status", ...Object.fromEntries(numbers.map((name) => [name, 1])) };
+  const flags = { converged: true, at_rest: false, words: "" };
+  const read = decodeMessage(JSON.stringify({ ...status, ...flags, residual: Infinity }));
+  assert.ok(read.type === "status" && Number.isNaN(read.residual) && read.step_ms === 1);
+});
+
+test("drags and acknowledgements are bytes, all else is JSON", () => {
+  const bytes = (message: string | ArrayBuffer) => [...new Uint8Array(message as ArrayBuffer)];
+  assert.deepEqual(bytes(encodeMessage({ type: "acknowledge", frame: 263 })), [1, 0, 0, 0, 7, 1, 0, 0]);
+  const drag = new DataView(encodeMessage({ type: "drag", number: 9, target: { x: 1, y: 2, z: -3 } }) as ArrayBuffer);
+  assert.deepEqual([drag.byteLength, drag.getUint32(0, true), drag.getUint32(4, true)], [20, 2, 9]);
+  assert.deepEqual(
+    [8, 12, 16].map((offset) => drag.getFloat32(offset, true)),
+    [1, 2, -3],
+  );
+  assert.equal(encodeMessage({ type: "set", key: "law", value: "gent" }), '{"type":"set","key":"law","value":"gent"}');
 });
 
 test("an address holds the whole view, and what is wrong in it is left out", () => {

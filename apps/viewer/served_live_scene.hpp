@@ -6,20 +6,20 @@
 #include <string>
 #include <vector>
 
-#include "live_stage.hpp"
 #include "resilin/live/live_scene.hpp"
 #include "resilin/scene/scene.hpp"
 #include "resilin/view/shown_surface.hpp"
 #include "resilin/view/surface_fields.hpp"
+#include "served_scene.hpp"
 
 namespace resilin::viewer {
 
 /// A scene file that is played with.
-class SceneStage : public LiveStage {
+class ServedLiveScene : public ServedScene {
  public:
   /// @param read  reads the scene, now and at each reload
   /// @throws InputError
-  explicit SceneStage(std::function<Scene()> read);
+  explicit ServedLiveScene(std::function<Scene()> read);
 
   const World& world() const { return loaded_->live.world(); }
   const std::vector<std::string>& warnings() const { return loaded_->warnings; }
@@ -30,11 +30,12 @@ class SceneStage : public LiveStage {
   std::vector<std::string> field_names() const override;
   nlohmann::json state() const override;
   nlohmann::json status() const override;
-  void apply(const PageMessage& message) override;
+  void apply(const SceneMessage& message) override;
   bool is_grabbed() const override { return loaded_->live.is_grabbed(); }
   bool is_poking() const override { return loaded_->live.ball().has_value(); }
   double time() const override { return loaded_->live.state().time; }
   double time_step() const override { return loaded_->live.controls().time_step; }
+  double speed() const override { return loaded_->live.controls().speed; }
   bool is_at_rest() const override { return loaded_->live.report().at_rest; }
   void step(double seconds) override;
   std::string frame(std::uint32_t number, std::uint32_t answered_drag, std::optional<std::size_t> field,
@@ -49,7 +50,6 @@ class SceneStage : public LiveStage {
     LiveScene live;
     ShownSurface surface;
     SurfaceFields fields;
-    double ground_height = 0;                       ///< along up [m], while the floor is off, too
     Vector3 grab_offset = Vector3::Zero();          ///< from the pointer to the place that is held [m]
     std::map<Index, std::uint32_t> vertex_of_node;  ///< which vertex of the page a pinned node was pinned by
     VectorX previous_positions;                     ///< one step before [m]
@@ -60,7 +60,7 @@ class SceneStage : public LiveStage {
 
   void forget_previous_state();
   void grab(const Grab& grab);
-  void set(const SetControl& set);
+  void reload();
   Index checked_vertex(std::uint32_t vertex, const char* what) const;
   Vector3 checked_place(const Vector3& place, const char* what) const;
 

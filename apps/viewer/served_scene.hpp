@@ -12,24 +12,25 @@ namespace resilin::viewer {
 
 /// What the pages play with, as the simulation thread sees it. The formats are those of
 /// docs/view_protocol.md.
-class LiveStage {
+class ServedScene {
  public:
-  virtual ~LiveStage() = default;
+  virtual ~ServedScene() = default;
 
-  virtual nlohmann::json header() const = 0;  ///< "hello" without `client` and `controls`
+  virtual nlohmann::json header() const = 0;  ///< "hello" without `client` and `state`
   virtual std::string topology() const = 0;   ///< binary
   virtual std::vector<std::string> field_names() const = 0;
-  virtual nlohmann::json state() const = 0;   ///< "state" without `speed`, `paused`, `grabbed_by`
+  virtual nlohmann::json state() const = 0;   ///< "state" without `paused`, `grabbed_by`
   virtual nlohmann::json status() const = 0;  ///< "status" without `real_time_ratio`, `surface_ms`
 
-  /// Does what a page says about the scene; speed, pausing and the choice of fields are not its business.
+  /// Does what a page says about the scene.
   /// @throws InputError  in one line; the scene is then as before
-  virtual void apply(const PageMessage& message) = 0;
+  virtual void apply(const SceneMessage& message) = 0;
   virtual bool is_grabbed() const = 0;
   virtual bool is_poking() const = 0;
 
   virtual double time() const = 0;       ///< simulated [s]
   virtual double time_step() const = 0;  ///< [s]
+  virtual double speed() const = 0;      ///< simulated over real time
   virtual bool is_at_rest() const = 0;   ///< further steps change nothing
   /// One time step; no new iteration begins after `seconds`.
   virtual void step(double seconds) = 0;

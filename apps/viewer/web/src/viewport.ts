@@ -32,7 +32,7 @@ export const defaultLook = (): Look => ({
   cutFlip: false,
 });
 
-export class Stage {
+export class Viewport {
   readonly renderer: THREE.WebGLRenderer;
   readonly orbit: Orbit;
   readonly marks: Marks;

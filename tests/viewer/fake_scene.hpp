@@ -8,15 +8,15 @@
 
 #include "viewer/live_loop.hpp"
 #include "viewer/live_room.hpp"
-#include "viewer/live_stage.hpp"
 #include "viewer/mailbox.hpp"
 #include "viewer/page_client.hpp"
 #include "viewer/page_server.hpp"
+#include "viewer/served_scene.hpp"
 
 namespace resilin::viewer {
 
-/// What a test knows and wants of its stage; read and written from both threads.
-struct FakeStageSwitches {
+/// What a test knows and wants of its fake scene; read and written from both threads.
+struct FakeSwitches {
   std::atomic<int> num_steps = 0;
   std::atomic<bool> rests = false;  ///< after the next step
   std::atomic<bool> breaks_on_reload = false;
@@ -24,11 +24,11 @@ struct FakeStageSwitches {
   std::atomic<int> step_milliseconds = 0;  ///< that a step takes
 };
 
-/// A stage without mechanics: its frames have as many bytes as those of `num_vertices` vertices, and the
+/// A scene without mechanics: its frames have as many bytes as those of `num_vertices` vertices, and the
 /// right header.
-class FakeStage : public LiveStage {
+class FakeServedScene : public ServedScene {
  public:
-  FakeStage(std::shared_ptr<FakeStageSwitches> switches, std::uint32_t num_vertices)
+  FakeServedScene(std::shared_ptr<FakeSwitches> switches, std::uint32_t num_vertices)
       : switches_(std::move(switches)), num_vertices_(num_vertices) {}
 
   nlohmann::json header() const override;
@@ -36,25 +36,26 @@ class FakeStage : public LiveStage {
   std::vector<std::string> field_names() const override { return {"displacement", "von_mises"}; }
   nlohmann::json state() const override;
   nlohmann::json status() const override { return {{"time", time_}, {"at_rest", is_at_rest()}}; }
-  void apply(const PageMessage& message) override;
+  void apply(const SceneMessage& message) override;
   bool is_grabbed() const override { return is_grabbed_; }
   bool is_poking() const override { return is_poking_; }
   double time() const override { return time_; }
   double time_step() const override { return 1.0 / 60; }
+  double speed() const override { return controls_.speed; }
   bool is_at_rest() const override { return switches_->rests; }
   void step(double seconds) override;
   std::string frame(std::uint32_t number, std::uint32_t answered_drag, std::optional<std::size_t> field,
                     double blend) override;
 
  private:
-  std::shared_ptr<FakeStageSwitches> switches_;
+  std::shared_ptr<FakeSwitches> switches_;
   std::uint32_t num_vertices_;
   double time_ = 0;
-  double youngs_modulus_ = 1e5;
+  LiveControls controls_;
   bool is_grabbed_ = false, is_poking_ = false;
 };
 
-/// A server with a stage behind it and pages that connect to it.
+/// A server with a scene behind it and pages that connect to it.
 struct FakeScene {
   explicit FakeScene(std::uint32_t num_vertices = 100, ServerOptions options = {});
 
@@ -62,7 +63,7 @@ struct FakeScene {
   /// True as soon as a new page is served from beginning to end.
   bool answers() const;
 
-  std::shared_ptr<FakeStageSwitches> switches = std::make_shared<FakeStageSwitches>();
+  std::shared_ptr<FakeSwitches> switches = std::make_shared<FakeSwitches>();
   Mailbox mailbox;
   LiveRoom room{mailbox};
   PageServer server;

@@ -1,0 +1,80 @@
+#include "control_json.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "resilin/core/overloaded.hpp"
+
+namespace resilin::viewer {
+namespace {
+
+using Json = nlohmann::json;
+
+Json value_json(const LiveControl& control, const LiveControls& controls) {
+  return std::visit(Overloaded{
+                        [](const Vector3& v) -> Json { return {v.x(), v.y(), v.z()}; },
+                        [](const auto& plain) -> Json { return plain; },
+                    },
+                    value_of(control, controls));
+}
+
+/// What the page needs to know of a form beside the value.
+Json form_json(const LiveControl& control, const LiveControls& initial, double extent) {
+  return std::visit(
+      Overloaded{
+          [&](const Slider& form) -> Json {
+            const Slider slider = in_scene(form, extent);
+            return {{"kind", "slider"},
+                    {"least", slider.shown.least},
+                    {"greatest", slider.shown.greatest},
+                    {"step", slider.step}};
+          },
+          [](const LogSlider& form) -> Json {
+            return {{"kind", "log_slider"}, {"least", form.shown.least}, {"greatest", form.shown.greatest}};
+          },
+          [](const WholeSlider& form) -> Json {
+            return {{"kind", "slider"},
+                    {"least", form.shown.least},
+                    {"greatest", form.shown.greatest},
+                    {"step", 1}};
+          },
+          [](const Switch& form) -> Json { return {{"kind", "switch"}, {"hotkey", form.hotkey}}; },
+          [](const Choice& form) -> Json {
+            Json options = Json::array();
+            for (const Option& option : form.options())
+              options.push_back({{"name", option.name}, {"label", option.label}});
+            return {{"kind", "choice"}, {"options", std::move(options)}};
+          },
+          [&](const Arrow& form) -> Json {
+            return {{"kind", "arrow"},
+                    {"greatest", form.longest_shown},
+                    {"step", form.step},
+                    {"initial", value_json(control, initial)}};
+          },
+      },
+      control.form);
+}
+
+}  // namespace
+
+Json control_entries(const LiveControls& initial, double extent) {
+  Json entries = Json::array();
+  for (const LiveControl& control : live_control_table()) {
+    Json entry = form_json(control, initial, extent);
+    entry["key"] = control.key;
+    entry["folder"] = control.folder;
+    entry["label"] = control.label;
+    entry["unit"] = control.unit;
+    entry["help"] = control.help;
+    entries.push_back(std::move(entry));
+  }
+  return entries;
+}
+
+Json control_values(const LiveControls& controls) {
+  Json values;
+  for (const LiveControl& control : live_control_table())
+    values[std::string(control.key)] = value_json(control, controls);
+  return values;
+}
+
+}  // namespace resilin::viewer

@@ -1,0 +1,14 @@
+#pragma once
+
+namespace resilin {
+
+/// A visitor of a std::variant: one lambda for each kind.
+template <class... Lambda>
+struct Overloaded : Lambda... {
+  using Lambda::operator()...;
+};
+
+template <class... Lambda>
+Overloaded(Lambda...) -> Overloaded<Lambda...>;
+
+}  // namespace resilin
