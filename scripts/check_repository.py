@@ -17,6 +17,9 @@ OPEN_END = re.compile(r"T[O]DO|F[I]XME|X[X]X|H[A]CK|not imple[m]ented")
 MACHINE_PATH = re.compile(r"""(^|[^A-Za-z0-9_.])/(w[o]rk|f[a]rm)/|[\s"(=]/(r[o]ot|h[o]me)/""")
 REGISTRY = re.compile(r"https?://[a-z0-9.-]*(p[y]pi|n[p]mjs|d[e]bian|cra[t]es)[a-z0-9.-]*/")
 SKIPPED_TEST = re.compile(r"D[I]SABLED_|GTEST_S[K]IP\(\)(?! <<)|pytest\.mark\.(s[k]ip|x[f]ail)")
+# Tests run side by side: each has a folder of its own, from one helper.
+SHARED_FOLDER = re.compile(r"Temp[D]ir\(|temp_directory_[p]ath|mk[d]temp|[t]mpnam|gettemp[d]ir|[\"']/t[m]p/")
+HOME_OF_FOLDERS = "tests/support/temporary_folder.cpp"
 LINK = re.compile(r"\]\(([^)#\s]+)(#[^)]*)?\)")
 
 EXECUTABLES = ("run", "test", ".ci/run")
@@ -30,6 +33,10 @@ def text_of(path):
     return data.decode("utf-8", errors="replace")
 
 
+def is_test(name):
+    return name.startswith(("tests/", "python/tests/"))
+
+
 def problems_of_text(name, text):
     """Rules that look at the text of the file `name`, a path relative to the repository."""
     problems = []
@@ -41,6 +48,10 @@ def problems_of_text(name, text):
             problems.append(f"{name}:{number}: a path or host that other machines do not have")
         if name.startswith("tests/") and SKIPPED_TEST.search(line):
             problems.append(f"{name}:{number}: a test that is left out without a reason; mend it or remove it")
+        if is_test(name) and name != HOME_OF_FOLDERS and SHARED_FOLDER.search(line):
+            problems.append(
+                f"{name}:{number}: a folder that other tests may use, too; take a TemporaryFolder or tmp_path"
+            )
     lines = text.count("\n")
     if ("/" + name).endswith(COUNTED) and lines > MAX_LINES:
         problems.append(f"{name}: expected at most {MAX_LINES} lines, got {lines}; are there two ideas in it?")
@@ -81,6 +92,10 @@ def find_faults_of_this_check():
         ("tests/a_test.cpp", "TEST(A, DIS" + "ABLED_b)\n", 1),
         ("tests/a_test.cpp", "GTEST_SK" + "IP();\n", 1),
         ("tests/a_test.cpp", "GTEST_SK" + 'IP() << "no CHOLMOD in this build";\n', 0),
+        ("tests/a_test.cpp", "auto file = Temp" + 'Dir() + "a.bin";\n', 1),
+        ("tests/a_test.cpp", "std::filesystem::temp_directory" + "_path();\n", 1),
+        ("python/tests/test_a.py", "open('/t" + "mp/a')\n", 1),
+        (HOME_OF_FOLDERS, "mkd" + "temp(name.data());\n", 0),
         ("src/a.cpp", "\n" * (MAX_LINES + 1), 1),
         ("src/a.hpp", "int f();\n", 1),
         ("src/a.hpp", "#pragma once\n/// network/cost and https://example.org/\n", 0),

@@ -7,6 +7,7 @@
 
 #include "program.hpp"
 #include "shared_data.hpp"
+#include "temporary_folder.hpp"
 
 namespace resilin::testing {
 namespace {
@@ -63,7 +64,7 @@ std::vector<std::string> arguments_of(const Configuration& configuration, const 
 }
 
 struct BadConfigurations : ::testing::Test {
-  WorkFolder folder;
+  TemporaryFolder folder;
   BadConfigurations() { folder.write("box.toml", box_scene); }
 };
 

@@ -5,6 +5,7 @@
 
 #include "program.hpp"
 #include "shared_data.hpp"
+#include "temporary_folder.hpp"
 
 namespace resilin::testing {
 namespace {
@@ -15,7 +16,7 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 struct Commands : ::testing::Test {
-  WorkFolder folder;
+  TemporaryFolder folder;
   ProgramResult run(const std::vector<std::string>& arguments) {
     return run_program(folder.path(), arguments);
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "program.hpp"
+#include "temporary_folder.hpp"
 
 namespace resilin::testing {
 namespace {
@@ -13,7 +14,7 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 struct Curves : ::testing::Test {
-  WorkFolder folder;
+  TemporaryFolder folder;
   ProgramResult run(const std::vector<std::string>& arguments) {
     std::vector<std::string> all = {"materials"};
     all.insert(all.end(), arguments.begin(), arguments.end());

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "program.hpp"
+#include "temporary_folder.hpp"
 
 namespace resilin::testing {
 namespace {
@@ -23,7 +24,7 @@ exec ")" RESILIN_PROGRAM R"(" mesh filled.msh --box 1 1 1 --cells $n $n $n
 )";
 
 struct Fill : ::testing::Test {
-  WorkFolder folder;
+  TemporaryFolder folder;
   std::filesystem::path temporary = folder.path() / "it's; \"a\" folder";
 
   Fill() {

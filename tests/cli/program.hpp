@@ -37,30 +37,16 @@ class RunningProgram {
   pid_t process_;
 };
 
-/// Starts it and sends a signal as soon as `file` exists.
+/// Starts it and sends a signal as soon as `file` exists in the folder `out`; once more without that folder
+/// where the program was at its end before a busy machine came to look.
 ProgramResult run_program_until(const std::filesystem::path& folder,
-                                const std::vector<std::string>& arguments, const std::filesystem::path& file,
-                                int signal);
+                                const std::vector<std::string>& arguments, const std::string& out,
+                                const std::string& file, int signal);
 
 nlohmann::json read_json(const std::filesystem::path& path);
 std::string read_text_file(const std::filesystem::path& path);
 
 /// A small scene that is right: a static box held at one side, with a probe.
 extern const std::string box_scene;
-
-/// A folder for one test, removed at its end.
-class WorkFolder {
- public:
-  WorkFolder();
-  ~WorkFolder();
-  WorkFolder(const WorkFolder&) = delete;
-  WorkFolder& operator=(const WorkFolder&) = delete;
-
-  const std::filesystem::path& path() const { return path_; }
-  void write(const std::string& name, const std::string& text) const;
-
- private:
-  std::filesystem::path path_;
-};
 
 }  // namespace resilin::testing

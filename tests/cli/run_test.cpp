@@ -4,6 +4,7 @@
 #include <csignal>
 
 #include "program.hpp"
+#include "temporary_folder.hpp"
 
 namespace resilin::testing {
 namespace {
@@ -20,7 +21,7 @@ std::vector<std::string> with(std::vector<std::string> arguments, const std::vec
 }
 
 struct RunCommand : ::testing::Test {
-  WorkFolder folder;
+  TemporaryFolder folder;
   RunCommand() { folder.write("box.toml", box_scene); }
   std::filesystem::path out() const { return folder.path() / "out" / "box"; }
   nlohmann::json report(const std::string& name) const {
@@ -125,7 +126,7 @@ TEST_F(RunCommand, StopsAtAnInterruptWithACheckpointAndAReport) {
   const std::vector<std::string> endless =
       with(motion, {"--set", "simulation.end_time=1e6", "--out", "stopped"});
   const ProgramResult result =
-      run_program_until(folder.path(), endless, folder.path() / "stopped/frames/0005.vtu", SIGINT);
+      run_program_until(folder.path(), endless, "stopped", "frames/0005.vtu", SIGINT);
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.err, HasSubstr("stopped by the user at t = "));
   const nlohmann::json stopped = report("stopped");
@@ -136,8 +137,8 @@ TEST_F(RunCommand, StopsAtAnInterruptWithACheckpointAndAReport) {
 
 TEST_F(RunCommand, LeavesWholeFilesToResumeFromWhenItIsKilled) {
   ASSERT_EQ(run_program(folder.path(), with(motion, {"--out", "whole"})).exit_code, 0);
-  const ProgramResult killed = run_program_until(folder.path(), with(motion, {"--out", "killed"}),
-                                                 folder.path() / "killed/frames/0010.vtu", SIGKILL);
+  const ProgramResult killed = run_program_until(folder.path(), with(motion, {"--out", "killed"}), "killed",
+                                                 "frames/0010.vtu", SIGKILL);
   ASSERT_EQ(killed.exit_code, 128 + SIGKILL);
   EXPECT_EQ(report("killed")["status"], "running");
   ASSERT_EQ(run_program(folder.path(), with(motion, {"--out", "killed", "--resume"})).exit_code, 0);

@@ -8,6 +8,7 @@
 
 #include "program.hpp"
 #include "resilin/results/shown_results.hpp"
+#include "temporary_folder.hpp"
 
 namespace resilin::testing {
 namespace {
@@ -23,7 +24,7 @@ std::vector<std::string> with(std::vector<std::string> arguments, const std::vec
 }
 
 struct ShownResultsOfARun : ::testing::Test {
-  WorkFolder folder;
+  TemporaryFolder folder;
   ShownResultsOfARun() { folder.write("box.toml", box_scene); }
   std::string text(const std::string& name) const { return read_text_file(folder.path() / name); }
   bool exists(const std::string& name) const { return std::filesystem::exists(folder.path() / name); }
@@ -71,8 +72,8 @@ TEST_F(ShownResultsOfARun, AreThoseOfTheUnbrokenRunAfterAResume) {
 
 TEST_F(ShownResultsOfARun, AreThoseOfTheUnbrokenRunAfterAKill) {
   ASSERT_EQ(run_program(folder.path(), with(motion, {"--out", "whole"})).exit_code, 0);
-  const ProgramResult killed = run_program_until(folder.path(), with(motion, {"--out", "killed"}),
-                                                 folder.path() / "killed/frames/0010.vtu", SIGKILL);
+  const ProgramResult killed = run_program_until(folder.path(), with(motion, {"--out", "killed"}), "killed",
+                                                 "frames/0010.vtu", SIGKILL);
   ASSERT_EQ(killed.exit_code, 128 + SIGKILL);
   ASSERT_EQ(run_program(folder.path(), with(motion, {"--out", "killed", "--resume"})).exit_code, 0);
   EXPECT_TRUE(text("killed/recording.bin") == text("whole/recording.bin"));

@@ -7,6 +7,7 @@
 
 #include "jelly_scene.hpp"
 #include "program.hpp"
+#include "temporary_folder.hpp"
 #include "viewer/page_client.hpp"
 
 namespace resilin::testing {
@@ -21,7 +22,7 @@ struct Address {
 };
 
 struct View : ::testing::Test {
-  WorkFolder folder;
+  TemporaryFolder folder;
 
   void SetUp() override { folder.write("jelly.toml", jelly); }
 
@@ -104,7 +105,7 @@ TEST_F(View, ReadsTheSceneAgainAndSurvivesABrokenOne) {
 TEST_F(View, SaysThatThePortIsInUse) {
   RunningProgram first(folder.path(), {"view", "jelly.toml", "--no-browser"});
   const std::string port = std::to_string(address_of(first).port);
-  WorkFolder other;
+  TemporaryFolder other;
   other.write("jelly.toml", jelly);
   const ProgramResult second =
       run_program(other.path(), {"view", "jelly.toml", "--no-browser", "--port", port});

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "scene_text.hpp"
+#include "temporary_folder.hpp"
 
 namespace resilin::testing {
 namespace {

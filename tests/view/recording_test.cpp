@@ -3,14 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <random>
 
 #include "resilin/core/error.hpp"
 #include "resilin/view/page.hpp"
 #include "small_scenes.hpp"
+#include "temporary_folder.hpp"
 
 namespace resilin::testing {
 namespace {
@@ -112,18 +111,7 @@ TEST(RecordingCodec, RefusesWhatIsNoRecord) {
   EXPECT_THROW(RecordingCodec(surface, 3, 1).decode(payload), InputError);
 }
 
-struct TemporaryFile {
-  std::filesystem::path path =
-      std::filesystem::temp_directory_path() / ("resilin_recording_" + std::to_string(::getpid()) + ".bin");
-  ~TemporaryFile() { std::filesystem::remove(path); }
-  std::string bytes() const {
-    std::ifstream stream(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-  }
-  void write(std::string_view content) const {
-    std::ofstream(path, std::ios::binary | std::ios::trunc) << content;
-  }
-};
+const std::string file = "recording.bin";
 
 std::vector<State> motion_of_a_bar() {
   Simulation simulation(small_bar(3, true));
@@ -136,17 +124,17 @@ std::vector<State> motion_of_a_bar() {
 }
 
 TEST(Recorder, GoesOnWithATornFileAsIfItHadNeverStopped) {
-  const TemporaryFile file;
+  const TemporaryFolder folder;
   const World world(small_bar(3, true));
   const std::vector<State> states = motion_of_a_bar();
   const ViewHeader header{.title = "bar", .version = "1", .fields = {}};
   const auto number = [](std::size_t i) { return static_cast<std::uint32_t>(i); };
   {
-    Recorder recorder(file.path, world, header);
+    Recorder recorder(folder / file, world, header);
     recorder.keep(0);
     for (std::size_t i = 0; i < states.size(); ++i) recorder.record(number(i), states[i]);
   }
-  const std::string whole = file.bytes();
+  const std::string whole = folder.read(file);
   const Recording recording = parse_recording(whole, "it");
   ASSERT_EQ(recording.records.size(), states.size());
   const auto json = nlohmann::json::parse(recording.header);
@@ -156,14 +144,14 @@ TEST(Recorder, GoesOnWithATornFileAsIfItHadNeverStopped) {
   for (const std::size_t cut :
        {whole.size() - 1, recording.records[3].begin + 5, recording.records[3].begin - 6,
         recording.records[0].begin, std::size_t{100}, std::size_t{0}}) {
-    file.write(whole.substr(0, cut));
-    Recorder recorder(file.path, world, header);
+    folder.write(file, whole.substr(0, cut));
+    Recorder recorder(folder / file, world, header);
     recorder.keep(5);
     const std::uint32_t next = recorder.next_number();
     EXPECT_LE(next, 5U);
     EXPECT_EQ(next, cut == whole.size() - 1 ? 5U : cut >= recording.records[3].begin - 8 ? 3U : 0U);
     for (std::size_t i = next; i < states.size(); ++i) recorder.record(number(i), states[i]);
-    EXPECT_EQ(file.bytes(), whole) << "cut at " << cut;
+    EXPECT_EQ(folder.read(file), whole) << "cut at " << cut;
   }
   // A byte in the middle is wrong: what lies behind it is not trusted.
   std::string damaged = whole;
@@ -174,13 +162,13 @@ TEST(Recorder, GoesOnWithATornFileAsIfItHadNeverStopped) {
 }
 
 TEST(Recorder, BeginsAnewWhereAnotherSceneWas) {
-  const TemporaryFile file;
+  const TemporaryFolder folder;
   const World world(small_bar(3, true)), other(small_bar(2, true));
-  Recorder(file.path, other, {.title = "other", .version = "1", .fields = {}}).keep(0);
-  Recorder recorder(file.path, world, {.title = "bar", .version = "1", .fields = {}});
+  Recorder(folder / file, other, {.title = "other", .version = "1", .fields = {}}).keep(0);
+  Recorder recorder(folder / file, world, {.title = "bar", .version = "1", .fields = {}});
   recorder.keep(7);
   EXPECT_EQ(recorder.next_number(), 0U);
-  const std::string bytes = file.bytes();
+  const std::string bytes = folder.read(file);
   EXPECT_EQ(nlohmann::json::parse(parse_recording(bytes, "it").header)["title"], "bar");
 }
 
