@@ -17,21 +17,16 @@ def python(code):
     return run.stdout.strip()
 
 
-def test_importing_is_quick_and_leaves_big_packages_alone():
-    """Beside numpy, whose own time is not ours; the best of three, for the machine may be busy."""
+def test_importing_leaves_big_packages_alone():
+    """Which is what makes it quick: nothing but numpy, the extension and our own modules is read."""
     code = """
-import sys, time, numpy
-start = time.perf_counter()
+import sys, numpy
+before = {name.split(".")[0] for name in sys.modules}
 import resilin
-seconds = time.perf_counter() - start
-print(seconds, *sorted({"torch", "scipy", "matplotlib", "meshio", "IPython"} & sys.modules.keys()))
+loaded = {name.split(".")[0] for name in sys.modules} - before - set(sys.stdlib_module_names)
+print(*sorted(loaded))
 """
-    seconds = []
-    for _ in range(3):
-        time, *loaded = python(code).split()
-        assert not loaded
-        seconds.append(float(time))
-    assert min(seconds) < 0.3
+    assert python(code) == "resilin"
 
 
 def test_the_version_is_that_of_the_distribution():

@@ -21,7 +21,7 @@ Index top_corner(const World& world) {
 
 int steps_to_rest(LiveScene& scene, int most = 4000) {
   int steps = 0;
-  for (; steps < most && !scene.report().at_rest; ++steps) scene.step();
+  for (; steps < most && !scene.report().at_rest; ++steps) scene.step(unhurried);
   return steps;
 }
 
@@ -44,7 +44,7 @@ TEST(LiveScene, GoesOnToTheExactEquilibriumAndSaysSo) {
   EXPECT_LT((scene.state().positions - simulation.state().positions).norm(), 1e-7 * sag);
 
   const VectorX before = scene.state().positions;
-  scene.step();
+  scene.step(unhurried);
   EXPECT_EQ(scene.state().positions, before);
 }
 
@@ -54,12 +54,12 @@ TEST(LiveScene, FollowsTheHandAndSwingsBack) {
   const Vector3 start = position(scene, corner);
   const Vector3 target = start + Vector3(0.3, 0, 0);
   scene.grab(at_node(corner), target);
-  for (int i = 0; i < 60; ++i) scene.step();
+  for (int i = 0; i < 60; ++i) scene.step(unhurried);
   EXPECT_GT(position(scene, corner).x(), start.x() + 0.05);
   scene.release();
   bool passed_rest = false;
   for (int i = 0; i < 240; ++i) {
-    scene.step();
+    scene.step(unhurried);
     passed_rest |= position(scene, corner).x() < start.x();
   }
   EXPECT_TRUE(passed_rest);
@@ -89,13 +89,13 @@ TEST(LiveScene, StepsCutShortNeverRaiseTheTotalEnergy) {
   scene.set_controls(controls);
   const Index corner = top_corner(scene.world());
   scene.grab(at_node(corner), position(scene, corner) + Vector3(3, 2, 1));
-  for (int i = 0; i < 10; ++i) scene.step();
+  for (int i = 0; i < 10; ++i) scene.step(unhurried);
   scene.release();
   const auto total = [&scene] { return scene.report().elastic_energy + scene.report().kinetic_energy; };
   double before = total();
   ASSERT_GT(before, 0);
   for (int i = 0; i < 200; ++i) {
-    scene.step();
+    scene.step(unhurried);
     EXPECT_LE(total(), before * (1 + 1e-9)) << "step " << i;
     before = total();
   }
@@ -126,7 +126,7 @@ TEST(LiveScene, RecoversFromEveryBrokenStartByOneIterationForEachFrame) {
     scene.set_controls(controls);
     int frames_until_upright = 0;
     for (int i = 0; i < 300; ++i) {
-      scene.step();
+      scene.step(unhurried);
       ASSERT_TRUE(scene.state().positions.allFinite());
       if (scene.report().inverted_cells > 0) frames_until_upright = i + 1;
     }
@@ -158,10 +158,10 @@ TEST(LiveScene, PinsHoldAndLetGo) {
   LiveControls controls = scene.controls();
   controls.gravity = {0, 9.81, 0};
   scene.set_controls(controls);
-  for (int i = 0; i < 60; ++i) scene.step();
+  for (int i = 0; i < 60; ++i) scene.step(unhurried);
   EXPECT_EQ(position(scene, corner), start);
   scene.unpin(corner);
-  for (int i = 0; i < 60; ++i) scene.step();
+  for (int i = 0; i < 60; ++i) scene.step(unhurried);
   EXPECT_GT((position(scene, corner) - start).norm(), 1e-3);
 }
 
@@ -176,7 +176,7 @@ TEST(LiveScene, DroppedOnAFloorComesToRestAboveIt) {
   scene.set_controls(controls);
   double lowest = 1;
   for (int i = 0; i < 1500 && !scene.report().at_rest; ++i) {
-    scene.step();
+    scene.step(unhurried);
     lowest = std::min(lowest, scene.state().positions(Eigen::seq(2, Eigen::last, 3)).minCoeff());
   }
   EXPECT_GT(lowest, -0.2);
@@ -193,7 +193,7 @@ TEST(LiveScene, FloorRisesUnderABodyAsFastAsItGetsOutOfTheWay) {
   controls.ground_height = 0.5;  // through the middle of the body
   scene.set_controls(controls);
   for (int i = 0; i < 300; ++i) {
-    scene.step();
+    scene.step(unhurried);
     ASSERT_GT(scene.state().positions(Eigen::seq(2, Eigen::last, 3)).minCoeff(), *scene.ground());
   }
   EXPECT_NEAR(*scene.ground(), 0.5, 1e-3);
@@ -204,7 +204,7 @@ TEST(LiveScene, BallPushesAndNeverEnters) {
   const double radius = 0.15;
   for (int i = 0; i <= 60; ++i) {
     scene.poke({0.8 - 0.01 * i, 0.2, 0.9}, radius);
-    scene.step();
+    scene.step(unhurried);
     ASSERT_TRUE(scene.ball());
     for (Index node = 0; node < scene.world().num_nodes(); ++node)
       ASSERT_GT((position(scene, node) - *scene.ball()).norm(), radius * (1 - 1e-12));
@@ -244,7 +244,7 @@ TEST(LiveScene, ChangesItsLawUnlessCellsAreInsideOut) {
     controls.law = law->name;
     scene.set_controls(controls);
     EXPECT_EQ(scene.world().bodies[0].law, law->name);
-    scene.step();
+    scene.step(unhurried);
   }
   controls.law = "stable_neo_hookean";
   scene.set_controls(controls);
@@ -263,7 +263,7 @@ TEST(LiveScene, HasTheSameBitsForAnyNumberOfThreadsAndAfterReset) {
     scene.grab(at_node(corner), position(scene, corner));
     for (int i = 0; i < 30; ++i) {
       scene.drag(position(scene, corner) + Vector3(0.1 * i, 0.05, 0));
-      scene.step({.seconds = 60});
+      scene.step(unhurried);
     }
     return scene.state().positions;
   };

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 
 #include "resilin/io/mesh_file.hpp"
 #include "resilin/live/live_scene.hpp"
@@ -10,6 +11,9 @@
 
 /// Scenes to play with, and a hand that plays by chance but always the same way.
 namespace resilin::testing {
+
+/// What a scene does must not hang on how busy the machine is.
+constexpr StepBudget unhurried{.seconds = std::numeric_limits<double>::infinity()};
 
 /// A block of 0.4 x 0.4 x 1 m that stands on its held foot, soft enough to sway.
 inline Description standing_block(int n, double gravity = -9.81) {

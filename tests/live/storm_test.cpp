@@ -69,7 +69,7 @@ class Storm {
   }
 
   void step() {
-    const LiveReport& report = scene_.step();
+    const LiveReport& report = scene_.step(unhurried);
     ++after_.frames;
     after_.worst_inverted = std::max(after_.worst_inverted, report.inverted_cells);
     after_.is_finite &= scene_.state().positions.allFinite() && scene_.state().velocities.allFinite();

@@ -70,14 +70,14 @@ struct FakeScene {
   LiveLoop loop;
 };
 
-/// Tries until it is so, for some seconds.
+/// Tries until it is so; a busy machine has a minute for it.
 template <class Condition>
 bool comes_true(Condition condition) {
-  for (int i = 0; i < 1000; ++i) {
+  for (const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);;) {
     if (condition()) return true;
+    if (std::chrono::steady_clock::now() > end) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
-  return false;
 }
 
 }  // namespace resilin::viewer

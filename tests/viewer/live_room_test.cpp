@@ -5,6 +5,7 @@
 #include <sys/resource.h>
 
 #include <chrono>
+#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "fake_scene.hpp"
@@ -29,6 +30,25 @@ bool comes_to(PageClient& page, const json& values) {
     if (state == before) return true;
   }
   return false;
+}
+
+double frame_time(std::string_view frame) {
+  double time = 0;
+  std::memcpy(&time, frame.substr(8, sizeof time).data(), sizeof time);
+  return time;
+}
+
+/// A server that waits for its pages longer than any test takes.
+ServerOptions patient() {
+  constexpr std::chrono::milliseconds long_time = std::chrono::hours(1);
+  ServerOptions options;
+  options.request_timeout = options.send_timeout = options.body_timeout = options.idle_timeout = long_time;
+  return options;
+}
+
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
 double processor_seconds() {
@@ -64,35 +84,36 @@ TEST(LiveRoom, TellsAPageEverythingInOrder) {
 TEST(LiveRoom, SendsNothingMoreUntilAFrameIsAcknowledgedAndThenTheNewest) {
   const FakeScene scene;
   PageClient page = scene.page();
-  const std::uint32_t first = viewer::frame_number(page.receive_frame(false));
-  int num_statuses = 0;
-  while (num_statuses < 3) {
+  const std::string first = page.receive_frame(false);
+  double told = 0;  // by a status, which comes after the frame of its time [s]
+  while (told < frame_time(first) + 0.1) {
     const auto message = page.receive();
     ASSERT_TRUE(message);
     ASSERT_FALSE(viewer::is_frame(*message)) << "a second frame before the first is acknowledged";
-    if (message->bytes.find("\"status\"") != std::string::npos) ++num_statuses;
+    const json text = json::parse(message->bytes);
+    if (text["type"] == "status") told = text["time"];
   }
-  page.acknowledge(first + 1000);  // none that it has
-  page.acknowledge(first);
-  const std::uint32_t second = viewer::frame_number(page.receive_frame());
-  EXPECT_GE(second, first + 5) << "0.2 s later the newest frame is at least five further";
+  page.acknowledge(viewer::frame_number(first) + 1000);  // none that it has
+  page.acknowledge(viewer::frame_number(first));
+  const std::string second = page.receive_frame();
+  EXPECT_GE(frame_time(second), told) << "not the newest";
+  EXPECT_GT(viewer::frame_number(second), viewer::frame_number(first) + 1);
 }
 
+/// Where one page waited for another, it would wait until the test is given up.
 TEST(LiveRoom, ASlowPageDoesNotStallTheOthers) {
-  FakeScene scene(20000);
+  FakeScene scene(20000, patient());
   PageClient silent = scene.page();  // reads and never acknowledges
   PageClient unread = scene.page();  // reads nothing at all
   silent.receive_frame(false);
   for (int i = 0; i < 2000; ++i) unread.send_text(R"({"type": "what"})");
   PageClient page = scene.page();
-  const auto begin = std::chrono::steady_clock::now();
-  for (int i = 0; i < 30; ++i) page.receive_frame();
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
+  for (int i = 0; i < 30; ++i) EXPECT_FALSE(page.receive_frame().empty());
 }
 
 TEST(LiveRoom, APageThatTakesNothingIsDropped) {
   ServerOptions options;
-  options.send_timeout = std::chrono::milliseconds(1000);
+  options.send_timeout = std::chrono::milliseconds(2000);
   FakeScene scene(2000000, options);  // a frame of 12 MB: more than sockets hold
   PageClient page = scene.page();
   page.send_text(R"({"type": "pause"})");  // its own frames are large, too
@@ -104,24 +125,34 @@ TEST(LiveRoom, APageThatTakesNothingIsDropped) {
 }
 
 TEST(LiveRoom, SimulatesInRealTime) {
+  const Clock::time_point start = Clock::now();
   const FakeScene scene;
-  PageClient page = scene.page();
-  page.receive_frame();
-  const int before = scene.switches->num_steps;
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));
-  const int steps = scene.switches->num_steps - before;
-  EXPECT_GT(steps, 5);  // 30, less what a busy machine loses
-  EXPECT_LE(steps, 32);
+  ASSERT_TRUE(comes_true([&] { return scene.switches->num_steps >= 30; }));
+  const int steps = scene.switches->num_steps;
+  EXPECT_LE(steps, 60 * seconds_since(start) + 2) << "ahead of the wall clock";
+  EXPECT_TRUE(comes_true([&] {  // a busy machine loses time, but not always
+    const Clock::time_point begin = Clock::now();
+    const int before = scene.switches->num_steps;
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    return scene.switches->num_steps - before >= 0.8 * 60 * seconds_since(begin);
+  }));
 }
 
 TEST(LiveRoom, DropsTimeThatIsLost) {
+  const Clock::time_point start = Clock::now();
   const FakeScene scene;
+  constexpr double slow = 0.4;  // [s] for a step of 1/60 s
   scene.switches->step_milliseconds = 400;
-  ASSERT_TRUE(comes_true([&] { return scene.switches->num_steps >= 2; }));
+  const int fast = scene.switches->num_steps;
+  ASSERT_TRUE(comes_true([&] { return scene.switches->num_steps >= fast + 4; }));  // three slow ones at least
   scene.switches->step_milliseconds = 0;
   const int before = scene.switches->num_steps;
-  std::this_thread::sleep_for(std::chrono::milliseconds(600));
-  EXPECT_LE(scene.switches->num_steps - before, 40) << "it runs after the time that the slow steps have lost";
+  ASSERT_TRUE(comes_true([&] { return scene.switches->num_steps > before + 60; }));
+  // Steps of no length make up for the time of the slow one before them, but not for that of two others.
+  const int steps = scene.switches->num_steps;
+  const double lost = 2 * (slow - 2.0 / 60);
+  EXPECT_LE(steps, 60 * (seconds_since(start) - lost) + 2)
+      << "it runs after the time that the slow steps have lost";
 }
 
 TEST(LiveRoom, ShowsSlowMotionAtTheRateOfFrames) {
@@ -129,9 +160,11 @@ TEST(LiveRoom, ShowsSlowMotionAtTheRateOfFrames) {
   PageClient page = scene.page();
   page.send_text(R"({"type": "set", "key": "speed", "value": 0.05})");
   ASSERT_TRUE(comes_to(page, {{"values", {{"speed", 0.05}}}}));
-  const int steps = scene.switches->num_steps;
-  for (int i = 0; i < 30; ++i) page.receive_frame();
-  EXPECT_LE(scene.switches->num_steps - steps, 10) << "30 frames take half a second, 1.5 steps";
+  EXPECT_TRUE(comes_true([&] {  // 30 frames take half a second, 1.5 steps, when the machine has time for them
+    const int steps = scene.switches->num_steps;
+    for (int i = 0; i < 30; ++i) page.receive_frame();
+    return scene.switches->num_steps - steps <= 10;
+  }));
 }
 
 TEST(LiveRoom, PausesStepsAndPlays) {
@@ -159,9 +192,11 @@ TEST(LiveRoom, SleepsWhenNothingMoves) {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     return scene.switches->num_steps == before;
   }));
-  const double before = processor_seconds();
-  std::this_thread::sleep_for(std::chrono::milliseconds(1000));
-  EXPECT_LT(processor_seconds() - before, 0.01);
+  EXPECT_TRUE(comes_true([] {
+    const double before = processor_seconds();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1000));
+    return processor_seconds() - before < 0.01;
+  }));
 }
 
 TEST(LiveRoom, GivesEachPageTheFieldThatItChooses) {
@@ -270,16 +305,15 @@ TEST(LiveRoom, AFaultInAStepIsToldToEveryPageAndPauses) {
   EXPECT_TRUE(scene.answers());
 }
 
+/// Where it waited for one of them, it would wait until the test is given up.
 TEST(LiveRoom, EndsWithPagesInEveryState) {
-  auto scene = std::make_unique<FakeScene>(2000000);
+  auto scene = std::make_unique<FakeScene>(2000000, patient());
   PageClient reading = scene->page(), unread = scene->page(), silent = scene->page();
   viewer::Socket half(scene->server.port());
   half.send("GET /live?tok");
   reading.receive_frame();
   silent.receive_frame(false);
-  const auto begin = std::chrono::steady_clock::now();
   scene.reset();
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
   while (reading.receive()) {
   }
 }

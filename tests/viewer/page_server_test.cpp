@@ -3,10 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
-
 #include "fake_scene.hpp"
 #include "resilin/core/error.hpp"
+#include "temporary_folder.hpp"
 #include "viewer/page_client.hpp"
 
 namespace resilin::viewer {
@@ -19,23 +18,18 @@ using viewer::exchange;
 using viewer::request_text;
 
 struct PageServerTest : ::testing::Test {
-  std::filesystem::path recording = std::filesystem::path(::testing::TempDir()) / "resilin_recording.bin";
+  const testing::TemporaryFolder folder;
+  const std::filesystem::path recording = folder.write("recording.bin", std::string(3000000, 'r'));
   ServerOptions options;
-  std::unique_ptr<PageServer> server;
+  std::unique_ptr<PageServer> server = serve();
 
-  void SetUp() override {
-    std::ofstream(recording, std::ios::binary) << std::string(3000000, 'r');
-    options.request_timeout = std::chrono::milliseconds(300);
-    server = std::make_unique<PageServer>(
-        options,
-        std::map<std::string, Resource>{
-            {"/",
-             {"text/html; charset=utf-8", std::make_shared<const std::string>("<p>the page</p>"), "n0nce"}},
-            {"/recording", {"application/octet-stream", recording, {}}},
-            {"/lost", {"application/json", recording.string() + ".lost", {}}}},
-        nullptr);
+  std::unique_ptr<PageServer> serve() const {
+    const std::map<std::string, Resource> resources = {
+        {"/", {"text/html; charset=utf-8", std::make_shared<const std::string>("<p>the page</p>"), "n0nce"}},
+        {"/recording", {"application/octet-stream", recording, {}}},
+        {"/lost", {"application/json", folder / "lost", {}}}};
+    return std::make_unique<PageServer>(options, resources, nullptr);
   }
-  void TearDown() override { std::filesystem::remove(recording); }
 
   std::string get(const std::string& path, const std::string& headers = {}) const {
     return exchange(server->port(),
@@ -108,12 +102,15 @@ TEST_F(PageServerTest, RefusesAWebSocketWhereThereIsNoLiveScene) {
 }
 
 TEST_F(PageServerTest, EndsARequestThatDoesNotComeToItsEnd) {
+  options.request_timeout = std::chrono::milliseconds(300);
+  server = serve();
   viewer::Socket slow(server->port());
   slow.send("GET / HT");
   EXPECT_EQ(slow.receive(), "");
   viewer::Socket silent(server->port());
   EXPECT_EQ(silent.receive(), "");
-  EXPECT_THAT(get("/"), StartsWith("HTTP/1.1 200"));
+  // A busy machine may need longer than this for a request that is whole.
+  EXPECT_TRUE(comes_true([this] { return get("/").starts_with("HTTP/1.1 200"); }));
 }
 
 TEST_F(PageServerTest, TakesNoMoreConnectionsThanItsLimit) {
@@ -139,13 +136,22 @@ TEST_F(PageServerTest, SaysThatThePortIsInUse) {
 }
 
 TEST_F(PageServerTest, GivesItsPortBackAtOnce) {
-  options.port = server->port();
-  get("/");
-  server.reset();
-  const PageServer second(options, {}, nullptr);
-  EXPECT_EQ(second.port(), options.port);
-  EXPECT_EQ(second.address(),
-            "http://127.0.0.1:" + std::to_string(options.port) + "/?token=" + second.token());
+  // Another program may be given the port in between, but not again and again.
+  EXPECT_TRUE(comes_true([this] {
+    options.port = 0;
+    server = serve();
+    options.port = server->port();
+    get("/");
+    server.reset();
+    try {
+      server = serve();
+    } catch (const InputError&) {
+      return false;
+    }
+    return server->port() == options.port;
+  }));
+  EXPECT_EQ(server->address(),
+            "http://127.0.0.1:" + std::to_string(options.port) + "/?token=" + server->token());
 }
 
 TEST_F(PageServerTest, EndsWhileRequestsAreUnderWay) {
