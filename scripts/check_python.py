@@ -3,6 +3,7 @@
 import os
 import shutil
 import subprocess
+import sys
 
 from files import ROOT
 
@@ -21,10 +22,14 @@ def run_in_empty_environment():
     """All tests but those of torch, whose wheel is a gigabyte, on a wheel that carries what it needs."""
     wheels = FOLDER / "wheels"
     shutil.rmtree(wheels, ignore_errors=True)
-    environment = {"RESILIN_COMPILER_LAUNCHER": "ccache" if shutil.which("ccache") else ""}
+    statistics = FOLDER / "ccache.log"
+    statistics.unlink(missing_ok=True)
+    environment = {"RESILIN_COMPILER_LAUNCHER": os.environ.get("RESILIN_COMPILER_LAUNCHER", default_launcher())}
     # The same warnings as in the release build, so that ccache finds its objects again.
-    environment["RESILIN_WARNINGS_AS_ERRORS"] = "ON"
+    environment |= {"RESILIN_WARNINGS_AS_ERRORS": "ON", "CCACHE_STATSLOG": str(statistics)}
     problems = problems_of([ROOT / "scripts" / "build_wheel.sh", wheels], environment)
+    if statistics.exists():
+        print(f"    wheel: {compiled_objects(statistics.read_text())}", file=sys.stderr, flush=True)
     if problems:
         return None, problems
     venv = FOLDER / "empty"
@@ -41,6 +46,19 @@ def run_in_empty_environment():
             return None, problems
     # Nothing of the system's libraries but those of every machine: the wheel must bring the rest.
     return run_pytest(python, "wheel.xml", "--ignore-glob=*test_torch*", environment={"PYTHONPATH": ""})
+
+
+def default_launcher():
+    """As scripts/setup.sh has it."""
+    return "ccache" if shutil.which("ccache") else ""
+
+
+def compiled_objects(log):
+    """What ccache's log of statistics says, one line of words for each object."""
+    words = log.split("\n")
+    hits = sum(word in ("direct_cache_hit", "preprocessed_cache_hit") for word in words)
+    misses = words.count("cache_miss")
+    return f"{hits + misses} objects, {misses} of them compiled, the others from ccache"
 
 
 def requirements():

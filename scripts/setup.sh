@@ -2,8 +2,9 @@
 # Sourced by bash with `root` set to the repository.
 
 build_packages=(g++ cmake ninja-build libeigen3-dev libsuitesparse-dev libopenblas-dev libmetis-dev libtbb-dev
-  libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libspdlog-dev libfmt-dev libfreetype-dev libpng-dev zlib1g-dev libboost-dev)
-test_packages=(libgtest-dev libgmock-dev python3 python3-venv ccache)
+  libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libspdlog-dev libfmt-dev libfreetype-dev libpng-dev zlib1g-dev libboost-dev
+  ccache)  # what ./run compiles, ./test and the wheel need not compile again
+test_packages=(libgtest-dev libgmock-dev python3 python3-venv)
 browser_packages=(nodejs npm chromium)
 python_packages=(python3-dev python3-venv python3-numpy python3-scipy python3-matplotlib python3-torch)
 
@@ -96,16 +97,49 @@ configure() {
   (cd "$root" && quietly "$folder/configure.log" cmake --preset "$preset" "${options[@]}" "$@")
 }
 
-# build PRESET [TARGET ...]: on all cores; progress on a terminal, otherwise silent unless it fails.
+# A step of a build takes this long [s], the mean over an optimised build on one core of 2 GHz.
+seconds_per_step=4
+
+# announce_build PRESET [TARGET ...]: one line about what is to do and how long it may take; fails when nothing is.
+announce_build() {
+  local preset=$1 last steps cores minutes
+  shift
+  last=$(ninja -C "$root/build/$preset" -n "$@" 2>/dev/null | tail -n 1) || true
+  [[ $last != *'no work to do'* ]] || return 1
+  steps=$(sed -n 's|^\[[0-9]*/\([0-9]*\)\].*|\1|p' <<<"$last")
+  cores=$(nproc)
+  minutes=$((${steps:-0} * seconds_per_step / cores / 60))
+  if [ "$minutes" -ge 1 ]; then
+    say "Building ($preset): $steps steps on $cores cores; about $minutes min at 2 GHz, less for what ccache has ..."
+  else
+    say "Building ($preset): ${steps:-some} steps ..."
+  fi
+}
+
+# build PRESET [TARGET ...]: on all cores; progress on a terminal, otherwise one line unless it fails.
 build() {
   local preset=$1 folder=$root/build/$1
   shift
+  announce_build "$preset" "$@" || return 0
   if [ -t 2 ]; then
-    ninja -C "$folder" -n "$@" | tail -n 1 | grep -q 'no work to do' && return 0
     NINJA_STATUS="Building ($preset) [%f/%t] " ninja -C "$folder" "$@" >&2
   else
     quietly "$folder/build.log" ninja -C "$folder" "$@"
   fi
+}
+
+# timed NAME COMMAND ...: says how long the command took and keeps it in `spent` for the table of ./test.
+spent=()
+timed() {
+  local name=$1 start=$SECONDS status=0
+  shift
+  "$@" || status=$?
+  local seconds=$((SECONDS - start))
+  if [ "$seconds" -gt 0 ]; then
+    say "    $name: $seconds s"
+    spent+=("--spent=$name=$seconds")
+  fi
+  return "$status"
 }
 
 # The interpreter that Debian's Python packages belong to; another one on PATH would not see them.
