@@ -10,6 +10,7 @@ from files import ROOT
 
 EXAMPLE = ROOT / "examples" / "cpp"
 TIP = re.compile(r"tip: *(-?[0-9.eE+-]+) m")
+TIME_LIMIT = 1200  # [s] for a step that hangs; they take seconds
 SAG = -0.569481  # [m], by two finite-element codes that are not ours on the same mesh
 
 
@@ -28,7 +29,7 @@ def problems_in(folder):
         [build / "cantilever"],
     )
     for step in steps:
-        run = subprocess.run(step, capture_output=True, text=True, check=False, timeout=300)
+        run = subprocess.run(step, capture_output=True, text=True, check=False, timeout=TIME_LIMIT)
         if run.returncode != 0:
             command = " ".join(map(str, step))
             return [f"{command}: exit code {run.returncode}", *(run.stdout + run.stderr).splitlines()[-30:]]

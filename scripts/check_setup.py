@@ -1,4 +1,4 @@
-"""The functions of setup.sh that decide what to install and when to configure, without installing anything."""
+"""The functions of setup.sh that decide what to install and how long things take, without installing anything."""
 
 import subprocess
 
@@ -19,6 +19,9 @@ def find_problems():
         ("missing_packages bash coreutils", ""),
         ('missing_packages "${build_packages[@]}"', ""),
         ("install_packages bash coreutils && echo installed", "installed\n"),
+        ("timed nothing true; echo ${#spent[@]}", "0\n"),
+        ("timed wrong false || echo failed", "failed\n"),
+        ("slow() { SECONDS=$((SECONDS + 9)); }; timed it slow; echo ${spent[0]%=*}", "--spent=it\n"),
     ]
     problems = []
     for commands, expected in cases:

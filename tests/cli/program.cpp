@@ -38,7 +38,7 @@ pid_t start(const std::filesystem::path& folder, const std::vector<std::string>&
     setenv(variable.substr(0, equals).c_str(), variable.substr(equals + 1).c_str(), 1);
   }
   if (chdir(folder.c_str()) != 0) _exit(126);
-  alarm(240);  // a hang is a failure
+  alarm(300);  // a hang is a failure
   execv(pointers[0], pointers.data());
   _exit(127);
 }

@@ -45,7 +45,7 @@ export class Program {
       child.stdout!.on("data", read);
       child.stderr!.on("data", read);
       child.on("exit", (code) => failed(new Error(`resilin view ended with ${code}: ${output}`)));
-      setTimeout(() => failed(new Error(`resilin view said no address: ${output}`)), 20_000).unref();
+      setTimeout(() => failed(new Error(`resilin view said no address: ${output}`)), 60_000).unref();
     });
     return new Program(child, address);
   }
@@ -127,11 +127,11 @@ export class Watched {
   }
 
   async firstFrame(): Promise<void> {
-    await this.until("resilin && resilin.framesDrawn > 0", 30_000);
+    await this.until("resilin && resilin.framesDrawn > 0");
   }
 
   /** Waits until `expression` over `resilin` (window.resilin) holds; asked from here, since the page allows no eval. */
-  async until(expression: string, timeout = 15_000): Promise<void> {
+  async until(expression: string, timeout = 60_000): Promise<void> {
     const end = Date.now() + timeout;
     while (!(await this.value(expression))) {
       if (Date.now() > end) throw new Error(`waited in vain until ${expression}`);
