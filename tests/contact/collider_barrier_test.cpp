@@ -27,31 +27,6 @@ ShapeDescription sample_shape(int dim) {
   return d;
 }
 
-/// Calls `check(dim, barrier, x)` for every kind of collider in 2D and 3D, with 40 nodes in random places of
-/// which about half are within the activation distance, at d > 0.
-template <class Check>
-void for_every_collider(const Check& check) {
-  std::mt19937 random(1);
-  std::uniform_real_distribution<double> uniform(-1, 1), share(0.02, 2);
-  for (const int dim : {2, 3}) {
-    for (const ShapeKind& kind : shape_kinds()) {
-      SCOPED_TRACE(std::string(kind.name) + " in " + std::to_string(dim) + "D");
-      const std::shared_ptr<const ColliderShape> shape = kind.make(sample_shape(dim));
-      std::vector<ContactNode> nodes;
-      VectorX x(Eigen::Index{40} * dim);
-      for (Index i = 0; i < 40; ++i) {
-        nodes.push_back({i, 5 + uniform(random)});
-        Vector3 place(uniform(random), uniform(random), dim == 3 ? uniform(random) : 0);
-        place += (share(random) * dhat - shape->distance(place)) * shape->normal(place);
-        x.segment(Eigen::Index{i} * dim, dim) = place.head(dim);
-      }
-      const ColliderBarrier barrier("it", dim, shape, nodes, dhat);
-      ASSERT_GT(barrier.nearest(x, {}).distance, 0);
-      check(dim, barrier, x);
-    }
-  }
-}
-
 VectorX random_direction(Eigen::Index size) {
   std::mt19937 random(7);
   std::normal_distribution<double> normal;
@@ -82,131 +57,158 @@ Eigen::MatrixXd hessian(const ColliderBarrier& barrier, int dim, const VectorX& 
   return dense;
 }
 
-TEST(EveryCollider, HasAUnitNormalThatIsTheSlopeOfItsDistance) {
+/// Every kind of collider in 2D and in 3D, with 40 nodes in random places of which about half are within the
+/// activation distance, at d > 0.
+struct EveryCollider : ::testing::TestWithParam<std::tuple<std::string_view, int>> {
+  const int dim = std::get<1>(GetParam());
+  const std::shared_ptr<const ColliderShape> shape =
+      find_shape_kind(std::get<0>(GetParam()))->make(sample_shape(dim));
+  VectorX x{Eigen::Index{40} * dim};
+  ColliderBarrier barrier{"it", dim, shape, placed_nodes(), dhat};
+
+  std::vector<ContactNode> placed_nodes() {
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> uniform(-1, 1), share(0.02, 2);
+    std::vector<ContactNode> nodes;
+    for (Index i = 0; i < 40; ++i) {
+      nodes.push_back({i, 5 + uniform(random)});
+      Vector3 place(uniform(random), uniform(random), dim == 3 ? uniform(random) : 0);
+      place += (share(random) * dhat - shape->distance(place)) * shape->normal(place);
+      x.segment(Eigen::Index{i} * dim, dim) = place.head(dim);
+    }
+    return nodes;
+  }
+  Vector3 random_place(std::mt19937& random, double size) const {
+    std::uniform_real_distribution<double> uniform(-size, size);
+    Vector3 place(uniform(random), uniform(random), uniform(random));
+    if (dim == 2) place.z() = 0;
+    return place;
+  }
+};
+
+std::vector<std::string_view> names_of_shapes() {
+  std::vector<std::string_view> names;
+  for (const ShapeKind& kind : shape_kinds()) names.push_back(kind.name);
+  return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(Catalogue, EveryCollider,
+                         ::testing::Combine(::testing::ValuesIn(names_of_shapes()), ::testing::Values(2, 3)),
+                         [](const auto& entry) {
+                           return std::string(std::get<0>(entry.param)) + "_" +
+                                  std::to_string(std::get<1>(entry.param)) + "d";
+                         });
+
+TEST_P(EveryCollider, IsOfItsKindAndNearNodesThatItDoesNotTouch) {
+  EXPECT_EQ(shape->kind(), std::get<0>(GetParam()));
+  EXPECT_GT(barrier.nearest(x, {}).distance, 0);
+  EXPECT_LT(barrier.nearest(x, {}).distance, dhat);
+}
+
+TEST_P(EveryCollider, HasAUnitNormalThatIsTheSlopeOfItsDistance) {
   std::mt19937 random(3);
-  std::uniform_real_distribution<double> uniform(-1, 1);
-  for (const ShapeKind& kind : shape_kinds()) {
-    const auto shape = kind.make(sample_shape(3));
-    for (int i = 0; i < 20; ++i) {
-      const Vector3 x(uniform(random), uniform(random), uniform(random));
-      const Vector3 n = shape->normal(x);
-      EXPECT_NEAR(n.norm(), 1, 1e-15);
-      EXPECT_LT((shape->curvature(x) * n).norm(), 1e-14 * (1 + shape->curvature(x).norm()));
-      const double h = 1e-6;
-      for (int k = 0; k < 3; ++k) {
-        const Vector3 e = h * Vector3::Unit(k);
-        EXPECT_NEAR((shape->distance(x + e) - shape->distance(x - e)) / (2 * h), n[k], 1e-9);
-        EXPECT_NEAR(shape->distance_change(x - e, x + e) / (2 * h), n[k], 1e-9);
-        EXPECT_LT(
-            ((shape->normal(x + e) - shape->normal(x - e)) / (2 * h) - shape->curvature(x).col(k)).norm(),
-            1e-8 * (1 + shape->curvature(x).norm()));
-      }
+  for (int i = 0; i < 20; ++i) {
+    const Vector3 place = random_place(random, 1), n = shape->normal(place);
+    EXPECT_NEAR(n.norm(), 1, 1e-15);
+    EXPECT_LT((shape->curvature(place) * n).norm(), 1e-14 * (1 + shape->curvature(place).norm()));
+    const double h = 1e-6;
+    for (int k = 0; k < dim; ++k) {
+      const Vector3 e = h * Vector3::Unit(k);
+      EXPECT_NEAR((shape->distance(place + e) - shape->distance(place - e)) / (2 * h), n[k], 1e-9);
+      EXPECT_NEAR(shape->distance_change(place - e, place + e) / (2 * h), n[k], 1e-9);
+      const Vector3 turn = (shape->normal(place + e) - shape->normal(place - e)) / (2 * h);
+      EXPECT_LT((turn - shape->curvature(place).col(k)).norm(), 1e-8 * (1 + shape->curvature(place).norm()));
     }
   }
 }
 
-TEST(EveryCollider, IsCalledFlatWhereItDoesNotCurve) {
-  for (const ShapeKind& kind : shape_kinds()) {
-    const std::shared_ptr<const ColliderShape> shape = kind.make(sample_shape(3));
-    EXPECT_EQ(shape->is_flat(), shape->curvature(Vector3(1, 2, 3)).isZero(0)) << kind.name;
-  }
+TEST_P(EveryCollider, IsCalledFlatWhereItDoesNotCurve) {
+  EXPECT_EQ(shape->is_flat(), shape->curvature(Vector3(1, 2, 3)).isZero(0));
 }
 
-TEST(EveryCollider, TellsWhenAPathFirstComesNear) {
+TEST_P(EveryCollider, TellsWhenAPathFirstComesNear) {
   std::mt19937 random(5);
-  std::uniform_real_distribution<double> uniform(-1, 1);
-  for (const ShapeKind& kind : shape_kinds()) {
-    const auto shape = kind.make(sample_shape(3));
-    int met = 0;
-    for (int i = 0; i < 1000; ++i) {
-      Vector3 x(2 * uniform(random), 2 * uniform(random), 2 * uniform(random));
-      if (shape->distance(x) < 0) x += (0.1 - shape->distance(x)) * shape->normal(x);
-      const Vector3 p(3 * uniform(random), 3 * uniform(random), 3 * uniform(random));
-      const double wanted = 0.1 * shape->distance(x);
-      const double t = shape->time_of_approach(x, p, wanted);
-      // Never before t on the way there, exactly then.
-      for (double s = 0; s < 1; s += 0.05)
-        EXPECT_GT(shape->distance(x + s * std::min(t, 10.0) * p), wanted - 1e-12);
-      if (t > 1e3) continue;
-      ++met;
-      EXPECT_NEAR(shape->distance(x + t * p), wanted, 1e-11 * (1 + t));
-    }
-    EXPECT_GT(met, 50) << kind.name;
+  int met = 0;
+  for (int i = 0; i < 1000; ++i) {
+    Vector3 place = random_place(random, 2);
+    if (shape->distance(place) < 0) place += (0.1 - shape->distance(place)) * shape->normal(place);
+    const Vector3 p = random_place(random, 3);
+    const double wanted = 0.1 * shape->distance(place);
+    const double t = shape->time_of_approach(place, p, wanted);
+    // Never before t on the way there, exactly then.
+    for (double s = 0; s < 1; s += 0.05)
+      EXPECT_GT(shape->distance(place + s * std::min(t, 10.0) * p), wanted - 1e-12);
+    if (t > 1e3) continue;
+    ++met;
+    EXPECT_NEAR(shape->distance(place + t * p), wanted, 1e-11 * (1 + t));
+  }
+  EXPECT_GT(met, 50);
+}
+
+TEST_P(EveryCollider, HasItsSlopeAsGradientAndItsCurvatureAsHessian) {
+  const VectorX p = random_direction(x.size());
+  const VectorX g = gradient(barrier, x);
+  const double h = 1e-8;  // 1e-5 of the smallest distance
+  EXPECT_GT(g.norm(), 0);
+  EXPECT_NEAR((barrier.value(x + h * p, {}) - barrier.value(x - h * p, {})) / (2 * h), g.dot(p),
+              1e-6 * g.norm() * p.norm());
+  EXPECT_NEAR(barrier.difference(x - h * p, x + h * p, {}) / (2 * h), g.dot(p), 1e-7 * g.norm() * p.norm());
+  const VectorX difference = (gradient(barrier, x + h * p) - gradient(barrier, x - h * p)) / (2 * h);
+  EXPECT_LT((hessian(barrier, dim, x, Projection::none) * p - difference).norm(), 1e-5 * difference.norm());
+  VectorX magnitude = VectorX::Zero(x.size());
+  barrier.add_gradient_magnitude(x, {}, magnitude);
+  EXPECT_EQ(magnitude, g.cwiseAbs());
+}
+
+TEST_P(EveryCollider, IsPositiveSemidefiniteOnceProjected) {
+  for (const Projection projection : {Projection::clamp, Projection::absolute}) {
+    const Eigen::VectorXd values =
+        Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(hessian(barrier, dim, x, projection)).eigenvalues();
+    EXPECT_GT(values.minCoeff(), -1e-13 * values.maxCoeff());
+  }
+  // Projection leaves the push along the normal alone.
+  const Eigen::MatrixXd change =
+      hessian(barrier, dim, x, Projection::clamp) - hessian(barrier, dim, x, Projection::none);
+  for (const ContactNode& node : barrier.nodes()) {
+    const Vector3 y = node_position(dim, node.node, x);
+    const VectorX n = barrier.shape().normal(y).head(dim);
+    EXPECT_LT((change.block(node.node * dim, node.node * dim, dim, dim) * n).norm(),
+              1e-12 * (1 + change.norm()));
   }
 }
 
-TEST(EveryCollider, HasItsSlopeAsGradientAndItsCurvatureAsHessian) {
-  for_every_collider([](int dim, const ColliderBarrier& barrier, const VectorX& x) {
-    const VectorX p = random_direction(x.size());
-    const VectorX g = gradient(barrier, x);
-    const double h = 1e-8;  // 1e-5 of the smallest distance
-    EXPECT_GT(g.norm(), 0);
-    EXPECT_NEAR((barrier.value(x + h * p, {}) - barrier.value(x - h * p, {})) / (2 * h), g.dot(p),
-                1e-6 * g.norm() * p.norm());
-    EXPECT_NEAR(barrier.difference(x - h * p, x + h * p, {}) / (2 * h), g.dot(p), 1e-7 * g.norm() * p.norm());
-    const VectorX difference = (gradient(barrier, x + h * p) - gradient(barrier, x - h * p)) / (2 * h);
-    EXPECT_LT((hessian(barrier, dim, x, Projection::none) * p - difference).norm(), 1e-5 * difference.norm());
-    VectorX magnitude = VectorX::Zero(x.size());
-    barrier.add_gradient_magnitude(x, {}, magnitude);
-    EXPECT_EQ(magnitude, g.cwiseAbs());
-  });
-}
-
-TEST(EveryCollider, IsPositiveSemidefiniteOnceProjected) {
-  for_every_collider([](int dim, const ColliderBarrier& barrier, const VectorX& x) {
-    for (const Projection projection : {Projection::clamp, Projection::absolute}) {
-      const Eigen::VectorXd values =
-          Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(hessian(barrier, dim, x, projection)).eigenvalues();
-      EXPECT_GT(values.minCoeff(), -1e-13 * values.maxCoeff());
-    }
-    // Projection leaves the push along the normal alone.
-    const Eigen::MatrixXd change =
-        hessian(barrier, dim, x, Projection::clamp) - hessian(barrier, dim, x, Projection::none);
+TEST_P(EveryCollider, StepsAtMostNineTenthsOfTheWayIn) {
+  for (const double length : {1e-3, 0.1, 1.0, 1e6}) {
+    const VectorX p = length * random_direction(x.size());
+    const double t = barrier.max_step(x, p, {});
+    ASSERT_GT(t, 0);
+    ASSERT_LE(t, 1);
     for (const ContactNode& node : barrier.nodes()) {
-      const Vector3 y = node_position(dim, node.node, x);
-      const VectorX n = barrier.shape().normal(y).head(dim);
-      EXPECT_LT((change.block(node.node * dim, node.node * dim, dim, dim) * n).norm(),
-                1e-12 * (1 + change.norm()));
+      const double before = barrier.shape().distance(node_position(dim, node.node, x));
+      const double after = barrier.shape().distance(node_position(dim, node.node, x + t * p));
+      EXPECT_GE(after, 0.1 * before - 1e-9 * before);
     }
-  });
+    EXPECT_TRUE(std::isfinite(barrier.value(x + t * p, {})));
+  }
+  EXPECT_EQ(barrier.max_step(x, 1e-9 * random_direction(x.size()), {}), 1);
 }
 
-TEST(EveryCollider, StepsAtMostNineTenthsOfTheWayIn) {
-  for_every_collider([](int dim, const ColliderBarrier& barrier, const VectorX& x) {
-    for (const double length : {1e-3, 0.1, 1.0, 1e6}) {
-      const VectorX p = length * random_direction(x.size());
-      const double t = barrier.max_step(x, p, {});
-      ASSERT_GT(t, 0);
-      ASSERT_LE(t, 1);
-      for (const ContactNode& node : barrier.nodes()) {
-        const double before = barrier.shape().distance(node_position(dim, node.node, x));
-        const double after = barrier.shape().distance(node_position(dim, node.node, x + t * p));
-        EXPECT_GE(after, 0.1 * before - 1e-9 * before);
-      }
-      EXPECT_TRUE(std::isfinite(barrier.value(x + t * p, {})));
-    }
-    EXPECT_EQ(barrier.max_step(x, 1e-9 * random_direction(x.size()), {}), 1);
-  });
-}
-
-TEST(EveryCollider, CanBeMovedTowardsBodiesWithoutTouchingThem) {
-  for_every_collider([](int, ColliderBarrier barrier, const VectorX& x) {
-    const double before = barrier.nearest(x, {}).distance;
-    const Vector3 motion = 10 * barrier.shape().normal(Vector3::Zero());
-    for (int i = 0; i < 20; ++i) {
-      const double part = barrier.largest_motion(x, motion, {});
-      ASSERT_GT(part, 0);
-      barrier.move_by(part * motion);
-      ASSERT_GT(barrier.nearest(x, {}).distance, 0);
-    }
-    EXPECT_LT(barrier.nearest(x, {}).distance, 1e-5 * before);
-    // A half-space has all bodies on one side, and goes away from them all the way.
-    if (barrier.shape().kind() == "half_space") {
-      EXPECT_EQ(barrier.largest_motion(x, -motion, {}), 1);
-    }
-    barrier.move_to(barrier.shape().reference_point());
-    EXPECT_EQ(barrier.nearest(x, {}).distance, before);
-  });
+TEST_P(EveryCollider, CanBeMovedTowardsBodiesWithoutTouchingThem) {
+  const double before = barrier.nearest(x, {}).distance;
+  const Vector3 motion = 10 * barrier.shape().normal(Vector3::Zero());
+  for (int i = 0; i < 20; ++i) {
+    const double part = barrier.largest_motion(x, motion, {});
+    ASSERT_GT(part, 0);
+    barrier.move_by(part * motion);
+    ASSERT_GT(barrier.nearest(x, {}).distance, 0);
+  }
+  EXPECT_LT(barrier.nearest(x, {}).distance, 1e-5 * before);
+  // A half-space has all bodies on one side, and goes away from them all the way.
+  if (barrier.shape().kind() == "half_space") {
+    EXPECT_EQ(barrier.largest_motion(x, -motion, {}), 1);
+  }
+  barrier.move_to(barrier.shape().reference_point());
+  EXPECT_EQ(barrier.nearest(x, {}).distance, before);
 }
 
 TEST(ColliderBarrier, MovesWithTimeUntilItStops) {

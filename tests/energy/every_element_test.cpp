@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "element_mesh.hpp"
+#include "every_element.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/parallel.hpp"
 #include "resilin/element/jacobian_bound.hpp"
@@ -51,23 +52,26 @@ VectorX gradient(const ElasticEnergy& energy, const VectorX& x) {
   return g;
 }
 
-/// Calls `check(element, mesh, law)` for all elements, with curved cells, and laws of every kind.
-template <class Check>
-void for_every_element(const Check& check) {
-  for (const ElementInfo* element : elements()) {
-    const ElementMesh mesh(*element, 2, 0.05);
+/// What the elastic energy on each element of the catalogue must do.
+struct EveryElementEnergy : OnEveryElement {
+  /// Calls `check(element, mesh, law)` for laws of every kind, on curved cells.
+  template <class Check>
+  void for_every_law(const Check& check) const {
+    const ElementMesh mesh(element, 2, 0.05);
     for (const char* name : {"neo_hookean", "stable_neo_hookean", "mooney_rivlin", "ogden", "linear_elastic",
                              "holzapfel_gasser_ogden"}) {
       const LawInfo& law = *find_law(name);
-      if (element->has_mean_volume && !law.has_volume_energy) continue;
-      SCOPED_TRACE(std::string(element->name) + " " + std::to_string(element->dim) + "D " + name);
-      check(*element, mesh, law);
+      if (element.has_mean_volume && !law.has_volume_energy) continue;
+      SCOPED_TRACE(name);
+      check(element, mesh, law);
     }
   }
-}
+};
 
-TEST(EveryElementEnergy, IsTheSumOfItsPoints) {
-  for_every_element([](const ElementInfo& element, const ElementMesh& mesh, const LawInfo& law) {
+INSTANTIATE_TEST_SUITE_P(Catalogue, EveryElementEnergy, ::testing::ValuesIn(elements()), name_of_element);
+
+TEST_P(EveryElementEnergy, IsTheSumOfItsPoints) {
+  for_every_law([](const ElementInfo& element, const ElementMesh& mesh, const LawInfo& law) {
     const ElasticEnergy energy = make_energy(element, mesh, law);
     const VectorX x = mesh.moved(0.01);
     const std::vector<double> volumes = energy.point_volumes(), densities = energy.energy_densities(x);
@@ -79,8 +83,8 @@ TEST(EveryElementEnergy, IsTheSumOfItsPoints) {
   });
 }
 
-TEST(EveryElementEnergy, HasItsSlopeAsGradientAndItsCurvatureAsHessian) {
-  for_every_element([](const ElementInfo& element, const ElementMesh& mesh, const LawInfo& law) {
+TEST_P(EveryElementEnergy, HasItsSlopeAsGradientAndItsCurvatureAsHessian) {
+  for_every_law([](const ElementInfo& element, const ElementMesh& mesh, const LawInfo& law) {
     ElasticEnergy energy = make_energy(element, mesh, law);
     const VectorX x = mesh.moved(0.01);
     std::mt19937 random(5);
@@ -96,8 +100,8 @@ TEST(EveryElementEnergy, HasItsSlopeAsGradientAndItsCurvatureAsHessian) {
   });
 }
 
-TEST(EveryElementEnergy, IsPositiveSemidefiniteOnceProjected) {
-  for_every_element([](const ElementInfo& element, const ElementMesh& mesh, const LawInfo& law) {
+TEST_P(EveryElementEnergy, IsPositiveSemidefiniteOnceProjected) {
+  for_every_law([](const ElementInfo& element, const ElementMesh& mesh, const LawInfo& law) {
     ElasticEnergy energy = make_energy(element, mesh, law);
     const VectorX x = mesh.moved(law.needs_positive_J ? 0.015 : 0.15);
     for (const Projection projection : {Projection::clamp, Projection::absolute}) {
@@ -108,8 +112,8 @@ TEST(EveryElementEnergy, IsPositiveSemidefiniteOnceProjected) {
   });
 }
 
-TEST(EveryElementEnergy, PassesThePatchTestOnCurvedCells) {
-  for_every_element([](const ElementInfo& element, const ElementMesh& mesh, const LawInfo& law) {
+TEST_P(EveryElementEnergy, PassesThePatchTestOnCurvedCells) {
+  for_every_law([](const ElementInfo& element, const ElementMesh& mesh, const LawInfo& law) {
     const ElasticEnergy energy = make_energy(element, mesh, law);
     Matrix<3> F;
     F << 1.2, 0.3, 0.1, -0.1, 0.9, 0.2, 0.05, -0.15, 1.1;
@@ -137,9 +141,9 @@ TEST(EveryElementEnergy, PassesThePatchTestOnCurvedCells) {
   });
 }
 
-TEST(EveryElementEnergy, GivesTheSameBitsForAnyNumberOfThreads) {
+TEST_P(EveryElementEnergy, GivesTheSameBitsForAnyNumberOfThreads) {
   const int before = num_threads();
-  for_every_element([](const ElementInfo& element, const ElementMesh& mesh, const LawInfo& law) {
+  for_every_law([](const ElementInfo& element, const ElementMesh& mesh, const LawInfo& law) {
     const VectorX x = mesh.moved(0.01);
     std::vector<double> energies;
     std::vector<VectorX> gradients;
@@ -160,8 +164,8 @@ TEST(EveryElementEnergy, GivesTheSameBitsForAnyNumberOfThreads) {
   set_num_threads(before);
 }
 
-TEST(EveryElementEnergy, IsTheSameForEveryInstructionSet) {
-  for_every_element([](const ElementInfo& element, const ElementMesh& mesh, const LawInfo& law) {
+TEST_P(EveryElementEnergy, IsTheSameForEveryInstructionSet) {
+  for_every_law([](const ElementInfo& element, const ElementMesh& mesh, const LawInfo& law) {
     const VectorX x = mesh.moved(0.01);
     ElasticEnergy energy = make_energy(element, mesh, law);
     const VectorX g = gradient(energy, x);
@@ -174,21 +178,19 @@ TEST(EveryElementEnergy, IsTheSameForEveryInstructionSet) {
   });
 }
 
-TEST(EveryElementEnergy, TakesRulesWithManyPoints) {
-  for (const ElementInfo* element : elements()) {
-    const ElementMesh mesh(*element, 1);
-    const LawInfo& law = *find_law("stable_neo_hookean");
-    const VectorX x = mesh.moved(0.02);
-    for (const std::string& rule : element->quadrature_names()) {
-      ElasticEnergy energy = make_energy(*element, mesh, law, rule);
-      EXPECT_NEAR(energy.total_rest_volume(), 1, 1e-13) << element->name << " " << rule;
-      const Eigen::MatrixXd H = hessian(mesh, energy, x, Projection::none);
-      EXPECT_LT((H - H.transpose()).norm(), 1e-13 * H.norm());
-      VectorX p = mesh.moved(1) - mesh.X;
-      const double h = 1e-5;
-      const VectorX difference = (gradient(energy, x + h * p) - gradient(energy, x - h * p)) / (2 * h);
-      EXPECT_LT((H * p - difference).norm(), 1e-6 * difference.norm()) << element->name << " " << rule;
-    }
+TEST_P(EveryElementEnergy, TakesRulesWithManyPoints) {
+  const ElementMesh mesh(element, 1);
+  const LawInfo& law = *find_law("stable_neo_hookean");
+  const VectorX x = mesh.moved(0.02);
+  for (const std::string& rule : element.quadrature_names()) {
+    ElasticEnergy energy = make_energy(element, mesh, law, rule);
+    EXPECT_NEAR(energy.total_rest_volume(), 1, 1e-13) << rule;
+    const Eigen::MatrixXd H = hessian(mesh, energy, x, Projection::none);
+    EXPECT_LT((H - H.transpose()).norm(), 1e-13 * H.norm());
+    VectorX p = mesh.moved(1) - mesh.X;
+    const double h = 1e-5;
+    const VectorX difference = (gradient(energy, x + h * p) - gradient(energy, x - h * p)) / (2 * h);
+    EXPECT_LT((H * p - difference).norm(), 1e-6 * difference.norm()) << rule;
   }
 }
 

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "element_mesh.hpp"
+#include "every_element.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/parallel.hpp"
 #include "resilin/mesh/cell_surface.hpp"
@@ -71,23 +72,25 @@ Map quadratic_map(int dim) {
   };
 }
 
-TEST(Embedding, ReproducesAffineMapsInsideAndOutsideForEveryElement) {
-  for (const ElementInfo* element : elements())
-    for (const double curvature : {0.0, 0.1}) {
-      const ElementMesh mesh(*element, 3, curvature);
-      const std::vector<Vector3> points = sample_points(mesh.dim, 0.8);
-      for (const bool is_smooth : {false, true}) {
-        const Embedding embedding(*element, mesh.cells, mesh.X, points, is_smooth);
-        // Weights reach about 10 a cell's width outside, and the inverse of a curved map has 1e-12 of a cell.
-        EXPECT_LT(error_of(embedding, mesh, points, affine_map(mesh.dim)), 1e-11)
-            << element->name << " in " << element->dim << "D, curvature " << curvature;
-        for (Index p = 0; p < embedding.num_points(); ++p) {
-          double sum = 0;
-          for (const double weight : embedding.weights(p)) sum += weight;
-          ASSERT_NEAR(sum, 1, 1e-13);
-        }
+struct EmbeddingInEveryElement : OnEveryElement {};
+INSTANTIATE_TEST_SUITE_P(Catalogue, EmbeddingInEveryElement, ::testing::ValuesIn(elements()),
+                         name_of_element);
+
+TEST_P(EmbeddingInEveryElement, ReproducesAffineMapsInsideAndOutside) {
+  for (const double curvature : {0.0, 0.1}) {
+    const ElementMesh mesh(element, 3, curvature);
+    const std::vector<Vector3> points = sample_points(mesh.dim, 0.8);
+    for (const bool is_smooth : {false, true}) {
+      const Embedding embedding(element, mesh.cells, mesh.X, points, is_smooth);
+      // Weights reach about 10 a cell's width outside, and the inverse of a curved map has 1e-12 of a cell.
+      EXPECT_LT(error_of(embedding, mesh, points, affine_map(mesh.dim)), 1e-11) << curvature;
+      for (Index p = 0; p < embedding.num_points(); ++p) {
+        double sum = 0;
+        for (const double weight : embedding.weights(p)) sum += weight;
+        ASSERT_NEAR(sum, 1, 1e-13);
       }
     }
+  }
 }
 
 TEST(Embedding, InStraightQuadraticCellsReproducesQuadraticMaps) {
@@ -100,26 +103,23 @@ TEST(Embedding, InStraightQuadraticCellsReproducesQuadraticMaps) {
   }
 }
 
-TEST(Embedding, FollowsTheShapeFunctionsOfCurvedCellsAndHexahedra) {
-  for (const ElementInfo* element : elements()) {
-    const ElementMesh mesh(*element, 3, 0.1);
-    const CellMap cells(*element, mesh.cells, mesh.X);
-    const VectorX moved = mesh.moved(0.05);
-    const CellMap moved_cells(*element, mesh.cells, moved);
-    std::vector<Vector3> points, expected;
-    for (Index cell = 0; cell < cells.num_cells(); ++cell) {
-      const Vector3 xi = element->dim == 3 ? Vector3(0.2, 0.15, 0.4) : Vector3(0.2, 0.15, 0);
-      points.push_back(cells.place(cell, xi));
-      expected.push_back(moved_cells.place(cell, xi));
-    }
-    const Embedding embedding(*element, mesh.cells, mesh.X, points);
-    EXPECT_EQ(embedding.outside().count, 0);
-    std::vector<double> places(3 * points.size());
-    embedding.apply(moved, places);
-    for (std::size_t p = 0; p < points.size(); ++p)
-      ASSERT_LT((Eigen::Map<const Vector3>(places.data() + 3 * p) - expected[p]).norm(), 1e-11)
-          << element->name << " in " << element->dim << "D";
+TEST_P(EmbeddingInEveryElement, FollowsTheShapeFunctionsOfCurvedCells) {
+  const ElementMesh mesh(element, 3, 0.1);
+  const CellMap cells(element, mesh.cells, mesh.X);
+  const VectorX moved = mesh.moved(0.05);
+  const CellMap moved_cells(element, mesh.cells, moved);
+  std::vector<Vector3> points, expected;
+  for (Index cell = 0; cell < cells.num_cells(); ++cell) {
+    const Vector3 xi = element.dim == 3 ? Vector3(0.2, 0.15, 0.4) : Vector3(0.2, 0.15, 0);
+    points.push_back(cells.place(cell, xi));
+    expected.push_back(moved_cells.place(cell, xi));
   }
+  const Embedding embedding(element, mesh.cells, mesh.X, points);
+  EXPECT_EQ(embedding.outside().count, 0);
+  std::vector<double> places(3 * points.size());
+  embedding.apply(moved, places);
+  for (std::size_t p = 0; p < points.size(); ++p)
+    ASSERT_LT((Eigen::Map<const Vector3>(places.data() + 3 * p) - expected[p]).norm(), 1e-11);
 }
 
 TEST(Embedding, ChoosesTheCellInWhichAPointIsDeepest) {
@@ -162,37 +162,34 @@ TEST(Embedding, TakesOutsideTheCellThatIsNearestInSpace) {
 }
 
 /// Places on a fine grid of every cell are no nearer.
-TEST(Embedding, FindsTheNearestPlaceOfTheSurface) {
-  for (const ElementInfo* element : elements()) {
-    if (element->has_mean_volume) continue;
-    const ElementMesh mesh(*element, 2, 0.1);
-    const CellMap cells(*element, mesh.cells, mesh.X);
-    std::vector<Vector3> on_cells;
-    constexpr int n = 12;
-    for (Index cell = 0; cell < cells.num_cells(); ++cell)
-      for (int i = 0; i <= n; ++i)
-        for (int j = 0; j <= n; ++j)
-          for (int k = 0; k <= (element->dim == 3 ? n : 0); ++k) {
-            const Vector3 xi = Vector3(i, j, k) / n;
-            if (cells.depth(xi) >= -1e-12) on_cells.push_back(cells.place(cell, xi));
-          }
-    std::vector<Vector3> points;
-    for (const Vector3& X : sample_points(element->dim, 1.5, 60))
-      if (((X.head(element->dim).array() < -0.1) || (X.head(element->dim).array() > 1.1)).any())
-        points.push_back(X);
-    const CellSurface surface(cells);
-    for (const Vector3& X : points) {
-      const CellSurface::Nearest nearest = surface.nearest(X);
-      EXPECT_NEAR((cells.place(nearest.cell, nearest.xi) - X).norm(), nearest.distance, 1e-14);
-      EXPECT_GE(cells.depth(nearest.xi), -1e-12);
-      double least = std::numeric_limits<double>::infinity();
-      for (const Vector3& place : on_cells) least = std::min(least, (place - X).norm());
-      EXPECT_LT(nearest.distance, least + 1e-12) << element->name;
-    }
-    const Embedding embedding(*element, mesh.cells, mesh.X, points);
-    EXPECT_EQ(embedding.outside().count, embedding.num_points());
-    EXPECT_EQ(embedding.cell(0), surface.nearest(points[0]).cell);
+TEST_P(EmbeddingInEveryElement, FindsTheNearestPlaceOfTheSurface) {
+  const ElementMesh mesh(element, 2, 0.1);
+  const CellMap cells(element, mesh.cells, mesh.X);
+  std::vector<Vector3> on_cells;
+  constexpr int n = 12;
+  for (Index cell = 0; cell < cells.num_cells(); ++cell)
+    for (int i = 0; i <= n; ++i)
+      for (int j = 0; j <= n; ++j)
+        for (int k = 0; k <= (element.dim == 3 ? n : 0); ++k) {
+          const Vector3 xi = Vector3(i, j, k) / n;
+          if (cells.depth(xi) >= -1e-12) on_cells.push_back(cells.place(cell, xi));
+        }
+  std::vector<Vector3> points;
+  for (const Vector3& X : sample_points(element.dim, 1.5, 60))
+    if (((X.head(element.dim).array() < -0.1) || (X.head(element.dim).array() > 1.1)).any())
+      points.push_back(X);
+  const CellSurface surface(cells);
+  for (const Vector3& X : points) {
+    const CellSurface::Nearest nearest = surface.nearest(X);
+    EXPECT_NEAR((cells.place(nearest.cell, nearest.xi) - X).norm(), nearest.distance, 1e-14);
+    EXPECT_GE(cells.depth(nearest.xi), -1e-12);
+    double least = std::numeric_limits<double>::infinity();
+    for (const Vector3& place : on_cells) least = std::min(least, (place - X).norm());
+    EXPECT_LT(nearest.distance, least + 1e-12);
   }
+  const Embedding embedding(element, mesh.cells, mesh.X, points);
+  EXPECT_EQ(embedding.outside().count, embedding.num_points());
+  EXPECT_EQ(embedding.cell(0), surface.nearest(points[0]).cell);
 }
 
 /// Around the inner nodes of a regular grid the cells are symmetric, so that F_a is exact for quadratic maps.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "every_element.hpp"
 #include "resilin/element/catalog.hpp"
 #include "resilin/mesh/generators.hpp"
 
@@ -46,38 +47,39 @@ TEST(Boundary, OfABoxIsClosed) {
   EXPECT_EQ(num_used - static_cast<std::ptrdiff_t>(edges(facets).size()) + facets.num_cells(), 2);
 }
 
+struct BoundaryOfEveryElement : OnEveryElement {};
+INSTANTIATE_TEST_SUITE_P(Catalogue, BoundaryOfEveryElement, ::testing::ValuesIn(elements()), name_of_element);
+
 /// Sides of the reference cell of every element: flat, facing outwards, with the nodes in the middle of edges
 /// where they belong.
-TEST(Boundary, OfEveryElementsCellPointsOutwardsWithAllItsNodes) {
-  for (const ElementInfo* element : elements()) {
-    CellBlock cell{cell_kind(*element), {}};
-    Vector3 center = Vector3::Zero();
-    for (int a = 0; a < element->num_nodes; ++a) {
-      cell.nodes.push_back(a);
-      center += element->nodes[static_cast<std::size_t>(a)] / element->num_nodes;
+TEST_P(BoundaryOfEveryElement, PointsOutwardsWithAllItsNodes) {
+  CellBlock cell{cell_kind(element), {}};
+  Vector3 center = Vector3::Zero();
+  for (int a = 0; a < element.num_nodes; ++a) {
+    cell.nodes.push_back(a);
+    center += element.nodes[static_cast<std::size_t>(a)] / element.num_nodes;
+  }
+  const Boundary result = boundary(cell);
+  EXPECT_EQ(result.facets.num_cells(), static_cast<Index>(cell_sides(cell.kind).size()));
+  for (Index f = 0; f < result.facets.num_cells(); ++f) {
+    const auto nodes = result.facets.cell(f);
+    const auto X = [&](std::size_t i) { return element.nodes[static_cast<std::size_t>(nodes[i])]; };
+    const Vector3 edge = X(1) - X(0);
+    const Vector3 normal = element.dim == 2 ? Vector3(edge.y(), -edge.x(), 0) : edge.cross(X(2) - X(0));
+    EXPECT_GT(normal.dot(X(0) - center), 0) << f;
+    for (std::size_t i = 0; i < nodes.size(); ++i) EXPECT_NEAR(normal.dot(X(i) - X(0)), 0, 1e-15);
+    const auto middles = cell_edges(result.facets.kind);
+    const auto corners = static_cast<std::size_t>(num_corners(result.facets.kind));
+    for (std::size_t e = 0; corners + e < nodes.size(); ++e) {
+      const auto [i, j] = middles[e];
+      EXPECT_EQ(X(corners + e), 0.5 * (X(static_cast<std::size_t>(i)) + X(static_cast<std::size_t>(j))));
     }
-    const Boundary result = boundary(cell);
-    EXPECT_EQ(result.facets.num_cells(), static_cast<Index>(cell_sides(cell.kind).size()));
-    for (Index f = 0; f < result.facets.num_cells(); ++f) {
-      const auto nodes = result.facets.cell(f);
-      const auto X = [&](std::size_t i) { return element->nodes[static_cast<std::size_t>(nodes[i])]; };
-      const Vector3 edge = X(1) - X(0);
-      const Vector3 normal = element->dim == 2 ? Vector3(edge.y(), -edge.x(), 0) : edge.cross(X(2) - X(0));
-      EXPECT_GT(normal.dot(X(0) - center), 0) << element->text << f;
-      for (std::size_t i = 0; i < nodes.size(); ++i) EXPECT_NEAR(normal.dot(X(i) - X(0)), 0, 1e-15);
-      const auto middles = cell_edges(result.facets.kind);
-      const auto corners = static_cast<std::size_t>(num_corners(result.facets.kind));
-      for (std::size_t e = 0; corners + e < nodes.size(); ++e) {
-        const auto [i, j] = middles[e];
-        EXPECT_EQ(X(corners + e), 0.5 * (X(static_cast<std::size_t>(i)) + X(static_cast<std::size_t>(j))));
-      }
-    }
-    const auto corners = static_cast<std::size_t>(element->num_corners());
-    for (std::size_t e = 0; corners + e < element->nodes.size(); ++e) {
-      const auto [i, j] = cell_edges(cell.kind)[e];
-      EXPECT_EQ(element->nodes[corners + e], 0.5 * (element->nodes[static_cast<std::size_t>(i)] +
-                                                    element->nodes[static_cast<std::size_t>(j)]));
-    }
+  }
+  const auto corners = static_cast<std::size_t>(element.num_corners());
+  for (std::size_t e = 0; corners + e < element.nodes.size(); ++e) {
+    const auto [i, j] = cell_edges(cell.kind)[e];
+    EXPECT_EQ(element.nodes[corners + e], 0.5 * (element.nodes[static_cast<std::size_t>(i)] +
+                                                 element.nodes[static_cast<std::size_t>(j)]));
   }
 }
 
