@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "every_integrator.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/parallel.hpp"
 #include "resilin/world/colliders.hpp"
@@ -165,21 +166,23 @@ TEST(RandomThrows, NeverPassThroughAGroundOrABall) {
   }
 }
 
-TEST(EveryIntegratorOnTheGround, KeepsBodiesOutOfColliders) {
-  for (const std::string& name : integrator_names()) {
-    Description scene = dropped_bar(2);
-    scene.integrator = name;
-    scene.end_time = 0.4;
-    Simulation simulation(scene);
-    double contact = 0;
-    while (!simulation.is_finished()) {
-      simulation.step();
-      ASSERT_GT(smallest_distance(simulation), 0) << name;
-      contact = std::max(contact, simulation.frame().contact_energy);
-    }
-    EXPECT_GT(contact, 0) << name;
-    EXPECT_TRUE(std::isfinite(contact)) << name;
+struct EveryIntegratorOnTheGround : WithEveryIntegrator {};
+INSTANTIATE_TEST_SUITE_P(Catalogue, EveryIntegratorOnTheGround, ::testing::ValuesIn(integrator_names()),
+                         name_of_integrator);
+
+TEST_P(EveryIntegratorOnTheGround, KeepsBodiesOutOfColliders) {
+  Description scene = dropped_bar(2);
+  scene.integrator = integrator;
+  scene.end_time = 0.4;
+  Simulation simulation(scene);
+  double contact = 0;
+  while (!simulation.is_finished()) {
+    simulation.step();
+    ASSERT_GT(smallest_distance(simulation), 0);
+    contact = std::max(contact, simulation.frame().contact_energy);
   }
+  EXPECT_GT(contact, 0);
+  EXPECT_TRUE(std::isfinite(contact));
 }
 
 /// Two planes that pass through each other leave no room.

@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 
+#include "every_integrator.hpp"
 #include "small_scenes.hpp"
 
 namespace resilin::testing {
@@ -85,22 +86,23 @@ TEST(ATumblingBar, ConvergesWithTheOrderOfItsIntegrator) {
   }
 }
 
-TEST(EveryIntegrator, GoesOnFromACheckpointWithTheSameBits) {
-  for (const std::string& integrator : integrator_names()) {
-    for (const MassKind mass : {MassKind::lumped, MassKind::consistent}) {
-      Description scene = small_bar(3, true);
-      scene.integrator = integrator;
-      scene.bodies[0].mass = mass;
-      Simulation unbroken(scene);
-      Simulation first(scene);
-      for (int step = 0; step < 3; ++step) first.step();
-      Simulation second(scene);
-      second.resume_from(deserialize_state(serialize(first.state()), "checkpoint.bin"), "checkpoint.bin");
-      for (int step = 0; step < 6; ++step) unbroken.step();
-      for (int step = 0; step < 3; ++step) second.step();
-      EXPECT_EQ(serialize(unbroken.state()), serialize(second.state()))
-          << integrator << " " << spelling(mass);
-    }
+struct MotionOfEveryIntegrator : WithEveryIntegrator {};
+INSTANTIATE_TEST_SUITE_P(Catalogue, MotionOfEveryIntegrator, ::testing::ValuesIn(integrator_names()),
+                         name_of_integrator);
+
+TEST_P(MotionOfEveryIntegrator, GoesOnFromACheckpointWithTheSameBits) {
+  for (const MassKind mass : {MassKind::lumped, MassKind::consistent}) {
+    Description scene = small_bar(3, true);
+    scene.integrator = integrator;
+    scene.bodies[0].mass = mass;
+    Simulation unbroken(scene);
+    Simulation first(scene);
+    for (int step = 0; step < 3; ++step) first.step();
+    Simulation second(scene);
+    second.resume_from(deserialize_state(serialize(first.state()), "checkpoint.bin"), "checkpoint.bin");
+    for (int step = 0; step < 6; ++step) unbroken.step();
+    for (int step = 0; step < 3; ++step) second.step();
+    EXPECT_EQ(serialize(unbroken.state()), serialize(second.state())) << spelling(mass);
   }
 }
 
@@ -113,23 +115,25 @@ Description shaken_bar(const std::string& integrator) {
   return scene;
 }
 
-TEST(PrescribedMotion, IsThatOfTheSceneInPlaceVelocityAndAcceleration) {
+struct PrescribedMotionOfEveryIntegrator : WithEveryIntegrator {};
+INSTANTIATE_TEST_SUITE_P(Catalogue, PrescribedMotionOfEveryIntegrator,
+                         ::testing::ValuesIn(integrator_names()), name_of_integrator);
+
+TEST_P(PrescribedMotionOfEveryIntegrator, IsThatOfTheSceneInPlaceVelocityAndAcceleration) {
   const TimeFunction sine{TimeFunction::Sine{.frequency = 3, .phase = 30}};
-  for (const std::string& integrator : integrator_names()) {
-    Description scene = shaken_bar(integrator);
-    scene.fixes[0].displacement = {0, 0, 0.02};
-    scene.fixes[0].time_function = sine;
-    scene.fixes[0].velocity = {0.1, 0, 0};
-    Simulation simulation(scene);
-    for (int step = 0; step < 7; ++step) ASSERT_EQ(simulation.step().status, StepReport::Status::converged);
-    const State& state = simulation.state();
-    for (const Index node : simulation.world().supports[0].nodes) {
-      const Vector3 X = simulation.world().rest_positions.segment<3>(3 * node);
-      const Vector3 x = X + Vector3(0.1 * state.time, 0, 0.02 * sine.value(state.time));
-      const Vector3 v(0.1, 0, 0.02 * sine.rate(state.time));
-      EXPECT_LT((state.positions.segment<3>(3 * node) - x).norm(), 1e-14) << integrator;
-      EXPECT_LT((state.velocities.segment<3>(3 * node) - v).norm(), 1e-13) << integrator;
-    }
+  Description scene = shaken_bar(integrator);
+  scene.fixes[0].displacement = {0, 0, 0.02};
+  scene.fixes[0].time_function = sine;
+  scene.fixes[0].velocity = {0.1, 0, 0};
+  Simulation simulation(scene);
+  for (int step = 0; step < 7; ++step) ASSERT_EQ(simulation.step().status, StepReport::Status::converged);
+  const State& state = simulation.state();
+  for (const Index node : simulation.world().supports[0].nodes) {
+    const Vector3 X = simulation.world().rest_positions.segment<3>(3 * node);
+    const Vector3 x = X + Vector3(0.1 * state.time, 0, 0.02 * sine.value(state.time));
+    const Vector3 v(0.1, 0, 0.02 * sine.rate(state.time));
+    EXPECT_LT((state.positions.segment<3>(3 * node) - x).norm(), 1e-14);
+    EXPECT_LT((state.velocities.segment<3>(3 * node) - v).norm(), 1e-13);
   }
 }
 
@@ -195,47 +199,47 @@ Description adaptive_bar(const std::string& integrator, double tolerance) {
   return scene;
 }
 
-TEST(AdaptiveSteps, MeetTheirToleranceTheEventsAndTheEnd) {
+struct AdaptiveStepsOfEveryIntegrator : WithEveryIntegrator {};
+INSTANTIATE_TEST_SUITE_P(Catalogue, AdaptiveStepsOfEveryIntegrator, ::testing::ValuesIn(integrator_names()),
+                         name_of_integrator);
+
+TEST_P(AdaptiveStepsOfEveryIntegrator, MeetTheirToleranceTheEventsAndTheEnd) {
   Description fine = adaptive_bar("tr_bdf2", 1);
   fine.adaptive.reset();
   fine.time_step = 1e-4;
   const Vector3 exact = run_all(fine).frame().probes[0].displacement;
-  for (const std::string& integrator : integrator_names()) {
-    double coarse_error = 0;
-    for (const double tolerance : {1e-3, 1e-5}) {
-      Simulation simulation(adaptive_bar(integrator, tolerance));
-      bool meets_begin = false, meets_end = false;
-      while (!simulation.is_finished()) {
-        const StepReport report = simulation.step();
-        ASSERT_EQ(report.status, StepReport::Status::converged) << integrator << ": " << report.reason;
-        EXPECT_LE(report.time_error, tolerance * 1.0);  // the bar is 1 m long
-        EXPECT_EQ(simulation.frame().time_step, report.time_step);
-        meets_begin |= simulation.state().time == 0.1;
-        meets_end |= simulation.state().time == 0.2;
-      }
-      EXPECT_TRUE(meets_begin && meets_end) << integrator;
-      EXPECT_EQ(simulation.state().time, 0.3);
-      const double error = (simulation.frame().probes[0].displacement - exact).norm();
-      if (tolerance == 1e-3)
-        coarse_error = error;
-      else
-        EXPECT_LT(error, 0.3 * coarse_error) << integrator;
+  double coarse_error = 0;
+  for (const double tolerance : {1e-3, 1e-5}) {
+    Simulation simulation(adaptive_bar(integrator, tolerance));
+    bool meets_begin = false, meets_end = false;
+    while (!simulation.is_finished()) {
+      const StepReport report = simulation.step();
+      ASSERT_EQ(report.status, StepReport::Status::converged) << report.reason;
+      EXPECT_LE(report.time_error, tolerance * 1.0);  // the bar is 1 m long
+      EXPECT_EQ(simulation.frame().time_step, report.time_step);
+      meets_begin |= simulation.state().time == 0.1;
+      meets_end |= simulation.state().time == 0.2;
     }
+    EXPECT_TRUE(meets_begin && meets_end);
+    EXPECT_EQ(simulation.state().time, 0.3);
+    const double error = (simulation.frame().probes[0].displacement - exact).norm();
+    if (tolerance == 1e-3)
+      coarse_error = error;
+    else
+      EXPECT_LT(error, 0.3 * coarse_error);
   }
 }
 
-TEST(AdaptiveSteps, GoOnFromACheckpointWithTheSameBits) {
-  for (const std::string& integrator : integrator_names()) {
-    const Description scene = adaptive_bar(integrator, 1e-4);
-    Simulation unbroken(scene);
-    Simulation first(scene);
-    for (int step = 0; step < 5; ++step) first.step();
-    Simulation second(scene);
-    second.resume_from(deserialize_state(serialize(first.state()), "checkpoint.bin"), "checkpoint.bin");
-    while (!unbroken.is_finished()) unbroken.step();
-    while (!second.is_finished()) second.step();
-    EXPECT_EQ(serialize(unbroken.state()), serialize(second.state())) << integrator;
-  }
+TEST_P(AdaptiveStepsOfEveryIntegrator, GoOnFromACheckpointWithTheSameBits) {
+  const Description scene = adaptive_bar(integrator, 1e-4);
+  Simulation unbroken(scene);
+  Simulation first(scene);
+  for (int step = 0; step < 5; ++step) first.step();
+  Simulation second(scene);
+  second.resume_from(deserialize_state(serialize(first.state()), "checkpoint.bin"), "checkpoint.bin");
+  while (!unbroken.is_finished()) unbroken.step();
+  while (!second.is_finished()) second.step();
+  EXPECT_EQ(serialize(unbroken.state()), serialize(second.state()));
 }
 
 TEST(AdaptiveSteps, ThatMayNotBeShortEnoughSaySo) {
