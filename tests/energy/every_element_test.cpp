@@ -71,21 +71,21 @@ struct EveryElementEnergy : OnEveryElement {
 INSTANTIATE_TEST_SUITE_P(Catalogue, EveryElementEnergy, ::testing::ValuesIn(elements()), name_of_element);
 
 TEST_P(EveryElementEnergy, IsTheSumOfItsPoints) {
-  for_every_law([](const ElementInfo& element, const ElementMesh& mesh, const LawInfo& law) {
-    const ElasticEnergy energy = make_energy(element, mesh, law);
+  for_every_law([](const ElementInfo& info, const ElementMesh& mesh, const LawInfo& law) {
+    const ElasticEnergy energy = make_energy(info, mesh, law);
     const VectorX x = mesh.moved(0.01);
     const std::vector<double> volumes = energy.point_volumes(), densities = energy.energy_densities(x);
     double sum = 0;
     for (std::size_t i = 0; i < volumes.size(); ++i) sum += volumes[i] * densities[i];
     EXPECT_NEAR(energy.value(x, {}), sum, 1e-12 * std::abs(sum));
     // The volume of a curved P2 tetrahedron is an integral of degree 3, beyond its 4 points.
-    EXPECT_NEAR(energy.total_rest_volume(), 1, element.degree == 2 && mesh.dim == 3 ? 1e-4 : 1e-13);
+    EXPECT_NEAR(energy.total_rest_volume(), 1, info.degree == 2 && mesh.dim == 3 ? 1e-4 : 1e-13);
   });
 }
 
 TEST_P(EveryElementEnergy, HasItsSlopeAsGradientAndItsCurvatureAsHessian) {
-  for_every_law([](const ElementInfo& element, const ElementMesh& mesh, const LawInfo& law) {
-    ElasticEnergy energy = make_energy(element, mesh, law);
+  for_every_law([](const ElementInfo& info, const ElementMesh& mesh, const LawInfo& law) {
+    ElasticEnergy energy = make_energy(info, mesh, law);
     const VectorX x = mesh.moved(0.01);
     std::mt19937 random(5);
     std::normal_distribution<double> normal;
@@ -101,8 +101,8 @@ TEST_P(EveryElementEnergy, HasItsSlopeAsGradientAndItsCurvatureAsHessian) {
 }
 
 TEST_P(EveryElementEnergy, IsPositiveSemidefiniteOnceProjected) {
-  for_every_law([](const ElementInfo& element, const ElementMesh& mesh, const LawInfo& law) {
-    ElasticEnergy energy = make_energy(element, mesh, law);
+  for_every_law([](const ElementInfo& info, const ElementMesh& mesh, const LawInfo& law) {
+    ElasticEnergy energy = make_energy(info, mesh, law);
     const VectorX x = mesh.moved(law.needs_positive_J ? 0.015 : 0.15);
     for (const Projection projection : {Projection::clamp, Projection::absolute}) {
       const Eigen::MatrixXd H = hessian(mesh, energy, x, projection);
@@ -113,8 +113,8 @@ TEST_P(EveryElementEnergy, IsPositiveSemidefiniteOnceProjected) {
 }
 
 TEST_P(EveryElementEnergy, PassesThePatchTestOnCurvedCells) {
-  for_every_law([](const ElementInfo& element, const ElementMesh& mesh, const LawInfo& law) {
-    const ElasticEnergy energy = make_energy(element, mesh, law);
+  for_every_law([](const ElementInfo& info, const ElementMesh& mesh, const LawInfo& law) {
+    const ElasticEnergy energy = make_energy(info, mesh, law);
     Matrix<3> F;
     F << 1.2, 0.3, 0.1, -0.1, 0.9, 0.2, 0.05, -0.15, 1.1;
     VectorX x = mesh.X;
@@ -129,10 +129,10 @@ TEST_P(EveryElementEnergy, PassesThePatchTestOnCurvedCells) {
     // Quadrature of curved cells is not exact for N_a, but the sum over the cells at an inner node is: the
     // gradients of a shape function that vanishes on the boundary integrate to zero only when the rule holds
     // cof(dX/dxi) dN/dxi, of degree 3 on curved P2 tetrahedra and 2 on triangles and cubes per direction.
-    const bool is_integrated = element.degree == 1 || mesh.dim == 2;
+    const bool is_integrated = info.degree == 1 || mesh.dim == 2;
     EXPECT_LT(inner, (is_integrated ? 1e-13 : 2e-3) * g.norm());
     if (is_integrated) return;
-    const ElasticEnergy finer = make_energy(element, mesh, law, "8-point");
+    const ElasticEnergy finer = make_energy(info, mesh, law, "8-point");
     const VectorX finer_g = gradient(finer, x);
     for (Index node = 0; node < static_cast<Index>(x.size() / mesh.dim); ++node)
       if (!mesh.is_on_boundary(node)) {
@@ -143,14 +143,14 @@ TEST_P(EveryElementEnergy, PassesThePatchTestOnCurvedCells) {
 
 TEST_P(EveryElementEnergy, GivesTheSameBitsForAnyNumberOfThreads) {
   const int before = num_threads();
-  for_every_law([](const ElementInfo& element, const ElementMesh& mesh, const LawInfo& law) {
+  for_every_law([](const ElementInfo& info, const ElementMesh& mesh, const LawInfo& law) {
     const VectorX x = mesh.moved(0.01);
     std::vector<double> energies;
     std::vector<VectorX> gradients;
     std::vector<Eigen::MatrixXd> hessians;
     for (const int threads : {1, 2, 3}) {
       set_num_threads(threads);
-      ElasticEnergy energy = make_energy(element, mesh, law);
+      ElasticEnergy energy = make_energy(info, mesh, law);
       energies.push_back(energy.value(x, {}));
       gradients.push_back(gradient(energy, x));
       hessians.push_back(hessian(mesh, energy, x, Projection::clamp));
@@ -165,13 +165,13 @@ TEST_P(EveryElementEnergy, GivesTheSameBitsForAnyNumberOfThreads) {
 }
 
 TEST_P(EveryElementEnergy, IsTheSameForEveryInstructionSet) {
-  for_every_law([](const ElementInfo& element, const ElementMesh& mesh, const LawInfo& law) {
+  for_every_law([](const ElementInfo& info, const ElementMesh& mesh, const LawInfo& law) {
     const VectorX x = mesh.moved(0.01);
-    ElasticEnergy energy = make_energy(element, mesh, law);
+    ElasticEnergy energy = make_energy(info, mesh, law);
     const VectorX g = gradient(energy, x);
     const Eigen::MatrixXd H = hessian(mesh, energy, x, Projection::clamp);
     for (const InstructionSet set : available_instruction_sets()) {
-      ElasticEnergy other = make_energy(element, mesh, law, "", set);
+      ElasticEnergy other = make_energy(info, mesh, law, "", set);
       EXPECT_LT((gradient(other, x) - g).norm(), 1e-13 * g.norm());
       EXPECT_LT((hessian(mesh, other, x, Projection::clamp) - H).norm(), 1e-11 * H.norm());
     }

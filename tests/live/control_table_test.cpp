@@ -66,8 +66,9 @@ TEST(EveryControl, IsFoundByAKeyOfItsOwnAndSaysWhatItDoes) {
     EXPECT_TRUE(keys.insert(control.key).second) << control.key;
     for (const std::string_view text : {control.folder, control.label, control.help})
       EXPECT_FALSE(text.empty()) << control.key;
-    if (const auto* form = std::get_if<Switch>(&control.form); form != nullptr && !form->hotkey.empty())
+    if (const auto* form = std::get_if<Switch>(&control.form); form != nullptr && !form->hotkey.empty()) {
       EXPECT_TRUE(hotkeys.insert(form->hotkey).second) << control.key;
+    }
   }
   EXPECT_EQ(find_live_control("youngs_modulos"), nullptr);
 }

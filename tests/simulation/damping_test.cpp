@@ -105,8 +105,8 @@ TEST_P(DampedMotionOfEveryIntegrator, KeepsMomentumAndHardlySlowsATurn) {
 }
 
 TEST_P(DampedMotionOfEveryIntegrator, ConvergesWithTheOrderOfItsIntegrator) {
-  const auto end_of = [](const std::string& integrator, double time_step) {
-    Description scene = spinning_bar(integrator, time_step);
+  const auto end_of = [](const std::string& scheme, double time_step) {
+    Description scene = spinning_bar(scheme, time_step);
     scene.end_time = 0.05;
     scene.bodies[0].mesh = make_box({1, 0.5, 0.5}, {2, 1, 1});
     scene.bodies[0].velocity_gradient(0, 0) = 2;
