@@ -86,8 +86,9 @@ TEST_F(ServedLiveSceneTest, DescribesTheScene) {
 }
 
 TEST_F(ServedLiveSceneTest, ListsItsControlsForThePanel) {
+  const json header = scene.header();
   std::map<std::string, json> controls;
-  for (const json& control : scene.header()["controls"]) controls[control["key"]] = control;
+  for (const json& control : header["controls"]) controls[control["key"]] = control;
   EXPECT_EQ(controls.size(), live_control_table().size());
   EXPECT_EQ(controls["youngs_modulus"]["kind"], "log_slider");
   EXPECT_EQ(controls["youngs_modulus"]["unit"], "Pa");

@@ -21,12 +21,12 @@ double cell_size(const World& world) {
   return std::pow(volume / cells, 1.0 / world.dimension);
 }
 
-/// A round height at or just under the lowest node at rest, along `up` [m].
+/// A height of two digits at or just under the lowest node at rest, along `up` [m].
 double height_under(const World& world, const Vector3& up) {
   double lowest = std::numeric_limits<double>::infinity();
   for (Index node = 0; node < world.num_nodes(); ++node)
     lowest = std::min(lowest, node_position(world.dimension, node, world.rest_positions).dot(up));
-  const double digits = std::pow(10, 3 - std::floor(std::log10(world.largest_extent())));
+  const double digits = std::pow(10, 2 - std::floor(std::log10(world.largest_extent())));
   return std::floor(lowest * digits + 1e-6) / digits;
 }
 
