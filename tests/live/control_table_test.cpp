@@ -66,15 +66,9 @@ TEST(EveryControl, IsFoundByAKeyOfItsOwnAndSaysWhatItDoes) {
     EXPECT_TRUE(keys.insert(control.key).second) << control.key;
     for (const std::string_view text : {control.folder, control.label, control.help})
       EXPECT_FALSE(text.empty()) << control.key;
-<<<<<<< ours
-    if (const auto* form = std::get_if<Switch>(&control.form); form != nullptr && !form->hotkey.empty()) {
-      EXPECT_TRUE(hotkeys.insert(form->hotkey).second) << control.key;
-    }
-=======
     const auto* form = std::get_if<Switch>(&control.form);
     const bool has_hotkey = form != nullptr && !form->hotkey.empty();
     EXPECT_TRUE(!has_hotkey || hotkeys.insert(form->hotkey).second) << control.key;
->>>>>>> theirs
   }
   EXPECT_EQ(find_live_control("youngs_modulos"), nullptr);
 }
