@@ -1,6 +1,6 @@
 #pragma once
 
-#include "resilin/core/simd.hpp"
+#include "resilin/core/simd_intrinsics.hpp"
 
 /// Singular values and eigenvalues of small matrices, one matrix in each lane, without branches.
 namespace resilin::RESILIN_SIMD_NAMESPACE {

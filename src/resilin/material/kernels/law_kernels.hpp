@@ -58,7 +58,11 @@ struct LawKernels {
 /// Kernels of the law at this place in the catalogue.
 const LawKernels& law_kernels(int law_index, InstructionSet set);
 
-template <InstructionSet set>
-const LawKernels& compiled_law_kernels(int law_index);
+template <template <class> class Law, InstructionSet set>
+const LawKernels& compiled_law_kernels();
+
+/// Whether a law's volume energy stands apart as `volume_energy(j)`. Elements with a mean volume need it.
+template <class Law>
+constexpr bool has_volume_energy = requires { &Law::template volume_energy<double>; };
 
 }  // namespace resilin

@@ -1,11 +1,15 @@
-// Compiled once for each instruction set: see core/simd.hpp.
-#include "resilin/material/kernels/law_kernels.hpp"
+#pragma once
 
+#include <type_traits>
 #include <utility>
 
 #include "resilin/core/simd_math.hpp"
-#include "resilin/material/catalog.hpp"
+#include "resilin/material/invariants.hpp"
+#include "resilin/material/kernels/law_kernels.hpp"
+#include "resilin/material/stretches.hpp"
 
+/// The kernels of a law, made of its energy. Each law is compiled by itself, once for each instruction set:
+/// see law_object.cpp.in and core/simd.hpp.
 namespace resilin::RESILIN_SIMD_NAMESPACE {
 namespace {
 
@@ -49,27 +53,26 @@ RESILIN_INLINE Law read_law_of(const double* rows, std::integer_sequence<int, i.
 template <class Law>
 using Places = std::make_integer_sequence<int, static_cast<int>(Law::constants.size())>;
 
-/// The variables of the law's kind as numbers of type T.
-template <LawKind kind, class T>
+/// The variables of the law's kind as numbers of type T, which carries derivatives by them unless it is Real
+/// itself.
+template <LawKind kind, class T, class Real>
 RESILIN_INLINE auto read_variables(const double* rows) {
   const auto variable = [rows](int i) {
-    const Lanes x = Lanes::load(rows + i * block_size);
-    if constexpr (std::is_same_v<T, Lanes>)
+    const Real x = lifted<Real>(Lanes::load(rows + i * block_size));
+    if constexpr (std::is_same_v<T, Real>)
       return x;
     else
-      return T::variable(lifted<typename T::Number>(x), i);
+      return T::variable(x, i);
   };
   if constexpr (kind == LawKind::small_strain) {
     return SmallStrain<T>{variable(0), variable(2)};
   } else if constexpr (kind == LawKind::invariants) {
     return Invariants<T>::from_reduced(variable(0), variable(1), variable(2));
   } else if constexpr (kind == LawKind::stretches) {
-    using Real = typename T::Number;
     Real e[3];
     for (int i = 0; i < 3; ++i) e[i] = lifted<Real>(Lanes::load(rows + i * block_size));
     return Stretches<T>(e);
   } else {
-    using Real = typename T::Number;
     FibreInvariants<T> c{
         Invariants<T>::from_reduced(variable(0), variable(1), variable(2)), {variable(3), variable(4)}, {}};
     for (int i = 0; i < max_fibre_families; ++i)
@@ -97,7 +100,7 @@ RESILIN_INLINE Mask is_outside([[maybe_unused]] const Law& law, const double* ro
     }
   }
   if constexpr (has_margin<Law>)
-    outside |= ~(law.margin(read_variables<LawKind::invariants, Lanes>(rows)) > Lanes(0.0));
+    outside |= ~(law.margin(read_variables<LawKind::invariants, Lanes, Lanes>(rows)) > Lanes(0.0));
   return outside;
 }
 
@@ -120,29 +123,26 @@ RESILIN_INLINE void for_lanes(const LawBatch& batch, int num_rows, const Body& b
            batch.results + block * static_cast<std::size_t>(num_rows * block_size) + lane);
 }
 
-/// The number that carries first derivatives by the variables, over `Real`.
+/// The variables as numbers that carry first derivatives by themselves, over `Real`.
 template <LawKind kind, class Real>
-using FirstOrder = Dual<Real, num_slopes(kind)>;
-/// And the one that evaluates alone, where the kind allows it.
-template <LawKind kind, class Real>
-using ValueOnly = std::conditional_t<(kind == LawKind::invariants || kind == LawKind::small_strain) &&
-                                         std::is_same_v<Real, Lanes>,
-                                     Lanes, FirstOrder<kind, Real>>;
+RESILIN_INLINE auto read_first_order(const double* rows) {
+  return read_variables<kind, Dual<Real, num_slopes(kind)>, Real>(rows);
+}
 
-template <class T>
-RESILIN_INLINE auto value_of(const T& x) {
-  if constexpr (std::is_same_v<T, Lanes>)
-    return x;
+/// The value of Psi alone. Stretches and fibres are written with numbers that carry derivatives in any case.
+template <class Real, class Law>
+RESILIN_INLINE Real value_of(const Law& law, const double* variables) {
+  if constexpr (Law::kind == LawKind::invariants || Law::kind == LawKind::small_strain)
+    return law.energy_density(read_variables<Law::kind, Real, Real>(variables));
   else
-    return x.value;
+    return law.energy_density(read_first_order<Law::kind, Real>(variables)).value;
 }
 
 template <class Law>
 [[gnu::flatten]] void energy(const LawBatch& batch) {
   for_lanes<Law::kind>(batch, 1, [](const double* variables, const double* constants, double* out) {
     const Law law = read_law<Law>(constants, Places<Law>{});
-    const auto c = read_variables<Law::kind, ValueOnly<Law::kind, Lanes>>(variables);
-    Lanes psi = value_of(law.energy_density(c));
+    Lanes psi = value_of<Lanes>(law, variables);
     if constexpr (has_domain<Law>) psi = select(is_outside(law, variables), __builtin_inf(), psi);
     psi.store(out);
   });
@@ -153,7 +153,7 @@ template <class Law>
   constexpr int n = num_slopes(Law::kind);
   for_lanes<Law::kind>(batch, n, [](const double* variables, const double* constants, double* out) {
     const Law law = read_law<Law>(constants, Places<Law>{});
-    const auto psi = law.energy_density(read_variables<Law::kind, FirstOrder<Law::kind, Lanes>>(variables));
+    const auto psi = law.energy_density(read_first_order<Law::kind, Lanes>(variables));
     const Lanes shift = undefined_outside(law, variables);
     for (int i = 0; i < n; ++i) (psi.slope[i] + shift).store(out + i * block_size);
   });
@@ -166,7 +166,7 @@ template <class Law>
   using Number = Dual2<Lanes, n, others>;
   for_lanes<Law::kind>(batch, rows, [](const double* variables, const double* constants, double* out) {
     const Law law = read_law<Law>(constants, Places<Law>{});
-    const Number psi = law.energy_density(read_variables<Law::kind, Number>(variables));
+    const Number psi = law.energy_density(read_variables<Law::kind, Number, Lanes>(variables));
     const Lanes shift = undefined_outside(law, variables);
     for (int i = 0; i < n; ++i) (psi.slope[i] + shift).store(out + i * block_size);
     out += n * block_size;
@@ -207,8 +207,7 @@ void constant_gradient(const LawBatch& batch, int p) {
   constexpr int n = num_slopes(Plain::kind);
   for_lanes<Plain::kind>(batch, n + 1, [p](const double* variables, const double* constants, double* out) {
     const auto law = read_law_of<Law<OneConstant>>(constants, Places<Plain>{}, p);
-    const auto psi =
-        law.energy_density(read_variables<Plain::kind, FirstOrder<Plain::kind, OneConstant>>(variables));
+    const auto psi = law.energy_density(read_first_order<Plain::kind, OneConstant>(variables));
     const Lanes shift = undefined_outside(read_law<Plain>(constants, Places<Plain>{}), variables);
     (psi.value.slope[0] + shift).store(out);
     for (int i = 0; i < n; ++i) (psi.slope[i].slope[0] + shift).store(out + (i + 1) * block_size);
@@ -220,31 +219,25 @@ void constant_curvature(const LawBatch& batch, int p, int q) {
   using Plain = Law<Lanes>;
   for_lanes<Plain::kind>(batch, 1, [p, q](const double* variables, const double* constants, double* out) {
     const auto law = read_law_of<Law<TwoConstants>>(constants, Places<Plain>{}, p, q);
-    const auto psi =
-        law.energy_density(read_variables<Plain::kind, FirstOrder<Plain::kind, TwoConstants>>(variables));
+    const auto psi = value_of<TwoConstants>(law, variables);
     const Lanes shift = undefined_outside(read_law<Plain>(constants, Places<Plain>{}), variables);
-    (psi.value.slope[0].slope[0] + shift).store(out);
+    (psi.slope[0].slope[0] + shift).store(out);
   });
 }
 
-template <template <class> class... Law>
-const LawKernels& kernels_of(LawList<Law...>, int law_index) {
-  static constexpr LawKernels table[] = {{energy<Law<Lanes>>, gradient<Law<Lanes>>, curvature<Law<Lanes>>,
-                                          volume_or_null<Law<Lanes>>(), constant_gradient<Law>,
-                                          constant_curvature<Law>}...};
-  return table[law_index];
-}
+template <template <class> class Law>
+constexpr LawKernels kernels_of = {energy<Law<Lanes>>,     gradient<Law<Lanes>>,
+                                   curvature<Law<Lanes>>,  volume_or_null<Law<Lanes>>(),
+                                   constant_gradient<Law>, constant_curvature<Law>};
 
 }  // namespace
-
 }  // namespace resilin::RESILIN_SIMD_NAMESPACE
 
 namespace resilin {
 
-template <InstructionSet>
-const LawKernels& compiled_law_kernels(int law_index) {
-  return RESILIN_SIMD_NAMESPACE::kernels_of(Laws{}, law_index);
+template <template <class> class Law, InstructionSet>
+const LawKernels& compiled_law_kernels() {
+  return RESILIN_SIMD_NAMESPACE::kernels_of<Law>;
 }
-template const LawKernels& compiled_law_kernels<InstructionSet::RESILIN_SIMD_NAMESPACE>(int);
 
 }  // namespace resilin
