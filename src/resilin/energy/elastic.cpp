@@ -13,11 +13,26 @@
 #include "resilin/element/catalog.hpp"
 #include "resilin/element/jacobian_bound.hpp"
 #include "resilin/energy/inversion_bound.hpp"
+#include "resilin/energy/kernels/node_counts.hpp"
 
 namespace resilin {
 namespace {
 
 constexpr std::size_t blocks_per_chunk = 256;  ///< of a parallel loop
+
+template <class Element>
+constexpr bool has_kernels() {
+  constexpr bool is_plane =
+      Element::shape == CellShape::triangle || Element::shape == CellShape::quadrilateral;
+  constexpr int dim = is_plane ? 2 : 3;
+  return Element::num_nodes == dim + 1 || is_counted(Element::num_nodes, typename NodeCounts<dim>::type{});
+}
+template <class... Element>
+constexpr bool all_have_kernels(ElementList<Element...>) {
+  return (has_kernels<Element>() && ...);
+}
+static_assert(all_have_kernels(Elements{}),
+              "an element's number of nodes belongs into kernels/node_counts.hpp");
 
 /// Sum of the lanes and their compensations, in a fixed order.
 struct LaneSum {

@@ -3,6 +3,7 @@
 
 #include "resilin/energy/kernels/gather.hpp"
 #include "resilin/energy/kernels/lane_hessians.hpp"
+#include "resilin/energy/kernels/node_counts.hpp"
 
 namespace resilin::RESILIN_SIMD_NAMESPACE {
 namespace {
@@ -334,6 +335,17 @@ constexpr QuadratureKernels kernels = {gradients<dim, num_nodes>,  add_energies<
                                        mean<dim, num_nodes>,       add_mean_volume<dim, num_nodes>,
                                        prefetch<dim, num_nodes>,   scatter<dim, num_nodes>};
 
+template <int dim, int... counts>
+const QuadratureKernels* find(int num_nodes, std::integer_sequence<int, counts...>) {
+  const QuadratureKernels* found = nullptr;
+  ((found = num_nodes == counts ? &kernels<dim, counts> : found), ...);
+  return found;
+}
+
+const QuadratureKernels& kernels_of_cells(int dim, int num_nodes) {
+  return dim == 2 ? *find<2>(num_nodes, NodeCounts<2>::type{}) : *find<3>(num_nodes, NodeCounts<3>::type{});
+}
+
 }  // namespace
 
 }  // namespace resilin::RESILIN_SIMD_NAMESPACE
@@ -342,9 +354,7 @@ namespace resilin {
 
 template <InstructionSet>
 const QuadratureKernels& compiled_quadrature_kernels(int dim, int num_nodes) {
-  if (dim == 2)
-    return num_nodes == 4 ? RESILIN_SIMD_NAMESPACE::kernels<2, 4> : RESILIN_SIMD_NAMESPACE::kernels<2, 6>;
-  return num_nodes == 8 ? RESILIN_SIMD_NAMESPACE::kernels<3, 8> : RESILIN_SIMD_NAMESPACE::kernels<3, 10>;
+  return RESILIN_SIMD_NAMESPACE::kernels_of_cells(dim, num_nodes);
 }
 template const QuadratureKernels& compiled_quadrature_kernels<InstructionSet::RESILIN_SIMD_NAMESPACE>(int,
                                                                                                       int);
