@@ -1,11 +1,12 @@
 #include "resilin/element/jacobian_bound.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
+
+#include "resilin/core/dense.hpp"
 
 namespace resilin {
 namespace {
@@ -79,7 +80,7 @@ BernsteinBasis::BernsteinBasis(CellShape shape, int of_degree)
   for (Eigen::Index i = 0; i < count; ++i)
     for (Eigen::Index j = 0; j < count; ++j)
       values(i, j) = value(static_cast<std::size_t>(j), points[static_cast<std::size_t>(i)]);
-  from_values = values.inverse();
+  from_values = dense::inverse(values);
 }
 
 /// The basis in which det dx/dxi of an element lies.

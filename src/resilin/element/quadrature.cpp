@@ -1,8 +1,9 @@
 #include "resilin/element/quadrature.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <array>
 #include <cmath>
+
+#include "resilin/core/dense.hpp"
 
 namespace resilin {
 namespace {
@@ -27,11 +28,10 @@ LineRule gauss_jacobi(int count, int power) {
     rule.weights = {1 / (a + 1)};
     return rule;
   }
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
-  solver.computeFromTridiagonal(diagonal, below);
+  const dense::Eigenpairs pairs = dense::tridiagonal_eigenpairs(diagonal, below);
   for (int n = 0; n < count; ++n) {
-    const double first = solver.eigenvectors()(0, n);
-    rule.points.push_back(0.5 * (1 + solver.eigenvalues()[n]));
+    const double first = pairs.vectors(0, n);
+    rule.points.push_back(0.5 * (1 + pairs.values[n]));
     rule.weights.push_back(first * first / (a + 1));
   }
   return rule;

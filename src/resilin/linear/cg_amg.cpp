@@ -1,6 +1,6 @@
-#include <Eigen/Cholesky>
 #include <algorithm>
 
+#include "resilin/core/dense.hpp"
 #include "resilin/linear/catalog.hpp"
 #include "resilin/linear/conjugate_gradients.hpp"
 #include "resilin/linear/diagonal_check.hpp"
@@ -52,7 +52,7 @@ class SmoothedAggregation : public Preconditioner {
   std::vector<Aggregates> groups_;  // of every level but the last
   bool modes_are_current_ = false;
   double scale_ = 1;
-  Eigen::LLT<Eigen::MatrixXd> coarsest_;
+  Eigen::MatrixXd coarsest_;  // its Cholesky factor
   VectorX coarse_vector_;
   bool is_coarsest_dense_ = false;
 };
@@ -177,12 +177,12 @@ bool SmoothedAggregation::factorize_coarsest() {
   const int size = level.block_size(), lanes = level.lanes();
   is_coarsest_dense_ = level.num_nodes() * size <= most_coarse_unknowns;
   if (!is_coarsest_dense_) return true;
-  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(level.num_nodes() * size, level.num_nodes() * size);
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(level.num_nodes() * size, level.num_nodes() * size);
   const auto put = [&](Index i, Index j, Offset block) {
     const float* from = level.blocks.data() + block * level.numbers_per_block();
     for (int r = 0; r < size; ++r)
       for (int c = 0; c < size; ++c)
-        dense(j * size + c, i * size + r) = static_cast<double>(from[r * lanes + c]);
+        matrix(j * size + c, i * size + r) = static_cast<double>(from[r * lanes + c]);
   };
   for (Index i = 0; i < level.num_nodes(); ++i) {
     put(i, i, i);
@@ -190,12 +190,12 @@ bool SmoothedAggregation::factorize_coarsest() {
       put(i, level.columns[k], level.num_nodes() + k);
   }
   // Round-off of single precision may take away definiteness where the matrix is nearly singular.
-  const double largest = dense.diagonal().maxCoeff();
-  for (double shift = 1e-7; coarsest_.compute(dense).info() != Eigen::Success; shift *= 4) {
-    if (!(shift < 1) || !dense.allFinite()) return false;
-    dense.diagonal().array() += shift * largest;
+  const double largest = matrix.diagonal().maxCoeff();
+  for (double shift = 1e-7; !dense::cholesky(matrix, coarsest_); shift *= 4) {
+    if (!(shift < 1) || !matrix.allFinite()) return false;
+    matrix.diagonal().array() += shift * largest;
   }
-  coarse_vector_.resize(dense.rows());
+  coarse_vector_.resize(matrix.rows());
   return true;
 }
 
@@ -204,7 +204,7 @@ void SmoothedAggregation::solve_coarsest() {
   const int size = level.block_size(), lanes = level.lanes();
   for (Index i = 0; i < level.num_nodes(); ++i)
     for (int d = 0; d < size; ++d) coarse_vector_[i * size + d] = static_cast<double>(level.r[i * lanes + d]);
-  coarsest_.solveInPlace(coarse_vector_);
+  dense::solve_cholesky(coarsest_, coarse_vector_);
   for (Index i = 0; i < level.num_nodes(); ++i)
     for (int d = 0; d < size; ++d) level.x[i * lanes + d] = static_cast<float>(coarse_vector_[i * size + d]);
 }

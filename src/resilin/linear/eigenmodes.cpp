@@ -1,7 +1,8 @@
 #include "resilin/linear/eigenmodes.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <random>
+
+#include "resilin/core/dense.hpp"
 
 namespace resilin {
 namespace {
@@ -83,16 +84,16 @@ MatrixXd KrylovSearch::apply(const MatrixXd& X, int& num_solves) {
 bool KrylovSearch::orthonormalize(MatrixXd& W, MatrixXd& R) const {
   R = MatrixXd::Identity(W.cols(), W.cols());
   for (int pass = 0; pass < 2; ++pass) {
-    const MatrixXd gram = W.transpose() * times_mass(W);
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(0.5 * (gram + gram.transpose()));
-    const VectorX& squares = eigen.eigenvalues();
+    const MatrixXd gram = dense::transposed_product(W, times_mass(W));
+    const dense::Eigenpairs eigen = dense::symmetric_eigenpairs(0.5 * (gram + gram.transpose()));
+    const VectorX& squares = eigen.values;
     const double smallest = std::max(rank_tolerance * squares.tail(1)[0], 1e-300);
     const Eigen::Index rank = (squares.array() > smallest).count();
     if (rank == 0) return false;
-    const MatrixXd kept = eigen.eigenvectors().rightCols(rank);
+    const MatrixXd kept = eigen.vectors.rightCols(rank);
     const VectorX lengths = squares.tail(rank).cwiseSqrt();
-    R = (lengths.asDiagonal() * kept.transpose() * R).eval();
-    W = (W * kept * lengths.cwiseInverse().asDiagonal()).eval();
+    R = dense::transposed_product(kept * lengths.asDiagonal(), R);
+    W = dense::product(W, kept) * lengths.cwiseInverse().asDiagonal();
   }
   return true;
 }
@@ -137,13 +138,13 @@ EigenModes KrylovSearch::solve_densely() const {
     problem_.multiply_mass(unit, y);
     M.col(j) = y(free_);
   }
-  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> eigen(0.5 * (K + K.transpose()), M);
+  const dense::Eigenpairs eigen = dense::generalized_eigenpairs(0.5 * (K + K.transpose()), M);
   EigenModes modes;
-  if (eigen.info() != Eigen::Success) modes.status = EigenModes::Status::not_converged;
-  modes.values = eigen.eigenvalues().head(count_);
+  if (!eigen.is_converged) modes.status = EigenModes::Status::not_converged;
+  modes.values = eigen.values.head(count_);
   modes.vectors = MatrixXd::Zero(size, count_);
-  modes.vectors(free_, Eigen::all) = eigen.eigenvectors().leftCols(count_);
-  modes.zero = zero_in_shifts * first_shift * eigen.eigenvalues().cwiseAbs().maxCoeff();
+  modes.vectors(free_, Eigen::all) = eigen.vectors.leftCols(count_);
+  modes.zero = zero_in_shifts * first_shift * eigen.values.cwiseAbs().maxCoeff();
   return modes;
 }
 
@@ -164,10 +165,11 @@ EigenModes KrylovSearch::run(const std::function<bool()>& is_stopped) {
       basis.conservativeResize(Eigen::NoChange, size);
       basis.rightCols(next.cols()) = next;
       MatrixXd W = apply(next, modes.num_solves);
-      MatrixXd H = basis.transpose() * times_mass(W);
-      W -= basis * H;
-      const MatrixXd correction = basis.transpose() * times_mass(W);  // once more: orthogonal to round-off
-      W -= basis * correction;
+      MatrixXd H = dense::transposed_product(basis, times_mass(W));
+      W -= dense::product(basis, H);
+      // Once more: orthogonal to round-off.
+      const MatrixXd correction = dense::transposed_product(basis, times_mass(W));
+      W -= dense::product(basis, correction);
       H += correction;
       projected.conservativeResize(size, size);
       projected.rightCols(next.cols()) = H;
@@ -175,18 +177,18 @@ EigenModes KrylovSearch::run(const std::function<bool()>& is_stopped) {
       const Eigen::Index last = next.cols();
       const bool is_exhausted = !orthonormalize(W, R);
       if (is_exhausted) R = MatrixXd::Zero(1, last);
-      const Eigen::SelfAdjointEigenSolver<MatrixXd> ritz(0.5 * (projected + projected.transpose()));
+      const dense::Eigenpairs ritz = dense::symmetric_eigenpairs(0.5 * (projected + projected.transpose()));
       const Eigen::Index found = std::min(size, columns);
-      const VectorX theta = ritz.eigenvalues().tail(found).reverse();
-      const MatrixXd coordinates = ritz.eigenvectors().rightCols(found).rowwise().reverse();
-      const VectorX residuals = (R * coordinates.bottomRows(last)).colwise().norm();
+      const VectorX theta = ritz.values.tail(found).reverse();
+      const MatrixXd coordinates = ritz.vectors.rightCols(found).rowwise().reverse();
+      const VectorX residuals = dense::product(R, coordinates.bottomRows(last)).colwise().norm();
       const bool is_converged =
           found >= count_ &&
           (residuals.head(count_).array() <= largest_residual * theta.head(count_).array().abs()).all();
       if (is_converged || is_exhausted) {
         modes.status = is_converged ? EigenModes::Status::converged : EigenModes::Status::not_converged;
         modes.values = theta.head(count_).cwiseInverse().array() - shift_;
-        modes.vectors = basis * coordinates.leftCols(count_);
+        modes.vectors = dense::product(basis, coordinates.leftCols(count_));
         return modes;
       }
       if (is_stopped && is_stopped()) {
@@ -194,7 +196,7 @@ EigenModes KrylovSearch::run(const std::function<bool()>& is_stopped) {
         return modes;
       }
       next = W;
-      if (block + 1 == max_blocks) next = basis * coordinates;
+      if (block + 1 == max_blocks) next = dense::product(basis, coordinates);
     }
   }
   modes.status = EigenModes::Status::not_converged;

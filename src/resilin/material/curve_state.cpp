@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "resilin/core/dense.hpp"
+
 namespace resilin {
 namespace {
 
@@ -18,11 +20,7 @@ Matrix<3> stretch_hessian(const TangentMatrix<3>& A) {
   return M;
 }
 
-template <class Symmetric>
-double smallest_eigenvalue(const Symmetric& matrix) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(matrix, Eigen::EigenvaluesOnly);
-  return eigen.eigenvalues()[0];
-}
+double smallest_eigenvalue(const Eigen::MatrixXd& matrix) { return dense::symmetric_eigenvalues(matrix)[0]; }
 
 /// The smallest eigenvalue of the acoustic tensor Q_ik = A_ijkl n_j n_l for n along the axes.
 double smallest_wave_modulus(const TangentMatrix<3>& A) {
@@ -128,8 +126,8 @@ double LoadedBlock::scale(const State& state) const {
 /// The state that the tangent at `from` promises: d free = -K_ff^-1 K_fl d load.
 LoadedBlock::State LoadedBlock::predict(double load, const State& from) const {
   const Matrix<3> M = stretch_hessian(tangent(from));
-  const auto K = (free_.transpose() * M * free_).eval();
-  const Free change = K.fullPivLu().solve(free_.transpose() * M * loaded_) * (from.load - load);
+  const Square K = free_.transpose() * M * free_;
+  const Free change = dense::solve(K, free_.transpose() * M * loaded_) * (from.load - load);
   State state{load, from.free + change};
   if (!change.allFinite() || state.free.minCoeff() <= smallest_stretch - 1) state.free = from.free;
   return state;
@@ -138,10 +136,10 @@ LoadedBlock::State LoadedBlock::predict(double load, const State& from) const {
 /// A Newton step with the absolute values of the Hessian's eigenvalues, shortened until the energy falls;
 /// false when no step does.
 bool LoadedBlock::descend(State& state, const Derivatives& slope) const {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(slope.hessian);
-  const Free moduli = eigen.eigenvalues().cwiseAbs();
-  const Free direction =
-      -(eigen.eigenvectors() * (eigen.eigenvectors().transpose() * slope.gradient).cwiseQuotient(moduli));
+  const dense::Eigenpairs eigen = dense::symmetric_eigenpairs(slope.hessian);
+  const Square vectors = eigen.vectors;
+  const Free moduli = eigen.values.cwiseAbs();
+  const Free direction = -(vectors * (vectors.transpose() * slope.gradient).cwiseQuotient(moduli));
   if (!direction.allFinite()) return false;
   double step = 1;
   for (Eigen::Index k = 0; k < direction.size(); ++k) {  // no stretch changes more than fivefold
@@ -165,14 +163,14 @@ bool LoadedBlock::descend(State& state, const Derivatives& slope) const {
 bool LoadedBlock::polish(State& state) const {
   Derivatives now = derivatives(state);
   for (int i = 0; i < 5; ++i) {
-    const State next{state.load, state.free - now.hessian.fullPivLu().solve(now.gradient)};
+    const State next{state.load, state.free - dense::solve(now.hessian, now.gradient)};
     const Derivatives then = derivatives(next);
     if (!(then.gradient.norm() < now.gradient.norm())) break;
     state = next;
     now = then;
   }
   if (!now.hessian.allFinite() || !(smallest_eigenvalue(now.hessian) > 0)) return false;
-  const Free left = now.hessian.fullPivLu().solve(now.gradient);
+  const Free left = dense::solve(now.hessian, now.gradient);
   return left.cwiseAbs().maxCoeff() <= 1e-8 * scale(state);
 }
 
@@ -209,7 +207,7 @@ Stability LoadedBlock::stability(const State& state) const {
     double condensed = loaded_.dot(stiffness);
     if (free_.cols() > 0) {
       const Free coupling = free_.transpose() * stiffness;
-      condensed -= coupling.dot((free_.transpose() * M * free_).eval().fullPivLu().solve(coupling));
+      condensed -= coupling.dot(dense::solve(free_.transpose() * M * free_, coupling));
     }
     if (!(condensed > round_off)) return Stability::stress_drops;
     const int moving = load_case_ == LoadCase::planar ? 2 : 3;

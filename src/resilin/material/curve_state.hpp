@@ -36,9 +36,10 @@ class LoadedBlock {
 
  private:
   using Directions = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, 2>;
+  using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 2, 2>;
   struct Derivatives {
-    Free gradient;  ///< dPsi/dfree [Pa]
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 2, 2> hessian;  ///< [Pa]
+    Free gradient;   ///< dPsi/dfree [Pa]
+    Square hessian;  ///< [Pa]
   };
 
   Matrix<3> displacement_gradient(const State& state) const;

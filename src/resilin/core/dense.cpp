@@ -1,0 +1,27 @@
+#include "resilin/core/dense.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+namespace resilin::dense {
+
+Matrix product(const Matrix& A, const Matrix& B) { return A * B; }
+
+Matrix transposed_product(const Matrix& A, const Matrix& B) { return A.transpose() * B; }
+
+VectorX solve(const Matrix& A, const VectorX& b) { return A.fullPivLu().solve(b); }
+
+Matrix inverse(const Matrix& A) { return A.inverse(); }
+
+bool cholesky(const Matrix& A, Matrix& L) {
+  const Eigen::LLT<Matrix> factorisation(A);
+  L = factorisation.matrixLLT();
+  return factorisation.info() == Eigen::Success;
+}
+
+void solve_cholesky(const Matrix& L, VectorX& x) {
+  L.triangularView<Eigen::Lower>().solveInPlace(x);
+  L.adjoint().triangularView<Eigen::Upper>().solveInPlace(x);
+}
+
+}  // namespace resilin::dense
