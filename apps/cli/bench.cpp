@@ -1,6 +1,5 @@
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -32,12 +31,11 @@ int bench(std::vector<std::string> arguments) {
 
 }  // namespace
 
-void add_bench(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand("bench", "List the built-in benchmarks, or run one");
-  command->prefix_command();
-  command->set_help_flag();  // the benchmarks' own program answers
-  command->callback([command, &action] {
-    action = [arguments = command->remaining()] { return bench(arguments); };
+void add_bench(CommandLine& line, Action& action) {
+  const Command command = line.command("bench", "List the built-in benchmarks, or run one");
+  command.takes_everything();  // the benchmarks' own program answers
+  command.on_chosen([command, &action] {
+    action = [arguments = command.remaining()] { return bench(arguments); };
   });
 }
 

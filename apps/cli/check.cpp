@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -141,20 +140,18 @@ int check(const CheckOptions& options) {
 
 }  // namespace
 
-void add_check(CLI::App& app, Action& action) {
+void add_check(CommandLine& line, Action& action) {
   auto options = std::make_shared<CheckOptions>();
-  CLI::App* command =
-      app.add_subcommand("check", "Say what is wrong with a scene or a mesh, where, and what to do");
-  command->add_option("input", options->input, "Scene (.toml) or mesh file")->required();
+  const Command command =
+      line.command("check", "Say what is wrong with a scene or a mesh, where, and what to do");
+  command.option("input", options->input, "Scene (.toml) or mesh file").required();
   command
-      ->add_option("--set", options->overrides,
+      .option("--set", options->overrides,
                    "Change a value of the scene first; may be given several times")
-      ->type_name("KEY=VALUE")
-      ->expected(1)
-      ->take_all()
-      ->allow_extra_args(false);
-  command->footer("Example:\n  resilin check beam.toml\n\nExit codes: 0 it can be simulated; 1 it cannot.");
-  command->callback([options, &action] { action = [options] { return check(*options); }; });
+      .type_name("KEY=VALUE")
+      .repeatable();
+  command.footer("Example:\n  resilin check beam.toml\n\nExit codes: 0 it can be simulated; 1 it cannot.");
+  command.on_chosen([options, &action] { action = [options] { return check(*options); }; });
 }
 
 }  // namespace resilin::cli

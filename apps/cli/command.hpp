@@ -1,11 +1,8 @@
 #pragma once
 
 #include <functional>
-#include <string>
 
-namespace CLI {
-class App;
-}
+#include "command_line.hpp"
 
 /// The subcommands of `resilin`, one file each.
 namespace resilin::cli {
@@ -16,13 +13,13 @@ enum ExitCode { done = 0, wrong_input = 1, not_converged = 2, internal_error = 3
 using Action = std::function<int()>;
 
 /// Each adds its subcommand; when it is the one on the command line, `action` is set.
-void add_run(CLI::App& app, Action& action);
-void add_check(CLI::App& app, Action& action);
-void add_mesh(CLI::App& app, Action& action);
-void add_view(CLI::App& app, Action& action);
-void add_picture(CLI::App& app, Action& action);
-void add_materials(CLI::App& app, Action& action);
-void add_bench(CLI::App& app, Action& action);
-void add_info(CLI::App& app, Action& action);
+void add_run(CommandLine& line, Action& action);
+void add_check(CommandLine& line, Action& action);
+void add_mesh(CommandLine& line, Action& action);
+void add_view(CommandLine& line, Action& action);
+void add_picture(CommandLine& line, Action& action);
+void add_materials(CommandLine& line, Action& action);
+void add_bench(CommandLine& line, Action& action);
+void add_info(CommandLine& line, Action& action);
 
 }  // namespace resilin::cli

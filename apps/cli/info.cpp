@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -51,18 +50,18 @@ int print_info(bool as_json) {
 
 }  // namespace
 
-void add_info(CLI::App& app, Action& action) {
+void add_info(CommandLine& line, Action& action) {
   struct Options {
     bool json = false;
     bool scene_reference = false;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command =
-      app.add_subcommand("info", "Version, instruction set in use, BLAS kernel, solvers, threads");
-  command->add_flag("--json", options->json, "Print JSON");
-  command->add_flag("--scene-reference", options->scene_reference, "Print the page docs/scene.md");
-  command->footer("Example:\n  resilin info --json");
-  command->callback([options, &action] {
+  const Command command =
+      line.command("info", "Version, instruction set in use, BLAS kernel, solvers, threads");
+  command.flag("--json", options->json, "Print JSON");
+  command.flag("--scene-reference", options->scene_reference, "Print the page docs/scene.md");
+  command.footer("Example:\n  resilin info --json");
+  command.on_chosen([options, &action] {
     action = [options] {
       if (!options->scene_reference) return print_info(options->json);
       print_text(scene_reference());

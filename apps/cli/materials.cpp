@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <array>
 #include <cmath>
 #include <memory>
@@ -150,51 +149,49 @@ int materials(const MaterialsOptions& options) {
   return done;
 }
 
-std::array<CLI::Option*, 2> add_material_options(CLI::App& command, MaterialOptions& options) {
-  command.add_option("--set", options.constants, "A constant of the law; may be given several times")
-      ->type_name("NAME=VALUE")
-      ->expected(1)
-      ->take_all()
-      ->allow_extra_args(false);
+std::array<Option, 2> add_material_options(const Command& command, MaterialOptions& options) {
+  command.option("--set", options.constants, "A constant of the law; may be given several times")
+      .type_name("NAME=VALUE")
+      .repeatable();
   command
-      .add_option("--fibre", options.fibres,
+      .option("--fibre", options.fibres,
                   "Direction of a family of fibres; may be given twice; default along x")
-      ->type_name("X Y Z")
-      ->expected(3, 6)
-      ->take_all();
-  return {command.add_option("--youngs-modulus", options.youngs_modulus, "Of small strains [Pa]")
-              ->capture_default_str(),
-          command.add_option("--poissons-ratio", options.poissons_ratio, "Of small strains")
-              ->capture_default_str()};
+      .type_name("X Y Z")
+      .values(3, 6)
+      .joins_repeats();
+  return {command.option("--youngs-modulus", options.youngs_modulus, "Of small strains [Pa]")
+              .shows_default(),
+          command.option("--poissons-ratio", options.poissons_ratio, "Of small strains")
+              .shows_default()};
 }
 
-void add_curve_options(CLI::App& command, CurveOptions& options) {
-  command.add_option("--curve", options.load_case, "Stress over stretch, free directions solved")
-      ->type_name("uniaxial|equibiaxial|planar|shear|volumetric");
-  command.add_option("--from", options.from, "First stretch; default 0.5 (amount of shear: 0)");
-  command.add_option("--to", options.to, "Last stretch; default 2 (amount of shear: 1.5)");
-  command.add_option("--points", options.points, "Number of points")
-      ->capture_default_str()
-      ->check(CLI::Range(2, 1000000));
-  command.add_option("--csv", options.csv, "Write the curve to this file as well");
+void add_curve_options(const Command& command, CurveOptions& options) {
+  command.option("--curve", options.load_case, "Stress over stretch, free directions solved")
+      .type_name("uniaxial|equibiaxial|planar|shear|volumetric");
+  command.option("--from", options.from, "First stretch; default 0.5 (amount of shear: 0)");
+  command.option("--to", options.to, "Last stretch; default 2 (amount of shear: 1.5)");
+  command.option("--points", options.points, "Number of points")
+      .shows_default()
+      .between(2, 1000000);
+  command.option("--csv", options.csv, "Write the curve to this file as well");
 }
 
 }  // namespace
 
-void add_materials(CLI::App& app, Action& action) {
+void add_materials(CommandLine& line, Action& action) {
   auto options = std::make_shared<MaterialsOptions>();
-  CLI::App* command =
-      app.add_subcommand("materials", "List the laws; for one: constants, formula, source, curves");
-  command->add_option("law", options->law, "Name of a law");
-  const std::array<CLI::Option*, 2> hooke = add_material_options(*command, options->material);
-  add_curve_options(*command, options->curve);
-  command->add_flag("--json", options->json, "Print JSON");
-  command->add_flag("--reference", options->reference, "Print the page docs/laws.md");
-  command->footer(
+  const Command command =
+      line.command("materials", "List the laws; for one: constants, formula, source, curves");
+  command.option("law", options->law, "Name of a law");
+  const std::array<Option, 2> hooke = add_material_options(command, options->material);
+  add_curve_options(command, options->curve);
+  command.flag("--json", options->json, "Print JSON");
+  command.flag("--reference", options->reference, "Print the page docs/laws.md");
+  command.footer(
       "Examples:\n  resilin materials stable_neo_hookean --youngs-modulus 1e5 --poissons-ratio 0.45\n"
       "  resilin materials neo_hookean --curve uniaxial --from 0.5 --to 3 --csv curve.csv");
-  command->callback([options, hooke, &action] {
-    for (const CLI::Option* option : hooke) options->material.gives_hooke |= option->count() > 0;
+  command.on_chosen([options, hooke, &action] {
+    for (const Option& option : hooke) options->material.gives_hooke |= option.is_given();
     action = [options] { return materials(*options); };
   });
 }

@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 #include <vector>
@@ -120,46 +119,46 @@ int convert(const MeshOptions& options) {
 
 }  // namespace
 
-void add_mesh(CLI::App& app, Action& action) {
+void add_mesh(CommandLine& line, Action& action) {
   auto options = std::make_shared<MeshOptions>();
-  CLI::App* command = app.add_subcommand(
+  const Command command = line.command(
       "mesh", "Convert and mend a mesh, extract its surface, fill a surface with tetrahedra, or make a box");
   command
-      ->add_option("files", options->files,
+      .option("files", options->files,
                    "IN and OUT, or OUT alone with --box; the extension tells the format")
-      ->expected(1, 2)
-      ->type_name("[IN] OUT");
-  command->add_option("--box", options->box, "Make a box (rectangle) with these edge lengths [m]")
-      ->expected(2, 3)
-      ->type_name("SX SY [SZ]");
-  command->add_option("--cells", options->cells, "Cubes (squares) along each direction of the box")
-      ->expected(2, 3)
-      ->type_name("NX NY [NZ]");
-  command->add_flag("--uncut", options->is_uncut,
+      .values(1, 2)
+      .type_name("[IN] OUT");
+  command.option("--box", options->box, "Make a box (rectangle) with these edge lengths [m]")
+      .values(2, 3)
+      .type_name("SX SY [SZ]");
+  command.option("--cells", options->cells, "Cubes (squares) along each direction of the box")
+      .values(2, 3)
+      .type_name("NX NY [NZ]");
+  command.flag("--uncut", options->is_uncut,
                     "Make hexahedra (quadrilaterals) instead of tetrahedra (triangles)");
-  command->add_flag("--reorient", options->reorient, "Turn inverted cells round");
-  command->add_flag("--remove-unused", options->remove_unused, "Drop vertices that no cell uses");
-  command->add_flag("--merge", options->merge, "Join vertices at exactly the same place");
-  command->add_flag("--surface", options->surface, "Write the boundary as triangles");
-  CLI::Option* tets =
+  command.flag("--reorient", options->reorient, "Turn inverted cells round");
+  command.flag("--remove-unused", options->remove_unused, "Drop vertices that no cell uses");
+  command.flag("--merge", options->merge, "Join vertices at exactly the same place");
+  command.flag("--surface", options->surface, "Write the boundary as triangles");
+  const Option tets =
       command
-          ->add_option("--tets", options->fill.tetrahedra,
+          .option("--tets", options->fill.tetrahedra,
                        "Fill the closed surface IN with about this many tetrahedra, by gmsh or pytetwild")
-          ->type_name("N");
-  command->add_option("--mesher", options->fill.mesher, "The program that --tets calls: gmsh or pytetwild")
-      ->type_name("NAME");
-  command->add_option("--time-limit", options->fill.time_limit, "How long --tets may take [s]")
-      ->type_name("SECONDS")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->footer(
+          .type_name("N");
+  command.option("--mesher", options->fill.mesher, "The program that --tets calls: gmsh or pytetwild")
+      .type_name("NAME");
+  command.option("--time-limit", options->fill.time_limit, "How long --tets may take [s]")
+      .type_name("SECONDS")
+      .positive()
+      .shows_default();
+  command.footer(
       "Examples:\n  resilin mesh armadillo.node armadillo.msh --remove-unused\n  resilin mesh bar.msh "
       "bar.obj --surface\n"
       "  resilin mesh bar.msh --box 4 1 1 --cells 40 10 10\n"
       "  resilin mesh creature.obj creature.msh --tets 5000\n\nOUT is replaced when it exists, only once the "
       "new file is whole.");
-  command->callback([options, tets, &action] {
-    options->fills = tets->count() > 0;
+  command.on_chosen([options, tets, &action] {
+    options->fills = tets.is_given();
     action = [options] { return convert(*options); };
   });
 }

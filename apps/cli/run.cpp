@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -159,36 +158,34 @@ int run(const RunOptions& options) {
 
 }  // namespace
 
-void add_run(CLI::App& app, Action& action) {
+void add_run(CommandLine& line, Action& action) {
   auto options = std::make_shared<RunOptions>();
-  CLI::App* command = app.add_subcommand("run", "Simulate a scene");
-  command->add_option("scene", options->scene, "Scene file (TOML); its keys are listed in docs/scene.md")
-      ->required();
-  command->add_option("--out", options->out, "Folder for the results; default out/<name of the scene>");
-  command->add_option("--set", options->overrides, "Change a value of the scene; may be given several times")
-      ->type_name("KEY=VALUE")
-      ->expected(1)
-      ->take_all()
-      ->allow_extra_args(false);
+  const Command command = line.command("run", "Simulate a scene");
+  command.option("scene", options->scene, "Scene file (TOML); its keys are listed in docs/scene.md")
+      .required();
+  command.option("--out", options->out, "Folder for the results; default out/<name of the scene>");
+  command.option("--set", options->overrides, "Change a value of the scene; may be given several times")
+      .type_name("KEY=VALUE")
+      .repeatable();
   command
-      ->add_option("--formats", options->formats,
+      .option("--formats", options->formats,
                    "What to write in place of the scene's output.formats, such as html,usda")
-      ->delimiter(',')
-      ->check(CLI::IsMember({"vtu", "html", "usda"}))
-      ->expected(1)
-      ->take_all();
-  command->add_option("--threads", options->threads, "Number of threads; default all cores")
-      ->check(CLI::Range(1, 1024));
-  command->add_option("--steps", options->steps, "Stop after this many steps")
-      ->check(CLI::Range(1, 1000000000));
-  command->add_flag("--resume", options->resume, "Go on from the checkpoint in the folder");
-  command->add_flag("--quiet", options->quiet, "Print nothing but errors");
-  command->footer(
+      .separated_by(',')
+      .one_of({"vtu", "html", "usda"})
+      .values(1, 1)
+      .joins_repeats();
+  command.option("--threads", options->threads, "Number of threads; default all cores")
+      .between(1, 1024);
+  command.option("--steps", options->steps, "Stop after this many steps")
+      .between(1, 1000000000);
+  command.flag("--resume", options->resume, "Go on from the checkpoint in the folder");
+  command.flag("--quiet", options->quiet, "Print nothing but errors");
+  command.footer(
       "Example:\n  resilin run beam.toml --out out/stiff --set body.beam.material.youngs_modulus=1e7\n\n"
       "Exit codes: 0 done; 1 the input is wrong; 2 did not converge or was stopped (results so far are "
       "kept);\n"
       "3 an internal error. Ctrl-C stops at a place from which --resume goes on.");
-  command->callback([options, &action] { action = [options] { return run(*options); }; });
+  command.on_chosen([options, &action] { action = [options] { return run(*options); }; });
 }
 
 }  // namespace resilin::cli

@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -74,25 +73,23 @@ int view(const ViewOptions& options) {
 
 }  // namespace
 
-void add_view(CLI::App& app, Action& action) {
+void add_view(CommandLine& line, Action& action) {
   auto options = std::make_shared<ViewOptions>();
-  CLI::App* command = app.add_subcommand(
+  const Command command = line.command(
       "view", "Show the page in the browser: a scene to play with, or the results of a run");
   command
-      ->add_option("shown", options->shown, "Scene file (TOML), or folder of a run with formats = [\"html\"]")
-      ->required()
-      ->type_name("SCENE.toml|DIR");
-  command->add_option("--port", options->port, "Port on 127.0.0.1; default 0, any free one")
-      ->check(CLI::Range(0, 65535));
-  command->add_option("--set", options->overrides, "Change a value of the scene; may be given several times")
-      ->type_name("KEY=VALUE")
-      ->expected(1)
-      ->take_all()
-      ->allow_extra_args(false);
-  command->add_option("--threads", options->threads, "Number of threads; default all cores")
-      ->check(CLI::Range(1, 1024));
-  command->add_flag("--no-browser", options->has_no_browser, "Print the address and open nothing");
-  command->footer(
+      .option("shown", options->shown, "Scene file (TOML), or folder of a run with formats = [\"html\"]")
+      .required()
+      .type_name("SCENE.toml|DIR");
+  command.option("--port", options->port, "Port on 127.0.0.1; default 0, any free one")
+      .between(0, 65535);
+  command.option("--set", options->overrides, "Change a value of the scene; may be given several times")
+      .type_name("KEY=VALUE")
+      .repeatable();
+  command.option("--threads", options->threads, "Number of threads; default all cores")
+      .between(1, 1024);
+  command.flag("--no-browser", options->has_no_browser, "Print the address and open nothing");
+  command.footer(
       "Examples:\n  resilin view examples/spot.toml\n  resilin view out/spot --port 8000 --no-browser\n\nThe "
       "page is "
       "for this machine alone. Its address holds a token that is made anew at every start: whoever\nhas it "
@@ -100,7 +97,7 @@ void add_view(CLI::App& app, Action& action) {
       "with the scene. Through ssh: ssh -L 8000:127.0.0.1:8000 HOST, then the address on your own "
       "machine.\nCtrl-C "
       "ends.");
-  command->callback([options, &action] { action = [options] { return view(*options); }; });
+  command.on_chosen([options, &action] { action = [options] { return view(*options); }; });
 }
 
 }  // namespace resilin::cli

@@ -1,0 +1,160 @@
+#include "command_line.hpp"
+
+#include <CLI/CLI.hpp>
+#include <utility>
+
+#include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
+
+namespace resilin::cli {
+namespace {
+
+/// A first word that is no command; empty when there is none.
+std::string unknown_command(const CLI::App& app, int argc, char** argv) {
+  if (argc < 2 || argv[1][0] == '-') return {};
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    if (command->get_name() == argv[1]) return {};
+    names.push_back(command->get_name());
+  }
+  const std::string nearest = nearest_word(argv[1], names);
+  return InputError("command", "one of " + join(names), '"' + std::string(argv[1]) + '"',
+                    nearest.empty() ? "see resilin --help" : "did you mean \"" + nearest + "\"?")
+      .what();
+}
+
+std::string help_hint(const CLI::App& app) {
+  const auto chosen = app.get_subcommands();
+  return "; see " + app.get_name() + " " + (chosen.empty() ? "" : chosen.front()->get_name() + " ") +
+         "--help";
+}
+
+}  // namespace
+
+Option Option::required() const {
+  option_->required();
+  return *this;
+}
+
+Option Option::type_name(const std::string& name) const {
+  option_->type_name(name);
+  return *this;
+}
+
+Option Option::shows_default() const {
+  option_->capture_default_str();
+  return *this;
+}
+
+Option Option::values(int least, int most) const {
+  option_->expected(least, most);
+  return *this;
+}
+
+Option Option::repeatable() const {
+  option_->expected(1)->take_all()->allow_extra_args(false);
+  return *this;
+}
+
+Option Option::joins_repeats() const {
+  option_->take_all();
+  return *this;
+}
+
+Option Option::separated_by(char separator) const {
+  option_->delimiter(separator);
+  return *this;
+}
+
+Option Option::one_of(const std::vector<std::string>& words) const {
+  option_->check(CLI::IsMember(words));
+  return *this;
+}
+
+Option Option::between(int least, int most) const {
+  option_->check(CLI::Range(least, most));
+  return *this;
+}
+
+Option Option::positive() const {
+  option_->check(CLI::PositiveNumber);
+  return *this;
+}
+
+Option Option::excludes(const Option& other) const {
+  option_->excludes(other.option_);
+  return *this;
+}
+
+bool Option::is_given() const { return option_->count() > 0; }
+
+Option Command::option(const std::string& name, std::string& value, const std::string& help) const {
+  return Option(*app_->add_option(name, value, help));
+}
+
+Option Command::option(const std::string& name, int& value, const std::string& help) const {
+  return Option(*app_->add_option(name, value, help));
+}
+
+Option Command::option(const std::string& name, double& value, const std::string& help) const {
+  return Option(*app_->add_option(name, value, help));
+}
+
+Option Command::option(const std::string& name, std::optional<double>& value, const std::string& help) const {
+  return Option(*app_->add_option(name, value, help));
+}
+
+Option Command::option(const std::string& name, std::vector<std::string>& values,
+                       const std::string& help) const {
+  return Option(*app_->add_option(name, values, help));
+}
+
+Option Command::option(const std::string& name, std::vector<int>& values, const std::string& help) const {
+  return Option(*app_->add_option(name, values, help));
+}
+
+Option Command::option(const std::string& name, std::vector<double>& values, const std::string& help) const {
+  return Option(*app_->add_option(name, values, help));
+}
+
+Option Command::flag(const std::string& name, bool& value, const std::string& help) const {
+  return Option(*app_->add_flag(name, value, help));
+}
+
+void Command::footer(const std::string& text) const { app_->footer(text); }
+
+void Command::takes_everything() const {
+  app_->prefix_command();
+  app_->set_help_flag();
+}
+
+std::vector<std::string> Command::remaining() const { return app_->remaining(); }
+
+void Command::on_chosen(std::function<void()> call) const { app_->callback(std::move(call)); }
+
+CommandLine::CommandLine(const Text& text) : app_(std::make_unique<CLI::App>(text.help, text.program)) {
+  app_->set_version_flag("--version", text.version);
+  app_->require_subcommand(1);
+  app_->footer(text.footer);
+}
+
+CommandLine::~CommandLine() = default;
+
+Command CommandLine::command(const std::string& name, const std::string& help) {
+  return Command(*app_->add_subcommand(name, help));
+}
+
+std::optional<int> CommandLine::read(int argc, char** argv) {
+  if (const std::string message = unknown_command(*app_, argc, argv); !message.empty())
+    throw CommandLineError(message);
+  try {
+    app_->parse(argc, argv);
+  } catch (const CLI::Success& success) {  // --help, --version
+    return app_->exit(success);
+  } catch (const CLI::ParseError& error) {
+    throw CommandLineError(error.what() + help_hint(*app_));
+  }
+  return std::nullopt;
+}
+
+}  // namespace resilin::cli

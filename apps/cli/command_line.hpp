@@ -1,0 +1,94 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+/// The command line in the words of its commands. CLI11, which costs seconds in every file that sees it, reads it in
+/// command_line.cpp.
+namespace resilin::cli {
+
+/// An option, or an argument that is known by its place. A handle: what made it owns it.
+class Option {
+ public:
+  explicit Option(CLI::Option& option) : option_(&option) {}
+
+  Option required() const;
+  Option type_name(const std::string& name) const;  ///< what stands for the value in the help
+  Option shows_default() const;
+  Option values(int least, int most) const;  ///< how many follow one another
+  Option repeatable() const;                 ///< one value each time
+  Option joins_repeats() const;              ///< the values of all times
+  Option separated_by(char separator) const;
+  Option one_of(const std::vector<std::string>& words) const;
+  Option between(int least, int most) const;
+  Option positive() const;
+  Option excludes(const Option& other) const;
+  bool is_given() const;
+
+ private:
+  CLI::Option* option_;
+};
+
+/// A subcommand; a handle too. What the command line says ends up in the values that it was given.
+class Command {
+ public:
+  explicit Command(CLI::App& app) : app_(&app) {}
+
+  /// @param name  "--out", or "scene" for an argument that is known by its place
+  Option option(const std::string& name, std::string& value, const std::string& help) const;
+  Option option(const std::string& name, int& value, const std::string& help) const;
+  Option option(const std::string& name, double& value, const std::string& help) const;
+  Option option(const std::string& name, std::optional<double>& value, const std::string& help) const;
+  Option option(const std::string& name, std::vector<std::string>& values, const std::string& help) const;
+  Option option(const std::string& name, std::vector<int>& values, const std::string& help) const;
+  Option option(const std::string& name, std::vector<double>& values, const std::string& help) const;
+  Option flag(const std::string& name, bool& value, const std::string& help) const;
+  void footer(const std::string& text) const;
+
+  /// Leaves everything behind its name, --help too, to whoever asks for `remaining`.
+  void takes_everything() const;
+  std::vector<std::string> remaining() const;
+
+  /// Called once the whole command line is read, when this is the command on it.
+  void on_chosen(std::function<void()> call) const;
+
+ private:
+  CLI::App* app_;
+};
+
+/// What is wrong with a command line, in one line.
+struct CommandLineError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+class CommandLine {
+ public:
+  struct Text {
+    std::string program, help, version, footer;
+  };
+  explicit CommandLine(const Text& text);
+  ~CommandLine();
+  CommandLine(const CommandLine&) = delete;
+  CommandLine& operator=(const CommandLine&) = delete;
+
+  Command command(const std::string& name, const std::string& help);
+
+  /// The exit code when nothing is left to do: --help and --version print what was asked for.
+  ///
+  /// @throws CommandLineError
+  std::optional<int> read(int argc, char** argv);
+
+ private:
+  std::unique_ptr<CLI::App> app_;
+};
+
+}  // namespace resilin::cli
