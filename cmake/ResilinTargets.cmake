@@ -7,6 +7,8 @@ target_compile_options(resilin_options INTERFACE
   $<$<BOOL:${RESILIN_WARNINGS_AS_ERRORS}>:-Werror>
   # g++ 12 sees overlaps and overruns in sums of std::string that are none (GCC bug 105651).
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict -Wno-error=array-bounds>
+  # g++ collects garbage once it holds so many KiB; by then most files are done.
+  $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=400000>
   $<$<BOOL:${RESILIN_SANITIZE}>:-fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer>
   $<$<BOOL:${RESILIN_SANITIZE_THREAD}>:-fsanitize=thread -fno-omit-frame-pointer>
   $<$<BOOL:${RESILIN_COVERAGE}>:--coverage>)
@@ -37,9 +39,19 @@ function(resilin_precompile target group)
   target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
 endfunction()
 
-# resilin_module(NAME SOURCES a.cpp ... DEPENDS core ...): the static library resilin_NAME, alias resilin::NAME.
+# resilin_unite(TARGET a.cpp ...): its sources are compiled in groups of four, in the order of the list; those named here,
+# big ones, by themselves.
+function(resilin_unite target)
+  if(RESILIN_UNITY)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 4)
+    set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  endif()
+endfunction()
+
+# resilin_module(NAME SOURCES a.cpp ... ALONE big.cpp ... DEPENDS core ...): the static library resilin_NAME, alias
+# resilin::NAME. ALONE: see resilin_unite.
 function(resilin_module name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;ALONE;DEPENDS;LINK" ${ARGN})
   set(target resilin_${name})
   add_library(${target} STATIC ${ARG_SOURCES})
   add_library(resilin::${name} ALIAS ${target})
@@ -53,7 +65,8 @@ function(resilin_module name)
   endforeach()
   target_link_libraries(${target} PUBLIC ${ARG_LINK})
   resilin_precompile(${target} MODULES
-    <Eigen/Dense> <algorithm> <functional> <map> <memory> <optional> <string> <vector>)
+    <Eigen/Core> <Eigen/Geometry> <algorithm> <cmath> <functional> <map> <memory> <optional> <span> <string> <vector>)
+  resilin_unite(${target} ${ARG_ALONE})
   set_property(GLOBAL APPEND PROPERTY RESILIN_MODULES ${target})
 endfunction()
 

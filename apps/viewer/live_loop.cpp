@@ -19,8 +19,6 @@ double seconds(std::chrono::steady_clock::duration duration) {
   return std::chrono::duration<double>(duration).count();
 }
 
-SharedBytes shared(std::string text) { return std::make_shared<const std::string>(std::move(text)); }
-
 /// What went wrong, in one line for the user.
 std::string words_of(const std::exception& error) {
   if (dynamic_cast<const InputError*>(&error) != nullptr) return error.what();

@@ -18,8 +18,6 @@ using Json = nlohmann::json;
 constexpr std::size_t max_message_bytes = 64;  // of a binary one
 constexpr std::size_t max_refusals = 8;        // that wait for a page that does not read
 
-SharedBytes shared(std::string text) { return std::make_shared<const std::string>(std::move(text)); }
-
 std::string dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 
 /// The server of the page: HTTP and WebSocket on 127.0.0.1, on one thread of its own.
@@ -15,6 +16,7 @@ namespace resilin::viewer {
 
 using ClientId = std::uint32_t;
 using SharedBytes = std::shared_ptr<const std::string>;
+inline SharedBytes shared(std::string text) { return std::make_shared<const std::string>(std::move(text)); }
 
 /// One WebSocket message to a page.
 struct Outgoing {

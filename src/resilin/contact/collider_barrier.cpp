@@ -1,8 +1,8 @@
 #include "resilin/contact/collider_barrier.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 
+#include "resilin/core/dense.hpp"
 #include "resilin/mesh/facet.hpp"
 
 namespace resilin {
@@ -14,11 +14,11 @@ constexpr double largest_loss = 0.9;
 /// The symmetric matrix with its negative eigenvalues dealt with as asked.
 Eigen::Matrix3d projected(const Eigen::Matrix3d& matrix, Projection projection) {
   if (projection == Projection::none || matrix.isZero(0)) return matrix;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(matrix);
-  Vector3 values = solver.eigenvalues();
+  const dense::Eigenpairs3 eigen = dense::symmetric_eigenpairs3(matrix);
+  Vector3 values = eigen.values;
   for (double& value : values)
     if (value < 0) value = projection == Projection::clamp ? 0 : -value;
-  return solver.eigenvectors() * values.asDiagonal() * solver.eigenvectors().transpose();
+  return eigen.vectors * values.asDiagonal() * eigen.vectors.transpose();
 }
 
 }  // namespace

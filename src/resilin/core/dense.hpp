@@ -20,6 +20,14 @@ struct Eigenpairs {
 /// A x = lambda x for a symmetric A, of which the lower triangle is read; x^T x = 1.
 Eigenpairs symmetric_eigenpairs(const Matrix& A);
 VectorX symmetric_eigenvalues(const Matrix& A);
+
+struct Eigenpairs3 {
+  Vector3 values;             ///< rising
+  resilin::Matrix<3> vectors;  ///< by columns
+};
+/// The same for three rows and columns, without memory of its own.
+Eigenpairs3 symmetric_eigenpairs3(const resilin::Matrix<3>& A);
+
 /// Of the symmetric tridiagonal matrix with this diagonal and these numbers below it.
 Eigenpairs tridiagonal_eigenpairs(const VectorX& diagonal, const VectorX& below);
 /// A x = lambda B x for a positive definite B; x^T B x = 1.

@@ -17,6 +17,11 @@ Eigenpairs symmetric_eigenpairs(const Matrix& A) { return pairs_of(Solver(A)); }
 
 VectorX symmetric_eigenvalues(const Matrix& A) { return Solver(A, Eigen::EigenvaluesOnly).eigenvalues(); }
 
+Eigenpairs3 symmetric_eigenpairs3(const resilin::Matrix<3>& A) {
+  const Eigen::SelfAdjointEigenSolver<resilin::Matrix<3>> solver(A);
+  return {solver.eigenvalues(), solver.eigenvectors()};
+}
+
 Eigenpairs tridiagonal_eigenpairs(const VectorX& diagonal, const VectorX& below) {
   Solver solver;
   solver.computeFromTridiagonal(diagonal, below);

@@ -18,8 +18,6 @@
 namespace resilin {
 namespace {
 
-constexpr std::size_t blocks_per_chunk = 256;  ///< of a parallel loop
-
 template <class Element>
 constexpr bool has_kernels() {
   constexpr bool is_plane =

@@ -11,7 +11,6 @@
 namespace resilin {
 namespace {
 
-constexpr std::size_t blocks_per_chunk = 256;  ///< of a parallel loop
 constexpr std::size_t points_per_chunk = 2048;
 
 using RowMatrix = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;

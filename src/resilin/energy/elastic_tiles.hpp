@@ -12,6 +12,8 @@
 
 namespace resilin {
 
+inline constexpr std::size_t blocks_per_chunk = 256;  ///< of a parallel loop over an elastic body
+
 /// The arithmetic of an elastic body, one tile of cells at a time. Linear simplices have kernels in which
 /// shape and law are one (element_kernels.hpp); all other elements go through the states at their quadrature
 /// points. For ElasticEnergy, which cuts the loops and owns the data.

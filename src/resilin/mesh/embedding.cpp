@@ -10,7 +10,7 @@
 namespace resilin {
 namespace {
 
-constexpr std::size_t points_per_chunk = 1024;
+constexpr std::size_t searches_per_chunk = 1024;
 constexpr double inside_tolerance = 1e-9;  // of a reference coordinate: a point on a side is inside
 
 BoxTree tree_of(const CellMap& map, double margin) {
@@ -88,7 +88,7 @@ void Embedding::find_cells(const ElementInfo& element, std::span<const Index> ce
   };
   std::vector<Found> found(points.size());
   const auto for_points = [&](const auto& body) {
-    parallel_for(points.size(), points_per_chunk, [&](std::size_t begin, std::size_t end) {
+    parallel_for(points.size(), searches_per_chunk, [&](std::size_t begin, std::size_t end) {
       for (std::size_t p = begin; p < end; ++p) body(p);
     });
   };

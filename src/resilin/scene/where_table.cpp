@@ -32,7 +32,7 @@ Keys<Where> sphere_keys() {
   };
 }
 
-void read_box(const SceneNode& node, Where& where) {
+void read_corners(const SceneNode& node, Where& where) {
   where.kind = Where::Kind::box;
   expect_list(node, "corners [min, max]", 2);
   where.min = read_vector(node.element(0));
@@ -65,7 +65,7 @@ Keys<Where> where_keys() {
                    w.kind = Where::Kind::group;
                    w.group = read_text(node);
                  }),
-      key<Where>({"box", "[min, max]", "m", "", "Between two corners, boundary included."}, read_box),
+      key<Where>({"box", "[min, max]", "m", "", "Between two corners, boundary included."}, read_corners),
       key<Where>({"plane", "{ axis, at, tolerance }", "m", "", "Within `tolerance` of axis = at."},
                  [](const SceneNode& node, Where& w) {
                    w.kind = Where::Kind::plane;

@@ -1,12 +1,14 @@
 // Which rigid motions of a body nothing holds.
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "resilin/core/error.hpp"
+#include "resilin/core/dense.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/mesh/facet.hpp"
 #include "resilin/mesh/topology.hpp"
@@ -49,36 +51,59 @@ std::string in_parentheses(const Eigen::VectorXd& v) {
   return text + ")";
 }
 
-/// A basis of the space that the columns of `space` span (orthonormal), of coordinate axes as far as they lie
-/// in it.
-std::vector<Eigen::VectorXd> simple_basis(Eigen::MatrixXd space) {
-  std::vector<Eigen::VectorXd> basis;
-  const auto take = [&](const Eigen::VectorXd& direction) {
+/// An orthonormal basis of what these vectors span.
+std::vector<Vector3> orthonormal_basis(std::vector<Vector3> vectors) {
+  std::vector<Vector3> basis;
+  while (!vectors.empty()) {
+    const auto longest = std::ranges::max_element(vectors, {}, [](const Vector3& v) { return v.norm(); });
+    if (!(longest->norm() > round_off)) break;
+    const Vector3 direction = longest->normalized();
     basis.push_back(direction);
-    // What is left is orthogonal to it.
-    const Eigen::MatrixXd rest = space - direction * (direction.transpose() * space);
-    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(rest, Eigen::ComputeThinU);
-    space = svd.matrixU().leftCols((svd.singularValues().array() > round_off).count());
-  };
-  for (Eigen::Index axis = 0; axis < space.rows(); ++axis) {
-    const Eigen::VectorXd e = Eigen::VectorXd::Unit(space.rows(), axis);
-    if (space.cols() > 0 && (space * (space.transpose() * e) - e).norm() < round_off) take(e);
+    for (Vector3& v : vectors) v -= direction * direction.dot(v);
   }
-  while (space.cols() > 0) {
-    Eigen::VectorXd direction = space.col(0);
+  return basis;
+}
+
+/// A basis of the space with this orthonormal one, of coordinate axes as far as they lie in it.
+std::vector<Vector3> simple_basis(std::vector<Vector3> space) {
+  std::vector<Vector3> basis;
+  const auto take = [&](const Vector3& direction) {
+    basis.push_back(direction);
+    for (Vector3& v : space) v -= direction * direction.dot(v);
+    space = orthonormal_basis(std::move(space));
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vector3 e = Vector3::Unit(axis);
+    Vector3 outside = e;
+    for (const Vector3& v : space) outside -= v * v.dot(e);
+    if (outside.norm() < round_off) take(e);
+  }
+  while (!space.empty()) {
+    const Vector3 direction = space.front();
     Eigen::Index largest = 0;
     direction.cwiseAbs().maxCoeff(&largest);
-    take(direction[largest] < 0 ? Eigen::VectorXd(-direction) : direction);
+    take(direction[largest] < 0 ? Vector3(-direction) : direction);
   }
   return basis;
 }
 
 /// "x", or "(0.6, 0.8, 0)" for another direction.
-std::string name_of(const Eigen::VectorXd& direction) {
-  for (Eigen::Index axis = 0; axis < direction.size(); ++axis) {
+std::string name_of(const Vector3& direction, int dim) {
+  for (int axis = 0; axis < dim; ++axis) {
     if (std::abs(direction[axis]) > 1 - round_off) return {"xyz"[axis]};
   }
-  return in_parentheses(direction);
+  return in_parentheses(direction.head(dim));
+}
+
+/// Solves A^T A r = A^T b, the shortest r where there are several.
+Vector3 least_squares(const Matrix<3>& AtA, const Vector3& Atb) {
+  const dense::Eigenpairs3 eigen = dense::symmetric_eigenpairs3(AtA);
+  Vector3 r = Vector3::Zero();
+  for (int k = 0; k < 3; ++k) {
+    const Vector3 direction = eigen.vectors.col(k);
+    if (eigen.values[k] > round_off * round_off) r += direction * (direction.dot(Atb) / eigen.values[k]);
+  }
+  return r;
 }
 
 /// b + a x r: a turn about the axis a through a x b, for b orthogonal to a.
@@ -90,16 +115,16 @@ struct Turn {
 
 /// The point that no turn moves, the nearest to the center, if there is one.
 std::optional<Vector3> common_point(const std::vector<Turn>& turns) {
-  const auto n = static_cast<Eigen::Index>(turns.size());
-  Eigen::MatrixXd A(3 * n, 3);
-  Eigen::VectorXd b(3 * n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Turn& turn = turns[static_cast<std::size_t>(i)];
-    for (int k = 0; k < 3; ++k) A.block<3, 1>(3 * i, k) = turn.axis.cross(Vector3::Unit(k));
-    b.segment<3>(3 * i) = -turn.shift;
+  Matrix<3> AtA = Matrix<3>::Zero();
+  Vector3 Atb = Vector3::Zero();
+  for (const Turn& turn : turns) {  // axis x r = -shift
+    AtA += Matrix<3>::Identity() - turn.axis * turn.axis.transpose();
+    Atb += turn.axis.cross(turn.shift);
   }
-  Vector3 r = A.completeOrthogonalDecomposition().solve(b);
-  if ((A * r - b).norm() > round_off * (1 + b.norm())) return std::nullopt;
+  const Vector3 r = least_squares(AtA, Atb);
+  for (const Turn& turn : turns) {
+    if ((turn.axis.cross(r) + turn.shift).norm() > round_off * (1 + turn.shift.norm())) return std::nullopt;
+  }
   return r;
 }
 
@@ -107,22 +132,44 @@ std::optional<Vector3> common_point(const std::vector<Turn>& turns) {
 std::vector<std::string> names_of_motions(int dim, const Part& part, const Eigen::MatrixXd& free) {
   std::vector<std::string> names;
   // Combinations that do not turn are translations; the others turn about their rotational part.
-  const Eigen::MatrixXd turns = free.bottomRows(free.rows() - dim);
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(turns, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const auto num_turns = (svd.singularValues().array() > round_off).count();
-  const Eigen::MatrixXd shifts = (free * svd.matrixV().rightCols(free.cols() - num_turns)).topRows(dim);
-  for (const Eigen::VectorXd& direction : simple_basis(shifts))
-    names.push_back("translation along " + name_of(direction));
-  if (num_turns == 0) return names;
+  const Eigen::Index num_rotations = free.rows() - dim;
+  const auto rotational_part = [&](Eigen::Index k) {
+    Vector3 rotation = Vector3::Zero();
+    rotation.head(num_rotations) = free.col(k).tail(num_rotations);
+    return rotation;
+  };
+  Matrix<3> products = Matrix<3>::Zero();
+  std::vector<Vector3> rotations;
+  for (Eigen::Index k = 0; k < free.cols(); ++k) {
+    rotations.push_back(rotational_part(k));
+    products += rotations.back() * rotations.back().transpose();
+  }
+  /// The motion of `free` with this rotational part that shifts least.
+  const auto motion_with = [&](const Vector3& rotation) {
+    const Vector3 multipliers = least_squares(products, rotation);
+    Eigen::VectorXd motion = Eigen::VectorXd::Zero(free.rows());
+    for (std::size_t k = 0; k < rotations.size(); ++k)
+      motion += rotations[k].dot(multipliers) * free.col(static_cast<Eigen::Index>(k));
+    return motion;
+  };
+  std::vector<Vector3> shifts;
+  for (std::size_t k = 0; k < rotations.size(); ++k) {
+    const Eigen::VectorXd motion = free.col(static_cast<Eigen::Index>(k)) - motion_with(rotations[k]);
+    shifts.push_back(Vector3::Zero());
+    shifts.back().head(dim) = motion.head(dim);
+  }
+  shifts = orthonormal_basis(std::move(shifts));
+  for (const Vector3& direction : simple_basis(shifts))
+    names.push_back("translation along " + name_of(direction, dim));
   std::vector<Turn> list;
-  for (const Eigen::VectorXd& direction : simple_basis(svd.matrixU().leftCols(num_turns))) {
-    Turn turn{.name = dim == 2 ? "rotation" : "rotation about " + name_of(direction)};
-    const Eigen::VectorXd motion = free * turns.completeOrthogonalDecomposition().solve(direction);
+  for (const Vector3& direction : simple_basis(orthonormal_basis(rotations))) {
+    Turn turn{.name = dim == 2 ? "rotation" : "rotation about " + name_of(direction, dim)};
     if (dim == 3) turn.axis = direction;
-    turn.shift.head(dim) = motion.head(dim);
+    turn.shift.head(dim) = motion_with(direction).head(dim);
     list.push_back(std::move(turn));
   }
-  const bool axis_is_anywhere = shifts.cols() >= 2;
+  if (list.empty()) return names;
+  const bool axis_is_anywhere = shifts.size() >= 2;
   const std::optional<Vector3> common = common_point(list);
   for (const Turn& turn : list) {
     const Vector3 r = common ? *common : Vector3(turn.axis.cross(turn.shift));
@@ -206,9 +253,9 @@ void check_is_held(const World& world) {
     const std::vector<Part> parts = parts_of(world, body, is_held, held_directions);
     for (std::size_t p = 0; p < parts.size(); ++p) {
       const Part& part = parts[p];
-      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(part.gram);
-      const double largest = std::max(solver.eigenvalues().maxCoeff(), 1e-300);
-      const auto num_free = (solver.eigenvalues().array() <= 1e-12 * largest).count();
+      const dense::Eigenpairs eigen = dense::symmetric_eigenpairs(part.gram);
+      const double largest = std::max(eigen.values.maxCoeff(), 1e-300);
+      const auto num_free = (eigen.values.array() <= 1e-12 * largest).count();
       if (num_free == 0) continue;
       std::string where = "body \"" + body.name + "\"";
       if (parts.size() > 1) {
@@ -216,7 +263,7 @@ void check_is_held(const World& world) {
                  " vertices around " + in_parentheses(part.center.head(dim)) + ")";
       }
       const std::vector<std::string> names =
-          names_of_motions(dim, part, solver.eigenvectors().leftCols(num_free));
+          names_of_motions(dim, part, eigen.vectors.leftCols(num_free));
       const auto starts_with = [&](const char* word) {
         return std::ranges::any_of(names, [&](const std::string& name) { return name.starts_with(word); });
       };

@@ -1,6 +1,6 @@
 #include "resilin/world/linear_problem.hpp"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -9,14 +9,23 @@
 namespace resilin {
 namespace {
 
-/// The most negative real eigenvalue, or 0.
+/// The most negative real eigenvalue, or 0: the least root of p(s) = s^3 - a s^2 + b s - c by Newton's method from
+/// the side where it never passes a root on its way.
 double most_negative_eigenvalue(const Matrix<3>& H) {
-  double least = 0;
-  for (const std::complex<double>& value : H.eigenvalues()) {
-    // A double eigenvalue splits into a pair of complex ones by the square root of round-off.
-    if (std::abs(value.imag()) <= 1e-7 * std::abs(value)) least = std::min(least, value.real());
+  const double size = H.norm(), a = H.trace(), b = 0.5 * (a * a - (H * H).trace()), c = H.determinant();
+  const auto p = [=](double s) { return ((s - a) * s + b) * s - c; };
+  const auto slope = [=](double s) { return (3 * s - 2 * a) * s + b; };
+  const double discriminant = a * a - 3 * b, hump = (a - std::sqrt(std::max(discriminant, 0.0))) / 3;
+  const double round_off = 1e-14 * size * size * size;
+  if (std::abs(p(hump)) <= round_off) return std::min(hump, 0.0);  // a double root
+  const double inwards = p(hump) < 0 ? -1 : 1;                     // one real root is left, beyond the hump
+  double s = -inwards * size;
+  for (int i = 0; i < 100; ++i) {
+    const double next = s - p(s) / slope(s);
+    if (!((next - s) * inwards > 0)) break;  // round-off has the last word
+    s = next;
   }
-  return least;
+  return std::min(s, 0.0);
 }
 
 }  // namespace
