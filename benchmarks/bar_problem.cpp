@@ -1,5 +1,6 @@
 #include "bar_problem.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <numeric>

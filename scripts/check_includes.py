@@ -1,4 +1,5 @@
-"""Checks the direction between rooms: who may include and link whom, and that no Python module imports in a circle.
+"""Checks the direction between rooms: who may include and link whom, that no Python module imports in a circle, and
+that no header of the library brings a heavy one into every file.
 
 The rule itself stands in CONTRIBUTING.md, in the block marked `direction`, as lines of `A <- B <- C` where B may use
 A and C both; a group in braces stands for each of its members, parts are separated by semicolons.
@@ -14,6 +15,12 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*[<"](?:resilin/)?([a-z_]+)/', re.MULTIL
 MODULE = re.compile(r"resilin_module\(\s*([a-z_]+)(.*?)\)", re.DOTALL)
 LINKED = re.compile(r"\bresilin(?:::|_)([a-z_]+)")
 IMPORT = re.compile(r"^\s*(?:from resilin\.(\w+) import|import resilin\.(\w+)|from resilin import (.+))", re.MULTILINE)
+# Seconds in each file that sees them, or thousands of templates; sources that need one include it.
+HEAVY = re.compile(
+    r"^\s*#\s*include\s*<("
+    r"Eigen/(?!Core)\w+|nlohmann/json\.hpp|CLI/.*|spdlog/.*|fmt/.*|toml\+\+/.*|boost/.*|regex|iostream|ranges)>",
+    re.MULTILINE,
+)
 SUFFIXES = {".hpp", ".cpp", ".h", ".inl", ".cu", ".cuh"}
 
 
@@ -71,6 +78,17 @@ def problems_of_file(path, module, text, allowed):
         "move the shared part down or the using part up"
         for line, used in uses_in_text(path, text)
         if used in allowed and used not in allowed[module]
+    ]
+
+
+def heavy_includes(path, text):
+    """A header of the library includes no heavy one; report.hpp is for the two sources that write reports."""
+    if path.suffix != ".hpp" or path.parts[0] != "src" or path.as_posix() == "src/resilin/results/report.hpp":
+        return []
+    return [
+        f"{path}:{text.count(chr(10), 0, match.start(1)) + 1}: <{match.group(1)}> in a header costs time in every file "
+        "that sees it; include it in the sources that need it"
+        for match in HEAVY.finditer(text)
     ]
 
 
@@ -132,7 +150,12 @@ def find_problems():
         for path, module in room_files()
         for problem in problems_of_file(path.relative_to(ROOT), module, path.read_text(encoding="utf-8"), allowed)
     ]
-    return problems + python_problems()
+    heavy = [
+        problem
+        for path, _ in room_files()
+        for problem in heavy_includes(path.relative_to(ROOT), path.read_text(encoding="utf-8"))
+    ]
+    return problems + heavy + python_problems()
 
 
 def find_faults_of_this_check():
@@ -156,6 +179,10 @@ def find_faults_of_this_check():
         found = problems_of_file(pathlib.Path(name), module, text, allowed)
         if len(found) != expected:
             faults.append(f"{module} with {text!r}: expected {expected} problems, got {found}")
+    heavy = "#include <Eigen/Dense>\n#include <Eigen/Core>\n#include <fmt/format.h>\n#include <nlohmann/json_fwd.hpp>\n"
+    for name, expected in {"src/resilin/core/a.hpp": 2, "src/resilin/core/a.cpp": 0, "apps/cli/a.hpp": 0}.items():
+        if len(heavy_includes(pathlib.Path(name), heavy)) != expected:
+            faults.append(f"heavy headers in {name}: expected {expected} problems")
     if circles({"a": {"b"}, "b": {"c"}, "c": {"b"}}) != ["b -> c -> b"]:
         faults.append("a circle of imports is not seen")
     if imports_of_text("from resilin.a import x\n    from resilin import b, c\n", {"a", "c"}) != {"a", "c"}:

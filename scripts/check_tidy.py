@@ -18,7 +18,7 @@ import sys
 
 from files import ROOT, relative, repository_files
 
-BUILD = ROOT / "build" / "release"
+BUILD = ROOT / "build" / "tidy"
 MEMORY = ROOT / "build" / "tools" / "tidy"
 INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
 
@@ -78,8 +78,15 @@ def changed_sources():
     return [path for path in library_sources() if relative(path).removesuffix(".cpp") in stems]
 
 
+def configure():
+    """Writes a command for each source, which `release`, where sources are compiled in groups, does not have."""
+    settings = ["-DRESILIN_UNITY=OFF", "-DRESILIN_INSTRUCTION_SETS=all", "-DRESILIN_BUILD_TESTS=OFF"]
+    command = ["cmake", "--preset", "release", "-B", BUILD, *settings]
+    return subprocess.run(command, capture_output=True, check=False, cwd=ROOT).returncode == 0
+
+
 def find_problems(files):
-    if shutil.which("clang-tidy") is None or not (BUILD / "compile_commands.json").exists():
+    if shutil.which("clang-tidy") is None or not configure():
         return None
     commands = json.loads((BUILD / "compile_commands.json").read_text(encoding="utf-8"))
     counts = collections.Counter(pathlib.Path(command["file"]).resolve() for command in commands)
@@ -100,6 +107,6 @@ def find_problems_in_changes():
 if __name__ == "__main__":
     found = find_problems([pathlib.Path(name).resolve() for name in sys.argv[1:]] or library_sources())
     if found is None:
-        sys.exit("clang-tidy or build/release/compile_commands.json is not there: run ./test rules once")
+        sys.exit("clang-tidy is not there, or cmake --preset release fails: run ./test rules once")
     print(*found, sep="\n", end="\n" if found else "")
     sys.exit(bool(found))

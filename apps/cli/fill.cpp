@@ -1,6 +1,7 @@
 #include "fill.hpp"
 
 #include <stdlib.h>  // mkdtemp
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>

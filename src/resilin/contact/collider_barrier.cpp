@@ -1,5 +1,6 @@
 #include "resilin/contact/collider_barrier.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 
 #include "resilin/core/dense.hpp"

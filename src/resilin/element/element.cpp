@@ -1,5 +1,6 @@
 #include "resilin/element/element.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include "resilin/core/error.hpp"
 

@@ -1,4 +1,5 @@
 // What is read off an elastic body cell by cell.
+#include <Eigen/LU>
 #include <cmath>
 #include <limits>
 #include <numeric>

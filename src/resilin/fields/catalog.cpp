@@ -1,5 +1,6 @@
 #include "resilin/fields/catalog.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 
 #include "resilin/core/error.hpp"

@@ -1,5 +1,6 @@
 #include "resilin/material/curve_state.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
 

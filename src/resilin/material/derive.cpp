@@ -1,5 +1,6 @@
 #include "resilin/material/derive.hpp"
 
+#include <Eigen/LU>
 #include <cmath>
 
 #include "resilin/material/batch.hpp"

@@ -1,5 +1,6 @@
 #include "resilin/mesh/cell_map.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 

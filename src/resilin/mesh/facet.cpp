@@ -1,5 +1,6 @@
 #include "resilin/mesh/facet.hpp"
 
+#include <Eigen/Geometry>
 #include <cmath>
 
 #include "resilin/element/catalog.hpp"

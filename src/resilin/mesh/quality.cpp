@@ -1,5 +1,6 @@
 #include "resilin/mesh/quality.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,5 +1,6 @@
 #include "resilin/mesh/shape_integrals.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 

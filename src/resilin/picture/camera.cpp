@@ -1,5 +1,6 @@
 #include "resilin/picture/camera.hpp"
 
+#include <Eigen/Geometry>
 #include <array>
 #include <cmath>
 #include <sstream>

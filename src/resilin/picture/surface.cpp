@@ -1,5 +1,6 @@
 #include "resilin/picture/surface.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>

@@ -1,5 +1,7 @@
 #include "resilin/simulation/frame.hpp"
 
+#include <Eigen/Geometry>
+
 #include "resilin/mesh/facet.hpp"
 #include "resilin/simulation/potential.hpp"
 

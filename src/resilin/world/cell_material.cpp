@@ -1,5 +1,6 @@
 #include "resilin/world/cell_material.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -1,5 +1,6 @@
 #include "resilin/world/section.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <map>
 

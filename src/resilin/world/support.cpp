@@ -1,5 +1,6 @@
 #include "resilin/world/support.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
