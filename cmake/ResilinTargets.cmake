@@ -6,7 +6,8 @@ target_compile_options(resilin_options INTERFACE
   -Wall -Wextra -Wshadow -Wconversion -Wpedantic
   $<$<BOOL:${RESILIN_WARNINGS_AS_ERRORS}>:-Werror>
   # g++ 12 sees overlaps and overruns in sums of std::string that are none (GCC bug 105651).
-  $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict -Wno-error=array-bounds>
+  $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict -Wno-error=array-bounds
+  -Wno-error=stringop-overflow>
   # g++ collects garbage once it holds so many KiB; by then most files are done.
   $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=400000>
   $<$<BOOL:${RESILIN_SANITIZE}>:-fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer>
