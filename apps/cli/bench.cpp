@@ -34,9 +34,8 @@ int bench(std::vector<std::string> arguments) {
 void add_bench(CommandLine& line, Action& action) {
   const Command command = line.command("bench", "List the built-in benchmarks, or run one");
   command.takes_everything();  // the benchmarks' own program answers
-  command.on_chosen([command, &action] {
-    action = [arguments = command.remaining()] { return bench(arguments); };
-  });
+  command.on_chosen(
+      [command, &action] { action = [arguments = command.remaining()] { return bench(arguments); }; });
 }
 
 }  // namespace resilin::cli

@@ -145,9 +145,7 @@ void add_check(CommandLine& line, Action& action) {
   const Command command =
       line.command("check", "Say what is wrong with a scene or a mesh, where, and what to do");
   command.option("input", options->input, "Scene (.toml) or mesh file").required();
-  command
-      .option("--set", options->overrides,
-                   "Change a value of the scene first; may be given several times")
+  command.option("--set", options->overrides, "Change a value of the scene first; may be given several times")
       .type_name("KEY=VALUE")
       .repeatable();
   command.footer("Example:\n  resilin check beam.toml\n\nExit codes: 0 it can be simulated; 1 it cannot.");

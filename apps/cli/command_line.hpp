@@ -12,8 +12,8 @@ class App;
 class Option;
 }  // namespace CLI
 
-/// The command line in the words of its commands. CLI11, which costs seconds in every file that sees it, reads it in
-/// command_line.cpp.
+/// The command line in the words of its commands. CLI11, which costs seconds in every file that sees it,
+/// reads it in command_line.cpp.
 namespace resilin::cli {
 
 /// An option, or an argument that is known by its place. A handle: what made it owns it.

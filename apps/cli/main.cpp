@@ -33,11 +33,12 @@ int run_action(const Action& action) {
 }
 
 int main(int argc, char** argv) {
-  CommandLine line({.program = "resilin",
-                    .help = "Resilin simulates hyperelastic solids with finite elements.",
-                    .version = std::string(version()),
-                    .footer = "Example:\n  resilin run examples/spot.toml --out out/spot\n\nEach command tells more: "
-                              "resilin run --help"});
+  CommandLine line(
+      {.program = "resilin",
+       .help = "Resilin simulates hyperelastic solids with finite elements.",
+       .version = std::string(version()),
+       .footer = "Example:\n  resilin run examples/spot.toml --out out/spot\n\nEach command tells more: "
+                 "resilin run --help"});
   Action action;
   add_run(line, action);
   add_check(line, action);

@@ -155,14 +155,12 @@ std::array<Option, 2> add_material_options(const Command& command, MaterialOptio
       .repeatable();
   command
       .option("--fibre", options.fibres,
-                  "Direction of a family of fibres; may be given twice; default along x")
+              "Direction of a family of fibres; may be given twice; default along x")
       .type_name("X Y Z")
       .values(3, 6)
       .joins_repeats();
-  return {command.option("--youngs-modulus", options.youngs_modulus, "Of small strains [Pa]")
-              .shows_default(),
-          command.option("--poissons-ratio", options.poissons_ratio, "Of small strains")
-              .shows_default()};
+  return {command.option("--youngs-modulus", options.youngs_modulus, "Of small strains [Pa]").shows_default(),
+          command.option("--poissons-ratio", options.poissons_ratio, "Of small strains").shows_default()};
 }
 
 void add_curve_options(const Command& command, CurveOptions& options) {
@@ -170,9 +168,7 @@ void add_curve_options(const Command& command, CurveOptions& options) {
       .type_name("uniaxial|equibiaxial|planar|shear|volumetric");
   command.option("--from", options.from, "First stretch; default 0.5 (amount of shear: 0)");
   command.option("--to", options.to, "Last stretch; default 2 (amount of shear: 1.5)");
-  command.option("--points", options.points, "Number of points")
-      .shows_default()
-      .between(2, 1000000);
+  command.option("--points", options.points, "Number of points").shows_default().between(2, 1000000);
   command.option("--csv", options.csv, "Write the curve to this file as well");
 }
 

@@ -124,8 +124,7 @@ void add_mesh(CommandLine& line, Action& action) {
   const Command command = line.command(
       "mesh", "Convert and mend a mesh, extract its surface, fill a surface with tetrahedra, or make a box");
   command
-      .option("files", options->files,
-                   "IN and OUT, or OUT alone with --box; the extension tells the format")
+      .option("files", options->files, "IN and OUT, or OUT alone with --box; the extension tells the format")
       .values(1, 2)
       .type_name("[IN] OUT");
   command.option("--box", options->box, "Make a box (rectangle) with these edge lengths [m]")
@@ -135,7 +134,7 @@ void add_mesh(CommandLine& line, Action& action) {
       .values(2, 3)
       .type_name("NX NY [NZ]");
   command.flag("--uncut", options->is_uncut,
-                    "Make hexahedra (quadrilaterals) instead of tetrahedra (triangles)");
+               "Make hexahedra (quadrilaterals) instead of tetrahedra (triangles)");
   command.flag("--reorient", options->reorient, "Turn inverted cells round");
   command.flag("--remove-unused", options->remove_unused, "Drop vertices that no cell uses");
   command.flag("--merge", options->merge, "Join vertices at exactly the same place");
@@ -143,7 +142,7 @@ void add_mesh(CommandLine& line, Action& action) {
   const Option tets =
       command
           .option("--tets", options->fill.tetrahedra,
-                       "Fill the closed surface IN with about this many tetrahedra, by gmsh or pytetwild")
+                  "Fill the closed surface IN with about this many tetrahedra, by gmsh or pytetwild")
           .type_name("N");
   command.option("--mesher", options->fill.mesher, "The program that --tets calls: gmsh or pytetwild")
       .type_name("NAME");

@@ -44,34 +44,29 @@ void add_picture(CommandLine& line, Action& action) {
   const Command command =
       line.command("picture", "Draw a result, coloured by a field, on a machine without a display");
   PictureOptions& picture = options->picture;
-  command.option("dir", options->folder, "Folder of a run, or a .vtu file")
-      .required()
-      .type_name("DIR");
+  command.option("dir", options->folder, "Folder of a run, or a .vtu file").required().type_name("DIR");
   command.option("--out", options->out, "PNG file that is written").required().type_name("FILE.png");
   command
       .option("--field", picture.field,
-                   "Field of the frames, with a component where it has several: von_mises, displacement.z, "
-                   "cauchy_stress.xy; default von_mises, else displacement")
+              "Field of the frames, with a component where it has several: von_mises, displacement.z, "
+              "cauchy_stress.xy; default von_mises, else displacement")
       .type_name("NAME[.COMPONENT]");
   command.option("--frame", options->frame, "Number of the frame; default -1, the last").type_name("N");
   command.option("--size", options->size, "Width and height in pixels; default 1200 900")
       .values(2, 2)
       .type_name("W H");
   command
-      .option(
-          "--view", picture.view,
-          join(view_names()) + ", or a direction from the body to the eye such as 1,-2,1; default iso")
+      .option("--view", picture.view,
+              join(view_names()) + ", or a direction from the body to the eye such as 1,-2,1; default iso")
       .type_name("VIEW");
   command.option("--up", picture.up, "Axis that points up: x, y or z; default z").type_name("AXIS");
-  command
-      .option("--range", options->range, "Values at the ends of the colours; default those of the field")
+  command.option("--range", options->range, "Values at the ends of the colours; default those of the field")
       .values(2, 2)
       .type_name("MIN MAX");
   command.option("--map", picture.map, "Colours: auto, " + join(color_map_names()) + "; default auto")
       .type_name("MAP");
   command.option("--scale", picture.scale, "Factor on displacements; default 1").type_name("S");
-  const Option edges =
-      command.flag("--edges", options->edges, "Edges of cells; default where there is room");
+  const Option edges = command.flag("--edges", options->edges, "Edges of cells; default where there is room");
   command.flag("--no-edges", options->no_edges, "No edges").excludes(edges);
   command.flag("--rest", picture.shows_rest, "Outline of the rest shape");
   command.flag("--dark", picture.is_dark, "Dark background");

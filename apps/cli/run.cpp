@@ -169,15 +169,13 @@ void add_run(CommandLine& line, Action& action) {
       .repeatable();
   command
       .option("--formats", options->formats,
-                   "What to write in place of the scene's output.formats, such as html,usda")
+              "What to write in place of the scene's output.formats, such as html,usda")
       .separated_by(',')
       .one_of({"vtu", "html", "usda"})
       .values(1, 1)
       .joins_repeats();
-  command.option("--threads", options->threads, "Number of threads; default all cores")
-      .between(1, 1024);
-  command.option("--steps", options->steps, "Stop after this many steps")
-      .between(1, 1000000000);
+  command.option("--threads", options->threads, "Number of threads; default all cores").between(1, 1024);
+  command.option("--steps", options->steps, "Stop after this many steps").between(1, 1000000000);
   command.flag("--resume", options->resume, "Go on from the checkpoint in the folder");
   command.flag("--quiet", options->quiet, "Print nothing but errors");
   command.footer(

@@ -75,19 +75,16 @@ int view(const ViewOptions& options) {
 
 void add_view(CommandLine& line, Action& action) {
   auto options = std::make_shared<ViewOptions>();
-  const Command command = line.command(
-      "view", "Show the page in the browser: a scene to play with, or the results of a run");
-  command
-      .option("shown", options->shown, "Scene file (TOML), or folder of a run with formats = [\"html\"]")
+  const Command command =
+      line.command("view", "Show the page in the browser: a scene to play with, or the results of a run");
+  command.option("shown", options->shown, "Scene file (TOML), or folder of a run with formats = [\"html\"]")
       .required()
       .type_name("SCENE.toml|DIR");
-  command.option("--port", options->port, "Port on 127.0.0.1; default 0, any free one")
-      .between(0, 65535);
+  command.option("--port", options->port, "Port on 127.0.0.1; default 0, any free one").between(0, 65535);
   command.option("--set", options->overrides, "Change a value of the scene; may be given several times")
       .type_name("KEY=VALUE")
       .repeatable();
-  command.option("--threads", options->threads, "Number of threads; default all cores")
-      .between(1, 1024);
+  command.option("--threads", options->threads, "Number of threads; default all cores").between(1, 1024);
   command.flag("--no-browser", options->has_no_browser, "Print the address and open nothing");
   command.footer(
       "Examples:\n  resilin view examples/spot.toml\n  resilin view out/spot --port 8000 --no-browser\n\nThe "

@@ -262,8 +262,7 @@ void check_is_held(const World& world) {
         where += ", component " + std::to_string(p + 1) + " (" + std::to_string(part.num_vertices) +
                  " vertices around " + in_parentheses(part.center.head(dim)) + ")";
       }
-      const std::vector<std::string> names =
-          names_of_motions(dim, part, eigen.vectors.leftCols(num_free));
+      const std::vector<std::string> names = names_of_motions(dim, part, eigen.vectors.leftCols(num_free));
       const auto starts_with = [&](const char* word) {
         return std::ranges::any_of(names, [&](const std::string& name) { return name.starts_with(word); });
       };

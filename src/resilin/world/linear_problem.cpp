@@ -9,8 +9,8 @@
 namespace resilin {
 namespace {
 
-/// The most negative real eigenvalue, or 0: the least root of p(s) = s^3 - a s^2 + b s - c by Newton's method from
-/// the side where it never passes a root on its way.
+/// The most negative real eigenvalue, or 0: the least root of p(s) = s^3 - a s^2 + b s - c by Newton's method
+/// from the side where it never passes a root on its way.
 double most_negative_eigenvalue(const Matrix<3>& H) {
   const double size = H.norm(), a = H.trace(), b = 0.5 * (a * a - (H * H).trace()), c = H.determinant();
   const auto p = [=](double s) { return ((s - a) * s + b) * s - c; };
