@@ -77,7 +77,6 @@ function(resilin_test name)
   set(target ${name}_test)
   add_executable(${target} ${ARG_SOURCES})
   target_link_libraries(${target} PRIVATE resilin_options resilin_test_support ${ARG_LINK})
-  resilin_precompile(${target} TESTS
-    <gtest/gtest.h> <gmock/gmock.h> <nlohmann/json.hpp> <Eigen/Dense> <filesystem> <fstream>)
+  resilin_precompile(${target} TESTS)
   gtest_discover_tests(${target} TEST_PREFIX "${name}/" DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60)
 endfunction()
