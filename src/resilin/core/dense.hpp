@@ -22,7 +22,7 @@ Eigenpairs symmetric_eigenpairs(const Matrix& A);
 VectorX symmetric_eigenvalues(const Matrix& A);
 
 struct Eigenpairs3 {
-  Vector3 values;             ///< rising
+  Vector3 values;              ///< rising
   resilin::Matrix<3> vectors;  ///< by columns
 };
 /// The same for three rows and columns, without memory of its own.

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "resilin/core/error.hpp"
 #include "resilin/core/dense.hpp"
+#include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/mesh/facet.hpp"
 #include "resilin/mesh/topology.hpp"

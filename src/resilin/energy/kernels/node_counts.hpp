@@ -4,8 +4,8 @@
 
 namespace resilin {
 
-/// For how many nodes of a cell the kernels over quadrature points are compiled. An element with another number
-/// adds it here; energy/elastic.cpp does not compile before.
+/// For how many nodes of a cell the kernels over quadrature points are compiled. An element with another
+/// number adds it here; energy/elastic.cpp does not compile before.
 template <int dim>
 struct NodeCounts;
 template <>
