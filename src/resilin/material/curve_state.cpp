@@ -1,6 +1,5 @@
 #include "resilin/material/curve_state.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
 
