@@ -3,7 +3,8 @@
 #include "resilin/core/simd.hpp"
 
 /// Logarithms, exponentials and roots of lanes, for arguments inside their domain: positive normal numbers
-/// under the logarithm and the root. Elsewhere the result means nothing; callers mask it.
+/// under the logarithm and the root. Elsewhere the result means nothing; callers mask it. An ulp is the
+/// distance of the doubles at the result; the bounds are measured.
 namespace resilin::RESILIN_SIMD_NAMESPACE {
 
 /// x = mantissa 2^exponent with the mantissa in [sqrt(1/2), sqrt(2)).
@@ -45,8 +46,8 @@ RESILIN_INLINE Lanes atanh_tail(Lanes s) {
 }
 
 struct LogarithmPair {
-  Lanes log1p;        ///< ln(1 + x)
-  Lanes log1p_minus;  ///< ln(1 + x) - x, without cancellation
+  Lanes log1p;        ///< ln(1 + x), to 3 ulp
+  Lanes log1p_minus;  ///< ln(1 + x) - x, to 4 ulp for |x| < 0.29 and 24 beyond
 };
 
 RESILIN_INLINE LogarithmPair logarithm_pair(Lanes x) {
@@ -74,7 +75,7 @@ RESILIN_INLINE Lanes power_of_two(Lanes n) {
   return power;
 }
 
-/// (1 + x)^(1/3) - 1, without cancellation.
+/// (1 + x)^(1/3) - 1, to 6 ulp.
 RESILIN_INLINE Lanes cbrt1p(Lanes x) {
   const BinaryParts parts = binary_parts(1.0 + x);
   constexpr double round = 6755399441055744.0;  // adding and subtracting it rounds to an integer
@@ -91,9 +92,9 @@ RESILIN_INLINE Lanes cbrt1p(Lanes x) {
 }
 
 struct Exponentials {
-  Lanes exp;          ///< e^x
-  Lanes expm1;        ///< e^x - 1
-  Lanes expm1_minus;  ///< e^x - 1 - x, without cancellation
+  Lanes exp;          ///< e^x, to 1 ulp
+  Lanes expm1;        ///< e^x - 1, to 2 ulp
+  Lanes expm1_minus;  ///< e^x - 1 - x, to 9 ulp
 };
 
 /// e^x is +infinity above 709.78 and e^-708 below -708. A number that is none stays none.
@@ -119,8 +120,8 @@ RESILIN_INLINE Exponentials exponentials(Lanes x) {
   p = p * r + 0.5;
   const Lanes tail = r * r * p;
   const Mask is_scaled = (n > Lanes(0)) | (n < Lanes(0));
-  const Lanes half = power_of_two(n - 1.0), power = half + half;  // 2^1024 would not fit
-  const Lanes scaled = half * (r + tail) * 2.0 + (power - 1.0);
+  const Lanes half = power_of_two(n - 1.0);  // 2^1024 would not fit
+  const Lanes scaled = (half * (r + tail) + (half - 0.5)) * 2.0;
   const Mask is_huge = x > Lanes(709.78), is_none = ~((x < Lanes(0)) | (x > Lanes(0)) | (x > Lanes(-1)));
   Lanes expm1 = select(is_scaled, scaled, r + tail);
   expm1 = select(is_huge, __builtin_inf(), select(is_none, x, expm1));
@@ -132,7 +133,7 @@ RESILIN_INLINE Lanes expm1(Lanes x) { return exponentials(x).expm1; }
 RESILIN_INLINE Lanes expm1_minus(Lanes x) { return exponentials(x).expm1_minus; }
 RESILIN_INLINE Lanes exp(Lanes x) { return exponentials(x).exp; }
 
-/// ((1 + x)^alpha - 1) / x, and alpha at x = 0.
+/// ((1 + x)^alpha - 1) / x, and alpha at x = 0; to 6 (1 + |alpha ln(1 + x)|) ulp.
 RESILIN_INLINE Lanes power_difference(Lanes x, Lanes alpha) {
   const Mask is_zero = ~((x < Lanes(0)) | (x > Lanes(0)));
   return select(is_zero, alpha, expm1(alpha * log1p(x)) / x);

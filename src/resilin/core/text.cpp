@@ -28,9 +28,9 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 std::string join(std::span<const std::string> words, std::string_view separator) {
   std::string text;
-  for (const std::string& word : words) {
-    if (!text.empty()) text += separator;
-    text += word;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (i > 0) text += separator;
+    text += words[i];
   }
   return text;
 }
@@ -40,7 +40,8 @@ std::string nearest_word(std::string_view word, std::span<const std::string> can
   std::size_t best_distance = std::max<std::size_t>(2, word.size() / 2) + 1;
   for (const std::string& candidate : candidates) {
     const std::size_t distance = edit_distance(word, candidate);
-    if (distance < best_distance) {
+    const bool keeps_a_letter = distance < std::max(word.size(), candidate.size());
+    if (keeps_a_letter && distance < best_distance) {
       best_distance = distance;
       best = candidate;
     }
@@ -62,7 +63,7 @@ std::string format_short(double value) {
 }
 
 std::string format_bytes(std::uintmax_t count) {
-  constexpr std::array<const char*, 4> units = {" B", " kB", " MB", " GB"};
+  constexpr std::array<const char*, 7> units = {" B", " kB", " MB", " GB", " TB", " PB", " EB"};
   auto size = static_cast<double>(count);
   std::size_t unit = 0;
   for (; size >= 999.5 && unit + 1 < units.size(); ++unit) size /= 1000;

@@ -12,7 +12,7 @@ namespace resilin {
 std::string join(std::span<const std::string> words, std::string_view separator = ", ");
 
 /// The candidate that differs least from `word` in single-letter edits; empty when none is near enough to be
-/// meant.
+/// meant: two letters may differ, or half of them, but not all.
 std::string nearest_word(std::string_view word, std::span<const std::string> candidates);
 
 /// The shortest decimal text that reads back as the same double, independent of the locale.
