@@ -2,6 +2,8 @@
 
 #include "resilin/core/simd_intrinsics.hpp"
 
+#include <initializer_list>
+
 /// Singular values and eigenvalues of small matrices, one matrix in each lane, without branches.
 namespace resilin::RESILIN_SIMD_NAMESPACE {
 
