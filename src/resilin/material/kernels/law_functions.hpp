@@ -57,7 +57,8 @@ using Places = std::make_integer_sequence<int, static_cast<int>(Law::constants.s
 /// itself.
 template <LawKind kind, class T, class Real>
 RESILIN_INLINE auto read_variables(const double* rows) {
-  const auto variable = [rows](int i) {
+  // Always inlined: a number lives in registers only where its places are constants early.
+  const auto variable = [rows](int i) __attribute__((always_inline)) {
     const Real x = lifted<Real>(Lanes::load(rows + i * block_size));
     if constexpr (std::is_same_v<T, Real>)
       return x;
