@@ -41,4 +41,7 @@ install(FILES ${PROJECT_BINARY_DIR}/resilinConfig.cmake ${PROJECT_BINARY_DIR}/re
 if(TARGET resilin)
   install(TARGETS resilin RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
+if(TARGET resilin_bench)  # beside it, where it was built
+  install(TARGETS resilin_bench RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} OPTIONAL)
+endif()
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
