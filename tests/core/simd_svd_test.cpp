@@ -55,8 +55,8 @@ std::vector<Matrix<3>> sample_matrices() {
 
 template <int dim>
 void expect_rotation(const Matrix<dim>& R, const char* what) {
-  EXPECT_LT((R.transpose() * R - Matrix<dim>::Identity()).norm(), 3e-15) << what << "\n" << R;
-  EXPECT_NEAR(R.determinant(), 1, 3e-15) << what;
+  EXPECT_LT((R.transpose() * R - Matrix<dim>::Identity()).norm(), 5e-15) << what << "\n" << R;
+  EXPECT_NEAR(R.determinant(), 1, 5e-15) << what;
 }
 
 struct SimdSvd : EveryInstructionSet {
@@ -86,9 +86,9 @@ TEST_P(SimdSvd, RebuildsTheMatrixFromProperRotationsAndSortedSignedValues) {
       expect_rotation<3>(U, "U");
       expect_rotation<3>(V, "V");
       // As core/simd_svd.hpp says: squashed in all directions, and where a second stretch is small.
-      const double squashed = s[0] < 0.1 ? 2e-13 : 0;
+      const double squashed = s[0] < 0.1 ? 5e-13 : 0;
       const double lost = squashed + (keeps_strain ? std::min(1e-15 / s[1], 3 * s[1]) : 0);
-      EXPECT_LT((U * s.asDiagonal() * V.transpose() - F[i]).norm(), 4e-15 * std::max(size, 1.0) + lost);
+      EXPECT_LT((U * s.asDiagonal() * V.transpose() - F[i]).norm(), 5e-15 * std::max(size, 1.0) + lost);
       EXPECT_GE(s[0], s[1] - 1e-15 * size - lost);
       EXPECT_GE(s[1], std::abs(s[2]) - 2e-15 * size - lost);
       EXPECT_GE(s[1], 0);

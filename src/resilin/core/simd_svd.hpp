@@ -142,7 +142,7 @@ RESILIN_INLINE void complete_svd(const Column3 B[3], Svd3& r) {
 }
 
 /// Three two-sided sweeps on F^T F - I, then one one-sided sweep on F V, which gives back the digits that
-/// F^T F lost: reconstruction to 4e-15 |F|, also at condition 1e6, and to 2e-13 where all of F is below 0.1
+/// F^T F lost: reconstruction to 5e-15 |F|, also at condition 1e6, and to 5e-13 where all of F is below 0.1
 /// (measured). When `keeps_strain`, F V is kept as V + H V, r.e has its digits at small strain, and the
 /// reconstruction loses another 1e-15 / s_1; else r.e is not set.
 template <bool keeps_strain>
