@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <new>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -30,9 +31,7 @@ const Benchmark& find(const std::string& name) {
     if (benchmark.name == name) return benchmark;
     names.push_back(benchmark.name);
   }
-  const std::string nearest = nearest_word(name, names);
-  throw InputError("bench", "one of " + join(names), '"' + name + '"',
-                   nearest.empty() ? "" : "did you mean \"" + nearest + "\"?");
+  refuse_word("bench", name, names);
 }
 
 void print(const std::vector<std::vector<std::string>>& rows) { fmt::print("{}", format_table(rows)); }
@@ -87,6 +86,8 @@ int main(int argc, char** argv) {
     return fail(1, std::string(error.what()) + "; see resilin bench --help");
   } catch (const InputError& error) {
     return fail(1, error.what());
+  } catch (const std::bad_alloc&) {
+    return fail(1, "out of memory: the problem is too large for this machine");
   } catch (const std::exception& error) {
     return fail(3, std::string("internal error: ") + error.what());
   }

@@ -17,9 +17,9 @@ std::string unknown_command(const CLI::App& app, int argc, char** argv) {
     if (command->get_name() == argv[1]) return {};
     names.push_back(command->get_name());
   }
-  const std::string nearest = nearest_word(argv[1], names);
+  const std::string cure = did_you_mean(argv[1], names);
   return InputError("command", "one of " + join(names), '"' + std::string(argv[1]) + '"',
-                    nearest.empty() ? "see resilin --help" : "did you mean \"" + nearest + "\"?")
+                    cure.empty() ? "see resilin --help" : cure)
       .what();
 }
 

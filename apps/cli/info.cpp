@@ -16,12 +16,6 @@
 namespace resilin::cli {
 namespace {
 
-std::vector<std::string> names(const std::vector<InstructionSet>& sets) {
-  std::vector<std::string> all;
-  for (const InstructionSet set : sets) all.emplace_back(name(set));
-  return all;
-}
-
 int print_info(bool as_json) {
   const std::string in_use(name(preferred_instruction_set()));
   const std::vector<std::string> available = names(available_instruction_sets());

@@ -108,11 +108,10 @@ PageMessage read_poke(Fields& fields) {
   return poke;
 }
 
-[[noreturn]] void refuse_word(const std::string& place, const std::string& word,
-                              const std::vector<std::string>& known) {
-  const std::string nearest = nearest_word(word.substr(0, 40), known);
-  throw InputError(place, "one of " + join(known), shown(word),
-                   nearest.empty() ? "" : "did you mean \"" + nearest + "\"?");
+/// A word of a page, which may be of any length, in place of `refuse_word`.
+[[noreturn]] void refuse_sent_word(const std::string& place, const std::string& word,
+                                   const std::vector<std::string>& known) {
+  throw InputError(place, "one of " + join(known), shown(word), did_you_mean(word.substr(0, 40), known));
 }
 
 ControlValue read_value(const LiveControl& control, Fields& fields) {
@@ -131,7 +130,7 @@ PageMessage read_set(Fields& fields) {
   if (control != nullptr) return SetControl{control, read_value(*control, fields)};
   std::vector<std::string> known;
   for (const LiveControl& entry : live_control_table()) known.emplace_back(entry.key);
-  refuse_word("message \"set\": key", key, known);
+  refuse_sent_word("message \"set\": key", key, known);
 }
 
 using ReadMessage = PageMessage (*)(Fields&);
@@ -202,7 +201,7 @@ PageMessage read_text_message(std::string_view text) {
   }
   const auto& name = type->get_ref<const std::string&>();
   const auto entry = message_types().find(name);
-  if (entry == message_types().end()) refuse_word("message: type", name, names_of_types());
+  if (entry == message_types().end()) refuse_sent_word("message: type", name, names_of_types());
   Fields fields(json, name);
   PageMessage message = entry->second(fields);
   fields.finish();

@@ -43,6 +43,19 @@ TEST(NearestWord, IsNoneWhereNothingIsMeant) {
   EXPECT_EQ(nearest_word("anything", Words{}), "");
 }
 
+TEST(RefuseWord, NamesPlaceWordsAndTheNearest) {
+  const auto message = [](const std::string& word) -> std::string {
+    try {
+      refuse_word("scene.toml:3: kind", word, Words{"box", "plane"});
+    } catch (const InputError& error) {
+      return error.what();
+    }
+  };
+  EXPECT_EQ(message("plan"),
+            "scene.toml:3: kind: expected one of box, plane, got \"plan\"; did you mean \"plane\"?");
+  EXPECT_EQ(message("temperature"), "scene.toml:3: kind: expected one of box, plane, got \"temperature\"");
+}
+
 double read(const std::string& text) {
   double value = 0;
   std::from_chars(text.data(), text.data() + text.size(), value);

@@ -189,15 +189,7 @@ TEST(ArcLength, FollowsAShallowArchThroughBothLimitPoints) {
 }
 
 TEST(ArcLength, GivesTheSameBitsAfterARestart) {
-  const Description scene = shallow_arch();
-  const Simulation unbroken = run_all(scene);
-  Simulation first(scene);
-  for (int step = 0; step < 9; ++step) first.step();
-  Simulation second(scene);
-  second.resume_from(deserialize_state(serialize(first.state()), "checkpoint.bin"), "checkpoint.bin");
-  while (!second.is_finished()) second.step();
-  EXPECT_TRUE((unbroken.state().positions.array() == second.state().positions.array()).all());
-  EXPECT_EQ(unbroken.state().step, second.state().step);
+  expect_same_bits_after_a_checkpoint(shallow_arch(), 9);
 }
 
 TEST(ArcLength, EndsAfterTheNumberOfStepsThatTheSceneAllows) {

@@ -95,14 +95,8 @@ TEST_P(MotionOfEveryIntegrator, GoesOnFromACheckpointWithTheSameBits) {
     Description scene = small_bar(3, true);
     scene.integrator = integrator;
     scene.bodies[0].mass = mass;
-    Simulation unbroken(scene);
-    Simulation first(scene);
-    for (int step = 0; step < 3; ++step) first.step();
-    Simulation second(scene);
-    second.resume_from(deserialize_state(serialize(first.state()), "checkpoint.bin"), "checkpoint.bin");
-    for (int step = 0; step < 6; ++step) unbroken.step();
-    for (int step = 0; step < 3; ++step) second.step();
-    EXPECT_EQ(serialize(unbroken.state()), serialize(second.state())) << spelling(mass);
+    SCOPED_TRACE(spelling(mass));
+    expect_same_bits_after_a_checkpoint(scene, 3);
   }
 }
 
@@ -231,15 +225,7 @@ TEST_P(AdaptiveStepsOfEveryIntegrator, MeetTheirToleranceTheEventsAndTheEnd) {
 }
 
 TEST_P(AdaptiveStepsOfEveryIntegrator, GoOnFromACheckpointWithTheSameBits) {
-  const Description scene = adaptive_bar(integrator, 1e-4);
-  Simulation unbroken(scene);
-  Simulation first(scene);
-  for (int step = 0; step < 5; ++step) first.step();
-  Simulation second(scene);
-  second.resume_from(deserialize_state(serialize(first.state()), "checkpoint.bin"), "checkpoint.bin");
-  while (!unbroken.is_finished()) unbroken.step();
-  while (!second.is_finished()) second.step();
-  EXPECT_EQ(serialize(unbroken.state()), serialize(second.state()));
+  expect_same_bits_after_a_checkpoint(adaptive_bar(integrator, 1e-4), 5);
 }
 
 TEST(AdaptiveSteps, ThatMayNotBeShortEnoughSaySo) {

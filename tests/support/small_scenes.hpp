@@ -1,10 +1,14 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <cmath>
+#include <limits>
 
 #include "resilin/material/law.hpp"
 #include "resilin/mesh/generators.hpp"
 #include "resilin/simulation/simulation.hpp"
+#include "resilin/world/state.hpp"
 
 namespace resilin::testing {
 
@@ -49,6 +53,22 @@ inline Simulation run_all(const Description& scene) {
   while (!simulation.is_finished() && simulation.step().status == StepReport::Status::converged) {
   }
   return simulation;
+}
+
+/// A run, and one that goes on from a checkpoint after `step` steps, end in the same bits.
+inline void expect_same_bits_after_a_checkpoint(const Description& scene, int step) {
+  const auto advance = [](Simulation& simulation, int steps) {
+    for (int i = 0; i < steps && !simulation.is_finished(); ++i)
+      ASSERT_EQ(simulation.step().status, StepReport::Status::converged);
+  };
+  constexpr int all = std::numeric_limits<int>::max();
+  Simulation unbroken(scene), first(scene), second(scene);
+  advance(unbroken, all);
+  advance(first, step);
+  ASSERT_FALSE(first.is_finished());
+  second.resume_from(deserialize_state(serialize(first.state()), "checkpoint.bin"), "checkpoint.bin");
+  advance(second, all);
+  EXPECT_EQ(serialize(unbroken.state()), serialize(second.state()));
 }
 
 }  // namespace resilin::testing

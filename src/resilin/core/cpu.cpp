@@ -10,12 +10,6 @@
 namespace resilin {
 namespace {
 
-std::vector<std::string> names(const std::vector<InstructionSet>& sets) {
-  std::vector<std::string> all;
-  for (const InstructionSet set : sets) all.emplace_back(name(set));
-  return all;
-}
-
 std::optional<InstructionSet> read_request() {
   const char* variable = std::getenv("RESILIN_ISA");
   if (variable == nullptr || *variable == '\0') return std::nullopt;
@@ -53,6 +47,12 @@ std::string_view name(InstructionSet set) {
       return "avx512";
   }
   return "";
+}
+
+std::vector<std::string> names(std::span<const InstructionSet> sets) {
+  std::vector<std::string> all;
+  for (const InstructionSet set : sets) all.emplace_back(name(set));
+  return all;
 }
 
 std::vector<InstructionSet> compiled_instruction_sets() {

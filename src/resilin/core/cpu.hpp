@@ -1,6 +1,8 @@
 #pragma once
 
 #include <optional>
+#include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -9,6 +11,7 @@
 namespace resilin {
 
 std::string_view name(InstructionSet set);
+std::vector<std::string> names(std::span<const InstructionSet> sets);
 
 /// Instruction sets that this build holds (cmake -DRESILIN_INSTRUCTION_SETS=...), the slowest first; never
 /// empty.

@@ -1,5 +1,7 @@
 #include "resilin/core/error.hpp"
 
+#include "resilin/core/text.hpp"
+
 namespace resilin {
 
 InputError::InputError(const std::string& place, const std::string& expected, const std::string& got,
@@ -9,5 +11,9 @@ InputError::InputError(const std::string& place, const std::string& expected, co
 
 InputError::InputError(const std::string& place, const std::string& problem)
     : std::runtime_error(place + ": " + problem) {}
+
+void refuse_word(const std::string& place, std::string_view word, std::span<const std::string> known) {
+  throw InputError(place, "one of " + join(known), '"' + std::string(word) + '"', did_you_mean(word, known));
+}
 
 }  // namespace resilin

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 namespace resilin {
 
@@ -16,6 +18,11 @@ class InputError : public std::runtime_error {
   /// A wrong state that has no single value, such as "beam.msh: element 2 is inverted".
   InputError(const std::string& place, const std::string& problem);
 };
+
+/// Throws the InputError of a word that is none of `known`: "PLACE: expected one of ..., got "WORD"; did you
+/// mean ...".
+[[noreturn]] void refuse_word(const std::string& place, std::string_view word,
+                              std::span<const std::string> known);
 
 /// A file cannot be written or read for a reason outside its content (permissions, disk full).
 class FileError : public InputError {

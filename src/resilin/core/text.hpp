@@ -15,6 +15,9 @@ std::string join(std::span<const std::string> words, std::string_view separator 
 /// meant: two letters may differ, or half of them, but not all.
 std::string nearest_word(std::string_view word, std::span<const std::string> candidates);
 
+/// The cure of a misspelled word: "did you mean "NEAREST"?", empty when no candidate is near enough.
+std::string did_you_mean(std::string_view word, std::span<const std::string> candidates);
+
 /// The shortest decimal text that reads back as the same double, independent of the locale.
 std::string format_number(double value);
 

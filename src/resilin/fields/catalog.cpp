@@ -153,10 +153,7 @@ std::vector<std::string> field_names() {
 const FieldInfo& require_field(std::string_view name, const std::string& place) {
   for (const FieldInfo& field : fields())
     if (field.name == name) return field;
-  const std::vector<std::string> names = field_names();
-  const std::string nearest = nearest_word(name, names);
-  throw InputError(place, "one of " + join(names), "\"" + std::string(name) + "\"",
-                   nearest.empty() ? "" : "did you mean \"" + nearest + "\"?");
+  refuse_word(place, name, field_names());
 }
 
 }  // namespace resilin

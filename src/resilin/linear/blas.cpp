@@ -3,6 +3,7 @@
 #include <dlfcn.h>
 
 #include <cstdlib>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -69,17 +70,24 @@ std::string blas_kernel_name() {
 
 bool choose_blas_kernel() {
   const std::string_view core = openblas_core();
-  if (core.empty() || std::getenv("OPENBLAS_CORETYPE") != nullptr) return false;
+  // The variable of OpenBLAS is obeyed, unless our own, which says more, asks for something else.
+  const char* const variable = std::getenv("OPENBLAS_CORETYPE");
+  if (core.empty() || (variable != nullptr && !requested_instruction_set())) return false;
   const std::string wanted = wanted_core(core);
   if (wanted.empty() || wanted == core) return false;
   // OpenBLAS reads the variable in this pair of functions, which its own start-up and shut-down call.
   const auto quit = find_function<void()>("gotoblas_dynamic_quit");
   const auto init = find_function<void()>("gotoblas_dynamic_init");
   if (quit == nullptr || init == nullptr) return false;
+  const std::optional<std::string> before = variable != nullptr ? std::optional(variable) : std::nullopt;
   setenv("OPENBLAS_CORETYPE", wanted.c_str(), 1);
   quit();
   init();
-  unsetenv("OPENBLAS_CORETYPE");
+  if (before) {
+    setenv("OPENBLAS_CORETYPE", before->c_str(), 1);
+  } else {
+    unsetenv("OPENBLAS_CORETYPE");
+  }
   return openblas_core() != core;
 }
 

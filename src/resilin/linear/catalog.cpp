@@ -77,9 +77,7 @@ void require_linear_solver(const std::string& kind, const std::string& place) {
   std::vector<std::string> names = linear_solver_names();
   names.insert(names.begin(), "auto");
   if (std::ranges::find(names, kind) != names.end()) return;
-  const std::string nearest = nearest_word(kind, names);
-  throw InputError(place, "one of " + join(names), "\"" + kind + "\"",
-                   nearest.empty() ? "" : "did you mean \"" + nearest + "\"?");
+  refuse_word(place, kind, names);
 }
 
 std::vector<std::string> linear_solver_names() {

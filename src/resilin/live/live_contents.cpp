@@ -159,7 +159,6 @@ void LiveScene::Contents::change_materials(const LiveControls& wanted) {
                      "reset the scene, or wait until no cell is inverted");
   }
   world = std::move(changed);
-  renew_terms();
   description.bodies = std::move(bodies);
 }
 

@@ -33,7 +33,7 @@ struct LiveScene::Contents {
   void renew_floor();
   void advance_obstacles();
   void set_controls(const LiveControls& asked);
-  void change_materials(const LiveControls& wanted);
+  void change_materials(const LiveControls& wanted);  ///< the terms are then to be renewed
 
   bool is_seeking() const;
   void step(const StepBudget& budget);

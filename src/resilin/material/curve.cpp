@@ -177,9 +177,7 @@ LoadCase require_load_case(std::string_view name, const std::string& place) {
   const auto found = std::ranges::find(load_case_names, name);
   if (found != load_case_names.end()) return static_cast<LoadCase>(found - load_case_names.begin());
   const std::vector<std::string> names(load_case_names.begin(), load_case_names.end());
-  const std::string nearest = nearest_word(name, names);
-  throw InputError(place, "one of " + join(names), "\"" + std::string(name) + "\"",
-                   nearest.empty() ? "" : "did you mean \"" + nearest + "\"?");
+  refuse_word(place, name, names);
 }
 
 LoadRange usual_range(LoadCase load_case) {

@@ -70,9 +70,7 @@ class ConstantReader {
     for (const ConstantText& constant : law_.constants) known.emplace_back(constant.name);
     for (const auto& [name, column] : given_) {
       if (std::ranges::find(known, name) != known.end()) continue;
-      const std::string nearest = nearest_word(name, known);
-      throw InputError(place_ + "." + name, expected(), "an unknown constant",
-                       nearest.empty() ? "" : "did you mean \"" + nearest + "\"?");
+      throw InputError(place_ + "." + name, expected(), "an unknown constant", did_you_mean(name, known));
     }
   }
 

@@ -108,9 +108,7 @@ const LawInfo& require_law(std::string_view name, const std::string& place) {
   if (const LawInfo* law = find_law(name)) return *law;
   std::vector<std::string> names;
   for (const LawInfo& law : infos()) names.emplace_back(law.name);
-  const std::string nearest = nearest_word(name, names);
-  throw InputError(place, "one of " + join(names), "\"" + std::string(name) + "\"",
-                   nearest.empty() ? "" : "did you mean \"" + nearest + "\"?");
+  refuse_word(place, name, names);
 }
 
 }  // namespace resilin

@@ -28,9 +28,8 @@ Vector3 parse_direction(const std::string& text) {
   bool is_good = static_cast<bool>(stream >> direction[0]);
   for (int i = 1; i < 3; ++i) is_good = is_good && stream >> comma >> direction[i] && comma == ',';
   if (is_good && !(stream >> rest) && direction.allFinite() && direction.norm() > 0) return direction;
-  const std::string nearest = nearest_word(text, view_names());
   throw InputError("view", join(view_names()) + " or a direction such as 1,-2,1", "\"" + text + "\"",
-                   nearest.empty() ? "" : "did you mean \"" + nearest + "\"?");
+                   did_you_mean(text, view_names()));
 }
 
 }  // namespace

@@ -9,12 +9,12 @@ namespace resilin {
 void refuse_unknown_keys(const SceneNode& table, const std::vector<std::string>& known) {
   for (const SceneMember& member : table.value->table()) {
     if (std::ranges::find(known, member.key) != known.end()) continue;
-    const std::string nearest = nearest_word(member.key, known);
+    const std::string cure = did_you_mean(member.key, known);
     SceneNode node{&member.value, table.path, table.context};
     if (!node.path.empty()) node.path += '.';
     node.path += printable(member.key);
     node.fail_with("unknown key \"" + printable(member.key) + "\"; " +
-                   (nearest.empty() ? "known are " + join(known) : "did you mean \"" + nearest + "\"?"));
+                   (cure.empty() ? "known are " + join(known) : cure));
   }
 }
 
@@ -69,8 +69,7 @@ std::string read_choice(const SceneNode& node, const std::vector<std::string>& t
   if (std::ranges::find(later, word) != later.end()) {
     node.fail_with("\"" + word + "\" is not part of this version; there is " + one_of(there_is));
   }
-  const std::string nearest = nearest_word(word, there_is);
-  node.fail(one_of(there_is), nearest.empty() ? "" : "did you mean \"" + nearest + "\"?");
+  node.fail(one_of(there_is), did_you_mean(word, there_is));
 }
 
 std::vector<std::string> read_choices(const SceneNode& node, const std::vector<std::string>& there_is,

@@ -25,16 +25,6 @@ double youngs_modulus(const Body& body) {
   return E;
 }
 
-double largest_extent(const World& world, const Body& body) {
-  double extent = 0;
-  for (int k = 0; k < world.dimension; ++k) {
-    const auto coordinates = world.rest_positions(
-        Eigen::seqN(Eigen::Index{body.first_node} * world.dimension + k, body.num_nodes, world.dimension));
-    extent = std::max(extent, coordinates.maxCoeff() - coordinates.minCoeff());
-  }
-  return extent;
-}
-
 std::string position_text(const Vector3& position, int dim) {
   std::vector<std::string> numbers;
   for (int k = 0; k < dim; ++k) numbers.push_back(format_short(position[k]));
@@ -63,7 +53,8 @@ std::vector<ContactNode> contact_nodes(const World& world, std::optional<double>
 
 double default_activation_distance(const World& world) {
   double smallest = std::numeric_limits<double>::infinity();
-  for (const Body& body : world.bodies) smallest = std::min(smallest, largest_extent(world, body));
+  for (const Body& body : world.bodies)
+    smallest = std::min(smallest, largest_extent(body, world.rest_positions, world.dimension));
   return activation_share * smallest;
 }
 

@@ -78,9 +78,7 @@ const LoadKind& require_load_kind(const std::string& name, const std::string& pl
   if (found != load_kinds().end()) return *found;
   std::vector<std::string> names;
   for (const LoadKind& kind : load_kinds()) names.push_back(kind.name);
-  const std::string nearest = nearest_word(name, names);
-  throw InputError(place, "one of " + join(names), '"' + name + '"',
-                   nearest.empty() ? "" : "did you mean \"" + nearest + "\"?");
+  refuse_word(place, name, names);
 }
 
 }  // namespace resilin

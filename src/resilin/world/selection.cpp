@@ -32,25 +32,8 @@ const Group& find_group(const Mesh& mesh, const std::string& name, const std::st
     throw InputError(place, "a group of the mesh", "\"" + name + "\"",
                      "the mesh has no groups: use box, plane, sphere or vertices");
   }
-  const std::string nearest = nearest_word(name, names);
   throw InputError(place, "a group of the mesh (" + join(names) + ")", "\"" + name + "\"",
-                   nearest.empty() ? "" : "did you mean \"" + nearest + "\"?");
-}
-
-/// How far along an axis the body reaches, for the default tolerance of a plane.
-double largest_extent(const Body& body, const VectorX& rest_positions, int dim) {
-  double extent = 0;
-  for (int k = 0; k < dim; ++k) {
-    double low = std::numeric_limits<double>::infinity();
-    double high = -low;
-    for (Index i = 0; i < body.num_nodes; ++i) {
-      const double value = rest_positions[Eigen::Index{body.first_node + i} * dim + k];
-      low = std::min(low, value);
-      high = std::max(high, value);
-    }
-    extent = std::max(extent, high - low);
-  }
-  return extent;
+                   did_you_mean(name, names));
 }
 
 std::function<bool(const Vector3&)> position_test(const Where& where, double extent) {
@@ -74,15 +57,9 @@ std::function<bool(const Vector3&)> position_test(const Where& where, double ext
 std::string describe_extent(const Body& body, const VectorX& rest_positions, int dim) {
   std::string text = "the body reaches from ";
   for (int k = 0; k < dim; ++k) {
-    double low = std::numeric_limits<double>::infinity();
-    double high = -low;
-    for (Index i = 0; i < body.num_nodes; ++i) {
-      const double value = rest_positions[Eigen::Index{body.first_node + i} * dim + k];
-      low = std::min(low, value);
-      high = std::max(high, value);
-    }
+    const Reach reach = reach_along(k, body, rest_positions, dim);
     if (k > 0) text += ", ";
-    text += std::string(1, "xyz"[k]) + " = " + format_number(low) + " to " + format_number(high);
+    text += std::string(1, "xyz"[k]) + " = " + format_number(reach.low) + " to " + format_number(reach.high);
   }
   return text;
 }

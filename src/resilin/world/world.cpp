@@ -316,6 +316,18 @@ Index World::num_free_unknowns() const {
   return static_cast<Index>(std::count(is_fixed.begin(), is_fixed.end(), std::uint8_t{0}));
 }
 
+Reach reach_along(int axis, const Body& body, const VectorX& positions, int dim) {
+  const auto coordinates =
+      positions(Eigen::seqN(Eigen::Index{body.first_node} * dim + axis, body.num_nodes, dim));
+  return {coordinates.minCoeff(), coordinates.maxCoeff()};
+}
+
+double largest_extent(const Body& body, const VectorX& positions, int dim) {
+  double extent = 0;
+  for (int k = 0; k < dim; ++k) extent = std::max(extent, reach_along(k, body, positions, dim).length());
+  return extent;
+}
+
 double World::largest_extent() const {
   double extent = 0;
   for (int k = 0; k < dimension; ++k) {

@@ -36,6 +36,18 @@ struct Body {
   Index num_cells() const { return static_cast<Index>(cells.size()) / resilin::num_nodes(cell_kind); }
 };
 
+/// From where to where something reaches along an axis [m].
+struct Reach {
+  double low, high;
+  double length() const { return high - low; }
+};
+
+/// Of all nodes of the body, at the positions of all bodies (`dim` numbers per node).
+Reach reach_along(int axis, const Body& body, const VectorX& positions, int dim);
+
+/// The longest reach of the body along the axes [m].
+double largest_extent(const Body& body, const VectorX& positions, int dim);
+
 struct Probe {
   std::string name;
   Index node = 0;
