@@ -130,7 +130,8 @@ TEST_F(Commands, ResilinIsaChoosesTheKernelsOfElementsAndOfBlas) {
 
 TEST_F(Commands, TheVariableOfOpenblasStandsWhereOursSaysNothing) {
   const auto blas_with = [&](const std::vector<std::string>& environment) -> std::string {
-    return nlohmann::json::parse(run_program(folder.path(), {"info", "--json"}, environment).out)["blas_kernel"];
+    return nlohmann::json::parse(
+        run_program(folder.path(), {"info", "--json"}, environment).out)["blas_kernel"];
   };
   if (!blas_with({}).starts_with("OpenBLAS")) GTEST_SKIP() << "the BLAS of this machine is not OpenBLAS";
   const std::string ours = "RESILIN_ISA=baseline", theirs = "OPENBLAS_CORETYPE=Nehalem";

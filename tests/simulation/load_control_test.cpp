@@ -188,9 +188,7 @@ TEST(ArcLength, FollowsAShallowArchThroughBothLimitPoints) {
     EXPECT_NEAR(loads[i], load_at_displacement(heights[i]), 1e-6) << "at a displacement of " << heights[i];
 }
 
-TEST(ArcLength, GivesTheSameBitsAfterARestart) {
-  expect_same_bits_after_a_checkpoint(shallow_arch(), 9);
-}
+TEST(ArcLength, GivesTheSameBitsAfterARestart) { expect_same_bits_after_a_checkpoint(shallow_arch(), 9); }
 
 TEST(ArcLength, EndsAfterTheNumberOfStepsThatTheSceneAllows) {
   Description scene = shallow_arch();

@@ -63,7 +63,7 @@ class Branch {
 
   /// The state at `load` when it is near the present one.
   std::optional<State> neighbour(double load) const {
-    const std::optional<State> next = block_.solve(load, state_);
+    std::optional<State> next = block_.solve(load, state_);
     if (!next) return std::nullopt;
     for (Eigen::Index k = 0; k < next->free.size(); ++k)
       if (std::abs(next->free[k] - state_.free[k]) > largest_change * (1 + state_.free[k]))

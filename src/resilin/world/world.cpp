@@ -68,15 +68,15 @@ VectorX start_velocities_of(const BodyDescription& description, const VectorX& p
 
 /// Throws InputError when a world, complete but for this, has fewer unknowns than modes are asked for; warns
 /// of loads that do not act. Every mode becomes a frame.
-void check_modes(const Description& description, World& world) {
+void check_modes(const Description& description, const ModesOptions& modes, World& world) {
   world.output.every = 1;  // each mode is a frame
-  if (world.modes->count < 1 || world.modes->count > world.num_free_unknowns()) {
+  if (modes.count < 1 || modes.count > world.num_free_unknowns()) {
     throw InputError(world.place + ": simulation.modes.count",
                      "from 1 to " + std::to_string(world.num_free_unknowns()) + ", the unknowns of the scene",
-                     std::to_string(world.modes->count));
+                     std::to_string(modes.count));
   }
   const bool has_loads = description.gravity.norm() > 0 || !description.loads.empty();
-  if (has_loads && !world.modes->is_loaded) {
+  if (has_loads && !modes.is_loaded) {
     world.warnings.push_back(world.place +
                              ": loads do not act on vibrations about rest; for those about the loaded state "
                              "set simulation.modes.about = \"load\"");
@@ -134,7 +134,7 @@ void Builder::build() {
   }
   find_fixed_unknowns();
   world_.event_times = event_times(description_);
-  if (world_.modes) check_modes(description_, world_);
+  if (world_.modes) check_modes(description_, *world_.modes, world_);
   const bool finds_equilibrium = !world_.is_dynamic && (!world_.modes || world_.modes->is_loaded);
   if (finds_equilibrium) check_is_held(world_);
 }
