@@ -12,8 +12,8 @@ std::string blas_kernel_name();
 /// falls back to older ones (1.8 times slower); with the environment variable RESILIN_ISA (core/cpu.hpp)
 /// those of the set that it asks for. Returns true when it changed something.
 ///
-/// For the start of a program, before other threads run: it swaps the library's kernel table. Where RESILIN_ISA
-/// says nothing, a choice made by OpenBLAS's own variable OPENBLAS_CORETYPE stands.
+/// For the start of a program, before other threads run: it swaps the library's kernel table. Where
+/// RESILIN_ISA says nothing, a choice made by OpenBLAS's own variable OPENBLAS_CORETYPE stands.
 bool choose_blas_kernel();
 
 /// Keeps BLAS on one thread while it lives: the solvers are parallel over tasks of their own, and a threaded
