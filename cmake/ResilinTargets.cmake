@@ -41,7 +41,7 @@ function(resilin_precompile target group)
 endfunction()
 
 # resilin_unite(TARGET a.cpp ...): its sources are compiled in groups of four, in the order of the list; those named here,
-# big ones, by themselves.
+# big ones or with names that others have, by themselves.
 function(resilin_unite target)
   if(RESILIN_UNITY)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 4)
@@ -71,12 +71,14 @@ function(resilin_module name)
   set_property(GLOBAL APPEND PROPERTY RESILIN_MODULES ${target})
 endfunction()
 
-# resilin_test(NAME SOURCES a_test.cpp ... LINK resilin::x ...): a GoogleTest program; ctest runs each of its tests.
+# resilin_test(NAME SOURCES a_test.cpp ... ALONE big_test.cpp ... LINK resilin::x ...): a GoogleTest program; ctest runs each
+# of its tests. ALONE: see resilin_unite.
 function(resilin_test name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;ALONE;LINK" ${ARGN})
   set(target ${name}_test)
   add_executable(${target} ${ARG_SOURCES})
   target_link_libraries(${target} PRIVATE resilin_options resilin_test_support ${ARG_LINK})
   resilin_precompile(${target} TESTS)
+  resilin_unite(${target} ${ARG_ALONE})
   gtest_discover_tests(${target} TEST_PREFIX "${name}/" DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60)
 endfunction()
