@@ -9,7 +9,7 @@
 namespace resilin {
 
 bool ActiveTime::contains(double time) const {
-  const double slack = 1e-9 * std::max(1.0, std::abs(time));
+  const double slack = time_slack(time);
   return time > from + slack && time <= until + slack;
 }
 

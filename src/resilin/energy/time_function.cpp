@@ -5,9 +5,10 @@
 #include <numbers>
 
 namespace resilin {
-namespace {
 
-double slack(double time) { return 1e-9 * std::max(1.0, std::abs(time)); }
+double time_slack(double time) { return 1e-9 * std::abs(time); }
+
+namespace {
 
 double angle(const TimeFunction::Sine& sine, double time) {
   return 2 * std::numbers::pi * sine.frequency * time + sine.phase * std::numbers::pi / 180;
@@ -16,7 +17,7 @@ double angle(const TimeFunction::Sine& sine, double time) {
 /// Number of the segment that ends at or after `time`: from point i - 1 to point i; 0 or times.size()
 /// outside.
 std::size_t segment_before(const TimeFunction::Table& table, double time) {
-  const auto point = std::lower_bound(table.times.begin(), table.times.end(), time - slack(time));
+  const auto point = std::lower_bound(table.times.begin(), table.times.end(), time - time_slack(time));
   return static_cast<std::size_t>(point - table.times.begin());
 }
 
@@ -52,7 +53,7 @@ struct Rate {
     return 2 * std::numbers::pi * sine.frequency * sine.amplitude * std::cos(angle(sine, time));
   }
   double operator()(const TimeFunction::Ramp& ramp) const {
-    const bool rises = time > ramp.from + slack(time) && time <= ramp.until + slack(time);
+    const bool rises = time > ramp.from + time_slack(time) && time <= ramp.until + time_slack(time);
     return rises ? 1 / (ramp.until - ramp.from) : 0;
   }
 };

@@ -5,10 +5,14 @@
 
 namespace resilin {
 
+/// Times that differ by no more are one [s]: a share of the time, so that it serves picoseconds as well as
+/// years.
+double time_slack(double time);
+
 /// A factor f(t) on a load or a prescribed motion. By default 1 at all times.
 ///
 /// Where a slope jumps (a knot of a table, the ends of a ramp), rates are those from before, so that a step
-/// that ends there sees what happened in it. Times are met to a relative 1e-9.
+/// that ends there sees what happened in it. Times are met within `time_slack`.
 struct TimeFunction {
   struct Constant {};
   /// Straight between points (t_i, f_i); before the first and after the last it stays.

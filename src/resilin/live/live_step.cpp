@@ -7,7 +7,7 @@
 #include "resilin/integrator/backward_euler.hpp"
 #include "resilin/live/kinetic_guard.hpp"
 #include "resilin/live/live_contents.hpp"
-#include "resilin/optimize/residual.hpp"
+#include "resilin/optimize/convergence.hpp"
 #include "resilin/simulation/stage_solver.hpp"
 
 namespace resilin {
@@ -142,18 +142,18 @@ void LiveScene::Contents::move_to_equilibrium(const StepBudget& budget) {
   const Potential at_rest(all, is_fixed, conditions, static_stage(state.positions));
   VectorX gradient;
   at_rest.gradient(x, gradient);
-  const Residual residual = free_residual(gradient, is_fixed);
-  newton_report.residual = residual.norm;
-  newton_report.worst_unknown = residual.worst;
-  newton_report.force_scale = std::max(at_rest.force_scale(x, gradient), unloaded_scale());
+  Convergence balance(at_rest, is_fixed, newton.parts(), rest_tolerance, unloaded_scale());
+  balance.measure(x, gradient);
+  const bool is_at_rest = balance.verdict({}, /*look_closer=*/true) == Convergence::Verdict::yes;
+  newton_report.residual = balance.residual();
+  newton_report.force_scale = balance.force_scale();
+  newton_report.worst_unknown = balance.worst_unknown();
   state.positions = std::move(x);
   state.velocities.setZero();
   ++state.step;
   ++calm.seeking_steps;
   measure(newton_report);
-  const double round_off = residual_round_off(at_rest, is_fixed, state.positions, {});
-  report.at_rest = residual.norm <= std::max(rest_tolerance * newton_report.force_scale, round_off);
-  report.converged = report.at_rest;
+  report.at_rest = report.converged = is_at_rest;
   report.words = words();
 }
 

@@ -8,15 +8,22 @@ namespace resilin {
 
 NewtonReport Newton::Search::run(const NewtonObserver& observer) {
   using Status = NewtonReport::Status;
+  using Verdict = Convergence::Verdict;
   int short_boundary_steps = 0;
   VectorX gap = boundary_gap();
   bool boundary_moves = (gap.array() != 0).any();
   objective.prepare(x, VectorX::Zero(x.size()));
   objective.gradient(x, gradient);
   measure_residual();
-  first_residual = report.residual;
   renew_internal_values();
-  while (boundary_moves || !is_converged()) {
+  while (true) {
+    if (!convergence.is_finite()) return finish(Status::not_finite, "the forces are not finite numbers");
+    if (!boundary_moves) {
+      const Verdict now = verdict();
+      if (now == Verdict::yes) return finish(Status::converged, "converged");
+      if (now == Verdict::out_of_digits && last_residual > 0 && weighted_residual > 0.5 * last_residual)
+        return finish_out_of_digits();
+    }
     if (report.iterations >= settings.max_iterations) {
       return finish(Status::max_iterations, "the limit of Newton iterations was reached");
     }
@@ -36,7 +43,7 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
       }
       // The Hessian tells what rounding of the positions leaves: with it the residual may already be small
       // enough.
-      if (!boundary_moves && is_converged()) return finish(Status::converged, "converged");
+      if (!boundary_moves && verdict() == Verdict::yes) return finish(Status::converged, "converged");
       if (!boundary_moves && !has_potential) use_true_tangent(direction);
       was_exact = direction.is_exact;
       line = boundary_moves ? follow_boundary() : search_line(direction.is_exact);
@@ -54,7 +61,9 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
       const Projection used = was_exact ? Projection::none : projection;
       const Projection next = chooser.next_choice(used);
       if (next == used || next == projection) {
-        if (!boundary_moves && report.residual <= round_off()) return finish(Status::converged, "converged");
+        const Verdict closer = boundary_moves ? Verdict::no : verdict(/*look_closer=*/true);
+        if (closer == Verdict::yes) return finish(Status::converged, "converged");
+        if (closer == Verdict::out_of_digits) return finish_out_of_digits();
         return finish(Status::stalled,
                       boundary_moves ? "the prescribed motion would invert an element"
                                      : "the line search found no lower energy along the Newton direction");
@@ -81,11 +90,10 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
     }
     if (observer && !observer(report)) return finish(Status::interrupted, "interrupted");
   }
-  return finish(Status::converged, "converged");
 }
 
 Newton::Newton(int dim, std::shared_ptr<const BlockPattern> pattern, std::unique_ptr<LinearSolver> solver)
-    : hessian_(dim, std::move(pattern)), solver_(std::move(solver)) {}
+    : hessian_(dim, std::move(pattern)), parts_(*hessian_.pattern), solver_(std::move(solver)) {}
 
 NewtonReport Newton::minimize(Objective& objective, std::span<const std::uint8_t> is_fixed,
                               const VectorX& targets, const NewtonSettings& settings, VectorX& x,

@@ -26,7 +26,15 @@ struct NewtonSettings {
 };
 
 struct NewtonReport {
-  enum class Status { converged, max_iterations, stalled, singular, interrupted };
+  enum class Status {
+    converged,
+    max_iterations,
+    stalled,
+    singular,
+    out_of_digits,  ///< rounding leaves more of the residual than is small beside the load
+    not_finite,     ///< forces or energies are not numbers
+    interrupted,
+  };
   Status status = Status::converged;
   std::string reason;  ///< in words
   int iterations = 0;  ///< Newton steps taken
@@ -36,13 +44,15 @@ struct NewtonReport {
   int tangent_iterations = 0;        ///< of GMRES on a tangent that is not symmetric
   int projected_solves = 0;          ///< solves with projected elements
   bool last_step_was_exact = false;  ///< whole, by the exact Hessian, which the solver found definite
-  double residual = 0;               ///< |gradient on free unknowns| [N]
-  double force_scale = 0;    ///< [N]; converged means residual <= tolerance * force_scale, or round-off
-  Index worst_unknown = -1;  ///< free unknown with the largest residual
+  /// Of the part of the scene (the nodes that hang together) where they are largest beside one another:
+  double residual = 0;  ///< |gradient on its free unknowns| [N]; beyond rounding where that is all there is
+  double force_scale = 0;    ///< [N]; converged means residual <= tolerance * force_scale
+  Index worst_unknown = -1;  ///< its free unknown with the largest residual
+  double rounding = 0;       ///< what rounding may leave of all residuals, where that was asked for [N]
   double assembly_seconds = 0, solve_seconds = 0;
 
   bool converged() const { return status == Status::converged; }
-  double relative_residual() const { return force_scale > 0 ? residual / force_scale : 0; }
+  double relative_residual() const { return residual > 0 ? residual / force_scale : residual; }
 };
 
 /// Called after every iteration; returning false stops at this place.
@@ -65,11 +75,13 @@ class Newton {
 
   std::string_view solver_name() const { return solver_->name(); }
   bool solver_is_direct() const { return solver_->is_direct(); }
+  const Parts& parts() const { return parts_; }
 
  private:
   struct Search;
 
   BlockMatrix hessian_;
+  Parts parts_;
   std::unique_ptr<LinearSolver> solver_;
 };
 

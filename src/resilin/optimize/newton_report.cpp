@@ -12,6 +12,10 @@ std::string_view name(NewtonReport::Status status) {
       return "stalled";
     case NewtonReport::Status::singular:
       return "singular";
+    case NewtonReport::Status::out_of_digits:
+      return "out_of_digits";
+    case NewtonReport::Status::not_finite:
+      return "not_finite";
     case NewtonReport::Status::interrupted:
       return "interrupted";
   }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "resilin/core/stopwatch.hpp"
+#include "resilin/optimize/convergence.hpp"
 #include "resilin/optimize/newton.hpp"
 #include "resilin/optimize/residual.hpp"
 #include "resilin/optimize/true_tangent.hpp"
@@ -28,6 +29,8 @@ struct Newton::Search {
   const NewtonSettings& settings;
   VectorX& x;
 
+  Parts parts{newton.parts_};
+  Convergence convergence{objective, is_fixed, parts, settings.tolerance};
   NewtonReport report{};
   ProjectionChooser chooser{settings.projection};
   VectorX gradient{}, step{}, trial{}, trial_gradient{}, right_side{};
@@ -40,8 +43,9 @@ struct Newton::Search {
   } watchdog{};
   bool internal_is_old = false;  ///< ... carried along to first order, not of x itself
   VectorX diagonal{};            ///< |diagonal of the last Hessian| [N/m]
-  double first_residual = 0;
-  double last_residual = 0;
+  VectorX scaled_right_side{};   ///< of several parts: so that an iterative solver sees all alike
+  double weighted_residual = 0;
+  double last_residual = 0;  ///< the one before
   double last_forcing = 0;
   bool has_potential = true;  ///< unless slow convergence asked and the objective said no
   bool potential_is_known = false;
@@ -58,32 +62,32 @@ struct Newton::Search {
   }
 
   void measure_residual() {
-    const Residual residual = free_residual(gradient, is_fixed);
-    report.residual = residual.norm;
-    report.worst_unknown = residual.worst;
-    report.force_scale = objective.force_scale(x, gradient);
+    convergence.measure(x, gradient);
+    weighted_residual = convergence.weighted_residual();
+    note_worst_part();
   }
 
-  double round_off() const { return residual_round_off(objective, is_fixed, x, diagonal); }
+  void note_worst_part() {
+    report.residual = convergence.residual();
+    report.force_scale = convergence.force_scale();
+    report.worst_unknown = convergence.worst_unknown();
+  }
 
-  bool is_converged() const {
-    if (report.residual <= settings.tolerance * report.force_scale) return true;
-    // Round-off is asked for only when it can matter: it costs one evaluation.
-    const double small = 1e-6 * std::max(report.force_scale, first_residual);
-    const bool positions_matter =
-        diagonal.size() == x.size() &&
-        report.residual <= 1e3 * epsilon * diagonal.norm() * x.cwiseAbs().maxCoeff();
-    return (report.residual <= small || positions_matter) && report.residual <= round_off();
+  Convergence::Verdict verdict(bool look_closer = false) {
+    const Convergence::Verdict verdict = convergence.verdict(diagonal, look_closer);
+    report.rounding = convergence.rounding();
+    if (verdict == Convergence::Verdict::yes) note_worst_part();
+    return verdict;
   }
 
   /// How exactly the linear system is worth solving: Eisenstat & Walker 1996, choice 2, never finer than what
   /// the stopping rule asks for.
   double forcing_term() const {
-    const double goal = 0.3 * settings.tolerance * report.force_scale / report.residual;
+    const double goal = 0.3 * settings.tolerance * convergence.weighted_scale() / weighted_residual;
     if (settings.is_quadratic) return std::min(goal, settings.tolerance);
     double forcing = 1e-2;
     if (last_residual > 0) {
-      const double ratio = report.residual / last_residual;
+      const double ratio = weighted_residual / last_residual;
       forcing = std::min(forcing, 0.9 * ratio * ratio);
       const double safeguard = 0.9 * last_forcing * last_forcing;
       if (safeguard > 0.1) forcing = std::max(forcing, safeguard);
@@ -115,8 +119,9 @@ struct Newton::Search {
         right_side -= pull;
       }
       set_fixed_to_zero(is_fixed, right_side);
-      if (shift > 0) add_to_diagonal(shift * diagonal.maxCoeff());
+      if (shift > 0) add_to_diagonal(shift);
       eliminate(newton.hessian_, is_fixed);
+      scale_system();
     }
     const Stopwatch watch(report.solve_seconds);
     LinearSolver& solver = *newton.solver_;
@@ -129,7 +134,7 @@ struct Newton::Search {
     if (linear.status != LinearReport::Status::ok) return direction;
     step.setZero(x.size());
     last_forcing = forcing_term();
-    linear = solver.solve(newton.hessian_, right_side, step, last_forcing);
+    linear = solver.solve(newton.hessian_, scaled_right_side, step, last_forcing);
     report.linear_iterations += linear.iterations;
     direction.found = linear.status != LinearReport::Status::indefinite && step.allFinite();
     if (direction.found && boundary_moves) {
@@ -146,7 +151,7 @@ struct Newton::Search {
     const Stopwatch watch(report.solve_seconds);
     const NearSolve near = [&](const VectorX& b, VectorX& p) {
       p.setZero(b.size());
-      const LinearReport linear = newton.solver_->solve(newton.hessian_, b, p, 1e-3);
+      const LinearReport linear = newton.solver_->solve(newton.hessian_, scaled(b), p, 1e-3);
       report.linear_iterations += linear.iterations;
       return linear.status != LinearReport::Status::indefinite && p.allFinite();
     };
@@ -161,16 +166,38 @@ struct Newton::Search {
   /// A residual that falls slowly may come of forces without a potential: asked once, for it costs some
   /// gradients.
   void ask_for_potential() {
-    if (potential_is_known || report.residual <= 0.2 * last_residual) return;
+    if (potential_is_known || weighted_residual <= 0.2 * last_residual) return;
     potential_is_known = true;
     has_potential = objective.has_potential(x);
   }
 
-  void add_to_diagonal(double value) {
+  /// `shift` times the largest entry of the part.
+  void add_to_diagonal(double shift) {
     BlockMatrix& H = newton.hessian_;
+    const VectorX largest = parts.largest(diagonal);
     for (Index node = 0; node < H.num_nodes(); ++node) {
-      for (int k = 0; k < H.dim; ++k) H.add_to_diagonal(node, k, value);
+      for (int k = 0; k < H.dim; ++k) H.add_to_diagonal(node, k, shift * largest[parts.of_node(node)]);
     }
+  }
+
+  /// In the measure of `convergence`, in which all parts count alike.
+  void scale_system() {
+    if (parts.count() > 1 && !newton.hessian_.extra.empty()) join_parts();
+    if (parts.count() > 1) scale_parts(parts, convergence.weights(), newton.hessian_);
+    scaled_right_side = scaled(right_side);
+  }
+  VectorX scaled(VectorX forces) const {
+    if (parts.count() > 1) scale_parts(parts, convergence.weights(), forces);
+    return forces;
+  }
+
+  /// Parts that touch are one, and stay one for this search.
+  void join_parts() {
+    Parts joined = parts.joined_by(newton.hessian_);
+    if (joined.count() == parts.count()) return;
+    parts = std::move(joined);
+    convergence = Convergence(objective, is_fixed, parts, settings.tolerance);
+    measure_residual();
   }
 
   /// A descent direction (towards the targets, too, when the boundary moves), or none.
@@ -203,6 +230,7 @@ struct Newton::Search {
   /// A projected Hessian is too stiff along directions of negative curvature, where a body leaves a saddle:
   /// the step is doubled for as long as that lowers the energy.
   void go_further(double decrease, double& length) {
+    VectorX further_gradient;
     while (true) {
       const VectorX twice = 2 * length * step;
       objective.prepare(x, twice);
@@ -210,17 +238,26 @@ struct Newton::Search {
       VectorX further = x + twice;
       const double more = -objective.difference(x, further);
       if (!(more > decrease) || !std::isfinite(more)) return;
+      objective.gradient(further, further_gradient);
+      if (!further_gradient.allFinite()) return;
       decrease = more;
       length *= 2;
       trial.swap(further);
+      trial_gradient.swap(further_gradient);
     }
   }
 
   /// Without a potential a step may also be taken because it lowers the residual.
   bool lowers_residual(double length) {
-    objective.gradient(trial, trial_gradient);
+    return knows_finite_forces() &&
+           convergence.weighted_norm(trial_gradient) <= (1 - settings.armijo * length) * weighted_residual;
+  }
+
+  /// An energy may be finite where the forces are not numbers any more.
+  bool knows_finite_forces() {
+    if (!gradient_at_trial_is_known) objective.gradient(trial, trial_gradient);
     gradient_at_trial_is_known = true;
-    return free_residual(trial_gradient, is_fixed).norm <= (1 - settings.armijo * length) * report.residual;
+    return trial_gradient.allFinite();
   }
 
   /// The whole step along carried internal values: taken when the energy falls below its lowest value, and as
@@ -230,7 +267,7 @@ struct Newton::Search {
     trial = x + result.length * step;
     gradient_at_trial_is_known = false;
     const double decrease = -objective.difference(watchdog.steps > 0 ? watchdog.x : x, trial);
-    if (!std::isfinite(decrease)) return false;
+    if (!std::isfinite(decrease) || !knows_finite_forces()) return false;
     const bool is_lower = decrease >= -settings.armijo * result.length * slope;
     if (is_lower && watchdog.steps == 0) return false;  // for the line search to judge
     if (!is_lower && watchdog.steps >= settings.relaxed_steps) return false;
@@ -271,16 +308,15 @@ struct Newton::Search {
         result.accepted = true;
         return result;
       }
-      if (slope < 0 && decrease >= -settings.armijo * t * slope && std::isfinite(decrease)) {
+      if (slope < 0 && decrease >= -settings.armijo * t * slope && std::isfinite(decrease) &&
+          knows_finite_forces()) {
         result.accepted = true;
         result.ratio = decrease / (-slope * (t - 0.5 * t * t));
         if (!is_exact && t == 1 && result.ratio > 1) go_further(decrease, result.length);
         return result;
       }
       if (magnitude < 0) magnitude = objective.magnitude(x);
-      if (-t * slope <= 1e3 * epsilon * magnitude && std::isfinite(decrease)) {
-        objective.gradient(trial, trial_gradient);
-        gradient_at_trial_is_known = true;
+      if (-t * slope <= 1e3 * epsilon * magnitude && std::isfinite(decrease) && knows_finite_forces()) {
         double trial_slope = 0;
         for (Eigen::Index i = 0; i < step.size(); ++i) {
           if (is_free(i)) trial_slope += step[i] * trial_gradient[i];
@@ -304,7 +340,7 @@ struct Newton::Search {
     for (int halving = 0; halving < 12; ++halving) {
       trial = x + result.length * step;
       gradient_at_trial_is_known = false;
-      if (std::isfinite(objective.difference(x, trial))) {
+      if (std::isfinite(objective.difference(x, trial)) && knows_finite_forces()) {
         result.accepted = true;
         return result;
       }
@@ -324,15 +360,19 @@ struct Newton::Search {
       internal = objective.predicted_internal_values(x, step, length);
       internal_is_old = true;
     }
+    knows_finite_forces();
     x.swap(trial);
-    if (gradient_at_trial_is_known) {
-      gradient.swap(trial_gradient);
-    } else {
-      objective.gradient(x, gradient);
-    }
+    gradient.swap(trial_gradient);
     ++report.iterations;
-    last_residual = report.residual;
+    last_residual = weighted_residual;
     measure_residual();
+  }
+
+  NewtonReport finish_out_of_digits() {
+    return finish(
+        NewtonReport::Status::out_of_digits,
+        "only rounding is left of the forces, but too much of it: the positions have too few digits for "
+        "a body this far from the origin, this stiff under its loads or moved in steps this short");
   }
 
   NewtonReport finish(NewtonReport::Status status, std::string reason) {

@@ -2,6 +2,7 @@
 
 #include "resilin/core/projection.hpp"
 #include "resilin/linear/block_matrix.hpp"
+#include "resilin/optimize/parts.hpp"
 
 namespace resilin {
 
@@ -39,8 +40,11 @@ class Objective {
   virtual bool has_potential(const VectorX& /*x*/) const { return true; }
   /// The largest step t in (0, 1] that keeps x + t p inside the domain.
   virtual double max_step(const VectorX& x, const VectorX& p) const = 0;
-  /// The forces that must balance [N]: a residual is small when it is small against this number.
-  virtual double force_scale(const VectorX& x, const VectorX& gradient) const = 0;
+  /// The forces that must balance in each part [N]: a residual is small when it is small against this number.
+  virtual VectorX force_scales(const VectorX& x, const VectorX& gradient, const Parts& parts) const = 0;
+  /// The same of what acts from outside, momentum over a step among it, without reactions and without forces
+  /// that are nothing but the rounding of numbers that cancel.
+  virtual VectorX distinct_acting_scales(const VectorX& x, const Parts& parts) const = 0;
 };
 
 }  // namespace resilin

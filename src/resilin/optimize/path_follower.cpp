@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "resilin/core/stopwatch.hpp"
+#include "resilin/optimize/convergence.hpp"
 #include "resilin/optimize/residual.hpp"
 #include "resilin/optimize/true_tangent.hpp"
 
@@ -63,14 +64,17 @@ struct PathFollower::Search {
     return report;
   }
 
-  bool measure(const Objective& objective) {
+  Convergence::Verdict measure(const Objective& objective) {
     objective.gradient(x, gradient);
-    const Residual residual = free_residual(gradient, is_fixed);
-    report.residual = residual.norm;
-    report.worst_unknown = residual.worst;
-    report.force_scale = objective.force_scale(x, gradient);
-    if (report.residual <= settings.tolerance * report.force_scale) return true;
-    return report.residual <= residual_round_off(objective, is_fixed, x, follower.stiffness_.diagonal());
+    Convergence convergence(objective, is_fixed, follower.parts_, settings.tolerance);
+    convergence.measure(x, gradient);
+    const Convergence::Verdict verdict =
+        convergence.verdict(follower.stiffness_.diagonal(), /*look_closer=*/true);
+    report.residual = convergence.residual();
+    report.force_scale = convergence.force_scale();
+    report.worst_unknown = convergence.worst_unknown();
+    report.rounding = convergence.rounding();
+    return verdict;
   }
 
   void solve_tangent(const Objective& objective, const VectorX& b, VectorX& p) {
@@ -145,9 +149,10 @@ NewtonReport PathFollower::Search::run(const PathPoint* center, const NewtonObse
   const double arc = settings.arc_length, weight = settings.load_weight * settings.load_weight;
   while (true) {
     const std::unique_ptr<Objective> objective = family.at(load);
-    if (measure(*objective)) return finish(Status::converged, "converged");
-    if (!std::isfinite(report.residual))
-      return finish(Status::stalled, "the step left the domain of the law");
+    const Convergence::Verdict verdict = measure(*objective);
+    if (verdict == Convergence::Verdict::yes) return finish(Status::converged, "converged");
+    if (verdict == Convergence::Verdict::not_finite)
+      return finish(Status::not_finite, "the step left the domain of the law");
     if (report.iterations >= settings.max_iterations)
       return finish(Status::max_iterations, "no point of the path was found at this distance");
     if (!solve(*objective, true)) return finish(Status::singular, "the stiffness matrix is singular");

@@ -37,7 +37,8 @@ struct PathSettings {
 /// (sphere); Ritto-Correa & Camotim 2008 (linearised constraint, which needs no choice of a root).
 class PathFollower {
  public:
-  PathFollower(int dim, std::shared_ptr<const BlockPattern> pattern) : stiffness_(dim, std::move(pattern)) {}
+  PathFollower(int dim, const std::shared_ptr<const BlockPattern>& pattern)
+      : stiffness_(dim, pattern), parts_(*pattern) {}
 
   /// dx/dt at an equilibrium [m per unit of load], the fixed unknowns included. False where the stiffness is
   /// singular.
@@ -58,6 +59,7 @@ class PathFollower {
   struct Search;
 
   ExactStiffness stiffness_;
+  Parts parts_;
 };
 
 }  // namespace resilin

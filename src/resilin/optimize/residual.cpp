@@ -1,7 +1,6 @@
 #include "resilin/optimize/residual.hpp"
 
 #include <cmath>
-#include <limits>
 
 namespace resilin {
 
@@ -20,31 +19,6 @@ VectorX free_diagonal(const BlockMatrix& hessian, std::span<const std::uint8_t> 
   }
   set_fixed_to_zero(is_fixed, diagonal);
   return diagonal;
-}
-
-Residual free_residual(const VectorX& gradient, std::span<const std::uint8_t> is_fixed) {
-  Residual residual;
-  double sum = 0;
-  double worst = -1;
-  for (Eigen::Index i = 0; i < gradient.size(); ++i) {
-    if (is_fixed[static_cast<std::size_t>(i)] != 0) continue;
-    sum += gradient[i] * gradient[i];
-    if (std::abs(gradient[i]) > worst) {
-      worst = std::abs(gradient[i]);
-      residual.worst = static_cast<Index>(i);
-    }
-  }
-  residual.norm = std::sqrt(sum);
-  return residual;
-}
-
-double residual_round_off(const Objective& objective, std::span<const std::uint8_t> is_fixed,
-                          const VectorX& x, const VectorX& diagonal) {
-  VectorX magnitude;
-  objective.gradient_magnitude(x, magnitude);
-  if (diagonal.size() == x.size()) magnitude += diagonal.cwiseProduct(x.cwiseAbs());
-  set_fixed_to_zero(is_fixed, magnitude);
-  return 10 * std::numeric_limits<double>::epsilon() * magnitude.norm();
 }
 
 }  // namespace resilin

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "resilin/core/text.hpp"
+#include "resilin/simulation/force_balance.hpp"
 #include "resilin/simulation/potential.hpp"
 
 namespace resilin {
@@ -94,7 +95,8 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
       report.status = StepReport::Status::interrupted;
       return report;
     }
-    if (search.converged()) {
+    const std::string imbalance = search.converged() ? describe_imbalance(world, potential, x, search) : "";
+    if (search.converged() && imbalance.empty()) {
       move_to(state, std::move(x), load);
       if (search.iterations < quick_convergence)
         state.load_increment = std::min(load_growth * state.load_increment, 1.0 / world.load_steps);
@@ -102,11 +104,16 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
     }
     ++report.failed_attempts;
     state.load_increment = 0.5 * (load - state.load);
-    if (state.load_increment < smallest_load_increment) {
+    // Smaller steps give no digits.
+    const bool is_out_of_digits = search.status == NewtonReport::Status::out_of_digits;
+    if (state.load_increment < smallest_load_increment || is_out_of_digits) {
       report.status = StepReport::Status::not_converged;
-      report.reason = "no equilibrium was found beyond load factor " + format_number(state.load) + ": " +
-                      describe_failure(world, search, x) +
-                      "; if the body snaps through here, simulation.load_control = \"arc_length\" follows it";
+      report.reason =
+          "no equilibrium was found beyond load factor " + format_number(state.load) + ": " +
+          (imbalance.empty() ? describe_failure(world, search, x) : imbalance) +
+          (is_out_of_digits
+               ? ""
+               : "; if the body snaps through here, simulation.load_control = \"arc_length\" follows it");
       return report;
     }
   }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "resilin/core/text.hpp"
+#include "resilin/simulation/force_balance.hpp"
 #include "resilin/simulation/load_control.hpp"
 #include "resilin/simulation/potential.hpp"
 
@@ -107,7 +108,12 @@ StepReport LoadControl::step_along_path(const World& world, Newton& newton, Stat
       report.status = StepReport::Status::interrupted;
       return report;
     }
+    std::string imbalance;
     if (search.converged()) {
+      const Potential potential(world, {.time = 0, .load = point.load}, static_stage(state.positions));
+      imbalance = describe_imbalance(world, potential, point.positions, search);
+    }
+    if (search.converged() && imbalance.empty()) {
       state.previous_positions = std::exchange(state.positions, std::move(point.positions));
       state.previous_load = std::exchange(state.load, point.load);
       ++state.step;
@@ -121,7 +127,7 @@ StepReport LoadControl::step_along_path(const World& world, Newton& newton, Stat
       return end_with(StepReport::Status::not_converged,
                       "the path of equilibria could not be followed beyond load factor " +
                           format_number(state.load) + ": " +
-                          describe_failure(world, search, point.positions));
+                          (imbalance.empty() ? describe_failure(world, search, point.positions) : imbalance));
     }
   }
 }

@@ -2,12 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace resilin {
+namespace {
+
+/// Of the sum of |parts| of a force: what is smaller cannot be told from rounding.
+constexpr double forces_round_off = 10 * std::numeric_limits<double>::epsilon();
+
+}  // namespace
 
 Potential::Potential(std::span<const std::shared_ptr<const Energy>> terms,
                      std::span<const std::uint8_t> is_fixed, const Conditions& conditions, const Stage& stage)
-    : is_fixed_(is_fixed), conditions_(conditions) {
+    : is_fixed_(is_fixed), conditions_(conditions), base_positions_(stage.base_positions) {
   for (const auto& term : terms) {
     std::unique_ptr<Energy> own = term->begin_stage(stage);
     terms_.push_back(own ? own.get() : term.get());
@@ -110,20 +117,40 @@ double Potential::max_step(const VectorX& x, const VectorX& p) const {
   return step;
 }
 
-double Potential::force_scale(const VectorX& x, const VectorX& gradient) const {
-  double scale = 0;
+VectorX Potential::force_scales(const VectorX& x, const VectorX& gradient, const Parts& parts) const {
+  VectorX scales = parts.norms(gradient, is_fixed_, Unknowns::fixed);
   VectorX force;
   for (const Energy* term : terms_) {
     if (term->properties().category == EnergyCategory::elastic) continue;
     force.setZero(x.size());
     term->add_gradient(x, conditions_, force);
-    scale = std::max(scale, force.norm());
+    scales = scales.cwiseMax(parts.norms(force, is_fixed_, Unknowns::all));
   }
-  double reaction = 0;
-  for (Eigen::Index i = 0; i < gradient.size(); ++i) {
-    if (is_fixed_[static_cast<std::size_t>(i)] != 0) reaction += gradient[i] * gradient[i];
+  return scales;
+}
+
+VectorX Potential::distinct_acting_scales(const VectorX& x, const Parts& parts) const {
+  VectorX scales = VectorX::Zero(parts.count());
+  VectorX force, magnitude, at_base;
+  for (const Energy* term : terms_) {
+    const EnergyCategory category = term->properties().category;
+    if (category == EnergyCategory::elastic) continue;
+    force.setZero(x.size());
+    magnitude.setZero(x.size());
+    term->add_gradient(x, conditions_, force);
+    term->add_gradient_magnitude(x, conditions_, magnitude);
+    const VectorX rounding = forces_round_off * parts.norms(magnitude, is_fixed_, Unknowns::all);
+    VectorX sizes = parts.norms(force, is_fixed_, Unknowns::all);
+    // What moves evenly has no inertial force, but momentum; over the step that is a force, too.
+    if (category == EnergyCategory::inertia) {
+      at_base.setZero(x.size());
+      term->add_gradient(base_positions_, conditions_, at_base);
+      sizes = sizes.cwiseMax(parts.norms(force - at_base, is_fixed_, Unknowns::all));
+    }
+    for (Index part = 0; part < parts.count(); ++part)
+      if (sizes[part] > rounding[part]) scales[part] = std::max(scales[part], sizes[part]);
   }
-  return std::max(scale, std::sqrt(reaction));
+  return scales;
 }
 
 double Potential::energy(EnergyCategory category, const VectorX& x) const {
@@ -145,6 +172,16 @@ VectorX Potential::gradient_without(EnergyCategory category, const VectorX& x) c
   for (const Energy* term : terms_)
     if (term->properties().category != category) term->add_gradient(x, conditions_, gradient);
   return gradient;
+}
+
+std::vector<VectorX> Potential::gradients_without(EnergyCategory category, const VectorX& x) const {
+  std::vector<VectorX> gradients;
+  for (const Energy* term : terms_) {
+    if (term->properties().category == category) continue;
+    gradients.push_back(VectorX::Zero(x.size()));
+    term->add_gradient(x, conditions_, gradients.back());
+  }
+  return gradients;
 }
 
 bool Potential::is_in_domain(const VectorX& x) const {

@@ -38,13 +38,15 @@ class Potential final : public Objective {
   bool has_potential(const VectorX& x) const override;
   double max_step(const VectorX& x, const VectorX& p) const override;
 
-  /// The largest of: each term but the elastic ones, the reactions; each as the norm over all unknowns [N].
-  double force_scale(const VectorX& x, const VectorX& gradient) const override;
+  /// The largest of: each term but the elastic ones, the reactions; each as the norm over a part [N].
+  VectorX force_scales(const VectorX& x, const VectorX& gradient, const Parts& parts) const override;
+  VectorX distinct_acting_scales(const VectorX& x, const Parts& parts) const override;
 
   // ---- parts of the sum
   double energy(EnergyCategory category, const VectorX& x) const;  ///< [J]
   double difference_without(EnergyCategory category, const VectorX& from, const VectorX& to) const;
   VectorX gradient_without(EnergyCategory category, const VectorX& x) const;
+  std::vector<VectorX> gradients_without(EnergyCategory category, const VectorX& x) const;  ///< term by term
   /// The energy at x is finite.
   bool is_in_domain(const VectorX& x) const;
   /// How far behind terms that move by themselves have to be when bodies stand at x, at most
@@ -54,6 +56,7 @@ class Potential final : public Objective {
  private:
   std::span<const std::uint8_t> is_fixed_;
   Conditions conditions_;
+  VectorX base_positions_;                    ///< of the stage
   std::vector<std::unique_ptr<Energy>> own_;  ///< made for this stage
   std::vector<const Energy*> terms_;          ///< in order, `own_` in place of those they were made of
 };

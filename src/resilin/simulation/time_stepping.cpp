@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "resilin/core/text.hpp"
+#include "resilin/energy/time_function.hpp"
 #include "resilin/integrator/backward_euler.hpp"
+#include "resilin/simulation/force_balance.hpp"
 #include "resilin/simulation/initial_acceleration.hpp"
 #include "resilin/simulation/potential.hpp"
 #include "resilin/simulation/prescribed_motion.hpp"
@@ -13,12 +15,9 @@
 namespace resilin {
 namespace {
 
-/// Times count as equal within this [s]; loads and prescribed motions see them so, too.
-double slack(double time) { return 2e-9 * std::max(1.0, std::abs(time)); }
-
 bool is_event(const World& world, double time) {
   return std::ranges::any_of(world.event_times,
-                             [time](double event) { return std::abs(event - time) <= slack(time); });
+                             [time](double event) { return std::abs(event - time) <= 2 * time_slack(time); });
 }
 
 History history_of(const State& state) {
@@ -28,9 +27,9 @@ History history_of(const State& state) {
           .previous_time_step = state.previous_time_step};
 }
 
-/// The accelerations that the loads and the prescribed motions give from now on.
-VectorX accelerations_from(const World& world, State state) {
-  state.time += 2 * slack(state.time);
+/// The accelerations that the loads and the prescribed motions give from now on, where a step begins.
+VectorX accelerations_from(const World& world, State state, double time_step) {
+  state.time += 4 * std::max(time_slack(state.time), time_slack(time_step));
   const VectorX zero = VectorX::Zero(state.positions.size());
   Motion prescribed{state.positions, zero, zero};
   prescribe_motion_at(world, state.time, prescribed);
@@ -111,7 +110,7 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
   StepReport& report = attempt.report;
   History start = history_of(state);
   if (integrator.needs_accelerations() && is_event(world, state.time))
-    start.now.accelerations = accelerations_from(world, state);
+    start.now.accelerations = accelerations_from(world, state, time_step);
   std::vector<Motion> solutions;
   double colliders_reached = state.time - state.collider_delay;
   for (int i = 0; i < integrator.num_stages(); ++i) {
@@ -136,6 +135,12 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
     if (!search.converged()) {
       report.status = StepReport::Status::not_converged;
       report.reason = describe_failure(world, search, x);
+    }
+    if (const std::string imbalance =
+            search.converged() ? describe_imbalance(world, potential, x, search) : "";
+        !imbalance.empty()) {
+      report.status = StepReport::Status::not_converged;
+      report.reason = imbalance;
     }
     if (conditions.collider_delay > 0) {
       report.status = StepReport::Status::not_converged;

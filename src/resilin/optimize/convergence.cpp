@@ -1,0 +1,107 @@
+#include "resilin/optimize/convergence.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace resilin {
+namespace {
+
+constexpr double epsilon = std::numeric_limits<double>::epsilon();
+constexpr double surely_small = 1e-6;      ///< of the load: rounding is then looked at
+constexpr double largest_rounding = 1e-4;  ///< of the load: what more is left is no balance, rounding or not
+
+}  // namespace
+
+void Convergence::measure(const VectorX& x, const VectorX& gradient) {
+  rounding_ = 0;
+  x_ = &x;
+  gradient_ = &gradient;
+  residuals_ = parts_->norms(gradient, is_fixed_, Unknowns::free);
+  scales_ = objective_->force_scales(x, gradient, *parts_).cwiseMax(least_scale_);
+  if (first_residuals_.size() == 0) first_residuals_ = residuals_;
+  // A part on which nothing acts is measured by what was out of balance at first.
+  VectorX measures = scales_;
+  for (Index part = 0; part < parts_->count(); ++part)
+    if (measures[part] == 0) measures[part] = first_residuals_[part];
+  weighted_scale_ = measures.maxCoeff();
+  weights_ = VectorX::Ones(parts_->count());
+  if (parts_->count() > 1)
+    for (Index part = 0; part < parts_->count(); ++part)
+      if (measures[part] > 0) weights_[part] = weighted_scale_ / measures[part];
+  find_worst();
+}
+
+void Convergence::find_worst() {
+  const auto share = [this](Index part) {
+    if (residuals_[part] == 0) return 0.0;
+    const double ratio = residuals_[part] / scales_[part];
+    return std::isnan(ratio) ? std::numeric_limits<double>::infinity() : ratio;
+  };
+  worst_ = 0;
+  for (Index part = 1; part < parts_->count(); ++part)
+    if (share(part) > share(worst_)) worst_ = part;
+}
+
+double Convergence::weighted_norm(const VectorX& gradient) const {
+  return parts_->norms(gradient, is_fixed_, Unknowns::free).cwiseProduct(weights_).norm();
+}
+
+Index Convergence::worst_unknown() const {
+  const Eigen::Index dim = gradient_->size() / parts_->num_nodes();
+  Index worst = -1;
+  double largest = -1;
+  for (Eigen::Index i = 0; i < gradient_->size(); ++i) {
+    if (is_fixed_[static_cast<std::size_t>(i)] != 0 || parts_->of_node(static_cast<Index>(i / dim)) != worst_)
+      continue;
+    const double size = std::abs((*gradient_)[i]);
+    if (!(size > largest) && !std::isnan(size)) continue;
+    largest = size;
+    worst = static_cast<Index>(i);
+    if (std::isnan(size)) break;
+  }
+  return worst;
+}
+
+Convergence::Verdict Convergence::verdict(const VectorX& diagonal, bool look_closer) {
+  if (!is_finite()) return Verdict::not_finite;
+  std::vector<Index> doubtful;
+  for (Index part = 0; part < parts_->count(); ++part)
+    if (!(residuals_[part] <= tolerance_ * scales_[part])) doubtful.push_back(part);
+  if (doubtful.empty()) return Verdict::yes;
+
+  // Round-off is asked for only when it can matter: it costs one evaluation.
+  const bool knows_diagonal = diagonal.size() == x_->size();
+  const VectorX reach = parts_->largest(*x_);
+  const VectorX stiffness = knows_diagonal ? parts_->norms(diagonal, is_fixed_, Unknowns::free) : VectorX();
+  for (const Index part : doubtful) {
+    const double small = surely_small * std::max(scales_[part], first_residuals_[part]);
+    const double of_positions = knows_diagonal ? 1e3 * epsilon * stiffness[part] * reach[part] : 0;
+    if (!look_closer && !(residuals_[part] <= std::max(small, of_positions))) return Verdict::no;
+  }
+  VectorX rounding;
+  objective_->gradient_magnitude(*x_, rounding);
+  const Eigen::Index dim = x_->size() / parts_->num_nodes();
+  if (knows_diagonal)
+    for (Eigen::Index i = 0; i < rounding.size(); ++i)
+      rounding[i] += diagonal[i] * reach[parts_->of_node(static_cast<Index>(i / dim))];
+  rounding *= 10 * epsilon;
+  const VectorX roundings = parts_->norms(rounding, is_fixed_, Unknowns::free);
+  rounding_ = roundings.norm();
+  const VectorX excess = (gradient_->cwiseAbs() - rounding).cwiseMax(0.0);
+  const VectorX beyond_rounding = parts_->norms(excess, is_fixed_, Unknowns::free);
+  for (const Index part : doubtful)
+    if (!(beyond_rounding[part] <= tolerance_ * scales_[part])) return Verdict::no;
+  const VectorX acting = objective_->distinct_acting_scales(*x_, *parts_);
+  const VectorX reactions = parts_->norms(*gradient_, is_fixed_, Unknowns::fixed);
+  for (const Index part : doubtful) {
+    const double felt = std::max(acting[part], reactions[part] > roundings[part] ? reactions[part] : 0.0);
+    if (felt > 0 && !(residuals_[part] <= largest_rounding * felt)) return Verdict::out_of_digits;
+  }
+  for (const Index part : doubtful) residuals_[part] = beyond_rounding[part];
+  find_worst();
+  return Verdict::yes;
+}
+
+}  // namespace resilin

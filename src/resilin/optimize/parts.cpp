@@ -1,0 +1,120 @@
+#include "resilin/optimize/parts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "resilin/core/parallel.hpp"
+
+namespace resilin {
+namespace {
+
+/// Sets of nodes that grow together (union-find with path halving).
+class Sets {
+ public:
+  explicit Sets(Index size) : parent_(static_cast<std::size_t>(size)) {
+    std::iota(parent_.begin(), parent_.end(), Index{0});
+  }
+  Index root(Index i) {
+    while (at(i) != i) i = at(i) = at(at(i));
+    return i;
+  }
+  /// The smaller root stays, so that the roots do not depend on the order.
+  void join(Index i, Index j) {
+    const Index a = root(i), b = root(j);
+    at(std::max(a, b)) = std::min(a, b);
+  }
+
+ private:
+  Index& at(Index i) { return parent_[static_cast<std::size_t>(i)]; }
+  std::vector<Index> parent_;
+};
+
+constexpr std::size_t nodes_per_chunk = 4096;
+
+}  // namespace
+
+Parts::Parts(const BlockPattern& pattern) : part_of_(static_cast<std::size_t>(pattern.num_nodes()), 0) {
+  Sets sets(pattern.num_nodes());
+  std::vector<bool> is_coupled(part_of_.size(), false);
+  for (Index i = 0; i < pattern.num_nodes(); ++i) {
+    const auto row = static_cast<std::size_t>(i);
+    for (Offset slot = pattern.row_begin[row] + 1; slot < pattern.row_begin[row + 1]; ++slot) {
+      const Index j = pattern.columns[static_cast<std::size_t>(slot)];
+      sets.join(i, j);
+      is_coupled[row] = is_coupled[static_cast<std::size_t>(j)] = true;
+    }
+  }
+  std::vector<Index> number_of_root(part_of_.size(), -1);
+  Index found = 0;
+  for (Index i = 0; i < pattern.num_nodes(); ++i) {
+    if (!is_coupled[static_cast<std::size_t>(i)]) continue;
+    Index& number = number_of_root[static_cast<std::size_t>(sets.root(i))];
+    if (number < 0) number = found++;
+    part_of_[static_cast<std::size_t>(i)] = number;
+  }
+  count_ = std::max(Index{1}, found);
+}
+
+Parts Parts::joined_by(const BlockMatrix& hessian) const {
+  Sets sets(count_);
+  for (const BlockMatrix::ExtraBlock& extra : hessian.extra)
+    sets.join(of_node(extra.row), of_node(extra.column));
+  std::vector<Index> number(static_cast<std::size_t>(count_));
+  Index found = 0;
+  for (Index part = 0; part < count_; ++part) {
+    const Index root = sets.root(part);
+    number[static_cast<std::size_t>(part)] = root == part ? found++ : number[static_cast<std::size_t>(root)];
+  }
+  Parts joined = *this;
+  joined.count_ = found;
+  for (Index& part : joined.part_of_) part = number[static_cast<std::size_t>(part)];
+  return joined;
+}
+
+VectorX Parts::norms(const VectorX& values, std::span<const std::uint8_t> is_fixed, Unknowns which) const {
+  VectorX sums = VectorX::Zero(count_);
+  const Eigen::Index dim = values.size() / static_cast<Eigen::Index>(part_of_.size());
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    const bool fixed = is_fixed[static_cast<std::size_t>(i)] != 0;
+    if (which != Unknowns::all && fixed != (which == Unknowns::fixed)) continue;
+    sums[part_of_[static_cast<std::size_t>(i / dim)]] += values[i] * values[i];
+  }
+  return sums.cwiseSqrt();
+}
+
+VectorX Parts::largest(const VectorX& values) const {
+  VectorX largest = VectorX::Zero(count_);
+  const Eigen::Index dim = values.size() / static_cast<Eigen::Index>(part_of_.size());
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    double& so_far = largest[part_of_[static_cast<std::size_t>(i / dim)]];
+    so_far = std::max(so_far, std::abs(values[i]));
+  }
+  return largest;
+}
+
+void scale_parts(const Parts& parts, const VectorX& weights, BlockMatrix& matrix) {
+  const int dim = matrix.dim;
+  const BlockPattern& pattern = *matrix.pattern;
+  const auto num_nodes = static_cast<std::size_t>(pattern.num_nodes());
+  parallel_for(num_nodes, nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t row = begin; row < end; ++row) {
+      const double weight = weights[parts.of_node(static_cast<Index>(row))];
+      const auto first = pattern.row_begin[row] * dim * dim, last = pattern.row_begin[row + 1] * dim * dim;
+      for (Offset i = first; i < last; ++i) matrix.values[static_cast<std::size_t>(i)] *= weight;
+    }
+  });
+  for (const BlockMatrix::ExtraBlock& extra : matrix.extra) {
+    const double weight = weights[parts.of_node(extra.row)];
+    double* block = matrix.extra_values.data() + extra.begin;
+    std::for_each_n(block, dim * dim, [weight](double& value) { value *= weight; });
+  }
+}
+
+void scale_parts(const Parts& parts, const VectorX& weights, VectorX& right_side) {
+  const Eigen::Index dim = right_side.size() / parts.num_nodes();
+  for (Eigen::Index i = 0; i < right_side.size(); ++i)
+    right_side[i] *= weights[parts.of_node(static_cast<Index>(i / dim))];
+}
+
+}  // namespace resilin

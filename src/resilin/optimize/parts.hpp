@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "resilin/linear/block_matrix.hpp"
+
+namespace resilin {
+
+/// Which unknowns a norm is taken over.
+enum class Unknowns { all, free, fixed };
+
+/// The nodes in parts that the Hessian does not couple: bodies, or pieces of them, that do not touch. Each
+/// part is in balance or not whatever becomes of the others.
+class Parts {
+ public:
+  /// The pieces that hang together in the pattern. Nodes that are coupled with none belong to the first
+  /// piece.
+  explicit Parts(const BlockPattern& pattern);
+
+  Index count() const { return count_; }
+  Index num_nodes() const { return static_cast<Index>(part_of_.size()); }
+  Index of_node(Index node) const { return part_of_[static_cast<std::size_t>(node)]; }
+
+  /// The parts when the extra blocks of a matrix couple some of them.
+  Parts joined_by(const BlockMatrix& hessian) const;
+
+  /// The Euclidean norm of `values` over the unknowns of each part.
+  /// @param is_fixed  per unknown; its size is that of `values`
+  VectorX norms(const VectorX& values, std::span<const std::uint8_t> is_fixed, Unknowns which) const;
+  /// The largest |value| of each part.
+  VectorX largest(const VectorX& values) const;
+
+ private:
+  std::vector<Index> part_of_;
+  Index count_ = 1;
+};
+
+/// Multiplies the rows and columns of each part by a positive number, which changes no solution of a system
+/// whose right-hand side is multiplied likewise: only in what measure an iterative solver sees the parts.
+void scale_parts(const Parts& parts, const VectorX& weights, BlockMatrix& matrix);
+void scale_parts(const Parts& parts, const VectorX& weights, VectorX& right_side);
+
+}  // namespace resilin

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "resilin/optimize/newton.hpp"
+#include "resilin/simulation/potential.hpp"
+
+namespace resilin {
+
+/// Whether the forces on one body balance as a whole, by sums that the search for the equilibrium never
+/// formed: what the supports exert against loads, contact, damping and inertia, in which the stresses do not
+/// appear.
+struct ForceBalance {
+  Vector3 reaction = Vector3::Zero();  ///< of all supports on the body [N]
+  Vector3 load = Vector3::Zero();      ///< of everything else that acts on it, inertia included [N]
+  double scale = 0;                    ///< the largest force that takes part [N]
+
+  double gap() const { return (reaction + load).norm(); }  ///< what is missing [N]
+};
+
+/// Of each body of the world at x. @param gradient  that of `potential` at x [N]
+std::vector<ForceBalance> measure_balance(const World& world, const Potential& potential, const VectorX& x,
+                                          const VectorX& gradient);
+
+/// A step whose bodies are farther out of balance than this has not been solved.
+constexpr double largest_balance_error = 1e-3;
+
+/// Names the body that is farthest out of balance after a search that converged, with its numbers; empty when
+/// all balance. What rounding leaves (`report.rounding`) is not missed.
+std::string describe_imbalance(const World& world, const Potential& potential, const VectorX& x,
+                               const NewtonReport& report);
+
+}  // namespace resilin

@@ -1,0 +1,212 @@
+// "Converged" means that it is right: for every body, whatever stands beside it, at every scale, or the run
+// says that it is not.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "small_scenes.hpp"
+
+namespace resilin::testing {
+namespace {
+
+/// Draws numbers whose logarithm is uniform.
+class Draw {
+ public:
+  explicit Draw(unsigned seed) : random_(seed) {}
+  double operator()(double low, double high) {
+    return std::exp(std::uniform_real_distribution(std::log(low), std::log(high))(random_));
+  }
+
+ private:
+  std::mt19937 random_;
+};
+
+/// A block of 3 x 2 x 2 cells of a size, held at its left side, that its weight bends by `sag` of its length.
+BodyDescription hanging_block(const std::string& name, double size, double youngs_modulus, double density) {
+  BodyDescription body;
+  body.name = name;
+  body.place = name;
+  body.element = "P1";
+  body.mesh = make_box({size, 0.4 * size, 0.4 * size}, {3, 2, 2});
+  body.material.constants = {{"youngs_modulus", youngs_modulus}, {"poissons_ratio", 0.3}};
+  body.material.density = density;
+  return body;
+}
+
+void add_held_block(Description& scene, BodyDescription body, double left) {
+  FixDescription wall;
+  wall.name = body.name + " wall";
+  wall.body = body.name;
+  wall.where.kind = Where::Kind::plane;
+  wall.where.at = left;
+  wall.where.tolerance = 1e-6;
+  body.translate = {left, 0, 0};
+  scene.fixes.push_back(wall);
+  scene.bodies.push_back(std::move(body));
+}
+
+/// The places of the first body's nodes at the end of a run that converged everywhere.
+VectorX end_of_first_body(const Description& scene) {
+  Simulation simulation(scene);
+  while (!simulation.is_finished()) {
+    const StepReport report = simulation.step();
+    EXPECT_EQ(report.status, StepReport::Status::converged) << report.reason;
+    if (report.status != StepReport::Status::converged) break;
+  }
+  return simulation.state().positions.head(Eigen::Index{simulation.world().bodies[0].num_nodes} * 3);
+}
+
+struct BesideAnotherBody : ::testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Contrasts, BesideAnotherBody, ::testing::Range(0, 24));
+
+TEST_P(BesideAnotherBody, ABodyEndsWhereItEndsAlone) {
+  Draw draw(static_cast<unsigned>(GetParam()));
+  Description scene;
+  scene.is_dynamic = GetParam() % 3 == 2;
+  scene.time_step = 0.01;
+  scene.end_time = 0.05;
+  scene.gravity = {0, 0, -9.81};
+  scene.solver.kind = std::vector<std::string>{"auto", "cholesky", "cg_ic0", "cg_amg"}[GetParam() / 3 % 4];
+  const double size = draw(0.005, 0.5), density = draw(500, 2000);
+  // A sag of some percent of its length.
+  add_held_block(scene, hanging_block("soft", size, 1000 * density * 9.81 * size * draw(0.02, 2), density),
+                 0);
+  const VectorX alone = end_of_first_body(scene);
+  const double other_size = draw(0.05, 5);
+  add_held_block(scene, hanging_block("other", other_size, draw(1e8, 1e12), draw(500, 8000)), 2 * size);
+  const VectorX beside = end_of_first_body(scene);
+  Simulation start(scene);
+  const double moved = (alone - start.state().positions.head(alone.size())).cwiseAbs().maxCoeff();
+  EXPECT_LT((beside - alone).cwiseAbs().maxCoeff(), 1e-6 * moved)
+      << "of " << size << " m beside " << other_size << " m, " << scene.solver.kind;
+}
+
+/// The same problem in other units of length, stress and time.
+Description scaled_block(double length, double stress, double time, bool is_dynamic) {
+  const double density = stress * time * time / (length * length);
+  Description scene;
+  scene.is_dynamic = is_dynamic;
+  scene.time_step = 0.25 * time;
+  scene.end_time = 2 * time;
+  scene.gravity = {0, 0, -0.01 * length / (time * time)};
+  BodyDescription body = hanging_block("block", length, stress, density);
+  FixDescription wall;
+  wall.where.kind = Where::Kind::plane;
+  scene.fixes.push_back(wall);
+  LoadDescription pull;
+  pull.kind = "traction";
+  pull.value = {0.02 * stress, 0, 0.01 * stress};
+  pull.where.kind = Where::Kind::plane;
+  pull.where.at = length;
+  pull.time_function.form = TimeFunction::Ramp{.from = 0.25 * time, .until = time};
+  if (is_dynamic) scene.loads.push_back(pull);
+  scene.bodies.push_back(std::move(body));
+  return scene;
+}
+
+struct InAnyUnits : ::testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Scales, InAnyUnits, ::testing::Range(0, 24));
+
+TEST_P(InAnyUnits, AProblemHasTheSameAnswer) {
+  Draw draw(static_cast<unsigned>(GetParam()));
+  const bool is_dynamic = GetParam() % 2 == 1;
+  const double length = draw(1e-6, 1e6), stress = draw(1e-3, 1e13), time = draw(1e-12, 1e6);
+  const VectorX expected = end_of_first_body(scaled_block(1, 1, 1, is_dynamic));
+  const VectorX found = end_of_first_body(scaled_block(length, stress, time, is_dynamic)) / length;
+  EXPECT_LT((found - expected).cwiseAbs().maxCoeff(), 1e-9)
+      << length << " m, " << stress << " Pa, " << time << " s";
+}
+
+struct FarFromTheOrigin : ::testing::TestWithParam<double> {};
+INSTANTIATE_TEST_SUITE_P(Distances, FarFromTheOrigin,
+                         ::testing::Values(1e3, 1e5, 1e7, 1e8, 1e9, 1e10, 1e12, 1e14));
+
+TEST_P(FarFromTheOrigin, ABeamSagsAsItDoesThereOrTheRunSaysThatItCannotTell) {
+  const auto tip_of = [](const Description& scene, std::string& reason) {
+    Simulation simulation(scene);
+    const StepReport report = simulation.step();
+    if (report.status != StepReport::Status::converged) reason = report.reason + " ";
+    return simulation.frame().probes[0].displacement.z();
+  };
+  Description scene = small_bar(3, false);
+  std::string reason;
+  const double expected = tip_of(scene, reason);
+  ASSERT_EQ(reason, "");
+  const double distance = GetParam();
+  scene.bodies[0].translate = {distance, 0, 0};
+  scene.fixes[0].where.at = distance;
+  scene.fixes[0].where.tolerance = 0.01;
+  scene.probes[0].at.x() += distance;
+  double found = 0;
+  try {
+    found = tip_of(scene, reason);
+  } catch (const InputError& error) {
+    reason = error.what();
+  }
+  if (!reason.empty()) return;
+  EXPECT_NEAR(found, expected, 1e-4 * std::abs(expected)) << "at " << distance << " m";
+}
+
+/// 1 mm that hardly yields under its weight.
+TEST(StiffAgainstItsWeight, ACubeSagsByTheClosedFormOrTheRunSaysThatItCannotTell) {
+  Description scene;
+  scene.is_dynamic = true;
+  scene.time_step = 1;
+  scene.end_time = 3;
+  scene.gravity = {0, 0, -9.81};
+  BodyDescription body = hanging_block("cube", 1e-3, 1e12, 1000);
+  body.material.constants["poissons_ratio"] = 0.4999;
+  scene.bodies.push_back(body);
+  Simulation simulation(scene);
+  while (!simulation.is_finished()) {
+    const StepReport report = simulation.step();
+    if (report.status != StepReport::Status::converged) return;
+    // Backward Euler falls by g dt^2 n (n + 1) / 2.
+    const int n = simulation.state().step;
+    EXPECT_NEAR(simulation.state().positions[2], -9.81 * n * (n + 1) / 2, 1e-6) << "after " << n << " steps";
+  }
+}
+
+/// Fibres whose energy grows like exp(x^2): forces overflow before energies do.
+struct FibreStrip : ::testing::TestWithParam<double> {};
+INSTANTIATE_TEST_SUITE_P(Tractions, FibreStrip, ::testing::Values(1e2, 1e3, 1e4, 1e5, 1e6));
+
+TEST_P(FibreStrip, EndsInNumbersOrSaysWhereItFails) {
+  Description scene;
+  BodyDescription body;
+  body.mesh = make_box({0.01, 0.002, 0.001}, {10, 2, 1});
+  body.material.law = "holzapfel_gasser_ogden";
+  body.material.constants = {{"shear_modulus", 2e4},
+                             {"bulk_modulus", 1e6},
+                             {"fibre_modulus", 5e4},
+                             {"fibre_stiffening", 5.0},
+                             {"dispersion", 0.0}};
+  body.material.fibres = {{Vector3(1, 0, 0)}};
+  scene.bodies.push_back(std::move(body));
+  FixDescription wall;
+  wall.where.kind = Where::Kind::plane;
+  scene.fixes.push_back(wall);
+  LoadDescription load;
+  load.kind = "traction";
+  load.value = {0, 0, GetParam()};
+  load.where.kind = Where::Kind::plane;
+  load.where.at = 0.01;
+  scene.loads.push_back(load);
+  Simulation simulation(scene);
+  for (int step = 0; step < 20 && !simulation.is_finished(); ++step) {
+    const StepReport report = simulation.step();
+    EXPECT_TRUE(simulation.state().positions.allFinite());
+    if (report.status != StepReport::Status::converged) {
+      EXPECT_NE(report.reason, "");
+      return;
+    }
+    EXPECT_LE(report.newton.relative_residual(), 1e-8);
+    const Vector3 pull = simulation.state().load * GetParam() * 0.002 * 0.001 * Vector3::UnitZ();
+    EXPECT_LT((simulation.frame().reactions[0].second + pull).norm(), 1e-6 * pull.norm());
+  }
+}
+
+}  // namespace
+}  // namespace resilin::testing
