@@ -57,13 +57,14 @@ using Places = std::make_integer_sequence<int, static_cast<int>(Law::constants.s
 /// itself.
 template <LawKind kind, class T, class Real>
 RESILIN_INLINE auto read_variables(const double* rows) {
-  // Always inlined: a number lives in registers only where its places are constants early.
-  const auto variable = [rows](int i) __attribute__((always_inline)) {
-    const Real x = lifted<Real>(Lanes::load(rows + i * block_size));
+  // Lifted where it is used: as a variable of its own it would keep g++ 12 from holding the numbers in
+  // registers.
+  const auto variable = [rows](int i) {
+    const Lanes x = Lanes::load(rows + i * block_size);
     if constexpr (std::is_same_v<T, Real>)
-      return x;
+      return lifted<Real>(x);
     else
-      return T::variable(x, i);
+      return T::variable(lifted<Real>(x), i);
   };
   if constexpr (kind == LawKind::small_strain) {
     return SmallStrain<T>{variable(0), variable(2)};
