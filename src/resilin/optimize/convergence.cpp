@@ -30,6 +30,7 @@ void Convergence::measure(const VectorX& x, const VectorX& gradient) {
   if (parts_->count() > 1)
     for (Index part = 0; part < parts_->count(); ++part)
       if (measures[part] > 0) weights_[part] = weighted_scale_ / measures[part];
+  weighted_residual_ = residuals_.cwiseProduct(weights_).norm();
   find_worst();
 }
 

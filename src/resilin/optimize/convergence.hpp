@@ -50,7 +50,7 @@ class Convergence {
 
   /// The residual of all parts in a measure in which all count alike, and the force scale in it [N]. With one
   /// part these are the residual and the scale.
-  double weighted_residual() const { return weighted_norm(*gradient_); }
+  double weighted_residual() const { return weighted_residual_; }
   double weighted_norm(const VectorX& gradient) const;
   double weighted_scale() const { return weighted_scale_; }
   const VectorX& weights() const { return weights_; }  ///< of each part
@@ -67,7 +67,7 @@ class Convergence {
   const VectorX* gradient_ = nullptr;
   VectorX residuals_, scales_, weights_;  ///< by part
   VectorX first_residuals_;
-  double weighted_scale_ = 0, rounding_ = 0;
+  double weighted_residual_ = 0, weighted_scale_ = 0, rounding_ = 0;
   Index worst_ = 0;
 };
 

@@ -32,6 +32,15 @@ class Sets {
 
 constexpr std::size_t nodes_per_chunk = 4096;
 
+double norm_of(const VectorX& values, std::span<const std::uint8_t> is_fixed, Unknowns which) {
+  if (which == Unknowns::all) return values.norm();
+  const bool wanted = which == Unknowns::fixed;
+  double sum = 0;
+  for (Eigen::Index i = 0; i < values.size(); ++i)
+    if ((is_fixed[static_cast<std::size_t>(i)] != 0) == wanted) sum += values[i] * values[i];
+  return std::sqrt(sum);
+}
+
 }  // namespace
 
 Parts::Parts(const BlockPattern& pattern) : part_of_(static_cast<std::size_t>(pattern.num_nodes()), 0) {
@@ -73,6 +82,7 @@ Parts Parts::joined_by(const BlockMatrix& hessian) const {
 }
 
 VectorX Parts::norms(const VectorX& values, std::span<const std::uint8_t> is_fixed, Unknowns which) const {
+  if (count_ == 1) return VectorX::Constant(1, norm_of(values, is_fixed, which));
   VectorX sums = VectorX::Zero(count_);
   const Eigen::Index dim = values.size() / static_cast<Eigen::Index>(part_of_.size());
   for (Eigen::Index i = 0; i < values.size(); ++i) {

@@ -41,9 +41,7 @@ std::vector<ForceBalance> measure_balance(const World& world, const Potential& p
 }
 
 std::string describe_imbalance(const World& world, const Potential& potential, const VectorX& x,
-                               const NewtonReport& report) {
-  VectorX gradient;
-  potential.gradient(x, gradient);
+                               const VectorX& gradient, const NewtonReport& report) {
   const std::vector<ForceBalance> balances = measure_balance(world, potential, x, gradient);
   const double rounding = report.rounding * std::sqrt(static_cast<double>(x.size()));
   for (std::size_t b = 0; b < balances.size(); ++b) {

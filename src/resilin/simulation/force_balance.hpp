@@ -29,6 +29,6 @@ constexpr double largest_balance_error = 1e-3;
 /// Names the body that is farthest out of balance after a search that converged, with its numbers; empty when
 /// all balance. What rounding leaves (`report.rounding`) is not missed.
 std::string describe_imbalance(const World& world, const Potential& potential, const VectorX& x,
-                               const NewtonReport& report);
+                               const VectorX& gradient, const NewtonReport& report);
 
 }  // namespace resilin

@@ -95,7 +95,10 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
       report.status = StepReport::Status::interrupted;
       return report;
     }
-    const std::string imbalance = search.converged() ? describe_imbalance(world, potential, x, search) : "";
+    VectorX gradient;
+    potential.gradient(x, gradient);
+    const std::string imbalance =
+        search.converged() ? describe_imbalance(world, potential, x, gradient, search) : "";
     if (search.converged() && imbalance.empty()) {
       move_to(state, std::move(x), load);
       if (search.iterations < quick_convergence)

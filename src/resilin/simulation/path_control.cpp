@@ -111,7 +111,9 @@ StepReport LoadControl::step_along_path(const World& world, Newton& newton, Stat
     std::string imbalance;
     if (search.converged()) {
       const Potential potential(world, {.time = 0, .load = point.load}, static_stage(state.positions));
-      imbalance = describe_imbalance(world, potential, point.positions, search);
+      VectorX gradient;
+      potential.gradient(point.positions, gradient);
+      imbalance = describe_imbalance(world, potential, point.positions, gradient, search);
     }
     if (search.converged() && imbalance.empty()) {
       state.previous_positions = std::exchange(state.positions, std::move(point.positions));

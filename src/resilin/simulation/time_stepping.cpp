@@ -136,8 +136,9 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
       report.status = StepReport::Status::not_converged;
       report.reason = describe_failure(world, search, x);
     }
+    potential.gradient(x, attempt.gradient);
     if (const std::string imbalance =
-            search.converged() ? describe_imbalance(world, potential, x, search) : "";
+            search.converged() ? describe_imbalance(world, potential, x, attempt.gradient, search) : "";
         !imbalance.empty()) {
       report.status = StepReport::Status::not_converged;
       report.reason = imbalance;
@@ -150,7 +151,6 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
     }
     colliders_reached = conditions.time - conditions.collider_delay;
     attempt.collider_delay = conditions.collider_delay;
-    potential.gradient(x, attempt.gradient);
     solutions.push_back(stage.motion(std::move(x)));
   }
   attempt.end = integrator.finish(start, std::move(solutions), time_step);
