@@ -180,7 +180,7 @@ TimeStepper::Attempt TimeStepper::safe_attempt(const World& world, Newton& newto
 
 StepReport TimeStepper::step(const World& world, Newton& newton, State& state, VectorX& gradient,
                              const NewtonObserver& observer) const {
-  if (world.adaptive) return adaptive_step(world, newton, state, gradient, observer);
+  if (world.adaptive) return adaptive_step(world, *world.adaptive, newton, state, gradient, observer);
   const double dt = world.time_step;
   Attempt found = safe_attempt(world, newton, state, dt, observer);
   if (found.report.status == StepReport::Status::interrupted) return found.report;
@@ -191,9 +191,8 @@ StepReport TimeStepper::step(const World& world, Newton& newton, State& state, V
   return found.report;
 }
 
-StepReport TimeStepper::adaptive_step(const World& world, Newton& newton, State& state, VectorX& gradient,
-                                      const NewtonObserver& observer) const {
-  const AdaptiveSteps& options = *world.adaptive;
+StepReport TimeStepper::adaptive_step(const World& world, const AdaptiveSteps& options, Newton& newton,
+                                      State& state, VectorX& gradient, const NewtonObserver& observer) const {
   const double tolerance = options.tolerance * world.largest_extent();
   const double shortest = options.min_step.value_or(1e-6 * world.time_step);
   const double longest = std::max(shortest, options.max_step.value_or(world.end_time));

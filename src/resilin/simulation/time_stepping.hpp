@@ -31,8 +31,8 @@ class TimeStepper {
   Attempt safe_attempt(const World& world, Newton& newton, const State& state, double time_step,
                        const NewtonObserver& observer) const;
   /// Tries steps until the estimate of the error is below the tolerance.
-  StepReport adaptive_step(const World& world, Newton& newton, State& state, VectorX& gradient,
-                           const NewtonObserver& observer) const;
+  StepReport adaptive_step(const World& world, const AdaptiveSteps& options, Newton& newton, State& state,
+                           VectorX& gradient, const NewtonObserver& observer) const;
 
   std::unique_ptr<Integrator> integrator_;
 };
