@@ -128,13 +128,10 @@ INSTANTIATE_TEST_SUITE_P(
         WrongValue{"fix.0.where={box=[[1,0,0],[0,1,1]]}", "min > max in x"},
         WrongValue{"fix.0.where={vertices=[-1]}", "fix[0].where.vertices[0]"},
         WrongValue{"fix.0.where={sphere={center=[0,0,0],radius=-1}}", "radius"},
-        WrongValue{"fix.0.velocity=[0,0,1]", "fix[0].velocity: has a meaning only in motion"},
-        WrongValue{"load.0.until=1", "load[0].until: has a meaning only in motion"},
         WrongValue{"load.0.stiffness=1", "load[0].stiffness: a traction has no such key"},
         WrongValue{"load.0.kind=spring", "load[0]: a spring needs the key \"stiffness\""},
         WrongValue{"load.0.value=3", "load[0].value: expected 3 numbers"},
         WrongValue{"probe.0.name=\"\"", "probe[0].name"},
-        WrongValue{"fix.0.time_function={ramp={}}", "fix[0].time_function: has a meaning only in motion"},
         WrongValue{"simulation.integrator=newmarck", "did you mean \"newmark\"?"},
         WrongValue{"fix=[{name=\"a\",where=\"all\"},{name=\"a\",where=\"all\"}]",
                    "fix[1].name: expected a name of its own"},
@@ -159,8 +156,6 @@ INSTANTIATE_TEST_SUITE_P(
                    "collider[0].point: is a key of a half_space, not of a sphere"},
         WrongValue{"collider=[{kind=\"sphere\",center=[0,0,9],radius=1,friction=0.3}]",
                    "collider[0].friction: not part of this version"},
-        WrongValue{"collider=[{kind=\"sphere\",center=[0,0,9],radius=1,velocity=[0,0,1]}]",
-                   "collider[0].velocity: has a meaning only in motion"},
         WrongValue{"collider=[{kind=\"sphere\",center=[0,0,9],radius=1,name=\"wall\"}]",
                    "collider[0].name: expected a name of its own, got \"wall\""}));
 

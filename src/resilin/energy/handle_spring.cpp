@@ -14,9 +14,15 @@ HandleSpring::HandleSpring(std::string name, int dim, std::vector<Index> nodes, 
 
 Vector3 HandleSpring::stretch(Index node, const VectorX& x, const Conditions& c) const {
   const Vector3 far_end = node_position(dim_, node, rest_positions_) +
-                          c.load * active_.function.value(c.time) * motion_.displacement +
+                          active_.function.factor(c.time, c.load) * motion_.displacement +
                           (c.time - motion_.start) * motion_.velocity;
   return node_position(dim_, node, x) - far_end;
+}
+
+std::optional<double> HandleSpring::driven_work(const VectorX& from, const Conditions& before,
+                                                const VectorX& to, const Conditions& after) const {
+  if (active_.is_always() && motion_.velocity.isZero(0)) return std::nullopt;
+  return larger_work(*this, from, before, to, after);
 }
 
 double HandleSpring::value(const VectorX& x, const Conditions& c) const {

@@ -73,8 +73,14 @@ void Pressure::add_gradient(const VectorX& x, const Conditions& c, VectorX& grad
 
 VectorX Pressure::parameter_slopes(const VectorX& x, const VectorX& weights, const Conditions& c) const {
   VectorX forces = VectorX::Zero(x.size());
-  add_forces(x, c.load * active_.factor(c.time), forces);
+  add_forces(x, active_.factor(c), forces);
   return VectorX::Constant(1, weights.dot(forces));
+}
+
+std::optional<double> Pressure::driven_work(const VectorX& from, const Conditions& before, const VectorX& to,
+                                            const Conditions& after) const {
+  if (active_.is_always()) return std::nullopt;
+  return larger_work(*this, from, before, to, after);
 }
 
 void Pressure::add_forces(const VectorX& x, double p, VectorX& forces) const {

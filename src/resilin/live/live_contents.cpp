@@ -15,6 +15,8 @@
 namespace resilin {
 namespace {
 
+constexpr double longest_step = 0.1;  ///< [s], of those that are played with
+
 /// Whether a collider is a floor: level, facing up and at rest.
 bool is_floor(const ColliderDescription& collider, const Vector3& up) {
   return collider.kind == "half_space" && collider.velocity == Vector3::Zero() &&
@@ -32,6 +34,7 @@ Vector3 up_of(const Description& scene) {
 /// The scene as it is played with: in motion, with a gravity that can be changed.
 Description in_motion(Description description) {
   description.is_dynamic = true;
+  description.time_step = std::min(longest_step, 0.05 * description.end_time);  // what turns at once turns in these
   description.modes.reset();
   description.adaptive.reset();
   // Floor, gravity and damping by mass can be changed.
@@ -47,7 +50,7 @@ Description in_motion(Description description) {
 }
 
 /// When all that changes by itself has come to its end [s]; before, bodies may be still and yet not at rest.
-double end_of_changes(const Description& description) {
+double end_of_changes(const Description& description, const World& world) {
   const auto moves_on = [](const ColliderDescription& collider) {
     return collider.velocity != Vector3::Zero() && !collider.until;
   };
@@ -59,8 +62,7 @@ double end_of_changes(const Description& description) {
       std::ranges::any_of(description.loads, is_endless) ||
       std::ranges::any_of(description.colliders, moves_on))
     return std::numeric_limits<double>::infinity();
-  const std::vector<double> events = event_times(description);
-  return events.empty() ? 0 : events.back();
+  return world.event_times.empty() ? 0 : world.event_times.back();
 }
 
 /// A small system is solved directly whatever its mass: stiff bodies at long steps are then as quick as soft
@@ -82,7 +84,9 @@ LiveScene::Contents::Contents(const Description& scene)
       newton(world.dimension, world.pattern, live_solver(world)),
       controls(starting_controls(scene, world, up_of(scene))) {
   extent = world.largest_extent();
-  end_of_changes = resilin::end_of_changes(description);
+  const bool has_path = !scene.is_dynamic && follows_time(scene);
+  path_time = has_path ? scene.end_time : std::numeric_limits<double>::infinity();
+  end_of_changes = std::min(resilin::end_of_changes(description, world), path_time);
   up = up_of(scene);
   for (const ColliderDescription& collider : scene.colliders) {
     if (!is_floor(collider, up)) continue;
@@ -111,14 +115,19 @@ void LiveScene::Contents::reset() {
 
 /// The terms of the world, and those of what can be changed: gravity, floor, ball, damping.
 void LiveScene::Contents::renew_terms() {
-  terms = world.terms;
-  if (controls.gravity.head(world.dimension).norm() > 0)
-    terms.push_back(make_gravity(controls.gravity, world));
-  if (floor) terms.push_back(floor->barrier());
-  if (ball) terms.push_back(ball->barrier());
+  const auto all = [this](bool is_in_motion) {
+    Terms sum = world.terms;
+    if (controls.gravity.head(world.dimension).norm() > 0)
+      sum.push_back(make_gravity(controls.gravity, world, is_in_motion));
+    if (floor) sum.push_back(floor->barrier());
+    if (ball) sum.push_back(ball->barrier());
+    return sum;
+  };
+  terms = all(true);
   if (controls.damping > 0)
     terms.push_back(std::make_shared<MassDamping>(
         std::make_shared<const MassMatrix>(world.mass->times(controls.damping))));
+  terms_at_rest = terms_without(EnergyCategory::damping, all(false));
 }
 
 /// Places a floor below all bodies; it then rises to its height.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
@@ -36,6 +37,8 @@ struct LiveScene::Contents {
   void change_materials(const LiveControls& wanted);
 
   bool is_seeking() const;
+  /// What loads and supports take for the time: that of a static scene ends with its path.
+  double scene_time(double time) const { return std::min(time, path_time); }
   void step(const StepBudget& budget);
   NewtonReport minimize(Potential& potential, const VectorX& guess, const VectorX& targets, double tolerance,
                         const StepBudget& budget, VectorX& x);
@@ -52,7 +55,8 @@ struct LiveScene::Contents {
 
   Description description;
   World world;  ///< of the scene, without gravity, floor and damping by mass, which can be changed
-  Terms terms;  ///< those of the world, and what controls and hands have added
+  Terms terms;  ///< those of the world, and what controls have added
+  Terms terms_at_rest;  ///< the same for the equilibrium that a static run finds: see make_gravity
   std::vector<std::uint8_t> is_fixed;  ///< by supports and pins
   Newton newton;
   LiveControls controls;
@@ -67,6 +71,7 @@ struct LiveScene::Contents {
   int mending_steps = 0;  ///< in a row that started with cells inside out
   double extent = 1;
   double end_of_changes = 0;  ///< [s]
+  double path_time = 0;       ///< of a static scene: when it has its full load [s]
 };
 
 }  // namespace resilin

@@ -64,15 +64,18 @@ void LiveScene::Contents::move_in_time(const StepBudget& budget) {
                               .velocities = (dt / step) * (dt / step) * state.velocities,
                               .accelerations = {}}};
   const Stage stage = BackwardEuler().begin_stage(0, start, {}, step);
+  const double time = scene_time(state.time + dt);
   const Conditions conditions{
-      .time = state.time + dt, .load = 1, .collider_delay = state.collider_delay + dt};
+      .time = time, .load = 1, .collider_delay = state.collider_delay + time - scene_time(state.time)};
   VectorX targets = state.positions;
   place_supports(world.dimension, world.supports, world.rest_positions, conditions, targets);
   const bool is_driven = targets != state.positions;
   const Terms all = with_hand(terms);
   Potential potential(all, is_fixed, conditions, stage);
   VectorX x = state.positions;
-  NewtonReport newton_report = minimize(potential, stage.target(), targets, controls.tolerance, budget, x);
+  NewtonReport newton_report =
+      minimize(potential, flight_guess(world, is_fixed, potential, stage, controls.gravity, x), targets,
+               controls.tolerance, budget, x);
   if (!held && !is_driven && report.min_volume_ratio > 0 && stay_upright(potential, x))
     newton_report.status = NewtonReport::Status::stalled;
   VectorX velocities = stage.velocities(x);
@@ -128,14 +131,15 @@ bool LiveScene::Contents::stay_upright(Potential& potential, VectorX& x) const {
 /// definite while velocities are no longer carried along.
 void LiveScene::Contents::move_to_equilibrium(const StepBudget& budget) {
   const double dt = controls.time_step;
-  const Conditions conditions{.time = state.time, .load = 1, .collider_delay = state.collider_delay};
+  const Conditions conditions{
+      .time = scene_time(state.time), .load = 1, .collider_delay = state.collider_delay};
   VectorX targets = state.positions;
   place_supports(world.dimension, world.supports, world.rest_positions, conditions, targets);
   const Stage stage{.base_positions = state.positions,
                     .base_velocities = VectorX::Zero(state.positions.size()),
                     .duration = dt * std::pow(10.0, 0.5 * std::min(calm.seeking_steps, 8)),
                     .shape = state.positions};
-  const Terms all = terms_without(EnergyCategory::damping, with_hand(terms));
+  const Terms all = with_hand(terms_at_rest);
   Potential potential(all, is_fixed, conditions, stage);
   VectorX x = state.positions;
   NewtonReport newton_report = minimize(potential, x, targets, 0.1 * rest_tolerance, budget, x);

@@ -34,6 +34,14 @@ std::string remarks(const Simulation& simulation) {
   return text;
 }
 
+/// What was done lest steps add energy.
+std::string remarks(int guarded_steps, double removed_energy) {
+  if (guarded_steps == 0) return "";
+  return "; " + std::to_string(guarded_steps) + (guarded_steps == 1 ? " step" : " steps") +
+         " would have added energy: they were taken by backward_euler, or " + format_short(removed_energy) +
+         " J in all were taken out of the velocities; a shorter time_step follows the motion better";
+}
+
 }  // namespace
 
 RunOutcome run_to_end(Simulation& simulation, const RunHooks& hooks) {
@@ -42,7 +50,8 @@ RunOutcome run_to_end(Simulation& simulation, const RunHooks& hooks) {
     if (hooks.after_iteration) hooks.after_iteration(so_far);
     return !is_stopped();
   };
-  int truncated_steps = 0;
+  int truncated_steps = 0, guarded_steps = 0;
+  double removed_energy = 0;
   std::string first_reason;
   for (int steps = 0; !simulation.is_finished(); ++steps) {
     if (is_stopped()) return {RunStatus::budget, "stopped by the user at " + reached(simulation)};
@@ -59,11 +68,13 @@ RunOutcome run_to_end(Simulation& simulation, const RunHooks& hooks) {
       if (!simulation.world().is_dynamic) return {RunStatus::not_converged, report.reason};
       if (truncated_steps++ == 0) first_reason = "at " + reached(simulation) + ": " + report.reason;
     }
+    guarded_steps += report.by_backward_euler || report.removed_energy > 0 ? 1 : 0;
+    removed_energy += report.removed_energy;
     if (hooks.after_step) hooks.after_step(report);
   }
   if (truncated_steps == 0)
-    return {RunStatus::done,
-            "reached " + reached(simulation) + ", every step converged" + remarks(simulation)};
+    return {RunStatus::done, "reached " + reached(simulation) + ", every step converged" +
+                                 remarks(simulation) + remarks(guarded_steps, removed_energy)};
   return {RunStatus::not_converged,
           std::to_string(truncated_steps) + " of " + std::to_string(simulation.state().step) +
               " steps were cut short before they converged; the first " + first_reason};

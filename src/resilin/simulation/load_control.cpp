@@ -5,6 +5,7 @@
 
 #include "resilin/core/text.hpp"
 #include "resilin/simulation/potential.hpp"
+#include "resilin/simulation/stage_solver.hpp"
 
 namespace resilin {
 namespace {
@@ -15,15 +16,35 @@ constexpr int quick_convergence = 5;  ///< Newton iterations below which the loa
 /// Up to this number of unknowns a factorisation for each equilibrium costs a fraction of a second.
 constexpr Index most_unknowns_counted = 10000;
 
-/// The load factor of the next attempt. The loads k / load_steps are met exactly, so that a scene gets the
-/// frames that it asked for; what is left up to the next of them is shared equally when it takes several
-/// steps.
+double turn_between(const World& world, double load, double next) {
+  return largest_turn(world.supports, world.at_load(load), world.at_load(next));
+}
+
+/// The next load factor that a step has to meet: one of k / load_steps, so that a scene gets the frames that
+/// it asked for, or one where something that follows time begins, ends or has a kink.
+double next_stop(const World& world, double load) {
+  const double asked = std::floor(load * world.load_steps + 1e-9) + 1;
+  double stop = std::min(asked / world.load_steps, 1.0);
+  if (world.path_time == 0) return stop;
+  for (const double time : world.event_times) {
+    const double event = time / world.path_time;
+    if (event > load + 1e-12 && event < stop - 1e-12) stop = event;
+  }
+  return stop;
+}
+
+/// The load factor of the next attempt. What is left up to the next stop is shared equally when it takes
+/// several steps; none turns a support too far.
 double next_load(const World& world, const State& state) {
-  const double asked = std::floor(state.load * world.load_steps + 1e-9) + 1;
-  const double next_asked = std::min(asked / world.load_steps, 1.0);
-  const double left = next_asked - state.load;
-  const double num_steps = std::ceil(left / state.load_increment - 1e-9);
-  return num_steps <= 1 ? next_asked : state.load + left / num_steps;
+  double next = next_stop(world, state.load);
+  const double num_steps = std::ceil((next - state.load) / state.load_increment - 1e-9);
+  if (num_steps > 1) next = state.load + (next - state.load) / num_steps;
+  while (true) {
+    const double num_turns = std::ceil(turn_between(world, state.load, next) / largest_turn_of_step - 1e-9);
+    const double nearer = state.load + (next - state.load) / num_turns;
+    if (num_turns <= 1 || !(nearer > state.load)) return next;
+    next = nearer;
+  }
 }
 
 /// Where the search for the equilibrium at `load` starts: the secant through the last two equilibria or the
@@ -63,7 +84,9 @@ bool LoadControl::is_finished(const World& world, const State& state) {
 }
 
 int LoadControl::expected_steps(const World& world, const State& state) {
-  const int left = static_cast<int>(std::ceil((1 - state.load) / state.load_increment - 1e-9));
+  const double num_turns = turn_between(world, state.load, 1) / largest_turn_of_step;
+  const int left =
+      static_cast<int>(std::ceil(std::max((1 - state.load) / state.load_increment, num_turns) - 1e-9));
   return world.follows_path ? std::min(state.step + left, world.max_steps) : state.step + left;
 }
 
@@ -82,20 +105,23 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
   StepReport report;
   while (true) {
     const double load = next_load(world, state);
-    const Conditions conditions{.time = 0, .load = load};
+    Conditions conditions = world.at_load(load);
+    conditions.collider_delay = conditions.time - world.at_load(state.load).time;
     Potential potential(world, conditions, static_stage(state.positions));
     VectorX targets = state.positions;
     place_supports(world.dimension, world.supports, world.rest_positions, conditions, targets);
     VectorX x = predicted_positions(world, potential, targets, state, load);
-    const NewtonReport search =
-        newton.minimize(potential, world.is_fixed, targets, newton_settings(world), x, observer);
+    const NewtonReport search = solve_stage(potential, world.is_fixed, targets, x, newton_settings(world), {},
+                                            newton, x, observer);
     add_to(report.newton, search);
     if (search.status == NewtonReport::Status::interrupted) {
       report.status = StepReport::Status::interrupted;
       return report;
     }
-    if (search.converged()) {
+    const double delay = potential.conditions().collider_delay;
+    if (search.converged() && delay == 0) {
       move_to(state, std::move(x), load);
+      state.time = conditions.time;
       if (search.iterations < quick_convergence)
         state.load_increment = std::min(load_growth * state.load_increment, 1.0 / world.load_steps);
       return report;
@@ -105,6 +131,7 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
     if (state.load_increment < smallest_load_increment) {
       report.status = StepReport::Status::not_converged;
       report.reason = "no equilibrium was found beyond load factor " + format_number(state.load) + ": " +
+                      (delay > 0 ? "bodies are in the way of a moving collider; " : "") +
                       describe_failure(world, search, x) +
                       "; if the body snaps through here, simulation.load_control = \"arc_length\" follows it";
       return report;
@@ -125,7 +152,7 @@ void LoadControl::find_inversion(const World& world, const State& state, StepRep
 
 void LoadControl::count_unstable_modes(const World& world, const Newton& newton, const State& state,
                                        StepReport& report) {
-  const Potential potential(world, {.time = 0, .load = state.load}, static_stage(state.positions));
+  const Potential potential(world, world.at_load(state.load), static_stage(state.positions));
   // Without a potential the eigenvalues of the symmetric part say nothing of stability.
   if (world.unstable_modes == UnstableModes::skip || !potential.has_potential(state.positions)) return;
   if (world.unstable_modes == UnstableModes::automatic && world.num_free_unknowns() > most_unknowns_counted &&

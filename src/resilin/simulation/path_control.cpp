@@ -22,10 +22,10 @@ class StaticLoads final : public LoadFamily {
   StaticLoads(const World& world, const VectorX& start) : world_(world), stage_(static_stage(start)) {}
 
   std::unique_ptr<Objective> at(double load) const override {
-    return std::make_unique<Potential>(world_, Conditions{.time = 0, .load = load}, stage_);
+    return std::make_unique<Potential>(world_, world_.at_load(load), stage_);
   }
   void place_fixed(double load, VectorX& x) const override {
-    place_supports(world_.dimension, world_.supports, world_.rest_positions, {.time = 0, .load = load}, x);
+    place_supports(world_.dimension, world_.supports, world_.rest_positions, world_.at_load(load), x);
   }
 
  private:
@@ -107,7 +107,10 @@ StepReport LoadControl::step_along_path(const World& world, Newton& newton, Stat
       report.status = StepReport::Status::interrupted;
       return report;
     }
-    if (search.converged()) {
+    const bool turns_too_far =
+        largest_turn(world.supports, world.at_load(state.load), world.at_load(point.load)) >
+        largest_turn_of_step * (1 + 1e-9);
+    if (search.converged() && !turns_too_far) {
       state.previous_positions = std::exchange(state.positions, std::move(point.positions));
       state.previous_load = std::exchange(state.load, point.load);
       ++state.step;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "resilin/simulation/end_of_stage.hpp"
+
 namespace resilin {
 
 Potential::Potential(std::span<const std::shared_ptr<const Energy>> terms,
@@ -10,6 +12,10 @@ Potential::Potential(std::span<const std::shared_ptr<const Energy>> terms,
     : is_fixed_(is_fixed), conditions_(conditions) {
   for (const auto& term : terms) {
     std::unique_ptr<Energy> own = term->begin_stage(stage);
+    if (term->properties().category == EnergyCategory::contact && EndOfStage::is_needed(stage)) {
+      const Energy& inner = own ? *own : *term;
+      own = std::make_unique<EndOfStage>(inner, std::move(own), stage);
+    }
     terms_.push_back(own ? own.get() : term.get());
     if (own) own_.push_back(std::move(own));
   }
@@ -140,11 +146,21 @@ double Potential::difference_without(EnergyCategory category, const VectorX& fro
   return sum;
 }
 
-VectorX Potential::gradient_without(EnergyCategory category, const VectorX& x) const {
+VectorX Potential::gradient_of(EnergyCategory category, const VectorX& x) const {
   VectorX gradient = VectorX::Zero(x.size());
   for (const Energy* term : terms_)
-    if (term->properties().category != category) term->add_gradient(x, conditions_, gradient);
+    if (term->properties().category == category) term->add_gradient(x, conditions_, gradient);
   return gradient;
+}
+
+double Potential::gain_beyond_work(const VectorX& from, const Conditions& before, const VectorX& to) const {
+  double gain = 0;
+  for (const Energy* term : terms_) {
+    const std::optional<double> work = term->driven_work(from, before, to, conditions_);
+    gain += work ? term->value(to, conditions_) - term->value(from, before) - *work
+                 : term->difference(from, to, conditions_);
+  }
+  return gain;
 }
 
 bool Potential::is_in_domain(const VectorX& x) const {

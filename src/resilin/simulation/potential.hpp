@@ -44,7 +44,10 @@ class Potential final : public Objective {
   // ---- parts of the sum
   double energy(EnergyCategory category, const VectorX& x) const;  ///< [J]
   double difference_without(EnergyCategory category, const VectorX& from, const VectorX& to) const;
-  VectorX gradient_without(EnergyCategory category, const VectorX& x) const;
+  VectorX gradient_of(EnergyCategory category, const VectorX& x) const;
+  /// E(to) at the present conditions less E(from) at those before, less the work of what drives terms by
+  /// itself [J].
+  double gain_beyond_work(const VectorX& from, const Conditions& before, const VectorX& to) const;
   /// The energy at x is finite.
   bool is_in_domain(const VectorX& x) const;
   /// How far behind terms that move by themselves have to be when bodies stand at x, at most

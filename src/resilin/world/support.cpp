@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "resilin/core/error.hpp"
@@ -26,7 +27,7 @@ Vector3 turned_arm(const Rotation& turn, double factor, const Vector3& X) {
 
 Vector3 Support::target(const Vector3& X, const Conditions& c) const {
   const double moving_time = until ? std::min(c.time, *until) : c.time;
-  const double factor = c.load * time_function.value(c.time);
+  const double factor = time_function.factor(c.time, c.load);
   Vector3 place_now = X + moving_time * velocity;
   if (rotate) {
     place_now += rotate->center + turned_arm(*rotate, factor, X) - X;
@@ -34,6 +35,28 @@ Vector3 Support::target(const Vector3& X, const Conditions& c) const {
     place_now += factor * (displacement + gradient * X);
   }
   return place_now;
+}
+
+double Support::turn_between(const Conditions& from, const Conditions& to) const {
+  if (!rotate) return 0;
+  constexpr int num_samples = 16;  // of a function that goes up and down
+  double least = std::numeric_limits<double>::infinity(), largest = -least;
+  const auto look_at = [&](double part) {
+    const double factor = time_function.factor(from.time + part * (to.time - from.time),
+                                               from.load + part * (to.load - from.load));
+    least = std::min(least, factor);
+    largest = std::max(largest, factor);
+  };
+  for (int i = 0; i <= num_samples; ++i) look_at(static_cast<double>(i) / num_samples);
+  for (const double kink : time_function.kinks())
+    if (kink > from.time && kink < to.time) look_at((kink - from.time) / (to.time - from.time));
+  return std::abs(rotate->degrees) * (largest - least);
+}
+
+double largest_turn(const std::vector<Support>& supports, const Conditions& from, const Conditions& to) {
+  double largest = 0;
+  for (const Support& support : supports) largest = std::max(largest, support.turn_between(from, to));
+  return largest;
 }
 
 Vector3 Support::velocity_at(const Vector3& X, double time) const {

@@ -93,12 +93,14 @@ class Builder {
   std::size_t find_body(const std::string& name, const std::string& place) const;
   void add_body(const BodyDescription& body);
   void add_support(const FixDescription& fix);
+  void ease_turn(Support& support);
   void add_load(const LoadDescription& load);
   void add_probe(const ProbeDescription& probe);
   void add_section(const SectionDescription& section);
   void build_pattern();
   void add_masses();
   void find_fixed_unknowns();
+  void find_events();
 
   const Description& description_;
   World& world_;
@@ -109,6 +111,11 @@ class Builder {
 
 void Builder::build() {
   check_description(description_);
+  if (world_.follows_path && world_.path_time > 0) {
+    throw InputError(world_.place + ": simulation.load_control",
+                     "\"load\" where loads, supports or colliders follow time", "\"arc_length\"",
+                     "a path by arc length needs loads in proportion to the load factor");
+  }
   if (description_.bodies.empty()) throw InputError(world_.place, "at least one [[body]]", "none");
   for (const BodyDescription& body : description_.bodies) add_body(body);
   // Once all bodies are placed, so that every energy sees the whole world's vertices.
@@ -120,20 +127,20 @@ void Builder::build() {
   for (const ProbeDescription& probe : description_.probes) add_probe(probe);
   for (const SectionDescription& section : description_.sections) add_section(section);
   build_pattern();
+  add_masses();
   world_.terms.assign(coupling_.begin(), coupling_.end());
   if (description_.gravity.head(world_.dimension).norm() > 0)
-    world_.terms.push_back(make_gravity(description_.gravity, world_));
+    world_.terms.push_back(make_gravity(description_.gravity, world_, world_.is_dynamic));
   for (const ColliderDescription& collider : description_.colliders) {
     world_.colliders.push_back(make_collider(collider, world_));
     world_.terms.push_back(world_.colliders.back());
   }
-  add_masses();
   if (world_.is_dynamic) {
     world_.terms.push_back(std::make_shared<Inertia>(world_.mass));
     for (const auto& term : damping_terms(description_, world_)) world_.terms.push_back(term);
   }
   find_fixed_unknowns();
-  world_.event_times = event_times(description_);
+  find_events();
   if (world_.modes) check_modes(description_, world_);
   const bool finds_equilibrium = !world_.is_dynamic && (!world_.modes || world_.modes->is_loaded);
   if (finds_equilibrium) check_is_held(world_);
@@ -209,8 +216,23 @@ void Builder::add_support(const FixDescription& fix) {
                   .until = fix.until,
                   .time_function = fix.time_function};
   if (world_.dimension == 2) support.components[2] = false;
+  if (world_.is_dynamic) ease_turn(support);
   for (Index& node : support.nodes) node += body.first_node;
   world_.supports.push_back(std::move(support));
+}
+
+/// A support that would turn far at once turns as fast as steps may.
+void Builder::ease_turn(Support& support) {
+  if (!support.rotate || !support.time_function.is_constant()) return;
+  const double num_steps = std::ceil(std::abs(support.rotate->degrees) / largest_turn_of_step - 1e-9);
+  if (num_steps <= 1) return;
+  const double end = num_steps * world_.time_step;
+  support.time_function.form = TimeFunction::Ramp{.from = 0, .until = end};
+  world_.event_times.push_back(end);
+  world_.warnings.push_back(support.place + ".rotate: a turn of " + format_short(support.rotate->degrees) +
+                            " degrees at once is led through at most " + format_short(largest_turn_of_step) +
+                            " degrees in each time step and ends at " + format_short(end) +
+                            " s; a time_function says how fast it turns");
 }
 
 void Builder::add_load(const LoadDescription& load) {
@@ -281,6 +303,19 @@ void Builder::find_fixed_unknowns() {
   }
 }
 
+void Builder::find_events() {
+  std::vector<double>& times = world_.event_times;  // those of supports that are eased are there
+  const std::vector<double> described = event_times(description_);
+  times.insert(times.end(), described.begin(), described.end());
+  std::ranges::sort(times);
+  times.erase(std::unique(times.begin(), times.end()), times.end());
+  if (world_.path_time > 0 && !world_.event_times.empty() && world_.event_times.back() > world_.path_time) {
+    world_.warnings.push_back(world_.place + ": simulation.end_time: the load factor is 1 at " +
+                              format_short(world_.path_time) + " s, but loads or motions change until " +
+                              format_short(world_.event_times.back()) + " s");
+  }
+}
+
 }  // namespace
 
 World::World(const Description& description)
@@ -291,6 +326,7 @@ World::World(const Description& description)
       gravity(description.gravity),
       time_step(description.time_step),
       end_time(description.end_time),
+      path_time(!description.is_dynamic && follows_time(description) ? description.end_time : 0),
       load_steps(description.load_steps),
       follows_path(!description.is_dynamic && !description.modes &&
                    description.load_control == LoadControlKind::arc_length),
