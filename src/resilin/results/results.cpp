@@ -75,8 +75,8 @@ struct ResultFolder::Contents {
     if (!stream || error) throw FileError(path.string(), "cannot be written; is the disk full?");
   }
 
-  RunSummary summary(const Simulation& simulation, RunStatus status, const std::string& reason) const {
-    return {.outcome = {status, reason},
+  RunSummary summary(const Simulation& simulation, const RunOutcome& outcome) const {
+    return {.outcome = outcome,
             .solver = std::string(simulation.solver_name()),
             .timing = simulation.timing(),
             .total_seconds = seconds_before + seconds_since(start),
@@ -158,7 +158,7 @@ void ResultFolder::record(const Simulation& simulation, bool is_last) {
   if (Clock::now() >= contents_->next_save) {
     contents_->save(
         simulation.world(), simulation.state(),
-        contents_->summary(simulation, RunStatus::running, "the run had not ended when this was written"),
+        contents_->summary(simulation, {RunStatus::running, "the run had not ended when this was written"}),
         false);
   }
 }
@@ -180,8 +180,8 @@ void ResultFolder::record(const World& world, const State& state, const Frame& f
   }
 }
 
-void ResultFolder::finish(const Simulation& simulation, RunStatus status, const std::string& reason) {
-  finish(simulation.world(), simulation.state(), contents_->summary(simulation, status, reason));
+void ResultFolder::finish(const Simulation& simulation, const RunOutcome& outcome) {
+  finish(simulation.world(), simulation.state(), contents_->summary(simulation, outcome));
 }
 
 void ResultFolder::finish(const World& world, const State& state, const RunSummary& summary) {

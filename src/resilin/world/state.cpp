@@ -10,7 +10,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "images are little-endian");
 
-constexpr std::string_view magic = "resilin state 5\n";
+constexpr std::string_view magic = "resilin state 6\n";
 
 template <class T>
 void put(std::string& image, const T& value) {
@@ -88,6 +88,7 @@ std::string serialize(const State& state) {
   put(image, state.previous_time_step);
   put(image, state.time_step);
   put(image, state.collider_delay);
+  put(image, state.dissipated_energy);
   put(image, checksum(image));
   return image;
 }
@@ -114,6 +115,7 @@ State deserialize_state(std::string_view image, const std::string& place) {
   state.previous_time_step = reader.get<double>();
   state.time_step = reader.get<double>();
   state.collider_delay = reader.get<double>();
+  state.dissipated_energy = reader.get<double>();
   const auto sum = reader.get<std::uint64_t>();
   if (sum != checksum(image.substr(0, image.size() - sizeof(sum)))) {
     throw InputError(place, "a checkpoint as it was written", "a damaged one", "run again without --resume");
