@@ -9,7 +9,7 @@
 namespace resilin::cli {
 
 void print_warnings(const std::vector<std::string>& warnings) {
-  for (const std::string& warning : warnings) fmt::print(stderr, "warning: {}\n", warning);
+  for (const std::string& warning : warnings) fmt::print(stderr, "warning: {}\n", one_line(warning));
 }
 
 void print_line(std::string_view text) { fmt::print("{}\n", text); }

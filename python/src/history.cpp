@@ -4,11 +4,38 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <stdexcept>
+#include <tuple>
+
+#include "resilin/core/archive.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/fields/evaluator.hpp"
 #include "resilin/results/report.hpp"
 #include "resilin/results/result_picture.hpp"
 #include "resilin/results/results.hpp"
+#include "resilin/world/description_image.hpp"
+
+namespace resilin {
+
+template <OneOf<RunOutcome> T>
+auto members(T& outcome) {
+  auto& [status, reason] = outcome;
+  return std::tie(status, reason);
+}
+
+template <OneOf<Timing> T>
+auto members(T& timing) {
+  auto& [assembly, solve, steps] = timing;
+  return std::tie(assembly, solve, steps);
+}
+
+template <OneOf<RunSummary> T>
+auto members(T& summary) {
+  auto& [outcome, solver, timing, total_seconds, output_seconds] = summary;
+  return std::tie(outcome, solver, timing, total_seconds, output_seconds);
+}
+
+}  // namespace resilin
 
 namespace resilin::python {
 namespace {
@@ -63,22 +90,45 @@ void History::finish(const Simulation& simulation, const RunOutcome& outcome, do
               .timing = simulation.timing(),
               .total_seconds = total_seconds,
               .output_seconds = output_seconds};
-}
-
-void History::save(const std::filesystem::path& path) const {
-  ResultFolder folder(path, summary_.total_seconds);
-  for (std::size_t i = 0; i < states_.size(); ++i) folder.record(world(), states_[i], frames_[i], true);
-  folder.finish(world(), states_.back(), summary_);
-}
-
-std::string History::report() const {
   Json frames = Json::array();
   FieldEvaluator evaluator(world());
   for (std::size_t i = 0; i < frames_.size(); ++i) {
     const std::vector<FieldValues> fields = evaluator.evaluate(states_[i], world().output.fields);
     frames.push_back(frame_json(frames_[i], world(), states_[i], fields));
   }
-  return report_json(world(), std::move(frames), summary_).dump();
+  frames_.clear();
+  report_ = report_json(world(), std::move(frames), summary_).dump();
+}
+
+void History::save(const std::filesystem::path& path) const {
+  ResultFolder folder(path, summary_.total_seconds);
+  const Json report = Json::parse(report_);
+  for (std::size_t i = 0; i < states_.size(); ++i)
+    folder.add(world(), states_[i], report["frames"][i].dump());
+  folder.finish(world(), states_.back(), summary_);
+}
+
+std::string History::image() const {
+  if (!world().made_from) throw std::runtime_error("a result of a world without a description has no image");
+  std::vector<std::string> states;
+  for (const State& state : states_) states.push_back(serialize(state));
+  ArchiveWriter writer;
+  writer(serialize(*world().made_from), states, report_, summary_);
+  return writer.take();
+}
+
+History History::from_image(std::string_view image) {
+  const std::string place = "result";
+  std::string description, report;
+  std::vector<std::string> states;
+  RunSummary summary;
+  ArchiveReader reader(image, place);
+  reader(description, states, report, summary);
+  History history(std::make_shared<const World>(deserialize_description(description, place)));
+  for (const std::string& state : states) history.states_.push_back(deserialize_state(state, place));
+  history.report_ = std::move(report);
+  history.summary_ = std::move(summary);
+  return history;
 }
 
 Image History::draw(int frame, const PictureOptions& options) const {
@@ -107,6 +157,15 @@ void bind_history(nb::module_& module) {
   nb::class_<History>(module, "History")
       .def("save", &History::save, nb::arg("folder"), nb::call_guard<nb::gil_scoped_release>())
       .def("report", &History::report)
+      .def("__getstate__",
+           [](const History& history) {
+             const std::string image = history.image();
+             return nb::bytes(image.data(), image.size());
+           })
+      .def("__setstate__",
+           [](History& history, const nb::bytes& image) {
+             new (&history) History(History::from_image({image.c_str(), image.size()}));
+           })
       .def("draw", &History::draw, nb::arg("frame"), nb::arg("options"),
            nb::call_guard<nb::gil_scoped_release>())
       .def("positions", &History::positions)

@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "bindings.hpp"
@@ -20,7 +21,12 @@ NumpyArray<double> field_array(const World& world, std::span<const State> states
 /// The recorded states of a run.
 class History {
  public:
-  explicit History(std::shared_ptr<const Simulation> simulation) : simulation_(std::move(simulation)) {}
+  explicit History(const std::shared_ptr<const Simulation>& simulation)
+      : world_(simulation, &simulation->world()) {}
+
+  /// All of it as bytes, and back, perhaps in another process.
+  std::string image() const;
+  static History from_image(std::string_view image);
 
   /// Keeps the present state when it is due (each `output.every` steps), or when `is_last`.
   void record(const Simulation& simulation, bool is_last);
@@ -29,7 +35,7 @@ class History {
 
   /// Writes the folder that the run would have left.
   void save(const std::filesystem::path& folder) const;
-  std::string report() const;  ///< as in report.json
+  const std::string& report() const { return report_; }  ///< as in report.json
   /// @param frame  from 0, or from the end: -1 is the last
   Image draw(int frame, const PictureOptions& options) const;
 
@@ -40,14 +46,16 @@ class History {
   NumpyArray<double> field(const std::string& name) const { return field_array(world(), states_, name); }
 
  private:
-  const World& world() const { return simulation_->world(); }
+  explicit History(std::shared_ptr<const World> world) : world_(std::move(world)) {}
+  const World& world() const { return *world_; }
   NumpyArray<double> nodal(VectorX State::* member) const;
   NumpyArray<double> scalar(double State::* member) const;
 
-  std::shared_ptr<const Simulation> simulation_;  // for its world, which no step changes
+  std::shared_ptr<const World> world_;  // which no step changes
   std::vector<State> states_;
-  std::vector<Frame> frames_;
+  std::vector<Frame> frames_;  // emptied by `finish`
   RunSummary summary_;
+  std::string report_;  // once the run has ended
 };
 
 void bind_history(nb::module_& module);

@@ -18,7 +18,24 @@
 #include "resilin/io/mesh_file.hpp"
 #include "resilin/mesh/embedding.hpp"
 #include "resilin/mesh/generators.hpp"
+#include "resilin/mesh/mesh_members.hpp"
 #include "resilin/mesh/second_order.hpp"
+
+namespace resilin {
+
+template <OneOf<Numbering> T>
+auto members(T& numbering) {
+  auto& [file, cell_word, first_vertex, first_cell, vertices, cells] = numbering;
+  return std::tie(file, cell_word, first_vertex, first_cell, vertices, cells);
+}
+
+template <OneOf<MeshFile> T>
+auto members(T& mesh) {
+  auto& [content, numbering, format, warnings] = mesh;
+  return std::tie(content, numbering, format, warnings);
+}
+
+}  // namespace resilin
 
 namespace resilin::python {
 namespace {
@@ -87,6 +104,21 @@ std::vector<std::tuple<std::string, CellKind, NumpyArray<double>>> cell_fields(c
     all.emplace_back(field.name, file.mesh.blocks[field.block].kind,
                      numpy_array(field.values, {field.values.size()}));
   return all;
+}
+
+nb::bytes image(const MeshFile& file) {
+  ArchiveWriter writer;
+  writer(file);
+  const std::string bytes = writer.take();
+  return nb::bytes(bytes.data(), bytes.size());
+}
+
+MeshFile from_image(const nb::bytes& image) {
+  ArchiveReader reader({image.c_str(), image.size()}, "mesh");
+  MeshFile file;
+  reader(file);
+  if (!file.mesh.is_whole()) reader.fail();
+  return file;
 }
 
 std::vector<std::string> texts(const std::vector<MeshIssue>& issues) {
@@ -168,6 +200,9 @@ void bind_mesh(nb::module_& module) {
   nb::class_<MeshFile>(module, "Mesh")
       .def_prop_ro("name", [](const MeshFile& file) { return file.numbering.file; })
       .def_ro("warnings", &MeshFile::warnings)
+      .def("__getstate__", &image)
+      .def("__setstate__",
+           [](MeshFile& file, const nb::bytes& bytes) { new (&file) MeshFile(from_image(bytes)); })
       .def("positions", &positions)
       .def("cells", &cells)
       .def("groups", &groups)

@@ -5,6 +5,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
 #include <memory>
 #include <mutex>
 
@@ -14,7 +15,7 @@ namespace {
 /// The limit belongs to the process, as the cores do; everything else in the library is a value.
 struct ThreadLimit {
   std::mutex mutex;
-  int count = tbb::this_task_arena::max_concurrency();
+  std::atomic<int> count = tbb::this_task_arena::max_concurrency();  // read without the lock
   std::unique_ptr<tbb::global_control> control;
 };
 

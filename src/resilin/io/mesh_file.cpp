@@ -64,7 +64,7 @@ MeshFile read_mesh(const std::filesystem::path& path) {
 }
 
 MeshFile read_mesh_from_memory(const std::string& name, std::string_view bytes, const Companion& companion) {
-  const MeshSource source{name, bytes, companion};
+  const MeshSource source{name, without_byte_order_mark(bytes, name), companion};
   return format_of(source).read(source);
 }
 

@@ -10,6 +10,7 @@
 #include "resilin/io/vtu.hpp"
 #include "resilin/results/frame_file.hpp"
 #include "resilin/results/report.hpp"
+#include "resilin/results/saved_run.hpp"
 #include "resilin/results/shown_results.hpp"
 
 namespace resilin {
@@ -73,6 +74,23 @@ struct ResultFolder::Contents {
     std::error_code error;
     if (stream) std::filesystem::rename(partial, path, error);
     if (!stream || error) throw FileError(path.string(), "cannot be written; is the disk full?");
+  }
+
+  /// Writes a state as the next frame of all formats; gives the fields that the scene asks for.
+  std::vector<FieldValues> write(const World& world, const State& state) {
+    if (!evaluator) {
+      evaluator.emplace(world);
+      if (writes_vtu(world)) save_scene(folder, world);
+    }
+    std::vector<std::string> names = world.output.fields;
+    const std::size_t num_asked = names.size();
+    // What other fields are computed from, beside the places (`state_of_frame`).
+    if (world.is_dynamic && std::ranges::find(names, "velocity") == names.end()) names.push_back("velocity");
+    std::vector<FieldValues> fields = evaluator->evaluate(state, names);
+    if (writes_vtu(world)) write_frame(frames.size(), world, state, fields);
+    shown_of(world).record(frames.size(), state);
+    fields.erase(fields.begin() + static_cast<std::ptrdiff_t>(num_asked), fields.end());
+    return fields;
   }
 
   RunSummary summary(const Simulation& simulation, RunStatus status, const std::string& reason) const {
@@ -171,13 +189,15 @@ void ResultFolder::record(const World& world, const State& state, const Frame& f
     // The last frame of a run that was broken off is not one of the unbroken run, unless it was due.
     if (!frames.empty() && frames.back()["step"].get<int>() % world.output.every != 0)
       frames.erase(frames.size() - 1);
-    if (!contents_->evaluator) contents_->evaluator.emplace(world);
-    const std::vector<FieldValues> fields = contents_->evaluator->evaluate(state, world.output.fields);
-    if (Contents::writes_vtu(world)) contents_->write_frame(frames.size(), world, state, fields);
-    contents_->shown_of(world).record(frames.size(), state);
+    const std::vector<FieldValues> fields = contents_->write(world, state);
     frames.push_back(frame_json(frame, world, state, fields));
     contents_->output_seconds += seconds_since(begin);
   }
+}
+
+void ResultFolder::add(const World& world, const State& state, const std::string& frame) {
+  contents_->write(world, state);
+  contents_->frames.push_back(Json::parse(frame));
 }
 
 void ResultFolder::finish(const Simulation& simulation, RunStatus status, const std::string& reason) {

@@ -20,7 +20,8 @@ namespace {
 
 constexpr const char* about_colliders =
     "; a collider holds only what is within its activation distance at the start, and nothing sideways";
-constexpr double round_off = 1e-6;  ///< of a direction: the square root of what the Gram matrix leaves
+constexpr double direction_round_off =
+    1e-6;  ///< of a direction: the square root of what the Gram matrix leaves
 
 /// Rows: components of a node's motion; columns: 3 translations and 3 rotations (2D: 2 and 1) about `center`,
 /// lengths in units of `size` so that all columns count alike.
@@ -56,7 +57,7 @@ std::vector<Vector3> orthonormal_basis(std::vector<Vector3> vectors) {
   std::vector<Vector3> basis;
   while (!vectors.empty()) {
     const auto longest = std::ranges::max_element(vectors, {}, [](const Vector3& v) { return v.norm(); });
-    if (!(longest->norm() > round_off)) break;
+    if (!(longest->norm() > direction_round_off)) break;
     const Vector3 direction = longest->normalized();
     basis.push_back(direction);
     for (Vector3& v : vectors) v -= direction * direction.dot(v);
@@ -76,7 +77,7 @@ std::vector<Vector3> simple_basis(std::vector<Vector3> space) {
     const Vector3 e = Vector3::Unit(axis);
     Vector3 outside = e;
     for (const Vector3& v : space) outside -= v * v.dot(e);
-    if (outside.norm() < round_off) take(e);
+    if (outside.norm() < direction_round_off) take(e);
   }
   while (!space.empty()) {
     const Vector3 direction = space.front();
@@ -90,7 +91,7 @@ std::vector<Vector3> simple_basis(std::vector<Vector3> space) {
 /// "x", or "(0.6, 0.8, 0)" for another direction.
 std::string name_of(const Vector3& direction, int dim) {
   for (int axis = 0; axis < dim; ++axis) {
-    if (std::abs(direction[axis]) > 1 - round_off) return {"xyz"[axis]};
+    if (std::abs(direction[axis]) > 1 - direction_round_off) return {"xyz"[axis]};
   }
   return in_parentheses(direction.head(dim));
 }
@@ -101,7 +102,8 @@ Vector3 least_squares(const Matrix<3>& AtA, const Vector3& Atb) {
   Vector3 r = Vector3::Zero();
   for (int k = 0; k < 3; ++k) {
     const Vector3 direction = eigen.vectors.col(k);
-    if (eigen.values[k] > round_off * round_off) r += direction * (direction.dot(Atb) / eigen.values[k]);
+    if (eigen.values[k] > direction_round_off * direction_round_off)
+      r += direction * (direction.dot(Atb) / eigen.values[k]);
   }
   return r;
 }
@@ -123,7 +125,8 @@ std::optional<Vector3> common_point(const std::vector<Turn>& turns) {
   }
   const Vector3 r = least_squares(AtA, Atb);
   for (const Turn& turn : turns) {
-    if ((turn.axis.cross(r) + turn.shift).norm() > round_off * (1 + turn.shift.norm())) return std::nullopt;
+    if ((turn.axis.cross(r) + turn.shift).norm() > direction_round_off * (1 + turn.shift.norm()))
+      return std::nullopt;
   }
   return r;
 }
