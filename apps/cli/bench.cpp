@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "command.hpp"
+#include "interrupt.hpp"
 #include "resilin/core/error.hpp"
 
 namespace resilin::cli {
@@ -24,7 +25,9 @@ int bench(std::vector<std::string> arguments) {
   std::vector<char*> values = {const_cast<char*>(program_name)};
   for (std::string& argument : arguments) values.push_back(argument.data());
   values.push_back(nullptr);
+  die_of_failed_writes();
   execv(program.c_str(), values.data());
+  report_failed_writes();
   throw InputError("bench", "the program " + std::string(program_name) + " beside resilin", "none",
                    "build it: ./run bench, or cmake --build FOLDER --target resilin_bench");
 }

@@ -1,10 +1,12 @@
 #include "command_line.hpp"
 
 #include <CLI/CLI.hpp>
+#include <sstream>
 #include <utility>
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "terminal.hpp"
 
 namespace resilin::cli {
 namespace {
@@ -121,6 +123,11 @@ Option Command::flag(const std::string& name, bool& value, const std::string& he
   return Option(*app_->add_flag(name, value, help));
 }
 
+Option Command::flag_with_word(const std::string& name, std::string& value, const std::string& word,
+                               const std::string& help) const {
+  return Option(*app_->add_flag(name + "{" + word + "}", value, help));
+}
+
 void Command::footer(const std::string& text) const { app_->footer(text); }
 
 void Command::takes_everything() const {
@@ -150,7 +157,10 @@ std::optional<int> CommandLine::read(int argc, char** argv) {
   try {
     app_->parse(argc, argv);
   } catch (const CLI::Success& success) {  // --help, --version
-    return app_->exit(success);
+    std::ostringstream text;
+    const int code = app_->exit(success, text, text);
+    print_text(text.str());
+    return code;
   } catch (const CLI::ParseError& error) {
     throw CommandLineError(error.what() + help_hint(*app_));
   }

@@ -52,6 +52,9 @@ class Command {
   Option option(const std::string& name, std::vector<int>& values, const std::string& help) const;
   Option option(const std::string& name, std::vector<double>& values, const std::string& help) const;
   Option flag(const std::string& name, bool& value, const std::string& help) const;
+  /// `--name` or `--name=WORD`; the value becomes `word` for the former and never takes the word behind it.
+  Option flag_with_word(const std::string& name, std::string& value, const std::string& word,
+                        const std::string& help) const;
   void footer(const std::string& text) const;
 
   /// Leaves everything behind its name, --help too, to whoever asks for `remaining`.

@@ -1,9 +1,8 @@
 #include "log_file.hpp"
 
 #include <ctime>
+#include <ostream>
 #include <string>
-
-#include "resilin/core/error.hpp"
 
 namespace resilin::cli {
 namespace {
@@ -32,10 +31,9 @@ const char* word(LogLevel level) {
 }  // namespace
 
 LogFile::LogFile(const std::filesystem::path& path, bool append)
-    : file_(path, append ? std::ios::app : std::ios::trunc) {
-  if (!file_) throw FileError(path.string(), "cannot be written");
+    : file_(path, append ? OutputFile::Mode::append : OutputFile::Mode::truncate) {
   sink_before_ = set_log_sink([this](LogLevel level, std::string_view message) {
-    file_ << time_of_day() << ' ' << word(level) << ": " << message << std::endl;
+    file_.stream() << time_of_day() << ' ' << word(level) << ": " << message << std::endl;
   });
 }
 

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <filesystem>
-#include <fstream>
 
 #include "resilin/core/log.hpp"
+#include "resilin/core/output_file.hpp"
 
 namespace resilin::cli {
 
@@ -17,7 +17,7 @@ class LogFile {
   LogFile& operator=(const LogFile&) = delete;
 
  private:
-  std::ofstream file_;
+  OutputFile file_;
   LogSink sink_before_;
 };
 

@@ -1,20 +1,21 @@
-#include <cstdio>
 #include <exception>
 #include <new>
 #include <optional>
 #include <string>
 
 #include "command.hpp"
+#include "interrupt.hpp"
 #include "resilin/core/cpu.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/linear/blas.hpp"
 #include "resilin/results/build_info.hpp"
+#include "terminal.hpp"
 
 namespace resilin::cli {
 namespace {
 
 int fail(int code, const std::string& message) {
-  std::fprintf(stderr, "resilin: %s\n", message.c_str());
+  print_error(message);
   return code;
 }
 
@@ -25,6 +26,8 @@ int run_action(const Action& action) {
     return action();
   } catch (const InputError& error) {
     return fail(wrong_input, error.what());
+  } catch (const Interrupted&) {
+    return fail(not_converged, "stopped by " + interrupter());
   } catch (const std::bad_alloc&) {
     return fail(wrong_input, "out of memory: the problem is too large for this machine");
   } catch (const std::exception& error) {
@@ -32,7 +35,7 @@ int run_action(const Action& action) {
   }
 }
 
-int main(int argc, char** argv) {
+int run_command(int argc, char** argv) {
   CommandLine line(
       {.program = "resilin",
        .help = "Resilin simulates hyperelastic solids with finite elements.",
@@ -54,6 +57,13 @@ int main(int argc, char** argv) {
     return fail(wrong_input, error.what());
   }
   return run_action(action);
+}
+
+int main(int argc, char** argv) {
+  report_failed_writes();
+  const int code = run_command(argc, argv);
+  if (flush_output()) return code;
+  return fail(code == done ? wrong_input : code, output_problem());
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdio>
 
 #include "terminal.hpp"
 
@@ -72,21 +71,21 @@ void Progress::step(const Simulation& simulation, const StepReport& report) {
   if (style_ == Style::bar) return draw();
   next_output_ = Clock::now() + between_lines;
   print_line(fmt::format("{:3.0f} %  {}", 100 * share_, text_));
-  std::fflush(stdout);
+  flush_output();
 }
 
 void Progress::draw() {
   constexpr int width = 24;
   const int filled = std::clamp(static_cast<int>(share_ * width), 0, width);
   const std::string inside = iterations_ > 0 ? fmt::format(" (iteration {})", iterations_) : "";
-  fmt::print("\r\x1b[K[{:#<{}}{:.<{}}] {}{}", "", filled, "", width - filled, text_, inside);
-  std::fflush(stdout);
+  print_text(fmt::format("\r\x1b[K[{:#<{}}{:.<{}}] {}{}", "", filled, "", width - filled, text_, inside));
+  flush_output();
   is_drawn_ = true;
   next_output_ = Clock::now() + between_draws;
 }
 
 void Progress::end() {
-  if (is_drawn_) fmt::print("\n");
+  if (is_drawn_) print_line("");
   is_drawn_ = false;
 }
 

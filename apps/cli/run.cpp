@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -30,9 +29,13 @@ struct RunOptions {
   std::vector<std::string> formats;  ///< empty: as the scene says
   int threads = 0;
   int steps = 0;
-  bool resume = false;
+  std::string resume;  ///< empty: from the start
   bool quiet = false;
+
+  bool resumes() const { return !resume.empty(); }
 };
+
+constexpr const char* resume_anyway = "anyway";
 
 std::filesystem::path out_folder(const RunOptions& options) {
   if (!options.out.empty()) return options.out;
@@ -50,27 +53,30 @@ std::vector<std::string> overrides(const RunOptions& options) {
 
 RunOutcome simulate(Simulation& simulation, ResultFolder& results, Progress& progress, int max_steps) {
   results.record(simulation, false);
-  const RunHooks hooks{.is_stopped = is_interrupted,
-                       .after_iteration = [&](const NewtonReport& so_far) { progress.iteration(so_far); },
-                       .after_step =
-                           [&](const StepReport& report) {
-                             results.record(simulation, simulation.is_finished());
-                             progress.step(simulation, report);
-                           },
-                       .max_steps = max_steps};
+  const RunHooks hooks{
+      .is_stopped = [] { return is_interrupted() || nobody_reads_output(); },
+      .after_iteration = [&](const NewtonReport& so_far) { progress.iteration(so_far); },
+      .after_step =
+          [&](const StepReport& report) {
+            results.record(simulation, simulation.is_finished());
+            progress.step(simulation, report);
+          },
+      .stopper = [] { return is_interrupted() ? interrupter() : "a closed pipe, where its output goes,"; },
+      .max_steps = max_steps};
   RunOutcome outcome = run_to_end(simulation, hooks);
   if (outcome.status == RunStatus::budget) outcome.reason += "; --resume goes on";
   return outcome;
 }
 
-void resume(Simulation& simulation, ResultFolder& results, std::vector<std::string>& warnings) {
-  const std::optional<State> state = results.resume();
-  if (!state) {
-    warnings.push_back((results.path() / "checkpoint.bin").string() +
-                       ": there is none; the run begins at the start");
+void resume(Simulation& simulation, ResultFolder& results, Resume rule, std::vector<std::string>& warnings) {
+  const std::string place = (results.path() / "checkpoint.bin").string();
+  const ResultFolder::Resumed resumed = results.resume(simulation, rule);
+  if (!resumed.has_checkpoint) {
+    warnings.push_back(place + ": there is none; the run begins at the start");
     return;
   }
-  simulation.resume_from(*state, (results.path() / "checkpoint.bin").string());
+  if (resumed.difference)
+    warnings.push_back(place + ": of another scene, gone on from anyway: " + *resumed.difference);
   log_info("resumed at " + reached(simulation));
 }
 
@@ -134,10 +140,15 @@ int run(const RunOptions& options) {
   Scene scene = read_scene(options.scene, {.overrides = overrides(options)});
   Simulation simulation(scene.description);
   ResultFolder results(out_folder(options), stopwatch.seconds());
-  const LogFile log(results.path() / "log.txt", options.resume);
+  const LogFile log(results.path() / "log.txt", options.resumes());
+  if (!results.previous_holder().empty())
+    log_info("the folder was left by " + results.previous_holder() + ", which did not end its run");
   std::vector<std::string> warnings = std::move(scene.warnings);
   warnings.insert(warnings.end(), simulation.world().warnings.begin(), simulation.world().warnings.end());
-  if (options.resume) resume(simulation, results, warnings);
+  if (options.resumes()) {
+    const Resume rule = options.resume == resume_anyway ? Resume::anyway : Resume::same_scene;
+    resume(simulation, results, rule, warnings);
+  }
   for (const std::string& note : simulation.world().notes) log_info(note);
   for (const std::string& warning : warnings) log_warning(warning);
   if (!options.quiet) print_warnings(warnings);
@@ -152,7 +163,8 @@ int run(const RunOptions& options) {
   log_info(std::string(name(outcome.status)) + ": " + outcome.reason);
   if (!options.quiet) print_end(simulation, results, outcome, setup_seconds, stopwatch.seconds());
   if (outcome.status == RunStatus::done) return done;
-  std::fprintf(stderr, "resilin: %s: %s\n", options.scene.c_str(), outcome.reason.c_str());
+  if (nobody_reads_output()) return wrong_input;  // main says so
+  print_error(options.scene + ": " + outcome.reason);
   return not_converged;
 }
 
@@ -176,13 +188,17 @@ void add_run(CommandLine& line, Action& action) {
       .joins_repeats();
   command.option("--threads", options->threads, "Number of threads; default all cores").between(1, 1024);
   command.option("--steps", options->steps, "Stop after this many steps").between(1, 1000000000);
-  command.flag("--resume", options->resume, "Go on from the checkpoint in the folder");
+  command
+      .flag_with_word("--resume", options->resume, "same",
+                      "Go on from the checkpoint in the folder; it must be of the same scene, unless "
+                      "--resume=anyway")
+      .one_of({"same", resume_anyway});
   command.flag("--quiet", options->quiet, "Print nothing but errors");
   command.footer(
       "Example:\n  resilin run beam.toml --out out/stiff --set body.beam.material.youngs_modulus=1e7\n\n"
       "Exit codes: 0 done; 1 the input is wrong; 2 did not converge or was stopped (results so far are "
       "kept);\n"
-      "3 an internal error. Ctrl-C stops at a place from which --resume goes on.");
+      "3 an internal error. Ctrl-C, SIGTERM and SIGHUP stop at a place from which --resume goes on.");
   command.on_chosen([options, &action] { action = [options] { return run(*options); }; });
 }
 

@@ -3,18 +3,50 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
 
-namespace resilin::cli {
+#include "resilin/core/output_file.hpp"
 
-void print_warnings(const std::vector<std::string>& warnings) {
-  for (const std::string& warning : warnings) fmt::print(stderr, "warning: {}\n", warning);
+namespace resilin::cli {
+namespace {
+
+int output_error = 0;  ///< the first error of stdout, which the stream itself forgets
+
+void note_output(bool is_written) {
+  if (!is_written && output_error == 0) output_error = errno == 0 ? EIO : errno;
 }
 
-void print_line(std::string_view text) { fmt::print("{}\n", text); }
+void print(std::FILE* stream, std::string_view text) { std::fwrite(text.data(), 1, text.size(), stream); }
 
-void print_text(std::string_view text) { fmt::print("{}", text); }
+}  // namespace
+
+void print_error(std::string_view text) { print(stderr, fmt::format("resilin: {}\n", text)); }
+
+void print_warnings(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) print(stderr, "warning: " + warning + "\n");
+}
+
+void print_line(std::string_view text) { print_text(std::string(text) + "\n"); }
+
+void print_text(std::string_view text) {
+  errno = 0;
+  note_output(std::fwrite(text.data(), 1, text.size(), stdout) == text.size());
+}
+
+bool flush_output() {
+  errno = 0;
+  note_output(std::fflush(stdout) == 0 && std::ferror(stdout) == 0);
+  return output_error == 0;
+}
+
+bool nobody_reads_output() { return output_error == EPIPE; }
+
+std::string output_problem() {
+  if (output_error == 0) return "";
+  return "standard output: cannot be written: " + reason_of_failed_write(output_error);
+}
 
 std::string format_seconds(double seconds) {
   if (seconds < 59.5) return fmt::format("{:.3g} s", seconds);

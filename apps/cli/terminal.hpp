@@ -19,12 +19,20 @@ class Stopwatch {
   Clock::time_point start_ = Clock::now();
 };
 
+/// "resilin: ..." on stderr, one line.
+void print_error(std::string_view text);
+
 /// "warning: ..." on stderr, one line each.
 void print_warnings(const std::vector<std::string>& warnings);
 
-/// A line on stdout; text that has its own line ends.
+/// A line on stdout; text that has its own line ends. What cannot be written is remembered.
 void print_line(std::string_view text);
 void print_text(std::string_view text);
+
+/// Hands stdout over to the system. False once anything could not be written.
+bool flush_output();
+bool nobody_reads_output();    ///< the reader of a pipe has gone
+std::string output_problem();  ///< "standard output: cannot be written: ..."; empty when all is well
 
 std::string format_seconds(double seconds);  ///< "0.52 s", "3 min 20 s", "2 h 05 min"
 

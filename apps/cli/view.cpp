@@ -1,5 +1,4 @@
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -37,7 +36,7 @@ int serve(const viewer::PageServer& server, const ViewOptions& options) {
   catch_interrupts();
   print_line("Listening on " + server.address());
   print_line("Open this address in a browser on this machine; Ctrl-C ends.");
-  std::fflush(stdout);
+  if (!flush_output()) return wrong_input;  // main says why
   if (!options.has_no_browser) viewer::open_browser(server.address());
   wait_for_interrupt();
   return done;

@@ -1,6 +1,7 @@
 #include "browser.hpp"
 
 #include <fcntl.h>
+#include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -35,6 +36,7 @@ void open_browser(const std::string& address) {
   if (fork() != 0) _exit(0);
   const int nowhere = open("/dev/null", O_RDWR | O_CLOEXEC);
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(nowhere, stream);
+  for (const int number : {SIGPIPE, SIGXFSZ}) signal(number, SIG_DFL);  // the browser's own
   execl("/bin/sh", "sh", "-c", command.c_str(), address.c_str(), static_cast<char*>(nullptr));
   _exit(127);
 }

@@ -4,6 +4,7 @@
 
 #include "access.hpp"
 #include "resilin/core/error.hpp"
+#include "resilin/results/saved_report.hpp"
 #include "resilin/view/page.hpp"
 
 namespace resilin::viewer {
@@ -29,6 +30,7 @@ std::map<std::string, Resource> recorded_resources(const std::filesystem::path& 
     throw InputError(folder.string(), "a folder of results with " + file.filename().string(), "one without",
                      "run the scene again with formats = [\"vtu\", \"html\"] in [output]");
   }
+  read_report(report);  // what is damaged is said here, not in the browser
   return {{"/", page("recorded")},
           {"/recording", {"application/octet-stream", recording, {}}},
           {"/report", {"application/json", report, {}}}};

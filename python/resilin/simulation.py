@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
@@ -189,7 +189,7 @@ class Simulation:
         self,
         out: AnyPath | None = None,
         *,
-        resume: bool = False,
+        resume: bool | Literal["anyway"] = False,
         steps: int | None = None,
         progress: bool | None = None,
     ) -> Result:
@@ -201,8 +201,8 @@ class Simulation:
         ----------
         out : path, optional
             Folder for the files that `resilin run` writes.
-        resume : bool
-            Goes on from the checkpoint in `out`.
+        resume : bool or "anyway"
+            Goes on from the checkpoint in `out`, which must be of the same scene unless "anyway".
         steps : int, optional
             Stops after so many steps.
         progress : bool, optional
@@ -216,12 +216,15 @@ class Simulation:
 
         if steps is not None and (not isinstance(steps, int | np.integer) or steps < 1):
             refuse("steps", "a whole number of at least 1", repr(steps))
+        if not (isinstance(resume, bool | np.bool_) or resume == "anyway"):
+            refuse("resume", 'True, False or "anyway"', repr(resume))
         if resume and out is None:
             refuse("resume", "a folder `out` with a checkpoint", "no folder")
         line = Progress(self._core, progress)
         try:
             folder = None if out is None else os.fspath(out)
-            return Result(self._core.run(folder, resume, int(steps or 0), line.after_step))
+            how = None if not resume else "anyway" if resume == "anyway" else "same"
+            return Result(self._core.run(folder, how, int(steps or 0), line.after_step))
         finally:
             line.end()
 
@@ -327,7 +330,7 @@ def run(
     out: AnyPath | None = None,
     *,
     overrides: Overrides = (),
-    resume: bool = False,
+    resume: bool | Literal["anyway"] = False,
     steps: int | None = None,
     progress: bool | None = None,
 ) -> Result:

@@ -60,6 +60,7 @@ void History::finish(const Simulation& simulation, const RunOutcome& outcome, do
                      double output_seconds) {
   summary_ = {.outcome = outcome,
               .solver = std::string(simulation.solver_name()),
+              .failed_steps = simulation.failed_steps(),
               .timing = simulation.timing(),
               .total_seconds = total_seconds,
               .output_seconds = output_seconds};

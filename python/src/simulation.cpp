@@ -61,14 +61,15 @@ class RunningSimulation {
             report.newton.iterations, report.newton.relative_residual()};
   }
 
-  /// Runs to the end and records. `after_step` is called without arguments.
-  History run(const std::optional<std::filesystem::path>& out, bool resumes, int max_steps,
-              const nb::object& after_step) {
+  /// Runs to the end and records. `resume`: null, "same" or "anyway", as after --resume. `after_step` is
+  /// called without arguments.
+  History run(const std::optional<std::filesystem::path>& out, const std::optional<std::string>& resume,
+              int max_steps, const nb::object& after_step) {
     Interruptible interruptible;
     std::optional<History> history;
     {
       const nb::gil_scoped_release release;
-      history.emplace(recorded(out, resumes, max_steps, interruptible, after_step));
+      history.emplace(recorded(out, resume, max_steps, interruptible, after_step));
     }
     interruptible.rethrow();
     return std::move(*history);
@@ -92,7 +93,7 @@ class RunningSimulation {
     auto simulation = std::make_shared<Simulation>(changed);
     State state = simulation_->state();
     state.accelerations.resize(0);  // those of the new material
-    simulation->resume_from(state, "material");
+    simulation->resume_from(state, "material", simulation_->failed_steps());
     description_ = std::move(changed);
     simulation_ = std::move(simulation);
   }
@@ -140,14 +141,12 @@ class RunningSimulation {
   }
 
  private:
-  History recorded(const std::optional<std::filesystem::path>& out, bool resumes, int max_steps,
-                   Interruptible& interruptible, const nb::object& after_step) {
+  History recorded(const std::optional<std::filesystem::path>& out, const std::optional<std::string>& resume,
+                   int max_steps, Interruptible& interruptible, const nb::object& after_step) {
     std::optional<ResultFolder> folder;
     if (out) folder.emplace(*out, setup_seconds_);
-    if (resumes && folder) {
-      const std::optional<State> state = folder->resume();
-      if (state) simulation_->resume_from(*state, (*out / "checkpoint.bin").string());
-    }
+    if (resume && folder)
+      folder->resume(*simulation_, *resume == "anyway" ? Resume::anyway : Resume::same_scene);
     History history(simulation_);
     const auto record = [&](bool is_last) {
       history.record(*simulation_, is_last);
@@ -215,8 +214,8 @@ void bind_simulation(nb::module_& module) {
       .def(nb::init<const Scene&>(), nb::arg("scene"), nb::call_guard<nb::gil_scoped_release>())
       .def("step", &RunningSimulation::step,
            nb::sig("def step(self) -> tuple[typing.Literal['converged', 'not_converged'], str, int, float]"))
-      .def("run", &RunningSimulation::run, nb::arg("out").none(), nb::arg("resumes"), nb::arg("max_steps"),
-           nb::arg("after_step").none())
+      .def("run", &RunningSimulation::run, nb::arg("out").none(), nb::arg("resume").none(),
+           nb::arg("max_steps"), nb::arg("after_step").none())
       .def("set_material", &RunningSimulation::set_material, nb::arg("body"), nb::arg("law"),
            nb::arg("constants"), nb::arg("cell_constants"), nb::arg("fibres"), nb::arg("density").none())
       .def("cells", &RunningSimulation::cells, nb::arg("body"))

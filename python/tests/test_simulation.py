@@ -1,5 +1,6 @@
 import json
 import os
+import re
 import signal
 import threading
 import time
@@ -92,6 +93,62 @@ def test_a_run_that_was_stopped_is_resumed_to_the_same_bits(tmp_path):
     assert stopped.status == "budget"
     resumed = resilin.run(square(), out=tmp_path, resume=True)
     np.testing.assert_array_equal(resumed.positions[-1], whole.positions[-1])
+
+
+@pytest.mark.parametrize(
+    ("override", "named"),
+    [
+        ("body.square.material.youngs_modulus=1e6", "body.square.material.youngs_modulus"),
+        ("simulation.time_step=0.005", "simulation.time_step is 0.01, not 0.005"),
+        ("simulation.gravity=[0, -1]", "simulation.gravity"),
+    ],
+)
+def test_a_run_is_resumed_in_another_scene_only_when_that_is_meant(tmp_path, override, named):
+    resilin.run(square(), out=tmp_path, steps=3)
+    before = (tmp_path / "checkpoint.bin").read_bytes()
+    with pytest.raises(resilin.InputError, match=re.escape(named)):
+        resilin.run(square(), out=tmp_path, overrides=[override], resume=True)
+    assert (tmp_path / "checkpoint.bin").read_bytes() == before
+    result = resilin.run(square(), out=tmp_path, overrides=[override], resume="anyway")
+    assert result.status == "done"
+    assert result.times[0] == pytest.approx(0.03)
+    with pytest.raises(resilin.InputError, match="resume: expected True, False or"):
+        resilin.run(square(), out=tmp_path, resume="always")
+
+
+def test_a_folder_that_another_simulation_writes_into_is_refused(tmp_path):
+    fcntl = pytest.importorskip("fcntl")
+    with (tmp_path / "run.lock").open("w") as lock:
+        lock.write("process 12345 on here since 2025-01-01 00:00:00")
+        lock.flush()
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        with pytest.raises(resilin.InputError, match="process 12345 on here"):
+            resilin.run(square(), out=tmp_path)
+    assert resilin.run(square(), out=tmp_path).status == "done"
+
+
+def test_damaged_files_are_refused_when_a_run_is_resumed(tmp_path):
+    resilin.run(square(), out=tmp_path, steps=3)
+    for name in ("report.json", "checkpoint.bin"):
+        kept = (tmp_path / name).read_bytes()
+        for damaged in (b"", kept[: len(kept) // 2], b"[" * 100000, b'{"frames": [1]}'):
+            (tmp_path / name).write_bytes(damaged)
+            with pytest.raises(resilin.InputError, match=re.escape(name)):
+                resilin.run(square(), out=tmp_path, resume=True)
+        (tmp_path / name).write_bytes(kept)
+
+
+@pytest.mark.parametrize("key", ["a." * 40000 + "a=1", "simulation." + "x." * 100 + "x=1", "title=" + "[" * 40000])
+def test_overrides_that_are_nested_too_deep_are_refused(key):
+    with pytest.raises(resilin.InputError):
+        resilin.Simulation(square(), overrides=[key])
+
+
+def test_a_scene_file_that_is_nested_too_deep_is_refused(tmp_path):
+    for text in ("a." * 40000 + "a = 1", "[" + "a." * 40000 + "a]", "a = " + "[" * 40000, "a = " + "{a=" * 40000):
+        (tmp_path / "deep.toml").write_text(text)
+        with pytest.raises(resilin.InputError, match="at most 64 levels"):
+            resilin.Simulation(tmp_path / "deep.toml")
 
 
 def test_fewer_frames_are_recorded_when_asked():

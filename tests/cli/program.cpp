@@ -16,11 +16,9 @@
 namespace resilin::testing {
 namespace {
 
-/// Starts the program with its output in files of the folder.
-pid_t start(const std::filesystem::path& folder, const std::vector<std::string>& arguments,
+/// Starts a program with its output in files of the folder.
+pid_t start(const std::filesystem::path& folder, std::vector<std::string> words,
             const std::vector<std::string>& environment) {
-  std::vector<std::string> words = {RESILIN_PROGRAM};
-  words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
@@ -41,6 +39,12 @@ pid_t start(const std::filesystem::path& folder, const std::vector<std::string>&
   alarm(300);  // a hang is a failure
   execv(pointers[0], pointers.data());
   _exit(127);
+}
+
+std::vector<std::string> resilin(const std::vector<std::string>& arguments) {
+  std::vector<std::string> words = {RESILIN_PROGRAM};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  return words;
 }
 
 ProgramResult finish(pid_t process, const std::filesystem::path& folder) {
@@ -74,11 +78,16 @@ at = [2, 0.5, 0.5]
 
 ProgramResult run_program(const std::filesystem::path& folder, const std::vector<std::string>& arguments,
                           const std::vector<std::string>& environment) {
-  return finish(start(folder, arguments, environment), folder);
+  return finish(start(folder, resilin(arguments), environment), folder);
+}
+
+ProgramResult run_shell(const std::filesystem::path& folder, const std::string& script) {
+  return finish(start(folder, {"/bin/sh", "-c", script}, {"RESILIN=" + std::string(RESILIN_PROGRAM)}),
+                folder);
 }
 
 RunningProgram::RunningProgram(const std::filesystem::path& folder, const std::vector<std::string>& arguments)
-    : folder_(folder), process_(start(folder, arguments, {})) {}
+    : folder_(folder), process_(start(folder, resilin(arguments), {})) {}
 
 RunningProgram::~RunningProgram() {
   if (process_ < 0) return;

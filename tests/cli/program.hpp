@@ -18,6 +18,9 @@ struct ProgramResult {
 ProgramResult run_program(const std::filesystem::path& folder, const std::vector<std::string>& arguments,
                           const std::vector<std::string>& environment = {});
 
+/// Runs a script of `sh` in a folder; "$RESILIN" in it is the program.
+ProgramResult run_shell(const std::filesystem::path& folder, const std::string& script);
+
 /// `resilin ARGUMENTS` while it runs; killed at the end unless it has been waited for.
 class RunningProgram {
  public:
@@ -30,6 +33,7 @@ class RunningProgram {
   std::string wait_for(const std::string& pattern);
   bool is_running() const;
   void kill(int signal);
+  pid_t process() const { return process_; }
   ProgramResult finish();
 
  private:

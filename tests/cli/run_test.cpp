@@ -145,14 +145,6 @@ TEST_F(RunCommand, LeavesWholeFilesToResumeFromWhenItIsKilled) {
   EXPECT_EQ(report("whole")["frames"], report("killed")["frames"]);
 }
 
-TEST_F(RunCommand, RefusesACheckpointOfAnotherScene) {
-  ASSERT_EQ(run_program(folder.path(), {"run", "box.toml", "--out", "a"}).exit_code, 0);
-  const ProgramResult other = run_program(
-      folder.path(), {"run", "box.toml", "--out", "a", "--resume", "--set", "body.0.mesh.box.cells=[3,2,2]"});
-  EXPECT_EQ(other.exit_code, 1);
-  EXPECT_THAT(other.err, HasSubstr("checkpoint.bin"));
-}
-
 TEST_F(RunCommand, LeavesAnExistingResultAloneWhenTheSceneIsWrong) {
   ASSERT_EQ(run_program(folder.path(), {"run", "box.toml"}).exit_code, 0);
   const std::string before = read_text_file(out() / "report.json") + read_text_file(out() / "log.txt");

@@ -120,7 +120,7 @@ TEST_F(View, SaysThatThePortIsInUse) {
 TEST_F(View, ServesTheResultsOfARun) {
   std::filesystem::create_directory(folder.path() / "results");
   folder.write("results/recording.bin", "RSR1");
-  folder.write("results/report.json", "{}");
+  folder.write("results/report.json", R"({"frames": []})");
   RunningProgram program(folder.path(), {"view", "results", "--no-browser"});
   const Address address = address_of(program);
   const auto get = [&address](const std::string& path) {
@@ -129,7 +129,7 @@ TEST_F(View, ServesTheResultsOfARun) {
   };
   EXPECT_THAT(get("/"), HasSubstr("{\"kind\": \"recorded\"}"));
   EXPECT_TRUE(get("/recording").ends_with("\r\n\r\nRSR1"));
-  EXPECT_TRUE(get("/report").ends_with("\r\n\r\n{}"));
+  EXPECT_TRUE(get("/report").ends_with("\r\n\r\n{\"frames\": []}"));
   EXPECT_THAT(get("/live"), HasSubstr("404"));
   program.kill(SIGTERM);
   EXPECT_EQ(program.finish().exit_code, 0);

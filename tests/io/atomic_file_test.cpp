@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <ostream>
 #include <stdexcept>
@@ -66,6 +68,39 @@ TEST(AtomicFile, SaysWhichPathCannotBeWritten) {
       EXPECT_THAT(error.what(), ::testing::HasSubstr(path.string()));
     }
   }
+}
+
+TEST(AtomicFile, SweepsUpWhatAProcessThatIsGoneHasLeft) {
+  const TemporaryFolder folder;
+  const pid_t gone = fork();
+  if (gone == 0) _exit(0);
+  waitpid(gone, nullptr, 0);
+  const std::string half = ".partial." + std::to_string(gone) + ".";
+  const std::vector<std::string> left = {"a.txt" + half + "0", "a.txt" + half + "17"};
+  const std::vector<std::string> others = {"b.txt" + half + "0",  // of another file
+                                           "a.txt.partial." + std::to_string(getppid()) + ".0",
+                                           "a.txt.partial.x.0", "a.txt" + half + "0.txt", "a.txt.partial"};
+  for (const std::string& name : left) folder.write(name, "half");
+  for (const std::string& name : others) folder.write(name, "whole");
+  write_atomically(folder / "a.txt", [](std::ostream& stream) { stream << "new"; });
+  for (const std::string& name : left) EXPECT_FALSE(std::filesystem::exists(folder / name)) << name;
+  for (const std::string& name : others) EXPECT_TRUE(std::filesystem::exists(folder / name)) << name;
+}
+
+TEST(AtomicFile, SaysThatTheDiskIsFullWhenItIsAndOnlyThen) {
+  const auto message = [](const std::filesystem::path& path, std::size_t size) -> std::string {
+    try {
+      write_atomically(path, [size](std::ostream& stream) { stream << std::string(size, 'x'); });
+    } catch (const FileError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  for (const std::size_t size : {1, 70000, 1000000})  // less and more than is buffered
+    EXPECT_EQ(message("/dev/full", size), "/dev/full: cannot be written: the disk is full") << size;
+  const TemporaryFolder folder;
+  EXPECT_EQ(message(folder / "missing/a.txt", 1),
+            (folder / "missing/a.txt").string() + ": cannot be written: No such file or directory");
 }
 
 TEST(AtomicFile, WritesADeviceDirectlyAndLeavesItADevice) {

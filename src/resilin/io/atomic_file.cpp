@@ -1,16 +1,19 @@
 #include "resilin/io/atomic_file.hpp"
 
 #include <fcntl.h>
+#include <signal.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <charconv>
 #include <cstdint>
 #include <fstream>
-#include <locale>
 #include <new>
+#include <string_view>
 #include <system_error>
 
 #include "resilin/core/error.hpp"
+#include "resilin/core/output_file.hpp"
 
 namespace resilin {
 namespace {
@@ -36,28 +39,52 @@ class Descriptor {
   int value_;
 };
 
+constexpr std::string_view partial_mark = ".partial.";
+
+/// The process that made a partial file beside `path`, from the file's name; 0 for any other name.
+pid_t maker_of(std::string_view file, const std::filesystem::path& path) {
+  const std::string start = path.filename().string() + std::string(partial_mark);
+  if (!file.starts_with(start)) return 0;
+  file.remove_prefix(start.size());
+  pid_t process = 0;
+  int attempt = 0;
+  const char* end = file.data() + file.size();
+  const auto first = std::from_chars(file.data(), end, process);
+  if (first.ec != std::errc{} || first.ptr == end || *first.ptr != '.') return 0;
+  const auto second = std::from_chars(first.ptr + 1, end, attempt);
+  return second.ec == std::errc{} && second.ptr == end ? process : 0;
+}
+
+/// Removes what processes that are gone have left half-written beside `path`.
+void sweep_partial_files(const std::filesystem::path& path) {
+  std::error_code error;
+  std::filesystem::directory_iterator entry(path.has_parent_path() ? path.parent_path() : ".", error), end;
+  for (; !error && entry != end; entry.increment(error)) {
+    const pid_t process = maker_of(entry->path().filename().string(), path);
+    if (process <= 0 || process == ::getpid() || ::kill(process, 0) == 0 || errno != ESRCH) continue;
+    std::error_code ignored;
+    std::filesystem::remove(entry->path(), ignored);
+  }
+}
+
 /// A new, empty file beside `path`; its name says what it is in case the machine stops now.
 std::filesystem::path make_partial_file(const std::filesystem::path& path) {
+  sweep_partial_files(path);
   for (int attempt = 0;; ++attempt) {
     std::filesystem::path partial = path;
-    partial += ".partial." + std::to_string(::getpid()) + "." + std::to_string(attempt);
+    partial += std::string(partial_mark) + std::to_string(::getpid()) + "." + std::to_string(attempt);
     const Descriptor file(partial, O_WRONLY | O_CREAT | O_EXCL);
     if (file.is_open()) return partial;
-    if (errno != EEXIST) throw FileError(path.string(), "cannot be written: " + reason(errno));
+    if (errno != EEXIST)
+      throw FileError(path.string(), "cannot be written: " + reason_of_failed_write(errno));
   }
 }
 
 void fill(const std::filesystem::path& partial, const std::filesystem::path& path,
           const std::function<void(std::ostream&)>& write) {
-  std::ofstream stream;
-  stream.imbue(std::locale::classic());
-  stream.open(partial, std::ios::binary | std::ios::trunc);
-  if (!stream) throw FileError(path.string(), "cannot be written: " + reason(errno));
-  errno = 0;
-  write(stream);
-  stream.close();
-  if (!stream)
-    throw FileError(path.string(), "cannot be written: " + (errno != 0 ? reason(errno) : "disk full?"));
+  OutputFile file(partial, OutputFile::Mode::truncate, path);
+  write(file.stream());
+  file.close();
 }
 
 /// Asks the disk to hold the content before the name points to it.
@@ -65,7 +92,7 @@ void flush_to_disk(const std::filesystem::path& partial, const std::filesystem::
   const Descriptor file(partial, O_RDONLY);
   // Some file systems do not know fsync (EINVAL); there the rename alone has to do.
   if (!file.is_open() || (::fsync(file.value()) != 0 && errno != EINVAL)) {
-    throw FileError(path.string(), "cannot be written: " + reason(errno));
+    throw FileError(path.string(), "cannot be written: " + reason_of_failed_write(errno));
   }
 }
 
@@ -88,7 +115,8 @@ void write_atomically(const std::filesystem::path& path, const std::function<voi
     std::error_code failure;
     if (std::filesystem::exists(status)) std::filesystem::permissions(partial, status.permissions(), ignored);
     std::filesystem::rename(partial, target, failure);
-    if (failure) throw FileError(path.string(), "cannot be written: " + failure.message());
+    if (failure)
+      throw FileError(path.string(), "cannot be written: " + reason_of_failed_write(failure.value()));
   } catch (...) {
     std::filesystem::remove(partial, ignored);
     throw;

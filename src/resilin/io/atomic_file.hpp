@@ -10,8 +10,9 @@ namespace resilin {
 /// Writes a file so that at every moment the path holds either its old content or all of the new.
 ///
 /// `write` fills a file beside `path`, which is flushed to the disk and renamed; when it throws, or the disk
-/// is full, the old file stays as it was and nothing is left behind. A symbolic link is followed; a device
-/// (such as /dev/stdout) is written directly. The stream is binary and independent of the locale.
+/// is full, the old file stays as it was and nothing is left behind; what a process that was killed has left
+/// is removed by the next that writes the file. A symbolic link is followed; a device (such as /dev/stdout)
+/// is written directly. The stream is binary and independent of the locale.
 ///
 /// @throws FileError naming the path
 void write_atomically(const std::filesystem::path& path, const std::function<void(std::ostream&)>& write);

@@ -2,14 +2,18 @@
 
 #include <algorithm>
 #include <chrono>
-#include <fstream>
+#include <string_view>
 #include <vector>
 
 #include "resilin/core/error.hpp"
+#include "resilin/core/output_file.hpp"
 #include "resilin/io/atomic_file.hpp"
 #include "resilin/io/vtu.hpp"
+#include "resilin/results/build_info.hpp"
+#include "resilin/results/folder_lock.hpp"
 #include "resilin/results/frame_file.hpp"
 #include "resilin/results/report.hpp"
+#include "resilin/results/saved_report.hpp"
 #include "resilin/results/shown_results.hpp"
 
 namespace resilin {
@@ -23,9 +27,25 @@ double seconds_since(Clock::time_point start) {
 
 constexpr const char* checkpoint_name = "checkpoint.bin";
 constexpr const char* report_name = "report.json";
+constexpr std::string_view partial_ending = ".partial";  ///< of a file that is not whole yet
 
 void write_text(const std::filesystem::path& path, const std::string& text) {
   write_atomically(path, [&text](std::ostream& stream) { stream << text; });
+}
+
+/// Removes what a run that was killed has left half-written; nobody else writes into the folder.
+void sweep_partial_files(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::directory_iterator entry(folder, error), end;
+  for (; !error && entry != end; entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    const std::size_t at = name.rfind(partial_ending);
+    if (at == std::string::npos ||
+        name.find_first_not_of("0123456789.", at + partial_ending.size()) != std::string::npos)
+      continue;
+    std::error_code ignored;
+    if (entry->is_regular_file(ignored)) std::filesystem::remove(entry->path(), ignored);
+  }
 }
 
 std::string frame_name(std::size_t number) {
@@ -49,7 +69,11 @@ void write_frame_list(const std::filesystem::path& path, const Json& frames, boo
 }  // namespace
 
 struct ResultFolder::Contents {
+  Contents(std::filesystem::path path, double seconds)
+      : folder(std::move(path)), lock(folder), seconds_before(seconds) {}
+
   std::filesystem::path folder;
+  FolderLock lock;
   Json frames = Json::array();
   Clock::time_point start = Clock::now();
   Clock::time_point next_save = Clock::now();
@@ -57,7 +81,8 @@ struct ResultFolder::Contents {
   std::optional<ShownResults> shown;        ///< of the same
   std::vector<std::pair<std::string, std::uintmax_t>> shown_files;
   double output_seconds = 0;
-  double seconds_before = 0;  ///< until the folder was made, and of the run that this one resumes
+  double seconds_before;  ///< until the folder was made, and of the run that this one resumes
+  int resumed_step = -1;  ///< whose frame was measured anew, without the numbers of the step that led to it
 
   /// Beside and renamed, so that the file is whole even when the program is killed. Report and checkpoint
   /// also wait for the disk; a frame does not, for that takes longer than a step of a small body: a power cut
@@ -66,18 +91,26 @@ struct ResultFolder::Contents {
                    std::span<const FieldValues> fields) {
     const std::filesystem::path path = folder / frame_name(number);
     std::filesystem::path partial = path;
-    partial += ".partial";
-    std::ofstream stream(partial, std::ios::binary | std::ios::trunc);
-    resilin::write_frame(stream, frame_content(world, state, fields));
-    stream.close();
-    std::error_code error;
-    if (stream) std::filesystem::rename(partial, path, error);
-    if (!stream || error) throw FileError(path.string(), "cannot be written; is the disk full?");
+    partial += partial_ending;
+    try {
+      OutputFile file(partial, OutputFile::Mode::truncate, path);
+      resilin::write_frame(file.stream(), frame_content(world, state, fields));
+      file.close();
+      std::error_code error;
+      std::filesystem::rename(partial, path, error);
+      if (error)
+        throw FileError(path.string(), "cannot be written: " + reason_of_failed_write(error.value()));
+    } catch (...) {
+      std::error_code ignored;
+      std::filesystem::remove(partial, ignored);
+      throw;
+    }
   }
 
   RunSummary summary(const Simulation& simulation, RunStatus status, const std::string& reason) const {
     return {.outcome = {status, reason},
             .solver = std::string(simulation.solver_name()),
+            .failed_steps = simulation.failed_steps(),
             .timing = simulation.timing(),
             .total_seconds = seconds_before + seconds_since(start),
             .output_seconds = output_seconds};
@@ -98,7 +131,10 @@ struct ResultFolder::Contents {
     }
     write_text(folder / report_name, report_text(report));
     frames = std::move(report["frames"]);
-    write_text(folder / checkpoint_name, serialize(state));
+    write_text(folder / checkpoint_name, serialize(Checkpoint{.version = std::string(version()),
+                                                              .fingerprint = world.fingerprint,
+                                                              .failed_steps = summary.failed_steps,
+                                                              .state = state}));
     const double cost = seconds_since(begin);
     output_seconds += cost;
     // At most a tenth of the time goes into saving, however long the report has grown.
@@ -114,16 +150,15 @@ struct ResultFolder::Contents {
   static bool writes_vtu(const World& world) { return world.output.writes(OutputFormat::vtu); }
 };
 
-ResultFolder::ResultFolder(std::filesystem::path folder, double seconds_before)
-    : contents_(std::make_unique<Contents>()) {
+ResultFolder::ResultFolder(std::filesystem::path folder, double seconds_before) {
   std::error_code error;
   std::filesystem::create_directories(folder / "frames", error);
   if (error)
     throw FileError(folder.string(), "the folder for the results cannot be made (" + error.message() + ")");
-  write_text(folder / "frames" / ".probe", "");
-  std::filesystem::remove(folder / "frames" / ".probe", error);
-  contents_->folder = std::move(folder);
-  contents_->seconds_before = seconds_before;
+  contents_ = std::make_unique<Contents>(std::move(folder), seconds_before);
+  for (const char* part : {".", "frames"}) sweep_partial_files(contents_->folder / part);
+  write_text(contents_->folder / "frames" / ".probe", "");
+  std::filesystem::remove(contents_->folder / "frames" / ".probe", error);
 }
 
 ResultFolder::~ResultFolder() = default;
@@ -136,21 +171,23 @@ const std::vector<std::pair<std::string, std::uintmax_t>>& ResultFolder::shown_f
   return contents_->shown_files;
 }
 
-std::optional<State> ResultFolder::resume() {
-  const std::filesystem::path checkpoint = contents_->folder / checkpoint_name;
-  if (!std::filesystem::exists(checkpoint)) return std::nullopt;
-  State state = deserialize_state(read_file(checkpoint), checkpoint.string());
-  const std::filesystem::path report_path = contents_->folder / report_name;
-  const Json report = Json::parse(read_file(report_path), nullptr, false);
-  if (!report.is_object() || !report.contains("frames") || !report["frames"].is_array()) {
-    throw InputError(report_path.string(), "the report of the run to go on with", "something else",
-                     "run without --resume to begin again");
-  }
-  for (const Json& frame : report["frames"]) {
-    if (frame.value("step", 0) <= state.step) contents_->frames.push_back(frame);
-  }
-  if (report.contains("timing")) contents_->seconds_before += report["timing"].value("total", 0.0);
-  return state;
+const std::string& ResultFolder::previous_holder() const { return contents_->lock.previous_holder(); }
+
+ResultFolder::Resumed ResultFolder::resume(Simulation& simulation, Resume rule) {
+  const std::filesystem::path path = contents_->folder / checkpoint_name;
+  if (!std::filesystem::exists(path)) return {};
+  Checkpoint checkpoint = parse_checkpoint(read_file(path), path.string());
+  Resumed resumed{.has_checkpoint = true,
+                  .difference = check_scene(checkpoint, simulation.world().fingerprint, rule, path.string())};
+  // Those of the scene as it was.
+  if (resumed.difference) checkpoint.state.accelerations.resize(0);
+  SavedReport report = read_report(contents_->folder / report_name);
+  simulation.resume_from(checkpoint.state, path.string(), checkpoint.failed_steps);
+  for (Json& frame : report.frames)
+    if (frame["step"].get<int>() <= checkpoint.state.step) contents_->frames.push_back(std::move(frame));
+  contents_->seconds_before += report.total_seconds;
+  contents_->resumed_step = checkpoint.state.step;
+  return resumed;
 }
 
 void ResultFolder::record(const Simulation& simulation, bool is_last) {
@@ -165,7 +202,8 @@ void ResultFolder::record(const Simulation& simulation, bool is_last) {
 
 void ResultFolder::record(const World& world, const State& state, const Frame& frame, bool is_last) {
   Json& frames = contents_->frames;
-  const bool is_new = frames.empty() || frames.back()["step"].get<int>() < frame.step;
+  const bool is_new = frame.step != contents_->resumed_step &&
+                      (frames.empty() || frames.back()["step"].get<int>() < frame.step);
   if (is_new && (is_last || frame.step % world.output.every == 0)) {
     const Clock::time_point begin = Clock::now();
     // The last frame of a run that was broken off is not one of the unbroken run, unless it was due.

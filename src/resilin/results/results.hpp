@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "resilin/results/checkpoint.hpp"
 #include "resilin/results/summary.hpp"
 #include "resilin/simulation/simulation.hpp"
 
@@ -17,10 +18,12 @@ namespace resilin {
 /// it.
 ///
 /// Every file is written beside and renamed, so that a folder always holds whole files. Frames are written at
-/// once; report and checkpoint at most about once a second, and by `finish`.
+/// once; report and checkpoint at most about once a second, and by `finish`. As long as this lives no other
+/// run writes into the folder.
 class ResultFolder {
  public:
-  /// Makes the folder. Throws FileError naming it when that fails or nothing can be written in it.
+  /// Makes the folder and sweeps up what a killed run has left half-written. Throws FileError naming it when
+  /// that fails, nothing can be written in it or another run writes into it.
   /// @param seconds_before  what the run has taken already, for the report's total
   explicit ResultFolder(std::filesystem::path folder, double seconds_before = 0);
   ~ResultFolder();
@@ -33,9 +36,16 @@ class ResultFolder {
   /// What `finish` has made to be looked at: names and sizes [bytes].
   const std::vector<std::pair<std::string, std::uintmax_t>>& shown_files() const;
 
-  /// The state to go on from, and takes over the frames up to it. Empty when the folder has no checkpoint.
-  /// Throws InputError when there is one that cannot be used.
-  std::optional<State> resume();
+  /// The run that has left the folder without ending (it was killed), in words; empty when none has.
+  const std::string& previous_holder() const;
+
+  /// Goes on from the checkpoint in the folder and takes over the frames up to it; not at all when there is
+  /// none. Throws InputError when there is one that cannot be used, or one of another scene.
+  struct Resumed {
+    bool has_checkpoint = false;
+    std::optional<std::string> difference;  ///< to the scene of the checkpoint, in words; gone on from anyway
+  };
+  Resumed resume(Simulation& simulation, Resume rule);
 
   /// Records the simulation's present frame when it is due (each `output.every` steps), or when `is_last`.
   void record(const Simulation& simulation, bool is_last);

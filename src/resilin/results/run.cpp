@@ -34,39 +34,50 @@ std::string remarks(const Simulation& simulation) {
   return text;
 }
 
+/// On a run that has reached its end.
+RunOutcome verdict(const Simulation& simulation) {
+  const FailedSteps& failed = simulation.failed_steps();
+  if (failed.count == 0)
+    return {RunStatus::done,
+            "reached " + reached(simulation) + ", every step converged" + remarks(simulation)};
+  return {
+      RunStatus::not_converged,
+      std::to_string(failed.count) + " of " + std::to_string(simulation.state().step) +
+          " steps were cut short before they converged; the first at t = " + format_short(failed.first_time) +
+          " s (step " + std::to_string(failed.first_step) + "): " + failed.first_reason};
+}
+
 }  // namespace
 
 RunOutcome run_to_end(Simulation& simulation, const RunHooks& hooks) {
   const auto is_stopped = [&hooks] { return hooks.is_stopped && hooks.is_stopped(); };
+  const auto stopped = [&]() -> RunOutcome {
+    return {RunStatus::budget, "stopped by " + (hooks.stopper ? hooks.stopper() : std::string("the user")) +
+                                   " at " + reached(simulation)};
+  };
   const NewtonObserver observer = [&](const NewtonReport& so_far) {
     if (hooks.after_iteration) hooks.after_iteration(so_far);
     return !is_stopped();
   };
-  int truncated_steps = 0;
-  std::string first_reason;
+  const bool had_ended = simulation.is_finished();
   for (int steps = 0; !simulation.is_finished(); ++steps) {
-    if (is_stopped()) return {RunStatus::budget, "stopped by the user at " + reached(simulation)};
+    if (is_stopped()) return stopped();
     if (hooks.max_steps > 0 && steps == hooks.max_steps) {
       return {RunStatus::budget,
               "stopped after " + std::to_string(steps) + " steps as asked, at " + reached(simulation)};
     }
     const StepReport report = simulation.step(observer);
-    if (report.status == StepReport::Status::interrupted)
-      return {RunStatus::budget, "stopped by the user at " + reached(simulation)};
+    if (report.status == StepReport::Status::interrupted) return stopped();
     for (const std::string& warning : report.warnings) log_warning(warning);
     if (report.status == StepReport::Status::not_converged) {
       log_warning(reached(simulation) + ": " + report.reason);
       if (!simulation.world().is_dynamic) return {RunStatus::not_converged, report.reason};
-      if (truncated_steps++ == 0) first_reason = "at " + reached(simulation) + ": " + report.reason;
     }
     if (hooks.after_step) hooks.after_step(report);
   }
-  if (truncated_steps == 0)
-    return {RunStatus::done,
-            "reached " + reached(simulation) + ", every step converged" + remarks(simulation)};
-  return {RunStatus::not_converged,
-          std::to_string(truncated_steps) + " of " + std::to_string(simulation.state().step) +
-              " steps were cut short before they converged; the first " + first_reason};
+  RunOutcome outcome = verdict(simulation);
+  if (had_ended) outcome.reason += "; the run had ended before, nothing was left to do";
+  return outcome;
 }
 
 }  // namespace resilin

@@ -26,6 +26,7 @@ struct RunOutcome {
 struct RunSummary {
   RunOutcome outcome;
   std::string solver;
+  FailedSteps failed_steps;
   Timing timing;
   double total_seconds = 0;
   double output_seconds = 0;

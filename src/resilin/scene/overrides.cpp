@@ -8,6 +8,7 @@
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/io/text_scanner.hpp"
+#include "resilin/scene/toml_depth.hpp"
 #include "resilin/scene/value.hpp"
 
 namespace resilin {
@@ -115,6 +116,10 @@ void apply_override(SceneValue& scene, std::string_view assignment) {
   if (equals == std::string_view::npos || std::ranges::any_of(parts, &std::string::empty)) {
     throw InputError(place_of(assignment), "KEY=VALUE", '"' + printable(assignment) + '"',
                      "write it as in --set newton.tolerance=1e-6 or --set body.0.scale=2");
+  }
+  if (parts.size() > deepest_nesting) {
+    throw InputError(place_of(assignment), "at most " + std::to_string(deepest_nesting) + " parts in KEY",
+                     std::to_string(parts.size()));
   }
   SceneValue value = parse_value(assignment.substr(equals + 1), assignment);
   SceneValue* target = &scene;

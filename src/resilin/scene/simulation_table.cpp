@@ -25,8 +25,9 @@ Keys<Description> simulation_keys() {
                d.dimension = node.context->dimension = dimension;
              }),
       vector_key("gravity", &D::gravity, "m/s^2", "Pulls every body in proportion to its density."),
-      number_key("time_step", &D::time_step, "s", positive, "Length of a step in motion."),
-      number_key("end_time", &D::end_time, "s", positive, "Motion stops here."),
+      number_key("time_step", &D::time_step, "s", positive, "Length of a step in motion; at most end_time."),
+      number_key("end_time", &D::end_time, "s", positive,
+                 "Motion stops with the first step that reaches it."),
       choice_key("integrator", &D::integrator, integrator_names(), {}, "How motion steps through time."),
       key<D>({"adaptive", "[adaptive](#adaptive)", "", "none: equal steps",
               "In motion: steps as long as their error allows."},

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "resilin/core/error.hpp"
+#include "resilin/scene/toml_depth.hpp"
 #include "resilin/scene/value.hpp"
 
 namespace resilin {
@@ -66,6 +67,7 @@ std::string one_line(std::string_view text) {
 }  // namespace
 
 SceneValue parse_toml(std::string_view text, const std::string& name) {
+  refuse_deep_toml(text, name);
   try {
     return convert(toml::parse(text, name), std::make_shared<const std::string>(name));
   } catch (const toml::parse_error& error) {

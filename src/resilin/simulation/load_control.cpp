@@ -64,7 +64,8 @@ bool LoadControl::is_finished(const World& world, const State& state) {
 }
 
 int LoadControl::expected_steps(const World& world, const State& state) {
-  const int left = static_cast<int>(std::ceil((1 - state.load) / state.load_increment - 1e-9));
+  const double steps_left = std::ceil((1 - state.load) / state.load_increment - 1e-9);
+  const int left = static_cast<int>(std::clamp(steps_left, 0.0, 1e9));
   return world.follows_path ? std::min(state.step + left, world.max_steps) : state.step + left;
 }
 

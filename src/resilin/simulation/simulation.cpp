@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
 
 namespace resilin {
 
@@ -74,9 +75,12 @@ StepReport Simulation::step_to_next_mode(const NewtonObserver& observer) {
 int Simulation::expected_steps() const {
   if (world_.modes && (!world_.modes->is_loaded || state_.load >= 1))
     return state_.step + world_.modes->count - state_.mode;
-  if (world_.adaptive && world_.is_dynamic)
-    return state_.step + static_cast<int>(std::ceil((world_.end_time - state_.time) / state_.time_step));
-  if (world_.is_dynamic) return static_cast<int>(std::ceil(world_.end_time / world_.time_step - 1e-9));
+  if (world_.is_dynamic) {
+    const double left = world_.end_time - state_.time;
+    const double length = world_.adaptive ? state_.time_step : world_.time_step;
+    // No more than fit the counter; equal steps end less than a step behind the end.
+    return state_.step + static_cast<int>(std::clamp(std::ceil(left / length - 1e-9), 0.0, 1e9));
+  }
   return LoadControl::expected_steps(world_, state_);
 }
 
@@ -88,7 +92,10 @@ StepReport Simulation::step(const NewtonObserver& observer) {
   StepReport report = time_stepper_ ? time_stepper_->step(world_, newton_, state_, gradient, observer)
                       : shows_mode  ? step_to_next_mode(observer)
                                     : load_control_->step(world_, newton_, state_, observer);
-  if (state_.step > step_before) measure(time_stepper_ ? &gradient : nullptr);
+  if (state_.step > step_before) {
+    measure(time_stepper_ ? &gradient : nullptr);
+    if (report.status == StepReport::Status::not_converged) note_failure(report.reason);
+  }
   timing_.assembly += report.newton.assembly_seconds;
   timing_.solve += report.newton.solve_seconds;
   timing_.steps += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -106,13 +113,19 @@ StepReport Simulation::step(const NewtonObserver& observer) {
   return report;
 }
 
-void Simulation::resume_from(const State& state, const std::string& place) {
-  if (state.positions.size() != state_.positions.size() ||
-      state.velocities.size() != state_.velocities.size()) {
-    throw InputError(place, "a checkpoint with " + std::to_string(state_.positions.size()) + " unknowns",
-                     std::to_string(state.positions.size()),
-                     "the scene was changed: run again without --resume");
-  }
+void Simulation::note_failure(const std::string& reason) {
+  if (failed_steps_.count++ > 0) return;
+  failed_steps_.first_step = state_.step;
+  failed_steps_.first_time = state_.time;
+  failed_steps_.first_reason = reason;
+}
+
+void Simulation::resume_from(const State& state, const std::string& place, const FailedSteps& failed) {
+  check_state(state, state_.positions.size(), place);
+  const int most_modes = world_.modes ? world_.modes->count : 0;
+  if (state.mode > most_modes)
+    throw InputError(place, "a mode from 0 to " + std::to_string(most_modes), std::to_string(state.mode),
+                     "run again without --resume");
   state_ = state;
   if (time_stepper_) time_stepper_->prepare(world_, state_);
   if (state_.mode > 0) {
@@ -122,6 +135,12 @@ void Simulation::resume_from(const State& state, const std::string& place) {
       throw InputError(place, "modes of this scene", report.reason);
   }
   measure(nullptr);
+  if (!std::isfinite(frame_.total_energy()))
+    throw InputError(
+        place, "a state of finite energy",
+        format_number(frame_.total_energy()) + " J: a cell is inside out, or a vertex is inside a collider",
+        "run again without --resume");
+  failed_steps_ = failed;
 }
 
 }  // namespace resilin

@@ -53,12 +53,17 @@ class Simulation {
   /// From 0 to 1, for progress.
   double share_done() const;
 
-  /// Goes on from a saved state. Throws InputError naming `place` when it does not fit this world.
-  void resume_from(const State& state, const std::string& place);
+  /// Those since the start, and those that `resume_from` was told of.
+  const FailedSteps& failed_steps() const { return failed_steps_; }
+
+  /// Goes on from a saved state, after steps of which `failed` had not converged. Throws InputError naming
+  /// `place` when the state does not fit this world; whether it is of the same scene the caller knows.
+  void resume_from(const State& state, const std::string& place, const FailedSteps& failed = {});
 
  private:
   StepReport step_to_next_mode(const NewtonObserver& observer);
   void measure(const VectorX* step_gradient);
+  void note_failure(const std::string& reason);
 
   World world_;
   std::optional<TimeStepper> time_stepper_;  ///< in motion
@@ -68,6 +73,7 @@ class Simulation {
   State state_;
   Frame frame_;
   Timing timing_;
+  FailedSteps failed_steps_;
 };
 
 }  // namespace resilin

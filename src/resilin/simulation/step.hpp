@@ -43,4 +43,12 @@ void choose_lower_start(Objective& objective, std::span<const std::uint8_t> is_f
 /// Why a search ended, with the place of the largest residual and the cells that are all but flat.
 std::string describe_failure(const World& world, const NewtonReport& report, const VectorX& positions);
 
+/// Steps of a run that did not converge and were gone on from, those before a restart included.
+struct FailedSteps {
+  int count = 0;
+  int first_step = 0;
+  double first_time = 0;     ///< at its end [s]
+  std::string first_reason;  ///< in words
+};
+
 }  // namespace resilin

@@ -186,8 +186,11 @@ StepReport TimeStepper::step(const World& world, Newton& newton, State& state, V
   if (found.report.status == StepReport::Status::interrupted) return found.report;
   found.report.time_step = dt;
   gradient = std::move(found.gradient);
+  // Multiples of the step carry no sum of rounding errors. A run that went on with steps of another length is
+  // not on them.
+  const bool is_on_grid = state.time == state.step * dt;
   move_to(state, std::move(found.end), dt, found.collider_delay);
-  state.time = state.step * dt;
+  state.time = is_on_grid ? state.step * dt : state.time + dt;
   return found.report;
 }
 

@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "resilin/core/error.hpp"
+#include "resilin/core/output_file.hpp"
 
 namespace resilin {
 namespace {
@@ -89,7 +90,7 @@ void Recorder::keep(std::uint32_t end) {
   } catch (const InputError&) {
     begin();  // not a recording, or not of this scene
   } catch (const std::filesystem::filesystem_error& error) {
-    throw FileError(path_.string(), "cannot be written: " + error.code().message());
+    throw FileError(path_.string(), "cannot be written: " + reason_of_failed_write(error.code().value()));
   }
 }
 
@@ -110,10 +111,9 @@ void Recorder::record(std::uint32_t number, const State& state) {
 }
 
 void Recorder::append(std::string_view bytes) {
-  std::ofstream stream(path_, std::ios::binary | std::ios::app);
-  stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  stream.close();
-  if (!stream) throw FileError(path_.string(), "cannot be written; is the disk full?");
+  OutputFile file(path_, OutputFile::Mode::append);
+  file.stream().write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  file.close();
 }
 
 Recording parse_recording(std::string_view bytes, const std::string& place) {

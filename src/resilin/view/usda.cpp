@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "resilin/core/error.hpp"
+#include "resilin/core/output_file.hpp"
 
 namespace resilin {
 namespace {
@@ -98,23 +99,19 @@ void UsdaWriter::keep(std::size_t count) {
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(path_, error);
   num_frames_ = error ? 0 : std::min<std::size_t>(count, size / frame_size());
-  if (error) {
-    const std::ofstream empty(path_, std::ios::binary | std::ios::trunc);
-    error.clear();
-  }
+  if (error) OutputFile(path_, OutputFile::Mode::truncate).close();
   std::filesystem::resize_file(path_, num_frames_ * frame_size(), error);
-  if (error) throw FileError(path_.string(), "cannot be written: " + error.message());
+  if (error) throw FileError(path_.string(), "cannot be written: " + reason_of_failed_write(error.value()));
 }
 
 void UsdaWriter::record(const VectorX& positions, double time) {
   std::vector<float> points(surface_.rest_positions().size());
   surface_.positions(positions, points);
-  std::ofstream stream(path_, std::ios::binary | std::ios::app);
-  stream.write(reinterpret_cast<const char*>(&time), sizeof(double));
-  stream.write(reinterpret_cast<const char*>(points.data()),
-               static_cast<std::streamsize>(points.size() * sizeof(float)));
-  stream.close();
-  if (!stream) throw FileError(path_.string(), "cannot be written; is the disk full?");
+  OutputFile file(path_, OutputFile::Mode::append);
+  file.stream().write(reinterpret_cast<const char*>(&time), sizeof(double));
+  file.stream().write(reinterpret_cast<const char*>(points.data()),
+                      static_cast<std::streamsize>(points.size() * sizeof(float)));
+  file.close();
   ++num_frames_;
 }
 

@@ -1,7 +1,9 @@
 #include "resilin/world/description_check.hpp"
 
 #include <cmath>
+#include <utility>
 
+#include "resilin/core/text.hpp"
 #include "resilin/integrator/integrator.hpp"
 #include "resilin/linear/linear_solver.hpp"
 
@@ -17,21 +19,58 @@ void require_at_least_one(int value, const std::string& place) {
   if (value < 1) throw InputError(place, "a whole number >= 1", std::to_string(value));
 }
 
+/// Squares and inverse squares of times, times stiffnesses and masses, stay numbers within these [s].
+constexpr double shortest_time = 1e-30, longest_time = 1e30;
+constexpr double most_steps = 1e9;  ///< a counter holds them, whatever is added
+/// Of the end time: a shorter step is lost when the time is added to it.
+constexpr double finest_step = 1e-15;
+
+void require_time(double value, const std::string& place) {
+  require_positive(value, place);
+  if (value >= shortest_time && value <= longest_time) return;
+  throw InputError(place,
+                   "from " + format_number(shortest_time) + " to " + format_number(longest_time) + " s",
+                   format_number(value));
+}
+
+void check_times(const Description& d, const std::string& place) {
+  require_time(d.time_step, place + "time_step");
+  require_time(d.end_time, place + "end_time");
+  if (!d.is_dynamic) return;
+  if (d.time_step > d.end_time) {
+    throw InputError(place + "time_step", "at most simulation.end_time, " + format_number(d.end_time) + " s",
+                     format_number(d.time_step), "shorten the step or set a later end");
+  }
+  if (d.end_time / d.time_step > most_steps) {
+    throw InputError(place + "time_step", "at most " + format_number(most_steps) + " steps until the end",
+                     format_short(d.end_time / d.time_step) + " of " + format_number(d.time_step) +
+                         " s until " + format_number(d.end_time) + " s");
+  }
+  if (!d.adaptive) return;
+  require_positive(d.adaptive->tolerance, place + "adaptive.tolerance");
+  const double finest = finest_step * d.end_time;
+  for (const auto& [step, name] : {std::pair{d.adaptive->min_step, "adaptive.min_step"},
+                                   std::pair{d.adaptive->max_step, "adaptive.max_step"}}) {
+    if (!step) continue;
+    require_positive(*step, place + name);
+    if (*step < finest) {
+      throw InputError(place + name,
+                       "at least " + format_short(finest) + " s, which still moves the time on at the end",
+                       format_number(*step));
+    }
+  }
+}
+
 void check_simulation(const Description& d, const std::string& place) {
   if (d.dimension != 2 && d.dimension != 3)
     throw InputError(place + "dimension", "2 or 3", std::to_string(d.dimension));
   if (!d.gravity.allFinite()) throw InputError(place + "gravity", "finite numbers", "inf or nan");
-  require_positive(d.time_step, place + "time_step");
-  require_positive(d.end_time, place + "end_time");
+  check_times(d, place);
   require_at_least_one(d.load_steps, place + "load_steps");
   require_at_least_one(d.max_steps, place + "max_steps");
   require_known(d.load_control, place + "load_control");
   require_known(d.unstable_modes, place + "unstable_modes");
   make_integrator(d.integrator, place + "integrator");
-  if (!d.adaptive) return;
-  require_positive(d.adaptive->tolerance, place + "adaptive.tolerance");
-  if (d.adaptive->min_step) require_positive(*d.adaptive->min_step, place + "adaptive.min_step");
-  if (d.adaptive->max_step) require_positive(*d.adaptive->max_step, place + "adaptive.max_step");
 }
 
 void check_numerics(const Description& d) {

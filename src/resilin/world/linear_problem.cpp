@@ -16,9 +16,9 @@ double most_negative_eigenvalue(const Matrix<3>& H) {
   const auto p = [=](double s) { return ((s - a) * s + b) * s - c; };
   const auto slope = [=](double s) { return (3 * s - 2 * a) * s + b; };
   const double discriminant = a * a - 3 * b, hump = (a - std::sqrt(std::max(discriminant, 0.0))) / 3;
-  const double round_off = 1e-14 * size * size * size;
-  if (std::abs(p(hump)) <= round_off) return std::min(hump, 0.0);  // a double root
-  const double inwards = p(hump) < 0 ? -1 : 1;                     // one real root is left, beyond the hump
+  const double negligible = 1e-14 * size * size * size;
+  if (std::abs(p(hump)) <= negligible) return std::min(hump, 0.0);  // a double root
+  const double inwards = p(hump) < 0 ? -1 : 1;                      // one real root is left, beyond the hump
   double s = -inwards * size;
   for (int i = 0; i < 100; ++i) {
     const double next = s - p(s) / slope(s);

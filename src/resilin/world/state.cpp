@@ -1,38 +1,92 @@
 #include "resilin/world/state.hpp"
 
 #include <bit>
+#include <cmath>
 #include <cstring>
 
 #include "resilin/core/error.hpp"
+#include "resilin/core/hash.hpp"
+#include "resilin/core/text.hpp"
 
 namespace resilin {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "images are little-endian");
 
-constexpr std::string_view magic = "resilin state 5\n";
+constexpr std::string_view magic = "resilin state 6\n";
+constexpr int largest_step = 1000000000;           ///< so that the counter never overflows in what follows
+constexpr double smallest_load_increment = 1e-10;  ///< far below what load control ever tries
 
-template <class T>
-void put(std::string& image, const T& value) {
-  image.append(reinterpret_cast<const char*>(&value), sizeof(T));
+enum class Sign { any, not_negative };
+enum class Size { full, full_or_empty };
+
+/// Every member of a state once, in the order of its image, with what it may be.
+template <class AnyState, class Visitor>
+void visit_members(AnyState& state, Visitor&& visitor) {
+  visitor.count("step", state.step);
+  visitor.count("mode", state.mode);
+  visitor.number("time", state.time, Sign::not_negative);
+  visitor.number("load", state.load, Sign::any);
+  visitor.vector("positions", state.positions, Size::full);
+  visitor.vector("velocities", state.velocities, Size::full);
+  visitor.number("load_increment", state.load_increment, Sign::not_negative);
+  visitor.number("previous_load", state.previous_load, Sign::any);
+  visitor.vector("previous_positions", state.previous_positions, Size::full);
+  visitor.number("arc_length", state.arc_length, Sign::not_negative);
+  visitor.number("load_weight", state.load_weight, Sign::not_negative);
+  visitor.vector("accelerations", state.accelerations, Size::full_or_empty);
+  visitor.vector("previous_velocities", state.previous_velocities, Size::full_or_empty);
+  visitor.number("previous_time_step", state.previous_time_step, Sign::not_negative);
+  visitor.number("time_step", state.time_step, Sign::not_negative);
+  visitor.number("collider_delay", state.collider_delay, Sign::not_negative);
 }
 
-void put(std::string& image, const VectorX& values) {
-  put(image, static_cast<std::int64_t>(values.size()));
-  image.append(reinterpret_cast<const char*>(values.data()),
-               static_cast<std::size_t>(values.size()) * sizeof(double));
-}
+struct Writer {
+  std::string& image;
 
-/// FNV-1a, enough to notice a damaged file.
-std::uint64_t checksum(std::string_view bytes) {
-  std::uint64_t hash = 14695981039346656037ULL;
-  for (const char byte : bytes) hash = (hash ^ static_cast<unsigned char>(byte)) * 1099511628211ULL;
-  return hash;
-}
+  template <class T>
+  void put(const T& value) {
+    image.append(reinterpret_cast<const char*>(&value), sizeof(T));
+  }
+  void count(const char*, int value) { put(static_cast<std::int64_t>(value)); }
+  void number(const char*, double value, Sign) { put(value); }
+  void vector(const char*, const VectorX& values, Size) {
+    put(static_cast<std::int64_t>(values.size()));
+    image.append(reinterpret_cast<const char*>(values.data()),
+                 static_cast<std::size_t>(values.size()) * sizeof(double));
+  }
+};
 
+/// Takes no size that the image gives on trust.
 class Reader {
  public:
   Reader(std::string_view image, const std::string& place) : rest_(image), place_(place) {}
+
+  void count(const char* name, int& value) {
+    const auto number = get<std::int64_t>();
+    if (number < 0 || number > largest_step) {
+      throw InputError(place_, std::string(name) + " from 0 to " + std::to_string(largest_step),
+                       std::to_string(number), "run again without --resume");
+    }
+    value = static_cast<int>(number);
+  }
+  void number(const char*, double& value, Sign) { value = get<double>(); }
+  void vector(const char*, VectorX& values, Size) {
+    const auto size = get<std::int64_t>();
+    if (size < 0 || static_cast<std::uint64_t>(size) > rest_.size() / sizeof(double)) fail("a truncated one");
+    values.resize(size);
+    if (size == 0) return;
+    const std::size_t bytes = static_cast<std::size_t>(size) * sizeof(double);
+    std::memcpy(values.data(), take(bytes).data(), bytes);
+  }
+  void end() const {
+    if (!rest_.empty()) fail("one with more behind its end");
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& got) const {
+    throw InputError(place_, "a complete checkpoint", got, "run again without --resume");
+  }
 
   template <class T>
   T get() {
@@ -41,24 +95,8 @@ class Reader {
     return value;
   }
 
-  VectorX get_vector() {
-    const auto size = get<std::int64_t>();
-    if (size < 0 || static_cast<std::uint64_t>(size) > rest_.size() / sizeof(double)) fail();
-    VectorX values(size);
-    if (size > 0) {
-      const std::size_t bytes = static_cast<std::size_t>(size) * sizeof(double);
-      std::memcpy(values.data(), take(bytes).data(), bytes);
-    }
-    return values;
-  }
-
- private:
-  [[noreturn]] void fail() const {
-    throw InputError(place_, "a complete checkpoint", "a truncated one", "run again without --resume");
-  }
-
   std::string_view take(std::size_t size) {
-    if (size > rest_.size()) fail();
+    if (size > rest_.size()) fail("a truncated one");
     const std::string_view taken = rest_.substr(0, size);
     rest_.remove_prefix(size);
     return taken;
@@ -68,57 +106,68 @@ class Reader {
   const std::string& place_;
 };
 
+struct Checker {
+  Eigen::Index num_unknowns;
+  const std::string& place;
+
+  [[noreturn]] void fail(const char* name, const std::string& expected, const std::string& got) const {
+    throw InputError(place, "a checkpoint with " + std::string(name) + " " + expected, got,
+                     "run again without --resume");
+  }
+  void count(const char* name, int value) const {
+    if (value < 0 || value > largest_step)
+      fail(name, "from 0 to " + std::to_string(largest_step), std::to_string(value));
+  }
+  void number(const char* name, double value, Sign sign) const {
+    if (!std::isfinite(value)) fail(name, "finite", format_number(value));
+    if (sign == Sign::not_negative && value < 0) fail(name, ">= 0", format_number(value));
+  }
+  void vector(const char* name, const VectorX& values, Size size) const {
+    if (size == Size::full_or_empty && values.size() == 0) return;
+    if (values.size() != num_unknowns) {
+      fail(name, "of " + std::to_string(num_unknowns) + " unknowns",
+           std::to_string(values.size()) + ", as of another mesh");
+    }
+    if (!values.allFinite()) fail(name, "finite", "inf or nan");
+  }
+};
+
 }  // namespace
 
 std::string serialize(const State& state) {
   std::string image(magic);
-  put(image, static_cast<std::int64_t>(state.step));
-  put(image, static_cast<std::int64_t>(state.mode));
-  put(image, state.time);
-  put(image, state.load);
-  put(image, state.positions);
-  put(image, state.velocities);
-  put(image, state.load_increment);
-  put(image, state.previous_load);
-  put(image, state.previous_positions);
-  put(image, state.arc_length);
-  put(image, state.load_weight);
-  put(image, state.accelerations);
-  put(image, state.previous_velocities);
-  put(image, state.previous_time_step);
-  put(image, state.time_step);
-  put(image, state.collider_delay);
-  put(image, checksum(image));
+  Writer writer{image};
+  visit_members(state, writer);
+  writer.put(hash_of(image));
   return image;
 }
 
 State deserialize_state(std::string_view image, const std::string& place) {
-  if (image.substr(0, magic.size()) != magic) {
+  if (image.substr(0, magic.size()) != magic)
     throw InputError(place, "a checkpoint of this version", "something else", "run again without --resume");
+  std::uint64_t sum = 0;
+  const std::size_t end = image.size() - magic.size() < sizeof(sum) ? 0 : image.size() - sizeof(sum);
+  if (end > 0) std::memcpy(&sum, image.data() + end, sizeof(sum));
+  if (end == 0 || sum != hash_of(image.substr(0, end))) {
+    throw InputError(place, "a checkpoint as it was written", "a truncated or damaged one",
+                     "run again without --resume");
   }
-  Reader reader(image.substr(magic.size()), place);
+  Reader reader(image.substr(magic.size(), end - magic.size()), place);
   State state;
-  state.step = static_cast<int>(reader.get<std::int64_t>());
-  state.mode = static_cast<int>(reader.get<std::int64_t>());
-  state.time = reader.get<double>();
-  state.load = reader.get<double>();
-  state.positions = reader.get_vector();
-  state.velocities = reader.get_vector();
-  state.load_increment = reader.get<double>();
-  state.previous_load = reader.get<double>();
-  state.previous_positions = reader.get_vector();
-  state.arc_length = reader.get<double>();
-  state.load_weight = reader.get<double>();
-  state.accelerations = reader.get_vector();
-  state.previous_velocities = reader.get_vector();
-  state.previous_time_step = reader.get<double>();
-  state.time_step = reader.get<double>();
-  state.collider_delay = reader.get<double>();
-  const auto sum = reader.get<std::uint64_t>();
-  if (sum != checksum(image.substr(0, image.size() - sizeof(sum)))) {
-    throw InputError(place, "a checkpoint as it was written", "a damaged one", "run again without --resume");
-  }
+  visit_members(state, reader);
+  reader.end();
   return state;
+}
+
+void check_state(const State& state, Eigen::Index num_unknowns, const std::string& place) {
+  const Checker checker{num_unknowns, place};
+  visit_members(state, checker);
+  if (state.previous_time_step > 0 && state.previous_velocities.size() == 0)
+    checker.fail("previous_velocities", "after a step of " + format_number(state.previous_time_step) + " s",
+                 "none");
+  if (!(state.load_increment >= smallest_load_increment && state.load_increment <= 1))
+    checker.fail("load_increment", "from " + format_number(smallest_load_increment) + " to 1",
+                 format_number(state.load_increment));
 }
 
 }  // namespace resilin

@@ -7,7 +7,8 @@
 
 namespace resilin {
 
-/// Everything that a step reads and changes. Equal states give equal steps, bit by bit.
+/// Everything that a step reads and changes. Equal states give equal steps, bit by bit. A new member gets a
+/// line in `visit_members` (state.cpp).
 struct State {
   int step = 0;
   int mode = 0;        ///< of free vibrations: which one is shown, from 1; 0: none yet
@@ -37,5 +38,10 @@ std::string serialize(const State& state);
 
 /// The state of an image. Throws InputError naming `place` when it is damaged or of another version.
 State deserialize_state(std::string_view image, const std::string& place);
+
+/// Throws InputError naming `place` and the member unless a step can begin at the state: its vectors have
+/// `num_unknowns` entries (or none, where that has a meaning), all numbers are finite, times and counters are
+/// not negative.
+void check_state(const State& state, Eigen::Index num_unknowns, const std::string& place);
 
 }  // namespace resilin

@@ -303,6 +303,7 @@ World::World(const Description& description)
       solver(description.solver),
       output(description.output) {
   Builder(description, *this).build();
+  fingerprint = fingerprint_of(description);
 }
 
 std::vector<std::string> names_of_terms(const World& world, EnergyCategory category) {

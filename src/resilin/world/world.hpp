@@ -8,6 +8,7 @@
 #include "resilin/energy/elastic.hpp"
 #include "resilin/energy/mass.hpp"
 #include "resilin/world/description.hpp"
+#include "resilin/world/fingerprint.hpp"
 #include "resilin/world/section.hpp"
 #include "resilin/world/skin.hpp"
 #include "resilin/world/support.hpp"
@@ -77,6 +78,7 @@ class World {
   NewtonOptions newton;
   SolverOptions solver;
   OutputOptions output;
+  Fingerprint fingerprint;  ///< of the description; a caller's own terms are not in it
 
   VectorX rest_positions;    ///< [m], dim numbers per node, body after body
   VectorX start_positions;   ///< [m]

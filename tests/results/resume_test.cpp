@@ -1,0 +1,129 @@
+// Runs that are broken off and gone on with: the same bits, the same verdict, the same files.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "resilin/integrator/integrator.hpp"
+#include "resilin/results/results.hpp"
+#include "resilin/results/run.hpp"
+#include "resilin/results/saved_report.hpp"
+#include "small_scenes.hpp"
+#include "temporary_folder.hpp"
+
+namespace resilin::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// Runs `steps` steps (0: to the end) into a folder, from its checkpoint where there is one.
+RunOutcome run_into(const std::filesystem::path& folder, const Description& scene, int steps,
+                    Resume resume = Resume::same_scene) {
+  Simulation simulation(scene);
+  ResultFolder results(folder);
+  results.resume(simulation, resume);
+  results.record(simulation, false);
+  const RunOutcome outcome = run_to_end(simulation, {.after_step =
+                                                         [&](const StepReport&) {
+                                                           if (simulation.is_finished())
+                                                             return results.record(simulation, true);
+                                                           results.record(simulation, false);
+                                                         },
+                                                     .max_steps = steps});
+  results.record(simulation, true);
+  results.finish(simulation, outcome.status, outcome.reason);
+  return outcome;
+}
+
+/// Steps that are cut short now and then.
+Description failing_scene(const std::string& integrator) {
+  Description scene = small_bar(2, true);
+  scene.integrator = integrator;
+  scene.newton.max_iterations = 1;
+  scene.bodies[0].velocity = {0, 3, 0};
+  scene.output.every = 3;
+  return scene;
+}
+
+TEST(ResumedRun, RemembersTheStepsThatHadFailed) {
+  std::mt19937 random(4);
+  for (const std::string& integrator : integrator_names()) {
+    SCOPED_TRACE(integrator);
+    const TemporaryFolder folder;
+    const Description scene = failing_scene(integrator);
+    const RunOutcome whole = run_into(folder / "whole", scene, 0);
+    ASSERT_EQ(whole.status, RunStatus::not_converged);
+    RunOutcome last;
+    do {
+      last = run_into(folder / "parts", scene, 1 + static_cast<int>(random() % 4));
+    } while (last.status == RunStatus::budget);
+    EXPECT_EQ(last.status, whole.status);
+    EXPECT_EQ(last.reason, whole.reason);
+    EXPECT_EQ(read_report(folder / "parts" / "report.json").frames,
+              read_report(folder / "whole" / "report.json").frames);
+    EXPECT_EQ(folder.read("parts/checkpoint.bin"), folder.read("whole/checkpoint.bin"));
+  }
+}
+
+TEST(ResumedRun, ThatHadEndedSaysSoAndKeepsItsVerdict) {
+  for (const bool is_dynamic : {false, true}) {
+    const TemporaryFolder folder;
+    const Description scene = small_bar(3, is_dynamic);
+    const RunOutcome first = run_into(folder / "out", scene, 0);
+    const std::string checkpoint = folder.read("out/checkpoint.bin");
+    const RunOutcome again = run_into(folder / "out", scene, 0);
+    EXPECT_EQ(again.status, first.status);
+    EXPECT_THAT(again.reason, HasSubstr("the run had ended before, nothing was left to do"));
+    EXPECT_EQ(folder.read("out/checkpoint.bin"), checkpoint);
+  }
+}
+
+TEST(ResumedRun, GoesOnToALaterEndWithoutBeingAskedTwice) {
+  const TemporaryFolder folder;
+  Description scene = small_bar(2, true);
+  scene.end_time = 0.3;
+  run_into(folder / "whole", scene, 0);
+  scene.end_time = 0.1;
+  run_into(folder / "longer", scene, 0);
+  scene.end_time = 0.3;
+  EXPECT_EQ(run_into(folder / "longer", scene, 0).status, RunStatus::done);
+  EXPECT_EQ(folder.read("longer/checkpoint.bin"), folder.read("whole/checkpoint.bin"));
+}
+
+/// The clock goes on where it stood, whatever the steps are from there on.
+TEST(ResumedRun, WithOtherStepsGoesOnFromTheTimeThatItHadReached) {
+  for (const double factor : {0.25, 0.7, 3.0}) {
+    const TemporaryFolder folder;
+    Description scene = small_bar(2, true);
+    scene.end_time = 1;
+    run_into(folder / "out", scene, 4);
+    const double reached = 4 * scene.time_step;
+    scene.time_step *= factor;
+    run_into(folder / "out", scene, 2, Resume::anyway);
+    EXPECT_EQ(run_into(folder / "out", scene, 1).status, RunStatus::budget);  // of the same scene by now
+    const SavedReport report = read_report(folder / "out" / "report.json");
+    ASSERT_EQ(report.frames.size(), 8u);
+    for (int step = 5; step <= 7; ++step) {
+      const double time = report.frames[static_cast<std::size_t>(step)]["time"];
+      EXPECT_NEAR(time, reached + (step - 4) * scene.time_step, 1e-15);
+    }
+  }
+}
+
+TEST(ResultFolder, SweepsUpWhatAKilledRunHasLeftAndNothingElse) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "frames");
+  const std::vector<std::string> left = {"report.json.partial.4194300.0", "frames/0003.vtu.partial",
+                                         "checkpoint.bin.partial.12.3"};
+  const std::vector<std::string> others = {"notes.partial.txt", "partial", "my.partially.done",
+                                           "frames/a.vtu"};
+  for (const std::string& name : left) folder.write(name, "half");
+  for (const std::string& name : others) folder.write(name, "whole");
+  const ResultFolder results(folder.path());
+  for (const std::string& name : left) EXPECT_FALSE(std::filesystem::exists(folder / name)) << name;
+  for (const std::string& name : others) EXPECT_TRUE(std::filesystem::exists(folder / name)) << name;
+}
+
+}  // namespace
+}  // namespace resilin::testing
