@@ -58,27 +58,39 @@ RESILIN_INLINE void small_strain(const Lanes H[], Lanes out[3]) {
 /// Columns of U and V of F = U diag(s) V^T, as rows of lanes: U_0, U_1, ..., V_0, V_1, ...
 constexpr int frame_rows(int dim) { return 2 * dim * dim; }
 
+/// Of a plane state diag(F_2, 1) that is inverted: e_3 = 0 is its third shifted stretch unless both others
+/// are longer than 1. Then the smallest of the three, which alone is negative, is that across the plane: s_2
+/// and U_2 change their sign, and e_3 = -2.
+RESILIN_INLINE void turn_across_plane(Svd2& m, Lanes& e3) {
+  const Mask is_across = m.s[1] < Lanes(-1.0);
+  for (int i = 0; i < 2; ++i) m.U[1][i] = select(is_across, -m.U[1][i], m.U[1][i]);
+  m.s[1] = select(is_across, -m.s[1], m.s[1]);
+  m.e[1] = select(is_across, m.s[1] - 1.0, m.e[1]);
+  e3 = select(is_across, -2.0, 0.0);
+}
+
 /// The shifted principal stretches. Where the two smallest signed stretches cancel the rotation of F is not
-/// unique: e_3 is no number there (in 2D e_2), and so is all that a law makes of it.
+/// unique: one of them is no number there, and so is all that a law makes of it.
 template <int dim>
 RESILIN_INLINE void stretches(const Lanes H[], Lanes e[3], Lanes frame[]) {
   const auto copy = [](const auto& columns, Lanes* rows) {
     for (int i = 0; i < dim; ++i)
       for (int k = 0; k < dim; ++k) rows[dim * i + k] = columns[i][k];
   };
-  const auto fill = [&](const auto& m) {
+  const auto fill = [&](const auto& m, Lanes least_sum, Lanes largest) {
     for (int i = 0; i < dim; ++i) e[i] = m.e[i];
-    const Mask is_unique = m.s[dim - 2] + m.s[dim - 1] > 1e-15 * m.s[0];
-    e[dim - 1] = select(is_unique, e[dim - 1], __builtin_nan(""));
+    e[dim - 1] = select(least_sum > 1e-15 * largest, e[dim - 1], __builtin_nan(""));
     if (frame == nullptr) return;
     copy(m.U, frame);
     copy(m.V, frame + dim * dim);
   };
   if constexpr (dim == 2) {
-    e[2] = 0.0;
-    fill(svd2(H));
+    Svd2 m = svd2(H);
+    turn_across_plane(m, e[2]);
+    fill(m, m.s[1] + min(m.s[0], 1.0 + e[2]), max(m.s[0], 1.0));
   } else {
-    fill(svd<true>(H));
+    const Svd3 m = svd<true>(H);
+    fill(m, m.s[1] + m.s[2], m.s[0]);
   }
 }
 
