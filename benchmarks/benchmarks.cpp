@@ -1,5 +1,6 @@
 #include "benchmarks.hpp"
 
+#include "damping.hpp"
 #include "kernel_benchmark.hpp"
 #include "latency.hpp"
 #include "live.hpp"
@@ -47,6 +48,10 @@ std::vector<Measurement> bench_cube(const BenchOptions& options) {
   return measure_cube(options.n > 0 ? options.n : 10);
 }
 
+std::vector<Measurement> bench_damping(const BenchOptions& options) {
+  return measure_damping(options.n > 0 ? options.n : 10, options.element);
+}
+
 std::vector<Measurement> bench_seed001(const BenchOptions&) { return measure_seed001(); }
 
 std::vector<Measurement> bench_view(const BenchOptions&) { return measure_view(); }
@@ -81,6 +86,9 @@ const std::vector<Benchmark>& benchmarks() {
       {"bar", "A clamped bar to its full load, --n cells across; --dynamic: 50 steps of falling", bench_bar},
       {"cube", "A cube with one held face falls for a second in 60 steps, --n cells along an edge",
        bench_cube},
+      {"damping",
+       "What material damping costs: that cube with and without it, --n cells along an edge, --element",
+       bench_damping},
       {"seed001", "627 tetrahedra dragged and let go, every step converged; needs RESILIN_SHARED",
        bench_seed001},
       {"view", "Dragging in real time: time of a step, and its distance to the solved step", bench_view},

@@ -70,7 +70,8 @@ int main(int argc, char** argv) {
   app.add_option("--n", command.options.n, "Size of the problem, where it has one")
       ->check(CLI::Range(1, 1000));
   app.add_flag("--dynamic", command.options.dynamic, "Motion instead of statics, where a benchmark has both");
-  app.add_option("--element", command.options.element, "Element of the kernels and the bar: P1, P2 or P2P0");
+  app.add_option("--element", command.options.element,
+                 "Element of the kernels, the bar and the damping: P1, P2 or P2P0");
   app.add_option("--threads", command.threads, "Number of threads; default all cores")
       ->check(CLI::Range(1, 1024));
   app.add_flag("--json", command.json, "Print JSON");

@@ -8,7 +8,6 @@
 #include "resilin/io/mesh_file.hpp"
 #include "resilin/mesh/edit.hpp"
 #include "resilin/mesh/quality.hpp"
-#include "resilin/scene/plausibility.hpp"
 #include "resilin/scene/scene.hpp"
 #include "resilin/world/world.hpp"
 #include "terminal.hpp"
@@ -125,8 +124,7 @@ int check_scene(const CheckOptions& options) {
   const Scene scene = read_scene(options.input, {.overrides = options.overrides});
   const World world(scene.description);
   std::vector<std::string> warnings = scene.warnings;
-  warnings.insert(warnings.end(), world.warnings.begin(), world.warnings.end());
-  for (std::string& oddity : implausible_numbers(scene.description)) warnings.push_back(std::move(oddity));
+  for (std::string& warning : all_warnings(world)) warnings.push_back(std::move(warning));
   print_warnings(warnings);
   print_line(options.input + ": no errors, " + std::to_string(warnings.size()) + " warnings");
   print_scene(scene, world);

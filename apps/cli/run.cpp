@@ -144,7 +144,7 @@ int run(const RunOptions& options) {
   if (!results.previous_holder().empty())
     log_info("the folder was left by " + results.previous_holder() + ", which did not end its run");
   std::vector<std::string> warnings = std::move(scene.warnings);
-  warnings.insert(warnings.end(), simulation.world().warnings.begin(), simulation.world().warnings.end());
+  for (std::string& warning : all_warnings(simulation.world())) warnings.push_back(std::move(warning));
   if (options.resumes()) {
     const Resume rule = options.resume == resume_anyway ? Resume::anyway : Resume::same_scene;
     resume(simulation, results, rule, warnings);
@@ -156,10 +156,13 @@ int run(const RunOptions& options) {
 
   const double setup_seconds = stopwatch.seconds();
   Progress progress(Progress::style_for_stdout(options.quiet), simulation);
-  const RunOutcome outcome = simulate(simulation, results, progress, options.steps);
+  RunOutcome outcome = simulate(simulation, results, progress, options.steps);
   progress.end();
+  for (const std::string& warning : outcome.warnings) log_warning(warning);
+  if (!options.quiet) print_warnings(outcome.warnings);
+  outcome.warnings.insert(outcome.warnings.begin(), warnings.begin(), warnings.end());
   results.record(simulation, true);
-  results.finish(simulation, outcome.status, outcome.reason);
+  results.finish(simulation, outcome);
   log_info(std::string(name(outcome.status)) + ": " + outcome.reason);
   if (!options.quiet) print_end(simulation, results, outcome, setup_seconds, stopwatch.seconds());
   if (outcome.status == RunStatus::done) return done;

@@ -224,9 +224,11 @@ class Simulation:
         try:
             folder = None if out is None else os.fspath(out)
             how = None if not resume else "anyway" if resume == "anyway" else "same"
-            return Result(self._core.run(folder, how, int(steps or 0), line.after_step))
+            result = Result(self._core.run(folder, how, int(steps or 0), line.after_step))
         finally:
             line.end()
+        warn(result.report["warnings"][len(self._core.warnings) :])
+        return result
 
     def set_material(self, body: str, material: Material, density: float | None = None) -> None:
         """Gives a body another material; the motion goes on from the present state.

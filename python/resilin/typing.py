@@ -90,6 +90,7 @@ class EnergyReport(TypedDict):
     external: float
     contact: float
     total: float
+    dissipated: float
 
 
 class MomentumReport(TypedDict):
@@ -183,6 +184,7 @@ class TimingReport(TypedDict):
 class _Report(TypedDict):
     status: RunStatus
     reason: str
+    warnings: list[str]
     title: str
     version: str
     dimension: int

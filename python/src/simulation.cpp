@@ -40,8 +40,7 @@ class RunningSimulation {
       : description_(scene.description), warnings_(scene.warnings) {
     const Stopwatch stopwatch(setup_seconds_);
     simulation_ = std::make_shared<Simulation>(description_);
-    const std::vector<std::string>& more = world().warnings;
-    warnings_.insert(warnings_.end(), more.begin(), more.end());
+    for (std::string& warning : all_warnings(world())) warnings_.push_back(std::move(warning));
   }
 
   const Simulation& simulation() const { return *simulation_; }
@@ -154,17 +153,17 @@ class RunningSimulation {
     };
     record(false);
     double seconds = setup_seconds_;
-    const RunOutcome outcome = timed_run(seconds, {.is_stopped = [&] { return interruptible.is_stopped(); },
-                                                   .after_iteration = {},
-                                                   .after_step =
-                                                       [&](const StepReport&) {
-                                                         record(simulation_->is_finished());
-                                                         if (!after_step.is_none())
-                                                           interruptible.call(after_step);
-                                                       },
-                                                   .max_steps = max_steps});
+    RunOutcome outcome = timed_run(seconds, {.is_stopped = [&] { return interruptible.is_stopped(); },
+                                             .after_iteration = {},
+                                             .after_step =
+                                                 [&](const StepReport&) {
+                                                   record(simulation_->is_finished());
+                                                   if (!after_step.is_none()) interruptible.call(after_step);
+                                                 },
+                                             .max_steps = max_steps});
+    outcome.warnings.insert(outcome.warnings.begin(), warnings_.begin(), warnings_.end());
     record(true);
-    if (folder) folder->finish(*simulation_, outcome.status, outcome.reason);
+    if (folder) folder->finish(*simulation_, outcome);
     history.finish(*simulation_, outcome, seconds, folder ? folder->output_seconds() : 0);
     return history;
   }

@@ -89,6 +89,39 @@ TEST_F(RunCommand, ReportsWhatTheContractNames) {
   EXPECT_NEAR(frame["reaction_moments"]["wall"][1].get<double>(), -2 * 1000 * 9.81, 600);
 }
 
+/// Whatever `check` warns of, `run` warns of too, and the report keeps it.
+TEST_F(RunCommand, WarnsAsCheckDoes) {
+  const std::vector<std::vector<std::string>> oddities = {
+      {"--set", "body.0.scale=5000"},
+      {"--set", "body.0.material.youngs_modulus=1e3"},
+      {"--set", "simulation.gravity=[0, 0, 0]"},
+      {"--set", "probe.0.at=[9, 9, 9]"},
+      {"--set", "simulation.kind=dynamic", "--set", "simulation.time_step=1000", "--set",
+       "simulation.end_time=2000"}};
+  for (const std::vector<std::string>& changes : oddities) {
+    const ProgramResult checked = run_program(folder.path(), with({"check", "box.toml"}, changes));
+    EXPECT_EQ(checked.exit_code, 0);
+    EXPECT_THAT(checked.err, HasSubstr("warning: ")) << changes[1];
+    const ProgramResult result =
+        run_program(folder.path(), with({"run", "box.toml", "--steps", "1"}, changes));
+    EXPECT_EQ(result.err.substr(0, checked.err.size()), checked.err);
+    const nlohmann::json report = read_json(out() / "report.json");
+    ASSERT_FALSE(report["warnings"].empty());
+    EXPECT_EQ("warning: " + report["warnings"][0].get<std::string>() + "\n",
+              checked.err.substr(0, checked.err.find('\n') + 1));
+  }
+}
+
+TEST_F(RunCommand, WarnsOfCellsInsideOutAtTheEnd) {
+  const ProgramResult result =
+      run_program(folder.path(), {"run", "box.toml", "--set", "body.0.material.law=linear_elastic", "--set",
+                                  "simulation.gravity=[9000, 0, -9000]"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.err, HasSubstr("inside out"));
+  EXPECT_THAT(result.out, HasSubstr("inside out"));
+  EXPECT_THAT(read_json(out() / "report.json")["warnings"].dump(), HasSubstr("inside out"));
+}
+
 TEST_F(RunCommand, PrintsNothingWhenQuiet) {
   const ProgramResult result = run_program(folder.path(), {"run", "box.toml", "--quiet"});
   EXPECT_EQ(result.exit_code, 0);

@@ -36,6 +36,21 @@ TEST(BoxTree, FindsTheBoxesAroundAPointAsLookingAtEachDoes) {
   }
 }
 
+TEST(BoxTree, FindsTheBoxesThatMeetAnotherAsLookingAtEachDoes) {
+  for (const int count : {0, 1, 4, 5, 300}) {
+    const std::vector<Box> boxes = sample_boxes(count, 5);
+    const BoxTree tree(boxes);
+    for (const Box& other : sample_boxes(50, 6)) {
+      std::vector<Index> found, expected;
+      tree.visit_meeting(other, [&](Index i) { found.push_back(i); });
+      for (Index i = 0; i < count; ++i)
+        if (boxes[static_cast<std::size_t>(i)].meets(other)) expected.push_back(i);
+      std::ranges::sort(found);
+      EXPECT_EQ(found, expected);
+    }
+  }
+}
+
 TEST(BoxTree, FindsTheNearestBoxAndOfSeveralTheFirst) {
   const std::vector<Box> boxes = sample_boxes(300, 3);
   std::vector<Box> twice = boxes;

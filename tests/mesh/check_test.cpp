@@ -6,7 +6,9 @@
 #include <limits>
 
 #include "resilin/core/error.hpp"
+#include "resilin/mesh/edit.hpp"
 #include "resilin/mesh/generators.hpp"
+#include "resilin/mesh/topology.hpp"
 
 namespace resilin {
 namespace {
@@ -87,6 +89,100 @@ TEST(CheckMesh, RefusesMoreThanTwoCellsAtOneSide) {
   mesh.vertices.emplace_back(2, 2, 2);
   mesh.blocks[0].nodes.insert(mesh.blocks[0].nodes.end(), {1, 2, 3, 5});
   EXPECT_THAT(only_error(check_mesh(mesh, 3)), HasSubstr("elements 0, 1, 2"));
+}
+
+/// Two cells of a kind with a side between them, and the vertices of the second that are not on it.
+struct Neighbours {
+  std::string name;
+  Mesh mesh;
+  std::vector<Index> far;  ///< all at x = 2; the side is at x = 1
+};
+
+std::vector<Neighbours> all_neighbours() {
+  Mesh tetrahedra, triangles;
+  tetrahedra.vertices = {{0, 0.3, 0.3}, {1, 0, 0}, {1, 1, 0}, {1, 0, 1}, {2, 0.3, 0.3}};
+  tetrahedra.blocks = {{CellKind::tetrahedron, {0, 1, 2, 3, 1, 3, 2, 4}}};
+  triangles.vertices = {{0, 0.3, 0}, {1, 0, 0}, {1, 1, 0}, {2, 0.3, 0}};
+  triangles.blocks = {{CellKind::triangle, {0, 1, 2, 1, 3, 2}}};
+  std::vector<Neighbours> all = {{"tetrahedra", tetrahedra, {4}},
+                                 {"triangles", triangles, {3}},
+                                 {"hexahedra", make_hexahedron_box({2, 1, 1}, {2, 1, 1}), {}},
+                                 {"quadrilaterals", make_quadrilateral_rectangle({2, 1}, {2, 1}), {}}};
+  for (Neighbours& pair : all)
+    if (pair.far.empty())
+      for (std::size_t v = 0; v < pair.mesh.vertices.size(); ++v)
+        if (pair.mesh.vertices[v].x() == 2) pair.far.push_back(static_cast<Index>(v));
+  return all;
+}
+
+/// The second cell laid over the first one, in each order of their vertices.
+TEST(CheckMesh, RefusesTwoCellsOnOneSideOfTheirSide) {
+  for (const Neighbours& pair : all_neighbours()) {
+    const int dim =
+        dimension(pair.mesh.find_solid(3) != nullptr ? CellKind::tetrahedron : CellKind::triangle);
+    for (const double x : {-1.0, 0.5, 2.0})
+      for (int turned = 0; turned < 4; ++turned) {
+        Mesh mesh = pair.mesh;
+        for (const Index v : pair.far) mesh.vertices[static_cast<std::size_t>(v)].x() = x;
+        CellBlock& block = mesh.block(mesh.find_solid(dim)->kind);
+        std::vector<Index> nodes;
+        for (Index cell = 0; cell < 2; ++cell) {
+          std::vector<Index> one(block.cell(cell).begin(), block.cell(cell).end());
+          if ((turned >> cell & 1) != 0) turn_around(block.kind, one);
+          nodes.insert(nodes.end(), one.begin(), one.end());
+        }
+        block.nodes = nodes;
+        const MeshReport report = check_mesh(mesh, dim);
+        SCOPED_TRACE(pair.name + " " + std::to_string(x) + " " + std::to_string(turned));
+        if (x == 2) {
+          EXPECT_TRUE(report.errors.empty());
+        } else {
+          EXPECT_THAT(only_error(report), AllOf(HasSubstr("elements 0, 1"), HasSubstr("on the same side")));
+        }
+      }
+  }
+}
+
+TEST(CheckMesh, WarnsOfComponentsThatShareSpace) {
+  for (const double x : {0.3, 0.5, 1.0, 1.5}) {
+    Mesh mesh = make_box({1, 1, 1}, {2, 2, 2});
+    const Mesh other = make_box({1, 1, 1}, {2, 2, 2}, {x, 0.1, 0.2});
+    const auto shift = static_cast<Index>(mesh.vertices.size());
+    mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
+    std::vector<Index>& nodes = mesh.block(CellKind::tetrahedron).nodes;
+    for (const Index node : other.find_solid(3)->nodes) nodes.push_back(node + shift);
+    const MeshReport report = check_mesh(mesh, 3);
+    EXPECT_TRUE(report.errors.empty());
+    std::string all;
+    for (const MeshIssue& issue : report.warnings) all += issue.text() + "\n";
+    EXPECT_EQ(all.find("share space") != std::string::npos, x < 1) << x << "\n" << all;
+  }
+}
+
+TEST(CheckSurface, WarnsWhereItIsOpen) {
+  const Mesh box = make_box({1, 1, 1}, {2, 2, 2});
+  Mesh surface;
+  surface.vertices = box.vertices;
+  surface.blocks = {boundary(*box.find_solid(3)).facets};
+  const auto words_of = [](const Mesh& mesh) {
+    std::string all;
+    for (const MeshIssue& issue : check_surface(mesh).warnings) all += issue.text() + "\n";
+    return all;
+  };
+  EXPECT_THAT(words_of(surface), ::testing::Not(HasSubstr("open")));
+  for (const std::size_t missing : {1U, 2U, 5U}) {
+    Mesh open = surface;
+    open.blocks[0].nodes.resize(open.blocks[0].nodes.size() - 3 * missing);
+    EXPECT_THAT(words_of(open), AllOf(HasSubstr("edge "), HasSubstr("the surface is open there"))) << missing;
+  }
+  // Vertices that are given again for each triangle: closed by places.
+  Mesh soup;
+  soup.blocks = {{CellKind::triangle, {}}};
+  for (const Index node : surface.blocks[0].nodes) {
+    soup.blocks[0].nodes.push_back(static_cast<Index>(soup.vertices.size()));
+    soup.vertices.push_back(surface.vertices[static_cast<std::size_t>(node)]);
+  }
+  EXPECT_THAT(words_of(soup), ::testing::Not(HasSubstr("open")));
 }
 
 TEST(CheckMesh, WarnsOfAHinge) {

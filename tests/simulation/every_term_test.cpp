@@ -71,7 +71,7 @@ void PrintTo(const TermCase& c, std::ostream* out) {
 
 World world_of(const TermCase& c) { return World(crowded_scene(c.dimension, c.element)); }
 
-/// Each term of a scene of linear cells, and the strain energy of every other element.
+/// Each term of a scene of linear cells, and the terms on cells of every other element.
 std::vector<TermCase> all_cases() {
   std::vector<TermCase> cases;
   for (const int dimension : {2, 3}) {
@@ -79,7 +79,8 @@ std::vector<TermCase> all_cases() {
       cases.push_back({dimension, "P1", std::string(term->name())});
   }
   for (const ElementInfo* element : elements())
-    if (element->name != "P1") cases.push_back({element->dim, std::string(element->name), "elastic"});
+    for (const char* term : {"elastic", "viscous damping"})
+      if (element->name != "P1") cases.push_back({element->dim, std::string(element->name), term});
   return cases;
 }
 

@@ -30,6 +30,7 @@ TEST(Skin, IsPlacedWithTheMesh) {
   body.rotate = Rotation{.axis = {1, 2, 3}, .center = {0.5, 0, 0}, .degrees = 50};
   body.translate = {3, 0, -1};
   scene.fixes.clear();
+  scene.probes.clear();
   const World world(scene);
   const Skin& skin = *world.bodies[0].skin;
   EXPECT_EQ(skin.embedding.outside().count, 0);

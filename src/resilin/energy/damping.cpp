@@ -1,148 +1,147 @@
 #include "resilin/energy/damping.hpp"
 
+#include <algorithm>
+#include <array>
+
+#include "resilin/core/parallel.hpp"
+#include "resilin/core/simd.hpp"
+
 namespace resilin {
-namespace {
 
-/// sum_a x_a (x) g_a in the first dim rows and columns; in 2D the rest is zero.
-Matrix<3> gradient_of(int dim, std::span<const Index> nodes, const double* g, const VectorX& x) {
-  Matrix<3> sum = Matrix<3>::Zero();
-  for (std::size_t a = 0; a < nodes.size(); ++a) {
-    const Eigen::Map<const VectorX> slope(g + a * static_cast<std::size_t>(dim), dim);
-    sum.topLeftCorner(dim, dim) += x.segment(Eigen::Index{nodes[a]} * dim, dim) * slope.transpose();
-  }
-  return sum;
+double MassDamping::dissipation(const VectorX& from, const VectorX& to, double duration) const {
+  VectorX force;
+  damping_->multiply(to - from, force);
+  return force.dot(to - from) / duration;
 }
 
-/// Edot = sym(F^T Fdot).
-Matrix<3> strain_rate(const Matrix<3>& F, const Matrix<3>& F_rate) {
-  const Matrix<3> product = F.transpose() * F_rate;
-  return 0.5 * (product + product.transpose());
-}
-
-Matrix<3> viscous_stress(const Viscosity& viscosity, const Matrix<3>& rate) {
-  return 2 * viscosity.eta * rate + viscosity.zeta * rate.trace() * Matrix<3>::Identity();
-}
-
-}  // namespace
-
-ViscousBody::ViscousBody(int dim, const ElementInfo& element, const QuadratureRule& rule,
-                         std::span<const Index> cells, const VectorX& rest_positions,
-                         std::vector<Viscosity> viscosities)
-    : dim_(dim),
-      nodes_per_cell_(static_cast<std::size_t>(element.num_nodes)),
-      points_per_cell_(rule.points.size()),
-      cells_(cells.begin(), cells.end()),
-      viscosities_(std::move(viscosities)) {
-  std::vector<double> positions(nodes_per_cell_ * static_cast<std::size_t>(dim));
-  for (std::size_t begin = 0; begin < cells_.size(); begin += nodes_per_cell_) {
-    for (std::size_t k = 0; k < positions.size(); ++k) {
-      const Index node = cells_[begin + k / static_cast<std::size_t>(dim)];
-      positions[k] = rest_positions[Eigen::Index{node} * dim + static_cast<Eigen::Index>(k) % dim];
+ViscousDamping::ViscousDamping(std::shared_ptr<const ElasticEnergy> body,
+                               std::span<const Viscosity> viscosities)
+    : body_(std::move(body)),
+      kernels_(viscous_kernels(body_->element().dim, body_->element().num_nodes, body_->instruction_set())) {
+  const ElementBlocks& blocks = body_->tiles().blocks;
+  const bool is_uniform = viscosities.size() == 1;
+  stride_ = is_uniform ? 0 : viscosity_rows * block_size;
+  const std::size_t count = is_uniform ? 1 : blocks.num_blocks;
+  rows_.resize(count * viscosity_rows * block_size);
+  for (std::size_t block = 0; block < count; ++block)
+    for (std::size_t lane = 0; lane < block_size; ++lane) {
+      const Index cell = is_uniform ? 0 : std::max(blocks.cells[block * block_size + lane], Index{0});
+      const Viscosity& viscosity = viscosities[static_cast<std::size_t>(cell)];
+      double* rows = rows_.data() + block * (viscosity_rows * block_size) + lane;
+      rows[0] = viscosity.eta;
+      rows[block_size] = viscosity.zeta;
     }
-    for (const QuadraturePoint& point : rule.points) {
-      const PointGeometry geometry = point_geometry(element, point, positions);
-      weights_.push_back(geometry.weight);
-      gradients_.insert(gradients_.end(), geometry.gradients.begin(), geometry.gradients.end());
-    }
-  }
 }
 
-template <class Visit>
-void ViscousBody::for_each_point(const VectorX& at, const Visit& visit) const {
-  const std::size_t stride = nodes_per_cell_ * static_cast<std::size_t>(dim_);
-  for (std::size_t point = 0; point < weights_.size(); ++point) {
-    const std::size_t cell = point / points_per_cell_;
-    const auto nodes = std::span(cells_).subspan(cell * nodes_per_cell_, nodes_per_cell_);
-    const double* g = gradients_.data() + point * stride;
-    visit(nodes, g, gradient_of(dim_, nodes, g, at), weights_[point],
-          viscosities_[viscosities_.size() == 1 ? 0 : cell]);
-  }
+void ViscousDamping::add_forces(const std::vector<double>& shape, const VectorX& v, bool is_magnitude,
+                                VectorX& forces) const {
+  const ElasticTiles& tiles = body_->tiles();
+  const std::vector<double> velocities = tiles.blocks.local_values(v);
+  body_->add_by_owner(
+      [&](const ElasticTiles::Tile& tile, const OwnedNodes& owned, ElasticTiles::Scratch&, double* local) {
+        kernels_.add_forces(tiles.quadrature_tile(tile), {rows_.data(), stride_}, shape.data(),
+                            velocities.data(), is_magnitude, owned, local);
+      },
+      forces);
 }
 
-double ViscousBody::power(const VectorX& at, const VectorX& u, const VectorX& w) const {
-  double sum = 0;
-  for_each_point(
-      at, [&](auto nodes, const double* g, const Matrix<3>& F, double weight, const Viscosity& viscosity) {
-        const Matrix<3> stress = viscous_stress(viscosity, strain_rate(F, gradient_of(dim_, nodes, g, u)));
-        sum += weight * stress.cwiseProduct(strain_rate(F, gradient_of(dim_, nodes, g, w))).sum();
-      });
-  return sum;
+void ViscousDamping::add_cell_matrices(const std::vector<double>& shape, double factor,
+                                       const ElasticTiles::Tile& tile, double* K) const {
+  kernels_.add_matrices(body_->tiles().quadrature_tile(tile), {rows_.data(), stride_}, shape.data(), factor,
+                        K);
 }
 
-// f_a = V F S g_a
-void ViscousBody::add_forces(const VectorX& at, const VectorX& v, bool is_magnitude, VectorX& forces) const {
-  for_each_point(at, [&](auto nodes, const double* g, const Matrix<3>& F, double weight,
-                         const Viscosity& viscosity) {
-    const Matrix<3> FS = F * viscous_stress(viscosity, strain_rate(F, gradient_of(dim_, nodes, g, v)));
-    for (std::size_t a = 0; a < nodes.size(); ++a) {
-      const Eigen::Map<const VectorX> slope(g + a * static_cast<std::size_t>(dim_), dim_);
-      const VectorX force = weight * FS.topLeftCorner(dim_, dim_) * slope;
-      forces.segment(Eigen::Index{nodes[a]} * dim_, dim_) += is_magnitude ? VectorX(force.cwiseAbs()) : force;
-    }
-  });
+void ViscousDamping::add_matrix(const std::vector<double>& shape, double factor, BlockMatrix& matrix) const {
+  const ElementBlocks& blocks = body_->tiles().blocks;
+  const auto size = static_cast<std::size_t>(blocks.num_pairs() * blocks.dim * blocks.dim * block_size);
+  body_->add_blocks_by_owner(
+      shape.data(),
+      [&](const ElasticTiles::Tile& tile, ElasticTiles::Scratch& scratch) {
+        std::fill_n(scratch.K, tile.num_blocks * size, 0.0);
+        add_cell_matrices(shape, factor, tile, scratch.K);
+      },
+      matrix);
 }
 
-// K_ab = V (eta ((g_a.g_b) F F^T + (F g_b) (F g_a)^T) + zeta (F g_a) (F g_b)^T)
-void ViscousBody::add_matrix(const VectorX& at, double factor, BlockMatrix& matrix) const {
-  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor, 3, 3>;
-  for_each_point(
-      at, [&](auto nodes, const double* g, const Matrix<3>& F3, double weight, const Viscosity& viscosity) {
-        const RowMajor F = F3.topLeftCorner(dim_, dim_);
-        const RowMajor B = F * F.transpose();
-        const auto slope = [&](std::size_t a) {
-          return Eigen::Map<const VectorX>(g + a * static_cast<std::size_t>(dim_), dim_);
-        };
-        for (std::size_t a = 0; a < nodes.size(); ++a) {
-          const VectorX Fa = F * slope(a);
-          for (std::size_t b = a; b < nodes.size(); ++b) {
-            const VectorX Fb = F * slope(b);
-            const RowMajor block = factor * weight *
-                                   (viscosity.eta * (slope(a).dot(slope(b)) * B + Fb * Fa.transpose()) +
-                                    viscosity.zeta * Fa * Fb.transpose());
-            matrix.add_block(nodes[a], nodes[b], block.data());
-          }
-        }
-      });
+// At even speed v, with D in the middle of the way: duration v^T D v. For the slopes of a scheme of second
+// order that is the work of its damping forces to that order; of the midpoint rule and of backward Euler the
+// work itself where D is constant.
+double ViscousDamping::dissipation(const VectorX& from, const VectorX& to, double duration) const {
+  VectorX force = VectorX::Zero(to.size());
+  add_forces(body_->tiles().blocks.local_displacements(0.5 * (from + to)), to - from, false, force);
+  return force.dot(to - from) / duration;
 }
 
 namespace {
 
-class StageDamping final : public Energy {
+/// The forces D (x - x_0) / c are linear in x, and all that is asked about x follows from them. They are kept
+/// for the last two places, between which a search compares.
+class StageDamping final : public Energy, public CellMatrices {
  public:
-  StageDamping(const ViscousBody& body, const Stage& stage)
-      : body_(body), at_(stage.shape), base_positions_(stage.base_positions), duration_(stage.duration) {}
+  StageDamping(const ViscousDamping& damping, std::vector<double> shape, const Stage& stage)
+      : damping_(damping),
+        shape_(std::move(shape)),
+        base_positions_(stage.base_positions),
+        duration_(stage.duration) {}
 
-  std::string_view name() const override { return "viscous damping"; }
-  EnergyProperties properties() const override {
-    return {.category = EnergyCategory::damping, .is_quadratic = true};
-  }
+  std::string_view name() const override { return damping_.name(); }
+  EnergyProperties properties() const override { return damping_.properties(); }
   double value(const VectorX& x, const Conditions&) const override {
-    const VectorX u = x - base_positions_;
-    return 0.5 / duration_ * body_.power(at_, u, u);
+    return 0.5 * forces_at(x).dot(x - base_positions_);
   }
+  // E(b) - E(a) = (b - a) . (D (a - x_0) + D (b - x_0)) / (2 c)
   double difference(const VectorX& from, const VectorX& to, const Conditions&) const override {
-    return 0.5 / duration_ * body_.power(at_, to - from, (to - base_positions_) + (from - base_positions_));
+    const VectorX& before = forces_at(from);  // stays for the next line, which takes the other place
+    const VectorX& after = forces_at(to);
+    return 0.5 * (before + after).dot(to - from);
   }
   void add_gradient(const VectorX& x, const Conditions&, VectorX& gradient) const override {
-    body_.add_forces(at_, (x - base_positions_) / duration_, false, gradient);
+    gradient += forces_at(x);
   }
   void add_gradient_magnitude(const VectorX& x, const Conditions&, VectorX& magnitude) const override {
-    body_.add_forces(at_, (x - base_positions_) / duration_, true, magnitude);
+    damping_.add_forces(shape_, (x - base_positions_) / duration_, true, magnitude);
   }
   void add_hessian(const VectorX&, const Conditions&, Projection, BlockMatrix& hessian) const override {
-    body_.add_matrix(at_, 1 / duration_, hessian);
+    damping_.add_matrix(shape_, 1 / duration_, hessian);
+  }
+  const CellMatrices* cell_matrices() const override { return this; }
+  const ElasticEnergy& body() const override { return damping_.body(); }
+  void add_to(const ElasticTiles::Tile& tile, double* K) const override {
+    damping_.add_cell_matrices(shape_, 1 / duration_, tile, K);
   }
 
  private:
-  const ViscousBody& body_;
-  VectorX at_, base_positions_;
+  struct Place {
+    VectorX x, forces;
+  };
+
+  const VectorX& forces_at(const VectorX& x) const {
+    for (const std::size_t i : {newest_, 1 - newest_})
+      if (places_[i].x.size() == x.size() && places_[i].x == x) {
+        newest_ = i;
+        return places_[i].forces;
+      }
+    newest_ = 1 - newest_;
+    Place& place = places_[newest_];
+    place.x = x;
+    place.forces.setZero(x.size());
+    if (x != base_positions_)  // where many a step starts
+      damping_.add_forces(shape_, (x - base_positions_) / duration_, false, place.forces);
+    return place.forces;
+  }
+
+  const ViscousDamping& damping_;
+  std::vector<double> shape_;
+  VectorX base_positions_;
   double duration_;
+  mutable std::array<Place, 2> places_{};
+  mutable std::size_t newest_ = 0;
 };
 
 }  // namespace
 
 std::unique_ptr<Energy> ViscousDamping::in_motion(const Stage& stage) const {
-  return std::make_unique<StageDamping>(body_, stage);
+  return std::make_unique<StageDamping>(*this, body_->tiles().blocks.local_displacements(stage.shape), stage);
 }
 
 }  // namespace resilin

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
-#include "resilin/element/element.hpp"
+#include "resilin/energy/elastic.hpp"
 #include "resilin/energy/inertia.hpp"
+#include "resilin/energy/kernels/viscous_kernels.hpp"
 
 namespace resilin {
 
@@ -13,35 +15,6 @@ namespace resilin {
 struct Viscosity {
   double eta = 0;   ///< [Pa s]
   double zeta = 0;  ///< [Pa s]
-};
-
-/// The cells of a body that resist their rate of strain.
-class ViscousBody {
- public:
-  /// @param cells        nodes in the world, those of one cell after another
-  /// @param viscosities  once, or one for each cell
-  ViscousBody(int dim, const ElementInfo& element, const QuadratureRule& rule, std::span<const Index> cells,
-              const VectorX& rest_positions, std::vector<Viscosity> viscosities);
-
-  /// u^T D w [W], D = sum_q V B^T C B the damping matrix at the shape `at`.
-  double power(const VectorX& at, const VectorX& u, const VectorX& w) const;
-  /// Adds D v [N], or the sum over the points of |their parts|.
-  void add_forces(const VectorX& at, const VectorX& v, bool is_magnitude, VectorX& forces) const;
-  /// Adds factor D.
-  void add_matrix(const VectorX& at, double factor, BlockMatrix& matrix) const;
-
- private:
-  /// Calls `visit(nodes, gradients, F, weight, viscosity)` for every point.
-  template <class Visit>
-  void for_each_point(const VectorX& at, const Visit& visit) const;
-
-  int dim_;
-  std::size_t nodes_per_cell_;
-  std::size_t points_per_cell_;
-  std::vector<Index> cells_;
-  std::vector<double> weights_;    ///< [cell][point]
-  std::vector<double> gradients_;  ///< [cell][point][node][dim]
-  std::vector<Viscosity> viscosities_;
 };
 
 /// Damping in proportion to mass: a force -D v with D = alpha M. In a stage with v = (x - x_0) / c it is the
@@ -55,6 +28,7 @@ class MassDamping final : public MotionTerm {
   EnergyProperties properties() const override {
     return {.category = EnergyCategory::damping, .is_quadratic = true};
   }
+  double dissipation(const VectorX& from, const VectorX& to, double duration) const override;
 
  private:
   std::unique_ptr<Energy> in_motion(const Stage& stage) const override {
@@ -67,24 +41,41 @@ class MassDamping final : public MotionTerm {
 
 /// Resistance of a body to its rate of strain. In a stage with v = (x - x_0) / c it is
 ///
-///   E(x) = c/2 v^T D v   with the slope   D v,
+///   E(x) = c/2 v^T D v   with the slope   D v,   D = sum_q V B^T C B,
 ///
 /// D taken at the shape that is expected of the stage (docs/theory/damping.md): symmetric and positive
 /// semidefinite.
 class ViscousDamping final : public MotionTerm {
  public:
-  explicit ViscousDamping(ViscousBody body) : body_(std::move(body)) {}
+  /// @param body         bound to its pattern; its cells, its quadrature and its places in the matrix serve
+  /// here too
+  /// @param viscosities  once, or one for each cell of the body
+  ViscousDamping(std::shared_ptr<const ElasticEnergy> body, std::span<const Viscosity> viscosities);
 
   std::string_view name() const override { return "viscous damping"; }
   EnergyProperties properties() const override {
     return {.category = EnergyCategory::damping, .is_quadratic = true};
   }
-  const ViscousBody& body() const { return body_; }
+  double dissipation(const VectorX& from, const VectorX& to, double duration) const override;
+
+  /// Adds D v [N] at a shape, or the sum over the cells of |their parts|.
+  /// @param shape  displacements by local node (ElementBlocks::local_displacements) [m]
+  void add_forces(const std::vector<double>& shape, const VectorX& v, bool is_magnitude,
+                  VectorX& forces) const;
+  /// Adds factor D.
+  void add_matrix(const std::vector<double>& shape, double factor, BlockMatrix& matrix) const;
+  /// Adds factor D of the cells of a tile, see CellMatrices.
+  void add_cell_matrices(const std::vector<double>& shape, double factor, const ElasticTiles::Tile& tile,
+                         double* K) const;
+  const ElasticEnergy& body() const { return *body_; }
 
  private:
   std::unique_ptr<Energy> in_motion(const Stage& stage) const override;
 
-  ViscousBody body_;
+  std::shared_ptr<const ElasticEnergy> body_;
+  const ViscousKernels& kernels_;
+  std::vector<double> rows_;  ///< [block][eta, zeta][lane], or one set
+  std::size_t stride_ = 0;    ///< of ViscosityRows
 };
 
 }  // namespace resilin

@@ -168,23 +168,28 @@ std::shared_ptr<const std::vector<OwnerPart>> ElasticEnergy::parts() const {
   return std::make_shared<std::vector<OwnerPart>>(split_by_owner(tiles_.blocks, num_threads()));
 }
 
-void ElasticEnergy::add_forces(const VectorX& x, bool is_magnitude, VectorX& forces) const {
+void ElasticEnergy::add_by_owner(const AddForces& add, VectorX& forces) const {
   const ElementBlocks& blocks = tiles_.blocks;
-  const std::vector<double> u = blocks.local_displacements(x);
-  std::vector<double> local(u.size(), 0.0);
+  std::vector<double> local(blocks.world_nodes.size() * blocks.stride(), 0.0);
   const auto shares = parts();
   parallel_tasks(shares->size(), [&](std::size_t p) {
     const OwnerPart& share = (*shares)[p];
     ElasticTiles::Scratch scratch(tiles_);
-    for_tiles(tiles_, share.blocks.data(), share.blocks.size(), [&](const ElasticTiles::Tile& tile) {
-      tiles_.add_forces(tile, u.data(), is_magnitude, share.owned, scratch, local.data());
-    });
+    for_tiles(tiles_, share.blocks.data(), share.blocks.size(),
+              [&](const ElasticTiles::Tile& tile) { add(tile, share.owned, scratch, local.data()); });
     for (auto node = static_cast<std::size_t>(share.owned.begin);
          node < static_cast<std::size_t>(share.owned.end); ++node)
       for (int i = 0; i < blocks.dim; ++i)
         forces[Eigen::Index{blocks.dim} * blocks.world_nodes[node] + i] +=
             local[node * blocks.stride() + static_cast<std::size_t>(i)];
   });
+}
+
+void ElasticEnergy::add_forces(const VectorX& x, bool is_magnitude, VectorX& forces) const {
+  const std::vector<double> u = tiles_.blocks.local_displacements(x);
+  add_by_owner([&](const ElasticTiles::Tile& tile, const OwnedNodes& owned, ElasticTiles::Scratch& scratch,
+                   double* local) { tiles_.add_forces(tile, u.data(), is_magnitude, owned, scratch, local); },
+               forces);
 }
 
 void ElasticEnergy::add_gradient(const VectorX& x, const Conditions&, VectorX& gradient) const {
@@ -227,27 +232,39 @@ void ElasticEnergy::bind(const BlockPattern& pattern) {
 
 void ElasticEnergy::add_hessian(const VectorX& x, const Conditions&, Projection projection,
                                 BlockMatrix& hessian) const {
-  add_hessian_to(x, projection, nullptr, hessian);
+  add_hessian_to(x, projection, nullptr, {}, hessian);
 }
 
 void ElasticEnergy::add_hessian_at(const VectorX& internal, const VectorX& x, const Conditions&,
-                                   Projection projection, BlockMatrix& hessian) const {
-  add_hessian_to(x, projection, internal.size() > 0 ? internal.data() : nullptr, hessian);
+                                   Projection projection, BlockMatrix& hessian,
+                                   std::span<const CellMatrices* const> along) const {
+  add_hessian_to(x, projection, internal.size() > 0 ? internal.data() : nullptr, along, hessian);
 }
 
-void ElasticEnergy::add_hessian_to(const VectorX& x, Projection projection, const double* pressures,
-                                   BlockMatrix& hessian) const {
-  const std::vector<double> u = tiles_.blocks.local_displacements(x);
+void ElasticEnergy::add_blocks_by_owner(const double* displacements, const FillBlocks& fill,
+                                        BlockMatrix& matrix) const {
   const auto shares = parts();
   parallel_tasks(shares->size(), [&](std::size_t p) {
     const OwnerPart& share = (*shares)[p];
     ElasticTiles::Scratch scratch(tiles_);
     for_tiles(tiles_, share.blocks.data(), share.blocks.size(), [&](const ElasticTiles::Tile& tile) {
-      tiles_.prefetch(tile, u.data(), slots_.data(), hessian.values.data());
-      tiles_.hessians(tile, u.data(), projection, pressures, scratch);
-      tiles_.scatter(tile, slots_.data(), share.owned, scratch, hessian.values.data());
+      tiles_.prefetch(tile, displacements, slots_.data(), matrix.values.data());
+      fill(tile, scratch);
+      tiles_.scatter(tile, slots_.data(), share.owned, scratch, matrix.values.data());
     });
   });
+}
+
+void ElasticEnergy::add_hessian_to(const VectorX& x, Projection projection, const double* pressures,
+                                   std::span<const CellMatrices* const> along, BlockMatrix& hessian) const {
+  const std::vector<double> u = tiles_.blocks.local_displacements(x);
+  add_blocks_by_owner(
+      u.data(),
+      [&](const ElasticTiles::Tile& tile, ElasticTiles::Scratch& scratch) {
+        tiles_.hessians(tile, u.data(), projection, pressures, scratch);
+        for (const CellMatrices* more : along) more->add_to(tile, scratch.K);
+      },
+      hessian);
 }
 
 void ElasticEnergy::evaluate_hessians(const VectorX& x, Projection projection) const {

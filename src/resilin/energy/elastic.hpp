@@ -22,6 +22,17 @@ struct FibreDirections {
   std::size_t num_families = 0;
 };
 
+class ElasticEnergy;
+
+/// Matrices of the cells of an elastic body, of a term that leaves it to the body to add them to the Hessian.
+class CellMatrices {
+ public:
+  virtual ~CellMatrices() = default;
+  virtual const ElasticEnergy& body() const = 0;
+  /// Adds them to upper blocks [tile block][pair][dim * dim][lane] whose rows sum to zero, as theirs do.
+  virtual void add_to(const ElasticTiles::Tile& tile, double* K) const = 0;
+};
+
 /// Strain energy of a body: E(x) = sum_cells V Psi(F(x)).
 class ElasticEnergy final : public Energy {
  public:
@@ -57,7 +68,8 @@ class ElasticEnergy final : public Energy {
   Eigen::Index num_internal_values() const override;
   VectorX predicted_internal_values(const VectorX& x, const VectorX& p, double t) const override;
   void add_hessian_at(const VectorX& internal, const VectorX& x, const Conditions& c, Projection projection,
-                      BlockMatrix& hessian) const override;
+                      BlockMatrix& hessian, std::span<const CellMatrices* const> along = {}) const override;
+  bool takes(const CellMatrices& matrices) const override { return &matrices.body() == this; }
 
   /// For laws that need J > 0: the largest t in (0, 1] such that no cell loses more than nine tenths of its
   /// volume at a quadrature point along x + t p; J > 0 at x + t p is checked there in the arithmetic of
@@ -98,6 +110,18 @@ class ElasticEnergy final : public Energy {
   /// The cell whose nodes carry the largest |residual|, summed; -1 for a body without cells.
   Index worst_cell(const VectorX& residual) const;
 
+  // For other terms on the same cells: their loops over tiles, in parallel, each node and each block of the
+  // matrix summed in an order that does not depend on the number of threads.
+  const ElasticTiles& tiles() const { return tiles_; }
+  /// Adds what `add` puts at the owned nodes, local numbers with the stride of the kernels.
+  using AddForces = std::function<void(const ElasticTiles::Tile&, const OwnedNodes&, ElasticTiles::Scratch&,
+                                       double* local)>;
+  void add_by_owner(const AddForces& add, VectorX& forces) const;
+  /// Adds the element matrices that `fill` writes into scratch.K. `displacements` will be read for it, by
+  /// local node.
+  using FillBlocks = std::function<void(const ElasticTiles::Tile&, ElasticTiles::Scratch&)>;
+  void add_blocks_by_owner(const double* displacements, const FillBlocks& fill, BlockMatrix& matrix) const;
+
   /// Computes all element Hessians into a buffer that is thrown away (to measure the kernels).
   void evaluate_hessians(const VectorX& x, Projection projection) const;
 
@@ -113,7 +137,7 @@ class ElasticEnergy final : public Energy {
   double energy_sum(const double* displacements, const double* displacements_from) const;
   void add_forces(const VectorX& x, bool is_magnitude, VectorX& forces) const;
   void add_hessian_to(const VectorX& x, Projection projection, const double* pressures,
-                      BlockMatrix& hessian) const;
+                      std::span<const CellMatrices* const> along, BlockMatrix& hessian) const;
   bool turns_a_cell_inside_out(const VectorX& from, const VectorX& to) const;
   VectorX mean_pressures(const VectorX& x, const VectorX* p, double t) const;
   /// The parts for the present number of threads, from `parts_` when they were made for it.

@@ -35,6 +35,9 @@ class ElasticTiles {
   std::size_t num_entries(const Tile& tile) const { return tile.num_blocks * blocks.num_points; }
   bool has_mean_volume() const { return has_mean_volume_; }
 
+  /// For kernels of other terms; that of linear simplices has their one point and no reference gradients.
+  QuadratureTile quadrature_tile(const Tile& tile) const;
+
   /// H by rows, [entry][dim * dim][lane], into scratch.H.
   void gradients(const Tile& tile, const double* u, Scratch& scratch, double* H) const;
   /// J of each entry along H + t G: [entry][4][lane].
@@ -76,7 +79,6 @@ class ElasticTiles {
 
   LawForm law_form() const { return {law->kind, law->uses_second_invariant}; }
   ElementTile simplex_tile(const Tile& tile) const;
-  QuadratureTile quadrature_tile(const Tile& tile) const;
   StateTile state_tile(const Tile& tile, Scratch& scratch) const;
   void measure(const Tile& tile, const double* u, bool keeps_frames, Scratch& scratch) const;
   void call_law(void (*kernel)(const LawBatch&), const Tile& tile, const double* variables, bool is_per_entry,

@@ -3,6 +3,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -49,6 +50,9 @@ struct EnergyParameter {
   double value = 0;  ///< in the unit of the scene file
 };
 
+/// Matrices of the cells of a body, for its own loop over them to add (energy/elastic.hpp).
+class CellMatrices;
+
 /// One term of the sum that is minimised over the positions: E(x) in joules.
 ///
 /// Positions are one number per unknown, node by node (`dim * node + component`) [m]. Terms of a world are
@@ -91,10 +95,18 @@ class Energy {
   virtual VectorX predicted_internal_values(const VectorX& /*x*/, const VectorX& /*p*/, double /*t*/) const {
     return {};
   }
+  /// `along`: what the term takes along, see `takes`.
   virtual void add_hessian_at(const VectorX& /*internal*/, const VectorX& x, const Conditions& c,
-                              Projection projection, BlockMatrix& hessian) const {
+                              Projection projection, BlockMatrix& hessian,
+                              std::span<const CellMatrices* const> /*along*/ = {}) const {
     add_hessian(x, c, projection, hessian);
   }
+
+  /// A term whose Hessian is a sum of matrices of a body's cells may hand these out, so that another term,
+  /// which goes through the same cells, takes them along and each block of the Hessian is visited once. Its
+  /// own `add_hessian` is then not asked for.
+  virtual const CellMatrices* cell_matrices() const { return nullptr; }
+  virtual bool takes(const CellMatrices& /*matrices*/) const { return false; }
 
   /// The largest step t in (0, 1] such that x + t p stays inside the domain with a margin.
   virtual double max_step(const VectorX& /*x*/, const VectorX& /*p*/, const Conditions& /*c*/) const {
@@ -124,6 +136,12 @@ class Energy {
 
   /// Directions in which it holds nodes that stand at x, so that no rigid motion is free.
   virtual void add_held_directions(const VectorX& /*x*/, std::vector<HeldDirection>& /*held*/) const {}
+
+  /// What the term turns into heat while bodies go from one shape to another at even speed [J], never
+  /// negative: zero for terms that do not damp.
+  virtual double dissipation(const VectorX& /*from*/, const VectorX& /*to*/, double /*duration*/) const {
+    return 0;
+  }
 
   // ---- derivatives by the term's own numbers
 

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <limits>
-#include <span>
 
 #include "resilin/core/text.hpp"
 #include "resilin/live/live_contents.hpp"
+#include "resilin/simulation/oddities.hpp"
 
 namespace resilin {
 
@@ -26,13 +26,7 @@ void LiveScene::Contents::measure(const NewtonReport& newton_report) {
     report.elastic_energy += body.elastic->value(state.positions, {});
     const double ratio = body.elastic->min_volume_ratio(state.positions).ratio;
     report.min_volume_ratio = std::min(report.min_volume_ratio, ratio);
-    if (ratio > 0) continue;
-    const std::vector<double> ratios = body.elastic->volume_ratios(state.positions);
-    const auto width = static_cast<std::size_t>(body.elastic->num_points());
-    for (std::size_t first = 0; first < ratios.size(); first += width) {
-      const auto points = std::span(ratios).subspan(first, width);
-      if (std::ranges::any_of(points, [](double J) { return !(J > 0); })) ++report.inverted_cells;
-    }
+    if (!(ratio > 0)) report.inverted_cells += inverted_cells(body, state.positions).count;
   }
   report.words = words();
 }

@@ -21,6 +21,9 @@ struct Box {
   bool contains(const Vector3& point) const {
     return (point.array() >= min.array()).all() && (point.array() <= max.array()).all();
   }
+  bool meets(const Box& other) const {
+    return (other.max.array() >= min.array()).all() && (other.min.array() <= max.array()).all();
+  }
   double squared_distance(const Vector3& point) const {
     return (min - point).cwiseMax(point - max).cwiseMax(0.0).squaredNorm();
   }
@@ -36,15 +39,27 @@ class BoxTree {
   /// Calls `visit(i)` for each box that contains the point.
   template <class Visit>
   void visit_containing(const Vector3& point, const Visit& visit) const {
+    visit_where([&](const Box& box) { return box.contains(point); }, visit);
+  }
+
+  /// Calls `visit(i)` for each box that shares a point with another one.
+  template <class Visit>
+  void visit_meeting(const Box& other, const Visit& visit) const {
+    visit_where([&](const Box& box) { return box.meets(other); }, visit);
+  }
+
+  /// Calls `visit(i)` for each box that is wanted; a box that is not holds none that are.
+  template <class IsWanted, class Visit>
+  void visit_where(const IsWanted& is_wanted, const Visit& visit) const {
     std::array<Index, max_depth> stack;
     std::size_t size = 0;
     if (!nodes_.empty()) stack[size++] = 0;
     while (size > 0) {
       const Node& node = nodes_[static_cast<std::size_t>(stack[--size])];
-      if (!node.box.contains(point)) continue;
+      if (!is_wanted(node.box)) continue;
       if (node.is_leaf()) {
         for (auto i = static_cast<std::size_t>(node.first); i < static_cast<std::size_t>(node.last); ++i)
-          if (boxes_[i].contains(point)) visit(items_[i]);
+          if (is_wanted(boxes_[i])) visit(items_[i]);
       } else {
         stack[size++] = node.left;
         stack[size++] = node.left + 1;

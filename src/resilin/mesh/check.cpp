@@ -7,6 +7,7 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/mesh/overlap.hpp"
 #include "resilin/mesh/quality.hpp"
 #include "resilin/mesh/topology.hpp"
 
@@ -117,6 +118,16 @@ class Examiner {
       error(cells(crowded[i]), "share one side" + more(crowded.size(), i) +
                                    ": only two cells fit there, so some of them overlap; remove the surplus");
     }
+    check_sides(block);
+  }
+
+  void check_sides(const CellBlock& block) {
+    const auto pairs = cells_on_one_side(mesh_, block);
+    for (std::size_t i = 0; i < std::min(pairs.size(), most_issues_of_a_kind); ++i) {
+      error(cells(pairs[i]),
+            "lie on the same side of the side that they share" + more(pairs.size(), i) +
+                ": they overlap, and their mass would count twice; remove one or move its vertices");
+    }
   }
 
   void check_vertices(const CellBlock& block) {
@@ -150,12 +161,27 @@ class Examiner {
       warning("component " + std::to_string(c + 1),
               "not connected to the rest (" + cells(members) + "): it needs its own supports in statics");
     }
+    for (const ComponentOverlap& found :
+         overlapping_components(mesh_, block, components, most_issues_of_a_kind)) {
+      warning(cells(found.cells),
+              "share space, though components " + std::to_string(found.components[0] + 1) + " and " +
+                  std::to_string(found.components[1] + 1) + " are not connected: nothing keeps them apart");
+    }
     const Components by_sides = facet_components(block);
     if (by_sides.count > components.count) {
       warning({}, "parts are joined only at a single vertex or edge (" + std::to_string(by_sides.count) +
                       " parts, " + std::to_string(components.count) + " component" +
                       (components.count == 1 ? "" : "s") + "): such a hinge may swing freely");
     }
+  }
+
+  void check_closed(const CellBlock& block) {
+    const auto edges = open_edges(mesh_, block);
+    if (edges.empty()) return;
+    const std::string more_edges =
+        edges.size() > 1 ? " (and " + std::to_string(edges.size() - 1) + " more such)" : "";
+    warning("edge " + edge_text(edges[0][0], edges[0][1]),
+            "of one triangle only" + more_edges + ": the surface is open there and encloses no volume");
   }
 
   void check_surface_edges(const CellBlock& block) {
@@ -309,6 +335,7 @@ MeshReport check_surface(const Mesh& mesh, const Numbering& numbering) {
   examiner.check_areas(*block);
   examiner.check_duplicate_cells(*block, false);
   examiner.check_surface_edges(*block);
+  examiner.check_closed(*block);
   examiner.check_vertices(*block);
   return std::move(examiner.report);
 }

@@ -37,12 +37,13 @@ std::string fold_text(const Mesh& mesh, const CellBlock& block, const FoldedCell
 /// Errors: no cells of the dimension, cells of several kinds or of one that cannot be simulated, nodes that
 /// do not exist or are missing in the middle of edges, coordinates that are not finite (or leave the plane in
 /// 2D), flat cells, cells that are turned inside out somewhere, cells given twice, more than two cells at one
-/// side. Warnings: inverted cells (to be mended by `reorient`), vertices of no cell, vertices at
-/// the same place, several components, joints at a single vertex or edge.
+/// side or two on the same side of it. Warnings: inverted cells (to be mended by `reorient`), vertices of no
+/// cell, vertices at the same place, several components, such that share space, joints at a single vertex or
+/// edge.
 MeshReport check_mesh(const Mesh& mesh, int dimension, const Numbering& numbering = {});
 
 /// Examines a surface of triangles (skin, collision surface). Errors as above; flat triangles, edges of more
-/// than two triangles, duplicates and unused vertices are warnings.
+/// than two triangles or of one alone, duplicates and unused vertices are warnings.
 MeshReport check_surface(const Mesh& mesh, const Numbering& numbering = {});
 
 }  // namespace resilin

@@ -218,6 +218,53 @@ std::vector<std::array<Index, 2>> nonmanifold_edges(const CellBlock& triangles) 
   return result;
 }
 
+std::vector<std::array<Index, 2>> open_edges(const Mesh& mesh, const CellBlock& triangles) {
+  std::vector<Index> first(mesh.vertices.size());
+  std::iota(first.begin(), first.end(), 0);
+  for (const auto& [one, other] : duplicate_vertices(mesh)) first[static_cast<std::size_t>(other)] = one;
+  CellBlock joined = triangles;
+  for (Index& node : joined.nodes) node = first[static_cast<std::size_t>(node)];
+  std::vector<std::array<Index, 2>> result;
+  visit_facets(joined, [&](std::span<const Facet> uses) {
+    const auto nodes = facet_corners(joined, uses[0]);
+    if (uses.size() == 1 && nodes[0] != nodes[1])
+      result.push_back({std::min(nodes[0], nodes[1]), std::max(nodes[0], nodes[1])});
+  });
+  std::sort(result.begin(), result.end());
+  return result;
+}
+
+namespace {
+
+/// Whether the corners of a side, seen from outside its cell, go round in one sense or in the other.
+bool sense_from_outside(const CellBlock& block, const Facet& facet, bool is_inverted) {
+  const std::array<Index, 4> corners = facet_corners(block, facet);
+  const auto count = static_cast<std::size_t>(std::ranges::find(corners, -1) - corners.begin());
+  std::size_t least = 0;
+  for (std::size_t i = 1; i < count; ++i)
+    if (corners[i] < corners[least]) least = i;
+  const bool is_rising =
+      count == 2 ? least == 0 : corners[(least + 1) % count] < corners[(least + count - 1) % count];
+  return is_rising != is_inverted;
+}
+
+}  // namespace
+
+// Cells with a side between them see its corners go round in opposite senses.
+std::vector<std::array<Index, 2>> cells_on_one_side(const Mesh& mesh, const CellBlock& block) {
+  const std::vector<double> volumes = signed_volumes(mesh, block);
+  const auto sense = [&](const Facet& facet) {
+    return sense_from_outside(block, facet, volumes[static_cast<std::size_t>(facet.cell)] < 0);
+  };
+  std::vector<std::array<Index, 2>> result;
+  visit_facets(block, [&](std::span<const Facet> uses) {
+    if (uses.size() == 2 && sense(uses[0]) == sense(uses[1]))
+      result.push_back({std::min(uses[0].cell, uses[1].cell), std::max(uses[0].cell, uses[1].cell)});
+  });
+  std::sort(result.begin(), result.end());
+  return result;
+}
+
 std::vector<double> smallest_dihedral_angles(const Mesh& mesh, const CellBlock& tetrahedra) {
   return per_cell(tetrahedra, [&](Index cell) {
     const auto nodes = tetrahedra.cell(cell);

@@ -46,6 +46,14 @@ std::vector<std::pair<Index, Index>> duplicate_vertices(const Mesh& mesh);
 /// Edges that three or more triangles share, smaller vertex first.
 std::vector<std::array<Index, 2>> nonmanifold_edges(const CellBlock& triangles);
 
+/// Edges that one triangle alone has, smaller vertex first, sorted: where the surface is open. Vertices at
+/// the same place count as one.
+std::vector<std::array<Index, 2>> open_edges(const Mesh& mesh, const CellBlock& triangles);
+
+/// Pairs of cells that lie on the same side of a side that they share, and so overlap; smaller cell first,
+/// sorted. Cells have volumes, of either sign.
+std::vector<std::array<Index, 2>> cells_on_one_side(const Mesh& mesh, const CellBlock& block);
+
 /// The smallest of the six angles between the sides of each tetrahedron [degrees]; about 70.5 when it is
 /// regular, near 0 for slivers.
 std::vector<double> smallest_dihedral_angles(const Mesh& mesh, const CellBlock& tetrahedra);

@@ -72,11 +72,9 @@ Json frame_json(const Frame& frame, int dimension) {
   json["min_volume_ratio"] = frame.min_volume_ratio;
   json["worst_cell"] = frame.worst_cell;
   json["worst_body"] = frame.worst_body;
-  json["energy"] = {{"elastic", frame.elastic_energy},
-                    {"kinetic", frame.kinetic_energy},
-                    {"external", frame.external_energy},
-                    {"contact", frame.contact_energy},
-                    {"total", frame.total_energy()}};
+  json["energy"] = {{"elastic", frame.elastic_energy},   {"kinetic", frame.kinetic_energy},
+                    {"external", frame.external_energy}, {"contact", frame.contact_energy},
+                    {"total", frame.total_energy()},     {"dissipated", frame.dissipated_energy}};
   json["momentum"]["linear"] = vector_json(frame.linear_momentum, dimension);
   json["momentum"]["angular"] = moment_json(frame.angular_momentum, dimension);
   json["probes"] = Json::object();
@@ -145,6 +143,7 @@ Json report_json(const World& world, Json frames, const RunSummary& summary) {
   Json report;
   report["status"] = name(summary.outcome.status);
   report["reason"] = summary.outcome.reason;
+  report["warnings"] = summary.outcome.warnings;
   report["title"] = world.title;
   report["version"] = version();
   report["dimension"] = world.dimension;

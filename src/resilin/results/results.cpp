@@ -107,8 +107,8 @@ struct ResultFolder::Contents {
     }
   }
 
-  RunSummary summary(const Simulation& simulation, RunStatus status, const std::string& reason) const {
-    return {.outcome = {status, reason},
+  RunSummary summary(const Simulation& simulation, const RunOutcome& outcome) const {
+    return {.outcome = outcome,
             .solver = std::string(simulation.solver_name()),
             .failed_steps = simulation.failed_steps(),
             .timing = simulation.timing(),
@@ -195,7 +195,7 @@ void ResultFolder::record(const Simulation& simulation, bool is_last) {
   if (Clock::now() >= contents_->next_save) {
     contents_->save(
         simulation.world(), simulation.state(),
-        contents_->summary(simulation, RunStatus::running, "the run had not ended when this was written"),
+        contents_->summary(simulation, {RunStatus::running, "the run had not ended when this was written"}),
         false);
   }
 }
@@ -218,8 +218,8 @@ void ResultFolder::record(const World& world, const State& state, const Frame& f
   }
 }
 
-void ResultFolder::finish(const Simulation& simulation, RunStatus status, const std::string& reason) {
-  finish(simulation.world(), simulation.state(), contents_->summary(simulation, status, reason));
+void ResultFolder::finish(const Simulation& simulation, const RunOutcome& outcome) {
+  finish(simulation.world(), simulation.state(), contents_->summary(simulation, outcome));
 }
 
 void ResultFolder::finish(const World& world, const State& state, const RunSummary& summary) {

@@ -54,7 +54,7 @@ class ResultFolder {
   void record(const World& world, const State& state, const Frame& frame, bool is_last);
 
   /// Writes report and checkpoint with how the run ended.
-  void finish(const Simulation& simulation, RunStatus status, const std::string& reason);
+  void finish(const Simulation& simulation, const RunOutcome& outcome);
 
   /// The same for a run that has ended already in this state.
   void finish(const World& world, const State& state, const RunSummary& summary);

@@ -2,6 +2,7 @@
 
 #include "resilin/core/log.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/simulation/oddities.hpp"
 
 namespace resilin {
 
@@ -25,6 +26,10 @@ std::string remarks(const Simulation& simulation) {
   if (is_linear(world)) text += "; the problem is linear";
   if (const std::optional<Inversion>& inversion = simulation.frame().inversion)
     text += "; " + describe(world, *inversion);
+  Index inverted = 0;
+  for (const Body& body : world.bodies) inverted += inverted_cells(body, simulation.state().positions).count;
+  if (inverted > 0 && !world.modes)
+    text += "; " + std::to_string(inverted) + (inverted == 1 ? " cell is" : " cells are") + " inside out";
   if (world.follows_path && simulation.state().load < 1)
     text += "; the path ends there because of simulation.max_steps";
   if (const Index count = simulation.frame().unstable_modes.value_or(0); count > 0) {
@@ -47,9 +52,7 @@ RunOutcome verdict(const Simulation& simulation) {
           " s (step " + std::to_string(failed.first_step) + "): " + failed.first_reason};
 }
 
-}  // namespace
-
-RunOutcome run_to_end(Simulation& simulation, const RunHooks& hooks) {
+RunOutcome step_to_end(Simulation& simulation, const RunHooks& hooks) {
   const auto is_stopped = [&hooks] { return hooks.is_stopped && hooks.is_stopped(); };
   const auto stopped = [&]() -> RunOutcome {
     return {RunStatus::budget, "stopped by " + (hooks.stopper ? hooks.stopper() : std::string("the user")) +
@@ -77,6 +80,14 @@ RunOutcome run_to_end(Simulation& simulation, const RunHooks& hooks) {
   }
   RunOutcome outcome = verdict(simulation);
   if (had_ended) outcome.reason += "; the run had ended before, nothing was left to do";
+  return outcome;
+}
+
+}  // namespace
+
+RunOutcome run_to_end(Simulation& simulation, const RunHooks& hooks) {
+  RunOutcome outcome = step_to_end(simulation, hooks);
+  outcome.warnings = oddities(simulation.world(), simulation.state());
   return outcome;
 }
 

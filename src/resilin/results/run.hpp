@@ -18,7 +18,8 @@ struct RunHooks {
 };
 
 /// Steps until the end, the limit, a stop or, in statics, a load that has no equilibrium. Steps that failed
-/// before a restart count in the verdict.
+/// before a restart count in the verdict. The outcome warns of what is odd about the state that was reached
+/// (simulation/oddities.hpp).
 RunOutcome run_to_end(Simulation& simulation, const RunHooks& hooks);
 
 /// "t = 0.5 s (step 50)" or "load factor 1 (step 3)".

@@ -2,6 +2,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "resilin/simulation/simulation.hpp"
 
@@ -20,6 +21,7 @@ std::string_view name(RunStatus status);
 struct RunOutcome {
   RunStatus status = RunStatus::done;
   std::string reason;
+  std::vector<std::string> warnings{};  ///< what is odd about it, one line each
 };
 
 /// What the report says about a whole run.

@@ -14,6 +14,7 @@ Frame measure_frame(const World& world, const State& state, const VectorX* step_
   frame.step = state.step;
   frame.time = state.time;
   frame.load = state.load;
+  frame.dissipated_energy = state.dissipated_energy;
 
   VectorX momentum;
   world.mass->multiply(state.velocities, momentum);

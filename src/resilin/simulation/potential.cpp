@@ -20,6 +20,14 @@ Potential::Potential(std::span<const std::shared_ptr<const Energy>> terms,
     terms_.push_back(own ? own.get() : term.get());
     if (own) own_.push_back(std::move(own));
   }
+  along_.resize(terms_.size());
+  for (const Energy* term : terms_) {
+    const CellMatrices* matrices = term->cell_matrices();
+    const auto taker = std::ranges::find_if(
+        terms_, [matrices](const Energy* other) { return matrices != nullptr && other->takes(*matrices); });
+    is_taken_.push_back(taker != terms_.end());
+    if (is_taken_.back()) along_[static_cast<std::size_t>(taker - terms_.begin())].push_back(matrices);
+  }
 }
 
 void Potential::prepare(const VectorX& x, const VectorX& p) {
@@ -49,7 +57,8 @@ void Potential::gradient_magnitude(const VectorX& x, VectorX& magnitude) const {
 }
 
 void Potential::hessian(const VectorX& x, Projection projection, BlockMatrix& hessian) const {
-  for (const Energy* term : terms_) term->add_hessian(x, conditions_, projection, hessian);
+  for (std::size_t i = 0; i < terms_.size(); ++i)
+    if (!is_taken_[i]) terms_[i]->add_hessian_at({}, x, conditions_, projection, hessian, along_[i]);
 }
 
 namespace {
@@ -77,9 +86,11 @@ VectorX Potential::predicted_internal_values(const VectorX& x, const VectorX& p,
 void Potential::hessian_at(const VectorX& internal, const VectorX& x, Projection projection,
                            BlockMatrix& hessian) const {
   Eigen::Index first = 0;
-  for (const Energy* term : terms_) {
-    const Eigen::Index count = term->num_internal_values();
-    term->add_hessian_at(internal.segment(first, count), x, conditions_, projection, hessian);
+  for (std::size_t i = 0; i < terms_.size(); ++i) {
+    const Eigen::Index count = terms_[i]->num_internal_values();
+    if (!is_taken_[i])
+      terms_[i]->add_hessian_at(internal.segment(first, count), x, conditions_, projection, hessian,
+                                along_[i]);
     first += count;
   }
 }

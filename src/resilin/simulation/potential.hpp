@@ -59,6 +59,8 @@ class Potential final : public Objective {
   VectorX base_positions_;                    ///< of the stage
   std::vector<std::unique_ptr<Energy>> own_;  ///< made for this stage
   std::vector<const Energy*> terms_;          ///< in order, `own_` in place of those they were made of
+  std::vector<std::vector<const CellMatrices*>> along_;  ///< by term: what it takes along into the Hessian
+  std::vector<bool> is_taken_;                           ///< by term: another one takes it along
 };
 
 /// The terms that are no part of a category.

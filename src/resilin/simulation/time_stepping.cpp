@@ -70,7 +70,15 @@ double largest_free_distance(const World& world, const VectorX& vectors) {
   return std::sqrt(largest);
 }
 
-void move_to(State& state, Motion end, double time_step, double collider_delay) {
+/// What damping takes on the way to `end` [J].
+double dissipation(const World& world, const State& state, const Motion& end, double time_step) {
+  double sum = 0;
+  for (const auto& term : world.terms) sum += term->dissipation(state.positions, end.positions, time_step);
+  return sum;
+}
+
+void move_to(const World& world, State& state, Motion end, double time_step, double collider_delay) {
+  state.dissipated_energy += dissipation(world, state, end, time_step);
   state.previous_positions = std::move(state.positions);
   state.previous_velocities = std::move(state.velocities);
   state.previous_time_step = time_step;
@@ -189,7 +197,7 @@ StepReport TimeStepper::step(const World& world, Newton& newton, State& state, V
   // Multiples of the step carry no sum of rounding errors. A run that went on with steps of another length is
   // not on them.
   const bool is_on_grid = state.time == state.step * dt;
-  move_to(state, std::move(found.end), dt, found.collider_delay);
+  move_to(world, state, std::move(found.end), dt, found.collider_delay);
   state.time = is_on_grid ? state.step * dt : state.time + dt;
   return found.report;
 }
@@ -233,7 +241,7 @@ StepReport TimeStepper::adaptive_step(const World& world, const AdaptiveSteps& o
       }
     }
     gradient = std::move(found.gradient);
-    move_to(state, std::move(found.end), planned.length, found.collider_delay);
+    move_to(world, state, std::move(found.end), planned.length, found.collider_delay);
     state.time = planned.end;
     // A step cut short at an event says nothing against longer ones.
     const double next = fitting * planned.length;

@@ -45,11 +45,8 @@ Terms damping_terms(const Description& description, const World& world) {
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     const Body& body = world.bodies[b];
     const DampingDescription& wanted = description.bodies[b].damping;
-    if (std::vector<Viscosity> viscosities = viscosities_of(wanted, body); !viscosities.empty()) {
-      terms.push_back(std::make_shared<ViscousDamping>(
-          ViscousBody(world.dimension, body.elastic->element(), body.elastic->quadrature(), body.cells,
-                      world.rest_positions, std::move(viscosities))));
-    }
+    if (const std::vector<Viscosity> viscosities = viscosities_of(wanted, body); !viscosities.empty())
+      terms.push_back(std::make_shared<ViscousDamping>(body.elastic, viscosities));
     if (wanted.mass == 0) continue;
     if (by_mass.nodal.size() == 0) by_mass = world.mass->times(0);
     add_cell_masses(by_mass, body.elastic->element(), body.cells, world.rest_positions,

@@ -30,6 +30,7 @@ struct State {
   VectorX previous_velocities;    ///< one step before [m/s]
   double previous_time_step = 0;  ///< length of that step [s]; 0: there was none
   double time_step = 0;           ///< length of the next step, where steps adapt [s]
+  double dissipated_energy = 0;   ///< by damping, since the start [J]
   double collider_delay = 0;      ///< how far moving colliders are behind; bodies were in their way [s]
 };
 

@@ -9,13 +9,16 @@
 #include "resilin/mesh/facet.hpp"
 #include "resilin/world/body_material.hpp"
 #include "resilin/world/body_mesh.hpp"
+#include "resilin/world/body_overlap.hpp"
 #include "resilin/world/cell_material.hpp"
 #include "resilin/world/colliders.hpp"
 #include "resilin/world/damping.hpp"
 #include "resilin/world/description_check.hpp"
 #include "resilin/world/event_times.hpp"
 #include "resilin/world/loads.hpp"
+#include "resilin/world/plausibility.hpp"
 #include "resilin/world/selection.hpp"
+#include "resilin/world/start_check.hpp"
 
 namespace resilin {
 namespace {
@@ -83,6 +86,37 @@ void check_modes(const Description& description, const ModesOptions& modes, Worl
   }
 }
 
+std::string point_text(const Vector3& point, int dim) {
+  std::string text;
+  for (int k = 0; k < dim; ++k) text += (k > 0 ? ", " : "(") + format_short(point[k]);
+  return text + ")";
+}
+
+/// A probe watches the nearest vertex, which is a place of its own when it is half a cell away or a tenth of
+/// the body.
+void warn_of_distance(World& world, const Body& body, const ProbeDescription& probe, Index node,
+                      double distance) {
+  const int dim = world.dimension;
+  const Vector3 place = node_position(dim, node, world.rest_positions);
+  const auto width = static_cast<std::size_t>(resilin::num_nodes(body.cell_kind));
+  double cell_size = 0;
+  Vector3 low = place, high = place;
+  for (std::size_t first = 0; first < body.cells.size(); first += width) {
+    const auto cell = std::span(body.cells).subspan(first, width);
+    const bool is_here = std::ranges::find(cell, node) != cell.end();
+    for (const Index other : cell) {
+      const Vector3 X = node_position(dim, other, world.rest_positions);
+      if (is_here) cell_size = std::max(cell_size, (X - place).norm());
+      low = low.cwiseMin(X);
+      high = high.cwiseMax(X);
+    }
+  }
+  if (distance <= std::min(0.5 * cell_size, 0.1 * (high - low).maxCoeff())) return;
+  world.warnings.push_back(probe.place + ": the nearest vertex, which it watches, is " +
+                           format_short(distance) + " m from " + point_text(probe.at, dim) + ", at " +
+                           point_text(place, dim) + "; place it there, or refine the mesh");
+}
+
 /// Makes a world out of its description, part by part.
 class Builder {
  public:
@@ -99,6 +133,7 @@ class Builder {
   void build_pattern();
   void add_masses();
   void find_fixed_unknowns();
+  void find_oddities();
 
   const Description& description_;
   World& world_;
@@ -114,6 +149,7 @@ void Builder::build() {
   // Once all bodies are placed, so that every energy sees the whole world's vertices.
   for (std::size_t b = 0; b < world_.bodies.size(); ++b)
     coupling_.push_back(give_material(world_, description_.bodies[b], constants_[b], world_.bodies[b]));
+  check_start(description_, world_);
   for (const FixDescription& fix : description_.fixes) add_support(fix);
   check_support_conflicts(world_.dimension, world_.supports, world_.rest_positions);
   for (const LoadDescription& load : description_.loads) add_load(load);
@@ -137,6 +173,22 @@ void Builder::build() {
   if (world_.modes) check_modes(description_, *world_.modes, world_);
   const bool finds_equilibrium = !world_.is_dynamic && (!world_.modes || world_.modes->is_loaded);
   if (finds_equilibrium) check_is_held(world_);
+  find_oddities();
+}
+
+/// What does not keep a complete world from running.
+void Builder::find_oddities() {
+  for (const BodyOverlap& overlap : overlapping_bodies(world_, world_.start_positions))
+    world_.warnings.push_back(world_.place + ": " + describe(world_, overlap) +
+                              ": bodies do not feel each other; move one of them (translate)");
+  for (std::string& line : supports_in_colliders(world_)) world_.warnings.push_back(std::move(line));
+  world_.run_warnings = implausible_numbers(description_);
+  if (world_.modes || !is_idle(world_)) return;
+  const std::string nothing = "no gravity, load, velocity or prescribed motion acts on a free vertex";
+  world_.run_warnings.push_back(world_.place + ": " +
+                                (world_.is_dynamic ? "nothing moves the bodies: " + nothing + " up to the end"
+                                                   : "nothing loads the bodies: " + nothing) +
+                                "; every frame will be the start");
 }
 
 std::size_t Builder::find_body(const std::string& name, const std::string& place) const {
@@ -234,6 +286,7 @@ void Builder::add_probe(const ProbeDescription& probe) {
       found.node = node;
     }
   }
+  warn_of_distance(world_, body, probe, found.node, std::sqrt(nearest));
   world_.probes.push_back(std::move(found));
 }
 
@@ -304,6 +357,12 @@ World::World(const Description& description)
       output(description.output) {
   Builder(description, *this).build();
   fingerprint = fingerprint_of(description);
+}
+
+std::vector<std::string> all_warnings(const World& world) {
+  std::vector<std::string> warnings = world.warnings;
+  warnings.insert(warnings.end(), world.run_warnings.begin(), world.run_warnings.end());
+  return warnings;
 }
 
 std::vector<std::string> names_of_terms(const World& world, EnergyCategory category) {

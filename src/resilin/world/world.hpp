@@ -87,8 +87,9 @@ class World {
   std::vector<Support> supports;
   std::vector<Probe> probes;
   std::vector<Section> sections;
-  std::vector<std::string> warnings;  ///< one line each
-  std::vector<std::string> notes;     ///< what was chosen for the user, one line each
+  std::vector<std::string> warnings;      ///< one line each
+  std::vector<std::string> run_warnings;  ///< likewise, of a run to which no hand adds: see all_warnings
+  std::vector<std::string> notes;         ///< what was chosen for the user, one line each
 
   /// Everything that is minimised: strain energies body by body, loads and gravity, colliders, inertia,
   /// damping. A caller may add terms of its own.
@@ -104,6 +105,9 @@ class World {
   double largest_extent() const;  ///< of the rest shapes of all bodies, along the axes [m]
   const Body& body_of(Index node) const;
 };
+
+/// Everything that is odd about running a world as it stands, one line each.
+std::vector<std::string> all_warnings(const World& world);
 
 /// The names of terms of a category.
 std::vector<std::string> names_of_terms(const World& world, EnergyCategory category);

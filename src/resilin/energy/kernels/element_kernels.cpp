@@ -98,21 +98,6 @@ template <int dim>
   total.is_outside = total.is_outside || any(is_outside);
 }
 
-RESILIN_INLINE bool owns(const OwnedNodes& owned, std::int32_t node) {
-  return node >= owned.begin && node < owned.end;
-}
-
-/// Whether all lanes of the first `count` nodes are owned.
-RESILIN_INLINE bool owns_all(const OwnedNodes& owned, const std::int32_t* nodes, int count) {
-  std::int32_t outside = 0;  // its sign bit is set when a node is below the begin or not below the end
-  for (int a = 0; a < count; ++a)
-    for (int lane = 0; lane < Lanes::width; ++lane) {
-      const std::int32_t node = nodes[a * block_size + lane];
-      outside |= (node - owned.begin) | (owned.end - 1 - node);
-    }
-  return outside >= 0;
-}
-
 template <int dim>
 [[gnu::flatten]] void add_forces(const ElementTile& tile, const LawForm& law, const double* H_rows,
                                  const double* frames, const double* law_gradient, bool is_magnitude,

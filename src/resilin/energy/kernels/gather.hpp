@@ -1,6 +1,7 @@
 #pragma once
 
 #include "resilin/core/simd_arrays.hpp"
+#include "resilin/energy/kernels/element_kernels.hpp"
 
 /// Between lanes and the numbers of single nodes and matrix blocks.
 namespace resilin::RESILIN_SIMD_NAMESPACE {
@@ -43,6 +44,21 @@ RESILIN_INLINE void gather(const double* numbers, const std::int32_t* nodes, Lan
     for (int lane = 0; lane < Lanes::width; ++lane) component[lane] = numbers[stride * nodes[lane] + i];
     out[i] = Lanes(component);
   }
+}
+
+RESILIN_INLINE bool owns(const OwnedNodes& owned, std::int32_t node) {
+  return node >= owned.begin && node < owned.end;
+}
+
+/// Whether all lanes of the first `count` nodes are owned.
+RESILIN_INLINE bool owns_all(const OwnedNodes& owned, const std::int32_t* nodes, int count) {
+  std::int32_t outside = 0;  // its sign bit is set when a node is below the begin or not below the end
+  for (int a = 0; a < count; ++a)
+    for (int lane = 0; lane < Lanes::width; ++lane) {
+      const std::int32_t node = nodes[a * block_size + lane];
+      outside |= (node - owned.begin) | (owned.end - 1 - node);
+    }
+  return outside >= 0;
 }
 
 /// Adds component i of `values` to the nodes in these lanes, in the order of the lanes, where

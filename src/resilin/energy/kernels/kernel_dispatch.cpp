@@ -1,6 +1,7 @@
 #include "resilin/core/kernel_dispatch.hpp"
 #include "resilin/energy/kernels/element_kernels.hpp"
 #include "resilin/energy/kernels/quadrature_kernels.hpp"
+#include "resilin/energy/kernels/viscous_kernels.hpp"
 
 namespace resilin {
 
@@ -11,6 +12,11 @@ const ElementKernels& element_kernels(int dim, InstructionSet set) {
 const QuadratureKernels& quadrature_kernels(int dim, int num_nodes, InstructionSet set) {
   return *CompiledSets::kernels(
       set, [dim, num_nodes]<InstructionSet s>() { return &compiled_quadrature_kernels<s>(dim, num_nodes); });
+}
+
+const ViscousKernels& viscous_kernels(int dim, int num_nodes, InstructionSet set) {
+  return *CompiledSets::kernels(
+      set, [dim, num_nodes]<InstructionSet s>() { return &compiled_viscous_kernels<s>(dim, num_nodes); });
 }
 
 }  // namespace resilin

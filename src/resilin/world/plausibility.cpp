@@ -1,4 +1,4 @@
-#include "resilin/scene/plausibility.hpp"
+#include "resilin/world/plausibility.hpp"
 
 #include <array>
 #include <charconv>

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "resilin/world/state.hpp"
+#include "resilin/world/world.hpp"
+
+namespace resilin {
+
+/// What no real body does though every step converged, one line each: cells that are inside out, bodies that
+/// share space and did not at the start.
+std::vector<std::string> oddities(const World& world, const State& state);
+
+/// Cells of a body with J <= 0, or no number, at a quadrature point.
+struct InvertedCells {
+  Index count = 0;
+  Index worst = -1;  ///< the cell with the least J ...
+  double ratio = 1;  ///< ... which is this
+};
+InvertedCells inverted_cells(const Body& body, const VectorX& x);
+
+}  // namespace resilin

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "resilin/world/world.hpp"
+
+namespace resilin {
+
+/// Two bodies that share space, and cells of them that do.
+struct BodyOverlap {
+  std::size_t body, other;  ///< in the world
+  Index cell, other_cell;   ///< of these
+  Vector3 place;            ///< about where [m]
+};
+
+/// Bodies that share space when they stand at x; such as only touch do not. Of a pair the first cells are
+/// named.
+std::vector<BodyOverlap> overlapping_bodies(const World& world, const VectorX& x);
+
+/// "bodies "a" and "b" share space, cell 3 of "a" and cell 7 of "b" near (0, 0, 1)".
+std::string describe(const World& world, const BodyOverlap& overlap);
+
+}  // namespace resilin

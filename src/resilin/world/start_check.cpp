@@ -1,0 +1,135 @@
+#include "resilin/world/start_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <span>
+
+#include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
+#include "resilin/mesh/facet.hpp"
+
+namespace resilin {
+namespace {
+
+/// Of a cell: the least volume ratio at its points.
+double least_volume_ratio(const ElasticEnergy& elastic, const std::vector<double>& ratios, Index cell) {
+  const auto first = ratios.begin() + Eigen::Index{cell} * elastic.num_points();
+  return *std::min_element(first, first + elastic.num_points());
+}
+
+[[noreturn]] void refuse_start(const BodyDescription& description, const ElasticEnergy& elastic,
+                               const VectorX& x) {
+  const std::string law(elastic.law().name), place = description.place + ".initial_positions";
+  const std::vector<double> energies = elastic.energy_densities(x), ratios = elastic.volume_ratios(x);
+  const auto bad = std::ranges::find_if(energies, [](double energy) { return !std::isfinite(energy); });
+  const auto cell = static_cast<Index>((bad - energies.begin()) / elastic.num_points());
+  if (bad == energies.end()) throw InputError(place, "a shape at which " + law + " has an energy", "none");
+  const double ratio = least_volume_ratio(elastic, ratios, cell);
+  const std::string where = "cell " + std::to_string(cell) + " with volume ratio " + format_short(ratio);
+  if (!(ratio > 0) && elastic.law().needs_positive_J)
+    throw InputError(
+        place, "no inverted cell, since " + law + " needs J > 0", where,
+        "start from a shape without one, or take a law that allows them, such as stable_neo_hookean");
+  throw InputError(place, "a shape at which the energy of " + law + " is finite", where + ", where it is not",
+                   "start nearer to the rest shape");
+}
+
+/// Some times at which to look: where something begins or ends, between these, and in equal steps to the end.
+std::vector<double> times_to_look_at(const World& world) {
+  std::vector<double> times = {0, world.end_time};
+  constexpr int equal_steps = 16;
+  for (int i = 1; i < equal_steps; ++i) times.push_back(world.end_time * i / equal_steps);
+  for (const double event : world.event_times)
+    if (event > 0 && event < world.end_time) times.push_back(event);
+  std::ranges::sort(times);
+  const std::size_t count = times.size();
+  for (std::size_t i = 1; i < count; ++i) times.push_back(0.5 * (times[i - 1] + times[i]));
+  return times;
+}
+
+bool acts(const World& world, const Conditions& conditions) {
+  const VectorX& x = world.start_positions;
+  VectorX placed = x;
+  place_supports(world.dimension, world.supports, world.rest_positions, conditions, placed);
+  if (placed != x) return true;
+  VectorX gradient = VectorX::Zero(x.size()), magnitude = gradient;
+  for (const auto& term : world.terms) {
+    term->add_gradient(x, conditions, gradient);
+    term->add_gradient_magnitude(x, conditions, magnitude);
+  }
+  constexpr double rounding = 1e-12;
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    const bool is_free = world.is_fixed[static_cast<std::size_t>(i)] == 0;
+    if (is_free && !(std::abs(gradient[i]) <= rounding * magnitude[i])) return true;
+  }
+  return false;
+}
+
+/// Conditions under which supports and colliders are looked at.
+std::vector<Conditions> conditions_to_look_at(const World& world) {
+  if (!world.is_dynamic) return {{.load = 1}};
+  std::vector<Conditions> all;
+  for (const double time : times_to_look_at(world)) all.push_back({.time = time, .load = 1});
+  return all;
+}
+
+/// How deep a held vertex gets into a collider.
+struct Intrusion {
+  double depth = 0;  ///< [m]
+  Index node = -1;
+  double time = 0;  ///< [s]
+};
+
+Intrusion deepest(const World& world, const Support& support, const ColliderBarrier& collider) {
+  Intrusion worst;
+  for (const Conditions& conditions : conditions_to_look_at(world)) {
+    const Vector3 moved = collider.place(conditions) - collider.shape().reference_point();
+    for (const Index node : support.nodes) {
+      const Vector3 x =
+          support.target(node_position(world.dimension, node, world.rest_positions), conditions);
+      const double depth = -collider.shape().distance(x - moved);
+      if (depth > worst.depth) worst = {.depth = depth, .node = node, .time = conditions.time};
+    }
+  }
+  return worst;
+}
+
+}  // namespace
+
+std::vector<std::string> supports_in_colliders(const World& world) {
+  const double touching = 1e-9 * world.largest_extent();
+  std::vector<std::string> found;
+  for (const auto& collider : world.colliders)
+    for (const Support& support : world.supports) {
+      const auto held = std::span(support.components).first(static_cast<std::size_t>(world.dimension));
+      if (!std::ranges::all_of(held, std::identity())) continue;  // the other vertices feel the collider
+      const Intrusion worst = deepest(world, support, *collider);
+      if (!(worst.depth > touching)) continue;
+      const Body& body = world.body_of(worst.node);
+      found.push_back(support.place + ": takes vertex " + std::to_string(worst.node - body.first_node) +
+                      " of \"" + body.name + "\" " + format_short(worst.depth) + " m into the collider \"" +
+                      std::string(collider->name()) + "\"" +
+                      (world.is_dynamic ? " at t = " + format_short(worst.time) + " s" : "") +
+                      ": vertices that are held do not feel it");
+    }
+  return found;
+}
+
+void check_start(const Description& description, const World& world) {
+  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+    const ElasticEnergy& elastic = *world.bodies[b].elastic;
+    if (!std::isfinite(elastic.value(world.start_positions, {})))
+      refuse_start(description.bodies[b], elastic, world.start_positions);
+  }
+}
+
+bool is_idle(const World& world) {
+  if (!world.is_dynamic) return !acts(world, {.load = 1});
+  for (std::size_t i = 0; i < world.is_fixed.size(); ++i)
+    if (world.is_fixed[i] == 0 && world.start_velocities[static_cast<Eigen::Index>(i)] != 0) return false;
+  return std::ranges::none_of(times_to_look_at(world),
+                              [&](double time) { return acts(world, {.time = time, .load = 1}); });
+}
+
+}  // namespace resilin

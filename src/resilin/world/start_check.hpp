@@ -1,0 +1,20 @@
+#pragma once
+
+#include "resilin/world/world.hpp"
+
+namespace resilin {
+
+/// Throws InputError for a start at which the energy of a body is not finite, as when a cell is inverted
+/// under a law that needs J > 0: names the cell. The world's bodies are complete.
+void check_start(const Description& description, const World& world);
+
+/// Whether nothing ever acts: no force on a free vertex, no velocity at the start, no support or collider
+/// that moves, at any time or load. The world is complete. Asks for forces at the start, and at some more
+/// times where they are zero.
+bool is_idle(const World& world);
+
+/// Supports that lead vertices into a collider, which vertices held in all components do not feel; one line
+/// each. The world is complete.
+std::vector<std::string> supports_in_colliders(const World& world);
+
+}  // namespace resilin

@@ -1,0 +1,90 @@
+// What is said at the end of a run that converged and yet shows what no body does.
+#include "resilin/simulation/oddities.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "small_scenes.hpp"
+
+namespace resilin::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+std::string oddities_at_the_end(const Description& scene) {
+  const Simulation simulation = run_all(scene);
+  EXPECT_TRUE(simulation.is_finished());
+  std::string all;
+  for (const std::string& line : oddities(simulation.world(), simulation.state())) all += line + "\n";
+  return all;
+}
+
+/// A bar whose vertices are moved to 1 + `strain` of its length along it.
+Description pressed_bar(int dimension, const std::string& law, double strain) {
+  Description scene = small_bar(dimension, false);
+  scene.gravity.setZero();
+  scene.bodies[0].material = material_of(*find_law(law));
+  scene.fixes[0].where.kind = Where::Kind::all;
+  scene.fixes[0].gradient(0, 0) = strain;
+  scene.load_steps = 10;
+  return scene;
+}
+
+TEST(Oddities, NameCellsThatAreInsideOut) {
+  for (const int dimension : {2, 3})
+    for (const std::string law : {"linear_elastic", "corotated", "stable_neo_hookean"}) {
+      EXPECT_THAT(oddities_at_the_end(pressed_bar(dimension, law, -0.2)), IsEmpty()) << law;
+      EXPECT_THAT(oddities_at_the_end(pressed_bar(dimension, law, -1.5)),
+                  AllOf(HasSubstr("inside out, cell "), HasSubstr("volume ratio -"), HasSubstr(law)))
+          << law << " " << dimension;
+    }
+}
+
+TEST(Oddities, CountThemAsTheyAre) {
+  Description scene = small_bar(3, false);
+  scene.fixes[0].where.kind = Where::Kind::all;
+  const World world(scene);
+  VectorX x = world.rest_positions;
+  EXPECT_EQ(inverted_cells(world.bodies[0], x).count, 0);
+  for (Eigen::Index i = 0; i < x.size(); i += 3) x[i] *= -0.5;
+  const InvertedCells all = inverted_cells(world.bodies[0], x);
+  EXPECT_EQ(all.count, world.bodies[0].num_cells());
+  EXPECT_NEAR(all.ratio, -0.5, 1e-12);
+  x = world.rest_positions;
+  x[0] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_GT(inverted_cells(world.bodies[0], x).count, 0);
+}
+
+/// A body that is thrown at another one and has reached it, or has not.
+TEST(Oddities, NameBodiesThatWentThroughEachOther) {
+  for (const int dimension : {2, 3})
+    for (const double speed : {1.0, 3.0}) {
+      Description scene = small_bar(dimension, true);
+      scene.gravity.setZero();
+      scene.bodies.push_back(scene.bodies[0]);
+      scene.bodies[1].name = "thrown";
+      scene.bodies[1].translate = {1.4, 0, 0};
+      scene.bodies[1].velocity = {-speed, 0, 0};
+      scene.fixes[0].body = scene.probes[0].body = "body";
+      if (speed * scene.end_time < 0.4) {
+        EXPECT_THAT(oddities_at_the_end(scene), IsEmpty());
+      } else {
+        EXPECT_THAT(oddities_at_the_end(scene), AllOf(HasSubstr("\"body\" and \"thrown\" share space"),
+                                                      HasSubstr("went through each other")));
+      }
+    }
+}
+
+TEST(Oddities, LeaveToTheStartWhatIsSaidThere) {
+  Description scene = small_bar(3, true);
+  scene.bodies.push_back(scene.bodies[0]);
+  scene.bodies[1].name = "other";
+  scene.bodies[1].translate = {0.5, 0, 0};
+  scene.fixes[0].body = scene.probes[0].body = "body";
+  EXPECT_THAT(oddities_at_the_end(scene), IsEmpty());
+}
+
+}  // namespace
+}  // namespace resilin::testing

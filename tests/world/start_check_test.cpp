@@ -1,0 +1,313 @@
+// What is said of a scene before its first step: starts that a law cannot have, scenes in which nothing
+// happens, bodies in each other, probes far from any vertex.
+#include "resilin/world/start_check.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "every_element.hpp"
+#include "resilin/core/error.hpp"
+#include "small_scenes.hpp"
+
+namespace resilin::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+std::string joined(const std::vector<std::string>& lines) {
+  std::string all;
+  for (const std::string& line : lines) all += line + "\n";
+  return all;
+}
+
+std::string warnings_of(const Description& scene) { return joined(all_warnings(World(scene))); }
+
+/// The bar of small_bar in cells of an element, with its first cell turned inside out: its last corner goes
+/// through it.
+Description inverted_start(const ElementInfo& element, const LawInfo& law, bool is_dynamic) {
+  Description scene = small_bar(element.dim, is_dynamic);
+  BodyDescription& body = scene.bodies[0];
+  body.material = material_of(law);
+  body.element = element.name;
+  if (!is_simplex(element.shape))
+    body.mesh = element.dim == 3 ? make_hexahedron_box({1, 0.25, 0.25}, {4, 1, 1})
+                                 : make_quadrilateral_rectangle({1, 0.25}, {4, 1});
+  std::vector<Vector3> places = body.mesh.vertices;
+  // Mirrored across x = 0.5, half-way: every cell is inside out.
+  for (Vector3& X : places) X.x() = 1 - X.x();
+  for (const Vector3& X : places)
+    body.initial_positions.insert(body.initial_positions.end(), X.data(), X.data() + element.dim);
+  return scene;
+}
+
+struct StartOfEveryElement : OnEveryElement {};
+INSTANTIATE_TEST_SUITE_P(Catalogue, StartOfEveryElement, ::testing::ValuesIn(elements()), name_of_element);
+
+TEST_P(StartOfEveryElement, IsRefusedInsideOutUnderALawThatNeedsPositiveVolume) {
+  for (const LawInfo* law : laws()) {
+    if (element.has_mean_volume && !law->has_volume_energy) continue;
+    SCOPED_TRACE(law->name);
+    for (const bool is_dynamic : {false, true}) {
+      const Description scene = inverted_start(element, *law, is_dynamic);
+      std::string message;
+      try {
+        World{scene};
+      } catch (const InputError& error) {
+        message = error.what();
+      }
+      if (law->needs_positive_J) {
+        EXPECT_THAT(message, AllOf(HasSubstr("initial_positions"), HasSubstr("cell 0"), HasSubstr("J > 0"),
+                                   HasSubstr(law->name)));
+      } else if (law->kind != LawKind::stretches) {  // the mirrored state has no unique rotation
+        EXPECT_EQ(message, "");
+      } else {
+        EXPECT_THAT(message, AllOf(HasSubstr("initial_positions"), HasSubstr("cell 0")));
+      }
+    }
+  }
+}
+
+/// One cell alone is inside out: it is named by its number in the mesh.
+TEST(Start, NamesTheCellThatIsInsideOut) {
+  for (const Index cell : {0, 7, 30, 101}) {
+    Description scene = small_bar(3, true);
+    BodyDescription& body = scene.bodies[0];
+    body.material.law = "neo_hookean";
+    // Vertices of that cell alone: all cells stand apart.
+    Mesh apart;
+    CellBlock block{CellKind::tetrahedron, {}};
+    for (const Index node : body.mesh.find_solid(3)->nodes) {
+      block.nodes.push_back(static_cast<Index>(apart.vertices.size()));
+      apart.vertices.push_back(body.mesh.vertices[static_cast<std::size_t>(node)]);
+    }
+    apart.blocks = {block};
+    body.mesh = apart;
+    std::vector<Vector3> places = apart.vertices;
+    std::swap(places[static_cast<std::size_t>(4 * cell)], places[static_cast<std::size_t>(4 * cell + 1)]);
+    for (const Vector3& X : places)
+      body.initial_positions.insert(body.initial_positions.end(), X.data(), X.data() + 3);
+    try {
+      World{scene};
+      FAIL() << "accepted";
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(),
+                  AllOf(HasSubstr("cell " + std::to_string(cell) + " "), HasSubstr("ratio -1")));
+    }
+  }
+}
+
+TEST(Start, IsRefusedWhereALawEndsElsewhere) {
+  Description scene = small_bar(3, true);
+  BodyDescription& body = scene.bodies[0];
+  body.material = material_of(*find_law("gent"));
+  for (const Vector3& X : body.mesh.vertices) {
+    const Vector3 place(50 * X.x(), X.y() / 7, X.z() / 7);
+    body.initial_positions.insert(body.initial_positions.end(), place.data(), place.data() + 3);
+  }
+  try {
+    World{scene};
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("gent"), HasSubstr("finite"), HasSubstr("cell 0")));
+  }
+}
+
+/// A scene with nothing in it, and what makes it a scene in which something happens.
+struct Cause {
+  std::string name;
+  bool in_motion_only;
+  std::function<void(Description&)> add;
+};
+
+Description empty_scene(int dimension, bool is_dynamic) {
+  Description scene = small_bar(dimension, is_dynamic);
+  scene.gravity.setZero();
+  return scene;
+}
+
+LoadDescription load_of(const std::string& kind, double size) {
+  LoadDescription load;
+  load.kind = kind;
+  load.value = {size, 0, 0};
+  load.pressure = size;
+  load.stiffness = 100;
+  load.displacement = {size, 0, 0};
+  if (kind != "body_force") {
+    load.where.kind = Where::Kind::plane;
+    load.where.at = 1;
+  }
+  return load;
+}
+
+std::vector<Cause> causes() {
+  std::vector<Cause> all = {
+      {"gravity", false, [](Description& d) { d.gravity = {1, 0, 0}; }},
+      {"fix", false, [](Description& d) { d.fixes[0].displacement = {0, 0.01, 0}; }},
+      {"turn", false, [](Description& d) { d.fixes[0].rotate = Rotation{.degrees = 5}; }},
+      {"fix velocity", true, [](Description& d) { d.fixes[0].velocity = {0.1, 0, 0}; }},
+      {"velocity", true, [](Description& d) { d.bodies[0].velocity = {0, 1, 0}; }},
+      {"velocity gradient", true, [](Description& d) { d.bodies[0].velocity_gradient(0, 0) = 1; }},
+      {"late load", true,
+       [](Description& d) {
+         d.loads.push_back(load_of("traction", 5));
+         d.loads[0].from = 0.15;
+         d.loads[0].until = 0.151;
+       }},
+      {"load that grows", true,
+       [](Description& d) {
+         d.loads.push_back(load_of("traction", 5));
+         d.loads[0].time_function.form = TimeFunction::Ramp{.from = 0.1, .until = 0.3};
+       }},
+      {"start drawn out", false,
+       [](Description& d) {
+         for (const Vector3& X : d.bodies[0].mesh.vertices) {
+           const Vector3 place(1.01 * X.x(), X.y(), X.z());
+           d.bodies[0].initial_positions.insert(d.bodies[0].initial_positions.end(), place.data(),
+                                                place.data() + d.dimension);
+         }
+       }},
+      {"collider that comes", true, [](Description& d) {
+         ColliderDescription collider;
+         collider.shape.point = {1.2, 0, 0};
+         collider.shape.normal = {-1, 0, 0};
+         collider.velocity = {-2, 0, 0};
+         d.colliders.push_back(collider);
+       }}};
+  for (const std::string kind : {"body_force", "traction", "nodal_force", "pressure", "spring"})
+    all.push_back({kind, false, [kind](Description& d) { d.loads.push_back(load_of(kind, 2)); }});
+  return all;
+}
+
+TEST(IdleScene, IsToldFromOneInWhichSomethingHappens) {
+  for (const int dimension : {2, 3})
+    for (const bool is_dynamic : {false, true}) {
+      EXPECT_TRUE(is_idle(World(empty_scene(dimension, is_dynamic))));
+      for (const Cause& cause : causes()) {
+        if (cause.in_motion_only && !is_dynamic) continue;
+        Description scene = empty_scene(dimension, is_dynamic);
+        cause.add(scene);
+        const World world(scene);
+        EXPECT_FALSE(is_idle(world)) << cause.name << " " << dimension << " " << is_dynamic;
+        EXPECT_THAT(joined(all_warnings(world)), Not(HasSubstr("nothing"))) << cause.name;
+      }
+    }
+}
+
+TEST(IdleScene, IsOneWhoseCausesComeToNothing) {
+  const std::vector<std::pair<std::string, std::function<void(Description&)>>> nothings = {
+      {"gravity across the plane", [](Description& d) { d.dimension == 2 ? d.gravity.z() = -9 : 0; }},
+      {"load of zero", [](Description& d) { d.loads.push_back(load_of("traction", 0)); }},
+      {"load after the end",
+       [](Description& d) {
+         d.loads.push_back(load_of("traction", 4));
+         d.loads[0].from = 7;
+       }},
+      {"factor of zero",
+       [](Description& d) {
+         d.loads.push_back(load_of("nodal_force", 4));
+         d.loads[0].time_function.form = TimeFunction::Table{.times = {0, 1}, .values = {0, 0}};
+       }},
+      {"all held",
+       [](Description& d) {
+         d.gravity = {0, -9.81, 0};
+         d.fixes[0].where.kind = Where::Kind::all;
+       }},
+      {"velocity of what is held", [](Description& d) {
+         d.bodies[0].velocity = {1, 0, 0};
+         d.fixes[0].where.kind = Where::Kind::all;
+       }}};
+  for (const int dimension : {2, 3})
+    for (const auto& [name, add] : nothings) {
+      Description scene = empty_scene(dimension, true);
+      add(scene);
+      EXPECT_TRUE(is_idle(World(scene))) << name << " " << dimension;
+      EXPECT_THAT(warnings_of(scene), HasSubstr("nothing moves the bodies")) << name;
+    }
+  EXPECT_THAT(warnings_of(empty_scene(3, false)), HasSubstr("nothing loads the bodies"));
+}
+
+TEST(BodiesAtTheStart, AreWarnedOfWhereTheyShareSpace) {
+  for (const int dimension : {2, 3})
+    for (const double x : {0.5, 0.99, 1.0, 1.3}) {
+      Description scene = small_bar(dimension, true);
+      scene.bodies.push_back(scene.bodies[0]);
+      scene.bodies[1].name = "other";
+      scene.bodies[1].translate = {x, 0.01, 0};
+      scene.fixes[0].body = scene.probes[0].body = "body";
+      const std::string words = warnings_of(scene);
+      if (x < 1) {
+        EXPECT_THAT(words, AllOf(HasSubstr("\"body\" and \"other\" share space"), HasSubstr("near ("))) << x;
+      } else {
+        EXPECT_THAT(words, Not(HasSubstr("share space"))) << x;
+      }
+    }
+}
+
+/// A bar whose far end is pushed down through a floor that its vertices do not feel there, or stops above.
+TEST(Supports, AreWarnedOfWhereTheyLeadIntoACollider) {
+  for (const int dimension : {2, 3})
+    for (const bool is_dynamic : {false, true})
+      for (const double down : {-0.05, -0.1, -0.5}) {
+        Description scene = small_bar(dimension, is_dynamic);
+        ColliderDescription floor;
+        floor.name = "floor";
+        const int up = dimension - 1;
+        floor.shape.point = -0.1 * Vector3::Unit(up);
+        floor.shape.normal = Vector3::Unit(up);
+        scene.colliders.push_back(floor);
+        FixDescription press;
+        press.place = "press";
+        press.name = "press";
+        press.where.kind = Where::Kind::plane;
+        press.where.at = 1;
+        press.displacement[up] = down;
+        if (is_dynamic) press.time_function.form = TimeFunction::Ramp{.from = 0, .until = 0.15};
+        scene.fixes.push_back(press);
+        const std::string words = warnings_of(scene);
+        if (down == -0.5) {
+          EXPECT_THAT(
+              words, AllOf(HasSubstr("press: takes vertex"), HasSubstr("0.4 m into the collider \"floor\"")));
+        } else {
+          EXPECT_THAT(words, Not(HasSubstr("into the collider"))) << down;
+        }
+        scene.fixes[1].components = {true, false, false};
+        EXPECT_THAT(warnings_of(scene), Not(HasSubstr("into the collider")));
+      }
+}
+
+TEST(Probe, IsWarnedOfWhenNoVertexIsNear) {
+  struct Place {
+    Vector3 at;
+    bool is_far;
+  };
+  // Cells of 0.125 m; a tenth of the bar is 0.1 m.
+  for (const int dimension : {2, 3})
+    for (const auto& [at, is_far] :
+         {Place{{1, 0.25, 0}, false}, Place{{1, 0.2, 0}, false}, Place{{1.05, 0.25, 0}, false},
+          Place{{1.2, 0.25, 0}, true}, Place{{0.5, 1, 0}, true}, Place{{-3, 0, 0}, true}}) {
+      Description scene = small_bar(dimension, true);
+      scene.probes[0].at = at;
+      const std::string words = warnings_of(scene);
+      if (is_far) {
+        EXPECT_THAT(words, AllOf(HasSubstr("probe"), HasSubstr("the nearest vertex"))) << at.transpose();
+      } else {
+        EXPECT_THAT(words, IsEmpty()) << at.transpose();
+      }
+    }
+  Description coarse = small_bar(3, true);
+  coarse.bodies[0].mesh = make_box({1, 1, 1}, {1, 1, 1});
+  coarse.probes[0].at = {0.5, 0.5, 0.5};  // in a cell, and yet far from its corners
+  EXPECT_THAT(warnings_of(coarse), HasSubstr("the nearest vertex"));
+}
+
+TEST(Units, AreWarnedOfInTheWorldItself) {
+  Description scene = small_bar(3, true);
+  scene.bodies[0].scale = 1e5;
+  EXPECT_THAT(warnings_of(scene), AllOf(HasSubstr("in other units"), HasSubstr("its own weight strains")));
+}
+
+}  // namespace
+}  // namespace resilin::testing
