@@ -30,14 +30,14 @@ Extreme located(const World& world, const State& state, bool is_on_nodes, double
     }
     Extreme extreme{.value = value, .body = b, .number = number};
     if (is_on_nodes) {
-      extreme.position = node_position(world.dimension, body.first_node + number, state.positions);
+      extreme.position = world.place_of(body.first_node + number, state.positions);
       return extreme;
     }
     const auto count = static_cast<std::size_t>(num_nodes(body.cell_kind));
     for (std::size_t a = 0; a < count; ++a)
       extreme.position += node_position(
           world.dimension, body.cells[static_cast<std::size_t>(number) * count + a], state.positions);
-    extreme.position /= static_cast<double>(count);
+    extreme.position = world.origin + extreme.position / static_cast<double>(count);
     return extreme;
   }
   return {};

@@ -36,10 +36,8 @@ VtuContent frame_content(const World& world, const State& state, std::span<const
   VtuContent content;
   Mesh& mesh = content.file.mesh;
   mesh.vertices.assign(static_cast<std::size_t>(world.num_nodes()), Vector3::Zero());
-  for (Index node = 0; node < world.num_nodes(); ++node) {
-    mesh.vertices[static_cast<std::size_t>(node)].head(world.dimension) =
-        state.positions.segment(Eigen::Index{node} * world.dimension, world.dimension);
-  }
+  for (Index node = 0; node < world.num_nodes(); ++node)
+    mesh.vertices[static_cast<std::size_t>(node)] = world.place_of(node, state.positions);
   const std::vector<std::size_t> order = bodies_by_kind(world);
   VtuValues body_numbers{.name = "body", .components = 1, .values = {}};
   for (const std::size_t b : order) {

@@ -37,6 +37,15 @@ void put_point(std::string& text, const float* point) {
   text += ')';
 }
 
+void put_translation(std::string& text, const Vector3& by) {
+  text += "    double3 xformOp:translate = (";
+  for (int k = 0; k < 3; ++k) {
+    if (k > 0) text += ", ";
+    put(text, by[k]);
+  }
+  text += ")\n    uniform token[] xformOpOrder = [\"xformOp:translate\"]\n";
+}
+
 std::string in_quotes(std::string_view text) {
   std::string result = "\"";
   for (const char c : text) {
@@ -139,6 +148,8 @@ void UsdaWriter::write(std::ostream& stream, const std::string& title, double co
   put(text, codes_per_second);
   const bool is_y_up = std::abs(up_.y()) > std::abs(up_.z());
   text += std::string("\n    upAxis = \"") + (is_y_up ? "Y" : "Z") + "\"\n)\n\ndef Xform \"scene\"\n{\n";
+  // Far from the scene's origin the single precision of points would not do.
+  if (!world_.origin.isZero(0)) put_translation(text, world_.origin);
   std::set<std::string> names;
   for (const ShownSurface::Part& part : surface_.parts()) {
     if (part.kind == ShownSurface::Kind::cells && world_.bodies[part.body].skin) continue;

@@ -17,6 +17,7 @@
 #include "resilin/world/event_times.hpp"
 #include "resilin/world/loads.hpp"
 #include "resilin/world/plausibility.hpp"
+#include "resilin/world/scene_origin.hpp"
 #include "resilin/world/selection.hpp"
 #include "resilin/world/start_check.hpp"
 
@@ -113,8 +114,9 @@ void warn_of_distance(World& world, const Body& body, const ProbeDescription& pr
   }
   if (distance <= std::min(0.5 * cell_size, 0.1 * (high - low).maxCoeff())) return;
   world.warnings.push_back(probe.place + ": the nearest vertex, which it watches, is " +
-                           format_short(distance) + " m from " + point_text(probe.at, dim) + ", at " +
-                           point_text(place, dim) + "; place it there, or refine the mesh");
+                           format_short(distance) + " m from " + point_text(world.origin + probe.at, dim) +
+                           ", at " + point_text(world.origin + place, dim) +
+                           "; place it there, or refine the mesh");
 }
 
 /// Makes a world out of its description, part by part.
@@ -135,7 +137,7 @@ class Builder {
   void find_fixed_unknowns();
   void find_oddities();
 
-  const Description& description_;
+  const Description& description_;  ///< in the world's coordinates
   World& world_;
   std::vector<BodyMesh> meshes_;
   std::vector<std::vector<double>> constants_;     ///< of each body's law, once or for each cell
@@ -355,7 +357,12 @@ World::World(const Description& description)
       newton(description.newton),
       solver(description.solver),
       output(description.output) {
-  Builder(description, *this).build();
+  origin = find_scene_origin(description);
+  if (origin.isZero(0)) {
+    Builder(description, *this).build();
+  } else {
+    Builder(with_origin(description, origin), *this).build();
+  }
   fingerprint = fingerprint_of(description);
 }
 
@@ -386,6 +393,10 @@ double largest_extent(const Body& body, const VectorX& positions, int dim) {
   double extent = 0;
   for (int k = 0; k < dim; ++k) extent = std::max(extent, reach_along(k, body, positions, dim).length());
   return extent;
+}
+
+Vector3 World::place_of(Index node, const VectorX& positions) const {
+  return origin + node_position(dimension, node, positions);
 }
 
 double World::largest_extent() const {

@@ -80,6 +80,9 @@ class World {
   OutputOptions output;
   Fingerprint fingerprint;  ///< of the description; a caller's own terms are not in it
 
+  /// Where the coordinates of positions begin, in those of the scene: zero, but for scenes far from there
+  /// (find_scene_origin). Whatever goes out to the user as a place adds it [m].
+  Vector3 origin = Vector3::Zero();
   VectorX rest_positions;    ///< [m], dim numbers per node, body after body
   VectorX start_positions;   ///< [m]
   VectorX start_velocities;  ///< [m/s]
@@ -101,6 +104,8 @@ class World {
   std::vector<std::int32_t> support_of;  ///< per unknown: which support prescribes it; -1: none
 
   Index num_nodes() const { return static_cast<Index>(rest_positions.size() / dimension); }
+  /// In the scene's coordinates [m].
+  Vector3 place_of(Index node, const VectorX& positions) const;
   Index num_free_unknowns() const;
   double largest_extent() const;  ///< of the rest shapes of all bodies, along the axes [m]
   const Body& body_of(Index node) const;

@@ -1,0 +1,84 @@
+#include "resilin/world/scene_origin.hpp"
+
+#include <Eigen/Geometry>
+
+#include "resilin/world/body_mesh.hpp"
+
+namespace resilin {
+namespace {
+
+/// In parts of the extent: at most two of the sixteen digits of a position say where the scene is.
+constexpr double far_away = 100;
+
+Eigen::AlignedBox3d bounds_of(const Description& description) {
+  Eigen::AlignedBox3d bounds;
+  for (const BodyDescription& body : description.bodies) {
+    const Placement placement(body);
+    for (const Vector3& X : body.mesh.vertices) bounds.extend(placement(X));
+  }
+  return bounds;
+}
+
+void move(Where& where, const Vector3& by) {
+  switch (where.kind) {
+    case Where::Kind::box:
+      where.min += by;
+      where.max += by;
+      break;
+    case Where::Kind::plane:
+      where.at += by[where.axis];
+      break;
+    case Where::Kind::sphere:
+      where.center += by;
+      break;
+    case Where::Kind::all:
+    case Where::Kind::group:
+    case Where::Kind::vertices:
+      break;
+  }
+}
+
+/// A body's fields over its places X stay what they are: G (X - o) + (v + G o).
+void move(BodyDescription& body, int dim, const Vector3& by) {
+  body.translate += by;
+  body.velocity -= body.velocity_gradient * by;
+  for (std::size_t i = 0; i < body.initial_positions.size(); ++i)
+    body.initial_positions[i] += by[static_cast<int>(i) % dim];
+}
+
+void move(FixDescription& fix, const Vector3& by) {
+  move(fix.where, by);
+  fix.displacement -= fix.gradient * by;
+  if (fix.rotate) fix.rotate->center += by;
+}
+
+}  // namespace
+
+Vector3 find_scene_origin(const Description& description) {
+  const Eigen::AlignedBox3d bounds = bounds_of(description);
+  Vector3 middle = Vector3::Zero(), first = Vector3::Zero();
+  if (bounds.isEmpty() || !bounds.sizes().allFinite()) return middle;
+  const int dim = description.dimension;
+  middle.head(dim) = bounds.center().head(dim);
+  first.head(dim) = description.bodies.front().translate.head(dim);
+  const double reach = far_away * bounds.sizes().head(dim).maxCoeff();
+  if (middle.norm() <= reach) return Vector3::Zero();
+  return (middle - first).norm() <= reach ? first : middle;
+}
+
+Description with_origin(const Description& description, const Vector3& origin) {
+  const Vector3 by = -origin;
+  Description moved = description;
+  for (BodyDescription& body : moved.bodies) move(body, description.dimension, by);
+  for (FixDescription& fix : moved.fixes) move(fix, by);
+  for (LoadDescription& load : moved.loads) move(load.where, by);
+  for (ColliderDescription& collider : moved.colliders) {
+    collider.shape.point += by;
+    collider.shape.center += by;
+  }
+  for (ProbeDescription& probe : moved.probes) probe.at += by;
+  for (SectionDescription& section : moved.sections) section.at += by[section.axis];
+  return moved;
+}
+
+}  // namespace resilin
