@@ -7,6 +7,32 @@
 #include "resilin/mesh/facet.hpp"
 
 namespace resilin {
+namespace {
+
+/// Of a displacement, for differences of energies along it, whose error is the square of this beside one.
+constexpr double part_of_displacement = 1e-4;
+/// Shorter ones, where the energy ends so near by, have no digits.
+constexpr double least_part_of_displacement = 1e-8;
+
+/// How the strain energy changes from x to both sides of it, by a part of a displacement.
+struct Changes {
+  double part, after, before;
+};
+
+Changes changes_of_energy(const Body& body, const Conditions& conditions, const VectorX& x,
+                          const VectorX& displacement) {
+  Changes changes{.part = part_of_displacement, .after = 0, .before = 0};
+  while (true) {
+    const VectorX step = changes.part * displacement;
+    changes.after = body.elastic->difference(x, x + step, conditions);
+    changes.before = body.elastic->difference(x, x - step, conditions);
+    const bool is_inside = std::isfinite(changes.after) && std::isfinite(changes.before);
+    if (is_inside || changes.part <= least_part_of_displacement) return changes;
+    changes.part *= 0.1;
+  }
+}
+
+}  // namespace
 
 std::vector<ForceBalance> measure_balance(const World& world, const Potential& potential, const VectorX& x,
                                           const VectorX& gradient) {
@@ -40,16 +66,53 @@ std::vector<ForceBalance> measure_balance(const World& world, const Potential& p
   return balances;
 }
 
+std::vector<WorkBalance> measure_work(const World& world, const Potential& potential, const VectorX& x,
+                                      const VectorX& gradient, const VectorX& displacement) {
+  const VectorX acting = potential.gradient_without(EnergyCategory::elastic, x);
+  std::vector<WorkBalance> balances;
+  for (const Body& body : world.bodies) {
+    WorkBalance balance;
+    const Changes changes = changes_of_energy(body, potential.conditions(), x, displacement);
+    balance.strain_energy = (changes.after - changes.before) / (2 * changes.part);
+    balance.scale = std::max(std::abs(changes.after), std::abs(changes.before)) / (2 * changes.part);
+    const Eigen::Index first = Eigen::Index{body.first_node} * world.dimension;
+    const Eigen::Index count = Eigen::Index{body.num_nodes} * world.dimension;
+    double size = 0;
+    for (Eigen::Index i = first; i < first + count; ++i) {
+      const bool is_held = world.is_fixed[static_cast<std::size_t>(i)] != 0;
+      const double force = (is_held ? gradient[i] : 0) - acting[i];
+      balance.work += force * displacement[i];
+      size += std::abs(force * displacement[i]);
+    }
+    balance.scale = std::max(balance.scale, size);
+    balances.push_back(balance);
+  }
+  return balances;
+}
+
 std::string describe_imbalance(const World& world, const Potential& potential, const VectorX& x,
-                               const VectorX& gradient, const NewtonReport& report) {
-  const std::vector<ForceBalance> balances = measure_balance(world, potential, x, gradient);
+                               const VectorX& gradient, const NewtonReport& report,
+                               const VectorX& displacement) {
+  const auto is_missing = [](double gap, double scale, double rounding) {
+    return !(gap <= std::max(largest_balance_error * scale, rounding));
+  };
   const double rounding = report.rounding * std::sqrt(static_cast<double>(x.size()));
-  for (std::size_t b = 0; b < balances.size(); ++b) {
-    const ForceBalance& balance = balances[b];
-    if (balance.gap() <= std::max(largest_balance_error * balance.scale, rounding)) continue;
+  const std::vector<ForceBalance> forces = measure_balance(world, potential, x, gradient);
+  for (std::size_t b = 0; b < forces.size(); ++b) {
+    const ForceBalance& balance = forces[b];
+    if (!is_missing(balance.gap(), balance.scale, rounding)) continue;
     return "the forces on \"" + world.bodies[b].name + "\" do not balance: its supports exert " +
            format_short(balance.reaction.norm()) + " N, all else " + format_short(balance.load.norm()) +
            " N, and " + format_short(balance.gap()) + " N are missing";
+  }
+  if (displacement.size() == 0 || displacement.isZero(0)) return {};
+  const std::vector<WorkBalance> works = measure_work(world, potential, x, gradient, displacement);
+  for (std::size_t b = 0; b < works.size(); ++b) {
+    const WorkBalance& balance = works[b];
+    if (!is_missing(balance.gap(), balance.scale, rounding * displacement.norm())) continue;
+    return "the strain energy of \"" + world.bodies[b].name + "\" would change by " +
+           format_short(balance.strain_energy) + " J where the forces on it do " +
+           format_short(balance.work) + " J of work: " + format_short(balance.gap()) + " J are missing";
   }
   return {};
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -23,12 +24,29 @@ struct ForceBalance {
 std::vector<ForceBalance> measure_balance(const World& world, const Potential& potential, const VectorX& x,
                                           const VectorX& gradient);
 
+/// Whether the strain energy of one body changes along a displacement by the work that the forces on it do
+/// (the principle of virtual work), by differences of energies, in which the stresses that the search has
+/// balanced do not appear.
+struct WorkBalance {
+  double strain_energy = 0;  ///< its change, for the whole displacement at the rate at x [J]
+  double work = 0;           ///< of supports and of everything else that acts, inertia included [J]
+  double scale = 0;          ///< the largest of them, or of what they are made of [J]
+
+  double gap() const { return std::abs(strain_energy - work); }  ///< what is missing [J]
+};
+
+/// Of each body of the world at x along `displacement` [m], which begins or ends there.
+std::vector<WorkBalance> measure_work(const World& world, const Potential& potential, const VectorX& x,
+                                      const VectorX& gradient, const VectorX& displacement);
+
 /// A step whose bodies are farther out of balance than this has not been solved.
 constexpr double largest_balance_error = 1e-3;
 
-/// Names the body that is farthest out of balance after a search that converged, with its numbers; empty when
+/// Names the first body that is out of balance after a search that converged, with its numbers; empty when
 /// all balance. What rounding leaves (`report.rounding`) is not missed.
+/// @param displacement  along which work is compared, too [m]; empty: of forces alone
 std::string describe_imbalance(const World& world, const Potential& potential, const VectorX& x,
-                               const VectorX& gradient, const NewtonReport& report);
+                               const VectorX& gradient, const NewtonReport& report,
+                               const VectorX& displacement = {});
 
 }  // namespace resilin

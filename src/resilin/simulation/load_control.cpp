@@ -98,8 +98,9 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
     }
     VectorX gradient;
     potential.gradient(x, gradient);
-    const std::string imbalance =
-        search.converged() ? describe_imbalance(world, potential, x, gradient, search) : "";
+    const std::string imbalance = search.converged() ? describe_imbalance(world, potential, x, gradient,
+                                                                          search, x - world.rest_positions)
+                                                     : "";
     if (search.converged() && imbalance.empty()) {
       move_to(state, std::move(x), load);
       if (search.iterations < quick_convergence)

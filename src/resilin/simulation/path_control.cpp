@@ -113,7 +113,8 @@ StepReport LoadControl::step_along_path(const World& world, Newton& newton, Stat
       const Potential potential(world, {.time = 0, .load = point.load}, static_stage(state.positions));
       VectorX gradient;
       potential.gradient(point.positions, gradient);
-      imbalance = describe_imbalance(world, potential, point.positions, gradient, search);
+      imbalance = describe_imbalance(world, potential, point.positions, gradient, search,
+                                     point.positions - world.rest_positions);
     }
     if (search.converged() && imbalance.empty()) {
       state.previous_positions = std::exchange(state.positions, std::move(point.positions));

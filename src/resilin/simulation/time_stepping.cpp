@@ -145,8 +145,13 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
       report.reason = describe_failure(world, search, x);
     }
     potential.gradient(x, attempt.gradient);
+    // Energies are compared where the run ends: they cost as much as a step of Newton's method.
+    const bool is_last = state.time + time_step >= world.end_time - time_slack(world.end_time);
+    const VectorX displacement = is_last ? VectorX(x - start.now.positions) : VectorX();
     if (const std::string imbalance =
-            search.converged() ? describe_imbalance(world, potential, x, attempt.gradient, search) : "";
+            search.converged()
+                ? describe_imbalance(world, potential, x, attempt.gradient, search, displacement)
+                : "";
         !imbalance.empty()) {
       report.status = StepReport::Status::not_converged;
       report.reason = imbalance;

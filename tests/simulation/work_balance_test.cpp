@@ -1,0 +1,65 @@
+#include <gtest/gtest.h>
+
+#include "resilin/simulation/force_balance.hpp"
+#include "resilin/simulation/simulation.hpp"
+#include "small_scenes.hpp"
+
+namespace resilin {
+namespace {
+
+/// A bar that is drawn out, turned at its end, pulled and blown at, of one law.
+Description worked_bar(const std::string& law, const std::string& element) {
+  Description scene = testing::small_bar(3, false);
+  if (element.starts_with("Q")) scene.bodies[0].mesh = make_hexahedron_box({1, 0.25, 0.25}, {6, 2, 2});
+  scene.bodies[0].element = element;
+  scene.bodies[0].material.law = law;
+  FixDescription end;
+  end.name = "end";
+  end.where.kind = Where::Kind::plane;
+  end.where.at = 1;
+  end.displacement = {0.05, 0.02, 0};
+  scene.fixes.push_back(end);
+  LoadDescription wind;
+  wind.name = "wind";
+  wind.kind = "traction";
+  wind.value = {0, 300, 0};
+  wind.where.kind = Where::Kind::plane;
+  wind.where.axis = 1;
+  scene.loads.push_back(wind);
+  return scene;
+}
+
+WorkBalance balance_at(const Simulation& simulation, const World& energies) {
+  const VectorX& x = simulation.state().positions;
+  const Potential potential(simulation.world(), {.time = 0, .load = 1}, static_stage(x));
+  VectorX gradient;
+  potential.gradient(x, gradient);
+  World world = simulation.world();
+  world.bodies[0].elastic = energies.bodies[0].elastic;
+  return measure_work(world, potential, x, gradient, x - world.rest_positions)[0];
+}
+
+struct WorkOfElements : ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(All, WorkOfElements, ::testing::Values("P1", "P2", "P2P0", "Q1", "Q1P0"));
+
+TEST_P(WorkOfElements, IsTheChangeOfTheStrainEnergy) {
+  for (const std::string law : {"stable_neo_hookean", "neo_hookean", "mooney_rivlin"}) {
+    const Simulation simulation = testing::run_all(worked_bar(law, GetParam()));
+    ASSERT_TRUE(simulation.is_finished()) << law;
+    const WorkBalance right = balance_at(simulation, simulation.world());
+    EXPECT_GT(right.scale, 0) << law;
+    EXPECT_LT(right.gap(), 1e-6 * right.scale) << law;
+  }
+}
+
+/// Stresses of a body that is one percent stiffer than its energy says.
+TEST_P(WorkOfElements, ShowsStressesThatAreNotThoseOfTheEnergy) {
+  Description scene = worked_bar("stable_neo_hookean", GetParam());
+  const Simulation simulation = testing::run_all(scene);
+  scene.bodies[0].material.constants["youngs_modulus"] *= 1.01;
+  const WorkBalance wrong = balance_at(simulation, World(scene));
+  EXPECT_GT(wrong.gap(), 5e-3 * wrong.scale);
+}
+
+}  // namespace
+}  // namespace resilin
