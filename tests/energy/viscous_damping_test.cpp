@@ -34,7 +34,7 @@ struct DampedBody {
     std::uniform_real_distribution<double> uniform(1, 5);
     viscosities.resize(is_uniform ? 1 : static_cast<std::size_t>(elastic->num_cells()));
     for (Viscosity& viscosity : viscosities) viscosity = {.eta = uniform(random), .zeta = uniform(random)};
-    shape = mesh.moved(0.05, 5);
+    shape = mesh.moved(0.02, 5);
     velocities = mesh.moved(1, 6) - mesh.X;
   }
 

@@ -32,7 +32,7 @@ RunOutcome run_into(const std::filesystem::path& folder, const Description& scen
                                                          },
                                                      .max_steps = steps});
   results.record(simulation, true);
-  results.finish(simulation, outcome.status, outcome.reason);
+  results.finish(simulation, outcome);
   return outcome;
 }
 

@@ -77,7 +77,7 @@ TEST(SavedReport, WithRandomDamageIsReadOrRefused) {
     const RunOutcome outcome = run_to_end(
         simulation,
         {.after_step = [&](const StepReport&) { results.record(simulation, false); }, .max_steps = 4});
-    results.finish(simulation, outcome.status, outcome.reason);
+    results.finish(simulation, outcome);
   }
   const std::string good = folder.read("report.json"), checkpoint = folder.read("checkpoint.bin");
   std::mt19937 random(3);
@@ -103,7 +103,7 @@ TEST(SavedReport, WithRandomDamageIsReadOrRefused) {
     EXPECT_TRUE(results.resume(simulation, Resume::same_scene).has_checkpoint);
     simulation.step();
     results.record(simulation, true);
-    results.finish(simulation, RunStatus::budget, "for the test");
+    results.finish(simulation, {.status = RunStatus::budget, .reason = "for the test"});
     EXPECT_EQ(refusal(folder / "report.json"), "");
     folder.write("checkpoint.bin", checkpoint);
   }

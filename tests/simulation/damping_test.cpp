@@ -28,7 +28,7 @@ SmallVibration small_vibration() {
   scene.modes.reset();
   scene.is_dynamic = true;
   scene.newton.tolerance = 1e-12;
-  const VectorX velocities = 1e-6 * mode.shape;
+  const VectorX velocities = 1e-5 * mode.shape;
   scene.bodies[0].initial_velocities.assign(velocities.begin(), velocities.end());
   return {scene, std::sqrt(mode.eigenvalue), velocities};
 }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <random>
 
 #include "resilin/core/text.hpp"
@@ -33,6 +34,12 @@ Description scene_of_places(bool is_dynamic) {
   floor.shape.point = {0, 0, -0.5};
   floor.shape.normal = {0, 0, 1};
   scene.colliders.push_back(floor);
+  SectionDescription middle;
+  middle.name = "middle";
+  middle.body = bar.name;
+  middle.axis = 0;
+  middle.at = 0.5;
+  scene.sections.push_back(middle);
   return scene;
 }
 
@@ -75,6 +82,17 @@ TEST_P(ScenesFarAway, MoveAsTheyDoAtTheOriginAndReportWhereTheyAre) {
   for (Index node = 0; node < moved.world().num_nodes(); ++node) {
     const Vector3 expected = place + node_position(3, node, near.state().positions);
     EXPECT_LT((frame.file.mesh.vertices[static_cast<std::size_t>(node)] - expected).norm(), 1e-12 * far);
+  }
+  // Moments are about the scene's origin, sections where they are cut.
+  const Frame &by_us = near.frame(), &over_there = moved.frame();
+  const Vector3 p = by_us.linear_momentum;
+  EXPECT_LT((over_there.linear_momentum - p).norm(), 1e-9 * far);
+  EXPECT_LT((over_there.angular_momentum - by_us.angular_momentum - place.cross(p)).norm(), 1e-9 * far * far);
+  EXPECT_LT((over_there.sections[0].center - by_us.sections[0].center - place).norm(), 1e-12 * far);
+  for (std::size_t i = 0; i < by_us.reactions.size(); ++i) {
+    const Vector3 turned = by_us.reaction_torques[i] + place.cross(by_us.reactions[i].second);
+    const double scale = by_us.reactions[0].second.norm() * far;
+    EXPECT_LT((over_there.reaction_torques[i] - turned).norm(), 1e-6 * scale) << i;
   }
 }
 

@@ -6,6 +6,18 @@
 #include "resilin/simulation/potential.hpp"
 
 namespace resilin {
+namespace {
+
+/// Moments and places from the world's coordinates into those of the scene. Potential energies stay: theirs
+/// is an origin of choice, and a far one would cost their digits.
+void move_to_scene_coordinates(const Vector3& origin, Frame& frame) {
+  frame.angular_momentum += origin.cross(frame.linear_momentum);
+  for (std::size_t i = 0; i < frame.reactions.size(); ++i)
+    frame.reaction_torques[i] += origin.cross(frame.reactions[i].second);
+  for (SectionForce& section : frame.sections) section.center += origin;
+}
+
+}  // namespace
 
 Frame measure_frame(const World& world, const State& state, const VectorX* step_gradient) {
   const int dim = world.dimension;
@@ -70,6 +82,7 @@ Frame measure_frame(const World& world, const State& state, const VectorX* step_
     frame.reactions.emplace_back(term->name(), reaction->force);
     frame.reaction_torques.push_back(reaction->torque);
   }
+  move_to_scene_coordinates(world.origin, frame);
   return frame;
 }
 

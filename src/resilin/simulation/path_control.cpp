@@ -126,7 +126,7 @@ StepReport LoadControl::step_along_path(const World& world, Newton& newton, Stat
     }
     ++report.failed_attempts;
     state.arc_length *= 0.5;
-    if (state.arc_length < smallest_arc * first_arc(world, state)) {
+    if (!(state.arc_length > smallest_arc * first_arc(world, state))) {
       return end_with(StepReport::Status::not_converged,
                       "the path of equilibria could not be followed beyond load factor " +
                           format_number(state.load) + ": " +

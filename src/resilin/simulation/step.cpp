@@ -58,7 +58,7 @@ std::string describe_failure(const World& world, const NewtonReport& report, con
   if (report.worst_unknown >= 0) {
     const Index node = report.worst_unknown / world.dimension;
     const Body& body = world.body_of(node);
-    const Vector3 X = node_position(world.dimension, node, world.rest_positions);
+    const Vector3 X = world.place_of(node, world.rest_positions);
     text += "; the force residual is " + format_number(report.residual) + " N (" +
             format_number(report.relative_residual()) + " of the load), largest at vertex " +
             std::to_string(node - body.first_node) + " of \"" + body.name + "\" at (" + format_number(X.x()) +

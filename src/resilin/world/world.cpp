@@ -87,38 +87,6 @@ void check_modes(const Description& description, const ModesOptions& modes, Worl
   }
 }
 
-std::string point_text(const Vector3& point, int dim) {
-  std::string text;
-  for (int k = 0; k < dim; ++k) text += (k > 0 ? ", " : "(") + format_short(point[k]);
-  return text + ")";
-}
-
-/// A probe watches the nearest vertex, which is a place of its own when it is half a cell away or a tenth of
-/// the body.
-void warn_of_distance(World& world, const Body& body, const ProbeDescription& probe, Index node,
-                      double distance) {
-  const int dim = world.dimension;
-  const Vector3 place = node_position(dim, node, world.rest_positions);
-  const auto width = static_cast<std::size_t>(resilin::num_nodes(body.cell_kind));
-  double cell_size = 0;
-  Vector3 low = place, high = place;
-  for (std::size_t first = 0; first < body.cells.size(); first += width) {
-    const auto cell = std::span(body.cells).subspan(first, width);
-    const bool is_here = std::ranges::find(cell, node) != cell.end();
-    for (const Index other : cell) {
-      const Vector3 X = node_position(dim, other, world.rest_positions);
-      if (is_here) cell_size = std::max(cell_size, (X - place).norm());
-      low = low.cwiseMin(X);
-      high = high.cwiseMax(X);
-    }
-  }
-  if (distance <= std::min(0.5 * cell_size, 0.1 * (high - low).maxCoeff())) return;
-  world.warnings.push_back(probe.place + ": the nearest vertex, which it watches, is " +
-                           format_short(distance) + " m from " + point_text(world.origin + probe.at, dim) +
-                           ", at " + point_text(world.origin + place, dim) +
-                           "; place it there, or refine the mesh");
-}
-
 /// Makes a world out of its description, part by part.
 class Builder {
  public:
@@ -274,22 +242,7 @@ void Builder::add_load(const LoadDescription& load) {
 
 void Builder::add_probe(const ProbeDescription& probe) {
   const Body& body = world_.bodies[find_body(probe.body, probe.place)];
-  Probe found{.name = probe.name, .node = body.first_node};
-  double nearest = std::numeric_limits<double>::infinity();
-  const auto num_corners = static_cast<std::size_t>(resilin::num_corners(body.cell_kind));
-  const auto width = static_cast<std::size_t>(resilin::num_nodes(body.cell_kind));
-  for (std::size_t i = 0; i < body.cells.size(); ++i) {
-    if (i % width >= num_corners) continue;
-    const Index node = body.cells[i];
-    const double distance =
-        (node_position(world_.dimension, node, world_.rest_positions) - probe.at).squaredNorm();
-    if (distance < nearest || (distance == nearest && node < found.node)) {
-      nearest = distance;
-      found.node = node;
-    }
-  }
-  warn_of_distance(world_, body, probe, found.node, std::sqrt(nearest));
-  world_.probes.push_back(std::move(found));
+  world_.probes.push_back(find_probe(probe, body, world_));
 }
 
 void Builder::add_section(const SectionDescription& section) {

@@ -9,6 +9,7 @@
 #include "resilin/energy/mass.hpp"
 #include "resilin/world/description.hpp"
 #include "resilin/world/fingerprint.hpp"
+#include "resilin/world/probe.hpp"
 #include "resilin/world/section.hpp"
 #include "resilin/world/skin.hpp"
 #include "resilin/world/support.hpp"
@@ -48,11 +49,6 @@ Reach reach_along(int axis, const Body& body, const VectorX& positions, int dim)
 
 /// The longest reach of the body along the axes [m].
 double largest_extent(const Body& body, const VectorX& positions, int dim);
-
-struct Probe {
-  std::string name;
-  Index node = 0;
-};
 
 /// Everything about a simulation that does not change while it runs. A value: no step changes it.
 class World {

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+
+#include "resilin/world/description.hpp"
+
+namespace resilin {
+
+struct Body;
+class World;
+
+/// A vertex whose motion is written down.
+struct Probe {
+  std::string name;
+  Index node = 0;
+};
+
+/// The vertex of `body` nearest to the place of `probe`; `world` gets a warning when it is far from there.
+Probe find_probe(const ProbeDescription& probe, const Body& body, World& world);
+
+}  // namespace resilin
