@@ -46,7 +46,7 @@ TEST_F(Commands, ThatDoNotExistAreRefusedInOneLine) {
 
 TEST_F(Commands, ExplainThemselvesWithAnExample) {
   EXPECT_EQ(run({"--help"}).exit_code, 0);
-  for (const std::string command : {"run", "view", "check", "mesh", "materials", "bench", "info"}) {
+  for (const std::string command : {"run", "view", "check", "mesh", "materials", "info"}) {
     const ProgramResult result = run({command, "--help"});
     EXPECT_EQ(result.exit_code, 0);
     EXPECT_THAT(result.out, HasSubstr("Example"));
@@ -152,12 +152,6 @@ TEST_F(Commands, AnInstructionSetThatIsNotThereIsOneLine) {
   EXPECT_THAT(result.err, AllOf(StartsWith("resilin: environment variable RESILIN_ISA: expected"),
                                 HasSubstr("got \"avx1024\"")));
   EXPECT_EQ(std::ranges::count(result.err, '\n'), 1);
-}
-
-TEST_F(Commands, BenchListsTheBenchmarks) {
-  const ProgramResult result = run({"bench"});
-  EXPECT_EQ(result.exit_code, 0);
-  EXPECT_THAT(result.out, HasSubstr("solvers"));
 }
 
 }  // namespace
