@@ -75,7 +75,8 @@ function(resilin_module name)
 endfunction()
 
 # resilin_test(NAME SOURCES a_test.cpp ... ALONE big_test.cpp ... LINK resilin::x ...): a GoogleTest program; ctest runs each
-# of its tests. ALONE: see resilin_unite.
+# of its tests, under the name that its INSTANTIATE_TEST_SUITE_P gives it: values as GoogleTest prints them may hold addresses,
+# and differ from run to run. ALONE: see resilin_unite.
 function(resilin_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;ALONE;LINK" ${ARGN})
   set(target ${name}_test)
@@ -83,5 +84,6 @@ function(resilin_test name)
   target_link_libraries(${target} PRIVATE resilin_options resilin_test_support ${ARG_LINK})
   resilin_precompile(${target} TESTS)
   resilin_unite(${target} ${ARG_ALONE})
-  gtest_discover_tests(${target} TEST_PREFIX "${name}/" DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60)
+  gtest_discover_tests(${target} TEST_PREFIX "${name}/" NO_PRETTY_VALUES DISCOVERY_MODE PRE_TEST
+                       DISCOVERY_TIMEOUT 60)
 endfunction()

@@ -26,7 +26,7 @@ def projection_named(name: Projection) -> _core.Projection:
 
 
 def laws() -> dict[str, _core.LawInfo]:
-    """Every law by name, {name: LawInfo}: formula, source, constants with units, behaviour under inversion."""
+    """Every law by name, {name: LawInfo}: title, formula, source, constants with units, behaviour under inversion."""
     return {law.name: law for law in _core.laws()}
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from resilin import _core
 from resilin.arrays import describe, real_array, refuse
 from resilin.catalog import projection_named
+from resilin.embedding import elements_by_kind
 from resilin.material import number_constants
 from resilin.mesh import warn
 
@@ -63,17 +64,16 @@ class Elastic:
             refuse("dimension", "2 or 3", repr(dimension))
         element = element or _element_of(mesh)
         kind = _core.element_cells(element, self._dim)
-        core = mesh._core.corners_only() if element == "P1" else mesh._core
+        is_second_order = _core.is_second_order(kind)
+        core = mesh._core if is_second_order else mesh._core.corners_only()
         solid = core.prepared(self._dim)
         warn(solid.warnings[len(mesh._core.warnings) :])
-        if element.startswith("P2"):
+        if is_second_order:
             solid = solid.second_order()
         cells = dict(solid.cells()).get(kind)
         if cells is None:
             kinds = ", ".join(other.name for other, _ in solid.cells())
-            refuse(
-                "element", "P1, P2 or P2P0 on triangles and tetrahedra, Q1 or Q1P0 on others", f"{element} on {kinds}"
-            )
+            refuse("element", f"{kind.name} cells for {element}", f"{element} on {kinds}")
         self._cells = cells
         self._rest_positions = np.ascontiguousarray(solid.positions()[:, : self._dim])
         constants = _constant_rows(number_constants(material), len(self._cells))
@@ -240,10 +240,10 @@ class Elastic:
 
 
 def _element_of(mesh: Mesh) -> str:
-    kinds = mesh.cells_by_kind
-    if "hexahedron" in kinds or ("quadrilateral" in kinds and mesh.dimension == 2):
-        return "Q1"
-    return "P2" if "tetrahedron10" in kinds or ("triangle6" in kinds and mesh.dimension == 2) else "P1"
+    elements = elements_by_kind(mesh.dimension)
+    found = [element for kind, element in elements.items() if kind in mesh.cells_by_kind]
+    # Of several kinds the last of the catalogue; a mesh without any is refused later, with its own kinds.
+    return found[-1] if found else next(iter(elements.values()))
 
 
 def _constant_rows(constants: Mapping[str, object], num_cells: int) -> NDArray[np.float64]:

@@ -15,11 +15,10 @@ if TYPE_CHECKING:
     from resilin.mesh import Mesh
     from resilin.typing import RealArray
 
-# The element whose shape functions the cells of a kind have.
-ELEMENTS = {
-    2: {"triangle": "P1", "triangle6": "P2", "quadrilateral": "Q1"},
-    3: {"tetrahedron": "P1", "tetrahedron10": "P2", "hexahedron": "Q1"},
-}
+
+def elements_by_kind(dimension: int) -> dict[str, str]:
+    """The element whose shape functions the cells of a kind have, by the name of the kind."""
+    return {kind.name: element for kind, element in _core.kinds_with_elements(dimension)}
 
 
 def embed(mesh: Mesh, points: RealArray) -> csr_array:
@@ -49,13 +48,14 @@ def embed(mesh: Mesh, points: RealArray) -> csr_array:
     points = np.asarray(real_array(points, "points"), dtype=np.float64)
     if points.ndim != 2 or points.shape[1] != mesh.dimension:
         refuse("points", f"an array (V, {mesh.dimension})", describe(points.shape))
-    kinds = [kind for kind in ELEMENTS[mesh.dimension] if kind in mesh.cells_by_kind]
+    elements = elements_by_kind(mesh.dimension)
+    kinds = [kind for kind in elements if kind in mesh.cells_by_kind]
     if len(kinds) != 1:
-        refuse("mesh", f"cells of one kind of {', '.join(ELEMENTS[mesh.dimension])}", ", ".join(kinds) or "none")
+        refuse("mesh", f"cells of one kind of {', '.join(elements)}", ", ".join(kinds) or "none")
     places = np.zeros((len(points), 3))
     places[:, : mesh.dimension] = points
     values, columns, row_begin = _core.embed(
-        ELEMENTS[mesh.dimension][kinds[0]],
+        elements[kinds[0]],
         np.ascontiguousarray(mesh.positions),
         np.ascontiguousarray(mesh.cells_by_kind[kinds[0]]),
         places,

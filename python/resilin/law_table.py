@@ -14,7 +14,11 @@ def law_table(laws: Mapping[str, _core.LawInfo]) -> str:
     """What each law is, and its constants."""
     lines = ["Laws", "----"]
     for law in laws.values():
-        lines += [law.name, f"    Psi = {law.formula}", *(f"    {_described(constant)}" for constant in law.constants)]
+        lines += [
+            f"{law.name} ({law.title})",
+            f"    Psi = {law.formula}",
+            *(f"    {_described(constant)}" for constant in law.constants),
+        ]
         if law.max_fibres > 0:
             lines.append(f"    Fibres: up to {law.max_fibres} families.")
         if law.only_poissons_ratio is not None:

@@ -97,6 +97,7 @@ void bind_law_info(nb::module_& module) {
       });
   nb::class_<LawInfo>(module, "LawInfo")
       .def_ro("name", &LawInfo::name)
+      .def_ro("title", &LawInfo::title)
       .def_ro("formula", &LawInfo::formula)
       .def_ro("source", &LawInfo::source)
       .def_ro("inversion", &LawInfo::inversion)

@@ -16,6 +16,7 @@
 #include "csr.hpp"
 #include "resilin/element/catalog.hpp"
 #include "resilin/io/mesh_file.hpp"
+#include "resilin/mesh/cell_kind.hpp"
 #include "resilin/mesh/embedding.hpp"
 #include "resilin/mesh/generators.hpp"
 #include "resilin/mesh/second_order.hpp"
@@ -119,6 +120,15 @@ MeshFile with_second_order(const MeshFile& file) {
   return finer;
 }
 
+/// Kinds of cells and the names of the elements with their shape functions, in the order of the catalogue.
+std::vector<std::pair<CellKind, std::string>> kinds_with_elements(int dim) {
+  std::vector<std::pair<CellKind, std::string>> kinds;
+  for (const ElementInfo* element : elements())
+    if (element->dim == dim && element_of_cells(cell_kind(*element)) == element)
+      kinds.emplace_back(cell_kind(*element), element->name);
+  return kinds;
+}
+
 /// Weights of the nodes at points, by rows as scipy keeps them: (values, columns, row_begin).
 CsrArrays embed(const std::string& element_name, const Array2d<double>& rest_positions,
                 const Array2d<Index>& cells, const Array2d<double>& points) {
@@ -158,6 +168,7 @@ void bind_mesh(nb::module_& module) {
       .value("triangle6", CellKind::triangle6)
       .value("tetrahedron10", CellKind::tetrahedron10);
   module.def("num_nodes", &num_nodes, nb::arg("kind"));
+  module.def("is_second_order", &is_second_order, nb::arg("kind"));
   nb::enum_<TetPattern>(module, "TetPattern")
       .value("kuhn6", TetPattern::kuhn6)
       .value("five", TetPattern::five);
@@ -189,6 +200,7 @@ void bind_mesh(nb::module_& module) {
       "element_cells",
       [](const std::string& element, int dim) { return cell_kind(require_element(element, dim, "element")); },
       nb::arg("element"), nb::arg("dim"));
+  module.def("kinds_with_elements", &kinds_with_elements, nb::arg("dim"));
   module.def(
       "make_hexahedron_box",
       [](const std::array<double, 3>& size, const std::array<int, 3>& cubes,

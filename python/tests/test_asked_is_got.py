@@ -16,9 +16,9 @@ def pulled_bar(law):
     def slide(group, axis, **more):
         return {"name": group, "where": {"group": group}, "components": axis, **more}
 
-    beside = beside_young_and_poisson(law, YOUNG)
-    if "fibre_modulus" in beside:
-        beside["fibre_modulus"] = 1e-8 * YOUNG  # E and nu are those of the solid between the fibres
+    # E and nu of a law with fibres are those of the solid between them, which are as good as not there.
+    has_fibres = resilin.laws()[law].max_fibres > 0
+    beside = beside_young_and_poisson(law, 1e-8 * YOUNG if has_fibres else YOUNG)
 
     return {
         "simulation": {"kind": "static"},

@@ -78,7 +78,7 @@ def test_the_table_of_laws_is_the_help():
     text = resilin.Material.__doc__
     for name, law in resilin.laws().items():
         assert law.name == name
-        for part in (name, law.formula, law.source, law.inversion, *(c.name for c in law.constants)):
+        for part in (name, law.title, law.formula, law.source, law.inversion, *(c.name for c in law.constants)):
             assert part in text
         assert law.constants
 

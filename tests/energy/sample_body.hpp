@@ -7,6 +7,7 @@
 
 #include "resilin/element/catalog.hpp"
 #include "resilin/energy/elastic.hpp"
+#include "sample_fibres.hpp"
 
 namespace resilin::testing {
 
@@ -74,9 +75,8 @@ struct Body {
 inline ElasticEnergy make_energy(const Body& body, const LawInfo& law,
                                  InstructionSet set = preferred_instruction_set()) {
   const auto constants = law.constants_from(hooke_from_young_poisson(1e5 /* Pa */, 0.45));
-  FibreDirections fibres;
-  if (law.max_fibres > 0) fibres = {{Vector3(0.8, 0.6, 0), Vector3(0.6, -0.8, 0)}, 2};
-  return {body.dim, "P1", body.cells, body.X, law, constants, fibres, set};
+  const auto fibres = fibres_for(law, {Vector3(0.8, 0.6, 0), Vector3(0.6, -0.8, 0)});
+  return {body.dim, "P1", body.cells, body.X, law, constants, {fibres, fibres.size()}, set};
 }
 
 }  // namespace resilin::testing

@@ -9,6 +9,7 @@
 #include "resilin/core/error.hpp"
 #include "resilin/io/mesh_file.hpp"
 #include "shared_data.hpp"
+#include "test_names.hpp"
 
 // Every file of tests/data/bad_inputs/index.json gets the answer that the index asks for.
 
@@ -27,7 +28,7 @@ Answer answer_to(const std::string& name) {
   Answer answer;
   try {
     MeshFile file = read_mesh(folder() / name);
-    if (file.format == "OBJ") {
+    if (file.is_surface) {
       const MeshReport report = check_mesh_file(file);
       report.require_no_errors();
       for (const MeshIssue& issue : report.warnings) answer.warnings.push_back(issue.text());
@@ -89,11 +90,8 @@ TEST_P(BadInput, GetsTheAnswerThatTheIndexAsksFor) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Index, BadInput, ::testing::ValuesIn(expectations), [](const auto& test) {
-  std::string name = test.param.file;
-  std::replace(name.begin(), name.end(), '.', '_');
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(Index, BadInput, ::testing::ValuesIn(expectations),
+                         [](const auto& test) { return testing::as_test_name(test.param.file); });
 
 TEST(BadInputs, AreAllOfTheIndex) {
   std::ifstream stream(folder() / "index.json");

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <fstream>
 #include <map>
 #include <sstream>
 
@@ -11,6 +12,7 @@
 #include "resilin/io/catalog.hpp"
 #include "resilin/mesh/edit.hpp"
 #include "resilin/mesh/generators.hpp"
+#include "shared_data.hpp"
 #include "temporary_folder.hpp"
 
 namespace resilin {
@@ -90,6 +92,52 @@ TEST_P(EveryFormat, IsWrittenOrSaysThatItIsOnlyRead) {
       EXPECT_GT(std::filesystem::file_size(path), 0U);
     }
   }
+}
+
+/// The rows of docs/mesh_formats.md that name this extension.
+std::vector<std::string> rows_of(std::string_view extension) {
+  std::ifstream page(testing::source_folder() / "docs" / "mesh_formats.md");
+  std::vector<std::string> rows;
+  for (std::string line; std::getline(page, line);)
+    if (line.starts_with("| ") && line.find("`." + std::string(extension) + "`") != line.npos)
+      rows.push_back(line);
+  return rows;
+}
+
+/// The text of a cell of such a row, from 0.
+std::string cell_of(const std::string& row, int number) {
+  std::istringstream cells(row.substr(2));
+  std::string text;
+  for (int i = 0; i <= number; ++i) std::getline(cells, text, '|');
+  const std::size_t begin = text.find_first_not_of(' '), end = text.find_last_not_of(' ');
+  return begin == text.npos ? "" : text.substr(begin, end + 1 - begin);
+}
+
+TEST_P(EveryFormat, IsDocumentedAsWhatItIs) {
+  for (const std::string_view extension : format.extensions) {
+    const std::vector<std::string> rows = rows_of(extension);
+    EXPECT_FALSE(rows.empty()) << extension;
+    const bool is_written =
+        std::ranges::any_of(rows, [](const std::string& row) { return cell_of(row, 3) != "-"; });
+    EXPECT_EQ(is_written, format.write != nullptr) << extension;
+  }
+}
+
+bool calls_cells_inverted(const MeshFile& file) {
+  return std::ranges::any_of(check_mesh_file(file).warnings, [](const MeshIssue& issue) {
+    return issue.text().find("inverted") != std::string::npos;
+  });
+}
+
+/// A flat mesh is that of a body in 2D, in which triangles go anticlockwise, unless its format holds surfaces
+/// alone.
+TEST(AFormatOfSurfaces, IsExaminedAsASurface) {
+  const MeshFile surface = read_mesh_from_memory("triangle.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 3 2\n");
+  EXPECT_TRUE(surface.is_surface);
+  EXPECT_FALSE(calls_cells_inverted(surface));
+  MeshFile body = surface;
+  body.is_surface = false;
+  EXPECT_TRUE(calls_cells_inverted(body));
 }
 
 struct EveryWrittenFormat : EveryFormat {

@@ -10,6 +10,7 @@
 #include "resilin/io/vtu.hpp"
 #include "resilin/mesh/quality.hpp"
 #include "shared_data.hpp"
+#include "test_names.hpp"
 
 // Files that Gmsh, VTK and meshio wrote (tests/data/make_meshes.py): the unit cube with the groups "body",
 // "left" (x = 0), "rim" (two edges) and "corner" (the origin).
@@ -22,9 +23,7 @@ std::filesystem::path file(const std::string& name) {
 }
 
 std::string test_name(const ::testing::TestParamInfo<std::string>& info) {
-  std::string name = info.param;
-  std::replace(name.begin(), name.end(), '.', '_');
-  return name;
+  return testing::as_test_name(info.param);
 }
 
 double volume(const Mesh& mesh) {

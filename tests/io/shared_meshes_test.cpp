@@ -9,6 +9,7 @@
 #include "resilin/mesh/generators.hpp"
 #include "resilin/mesh/quality.hpp"
 #include "shared_data.hpp"
+#include "test_names.hpp"
 
 // Meshes of other projects and those of the validation cases.
 
@@ -46,11 +47,7 @@ TEST_P(SharedMesh, LoadsAndIsFitForSimulation) {
 }
 
 INSTANTIATE_TEST_SUITE_P(OfOtherProjects, SharedMesh, ::testing::ValuesIn(shared_meshes),
-                         [](const auto& test) {
-                           std::string name = test.param.file;
-                           std::replace(name.begin(), name.end(), '.', '_');
-                           return name;
-                         });
+                         [](const auto& test) { return testing::as_test_name(test.param.file); });
 
 TEST(SharedSurface, OfTheArmadilloAndTheCowLoad) {
   RESILIN_NEEDS_SHARED_DATA();

@@ -13,7 +13,8 @@ using testing::dense;
 using testing::sample_matrix;
 
 struct EveryDimension : ::testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(BlockMatrix, EveryDimension, ::testing::Values(2, 3));
+INSTANTIATE_TEST_SUITE_P(BlockMatrix, EveryDimension, ::testing::Values(2, 3),
+                         ::testing::PrintToStringParamName());
 
 TEST_P(EveryDimension, ProductEqualsTheDenseOne) {
   for (const Offset slots_per_chunk : {32768, 60}) {  // one chunk, and many

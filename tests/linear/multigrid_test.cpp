@@ -26,7 +26,7 @@ struct EveryBar : ::testing::TestWithParam<int> {
     full = FullPattern(upper.row_begin, upper.columns);
   }
 };
-INSTANTIATE_TEST_SUITE_P(Multigrid, EveryBar, ::testing::Values(2, 3));
+INSTANTIATE_TEST_SUITE_P(Multigrid, EveryBar, ::testing::Values(2, 3), ::testing::PrintToStringParamName());
 
 bool is_permutation_of_all(std::vector<Index> order, Index count) {
   std::sort(order.begin(), order.end());

@@ -256,6 +256,29 @@ TEST(LiveScene, ChangesItsLawUnlessCellsAreInsideOut) {
   EXPECT_EQ(scene.world().bodies[0].law, "stable_neo_hookean");
 }
 
+/// What E and nu do not determine stays as it was given.
+TEST(LiveScene, ChangesTheStiffnessOfALawWithFibres) {
+  Description description = standing_block(2, 0);
+  MaterialDescription& material = description.bodies[0].material;
+  material.law = "holzapfel_gasser_ogden";
+  material.constants["fibre_modulus"] = 2e4;
+  material.constants["fibre_stiffening"] = 3;
+  material.fibres = {{Vector3::UnitZ()}};
+  LiveScene scene(std::move(description));
+  LiveControls controls = scene.controls();
+  controls.youngs_modulus *= 2;
+  const Material before = scene.world().bodies[0].elastic->material(0);
+  scene.set_controls(controls);
+  const Material after = scene.world().bodies[0].elastic->material(0);
+  ASSERT_EQ(after.law->name, "holzapfel_gasser_ogden");
+  for (std::size_t i = 0; i < after.constants.size(); ++i) {
+    const double factor = after.law->constants[i].is_free ? 1 : 2;
+    EXPECT_DOUBLE_EQ(after.constants[i], factor * before.constants[i]) << after.law->constants[i].name;
+  }
+  EXPECT_EQ(after.fibres, before.fibres);
+  EXPECT_EQ(after.constants[2], 2e4);
+}
+
 TEST(LiveScene, HasTheSameBitsForAnyNumberOfThreadsAndAfterReset) {
   const int threads = num_threads();
   const auto played = [](LiveScene& scene) {

@@ -100,7 +100,7 @@ TEST_P(StormOfGrabs, LeavesABlockAtRest) {
   LiveScene scene(standing_block(2, 0));
   comes_back_from_a_storm(scene, 1000, static_cast<std::uint64_t>(GetParam()));
 }
-INSTANTIATE_TEST_SUITE_P(Seeds, StormOfGrabs, ::testing::Range(1, 11));
+INSTANTIATE_TEST_SUITE_P(Seeds, StormOfGrabs, ::testing::Range(1, 11), ::testing::PrintToStringParamName());
 
 TEST(Storm, LeavesTheArmadilloAtRest) {
   RESILIN_NEEDS_SHARED_DATA();

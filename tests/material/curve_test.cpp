@@ -24,10 +24,13 @@ using testing::material_for;
 constexpr LoadCase load_cases[] = {LoadCase::uniaxial, LoadCase::equibiaxial, LoadCase::planar,
                                    LoadCase::shear, LoadCase::volumetric};
 
-/// Fibres are alike along x and y.
+/// Fibres are alike along x and y: two families across each other, or one along z.
 Material sample(const LawInfo& law) {
   Material material = material_for(law, hooke_from_young_poisson(1e5 /* Pa */, 0.3));
-  if (law.max_fibres > 0) material.fibres = {Vector3(1, 1, 0).normalized(), Vector3(1, -1, 0).normalized()};
+  material.fibres =
+      law.max_fibres == 1
+          ? std::vector<Vector3>{Vector3::UnitZ()}
+          : testing::fibres_for(law, {Vector3(1, 1, 0).normalized(), Vector3(1, -1, 0).normalized()});
   return material;
 }
 

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <fstream>
+#include <limits>
 #include <set>
 #include <sstream>
 #include <string_view>
@@ -44,6 +45,27 @@ TEST(Law, HasATitleThatTellsItFromTheOthers) {
     EXPECT_NE(law->title, law->name) << "a title is for people";
   }
   EXPECT_EQ(find_law("stable_neo_hookean")->title, "Stable Neo-Hookean");
+}
+
+/// Those that a live scene can change to.
+TEST(Law, NeedsOnlyHookeWhereYoungAndPoissonAloneMakeIt) {
+  for (const LawInfo* law : laws()) {
+    const auto is_made = [law](double poissons_ratio) {
+      const std::map<std::string, double> given = {{"youngs_modulus", 1e5},
+                                                   {"poissons_ratio", poissons_ratio}};
+      return message_of([&] { resolve_constants(*law, given, "material"); }) == "no error";
+    };
+    EXPECT_EQ(law->needs_only_hooke(), law->max_fibres == 0 && is_made(0.1) && is_made(0.4)) << law->name;
+  }
+}
+
+TEST(Law, DoesNotNeedOnlyHookeWhereAFreeConstantMustBeGiven) {
+  LawInfo law = *find_law("gent");
+  ASSERT_TRUE(law.needs_only_hooke());
+  std::vector<ConstantText> constants(law.constants.begin(), law.constants.end());
+  for (ConstantText& constant : constants) constant.fallback = std::numeric_limits<double>::quiet_NaN();
+  law.constants = constants;
+  EXPECT_FALSE(law.needs_only_hooke());
 }
 
 TEST(Law, UnknownNameListsTheLaws) {

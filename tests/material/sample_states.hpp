@@ -6,17 +6,16 @@
 
 #include "resilin/core/types.hpp"
 #include "resilin/material/derive.hpp"
+#include "sample_fibres.hpp"
 
 namespace resilin::testing {
 
 /// Small-strain constants that every test of laws uses: E = 100 kPa, nu = 0.3.
 inline Hooke sample_hooke() { return hooke_from_young_poisson(1e5, 0.3); }
 
-/// A law for a solid, with two families of fibres where it has such.
+/// A law for a solid, with all the families of fibres that it can have.
 inline Material material_for(const LawInfo& law, const Hooke& hooke) {
-  Material material{&law, law.constants_from(hooke), {}};
-  if (law.max_fibres > 0) material.fibres = {Vector3(0.8, 0.6, 0), Vector3(0.8, -0.6, 0)};
-  return material;
+  return {&law, law.constants_from(hooke), fibres_for(law, {Vector3(0.8, 0.6, 0), Vector3(0.8, -0.6, 0)})};
 }
 
 inline Material sample_material(const LawInfo& law) { return material_for(law, sample_hooke()); }

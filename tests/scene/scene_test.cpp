@@ -5,6 +5,7 @@
 
 #include "scene_text.hpp"
 #include "temporary_folder.hpp"
+#include "test_names.hpp"
 
 namespace resilin::testing {
 namespace {
@@ -138,7 +139,8 @@ INSTANTIATE_TEST_SUITE_P(
         WrongValue{"simulation.integrator=newmarck", "did you mean \"newmark\"?"},
         WrongValue{"fix=[{name=\"a\",where=\"all\"},{name=\"a\",where=\"all\"}]",
                    "fix[1].name: expected a name of its own"},
-        WrongValue{"body=[]", "there is no [[body]]"}, WrongValue{"body={mesh=\"a\"}", "headed [[body]]"}));
+        WrongValue{"body=[]", "there is no [[body]]"}, WrongValue{"body={mesh=\"a\"}", "headed [[body]]"}),
+    numbered_name<WrongValue>);
 
 INSTANTIATE_TEST_SUITE_P(
     Later, EveryWrongValue,
@@ -162,7 +164,8 @@ INSTANTIATE_TEST_SUITE_P(
         WrongValue{"collider=[{kind=\"sphere\",center=[0,0,9],radius=1,velocity=[0,0,1]}]",
                    "collider[0].velocity: has a meaning only in motion"},
         WrongValue{"collider=[{kind=\"sphere\",center=[0,0,9],radius=1,name=\"wall\"}]",
-                   "collider[0].name: expected a name of its own, got \"wall\""}));
+                   "collider[0].name: expected a name of its own, got \"wall\""}),
+    numbered_name<WrongValue>);
 
 TEST(SceneFile, AcceptsContactThatIsSwitchedOff) { EXPECT_EQ(error_with({"contact.enabled=false"}), ""); }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "scene_text.hpp"
+#include "test_names.hpp"
 
 namespace resilin::testing {
 namespace {
@@ -50,6 +51,7 @@ struct WrongFunction {
   std::string value;
   std::string message;
 };
+void PrintTo(const WrongFunction& wrong, std::ostream* stream) { *stream << wrong.value; }
 class EveryWrongFunction : public ::testing::TestWithParam<WrongFunction> {};
 
 TEST_P(EveryWrongFunction, IsRefusedInOneLine) {
@@ -76,7 +78,8 @@ INSTANTIATE_TEST_SUITE_P(
                       WrongFunction{"{}", "expected a table with one of table, sine, ramp"},
                       WrongFunction{"{ramp={},sine={frequency=1}}",
                                     "expected a table with one of table, sine, ramp"},
-                      WrongFunction{"1", "expected a table with one of table, sine, ramp"}));
+                      WrongFunction{"1", "expected a table with one of table, sine, ramp"}),
+    numbered_name<WrongFunction>);
 
 TEST(TimeFunctions, AreRefusedWhereTheyWouldDoNothing) {
   const std::string ramp = "time_function={ramp={until=1}}";

@@ -10,6 +10,7 @@
 #include "resilin/element/catalog.hpp"
 #include "resilin/world/load_catalog.hpp"
 #include "small_scenes.hpp"
+#include "test_names.hpp"
 
 namespace resilin::testing {
 namespace {
@@ -85,10 +86,8 @@ std::vector<TermCase> all_cases() {
 }
 
 std::string name_of(const ::testing::TestParamInfo<TermCase>& info) {
-  std::string name =
-      info.param.term + "_" + info.param.element + "_" + std::to_string(info.param.dimension) + "d";
-  std::ranges::replace_if(name, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }, '_');
-  return name;
+  return as_test_name(info.param.term + "_" + info.param.element + "_" +
+                      std::to_string(info.param.dimension) + "d");
 }
 
 VectorX random_vector(Eigen::Index size, double amount, unsigned seed) {

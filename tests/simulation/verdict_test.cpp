@@ -7,6 +7,7 @@
 #include <random>
 
 #include "small_scenes.hpp"
+#include "test_names.hpp"
 
 namespace resilin::testing {
 namespace {
@@ -59,7 +60,8 @@ VectorX end_of_first_body(const Description& scene) {
 }
 
 struct BesideAnotherBody : ::testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(Contrasts, BesideAnotherBody, ::testing::Range(0, 24));
+INSTANTIATE_TEST_SUITE_P(Contrasts, BesideAnotherBody, ::testing::Range(0, 24),
+                         ::testing::PrintToStringParamName());
 
 TEST_P(BesideAnotherBody, ABodyEndsWhereItEndsAlone) {
   Draw draw(static_cast<unsigned>(GetParam()));
@@ -107,7 +109,7 @@ Description scaled_block(double length, double stress, double time, bool is_dyna
 }
 
 struct InAnyUnits : ::testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(Scales, InAnyUnits, ::testing::Range(0, 24));
+INSTANTIATE_TEST_SUITE_P(Scales, InAnyUnits, ::testing::Range(0, 24), ::testing::PrintToStringParamName());
 
 TEST_P(InAnyUnits, AProblemHasTheSameAnswer) {
   Draw draw(static_cast<unsigned>(GetParam()));
@@ -143,7 +145,8 @@ Description bar_scene_at(double distance) {
 
 struct FarFromTheOrigin : ::testing::TestWithParam<double> {};
 INSTANTIATE_TEST_SUITE_P(Distances, FarFromTheOrigin,
-                         ::testing::Values(1e3, -1e5, 1e7, 1e8, -1e9, 1e10, 1e12, 1e14));
+                         ::testing::Values(1e3, -1e5, 1e7, 1e8, -1e9, 1e10, 1e12, 1e14),
+                         numbered_name<double>);
 
 TEST_P(FarFromTheOrigin, ATranslationCostsNoDigits) {
   std::string reason;
@@ -187,7 +190,8 @@ TEST(StiffAgainstItsWeight, ACubeSagsByTheClosedFormOrTheRunSaysThatItCannotTell
 
 /// Fibres whose energy grows like exp(x^2): forces overflow before energies do.
 struct FibreStrip : ::testing::TestWithParam<double> {};
-INSTANTIATE_TEST_SUITE_P(Tractions, FibreStrip, ::testing::Values(1e2, 1e3, 1e4, 1e5, 1e6));
+INSTANTIATE_TEST_SUITE_P(Tractions, FibreStrip, ::testing::Values(1e2, 1e3, 1e4, 1e5, 1e6),
+                         numbered_name<double>);
 
 TEST_P(FibreStrip, EndsInNumbersOrSaysWhereItFails) {
   Description scene;

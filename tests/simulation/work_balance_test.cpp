@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "every_element.hpp"
 #include "resilin/simulation/force_balance.hpp"
 #include "resilin/simulation/simulation.hpp"
 #include "small_scenes.hpp"
@@ -8,10 +9,13 @@ namespace resilin {
 namespace {
 
 /// A bar that is drawn out, turned at its end, pulled and blown at, of one law.
-Description worked_bar(const std::string& law, const std::string& element) {
-  Description scene = testing::small_bar(3, false);
-  if (element.starts_with("Q")) scene.bodies[0].mesh = make_hexahedron_box({1, 0.25, 0.25}, {6, 2, 2});
-  scene.bodies[0].element = element;
+Description worked_bar(const std::string& law, const ElementInfo& element) {
+  Description scene = testing::small_bar(element.dim, false);
+  if (element.shape == CellShape::hexahedron)
+    scene.bodies[0].mesh = make_hexahedron_box({1, 0.25, 0.25}, {6, 2, 2});
+  if (element.shape == CellShape::quadrilateral)
+    scene.bodies[0].mesh = make_quadrilateral_rectangle({1, 0.25}, {6, 2});
+  scene.bodies[0].element = element.name;
   scene.bodies[0].material.law = law;
   FixDescription end;
   end.name = "end";
@@ -39,12 +43,12 @@ WorkBalance balance_at(const Simulation& simulation, const World& energies) {
   return measure_work(world, potential, x, gradient, x - world.rest_positions)[0];
 }
 
-struct WorkOfElements : ::testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(All, WorkOfElements, ::testing::Values("P1", "P2", "P2P0", "Q1", "Q1P0"));
+struct WorkOnEveryElement : OnEveryElement {};
+INSTANTIATE_TEST_SUITE_P(Catalogue, WorkOnEveryElement, ::testing::ValuesIn(elements()), name_of_element);
 
-TEST_P(WorkOfElements, IsTheChangeOfTheStrainEnergy) {
+TEST_P(WorkOnEveryElement, IsTheChangeOfTheStrainEnergy) {
   for (const std::string law : {"stable_neo_hookean", "neo_hookean", "mooney_rivlin"}) {
-    const Simulation simulation = testing::run_all(worked_bar(law, GetParam()));
+    const Simulation simulation = testing::run_all(worked_bar(law, element));
     ASSERT_TRUE(simulation.is_finished()) << law;
     const WorkBalance right = balance_at(simulation, simulation.world());
     EXPECT_GT(right.scale, 0) << law;
@@ -53,8 +57,8 @@ TEST_P(WorkOfElements, IsTheChangeOfTheStrainEnergy) {
 }
 
 /// Stresses of a body that is one percent stiffer than its energy says.
-TEST_P(WorkOfElements, ShowsStressesThatAreNotThoseOfTheEnergy) {
-  Description scene = worked_bar("stable_neo_hookean", GetParam());
+TEST_P(WorkOnEveryElement, ShowsStressesThatAreNotThoseOfTheEnergy) {
+  Description scene = worked_bar("stable_neo_hookean", element);
   const Simulation simulation = testing::run_all(scene);
   scene.bodies[0].material.constants["youngs_modulus"] *= 1.01;
   const WorkBalance wrong = balance_at(simulation, World(scene));

@@ -9,11 +9,12 @@
 #include "resilin/mesh/generators.hpp"
 #include "resilin/simulation/simulation.hpp"
 #include "resilin/world/state.hpp"
+#include "sample_fibres.hpp"
 
 namespace resilin::testing {
 
-/// E = 0.1 MPa, nu = 0.4 unless the law has but one Poisson's ratio; two families of fibres where it has
-/// such.
+/// E = 0.1 MPa, nu = 0.4 unless the law has but one Poisson's ratio; all the families of fibres that it can
+/// have.
 inline MaterialDescription material_of(const LawInfo& law) {
   MaterialDescription material;
   material.law = law.name;
@@ -21,7 +22,8 @@ inline MaterialDescription material_of(const LawInfo& law) {
   for (const ConstantText& constant : law.constants)
     if (constant.is_free && std::isnan(constant.fallback))
       material.constants[std::string(constant.name)] = constant.unit.empty() ? 1 : 1e4;
-  if (law.max_fibres > 0) material.fibres = {{Vector3(1, 1, 0)}, {Vector3(1, -1, 0)}};
+  for (const Vector3& direction : fibres_for(law, {Vector3(1, 1, 0), Vector3(1, -1, 0)}))
+    material.fibres.push_back({direction});
   return material;
 }
 

@@ -7,6 +7,8 @@
 #include <limits>
 
 #include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
+#include "resilin/world/load_catalog.hpp"
 #include "small_scenes.hpp"
 
 namespace resilin::testing {
@@ -19,9 +21,16 @@ struct Wrong {
   std::function<void(Description&)> change;
   std::string message;
 };
+void PrintTo(const Wrong& wrong, std::ostream* stream) { *stream << wrong.name; }
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+std::vector<std::string> load_kind_names() {
+  std::vector<std::string> names;
+  for (const LoadKind& kind : load_kinds()) names.push_back(kind.name);
+  return names;
+}
 
 std::vector<Wrong> wrong_descriptions() {
   using D = Description;
@@ -57,9 +66,8 @@ std::vector<Wrong> wrong_descriptions() {
          d.loads[0].place = "[[load]] 0";
          d.loads[0].kind = "tracton";
        },
-       "[[load]] 0.kind: expected one of body_force, traction, pressure, nodal_force, spring, got "
-       "\"tracton\"; "
-       "did you mean \"traction\"?"},
+       "[[load]] 0.kind: expected one of " + join(load_kind_names()) +
+           ", got \"tracton\"; did you mean \"traction\"?"},
       {"adaptive", [](D& d) { d.adaptive.emplace().tolerance = 0; },
        "simulation.adaptive.tolerance: expected"},
   };

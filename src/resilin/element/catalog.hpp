@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,6 +24,13 @@ struct ElementList {};
 using Elements = ElementList<LinearTriangle, LinearTetrahedron, QuadraticTriangle, QuadraticTetrahedron,
                              QuadraticTriangleP0, QuadraticTetrahedronP0, BilinearQuadrilateral,
                              TrilinearHexahedron, BilinearQuadrilateralP0, TrilinearHexahedronP0>;
+
+template <class... Element>
+constexpr std::size_t most_nodes(ElementList<Element...>) {
+  return std::max({static_cast<std::size_t>(Element::num_nodes)...});
+}
+/// Nodes of the largest element: what has a place for each node of any one cell has as many.
+inline constexpr std::size_t max_element_nodes = most_nodes(Elements{});
 
 /// All elements, in the order of the catalogue.
 std::vector<const ElementInfo*> elements();

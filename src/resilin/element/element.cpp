@@ -8,7 +8,25 @@
 
 namespace resilin {
 
-int ElementInfo::num_corners() const { return is_simplex(shape) ? dim + 1 : 1 << dim; }
+int ElementInfo::num_corners() const {
+  switch (family(shape)) {
+    case ShapeFamily::simplices:
+      return dim + 1;
+    case ShapeFamily::cubes:
+      break;
+  }
+  return 1 << dim;
+}
+
+int ElementInfo::jacobian_degree() const {
+  switch (family(shape)) {
+    case ShapeFamily::simplices:
+      return dim * (degree - 1);
+    case ShapeFamily::cubes:
+      break;
+  }
+  return dim * degree - 1;
+}
 
 std::vector<std::string> ElementInfo::quadrature_names() const {
   // The gradients of simplices of degree 1 are constant: one point is exact, and more would change nothing.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "resilin/core/dense.hpp"
+#include "resilin/element/catalog.hpp"
 
 namespace resilin {
 namespace {
@@ -21,6 +22,7 @@ double binomial(int n, int k) {
 
 /// Bernstein polynomials of one degree on a reference cell.
 struct BernsteinBasis {
+  CellShape shape;
   bool is_simplex_basis;
   int dim;
   int degree;
@@ -29,7 +31,7 @@ struct BernsteinBasis {
   Eigen::MatrixXd from_values;       ///< coefficients from values at the points
   std::vector<std::size_t> corners;  ///< coefficients that are values at corners
 
-  BernsteinBasis(CellShape shape, int of_degree);
+  BernsteinBasis(CellShape of_shape, int of_degree);
 
   double value(std::size_t which, const Vector3& xi) const {
     const Exponents& a = exponents[which];
@@ -63,8 +65,8 @@ struct BernsteinBasis {
   }
 };
 
-BernsteinBasis::BernsteinBasis(CellShape shape, int of_degree)
-    : is_simplex_basis(is_simplex(shape)), dim(dimension(shape)), degree(of_degree) {
+BernsteinBasis::BernsteinBasis(CellShape of_shape, int of_degree)
+    : shape(of_shape), is_simplex_basis(is_simplex(shape)), dim(dimension(shape)), degree(of_degree) {
   for (int c = 0; c <= (dim == 3 ? degree : 0); ++c)
     for (int b = 0; b <= degree; ++b)
       for (int a = 0; a <= degree; ++a) {
@@ -83,17 +85,25 @@ BernsteinBasis::BernsteinBasis(CellShape shape, int of_degree)
   from_values = dense::inverse(values);
 }
 
+/// A basis for each shape and degree of det dx/dxi that elements of the catalogue have.
+std::vector<BernsteinBasis> bases_of_elements() {
+  std::vector<BernsteinBasis> bases;
+  for (const ElementInfo* element : elements()) {
+    const auto is_its = [element](const BernsteinBasis& basis) {
+      return basis.shape == element->shape && basis.degree == element->jacobian_degree();
+    };
+    if (std::ranges::none_of(bases, is_its)) bases.emplace_back(element->shape, element->jacobian_degree());
+  }
+  return bases;
+}
+
 /// The basis in which det dx/dxi of an element lies.
 const BernsteinBasis& basis_of(const ElementInfo& element) {
-  static const std::array<BernsteinBasis, 2> linear = {BernsteinBasis(CellShape::triangle, 0),
-                                                       BernsteinBasis(CellShape::tetrahedron, 0)};
-  static const std::array<BernsteinBasis, 2> quadratic = {BernsteinBasis(CellShape::triangle, 2),
-                                                          BernsteinBasis(CellShape::tetrahedron, 3)};
-  static const std::array<BernsteinBasis, 2> cubes = {BernsteinBasis(CellShape::quadrilateral, 1),
-                                                      BernsteinBasis(CellShape::hexahedron, 2)};
-  const auto i = static_cast<std::size_t>(element.dim) - 2;
-  if (!is_simplex(element.shape)) return cubes[i];
-  return element.degree == 1 ? linear[i] : quadratic[i];
+  static const std::vector<BernsteinBasis> bases = bases_of_elements();
+  const int degree = element.jacobian_degree();
+  return *std::ranges::find_if(bases, [&](const BernsteinBasis& basis) {
+    return basis.shape == element.shape && basis.degree == degree;
+  });
 }
 
 /// A part of the reference cell, by its corners (simplex) or its lowest and highest corner, and the
@@ -187,7 +197,7 @@ std::array<Vector3, 4> reference_corners(const ElementInfo& element) {
 
 double jacobian(const ElementInfo& element, const Vector3& xi, std::span<const double> positions) {
   const auto dim = static_cast<std::size_t>(element.dim), n = static_cast<std::size_t>(element.num_nodes);
-  std::array<double, 30> gradients;
+  std::array<double, 3 * max_element_nodes> gradients;
   element.shape_gradients(xi, std::span(gradients).first(n * dim));
   Eigen::Matrix3d dx_dxi = Eigen::Matrix3d::Zero();
   if (dim == 2) dx_dxi(2, 2) = 1;

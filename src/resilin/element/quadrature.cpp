@@ -80,25 +80,23 @@ std::vector<QuadraturePoint> simplex_degree_2(int dim) {
 std::vector<QuadratureRule> make_rules(CellShape shape) {
   const int dim = dimension(shape);
   const bool is_plane = dim == 2;
-  if (!is_simplex(shape))
-    return {{"1-point", 1, cube_product(dim, 1)},
-            {is_plane ? "4-point" : "8-point", 3, cube_product(dim, 2)},
-            {is_plane ? "9-point" : "27-point", 5, cube_product(dim, 3)},
-            {"exact", 11, cube_product(dim, 6)}};
-  return {{"1-point", 1, simplex_product(dim, 1)},
-          {is_plane ? "3-point" : "4-point", 2, simplex_degree_2(dim)},
-          {is_plane ? "4-point" : "8-point", 3, simplex_product(dim, 2)},
-          {is_plane ? "9-point" : "27-point", 5, simplex_product(dim, 3)},
-          {"exact", 11, simplex_product(dim, 6)}};
+  switch (family(shape)) {
+    case ShapeFamily::simplices:
+      return {{"1-point", 1, simplex_product(dim, 1)},
+              {is_plane ? "3-point" : "4-point", 2, simplex_degree_2(dim)},
+              {is_plane ? "4-point" : "8-point", 3, simplex_product(dim, 2)},
+              {is_plane ? "9-point" : "27-point", 5, simplex_product(dim, 3)},
+              {"exact", 11, simplex_product(dim, 6)}};
+    case ShapeFamily::cubes:
+      break;
+  }
+  return {{"1-point", 1, cube_product(dim, 1)},
+          {is_plane ? "4-point" : "8-point", 3, cube_product(dim, 2)},
+          {is_plane ? "9-point" : "27-point", 5, cube_product(dim, 3)},
+          {"exact", 11, cube_product(dim, 6)}};
 }
 
 }  // namespace
-
-int dimension(CellShape shape) {
-  return shape == CellShape::triangle || shape == CellShape::quadrilateral ? 2 : 3;
-}
-
-bool is_simplex(CellShape shape) { return shape == CellShape::triangle || shape == CellShape::tetrahedron; }
 
 double size(CellShape shape) {
   switch (shape) {

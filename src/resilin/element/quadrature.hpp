@@ -17,8 +17,35 @@ struct QuadraturePoint {
 /// cube.
 enum class CellShape { triangle, quadrilateral, tetrahedron, hexahedron };
 
-int dimension(CellShape shape);
-bool is_simplex(CellShape shape);
+/// What the shapes of all dimensions have in common. Code that differs by family switches over it without a
+/// default, so that the compiler shows every place that a new family has to fill.
+enum class ShapeFamily { simplices, cubes };
+
+constexpr ShapeFamily family(CellShape shape) {
+  switch (shape) {
+    case CellShape::triangle:
+    case CellShape::tetrahedron:
+      return ShapeFamily::simplices;
+    case CellShape::quadrilateral:
+    case CellShape::hexahedron:
+      break;
+  }
+  return ShapeFamily::cubes;
+}
+constexpr bool is_simplex(CellShape shape) { return family(shape) == ShapeFamily::simplices; }
+
+constexpr int dimension(CellShape shape) {
+  switch (shape) {
+    case CellShape::triangle:
+    case CellShape::quadrilateral:
+      return 2;
+    case CellShape::tetrahedron:
+    case CellShape::hexahedron:
+      break;
+  }
+  return 3;
+}
+
 double size(CellShape shape);  ///< of the reference cell: 1/2, 1, 1/6, 1
 
 struct QuadratureRule {

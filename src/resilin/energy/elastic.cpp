@@ -348,7 +348,7 @@ bool ElasticEnergy::turns_a_cell_inside_out(const VectorX& from, const VectorX& 
   constexpr std::size_t cells_per_chunk = 64;
   const auto dim = static_cast<std::size_t>(element_->dim), n = static_cast<std::size_t>(element_->num_nodes);
   const auto is_right = [&](std::size_t cell, const VectorX& x) {
-    std::array<double, 30> positions{};
+    std::array<double, 3 * max_element_nodes> positions{};
     for (std::size_t a = 0; a < n; ++a)
       for (std::size_t i = 0; i < dim; ++i)
         positions[a * dim + i] =

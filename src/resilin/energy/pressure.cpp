@@ -15,9 +15,10 @@ Eigen::Matrix3d cross_matrix(const Vector3& e) {
 ///
 /// 3D, with tangents t_k = sum_a N_a,k x_a: A = t_0 x t_1, so dA/dx_b = [N_b,1 t_0 - N_b,0 t_1]_x.
 /// 2D: A = (t_y, -t_x).
-std::array<Eigen::Matrix3d, 6> area_vector_slopes(int dim, const FacetPoint& point,
-                                                  std::span<const Index> nodes, const VectorX& x) {
-  std::array<Eigen::Matrix3d, 6> slopes;
+std::array<Eigen::Matrix3d, max_facet_nodes> area_vector_slopes(int dim, const FacetPoint& point,
+                                                                std::span<const Index> nodes,
+                                                                const VectorX& x) {
+  std::array<Eigen::Matrix3d, max_facet_nodes> slopes;
   std::array<Vector3, 2> tangents = {Vector3::Zero(), Vector3::Zero()};
   for (std::size_t a = 0; a < nodes.size(); ++a)
     for (std::size_t k = 0; k < 2; ++k)
@@ -120,7 +121,7 @@ void Pressure::add_hessian(const VectorX& x, const Conditions& c, Projection, Bl
 void Pressure::add_facet_hessian(std::span<const Index> nodes, const VectorX& x, double p,
                                  BlockMatrix& hessian) const {
   const std::size_t count = nodes.size();
-  std::array<Eigen::Matrix3d, 36> blocks;
+  std::array<Eigen::Matrix3d, max_facet_nodes * max_facet_nodes> blocks;
   blocks.fill(Eigen::Matrix3d::Zero());
   for (const FacetPoint& point : points_) {
     const auto slopes = area_vector_slopes(dim_, point, nodes, x);

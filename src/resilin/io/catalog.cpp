@@ -25,7 +25,12 @@ std::span<const MeshFormat> mesh_formats() {
       MeshFormat{"VTK", {"vtk"}, starts_with<vtk_start>, read_vtk, nullptr},
       MeshFormat{"TetGen", {"node", "ele"}, nullptr, read_tetgen, nullptr},
       MeshFormat{"Vega", {"veg"}, nullptr, read_vega, nullptr},
-      MeshFormat{"OBJ", {"obj"}, nullptr, read_obj, write_obj},
+      MeshFormat{.name = "OBJ",
+                 .extensions = {"obj"},
+                 .has_signature = nullptr,
+                 .read = read_obj,
+                 .write = write_obj,
+                 .holds_surfaces = true},
   };
   return formats;
 }

@@ -26,6 +26,7 @@ struct MeshFormat {
   bool (*has_signature)(std::string_view bytes);
   MeshFile (*read)(const MeshSource& source);
   void (*write)(std::ostream& stream, const Mesh& mesh);  ///< null when the format is only read
+  bool holds_surfaces = false;                            ///< never solids: see `check_mesh_file`
 };
 
 /// All formats. A new one is one file and one line here.

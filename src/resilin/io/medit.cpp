@@ -53,7 +53,7 @@ void read_vertices(TextScanner& text, MeshBuilder& mesh, int dim) {
 void read_cells(TextScanner& text, MeshBuilder& mesh, CellKind kind) {
   const auto size = static_cast<std::size_t>(num_nodes(kind));
   const std::size_t count = text.count(name(kind), 2 * size + 2);
-  std::array<Index, 10> nodes{};
+  std::array<Index, max_cell_nodes> nodes{};
   for (std::size_t i = 0; i < count; ++i) {
     const auto number = static_cast<std::int64_t>(i + 1);
     const std::string what =

@@ -65,7 +65,10 @@ MeshFile read_mesh(const std::filesystem::path& path) {
 
 MeshFile read_mesh_from_memory(const std::string& name, std::string_view bytes, const Companion& companion) {
   const MeshSource source{name, bytes, companion};
-  return format_of(source).read(source);
+  const MeshFormat& format = format_of(source);
+  MeshFile file = format.read(source);
+  file.is_surface = format.holds_surfaces;
+  return file;
 }
 
 void prepare_solid_mesh(MeshFile& file, int dimension) {
@@ -92,7 +95,7 @@ MeshReport check_mesh_file(const MeshFile& file) {
       std::any_of(file.mesh.blocks.begin(), file.mesh.blocks.end(),
                   [](const CellBlock& b) { return resilin::dimension(b.kind) == 3; });
   if (has_solid_cells) return check_mesh(file.mesh, 3, file.numbering);
-  if (file.format != "OBJ" && is_flat(file.mesh)) return check_mesh(file.mesh, 2, file.numbering);
+  if (!file.is_surface && is_flat(file.mesh)) return check_mesh(file.mesh, 2, file.numbering);
   Mesh surface = file.mesh;
   to_first_order(surface);
   return check_surface(surface, file.numbering);

@@ -18,6 +18,7 @@ struct MeshFile {
   Numbering numbering;                ///< what the file calls its vertices and cells
   std::string format;                 ///< "MSH 4.1", "Medit", ...
   std::vector<std::string> warnings;  ///< one line each
+  bool is_surface = false;            ///< of a format that holds surfaces alone
 };
 
 /// Reads a mesh; the format is told by the first bytes, else by the extension (see io/catalog.hpp).
@@ -47,9 +48,9 @@ void prepare_solid_mesh(MeshFile& file, int dimension);
 /// Reduces second-order cells to their corners, with a warning when there are any.
 void use_corners_only(MeshFile& file);
 
-/// What there is to say about a file of which only the name is known: a surface format (OBJ) is examined as
-/// a surface, cells of space as a 3D solid, cells in the plane z = 0 as a 2D one, triangles in space as a
-/// surface.
+/// What there is to say about a file of which only the name is known: one of a surface format (OBJ) is
+/// examined as a surface, cells of space as a 3D solid, cells in the plane z = 0 as a 2D one, triangles in
+/// space as a surface.
 MeshReport check_mesh_file(const MeshFile& file);
 
 /// Writes a mesh in the format of the extension: .msh (MSH 4.1), .vtu, .mesh (Medit), .obj (surface).

@@ -14,7 +14,7 @@ void read_element(MshReading& file, std::int64_t type, std::int64_t element, std
     const std::int64_t tag = in.integer("a tag of element " + std::to_string(element));
     if (t == 0) physical_tag = tag;
   }
-  std::array<Index, 10> nodes{};
+  std::array<Index, max_cell_nodes> nodes{};
   const auto size = static_cast<std::size_t>(num_nodes(kind));
   const std::string what = "a node id of element " + std::to_string(element);
   for (std::size_t n = 0; n < size; ++n) nodes[n] = file.mesh.vertex(in.integer(what), element, kind, n);

@@ -58,7 +58,7 @@ void read_elements_of_block(MshReading& file, const BlockHeader& header, std::si
   for (const std::int64_t tag : file.physicals[{static_cast<int>(header.dimension), header.entity}]) {
     if (const auto group = file.group(static_cast<int>(header.dimension), tag)) groups.push_back(*group);
   }
-  std::array<Index, 10> nodes{};
+  std::array<Index, max_cell_nodes> nodes{};
   for (std::size_t i = 0; i < count; ++i) {
     const std::int64_t element = is_41 ? in.size("an element tag") : in.integer("an element tag");
     const CellKind kind = msh_cell_kind(file.mesh, header.third, element);

@@ -54,7 +54,7 @@ void read_elements(TextScanner& text, MeshBuilder& mesh) {
   if (header.per_item != num_nodes(kind)) {
     text.fail(std::to_string(num_nodes(kind)) + " vertices per element", std::to_string(header.per_item));
   }
-  std::array<Index, 8> nodes{};
+  std::array<Index, max_cell_nodes> nodes{};
   const auto size = static_cast<std::size_t>(num_nodes(kind));
   for (std::size_t i = 0; i < header.count; ++i) {
     const std::int64_t element = text.integer("an element number");

@@ -217,7 +217,7 @@ class VtkReader {
       text_.fail(std::to_string(ranges_.size()) + " cell types, as many as CELLS", std::to_string(count));
     }
     const auto types = read_integers({4, false, true}, count, "a cell type");
-    std::array<Index, 10> nodes{};
+    std::array<Index, max_cell_nodes> nodes{};
     for (std::size_t i = 0; i < count; ++i) {
       const auto kind = kind_of_vtk_cell(types[i]);
       if (!kind)

@@ -165,7 +165,7 @@ class VtuReader {
     const auto types = indices("types");
     require_size(array(arrays_.cells, "offsets"), offsets.size(), num_cells);
     require_size(array(arrays_.cells, "types"), types.size(), num_cells);
-    std::array<Index, 10> nodes{};
+    std::array<Index, max_cell_nodes> nodes{};
     std::int64_t begin = 0;
     for (std::size_t i = 0; i < num_cells; ++i) {
       const auto number = static_cast<std::int64_t>(i);

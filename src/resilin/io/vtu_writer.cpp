@@ -104,7 +104,7 @@ struct VtkCells {
 
 VtkCells vtk_cells(std::span<const CellBlock> blocks) {
   VtkCells cells;
-  std::array<Index, 10> nodes{};
+  std::array<Index, max_cell_nodes> nodes{};
   for (const CellBlock& block : blocks) {
     for (Index cell = 0; cell < block.num_cells(); ++cell) {
       const auto given = block.cell(cell);

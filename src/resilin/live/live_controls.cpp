@@ -69,19 +69,27 @@ LiveControls starting_controls(const Description& description, const World& worl
 }
 
 MaterialDescription material_of(const LiveControls& controls, const MaterialDescription& description) {
+  const LawInfo& law = require_law(controls.law, "law");
   MaterialDescription material = description;
   material.law = controls.law;
-  material.cell_constants.clear();
-  if (require_law(controls.law, "law").max_fibres == 0) material.fibres.clear();
-  material.constants = {{"youngs_modulus", controls.youngs_modulus},
-                        {"poissons_ratio", controls.poissons_ratio}};
+  if (law.max_fibres == 0) material.fibres.clear();
+  // The same law keeps what is given beside Young's modulus and Poisson's ratio.
+  const auto is_dropped = [&](const auto& given) {
+    const auto is_it = [&](const ConstantText& constant) {
+      return constant.is_free && constant.name == given.first;
+    };
+    return controls.law != description.law || std::ranges::none_of(law.constants, is_it);
+  };
+  std::erase_if(material.constants, is_dropped);
+  std::erase_if(material.cell_constants, is_dropped);
+  material.constants["youngs_modulus"] = controls.youngs_modulus;
+  material.constants["poissons_ratio"] = controls.poissons_ratio;
   return material;
 }
 
 std::vector<const LawInfo*> live_laws() {
   std::vector<const LawInfo*> all = laws();
-  std::erase_if(
-      all, [](const LawInfo* law) { return law->max_fibres > 0 || !std::isnan(law->only_poissons_ratio); });
+  std::erase_if(all, [](const LawInfo* law) { return !law->needs_only_hooke(); });
   return all;
 }
 

@@ -32,10 +32,11 @@ LiveControls starting_controls(const Description& description, const World& worl
 /// Throws InputError for the first value that cannot be.
 void check_controls(const LiveControls& controls);
 
-/// The material of `description` with the law and the stiffness of the controls.
+/// The material of `description` with the law and the stiffness of the controls; as long as the law is its
+/// own it keeps its fibres and free constants (ConstantText::is_free).
 MaterialDescription material_of(const LiveControls& controls, const MaterialDescription& description);
 
-/// Laws that a scene can change to: those that E and nu alone make, without fibres.
+/// Laws that a scene can change to: those that Young's modulus and Poisson's ratio alone make.
 std::vector<const LawInfo*> live_laws();
 
 /// How stiff the hand's spring is, so that a place of a body follows it closely [N/m].

@@ -37,6 +37,10 @@ struct LawInfo {
 
   /// The same with the fallback of each free constant; for one that has none, hooke.mu or 1.
   std::vector<double> constants_from(const Hooke& hooke) const;
+
+  /// Whether any Young's modulus and Poisson's ratio make a material of it, without fibres and without
+  /// another constant.
+  bool needs_only_hooke() const;
 };
 
 /// All laws, in the order of the catalogue.

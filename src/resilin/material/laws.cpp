@@ -92,6 +92,13 @@ std::vector<double> LawInfo::constants_from(const Hooke& hooke) const {
   return convert(hooke, free);
 }
 
+bool LawInfo::needs_only_hooke() const {
+  const auto must_be_given = [](const ConstantText& constant) {
+    return constant.is_free && std::isnan(constant.fallback);
+  };
+  return max_fibres == 0 && std::isnan(only_poissons_ratio) && std::ranges::none_of(constants, must_be_given);
+}
+
 std::vector<const LawInfo*> laws() {
   std::vector<const LawInfo*> all;
   for (const LawInfo& law : infos()) all.push_back(&law);

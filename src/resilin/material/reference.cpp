@@ -54,6 +54,10 @@ std::string left_out(const ConstantText& constant) {
   return std::isnan(constant.fallback) ? "" : format_number(constant.fallback);
 }
 
+std::string families(int most) {
+  return most == 1 ? "one family" : "1 to " + std::to_string(most) + " families";
+}
+
 void append(std::string& text, std::initializer_list<std::string_view> parts) {
   for (const std::string_view part : parts) text += part;
 }
@@ -71,9 +75,11 @@ std::string section(const LawInfo& law) {
   if (!std::isnan(law.only_poissons_ratio))
     append(text, {"\nIts Poisson's ratio is ", format_number(law.only_poissons_ratio), ".\n"});
   if (law.max_fibres > 0)
-    append(text,
-           {"\nNeeds one or two families of `fibres`, unit vectors of the rest shape. (E, nu) are those "
-            "of the ground substance, without fibres.\n"});
+    append(
+        text,
+        {"\nNeeds ", families(law.max_fibres),
+         " of `fibres`, unit vectors of the rest shape. (E, nu) are those of the ground substance, without "
+         "fibres.\n"});
   append(text, {"\nSource: ", law.source, ".  \nJ <= 0: ", law.inversion, ".\n\n"});
   return text;
 }

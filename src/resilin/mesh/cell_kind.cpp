@@ -1,5 +1,10 @@
 #include "resilin/mesh/cell_kind.hpp"
 
+#include <algorithm>
+#include <utility>
+
+#include "resilin/element/catalog.hpp"
+
 namespace resilin {
 namespace {
 
@@ -13,33 +18,42 @@ struct KindFacts {
   CellKind second_order;
 };
 
-KindFacts facts(CellKind kind) {
+/// Does not compile for a kind that is larger than what holds the nodes of a cell.
+consteval KindFacts checked(const KindFacts& facts) {
+  if (std::cmp_greater(facts.num_nodes, max_cell_nodes)) throw "max_cell_nodes is smaller than this kind";
+  if (facts.dimension < 3 && std::cmp_greater(facts.num_nodes, max_facet_nodes))
+    throw "max_facet_nodes is smaller than this kind";
+  return facts;
+}
+
+constexpr KindFacts facts(CellKind kind) {
   using enum CellKind;
   switch (kind) {
     case point:
-      return {1, 1, 0, "points", "point", point, point};
+      return checked({1, 1, 0, "points", "point", point, point});
     case line:
-      return {2, 2, 1, "lines", "line", line, line3};
+      return checked({2, 2, 1, "lines", "line", line, line3});
     case triangle:
-      return {3, 3, 2, "triangles", "triangle", triangle, triangle6};
+      return checked({3, 3, 2, "triangles", "triangle", triangle, triangle6});
     case quadrilateral:
-      return {4, 4, 2, "quadrilaterals", "quadrilateral", quadrilateral, quadrilateral};
+      return checked({4, 4, 2, "quadrilaterals", "quadrilateral", quadrilateral, quadrilateral});
     case tetrahedron:
-      return {4, 4, 3, "tetrahedra", "tetrahedron", tetrahedron, tetrahedron10};
+      return checked({4, 4, 3, "tetrahedra", "tetrahedron", tetrahedron, tetrahedron10});
     case hexahedron:
-      return {8, 8, 3, "hexahedra", "hexahedron", hexahedron, hexahedron};
+      return checked({8, 8, 3, "hexahedra", "hexahedron", hexahedron, hexahedron});
     case prism:
-      return {6, 6, 3, "prisms", "prism", prism, prism};
+      return checked({6, 6, 3, "prisms", "prism", prism, prism});
     case pyramid:
-      return {5, 5, 3, "pyramids", "pyramid", pyramid, pyramid};
+      return checked({5, 5, 3, "pyramids", "pyramid", pyramid, pyramid});
     case line3:
-      return {3, 2, 1, "second-order lines", "second-order line", line, line3};
+      return checked({3, 2, 1, "second-order lines", "second-order line", line, line3});
     case triangle6:
-      return {6, 3, 2, "second-order triangles", "second-order triangle", triangle, triangle6};
+      return checked({6, 3, 2, "second-order triangles", "second-order triangle", triangle, triangle6});
     case tetrahedron10:
-      return {10, 4, 3, "second-order tetrahedra", "second-order tetrahedron", tetrahedron, tetrahedron10};
+      return checked(
+          {10, 4, 3, "second-order tetrahedra", "second-order tetrahedron", tetrahedron, tetrahedron10});
   }
-  return {1, 1, 0, "points", "point", point, point};
+  return checked({1, 1, 0, "points", "point", point, point});
 }
 
 constexpr std::array<std::array<int, 2>, 4> plane_edges = {{{0, 1}, {1, 2}, {2, 3}, {3, 0}}};
@@ -70,6 +84,34 @@ constexpr std::array<CellSide, 6> hexahedron_sides = {{{CellKind::quadrilateral,
                                                        {CellKind::quadrilateral, {2, 3, 7, 6}},
                                                        {CellKind::quadrilateral, {3, 0, 4, 7}}}};
 
+/// The boundary of a block of cells is one block of facets (mesh/topology.hpp).
+constexpr bool are_of_one_kind(std::span<const CellSide> sides) {
+  return std::ranges::all_of(sides, [&](const CellSide& side) { return side.kind == sides[0].kind; });
+}
+static_assert(are_of_one_kind(triangle_sides) && are_of_one_kind(triangle6_sides) &&
+              are_of_one_kind(quadrilateral_sides) && are_of_one_kind(tetrahedron_sides) &&
+              are_of_one_kind(tetrahedron10_sides) && are_of_one_kind(hexahedron_sides));
+
+constexpr CellKind kind_of(CellShape shape, int degree) {
+  switch (shape) {
+    case CellShape::triangle:
+      return degree == 2 ? CellKind::triangle6 : CellKind::triangle;
+    case CellShape::quadrilateral:
+      return CellKind::quadrilateral;
+    case CellShape::tetrahedron:
+      return degree == 2 ? CellKind::tetrahedron10 : CellKind::tetrahedron;
+    case CellShape::hexahedron:
+      break;
+  }
+  return CellKind::hexahedron;
+}
+
+template <class... Element>
+constexpr bool all_have_cells(ElementList<Element...>) {
+  return ((facts(kind_of(Element::shape, Element::degree)).num_nodes == Element::num_nodes) && ...);
+}
+static_assert(all_have_cells(Elements{}), "an element has as many nodes as the kind of its cells");
+
 }  // namespace
 
 int num_nodes(CellKind kind) { return facts(kind).num_nodes; }
@@ -83,18 +125,13 @@ CellKind second_order(CellKind kind) { return facts(kind).second_order; }
 
 bool is_solid(CellKind kind, int dim) { return dimension(kind) == dim && !cell_sides(kind).empty(); }
 
-CellKind cell_kind(const ElementInfo& element) {
-  switch (element.shape) {
-    case CellShape::triangle:
-      return element.degree == 2 ? CellKind::triangle6 : CellKind::triangle;
-    case CellShape::quadrilateral:
-      return CellKind::quadrilateral;
-    case CellShape::tetrahedron:
-      return element.degree == 2 ? CellKind::tetrahedron10 : CellKind::tetrahedron;
-    case CellShape::hexahedron:
-      break;
-  }
-  return CellKind::hexahedron;
+CellKind cell_kind(const ElementInfo& element) { return kind_of(element.shape, element.degree); }
+
+const ElementInfo* element_of_cells(CellKind kind) {
+  static const std::vector<const ElementInfo*> all = elements();
+  for (const ElementInfo* element : all)
+    if (cell_kind(*element) == kind && !element->has_mean_volume) return element;
+  return nullptr;
 }
 
 std::span<const std::array<int, 2>> cell_edges(CellKind kind) {

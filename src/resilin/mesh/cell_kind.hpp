@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <span>
 #include <string_view>
 
@@ -24,6 +25,10 @@ enum class CellKind {
   tetrahedron10
 };
 
+/// Nodes of the largest kind, and of the largest that can be a facet: what has a place for each node of one
+/// has as many. A larger kind does not compile.
+inline constexpr std::size_t max_cell_nodes = 10, max_facet_nodes = 6;
+
 int num_nodes(CellKind kind);
 int num_corners(CellKind kind);
 int dimension(CellKind kind);
@@ -41,13 +46,16 @@ bool is_solid(CellKind kind, int dim);
 /// The cells that an element is made of: its nodes and their order are the same.
 CellKind cell_kind(const ElementInfo& element);
 
+/// The element without a mean volume whose cells are of this kind; null where there is none.
+const ElementInfo* element_of_cells(CellKind kind);
+
 /// Edges by their corners, in the order of the nodes on them. Empty for points, prisms and pyramids.
 std::span<const std::array<int, 2>> cell_edges(CellKind kind);
 
 /// A side of a cell by positions in the cell's node list: corners first, outward for a positive volume.
 struct CellSide {
   CellKind kind;
-  std::array<int, 6> nodes;
+  std::array<int, max_facet_nodes> nodes;
 
   std::span<const int> all() const {
     return std::span(nodes).first(static_cast<std::size_t>(num_nodes(kind)));

@@ -4,12 +4,20 @@
 #include <algorithm>
 #include <cmath>
 
+#include "resilin/element/catalog.hpp"
 #include "resilin/mesh/cell_kind.hpp"
 
 namespace resilin {
 namespace {
 
 constexpr double rounding = 1e-12;  // by the size of a cell
+
+/// Cells that the Bezier points of their edges bound: `CellMap::box` knows no others.
+template <class... Element>
+constexpr bool all_are_bounded_by_edges(ElementList<Element...>) {
+  return ((Element::degree == 1 || (Element::degree == 2 && is_simplex(Element::shape))) && ...);
+}
+static_assert(all_are_bounded_by_edges(Elements{}), "CellMap::box wants the Bezier points of faces as well");
 
 Vector3 center_of(const ElementInfo& element) {
   Vector3 center = Vector3::Zero();
@@ -58,7 +66,7 @@ double CellMap::mean_edge(Index cell) const {
 }
 
 Vector3 CellMap::place(Index cell, const Vector3& xi) const {
-  std::array<double, max_nodes> N;
+  std::array<double, max_element_nodes> N;
   element_.shape_values(xi, std::span(N).first(static_cast<std::size_t>(element_.num_nodes)));
   Vector3 X = Vector3::Zero();
   for (int a = 0; a < element_.num_nodes; ++a) X += N[static_cast<std::size_t>(a)] * node(cell, a);
@@ -66,7 +74,7 @@ Vector3 CellMap::place(Index cell, const Vector3& xi) const {
 }
 
 Matrix<3> CellMap::dX_dxi(Index cell, const Vector3& xi) const {
-  std::array<double, 3 * max_nodes> slopes;
+  std::array<double, 3 * max_element_nodes> slopes;
   const auto dim = static_cast<std::size_t>(element_.dim);
   element_.shape_gradients(xi, std::span(slopes).first(static_cast<std::size_t>(element_.num_nodes) * dim));
   Matrix<3> J = Matrix<3>::Zero();
@@ -92,8 +100,13 @@ CellMap::Affine CellMap::affine_of(Index cell) const {
 double CellMap::depth(const Vector3& xi) const {
   const auto inside = xi.head(element_.dim);
   const double above = inside.minCoeff();
-  return is_simplex(element_.shape) ? std::min(above, 1 - inside.sum())
-                                    : std::min(above, 1 - inside.maxCoeff());
+  switch (family(element_.shape)) {
+    case ShapeFamily::simplices:
+      return std::min(above, 1 - inside.sum());
+    case ShapeFamily::cubes:
+      break;
+  }
+  return std::min(above, 1 - inside.maxCoeff());
 }
 
 std::optional<Vector3> CellMap::invert(Index cell, const Vector3& X) const {
@@ -121,7 +134,7 @@ void CellMap::weights_at(Index cell, const Vector3& xi, const Vector3& X, std::s
              dim = static_cast<std::size_t>(element_.dim);
   element_.shape_values(xi, weights);
   const Vector3 rest = dX_dxi(cell, xi).inverse() * (X - place(cell, xi));
-  std::array<double, 3 * max_nodes> slopes;
+  std::array<double, 3 * max_element_nodes> slopes;
   element_.shape_gradients(xi, std::span(slopes).first(count * dim));
   for (std::size_t a = 0; a < count; ++a)
     for (std::size_t k = 0; k < dim; ++k)

@@ -46,7 +46,6 @@ class CellMap {
   void weights_at(Index cell, const Vector3& xi, const Vector3& X, std::span<double> weights) const;
 
  private:
-  static constexpr int max_nodes = 10;
   struct Affine {
     Vector3 origin;
     Matrix<3> dxi_dX;

@@ -29,9 +29,14 @@ std::vector<std::pair<std::size_t, std::size_t>> exchanges(CellKind kind) {
       return {{1, 3}};
     case CellKind::hexahedron:
       return {{0, 4}, {1, 5}, {2, 6}, {3, 7}};
-    default:
-      return {};
+    case CellKind::point:
+    case CellKind::line:
+    case CellKind::line3:
+    case CellKind::prism:
+    case CellKind::pyramid:
+      break;
   }
+  return {};
 }
 
 std::vector<bool> used_by_any_cell(const Mesh& mesh) {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <map>
 
 #include "resilin/element/catalog.hpp"
 
@@ -22,8 +23,9 @@ std::vector<FacetPoint> line_points(CellKind kind) {
   return {line_point(kind, 0.5 - offset, 0.5), line_point(kind, 0.5 + offset, 0.5)};
 }
 
-std::vector<FacetPoint> face_points(std::string_view element_name, int degree) {
-  const ElementInfo& element = *find_element(element_name, 2);
+std::vector<FacetPoint> face_points(const ElementInfo& element) {
+  // Degree of N_a times that of two tangents, whose product has the degree of the Jacobian.
+  const int degree = element.degree + element.jacobian_degree();
   std::vector<FacetPoint> points;
   for (const QuadraturePoint& at : rule_of_degree(element.shape, degree).points) {
     FacetPoint point{at.weight, {}, {}};
@@ -34,25 +36,20 @@ std::vector<FacetPoint> face_points(std::string_view element_name, int degree) {
   return points;
 }
 
+/// Of lines and of the cells of every plane element.
+std::map<CellKind, std::vector<FacetPoint>> points_of_all_kinds() {
+  std::map<CellKind, std::vector<FacetPoint>> points;
+  for (const CellKind kind : {CellKind::line, CellKind::line3}) points[kind] = line_points(kind);
+  for (const ElementInfo* element : elements())
+    if (element->dim == 2) points.try_emplace(cell_kind(*element), face_points(*element));
+  return points;
+}
+
 }  // namespace
 
 const std::vector<FacetPoint>& facet_points(CellKind kind) {
-  // Degree of N_a times that of two tangents: 1 + 0; 2 + 2; in each coordinate of a quadrilateral 1 + 1.
-  static const std::vector<FacetPoint> line = line_points(CellKind::line),
-                                       line3 = line_points(CellKind::line3), triangle = face_points("P1", 1),
-                                       triangle6 = face_points("P2", 4), quadrilateral = face_points("Q1", 2);
-  switch (kind) {
-    case CellKind::line:
-      return line;
-    case CellKind::line3:
-      return line3;
-    case CellKind::triangle6:
-      return triangle6;
-    case CellKind::quadrilateral:
-      return quadrilateral;
-    default:
-      return triangle;
-  }
+  static const std::map<CellKind, std::vector<FacetPoint>> points = points_of_all_kinds();
+  return points.at(kind);
 }
 
 Vector3 node_position(int dim, Index node, const VectorX& x) {

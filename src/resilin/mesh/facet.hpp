@@ -13,8 +13,8 @@ namespace resilin {
 /// quadrilaterals in 3D. Nodes in the order of MSH.
 struct FacetPoint {
   double weight;
-  std::array<double, 6> values;   ///< N_a
-  std::array<double, 12> slopes;  ///< dN_a/dxi_k at [2 a + k]
+  std::array<double, max_facet_nodes> values;      ///< N_a
+  std::array<double, 2 * max_facet_nodes> slopes;  ///< dN_a/dxi_k at [2 a + k]
 };
 
 /// Points that integrate N_a times the area vector exactly (both are polynomials), so also a load that

@@ -25,12 +25,6 @@ bool is_spatial(const CellBlock& block) { return dimension(block.kind) == 3; }
 
 bool is_box_like(CellKind kind) { return kind == CellKind::quadrilateral || kind == CellKind::hexahedron; }
 
-/// The element with the nodes of a solid kind.
-const ElementInfo& element_of(CellKind kind) {
-  const char* name = is_box_like(kind) ? "Q1" : is_second_order(kind) ? "P2" : "P1";
-  return *find_element(name, dimension(kind));
-}
-
 std::vector<double> positions_of(const Mesh& mesh, std::span<const Index> nodes, int dim) {
   std::vector<double> positions;
   for (std::size_t i = 0; i < nodes.size(); ++i)
@@ -39,7 +33,7 @@ std::vector<double> positions_of(const Mesh& mesh, std::span<const Index> nodes,
 }
 
 double box_like_volume(const Mesh& mesh, const CellBlock& block, Index cell) {
-  const ElementInfo& element = element_of(block.kind);
+  const ElementInfo& element = *element_of_cells(block.kind);
   const std::vector<double> positions = positions_of(mesh, block.cell(cell), element.dim);
   double volume = 0;
   for (const QuadraturePoint& point : rule_of_degree(element.shape, 2).points)
@@ -60,7 +54,7 @@ double signed_volume(const Mesh& mesh, const CellBlock& block, Index cell) {
 
 /// Least Jacobian at a corner over the product of the lengths of its edges.
 double least_scaled_jacobian(const Mesh& mesh, const CellBlock& block, Index cell) {
-  const ElementInfo& element = element_of(block.kind);
+  const ElementInfo& element = *element_of_cells(block.kind);
   const auto nodes = block.cell(cell);
   const std::vector<double> positions = positions_of(mesh, nodes, element.dim);
   std::vector<double> lengths(nodes.size(), 1.0);
@@ -154,7 +148,7 @@ CellSigns cell_signs(const Mesh& mesh, const CellBlock& block) {
     if (has_constant_jacobian) continue;
     nodes.assign(block.cell(cell).begin(), block.cell(cell).end());
     if (volume < 0) turn_around(block.kind, nodes);
-    const ElementInfo& element = element_of(block.kind);
+    const ElementInfo& element = *element_of_cells(block.kind);
     const JacobianSign sign = jacobian_sign(element, positions_of(mesh, nodes, element.dim));
     if (sign.kind != JacobianSign::Kind::positive) signs.folded.push_back({cell, sign.value, sign.xi});
   }

@@ -5,19 +5,10 @@
 #include <cmath>
 
 namespace resilin {
-namespace {
-
-/// Degree of det dX/dxi: of all coordinates together on simplices, in each coordinate on squares and cubes.
-int jacobian_degree(const ElementInfo& element) {
-  return is_simplex(element.shape) ? element.dim * (element.degree - 1) : element.dim * element.degree - 1;
-}
-
-}  // namespace
-
 ShapeIntegrals::ShapeIntegrals(const ElementInfo& element)
     : element_(element),
-      for_values_(sample(element.degree + jacobian_degree(element))),
-      for_products_(sample(2 * element.degree + jacobian_degree(element))),
+      for_values_(sample(element.degree + element.jacobian_degree())),
+      for_products_(sample(2 * element.degree + element.jacobian_degree())),
       for_affine_products_(sample(2 * element.degree)) {}
 
 ShapeIntegrals::Samples ShapeIntegrals::sample(int degree) const {

@@ -6,7 +6,7 @@
 #include <map>
 #include <numbers>
 
-#include "resilin/element/catalog.hpp"
+#include "resilin/mesh/cell_kind.hpp"
 #include "resilin/mesh/topology.hpp"
 
 namespace resilin {
@@ -21,11 +21,6 @@ struct Facet {
   Index cell;
   Vector3 normal;  ///< of the corners, of length 1
 };
-
-const ElementInfo& shape_of(CellKind kind) {
-  const bool is_quadrilateral = kind == CellKind::quadrilateral;
-  return *find_element(is_quadrilateral ? "Q1" : is_second_order(kind) ? "P2" : "P1", 2);
-}
 
 Vector3 normal_of(std::span<const Index> corners, const std::vector<Vector3>& points) {
   const auto at = [&](std::size_t i) -> const Vector3& {
@@ -101,11 +96,10 @@ class SurfaceBuilder {
                                  double eta) const {
     DrawnSurface::Corner corner{.cell = facet.cell, .num_nodes = static_cast<int>(facet.nodes.size())};
     std::ranges::copy(facet.nodes, corner.nodes.begin());
-    shape_of(facet.kind).shape_values({xi, eta, 0}, std::span(corner.shares).first(facet.nodes.size()));
-    const bool is_quadrilateral = normals.size() == 4;
-    std::array<double, 4> N{};
-    find_element(is_quadrilateral ? "Q1" : "P1", 2)
-        ->shape_values({xi, eta, 0}, std::span(N).first(normals.size()));
+    element_of_cells(facet.kind)
+        ->shape_values({xi, eta, 0}, std::span(corner.shares).first(facet.nodes.size()));
+    std::array<double, max_facet_nodes> N{};
+    element_of_cells(first_order(facet.kind))->shape_values({xi, eta, 0}, std::span(N).first(normals.size()));
     for (std::size_t a = 0; a < normals.size(); ++a) corner.normal += N[a] * normals[a];
     if (corner.normal.norm() > 0) corner.normal.normalize();
     return corner;
@@ -113,7 +107,7 @@ class SurfaceBuilder {
 
   /// A grid of n x n places; triangles have those below the diagonal.
   void add_triangles(const Facet& facet, const std::vector<Vector3>& normals) {
-    const bool is_quadrilateral = facet.kind == CellKind::quadrilateral;
+    const bool is_quadrilateral = first_order(facet.kind) == CellKind::quadrilateral;
     const int n = facet.kind == CellKind::triangle ? 1 : pieces;
     const auto at = [&](int i, int j) {
       return corner_at(facet, normals, static_cast<double>(i) / n, static_cast<double>(j) / n);
@@ -128,7 +122,7 @@ class SurfaceBuilder {
 
   void add_edges(std::size_t f, const std::vector<Vector3>& normals) {
     const Facet& facet = facets_[f];
-    const std::span<const Vector3> places = shape_of(facet.kind).nodes;
+    const std::span<const Vector3> places = element_of_cells(facet.kind)->nodes;
     const int count = num_corners(facet.kind);
     const int n = is_second_order(facet.kind) ? pieces : 1;
     for (int corner = 0; corner < count; ++corner) {

@@ -12,9 +12,9 @@ namespace resilin {
 /// that follow curved facets.
 struct DrawnSurface {
   struct Corner {
-    Index cell;                      ///< of the frame
-    std::array<Index, 6> nodes{};    ///< of the frame; `num_nodes` of them
-    std::array<double, 6> shares{};  ///< values of the facet's shape functions
+    Index cell;                                    ///< of the frame
+    std::array<Index, max_facet_nodes> nodes{};    ///< of the frame; `num_nodes` of them
+    std::array<double, max_facet_nodes> shares{};  ///< values of the facet's shape functions
     int num_nodes = 0;
     Vector3 normal = Vector3::Zero();  ///< of length 1, smooth across facets but not across creases
   };

@@ -39,14 +39,13 @@ Keys<BodyDescription> body_keys() {
       text_key("name", &B::name, "\"body\"", "Fixes, loads, probes and the report refer to it."),
       choice_key(
           "element", &B::element, element_names(), {},
-          "Shape functions: P1 linear and P2 quadratic triangles and tetrahedra, Q1 quadrilaterals and "
-          "hexahedra; P2P0 and Q1P0 with one pressure per cell, for nearly incompressible solids. auto: "
-          "P2P0 (Q1P0) where Poisson's ratio is above 0.45, else P2 in statics, P1 in motion, Q1 on "
-          "quadrilaterals and hexahedra; the report says which and why."),
-      key<B>({"quadrature", one_of(quadrature_names()), "", "the element's own",
-              "Rule of the points at which the energy is sampled; exact has no error but rounding for smooth "
-              "energies."},
-             [](const SceneNode& node, B& b) { b.quadrature = read_choice(node, quadrature_names()); }),
+          "[Shape functions](#element). auto: P2P0 (Q1P0) where Poisson's ratio is above 0.45, else P2 in "
+          "statics, P1 in motion, Q1 on quadrilaterals and hexahedra; the report says which and why."),
+      key<B>(
+          {"quadrature", one_of(quadrature_names()), "", "the element's own",
+           "Rule of the points at which the energy is sampled, one of the [element](#element)'s; exact has "
+           "no error but rounding for smooth energies."},
+          [](const SceneNode& node, B& b) { b.quadrature = read_choice(node, quadrature_names()); }),
       key<B>({"mesh", "text or [box](#mesh)", "", "required",
               "A mesh file beside the scene, or `{ box = { size, cells } }`."},
              read_body_mesh),
@@ -73,6 +72,21 @@ Keys<BodyDescription> body_keys() {
               "A fine surface that the cells carry, placed with the mesh; the page draws it."},
              [](const SceneNode& node, B& b) { read_skin(node, b.skin); }),
   };
+}
+
+TableDoc element_doc() {
+  std::string text =
+      "Shape functions on the cells of a body. Elements with one pressure are for nearly incompressible "
+      "solids.\n\n| element | dimension | shape functions | nodes | quadrature | other rules |\n"
+      "| --- | --- | --- | --- | --- | --- |";
+  for (const ElementInfo* element : elements()) {
+    std::vector<std::string> others = element->quadrature_names();
+    std::erase(others, element->default_quadrature);
+    text.append("\n| ").append(element->name).append(" | ").append(std::to_string(element->dim));
+    text.append(" | ").append(element->text).append(" | ").append(std::to_string(element->num_nodes));
+    text.append(" | ").append(element->default_quadrature).append(" | ").append(join(others)).append(" |");
+  }
+  return {"element", text, {}};
 }
 
 void read_body(const SceneNode& node, BodyDescription& body) {

@@ -35,15 +35,23 @@ std::string load_kind_texts() {
   return join(texts, "; ") + ".";
 }
 
+/// Keys that some kinds have and others do not.
+std::vector<std::string> keys_of_kinds() {
+  std::vector<std::string> keys;
+  for (const LoadKind& kind : load_kinds())
+    for (const auto* some : {&kind.needs, &kind.has}) keys.insert(keys.end(), some->begin(), some->end());
+  return keys;
+}
+
 /// Keys of other kinds are refused, since they would do nothing.
 void expect_keys_of_kind(const SceneNode& table, const LoadKind& kind) {
-  const auto in = [](const std::vector<std::string>& words, const char* word) {
+  const auto in = [](const std::vector<std::string>& words, const std::string& word) {
     return std::ranges::find(words, word) != words.end();
   };
   for (const std::string& name : kind.needs) {
     if (!table.has(name)) table.fail_with("a " + kind.name + " needs the key \"" + name + "\"");
   }
-  for (const char* name : {"value", "where", "stiffness", "displacement", "velocity"}) {
+  for (const std::string& name : keys_of_kinds()) {
     if (table.has(name) && !in(kind.needs, name) && !in(kind.has, name)) {
       table.child(name).fail_with("a " + kind.name + " has no such key; it has " + join(kind.needs) +
                                   (kind.has.empty() ? "" : ", " + join(kind.has)));

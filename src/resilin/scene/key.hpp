@@ -34,7 +34,8 @@ struct Key {
 template <class T>
 using Keys = std::vector<Key<T>>;
 
-/// A table of the scene file in the reference, such as "[simulation]".
+/// A table of the scene file in the reference, such as "[simulation]"; without keys it tells what a key may
+/// be.
 struct TableDoc {
   std::string title;
   std::string text;

@@ -28,6 +28,13 @@ const std::vector<std::string>& small_strain_names() {
   return names;
 }
 
+std::string names_of_laws_with_fibres() {
+  std::vector<std::string> names;
+  for (const LawInfo* law : laws())
+    if (law->max_fibres > 0) names.emplace_back(law->name);
+  return join(names);
+}
+
 /// Names that a law takes besides `law` and `density`.
 std::vector<std::string> constant_names(const LawInfo& law) {
   std::vector<std::string> names = small_strain_names();
@@ -139,8 +146,9 @@ TableDoc material_doc() {
   add("poissons_ratio", "number > -1 and < 0.5", "", "How much a stretched solid grows thinner.");
   doc.keys.push_back(
       {"fibres", "list of directions", "", "",
-       "Of holzapfel_gasser_ogden: for each family of fibres a rest direction, or `{ file = "
-       "\"fibres.csv\" }` or a list with one for each cell; they turn with the body's rotate."});
+       "Of " + names_of_laws_with_fibres() +
+           ": for each family of fibres a rest direction, or `{ file = \"fibres.csv\" }` or a list with one "
+           "for each cell; they turn with the body's rotate."});
   for (const LawInfo* law : laws()) {
     for (const ConstantText& constant : law->constants) {
       const std::string name(constant.name);

@@ -1,3 +1,4 @@
+#include "resilin/element/catalog.hpp"
 #include "resilin/io/mesh_file.hpp"
 #include "resilin/mesh/generators.hpp"
 #include "resilin/scene/tables.hpp"
@@ -103,7 +104,8 @@ void read_body_mesh(const SceneNode& node, BodyDescription& body) {
   } else {
     node.fail("the name of a mesh file or { box = { size, cells } }");
   }
-  body.mesh = read_mesh_of(node, body.element == "P1");
+  const ElementInfo* element = find_element(body.element, node.context->dimension);
+  body.mesh = read_mesh_of(node, element != nullptr && element->degree == 1);
 }
 
 TableDoc mesh_doc() {

@@ -46,8 +46,9 @@ std::string row(const KeyDoc& key) {
 std::string scene_reference() {
   std::string page(introduction);
   for (const TableDoc& section : scene_tables()) {
-    page += "\n## " + section.title + "\n" + section.text + "\n\n";
-    page += "| key | type | unit | default | meaning |\n| --- | --- | --- | --- | --- |\n";
+    page += "\n## " + section.title + "\n" + section.text + "\n";
+    if (section.keys.empty()) continue;
+    page += "\n| key | type | unit | default | meaning |\n| --- | --- | --- | --- | --- |\n";
     for (const KeyDoc& key : section.keys) page += row(key);
   }
   page +=
@@ -63,6 +64,7 @@ std::vector<TableDoc> scene_tables() {
       adaptive_doc(),
       modes_doc(),
       document("[[body]]", "A solid; there may be several, of different materials.", body_keys()),
+      element_doc(),
       mesh_doc(),
       material_doc(),
       damping_doc(),

@@ -23,9 +23,17 @@ std::span<const std::array<int, 3>> pieces_of(CellKind kind) {
       return quadrilateral;
     case CellKind::triangle6:
       return triangle6;
-    default:
-      return {};
+    case CellKind::point:
+    case CellKind::line:
+    case CellKind::line3:
+    case CellKind::tetrahedron:
+    case CellKind::tetrahedron10:
+    case CellKind::hexahedron:
+    case CellKind::prism:
+    case CellKind::pyramid:
+      break;
   }
+  return {};
 }
 
 /// The outline of a facet as a ring of nodes, by positions in its list of nodes.

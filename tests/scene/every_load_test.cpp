@@ -1,0 +1,75 @@
+// Each kind of load has its own keys and no others.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+#include "resilin/world/load_catalog.hpp"
+#include "scene_text.hpp"
+
+namespace resilin::testing {
+namespace {
+
+/// A value that a key of a load may have.
+std::string sample_value(const LoadKind& kind, const std::string& key) {
+  if (key == "value" && kind.value_is_number) return "1";
+  const std::map<std::string, std::string> values = {{"value", "[0, 0, 1]"},
+                                                     {"where", "\"all\""},
+                                                     {"stiffness", "1"},
+                                                     {"displacement", "[0, 0, 1]"},
+                                                     {"velocity", "[0, 0, 1]"}};
+  return values.at(key);
+}
+
+/// The message when the scene's load is of this kind, with these keys.
+std::string error_of(const LoadKind& kind, const std::vector<std::string>& keys) {
+  std::string load = "[[load]]\nkind = \"" + kind.name + "\"\n";
+  for (const std::string& key : keys) load += key + " = " + sample_value(kind, key) + "\n";
+  const std::size_t begin = good_scene.find("[[load]]"), end = good_scene.find("[[probe]]");
+  const std::string text = good_scene.substr(0, begin) + load + good_scene.substr(end);
+  return input_error([&] { read_text(text); });
+}
+
+bool has_key(const LoadKind& kind, const std::string& key) {
+  const auto is_in = [&key](const std::vector<std::string>& keys) {
+    return std::ranges::find(keys, key) != keys.end();
+  };
+  return is_in(kind.needs) || is_in(kind.has);
+}
+
+TEST(EveryLoadKind, IsReadWithTheKeysThatItNeeds) {
+  for (const LoadKind& kind : load_kinds()) EXPECT_EQ(error_of(kind, kind.needs), "") << kind.name;
+}
+
+TEST(EveryLoadKind, NamesTheKeyThatIsMissing) {
+  for (const LoadKind& kind : load_kinds()) {
+    for (const std::string& missing : kind.needs) {
+      std::vector<std::string> keys = kind.needs;
+      std::erase(keys, missing);
+      const std::string message = error_of(kind, keys);
+      EXPECT_NE(message.find("load[0]: a " + kind.name + " needs the key \"" + missing + "\""), message.npos)
+          << message;
+    }
+  }
+}
+
+TEST(EveryLoadKind, RefusesTheKeysOfOtherKinds) {
+  for (const LoadKind& kind : load_kinds()) {
+    for (const LoadKind& other : load_kinds()) {
+      std::vector<std::string> foreign = other.needs;
+      foreign.insert(foreign.end(), other.has.begin(), other.has.end());
+      for (const std::string& key : foreign) {
+        if (has_key(kind, key)) continue;
+        std::vector<std::string> keys = kind.needs;
+        keys.push_back(key);
+        const std::string message = error_of(kind, keys),
+                          expected = "load[0]." + key + ": a " + kind.name + " has no such key; it has ";
+        EXPECT_NE(message.find(expected), message.npos) << message;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace resilin::testing
