@@ -111,14 +111,19 @@ void LiveScene::Contents::reset() {
 
 /// The terms of the world, and those of what can be changed: gravity, floor, ball, damping.
 void LiveScene::Contents::renew_terms() {
-  terms = world.terms;
-  if (controls.gravity.head(world.dimension).norm() > 0)
-    terms.push_back(make_gravity(controls.gravity, world));
-  if (floor) terms.push_back(floor->barrier());
-  if (ball) terms.push_back(ball->barrier());
+  const auto all = [this](bool is_in_motion) {
+    Terms sum = world.terms;
+    if (controls.gravity.head(world.dimension).norm() > 0)
+      sum.push_back(make_gravity(controls.gravity, world, is_in_motion));
+    if (floor) sum.push_back(floor->barrier());
+    if (ball) sum.push_back(ball->barrier());
+    return sum;
+  };
+  terms = all(true);
   if (controls.damping > 0)
     terms.push_back(std::make_shared<MassDamping>(
         std::make_shared<const MassMatrix>(world.mass->times(controls.damping))));
+  terms_at_rest = terms_without(EnergyCategory::damping, all(false));
 }
 
 /// Places a floor below all bodies; it then rises to its height.

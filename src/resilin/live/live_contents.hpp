@@ -51,8 +51,9 @@ struct LiveScene::Contents {
   double unloaded_scale() const;
 
   Description description;
-  World world;  ///< of the scene, without gravity, floor and damping by mass, which can be changed
-  Terms terms;  ///< those of the world, and what controls and hands have added
+  World world;          ///< of the scene, without gravity, floor and damping by mass, which can be changed
+  Terms terms;          ///< those of the world, and what controls have added
+  Terms terms_at_rest;  ///< the same for the equilibrium that a static run finds: see make_gravity
   std::vector<std::uint8_t> is_fixed;  ///< by supports and pins
   Newton newton;
   LiveControls controls;

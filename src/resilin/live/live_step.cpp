@@ -72,7 +72,9 @@ void LiveScene::Contents::move_in_time(const StepBudget& budget) {
   const Terms all = with_hand(terms);
   Potential potential(all, is_fixed, conditions, stage);
   VectorX x = state.positions;
-  NewtonReport newton_report = minimize(potential, stage.target(), targets, controls.tolerance, budget, x);
+  NewtonReport newton_report =
+      minimize(potential, flight_guess(world, is_fixed, potential, stage, controls.gravity, x), targets,
+               controls.tolerance, budget, x);
   if (!held && !is_driven && report.min_volume_ratio > 0 && stay_upright(potential, x))
     newton_report.status = NewtonReport::Status::stalled;
   VectorX velocities = stage.velocities(x);
@@ -135,7 +137,7 @@ void LiveScene::Contents::move_to_equilibrium(const StepBudget& budget) {
                     .base_velocities = VectorX::Zero(state.positions.size()),
                     .duration = dt * std::pow(10.0, 0.5 * std::min(calm.seeking_steps, 8)),
                     .shape = state.positions};
-  const Terms all = terms_without(EnergyCategory::damping, with_hand(terms));
+  const Terms all = with_hand(terms_at_rest);
   Potential potential(all, is_fixed, conditions, stage);
   VectorX x = state.positions;
   NewtonReport newton_report = minimize(potential, x, targets, 0.1 * rest_tolerance, budget, x);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "resilin/core/text.hpp"
 #include "resilin/mesh/facet.hpp"
@@ -13,6 +14,9 @@ namespace {
 constexpr double part_of_displacement = 1e-4;
 /// Shorter ones, where the energy ends so near by, have no digits.
 constexpr double least_part_of_displacement = 1e-8;
+
+/// Of the parts that a force is the sum of, what rounding may leave of it.
+constexpr double digits = 10 * std::numeric_limits<double>::epsilon();
 
 /// How the strain energy changes from x to both sides of it, by a part of a displacement.
 struct Changes {
@@ -68,7 +72,9 @@ std::vector<ForceBalance> measure_balance(const World& world, const Potential& p
 
 std::vector<WorkBalance> measure_work(const World& world, const Potential& potential, const VectorX& x,
                                       const VectorX& gradient, const VectorX& displacement) {
-  const VectorX acting = potential.gradient_without(EnergyCategory::elastic, x);
+  const std::vector<VectorX> acting = potential.gradients_without(EnergyCategory::elastic, x);
+  VectorX magnitude;
+  potential.gradient_magnitude(x, magnitude);
   std::vector<WorkBalance> balances;
   for (const Body& body : world.bodies) {
     WorkBalance balance;
@@ -77,14 +83,19 @@ std::vector<WorkBalance> measure_work(const World& world, const Potential& poten
     balance.scale = std::max(std::abs(changes.after), std::abs(changes.before)) / (2 * changes.part);
     const Eigen::Index first = Eigen::Index{body.first_node} * world.dimension;
     const Eigen::Index count = Eigen::Index{body.num_nodes} * world.dimension;
-    double size = 0;
+    double held = 0;
     for (Eigen::Index i = first; i < first + count; ++i) {
-      const bool is_held = world.is_fixed[static_cast<std::size_t>(i)] != 0;
-      const double force = (is_held ? gradient[i] : 0) - acting[i];
-      balance.work += force * displacement[i];
-      size += std::abs(force * displacement[i]);
+      balance.rounding += digits * magnitude[i] * std::abs(displacement[i]);
+      if (world.is_fixed[static_cast<std::size_t>(i)] == 0) continue;
+      balance.work += gradient[i] * displacement[i];
+      held += std::abs(gradient[i] * displacement[i]);
     }
-    balance.scale = std::max(balance.scale, size);
+    balance.scale = std::max(balance.scale, held);
+    for (const VectorX& forces : acting) {  // one by one: a weight and its inertia are large and cancel
+      const auto works = forces.segment(first, count).cwiseProduct(displacement.segment(first, count));
+      balance.work -= works.sum();
+      balance.scale = std::max(balance.scale, works.cwiseAbs().sum());
+    }
     balances.push_back(balance);
   }
   return balances;
@@ -109,7 +120,8 @@ std::string describe_imbalance(const World& world, const Potential& potential, c
   const std::vector<WorkBalance> works = measure_work(world, potential, x, gradient, displacement);
   for (std::size_t b = 0; b < works.size(); ++b) {
     const WorkBalance& balance = works[b];
-    if (!is_missing(balance.gap(), balance.scale, rounding * displacement.norm())) continue;
+    const double left = std::max(balance.rounding, rounding * displacement.norm());
+    if (!is_missing(balance.gap(), balance.scale, left)) continue;
     return "the strain energy of \"" + world.bodies[b].name + "\" would change by " +
            format_short(balance.strain_energy) + " J where the forces on it do " +
            format_short(balance.work) + " J of work: " + format_short(balance.gap()) + " J are missing";

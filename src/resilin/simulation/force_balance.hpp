@@ -31,6 +31,7 @@ struct WorkBalance {
   double strain_energy = 0;  ///< its change, for the whole displacement at the rate at x [J]
   double work = 0;           ///< of supports and of everything else that acts, inertia included [J]
   double scale = 0;          ///< the largest of them, or of what they are made of [J]
+  double rounding = 0;       ///< of the forces, times the way [J]
 
   double gap() const { return std::abs(strain_energy - work); }  ///< what is missing [J]
 };

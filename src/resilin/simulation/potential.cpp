@@ -178,6 +178,13 @@ double Potential::difference_without(EnergyCategory category, const VectorX& fro
   return sum;
 }
 
+VectorX Potential::gradient_of(EnergyCategory category, const VectorX& x) const {
+  VectorX gradient = VectorX::Zero(x.size());
+  for (const Energy* term : terms_)
+    if (term->properties().category == category) term->add_gradient(x, conditions_, gradient);
+  return gradient;
+}
+
 VectorX Potential::gradient_without(EnergyCategory category, const VectorX& x) const {
   VectorX gradient = VectorX::Zero(x.size());
   for (const Energy* term : terms_)

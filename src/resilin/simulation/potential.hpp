@@ -45,6 +45,7 @@ class Potential final : public Objective {
   // ---- parts of the sum
   double energy(EnergyCategory category, const VectorX& x) const;  ///< [J]
   double difference_without(EnergyCategory category, const VectorX& from, const VectorX& to) const;
+  VectorX gradient_of(EnergyCategory category, const VectorX& x) const;
   VectorX gradient_without(EnergyCategory category, const VectorX& x) const;
   std::vector<VectorX> gradients_without(EnergyCategory category, const VectorX& x) const;  ///< term by term
   /// The energy at x is finite.

@@ -33,6 +33,34 @@ class Clock {
 
 }  // namespace
 
+VectorX flight_guess(const World& world, std::span<const std::uint8_t> is_fixed, const Potential& potential,
+                     const Stage& stage, const Vector3& gravity, const VectorX& x) {
+  VectorX guess = stage.target();
+  const Eigen::Index dim = world.dimension;
+  const VectorX g = gravity.head(dim);
+  if (g.isZero(0)) return guess;
+  const VectorX pull =
+      potential.gradient_of(EnergyCategory::external, x) + potential.gradient_of(EnergyCategory::contact, x);
+  const auto is_held = [&](Index node) {
+    return world.mass->nodal[node] > 0 &&
+           std::ranges::any_of(
+               is_fixed.subspan(static_cast<std::size_t>(node * dim), static_cast<std::size_t>(dim)),
+               [](std::uint8_t fixed) { return fixed != 0; });
+  };
+  for (const Body& body : world.bodies) {
+    VectorX force = VectorX::Zero(dim);
+    bool flies = true;
+    for (Index node = body.first_node; node < body.first_node + body.num_nodes && flies; ++node) {
+      force -= pull.segment(node * dim, dim);
+      flies = !is_held(node);
+    }
+    if (!flies || !(force.dot(g) > 0.5 * body.mass * g.squaredNorm())) continue;
+    guess.segment(body.first_node * dim, body.num_nodes * dim) +=
+        stage.scale() * g.replicate(body.num_nodes, 1);
+  }
+  return guess;
+}
+
 NewtonReport solve_stage(Potential& potential, std::span<const std::uint8_t> is_fixed, const VectorX& targets,
                          const VectorX& guess, const NewtonSettings& settings, const StageBudget& budget,
                          Newton& newton, VectorX& x, const NewtonObserver& observer) {

@@ -14,6 +14,12 @@ struct StageBudget {
   int iterations = std::numeric_limits<int>::max();  ///< the same for this number of them
 };
 
+/// Where the stage would end without forces; bodies that fly, held by no support and about as heavy as their
+/// weight when they stand at x, are where gravity takes them: M a = M g, whatever the mass matrix.
+/// @param gravity  that of a term of the potential [m/s^2]
+VectorX flight_guess(const World& world, std::span<const std::uint8_t> is_fixed, const Potential& potential,
+                     const Stage& stage, const Vector3& gravity, const VectorX& x);
+
 /// Newton's method on one stage of a step, for runs and for scenes that are played with.
 ///
 /// Starts from x or from `guess`, whichever has the lower energy. Where bodies are in the way of what moves

@@ -132,7 +132,8 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
     conditions.collider_delay = conditions.time - colliders_reached;
     Potential potential(world, conditions, stage);
     VectorX x = before;
-    const NewtonReport search = solve_stage(potential, world.is_fixed, prescribed.positions, stage.target(),
+    const VectorX guess = flight_guess(world, world.is_fixed, potential, stage, world.gravity, x);
+    const NewtonReport search = solve_stage(potential, world.is_fixed, prescribed.positions, guess,
                                             newton_settings(world), {}, newton, x, observer);
     conditions = potential.conditions();
     add_to(report.newton, search);

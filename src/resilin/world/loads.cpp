@@ -32,10 +32,15 @@ std::shared_ptr<Energy> make_load(const LoadDescription& load, const World& worl
   return kind.make(load, site);
 }
 
-std::shared_ptr<Energy> make_gravity(const Vector3& gravity, const World& world) {
+std::shared_ptr<Energy> make_gravity(const Vector3& gravity, const World& world, bool is_in_motion) {
   VectorX forces = VectorX::Zero(world.rest_positions.size());
-  for (const Body& body : world.bodies) {
-    add_body_force(body.elastic->element(), body.cells, world.rest_positions, body.density * gravity, forces);
+  if (is_in_motion) {
+    const int dim = world.dimension;
+    world.mass->multiply(gravity.head(dim).replicate(world.num_nodes(), 1), forces);
+  } else {
+    for (const Body& body : world.bodies)
+      add_body_force(body.elastic->element(), body.cells, world.rest_positions, body.density * gravity,
+                     forces);
   }
   return std::make_shared<DeadLoad>("gravity", std::move(forces), world.rest_positions);
 }

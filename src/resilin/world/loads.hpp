@@ -11,7 +11,9 @@ namespace resilin {
 std::shared_ptr<Energy> make_load(const LoadDescription& load, const World& world, const Body& body,
                                   const Mesh& mesh);
 
-/// The weight of all bodies [N] as dead nodal forces, integral N_a rho g dV.
-std::shared_ptr<Energy> make_gravity(const Vector3& gravity, const World& world);
+/// The weight of all bodies [N] as dead nodal forces. In motion M g with the mass matrix that inertia has, so
+/// that what falls freely keeps its shape; at rest, where no inertia acts, integral N_a rho g dV, however
+/// mass is lumped. In sum both are the weight. `world.mass` must be known.
+std::shared_ptr<Energy> make_gravity(const Vector3& gravity, const World& world, bool is_in_motion);
 
 }  // namespace resilin

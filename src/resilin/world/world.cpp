@@ -126,14 +126,14 @@ void Builder::build() {
   for (const ProbeDescription& probe : description_.probes) add_probe(probe);
   for (const SectionDescription& section : description_.sections) add_section(section);
   build_pattern();
+  add_masses();
   world_.terms.assign(coupling_.begin(), coupling_.end());
   if (description_.gravity.head(world_.dimension).norm() > 0)
-    world_.terms.push_back(make_gravity(description_.gravity, world_));
+    world_.terms.push_back(make_gravity(description_.gravity, world_, world_.is_dynamic));
   for (const ColliderDescription& collider : description_.colliders) {
     world_.colliders.push_back(make_collider(collider, world_));
     world_.terms.push_back(world_.colliders.back());
   }
-  add_masses();
   if (world_.is_dynamic) {
     world_.terms.push_back(std::make_shared<Inertia>(world_.mass));
     for (const auto& term : damping_terms(description_, world_)) world_.terms.push_back(term);
