@@ -83,7 +83,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(TimeFunctions, AreRefusedWhereTheyWouldDoNothing) {
   const std::string ramp = "time_function={ramp={until=1}}";
-  EXPECT_NE(error_with({"load.pull." + ramp}).find("has a meaning only in motion"), std::string::npos);
+  EXPECT_EQ(error_with({"load.pull." + ramp}), "");
   EXPECT_NE(error_with(in_motion({"fix.wall." + ramp})).find("is a factor on displacement"),
             std::string::npos);
   EXPECT_EQ(error_with(in_motion({"fix.wall." + ramp, "fix.wall.displacement=[0,0,1]"})), "");

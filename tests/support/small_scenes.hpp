@@ -57,6 +57,14 @@ inline Simulation run_all(const Description& scene) {
   return simulation;
 }
 
+/// The end of a run whose every step converges.
+inline Simulation converged_end_of(const Description& scene) {
+  Simulation simulation = run_all(scene);
+  EXPECT_TRUE(simulation.is_finished()) << "not converged beyond load factor " << simulation.state().load
+                                        << ", time " << simulation.state().time << " s";
+  return simulation;
+}
+
 /// A run, and one that goes on from a checkpoint after `step` steps, end in the same bits.
 inline void expect_same_bits_after_a_checkpoint(const Description& scene, int step) {
   const auto advance = [](Simulation& simulation, int steps) {

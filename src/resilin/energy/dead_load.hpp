@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <span>
 
 #include "resilin/element/element.hpp"
@@ -9,7 +10,7 @@
 
 namespace resilin {
 
-/// When a load acts in motion, from < t <= until [s], and how strongly.
+/// When a load acts, from < t <= until [s], and how strongly.
 struct ActiveTime {
   double from = -std::numeric_limits<double>::infinity();
   double until = std::numeric_limits<double>::infinity();
@@ -17,8 +18,11 @@ struct ActiveTime {
 
   /// Times are met to a small part of a step, so that a window that ends at a step's end includes that step.
   bool contains(double time) const;
-  /// The function's value in this time, zero outside.
-  double factor(double time) const { return contains(time) ? function.value(time) : 0; }
+  /// What counts of the load: the function's value or the load factor, zero outside its time.
+  double factor(const Conditions& c) const { return contains(c.time) ? function.factor(c.time, c.load) : 0; }
+  bool is_always() const {
+    return function.is_constant() && from == -until && until > 0 && std::isinf(until);
+  }
 };
 
 /// Forces that keep their size and direction while the body deforms: E = -t f.(x - X), t the load factor
@@ -40,7 +44,7 @@ class DeadLoad final : public Energy {
   void add_hessian(const VectorX&, const Conditions&, Projection, BlockMatrix&) const override {}
 
  private:
-  double factor(const Conditions& c) const { return c.load * active_.factor(c.time); }
+  double factor(const Conditions& c) const { return active_.factor(c); }
 
   std::string name_;
   VectorX forces_;  ///< [N]

@@ -17,7 +17,7 @@ namespace resilin {
 
 /// What loads and moving targets depend on besides the positions.
 struct Conditions {
-  double time = 0;            ///< [s]
+  double time = 0;            ///< [s]; in a static run the load factor times the scene's end time
   double load = 1;            ///< load factor of a static run; 1 in motion
   double collider_delay = 0;  ///< how far moving colliders are behind, while a step leads them on [s]
 };

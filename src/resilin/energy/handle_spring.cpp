@@ -14,7 +14,7 @@ HandleSpring::HandleSpring(std::string name, int dim, std::vector<Index> nodes, 
 
 Vector3 HandleSpring::stretch(Index node, const VectorX& x, const Conditions& c) const {
   const Vector3 far_end = node_position(dim_, node, rest_positions_) +
-                          c.load * active_.function.value(c.time) * motion_.displacement +
+                          active_.function.factor(c.time, c.load) * motion_.displacement +
                           (c.time - motion_.start) * motion_.velocity;
   return node_position(dim_, node, x) - far_end;
 }

@@ -74,7 +74,7 @@ void Pressure::add_gradient(const VectorX& x, const Conditions& c, VectorX& grad
 
 VectorX Pressure::parameter_slopes(const VectorX& x, const VectorX& weights, const Conditions& c) const {
   VectorX forces = VectorX::Zero(x.size());
-  add_forces(x, c.load * active_.factor(c.time), forces);
+  add_forces(x, active_.factor(c), forces);
   return VectorX::Constant(1, weights.dot(forces));
 }
 

@@ -30,7 +30,7 @@ class Pressure final : public Energy {
   VectorX parameter_slopes(const VectorX& x, const VectorX& weights, const Conditions& c) const override;
 
  private:
-  double factor(const Conditions& c) const { return c.load * active_.factor(c.time) * pressure_; }
+  double factor(const Conditions& c) const { return active_.factor(c) * pressure_; }
   void add_forces(const VectorX& x, double pressure, VectorX& forces) const;
   void add_facet_hessian(std::span<const Index> nodes, const VectorX& x, double p,
                          BlockMatrix& hessian) const;

@@ -9,7 +9,8 @@ namespace resilin {
 /// years.
 double time_slack(double time);
 
-/// A factor f(t) on a load or a prescribed motion. By default 1 at all times.
+/// A factor f(t) on a load or a prescribed motion. By default 1 at all times, and in a static run the load
+/// factor; a function that is given takes its place, with the path parameter for t.
 ///
 /// Where a slope jumps (a knot of a table, the ends of a ramp), rates are those from before, so that a step
 /// that ends there sees what happened in it. Times are met within `time_slack`.
@@ -36,6 +37,8 @@ struct TimeFunction {
 
   bool is_constant() const { return std::holds_alternative<Constant>(form); }
   double value(double time) const;
+  /// What counts of a load at a time and a load factor.
+  double factor(double time, double load) const { return is_constant() ? load : value(time); }
   double rate(double time) const;         ///< df/dt [1/s]
   double second_rate(double time) const;  ///< d2f/dt2 [1/s^2]
   std::vector<double> kinks() const;      ///< times where the rate jumps, rising [s]

@@ -47,7 +47,7 @@ Description in_motion(Description description) {
 }
 
 /// When all that changes by itself has come to its end [s]; before, bodies may be still and yet not at rest.
-double end_of_changes(const Description& description) {
+double end_of_changes(const Description& description, const World& world) {
   const auto moves_on = [](const ColliderDescription& collider) {
     return collider.velocity != Vector3::Zero() && !collider.until;
   };
@@ -59,8 +59,7 @@ double end_of_changes(const Description& description) {
       std::ranges::any_of(description.loads, is_endless) ||
       std::ranges::any_of(description.colliders, moves_on))
     return std::numeric_limits<double>::infinity();
-  const std::vector<double> events = event_times(description);
-  return events.empty() ? 0 : events.back();
+  return world.event_times.empty() ? 0 : world.event_times.back();
 }
 
 /// A small system is solved directly whatever its mass: stiff bodies at long steps are then as quick as soft
@@ -82,7 +81,9 @@ LiveScene::Contents::Contents(const Description& scene)
       newton(world.dimension, world.pattern, live_solver(world)),
       controls(starting_controls(scene, world, up_of(scene))) {
   extent = world.largest_extent();
-  end_of_changes = resilin::end_of_changes(description);
+  const bool has_path = !scene.is_dynamic && follows_time(scene);
+  path_time = has_path ? scene.end_time : std::numeric_limits<double>::infinity();
+  end_of_changes = std::min(resilin::end_of_changes(description, world), path_time);
   up = up_of(scene);
   for (const ColliderDescription& collider : scene.colliders) {
     if (!is_floor(collider, up)) continue;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
@@ -36,6 +37,8 @@ struct LiveScene::Contents {
   void change_materials(const LiveControls& wanted);  ///< the terms are then to be renewed
 
   bool is_seeking() const;
+  /// What loads and supports take for the time: that of a static scene ends with its path.
+  double scene_time(double time) const { return std::min(time, path_time); }
   void step(const StepBudget& budget);
   NewtonReport minimize(Potential& potential, const VectorX& guess, const VectorX& targets, double tolerance,
                         const StepBudget& budget, VectorX& x);
@@ -68,6 +71,7 @@ struct LiveScene::Contents {
   int mending_steps = 0;  ///< in a row that started with cells inside out
   double extent = 1;
   double end_of_changes = 0;  ///< [s]
+  double path_time = 0;       ///< of a static scene: when it has its full load [s]
 };
 
 }  // namespace resilin

@@ -64,8 +64,9 @@ void LiveScene::Contents::move_in_time(const StepBudget& budget) {
                               .velocities = (dt / step) * (dt / step) * state.velocities,
                               .accelerations = {}}};
   const Stage stage = BackwardEuler().begin_stage(0, start, {}, step);
+  const double time = scene_time(state.time + dt);
   const Conditions conditions{
-      .time = state.time + dt, .load = 1, .collider_delay = state.collider_delay + dt};
+      .time = time, .load = 1, .collider_delay = state.collider_delay + time - scene_time(state.time)};
   VectorX targets = state.positions;
   place_supports(world.dimension, world.supports, world.rest_positions, conditions, targets);
   const bool is_driven = targets != state.positions;
@@ -130,7 +131,8 @@ bool LiveScene::Contents::stay_upright(Potential& potential, VectorX& x) const {
 /// definite while velocities are no longer carried along.
 void LiveScene::Contents::move_to_equilibrium(const StepBudget& budget) {
   const double dt = controls.time_step;
-  const Conditions conditions{.time = state.time, .load = 1, .collider_delay = state.collider_delay};
+  const Conditions conditions{
+      .time = scene_time(state.time), .load = 1, .collider_delay = state.collider_delay};
   VectorX targets = state.positions;
   place_supports(world.dimension, world.supports, world.rest_positions, conditions, targets);
   const Stage stage{.base_positions = state.positions,

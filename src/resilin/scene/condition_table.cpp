@@ -61,16 +61,6 @@ void expect_keys_of_kind(const SceneNode& table, const LoadKind& kind) {
 
 }  // namespace
 
-void expect_motion(const SceneNode& table, std::initializer_list<const char*> keys) {
-  if (table.context->is_dynamic) return;
-  for (const char* name : keys) {
-    if (table.has(name)) {
-      table.child(name).fail_with(
-          "has a meaning only in motion; set simulation.kind = \"dynamic\" or leave it out");
-    }
-  }
-}
-
 Keys<FixDescription> fix_keys() {
   using F = FixDescription;
   return {
@@ -84,11 +74,11 @@ Keys<FixDescription> fix_keys() {
       matrix_key("gradient", &F::gradient, "", "Adds gradient * X, X the rest position."),
       key<F>({"rotate", "[rotate](#rotate)", "", "none", "A turn, in place of displacement and gradient."},
              [](const SceneNode& node, F& f) { read_rotation(node, f.rotate); }),
-      vector_key("velocity", &F::velocity, "m/s", "In motion: the vertices move on at this speed ..."),
+      vector_key("velocity", &F::velocity, "m/s", "The vertices move on at this speed ..."),
       key<F>({"until", "number >= 0", "s", "the end", "... until this time, and then stay."},
              [](const SceneNode& node, F& f) { f.until = read_number(node, not_negative); }),
       key<F>({"time_function", "[time_function](#time_function)", "", "none",
-              "In motion: a factor on displacement, gradient and rotate."},
+              "Acts on displacement, gradient and rotate in place of the load factor."},
              [](const SceneNode& node, F& f) { read_time_function(node, f.time_function); }),
   };
 }
@@ -97,7 +87,6 @@ void read_fix(const SceneNode& node, FixDescription& fix) {
   fix.place = node.place();
   fix.name = node.path;
   read_table(node, fix_keys(), fix);
-  expect_motion(node, {"velocity", "until", "time_function"});
   if (node.has("time_function") && !node.has("displacement") && !node.has("gradient") && !fix.rotate) {
     node.child("time_function")
         .fail_with("is a factor on displacement, gradient or rotate; give one of them");
@@ -129,12 +118,12 @@ Keys<LoadDescription> load_keys() {
       number_key("stiffness", &L::stiffness, "N/m", positive, "Spring: on each vertex."),
       vector_key("displacement", &L::displacement, "m",
                  "Spring: its far end stands at rest position + this ..."),
-      vector_key("velocity", &L::velocity, "m/s", "... and, in motion, moves on at this speed."),
-      number_key("from", &L::from, "s", not_negative, "In motion: acts from this time ..."),
+      vector_key("velocity", &L::velocity, "m/s", "... and moves on at this speed."),
+      number_key("from", &L::from, "s", not_negative, "It acts from this time ..."),
       key<L>({"until", "number >= 0", "s", "the end", "... until this time."},
              [](const SceneNode& node, L& l) { l.until = read_number(node, not_negative); }),
       key<L>({"time_function", "[time_function](#time_function)", "", "none",
-              "In motion: a factor on the value, of a spring on its displacement."},
+              "Acts on the value, of a spring on its displacement, in place of the load factor."},
              [](const SceneNode& node, L& l) { read_time_function(node, l.time_function); }),
   };
 }
@@ -145,7 +134,6 @@ void read_load(const SceneNode& node, LoadDescription& load) {
   read_table(node, load_keys(), load);
   const LoadKind& kind = require_load_kind(load.kind, node.place() + ".kind");
   expect_keys_of_kind(node, kind);
-  expect_motion(node, {"velocity", "from", "until", "time_function"});
   const bool is_led = std::ranges::find(kind.has, "displacement") != kind.has.end();
   if (is_led && node.has("time_function") && !node.has("displacement")) {
     node.child("time_function").fail_with("is a factor on the " + kind.name + "'s displacement; give one");

@@ -54,7 +54,7 @@ Keys<ColliderDescription> collider_keys() {
              [](const SceneNode& node, C& c) { c.shape.center = read_vector(node); }),
       key<C>({"radius", "number > 0", "m", "required for a sphere", "Bodies stay outside."},
              [](const SceneNode& node, C& c) { c.shape.radius = read_number(node, positive); }),
-      vector_key("velocity", &C::velocity, "m/s", "In motion: it moves at this speed ..."),
+      vector_key("velocity", &C::velocity, "m/s", "It moves at this speed ..."),
       key<C>({"until", "number >= 0", "s", "the end", "... until this time, and then stays."},
              [](const SceneNode& node, C& c) { c.until = read_number(node, not_negative); }),
       key<C>({"activation_distance", "number > 0", "m", "0.005 of the smallest body's extent",
@@ -84,7 +84,6 @@ void read_collider(const SceneNode& node, ColliderDescription& collider) {
         node.child(name).fail_with("is a key of a " + std::string(kind.name) + ", not of a " + collider.kind);
     }
   }
-  expect_motion(node, {"velocity", "until"});
 }
 
 }  // namespace resilin

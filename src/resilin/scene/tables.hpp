@@ -62,9 +62,6 @@ TableDoc modes_doc();
 void read_damping(const SceneNode& node, DampingDescription& damping);
 TableDoc damping_doc();
 
-/// Refuses keys that say something only while time passes where it does not.
-void expect_motion(const SceneNode& table, std::initializer_list<const char*> keys);
-
 // contact_table.cpp
 Keys<ColliderDescription> collider_keys();
 void read_collider(const SceneNode& node, ColliderDescription& collider);

@@ -129,8 +129,11 @@ void read_time_function(const SceneNode& node, TimeFunction& function) {
 }
 
 TableDoc time_function_doc() {
-  TableDoc doc = document("time_function", "A factor f(t) in motion, t the time in seconds: one of",
-                          time_function_keys());
+  TableDoc doc = document(
+      "time_function",
+      "A factor f(t), t the time in seconds; in a static run t is the load factor times simulation.end_time, "
+      "and f takes the place of the load factor, so that one load may come before another. One of",
+      time_function_keys());
   append_keys(doc, "sine.", sine_keys());
   append_keys(doc, "ramp.", ramp_keys());
   return doc;

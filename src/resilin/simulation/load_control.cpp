@@ -6,6 +6,7 @@
 #include "resilin/core/text.hpp"
 #include "resilin/simulation/force_balance.hpp"
 #include "resilin/simulation/potential.hpp"
+#include "resilin/simulation/stage_solver.hpp"
 
 namespace resilin {
 namespace {
@@ -16,15 +17,25 @@ constexpr int quick_convergence = 5;  ///< Newton iterations below which the loa
 /// Up to this number of unknowns a factorisation for each equilibrium costs a fraction of a second.
 constexpr Index most_unknowns_counted = 10000;
 
-/// The load factor of the next attempt. The loads k / load_steps are met exactly, so that a scene gets the
-/// frames that it asked for; what is left up to the next of them is shared equally when it takes several
-/// steps.
+/// The next load factor that a step has to meet: one of k / load_steps, so that a scene gets the frames that
+/// it asked for, or one where something that follows time begins, ends or has a kink.
+double next_stop(const World& world, double load) {
+  const double asked = std::floor(load * world.load_steps + 1e-9) + 1;
+  double stop = std::min(asked / world.load_steps, 1.0);
+  if (world.path_time == 0) return stop;
+  for (const double time : world.event_times) {
+    const double event = time / world.path_time;
+    if (event > load + 1e-12 && event < stop - 1e-12) stop = event;
+  }
+  return stop;
+}
+
+/// The load factor of the next attempt. What is left up to the next stop is shared equally when it takes
+/// several steps.
 double next_load(const World& world, const State& state) {
-  const double asked = std::floor(state.load * world.load_steps + 1e-9) + 1;
-  const double next_asked = std::min(asked / world.load_steps, 1.0);
-  const double left = next_asked - state.load;
-  const double num_steps = std::ceil(left / state.load_increment - 1e-9);
-  return num_steps <= 1 ? next_asked : state.load + left / num_steps;
+  const double stop = next_stop(world, state.load);
+  const double num_steps = std::ceil((stop - state.load) / state.load_increment - 1e-9);
+  return num_steps <= 1 ? stop : state.load + (stop - state.load) / num_steps;
 }
 
 /// Where the search for the equilibrium at `load` starts: the secant through the last two equilibria or the
@@ -84,13 +95,14 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
   StepReport report;
   while (true) {
     const double load = next_load(world, state);
-    const Conditions conditions{.time = 0, .load = load};
+    Conditions conditions = world.at_load(load);
+    conditions.collider_delay = conditions.time - world.at_load(state.load).time;
     Potential potential(world, conditions, static_stage(state.positions));
     VectorX targets = state.positions;
     place_supports(world.dimension, world.supports, world.rest_positions, conditions, targets);
     VectorX x = predicted_positions(world, potential, targets, state, load);
     const NewtonReport search =
-        newton.minimize(potential, world.is_fixed, targets, newton_settings(world), x, observer);
+        solve_stage(potential, world.is_fixed, targets, x, newton_settings(world), {}, newton, x, observer);
     add_to(report.newton, search);
     if (search.status == NewtonReport::Status::interrupted) {
       report.status = StepReport::Status::interrupted;
@@ -101,8 +113,10 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
     const std::string imbalance = search.converged() ? describe_imbalance(world, potential, x, gradient,
                                                                           search, x - world.rest_positions)
                                                      : "";
-    if (search.converged() && imbalance.empty()) {
+    const double delay = potential.conditions().collider_delay;
+    if (search.converged() && imbalance.empty() && delay == 0) {
       move_to(state, std::move(x), load);
+      state.time = conditions.time;
       if (search.iterations < quick_convergence)
         state.load_increment = std::min(load_growth * state.load_increment, 1.0 / world.load_steps);
       return report;
@@ -115,6 +129,7 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
       report.status = StepReport::Status::not_converged;
       report.reason =
           "no equilibrium was found beyond load factor " + format_number(state.load) + ": " +
+          (delay > 0 ? "bodies are in the way of a moving collider; " : "") +
           (imbalance.empty() ? describe_failure(world, search, x) : imbalance) +
           (is_out_of_digits
                ? ""
@@ -137,7 +152,7 @@ void LoadControl::find_inversion(const World& world, const State& state, StepRep
 
 void LoadControl::count_unstable_modes(const World& world, const Newton& newton, const State& state,
                                        StepReport& report) {
-  const Potential potential(world, {.time = 0, .load = state.load}, static_stage(state.positions));
+  const Potential potential(world, world.at_load(state.load), static_stage(state.positions));
   // Without a potential the eigenvalues of the symmetric part say nothing of stability.
   if (world.unstable_modes == UnstableModes::skip || !potential.has_potential(state.positions)) return;
   if (world.unstable_modes == UnstableModes::automatic && world.num_free_unknowns() > most_unknowns_counted &&

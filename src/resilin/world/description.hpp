@@ -131,9 +131,9 @@ struct FixDescription {
   Vector3 displacement = Vector3::Zero();              ///< at load factor 1 [m]
   Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();  ///< adds G X, X the rest position
   std::optional<Rotation> rotate;                      ///< in place of displacement and gradient
-  Vector3 velocity = Vector3::Zero();                  ///< in motion: moves on at this speed [m/s] ...
+  Vector3 velocity = Vector3::Zero();                  ///< moves on at this speed [m/s] ...
   std::optional<double> until;                         ///< ... until this time, then stays [s]
-  TimeFunction time_function;  ///< in motion: a factor on displacement, gradient and rotate
+  TimeFunction time_function;  ///< on displacement, gradient and rotate, in place of the load factor
 };
 
 struct LoadDescription {
@@ -149,9 +149,9 @@ struct LoadDescription {
   Vector3 displacement =
       Vector3::Zero();                 ///< spring: its far end stands at rest position + displacement [m] ...
   Vector3 velocity = Vector3::Zero();  ///< ... and moves on at this speed [m/s]
-  double from = 0;                     ///< in motion: acts from this time [s] ...
+  double from = 0;                     ///< acts from this time [s] ...
   std::optional<double> until;         ///< ... until this time [s]
-  TimeFunction time_function;          ///< in motion: a factor on the load, or on a spring's displacement
+  TimeFunction time_function;  ///< on the load, of a spring on its displacement, in place of the load factor
 };
 
 /// A solid that bodies cannot enter and slide along without friction.
@@ -160,7 +160,7 @@ struct ColliderDescription {
   std::string name;                 ///< the force on the bodies is reported under it
   std::string kind = "half_space";  ///< a name of contact/catalog.cpp
   ShapeDescription shape;
-  Vector3 velocity = Vector3::Zero();         ///< in motion [m/s] ...
+  Vector3 velocity = Vector3::Zero();         ///< [m/s] ...
   std::optional<double> until;                ///< ... until this time [s]
   std::optional<double> activation_distance;  ///< [m]; default: see default_activation_distance
   std::optional<double> stiffness;  ///< of the barrier [Pa]; default 0.1 of each body's Young's modulus
@@ -223,7 +223,7 @@ struct Description {
   int dimension = 3;                  ///< 3, or 2: plane strain, unit thickness
   Vector3 gravity = Vector3::Zero();  ///< [m/s^2]
   double time_step = 0.01;            ///< in motion [s]
-  double end_time = 1;                ///< in motion [s]
+  double end_time = 1;                ///< motion stops here; static: the time at load factor 1 [s]
   std::string integrator = "backward_euler";
   std::optional<AdaptiveSteps> adaptive;  ///< in motion; `time_step` is then the first step
   std::optional<ModesOptions> modes;      ///< free vibrations are asked for; not in motion

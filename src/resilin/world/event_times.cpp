@@ -4,6 +4,15 @@
 
 namespace resilin {
 
+bool follows_time(const Description& description) {
+  const auto moves = [](const auto& entry) { return !entry.velocity.isZero(0); };
+  const auto varies = [&](const auto& entry) { return moves(entry) || !entry.time_function.is_constant(); };
+  const auto is_windowed = [](const LoadDescription& load) { return load.from > 0 || load.until; };
+  return std::ranges::any_of(description.fixes, varies) || std::ranges::any_of(description.loads, varies) ||
+         std::ranges::any_of(description.loads, is_windowed) ||
+         std::ranges::any_of(description.colliders, moves);
+}
+
 std::vector<double> event_times(const Description& description) {
   std::vector<double> times;
   const auto add = [&times](const auto& entry) {

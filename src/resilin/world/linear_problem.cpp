@@ -37,7 +37,7 @@ bool is_linear(const World& world) {
 
 std::optional<Inversion> first_inversion(const World& world, const VectorX& positions, double load) {
   const auto turns = [](const Support& support) { return support.rotate.has_value(); };
-  if (!(load > 0) || std::ranges::any_of(world.supports, turns)) return std::nullopt;
+  if (!(load > 0) || world.path_time > 0 || std::ranges::any_of(world.supports, turns)) return std::nullopt;
   std::optional<Inversion> first;
   double least = 0;
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {

@@ -20,8 +20,8 @@ struct Inversion {
 
 /// Of the straight path from the rest shape through `positions`, the equilibrium at load factor `load` > 0,
 /// and beyond: J(t) = det(I + t/load grad u) is zero first where grad u has its most negative real eigenvalue
-/// e, at t = -load/e. At the quadrature points; none when nothing inverts at any load, or when supports turn,
-/// for then the path is not straight.
+/// e, at t = -load/e. At the quadrature points; none when nothing inverts at any load, or when supports turn
+/// or loads follow time, for then the path is not straight.
 std::optional<Inversion> first_inversion(const World& world, const VectorX& positions, double load);
 
 /// "cell 7 of "beam" is turned inside out beyond load factor 0.61".

@@ -6,8 +6,7 @@
 namespace resilin {
 namespace {
 
-ActiveTime active_time(const LoadDescription& load, bool is_dynamic) {
-  if (!is_dynamic) return {};
+ActiveTime active_time(const LoadDescription& load) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   return {.from = load.from > 0 ? load.from : -infinity,
           .until = load.until.value_or(infinity),
@@ -27,7 +26,7 @@ std::shared_ptr<Energy> make_load(const LoadDescription& load, const World& worl
       .where = where,
       .nodes = {},
       .vertices = select_vertices(load.where, mesh, body, world.rest_positions, world.dimension, where),
-      .active = active_time(load, world.is_dynamic)};
+      .active = active_time(load)};
   for (const Index vertex : site.vertices) site.nodes.push_back(body.first_node + vertex);
   return kind.make(load, site);
 }

@@ -26,7 +26,7 @@ Vector3 turned_arm(const Rotation& turn, double factor, const Vector3& X) {
 
 Vector3 Support::target(const Vector3& X, const Conditions& c) const {
   const double moving_time = until ? std::min(c.time, *until) : c.time;
-  const double factor = c.load * time_function.value(c.time);
+  const double factor = time_function.factor(c.time, c.load);
   Vector3 place_now = X + moving_time * velocity;
   if (rotate) {
     place_now += rotate->center + turned_arm(*rotate, factor, X) - X;

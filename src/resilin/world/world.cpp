@@ -103,6 +103,7 @@ class Builder {
   void build_pattern();
   void add_masses();
   void find_fixed_unknowns();
+  void find_events();
   void find_oddities();
 
   const Description& description_;  ///< in the world's coordinates
@@ -114,6 +115,11 @@ class Builder {
 
 void Builder::build() {
   check_description(description_);
+  if (world_.follows_path && world_.path_time > 0) {
+    throw InputError(world_.place + ": simulation.load_control",
+                     "\"load\" where loads, supports or colliders follow time", "\"arc_length\"",
+                     "a path by arc length needs loads in proportion to the load factor");
+  }
   if (description_.bodies.empty()) throw InputError(world_.place, "at least one [[body]]", "none");
   for (const BodyDescription& body : description_.bodies) add_body(body);
   // Once all bodies are placed, so that every energy sees the whole world's vertices.
@@ -139,7 +145,7 @@ void Builder::build() {
     for (const auto& term : damping_terms(description_, world_)) world_.terms.push_back(term);
   }
   find_fixed_unknowns();
-  world_.event_times = event_times(description_);
+  find_events();
   if (world_.modes) check_modes(description_, *world_.modes, world_);
   const bool finds_equilibrium = !world_.is_dynamic && (!world_.modes || world_.modes->is_loaded);
   if (finds_equilibrium) check_is_held(world_);
@@ -289,6 +295,15 @@ void Builder::find_fixed_unknowns() {
   }
 }
 
+void Builder::find_events() {
+  world_.event_times = event_times(description_);
+  if (world_.path_time > 0 && !world_.event_times.empty() && world_.event_times.back() > world_.path_time) {
+    world_.warnings.push_back(world_.place + ": simulation.end_time: the load factor is 1 at " +
+                              format_short(world_.path_time) + " s, but loads or motions change until " +
+                              format_short(world_.event_times.back()) + " s");
+  }
+}
+
 }  // namespace
 
 World::World(const Description& description)
@@ -299,6 +314,7 @@ World::World(const Description& description)
       gravity(description.gravity),
       time_step(description.time_step),
       end_time(description.end_time),
+      path_time(!description.is_dynamic && follows_time(description) ? description.end_time : 0),
       load_steps(description.load_steps),
       follows_path(!description.is_dynamic && !description.modes &&
                    description.load_control == LoadControlKind::arc_length),

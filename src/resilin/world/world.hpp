@@ -63,6 +63,7 @@ class World {
   Vector3 gravity = Vector3::Zero();  ///< [m/s^2]
   double time_step = 0;
   double end_time = 0;
+  double path_time = 0;  ///< static: the time at load factor 1, where anything follows time; else 0 [s]
   int load_steps = 1;
   bool follows_path = false;  ///< static: by arc length
   int max_steps = 0;
@@ -99,6 +100,8 @@ class World {
   std::vector<std::uint8_t> is_fixed;    ///< per unknown: prescribed, or of a vertex that no cell uses
   std::vector<std::int32_t> support_of;  ///< per unknown: which support prescribes it; -1: none
 
+  /// Of a static run at a load factor: time is the path parameter.
+  Conditions at_load(double load) const { return {.time = load * path_time, .load = load}; }
   Index num_nodes() const { return static_cast<Index>(rest_positions.size() / dimension); }
   /// In the scene's coordinates [m].
   Vector3 place_of(Index node, const VectorX& positions) const;
