@@ -143,6 +143,21 @@ TEST(Fingerprint, IsTheSameForTheSameSceneHoweverItIsWritten) {
     EXPECT_FALSE(first_difference(once, fingerprint_of(read_good_scene_with({same}).description))) << same;
 }
 
+TEST(Fingerprint, KnowsTheEndTimeWhereSomethingDependsOnIt) {
+  for (const std::vector<std::string>& overrides :
+       {std::vector<std::string>{"load.pull.time_function={ramp={until=1}}"},
+        {"load.pull.until=0.5"},
+        {"fix.wall.velocity=[0, 0, 0.1]"},
+        {"simulation.kind=\"dynamic\"", "fix.wall.rotate=[0, 0, 1, 90]"}}) {
+    std::vector<std::string> longer = overrides;
+    longer.emplace_back("simulation.end_time=7");
+    const auto difference = first_difference(fingerprint_of(read_good_scene_with(overrides).description),
+                                             fingerprint_of(read_good_scene_with(longer).description));
+    ASSERT_TRUE(difference) << overrides.back();
+    EXPECT_EQ(describe(*difference), "simulation.end_time is 1, not 7 as in the scene");
+  }
+}
+
 TEST(Fingerprint, NamesWhatIsNewAndWhatIsGone) {
   const Fingerprint once = fingerprint_of(read_text(good_scene).description);
   const auto difference_with = [&](const std::vector<std::string>& overrides) {

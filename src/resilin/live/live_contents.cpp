@@ -15,6 +15,8 @@
 namespace resilin {
 namespace {
 
+constexpr double longest_step = 0.1;  ///< [s], of those that are played with
+
 /// Whether a collider is a floor: level, facing up and at rest.
 bool is_floor(const ColliderDescription& collider, const Vector3& up) {
   return collider.kind == "half_space" && collider.velocity == Vector3::Zero() &&
@@ -32,6 +34,8 @@ Vector3 up_of(const Description& scene) {
 /// The scene as it is played with: in motion, with a gravity that can be changed.
 Description in_motion(Description description) {
   description.is_dynamic = true;
+  description.time_step =
+      std::min(longest_step, 0.05 * description.end_time);  // what turns at once turns in these
   description.modes.reset();
   description.adaptive.reset();
   // Floor, gravity and damping by mass can be changed.

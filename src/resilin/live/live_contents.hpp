@@ -43,7 +43,8 @@ struct LiveScene::Contents {
   NewtonReport minimize(Potential& potential, const VectorX& guess, const VectorX& targets, double tolerance,
                         const StepBudget& budget, VectorX& x);
   Terms with_hand(Terms all) const;
-  void move_in_time(const StepBudget& budget);
+  void move_in_parts(const StepBudget& budget);
+  void move_in_time(double dt, const StepBudget& budget);
   void move_to_equilibrium(const StepBudget& budget);
   double mending_factor();
   double min_volume_ratio(const VectorX& x) const;

@@ -34,7 +34,7 @@ void LiveScene::Contents::step(const StepBudget& budget) {
   {
     const Stopwatch watch(seconds);
     advance_obstacles();
-    is_seeking() ? move_to_equilibrium(budget) : move_in_time(budget);
+    is_seeking() ? move_to_equilibrium(budget) : move_in_parts(budget);
   }
   report.step_ms = 1e3 * seconds;
 }
@@ -57,8 +57,16 @@ NewtonReport LiveScene::Contents::minimize(Potential& potential, const VectorX& 
                      {.seconds = budget.seconds, .iterations = settings.max_iterations}, newton, x);
 }
 
-void LiveScene::Contents::move_in_time(const StepBudget& budget) {
+/// A step in time; several where supports turn far in it.
+void LiveScene::Contents::move_in_parts(const StepBudget& budget) {
   const double dt = controls.time_step;
+  const double turn =
+      largest_turn(world.supports, {.time = scene_time(state.time)}, {.time = scene_time(state.time + dt)});
+  const int num_parts = num_steps_of_turn(turn);
+  for (int part = 0; part < num_parts; ++part) move_in_time(dt / num_parts, budget);
+}
+
+void LiveScene::Contents::move_in_time(double dt, const StepBudget& budget) {
   const double step = dt * mending_factor();
   const History start{.now = {.positions = state.positions,
                               .velocities = (dt / step) * (dt / step) * state.velocities,

@@ -26,9 +26,10 @@ Keys<Description> simulation_keys() {
              }),
       vector_key("gravity", &D::gravity, "m/s^2", "Pulls every body in proportion to its density."),
       number_key("time_step", &D::time_step, "s", positive, "Length of a step in motion; at most end_time."),
-      number_key("end_time", &D::end_time, "s", positive,
-                 "Motion stops with the first step that reaches it. Static: the time at load factor 1, for what "
-                 "follows time."),
+      number_key(
+          "end_time", &D::end_time, "s", positive,
+          "Motion stops with the first step that reaches it. Static: the time at load factor 1, for what "
+          "follows time."),
       choice_key("integrator", &D::integrator, integrator_names(), {}, "How motion steps through time."),
       key<D>({"adaptive", "[adaptive](#adaptive)", "", "none: equal steps",
               "In motion: steps as long as their error allows."},

@@ -17,6 +17,10 @@ constexpr int quick_convergence = 5;  ///< Newton iterations below which the loa
 /// Up to this number of unknowns a factorisation for each equilibrium costs a fraction of a second.
 constexpr Index most_unknowns_counted = 10000;
 
+double turn_between(const World& world, double load, double next) {
+  return largest_turn(world.supports, world.at_load(load), world.at_load(next));
+}
+
 /// The next load factor that a step has to meet: one of k / load_steps, so that a scene gets the frames that
 /// it asked for, or one where something that follows time begins, ends or has a kink.
 double next_stop(const World& world, double load) {
@@ -31,11 +35,17 @@ double next_stop(const World& world, double load) {
 }
 
 /// The load factor of the next attempt. What is left up to the next stop is shared equally when it takes
-/// several steps.
+/// several steps; none turns a support too far.
 double next_load(const World& world, const State& state) {
-  const double stop = next_stop(world, state.load);
-  const double num_steps = std::ceil((stop - state.load) / state.load_increment - 1e-9);
-  return num_steps <= 1 ? stop : state.load + (stop - state.load) / num_steps;
+  double next = next_stop(world, state.load);
+  const double num_steps = std::ceil((next - state.load) / state.load_increment - 1e-9);
+  if (num_steps > 1) next = state.load + (next - state.load) / num_steps;
+  while (true) {
+    const double num_turns = std::ceil(turn_between(world, state.load, next) / largest_turn_of_step - 1e-9);
+    const double nearer = state.load + (next - state.load) / num_turns;
+    if (num_turns <= 1 || !(nearer > state.load)) return next;
+    next = nearer;
+  }
 }
 
 /// Where the search for the equilibrium at `load` starts: the secant through the last two equilibria or the
@@ -75,8 +85,9 @@ bool LoadControl::is_finished(const World& world, const State& state) {
 }
 
 int LoadControl::expected_steps(const World& world, const State& state) {
-  const double steps_left = std::ceil((1 - state.load) / state.load_increment - 1e-9);
-  const int left = static_cast<int>(std::clamp(steps_left, 0.0, 1e9));
+  const double num_turns = turn_between(world, state.load, 1) / largest_turn_of_step;
+  const double steps_left = std::max((1 - state.load) / state.load_increment, num_turns);
+  const int left = static_cast<int>(std::clamp(std::ceil(steps_left - 1e-9), 0.0, 1e9));
   return world.follows_path ? std::min(state.step + left, world.max_steps) : state.step + left;
 }
 

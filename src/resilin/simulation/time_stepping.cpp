@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "resilin/core/text.hpp"
 #include "resilin/energy/time_function.hpp"
@@ -11,6 +12,7 @@
 #include "resilin/simulation/potential.hpp"
 #include "resilin/simulation/prescribed_motion.hpp"
 #include "resilin/simulation/stage_solver.hpp"
+#include "resilin/simulation/turning_step.hpp"
 
 namespace resilin {
 namespace {
@@ -196,16 +198,38 @@ StepReport TimeStepper::step(const World& world, Newton& newton, State& state, V
                              const NewtonObserver& observer) const {
   if (world.adaptive) return adaptive_step(world, *world.adaptive, newton, state, gradient, observer);
   const double dt = world.time_step;
-  Attempt found = safe_attempt(world, newton, state, dt, observer);
-  if (found.report.status == StepReport::Status::interrupted) return found.report;
-  found.report.time_step = dt;
-  gradient = std::move(found.gradient);
   // Multiples of the step carry no sum of rounding errors. A run that went on with steps of another length is
   // not on them.
-  const bool is_on_grid = state.time == state.step * dt;
-  move_to(world, state, std::move(found.end), dt, found.collider_delay);
-  state.time = is_on_grid ? state.step * dt : state.time + dt;
-  return found.report;
+  const double end = state.time == state.step * dt ? (state.step + 1) * dt : state.time + dt;
+  const int num_parts = num_steps_of_turn(turn_of_step(world, state, dt));
+  StepReport report = step_in_parts(world, newton, state, gradient, dt, num_parts, observer);
+  if (report.status != StepReport::Status::interrupted) state.time = end;
+  return report;
+}
+
+StepReport TimeStepper::step_in_parts(const World& world, Newton& newton, State& state, VectorX& gradient,
+                                      double time_step, int num_parts, const NewtonObserver& observer) const {
+  StepReport report;
+  State now = state;
+  const double length = time_step / num_parts;
+  std::optional<World> even;
+  if (!turns_evenly(world, state, length, num_parts)) even = with_even_turns(world, state, time_step);
+  for (int part = 1; part <= num_parts; ++part) {
+    Attempt found = safe_attempt(even ? *even : world, newton, now, length, observer);
+    add_to(report.newton, found.report.newton);
+    if (found.report.status != StepReport::Status::converged) {
+      report.status = found.report.status;
+      report.reason = found.report.reason;
+    }
+    if (report.status == StepReport::Status::interrupted) return report;
+    gradient = std::move(found.gradient);
+    move_to(world, now, std::move(found.end), length, found.collider_delay);
+    now.time = state.time + part * length;
+  }
+  now.step = state.step + 1;
+  state = std::move(now);
+  report.time_step = time_step;
+  return report;
 }
 
 StepReport TimeStepper::adaptive_step(const World& world, const AdaptiveSteps& options, Newton& newton,
@@ -216,7 +240,19 @@ StepReport TimeStepper::adaptive_step(const World& world, const AdaptiveSteps& o
   double wanted = std::clamp(state.time_step, shortest, longest);
   NewtonReport spent;
   for (int failed_attempts = 0;; ++failed_attempts) {
-    const PlannedStep planned = plan_step(world, state, wanted);
+    PlannedStep planned = plan_step(world, state, wanted);
+    int num_parts = num_steps_of_turn(turn_of_step(world, state, planned.length));
+    while (num_parts > 1 && planned.length > shortest * (1 + 1e-9) &&
+           turns_evenly(world, state, planned.length / num_parts, num_parts)) {
+      wanted = std::max(shortest, planned.length / num_parts);
+      planned = plan_step(world, state, wanted);
+      num_parts = num_steps_of_turn(turn_of_step(world, state, planned.length));
+    }
+    if (num_parts > 1) {  // a turn at once, or nearly so
+      StepReport report = step_in_parts(world, newton, state, gradient, planned.length, num_parts, observer);
+      if (report.status != StepReport::Status::interrupted) state.time = planned.end;
+      return report;
+    }
     Attempt found = safe_attempt(world, newton, state, planned.length, observer);
     StepReport& report = found.report;
     std::swap(spent, report.newton);

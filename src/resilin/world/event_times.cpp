@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
+
 namespace resilin {
 
 bool follows_time(const Description& description) {
@@ -30,6 +33,35 @@ std::vector<double> event_times(const Description& description) {
   std::ranges::sort(times);
   times.erase(std::unique(times.begin(), times.end()), times.end());
   return times;
+}
+
+void ease_turn(const Rotation& turn, World& world, Support& support) {
+  const int num_steps = num_steps_of_turn(turn.degrees);
+  const double end = std::min(num_steps * world.time_step, world.end_time);
+  support.time_function.form = TimeFunction::Ramp{.from = 0, .until = end};
+  world.event_times.push_back(end);
+  world.warnings.push_back(support.place + ".rotate: a turn of " + format_short(turn.degrees) +
+                           " degrees at once takes " + format_short(end) +
+                           " s, for no step turns by more than " + format_short(largest_turn_of_step) +
+                           "; a time_function says how fast it turns");
+}
+
+void find_events(const Description& description, World& world) {
+  if (world.follows_path && world.path_time > 0) {
+    throw InputError(world.place + ": simulation.load_control",
+                     "\"load\" where loads, supports or colliders follow time", "\"arc_length\"",
+                     "a path by arc length needs loads in proportion to the load factor");
+  }
+  std::vector<double>& times = world.event_times;  // those of supports that are eased are there
+  const std::vector<double> described = event_times(description);
+  times.insert(times.end(), described.begin(), described.end());
+  std::ranges::sort(times);
+  times.erase(std::unique(times.begin(), times.end()), times.end());
+  if (world.path_time > 0 && !world.event_times.empty() && world.event_times.back() > world.path_time) {
+    world.warnings.push_back(world.place + ": simulation.end_time: the load factor is 1 at " +
+                             format_short(world.path_time) + " s, but loads or motions change until " +
+                             format_short(world.event_times.back()) + " s");
+  }
 }
 
 }  // namespace resilin

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "resilin/world/description.hpp"
+#include "resilin/world/world.hpp"
 
 namespace resilin {
 
@@ -11,5 +12,13 @@ bool follows_time(const Description& description);
 
 /// Where loads and prescribed motions begin, end or have a kink, rising [s].
 std::vector<double> event_times(const Description& description);
+
+/// Makes a support that would turn far at once turn as fast as steps may, and be there before the end; warns
+/// of it. Called before `find_events`, for its end is an event.
+void ease_turn(const Rotation& turn, World& world, Support& support);
+
+/// Fills in the world's events. Warns of those that a static run does not reach; throws InputError where it
+/// cannot follow time.
+void find_events(const Description& description, World& world);
 
 }  // namespace resilin

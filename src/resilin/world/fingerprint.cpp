@@ -7,6 +7,8 @@
 
 #include "resilin/core/hash.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/world/event_times.hpp"
+#include "resilin/world/support.hpp"
 
 // Each struct of a description is taken apart into all of its members: a new member does not compile until
 // somebody has said here whether the steps depend on it.
@@ -310,6 +312,11 @@ Fingerprint fingerprint_of(const Description& description) {
   for (const LoadDescription& load : loads) add_load(load, entries);
   entries.add_names("collider", colliders);
   for (const ColliderDescription& collider : colliders) add_collider(collider, entries);
+  // The path of a static run ends with it, and a turn at once is over before.
+  if (is_dynamic ? !adaptive && std::ranges::any_of(fixes, turns_at_once) : follows_time(description)) {
+    entries.begin("simulation.");
+    entries.add("end_time", end_time);
+  }
   add_numerics(newton, solver, entries);
   return entries.take();
 }

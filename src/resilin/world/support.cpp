@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "resilin/core/error.hpp"
@@ -34,6 +35,36 @@ Vector3 Support::target(const Vector3& X, const Conditions& c) const {
     place_now += factor * (displacement + gradient * X);
   }
   return place_now;
+}
+
+double Support::turn_between(const Conditions& from, const Conditions& to) const {
+  if (!rotate) return 0;
+  constexpr int num_samples = 16;  // of a function that goes up and down
+  double least = std::numeric_limits<double>::infinity(), largest = -least;
+  const auto look_at = [&](double part) {
+    const double factor = time_function.factor(from.time + part * (to.time - from.time),
+                                               from.load + part * (to.load - from.load));
+    least = std::min(least, factor);
+    largest = std::max(largest, factor);
+  };
+  for (int i = 0; i <= num_samples; ++i) look_at(static_cast<double>(i) / num_samples);
+  for (const double kink : time_function.kinks())
+    if (kink > from.time && kink < to.time) look_at((kink - from.time) / (to.time - from.time));
+  return std::abs(rotate->degrees) * (largest - least);
+}
+
+int num_steps_of_turn(double degrees) {
+  return std::max(1, static_cast<int>(std::ceil(std::abs(degrees) / largest_turn_of_step - 1e-9)));
+}
+
+bool turns_at_once(const FixDescription& fix) {
+  return fix.rotate && fix.time_function.is_constant() && num_steps_of_turn(fix.rotate->degrees) > 1;
+}
+
+double largest_turn(const std::vector<Support>& supports, const Conditions& from, const Conditions& to) {
+  double largest = 0;
+  for (const Support& support : supports) largest = std::max(largest, support.turn_between(from, to));
+  return largest;
 }
 
 Vector3 Support::velocity_at(const Vector3& X, double time) const {

@@ -24,10 +24,12 @@ struct Support {
   std::optional<Rotation> rotate;
   Vector3 velocity = Vector3::Zero();
   std::optional<double> until;
-  TimeFunction time_function;  ///< of displacement, gradient and rotate
+  TimeFunction time_function;  ///< of displacement, gradient and rotate; in place of the load factor
 
   /// Where a node with rest position X belongs [m].
   Vector3 target(const Vector3& X, const Conditions& c) const;
+  /// The angle that it turns by between these conditions, up and down [degrees].
+  double turn_between(const Conditions& from, const Conditions& to) const;
   /// How it moves there: the velocity [m/s] and the acceleration [m/s^2], from before where they jump.
   Vector3 velocity_at(const Vector3& X, double time) const;
   Vector3 acceleration_at(const Vector3& X, double time) const;
@@ -39,6 +41,19 @@ std::vector<std::int32_t> supports_of_unknowns(int dim, Index num_nodes,
 
 /// Throws InputError when two supports ask for different places of one unknown; names the vertex and both.
 void check_support_conflicts(int dim, const std::vector<Support>& supports, const VectorX& rest_positions);
+
+/// No step turns a support by more [degrees]: beyond half a turn the straight way to its end would be the way
+/// back, and long before it leads through the axis.
+constexpr double largest_turn_of_step = 60;
+
+/// How many steps of equal turn lead around an angle [degrees]; at least 1.
+int num_steps_of_turn(double degrees);
+
+/// A turn without a time function that is too far for one step.
+bool turns_at_once(const FixDescription& fix);
+
+/// The largest angle that any of them turns by between these conditions [degrees].
+double largest_turn(const std::vector<Support>& supports, const Conditions& from, const Conditions& to);
 
 /// Writes the prescribed places into `x`.
 void place_supports(int dim, const std::vector<Support>& supports, const VectorX& rest_positions,

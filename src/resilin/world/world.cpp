@@ -103,7 +103,6 @@ class Builder {
   void build_pattern();
   void add_masses();
   void find_fixed_unknowns();
-  void find_events();
   void find_oddities();
 
   const Description& description_;  ///< in the world's coordinates
@@ -115,11 +114,6 @@ class Builder {
 
 void Builder::build() {
   check_description(description_);
-  if (world_.follows_path && world_.path_time > 0) {
-    throw InputError(world_.place + ": simulation.load_control",
-                     "\"load\" where loads, supports or colliders follow time", "\"arc_length\"",
-                     "a path by arc length needs loads in proportion to the load factor");
-  }
   if (description_.bodies.empty()) throw InputError(world_.place, "at least one [[body]]", "none");
   for (const BodyDescription& body : description_.bodies) add_body(body);
   // Once all bodies are placed, so that every energy sees the whole world's vertices.
@@ -145,7 +139,7 @@ void Builder::build() {
     for (const auto& term : damping_terms(description_, world_)) world_.terms.push_back(term);
   }
   find_fixed_unknowns();
-  find_events();
+  find_events(description_, world_);
   if (world_.modes) check_modes(description_, *world_.modes, world_);
   const bool finds_equilibrium = !world_.is_dynamic && (!world_.modes || world_.modes->is_loaded);
   if (finds_equilibrium) check_is_held(world_);
@@ -237,6 +231,7 @@ void Builder::add_support(const FixDescription& fix) {
                   .until = fix.until,
                   .time_function = fix.time_function};
   if (world_.dimension == 2) support.components[2] = false;
+  if (world_.is_dynamic && fix.rotate && turns_at_once(fix)) ease_turn(*fix.rotate, world_, support);
   for (Index& node : support.nodes) node += body.first_node;
   world_.supports.push_back(std::move(support));
 }
@@ -292,15 +287,6 @@ void Builder::find_fixed_unknowns() {
   }
   for (std::size_t i = 0; i < world_.is_fixed.size(); ++i) {
     if (!is_used[i / static_cast<std::size_t>(dim)]) world_.is_fixed[i] = 1;
-  }
-}
-
-void Builder::find_events() {
-  world_.event_times = event_times(description_);
-  if (world_.path_time > 0 && !world_.event_times.empty() && world_.event_times.back() > world_.path_time) {
-    world_.warnings.push_back(world_.place + ": simulation.end_time: the load factor is 1 at " +
-                              format_short(world_.path_time) + " s, but loads or motions change until " +
-                              format_short(world_.event_times.back()) + " s");
   }
 }
 
