@@ -224,6 +224,35 @@ TEST_P(EveryTerm, DoesNothingInStaticsWhereItFollowsVelocities) {
   EXPECT_NE(own, nullptr);
 }
 
+/// The guard of a step's energy relies on it: what drives a term does all of its change in one place.
+TEST_P(EveryTerm, SaysWhatDrivesItOrDoesNotChangeWithTime) {
+  Conditions later = conditions;
+  later.time = 0.07;
+  const double change = term->value(x, later) - term->value(x, conditions);
+  const std::optional<double> work = term->driven_work(x, conditions, x, later);
+  if (!work) {
+    EXPECT_EQ(change, 0);
+    return;
+  }
+  EXPECT_GE(*work, change - 1e-12 * (std::abs(change) + std::abs(*work)));
+}
+
+TEST_P(EveryTerm, CountsAsOftenAsAStageSaysIfItIsContact) {
+  const double times = term->properties().category == EnergyCategory::contact ? 3 : 1;
+  const double value = energy->value(x, conditions);
+  const double difference = energy->difference(x, x + 0.005 * p, conditions);
+  const VectorX gradient = gradient_at(x), magnitude = magnitude_at(x);
+  VectorX product, weighted_product;
+  multiply(hessian_at(x, Projection::none), p, product);
+  conditions.contact_weight = 3;
+  multiply(hessian_at(x, Projection::none), p, weighted_product);
+  EXPECT_DOUBLE_EQ(energy->value(x, conditions), times * value);
+  EXPECT_DOUBLE_EQ(energy->difference(x, x + 0.005 * p, conditions), times * difference);
+  EXPECT_LE((gradient_at(x) - times * gradient).norm(), 1e-14 * gradient.norm());
+  EXPECT_LE((magnitude_at(x) - times * magnitude).norm(), 1e-14 * magnitude.norm());
+  EXPECT_LE((weighted_product - times * product).norm(), 1e-14 * product.norm());
+}
+
 TEST_P(EveryTerm, HasTheSlopesOfItsParameters) {
   const std::vector<EnergyParameter> parameters = term->parameters();
   if (parameters.empty()) return;

@@ -55,7 +55,7 @@ double ColliderBarrier::value(const VectorX& x, const Conditions& c) const {
   for_each_near(x, c, [&](const ContactNode& node, const Vector3&, double d) {
     sum += node.stiffness * barrier_.value(d);
   });
-  return sum;
+  return c.contact_weight * sum;
 }
 
 double ColliderBarrier::difference(const VectorX& from, const VectorX& to, const Conditions& c) const {
@@ -69,13 +69,13 @@ double ColliderBarrier::difference(const VectorX& from, const VectorX& to, const
     if (d >= activation_distance() && d + change >= activation_distance()) continue;
     sum += node.stiffness * barrier_.difference(d, change);
   }
-  return sum;
+  return c.contact_weight * sum;
 }
 
 void ColliderBarrier::add_gradient(const VectorX& x, const Conditions& c, VectorX& gradient) const {
   for_each_near(x, c, [&](const ContactNode& node, const Vector3& y, double d) {
     gradient.segment(Eigen::Index{node.node} * dim_, dim_) +=
-        node.stiffness * barrier_.slope(d) * shape_->normal(y).head(dim_);
+        c.contact_weight * node.stiffness * barrier_.slope(d) * shape_->normal(y).head(dim_);
   });
 }
 
@@ -83,7 +83,7 @@ void ColliderBarrier::add_gradient_magnitude(const VectorX& x, const Conditions&
                                              VectorX& magnitude) const {
   for_each_near(x, c, [&](const ContactNode& node, const Vector3& y, double d) {
     magnitude.segment(Eigen::Index{node.node} * dim_, dim_) -=
-        node.stiffness * barrier_.slope(d) * shape_->normal(y).head(dim_).cwiseAbs();
+        c.contact_weight * node.stiffness * barrier_.slope(d) * shape_->normal(y).head(dim_).cwiseAbs();
   });
 }
 
@@ -92,9 +92,9 @@ void ColliderBarrier::add_hessian(const VectorX& x, const Conditions& c, Project
                                   BlockMatrix& hessian) const {
   for_each_near(x, c, [&](const ContactNode& node, const Vector3& y, double d) {
     const Vector3 n = shape_->normal(y);
-    const Eigen::Matrix3d block =
-        node.stiffness * (barrier_.curvature(d) * n * n.transpose() +
-                          projected(barrier_.slope(d) * shape_->curvature(y), projection));
+    const Eigen::Matrix3d block = c.contact_weight * node.stiffness *
+                                  (barrier_.curvature(d) * n * n.transpose() +
+                                   projected(barrier_.slope(d) * shape_->curvature(y), projection));
     std::array<double, 9> values{};
     for (int i = 0; i < dim_; ++i)
       for (int j = 0; j < dim_; ++j) values[static_cast<std::size_t>(i * dim_ + j)] = block(i, j);
@@ -151,6 +151,14 @@ double ColliderBarrier::largest_motion(const VectorX& x, const Vector3& motion, 
     part = std::min(part, shape_->time_of_approach(y, -motion, left));
   }
   return part;
+}
+
+std::optional<double> ColliderBarrier::driven_work(const VectorX& from, const Conditions& before,
+                                                   const VectorX& to, const Conditions& after) const {
+  const Vector3 way = displacement(after) - displacement(before);
+  if (way.isZero(0)) return std::nullopt;
+  return std::max({reaction(from, before)->force.dot(way), reaction(to, after)->force.dot(way),
+                   value(to, after) - value(to, before)});
 }
 
 double ColliderBarrier::least_delay(const VectorX& x, const Conditions& c) const {

@@ -62,6 +62,10 @@ class ColliderBarrier final : public Energy {
   /// there no further than `largest_motion` allows [s].
   double least_delay(const VectorX& x, const Conditions& c) const override;
 
+  /// Force times way, with the forces at the one end or the other, or the change where bodies stand at last.
+  std::optional<double> driven_work(const VectorX& from, const Conditions& before, const VectorX& to,
+                                    const Conditions& after) const override;
+
   /// Where the shape's reference point is [m].
   Vector3 place(const Conditions& c) const { return shape_->reference_point() + displacement(c); }
   void move_to(const Vector3& point) { offset_ = point - shape_->reference_point(); }

@@ -13,6 +13,18 @@ bool ActiveTime::contains(double time) const {
   return time > from + slack && time <= until + slack;
 }
 
+double larger_work(const Energy& term, const VectorX& from, const Conditions& before, const VectorX& to,
+                   const Conditions& after) {
+  return std::max(term.value(from, after) - term.value(from, before),
+                  term.value(to, after) - term.value(to, before));
+}
+
+std::optional<double> DeadLoad::driven_work(const VectorX& from, const Conditions& before, const VectorX& to,
+                                            const Conditions& after) const {
+  if (active_.is_always()) return std::nullopt;
+  return larger_work(*this, from, before, to, after);
+}
+
 double DeadLoad::value(const VectorX& x, const Conditions& c) const {
   return -factor(c) * forces_.dot(x - rest_positions_);
 }

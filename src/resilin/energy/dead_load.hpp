@@ -25,8 +25,13 @@ struct ActiveTime {
   }
 };
 
-/// Forces that keep their size and direction while the body deforms: E = -t f.(x - X), t the load factor
-/// times the function of time.
+/// The largest of the works at the two ends of a way that a change of conditions may do on a term: its energy
+/// after the change less that before.
+double larger_work(const Energy& term, const VectorX& from, const Conditions& before, const VectorX& to,
+                   const Conditions& after);
+
+/// Forces that keep their size and direction while the body deforms: E = -t f.(x - X), t the load factor or
+/// the function of time.
 class DeadLoad final : public Energy {
  public:
   DeadLoad(std::string name, VectorX nodal_forces, VectorX rest_positions, ActiveTime active = {})
@@ -42,6 +47,8 @@ class DeadLoad final : public Energy {
   void add_gradient(const VectorX& x, const Conditions& c, VectorX& gradient) const override;
   void add_gradient_magnitude(const VectorX& x, const Conditions& c, VectorX& magnitude) const override;
   void add_hessian(const VectorX&, const Conditions&, Projection, BlockMatrix&) const override {}
+  std::optional<double> driven_work(const VectorX& from, const Conditions& before, const VectorX& to,
+                                    const Conditions& after) const override;
 
  private:
   double factor(const Conditions& c) const { return active_.factor(c); }

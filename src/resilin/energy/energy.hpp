@@ -20,6 +20,7 @@ struct Conditions {
   double time = 0;            ///< [s]; in a static run the load factor times the scene's end time
   double load = 1;            ///< load factor of a static run; 1 in motion
   double collider_delay = 0;  ///< how far moving colliders are behind, while a step leads them on [s]
+  double contact_weight = 1;  ///< times which terms of the category `contact` count (`Stage`)
 };
 
 /// Under what a term is counted in reports.
@@ -123,6 +124,14 @@ class Energy {
   /// Asked of a stage's own terms alone, before `max_step`, `difference` and `add_gradient` between x and
   /// x + p: what they all need (candidates for contact) may be found here, once.
   virtual void prepare(const VectorX& /*x*/, const VectorX& /*p*/, const Conditions& /*c*/) {}
+
+  /// The work [J] of what drives the term by itself, a function of time or a motion of its own, while bodies
+  /// go from `from` to `to`: where a scheme decides at which of the two the term's forces are taken, the
+  /// largest that it may be. None for a term whose energy depends on the positions alone.
+  virtual std::optional<double> driven_work(const VectorX& /*from*/, const Conditions& /*before*/,
+                                            const VectorX& /*to*/, const Conditions& /*after*/) const {
+    return std::nullopt;
+  }
 
   /// How little the term's own motion may be behind when bodies stand at x, at most `c.collider_delay` [s]:
   /// zero where nothing is in its way.

@@ -19,6 +19,12 @@ Vector3 HandleSpring::stretch(Index node, const VectorX& x, const Conditions& c)
   return node_position(dim_, node, x) - far_end;
 }
 
+std::optional<double> HandleSpring::driven_work(const VectorX& from, const Conditions& before,
+                                                const VectorX& to, const Conditions& after) const {
+  if (active_.is_always() && motion_.velocity.isZero(0)) return std::nullopt;
+  return larger_work(*this, from, before, to, after);
+}
+
 double HandleSpring::value(const VectorX& x, const Conditions& c) const {
   if (!active_.contains(c.time)) return 0;
   double sum = 0;

@@ -28,6 +28,8 @@ class HandleSpring final : public Energy {
   void add_held_directions(const VectorX& x, std::vector<HeldDirection>& held) const override;
   std::vector<EnergyParameter> parameters() const override { return {{"stiffness", stiffness_}}; }
   VectorX parameter_slopes(const VectorX& x, const VectorX& weights, const Conditions& c) const override;
+  std::optional<double> driven_work(const VectorX& from, const Conditions& before, const VectorX& to,
+                                    const Conditions& after) const override;
 
  private:
   /// Vector from the far end to the node.

@@ -78,6 +78,12 @@ VectorX Pressure::parameter_slopes(const VectorX& x, const VectorX& weights, con
   return VectorX::Constant(1, weights.dot(forces));
 }
 
+std::optional<double> Pressure::driven_work(const VectorX& from, const Conditions& before, const VectorX& to,
+                                            const Conditions& after) const {
+  if (active_.is_always()) return std::nullopt;
+  return larger_work(*this, from, before, to, after);
+}
+
 void Pressure::add_forces(const VectorX& x, double p, VectorX& forces) const {
   for (Index facet = 0; facet < facets_.num_cells(); ++facet) {
     const std::span<const Index> nodes = facets_.cell(facet);

@@ -28,6 +28,8 @@ class Pressure final : public Energy {
   void add_hessian(const VectorX& x, const Conditions& c, Projection, BlockMatrix& hessian) const override;
   std::vector<EnergyParameter> parameters() const override { return {{"value", pressure_}}; }
   VectorX parameter_slopes(const VectorX& x, const VectorX& weights, const Conditions& c) const override;
+  std::optional<double> driven_work(const VectorX& from, const Conditions& before, const VectorX& to,
+                                    const Conditions& after) const override;
 
  private:
   double factor(const Conditions& c) const { return active_.factor(c) * pressure_; }

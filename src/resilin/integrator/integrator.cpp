@@ -34,7 +34,11 @@ bool Integrator::needs_accelerations() const {
                              [](const StageCoefficients& stage) { return stage.start.slope != 0; });
 }
 
-bool Integrator::solves_for_end() const { return coefficients(1).end_start == 0; }
+bool Integrator::looks_back() const {
+  return std::ranges::any_of(coefficients(1).stages, [](const StageCoefficients& stage) {
+    return stage.start.slope != 0 || stage.previous != 0 || !stage.stages.empty();
+  });
+}
 
 Stage Integrator::begin_stage(int stage, const History& start, const std::vector<Motion>& solutions,
                               double time_step) const {
@@ -61,8 +65,18 @@ Stage Integrator::begin_stage(int stage, const History& start, const std::vector
     begun.base_positions += weights.previous * start.previous_positions;
     begun.base_velocities += weights.previous * start.previous_velocities;
   }
+  const double begin = stage == 0 ? 0 : scheme.stages[number - 1].time_fraction;
+  const double end = begun.is_mean ? 1 : weights.time_fraction;
+  const double slope = begun.end_slope();
+  begun.contact_weight = (end - begin) / (slope * slope * weights.duration);
   begun.shape = expected_shape(scheme, number, order(), start, solutions, time_step);
   return begun;
+}
+
+void follow_jump(const VectorX& jump, double elapsed, double effect, VectorX& positions,
+                 VectorX& velocities) {
+  positions -= (elapsed - effect) * jump;
+  velocities += jump;
 }
 
 Motion Integrator::finish(const History& start, std::vector<Motion> solutions, double time_step) const {

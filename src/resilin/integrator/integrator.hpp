@@ -67,8 +67,9 @@ class Integrator {
   int num_stages() const;
   /// A step starts from accelerations, so that a run begins with M a = -gradient.
   bool needs_accelerations() const;
-  /// The last stage finds the end of the step itself, so that it is inside the energies' domain.
-  bool solves_for_end() const;
+  /// A stage starts from more than the place and the velocity at the start of its step: impulses of contact
+  /// are to be kept out of what it starts from.
+  bool looks_back() const;
 
   /// The minimisation of stage `stage`. `solutions` holds the motions at the minimisers of the stages before
   /// it.
@@ -78,6 +79,12 @@ class Integrator {
   /// The motion at the end of the step, from the motions at the minimisers of all stages.
   Motion finish(const History& start, std::vector<Motion> solutions, double time_step) const;
 };
+
+/// How a motion that is known looks once an impulse has changed velocities by `jump`: as though the bodies
+/// had come along the way that they now go on. Differences of motions then hold what is smooth alone.
+/// @param elapsed  from the motion to the end of the stage of the impulse [s]
+/// @param effect   the part of the jump that moved the bodies in that stage [s]
+void follow_jump(const VectorX& jump, double elapsed, double effect, VectorX& positions, VectorX& velocities);
 
 /// An integrator by name; throws InputError for an unknown one, `place` begins its message.
 std::unique_ptr<Integrator> make_integrator(std::string_view name, const std::string& place);

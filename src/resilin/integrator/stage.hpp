@@ -19,18 +19,26 @@ struct Motion {
 ///   v = (x - x_0) / c,   a = (v - v_0) / c,   hence   x~ = x_0 + c v_0,   s = c^2
 ///
 /// In statics nothing moves and c = 0; x_0 is then the equilibrium before.
+///
+/// Contact forces are taken where the stage ends (x, or 2 x - x_0 where x is a mean), and their impulse acts
+/// there as a whole: their energies count `contact_weight` times.
 struct Stage {
   VectorX base_positions;     ///< x_0: where a node would be that had stopped [m]
   VectorX base_velocities{};  ///< v_0: the velocity of a node without forces [m/s]
   double duration = 0;        ///< c [s]
   double time_fraction = 1;   ///< of the step, where loads and moving supports are taken
   bool is_mean = false;       ///< x is the mean of the start and the end of the step
+  double contact_weight = 1;  ///< times which energies of contact count
   VectorX shape{};            ///< about the x that is sought, known before: where lagged terms are formed [m]
 
   bool is_static() const { return duration == 0; }
   VectorX target() const { return base_positions + duration * base_velocities; }
   double scale() const { return duration * duration; }
   VectorX velocities(const VectorX& x) const { return (x - base_positions) / duration; }
+  /// How the place at the stage's end depends on x, its slope and itself.
+  double end_slope() const { return is_mean ? 2 : 1; }
+  /// When the end is, after the time of x [s].
+  double time_to_end() const { return is_mean ? duration : 0; }
   Motion motion(VectorX x) const {
     VectorX v = velocities(x);
     VectorX a = (v - base_velocities) / duration;

@@ -10,10 +10,8 @@ std::string reached(const Simulation& simulation) {
   const State& state = simulation.state();
   if (simulation.world().is_dynamic)
     return "t = " + format_short(state.time) + " s (step " + std::to_string(state.step) + ")";
-  if (simulation.world().modes && state.mode > 0) {
-    const Frame::ModeValues& mode = *simulation.frame().mode;
-    return "mode " + std::to_string(mode.number) + " (" + format_short(mode.frequency) + " Hz)";
-  }
+  if (const std::optional<Frame::ModeValues>& mode = simulation.frame().mode; mode && state.mode > 0)
+    return "mode " + std::to_string(mode->number) + " (" + format_short(mode->frequency) + " Hz)";
   return "load factor " + format_short(state.load) + " (step " + std::to_string(state.step) + ")";
 }
 
@@ -39,17 +37,26 @@ std::string remarks(const Simulation& simulation) {
   return text;
 }
 
+/// What was done lest steps add energy.
+std::string guarding_remark(const State& state) {
+  if (state.guarded_steps == 0) return "";
+  return "; " + std::to_string(state.guarded_steps) + (state.guarded_steps == 1 ? " step" : " steps") +
+         " would have added energy: they were taken by backward_euler, or " +
+         format_short(state.removed_energy) +
+         " J in all were taken out of the velocities; a shorter time_step follows the motion better";
+}
+
 /// On a run that has reached its end.
 RunOutcome verdict(const Simulation& simulation) {
   const FailedSteps& failed = simulation.failed_steps();
   if (failed.count == 0)
-    return {RunStatus::done,
-            "reached " + reached(simulation) + ", every step converged" + remarks(simulation)};
-  return {
-      RunStatus::not_converged,
-      std::to_string(failed.count) + " of " + std::to_string(simulation.state().step) +
-          " steps were cut short before they converged; the first at t = " + format_short(failed.first_time) +
-          " s (step " + std::to_string(failed.first_step) + "): " + failed.first_reason};
+    return {RunStatus::done, "reached " + reached(simulation) + ", every step converged" +
+                                 remarks(simulation) + guarding_remark(simulation.state())};
+  return {RunStatus::not_converged,
+          std::to_string(failed.count) + " of " + std::to_string(simulation.state().step) +
+              " steps were cut short before they converged; the first at t = " +
+              format_short(failed.first_time) + " s (step " + std::to_string(failed.first_step) +
+              "): " + failed.first_reason + guarding_remark(simulation.state())};
 }
 
 RunOutcome step_to_end(Simulation& simulation, const RunHooks& hooks) {

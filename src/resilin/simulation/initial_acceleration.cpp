@@ -1,6 +1,7 @@
 #include "resilin/simulation/initial_acceleration.hpp"
 
 #include "resilin/linear/linear_solver.hpp"
+#include "resilin/optimize/residual.hpp"
 #include "resilin/simulation/potential.hpp"
 
 namespace resilin {
@@ -23,6 +24,15 @@ VectorX solve_with_mass(const World& world, const VectorX& b) {
 
 }  // namespace
 
+VectorX accelerations_by(const World& world, const VectorX& forces) {
+  VectorX right_side = forces;
+  set_fixed_to_zero(world.is_fixed, right_side);
+  if (!world.mass->is_lumped()) return solve_with_mass(world, right_side);
+  for (Eigen::Index i = 0; i < right_side.size(); ++i)
+    if (right_side[i] != 0) right_side[i] /= world.mass->nodal[i / world.dimension];
+  return right_side;
+}
+
 VectorX accelerations_at(const World& world, const State& state, const VectorX& prescribed) {
   const Conditions conditions{.time = state.time, .load = state.load, .collider_delay = state.collider_delay};
   // v = (x - x_0) / c for any c.
@@ -30,24 +40,18 @@ VectorX accelerations_at(const World& world, const State& state, const VectorX& 
                     .base_velocities = state.velocities,
                     .duration = 1,
                     .shape = state.positions};
-  const Potential potential(world, conditions, stage);
-  VectorX gradient = potential.gradient_without(EnergyCategory::inertia, state.positions);
+  const Terms smooth =
+      terms_without(EnergyCategory::inertia, terms_without(EnergyCategory::contact, world.terms));
+  const Potential potential(smooth, world.is_fixed, conditions, stage);
+  VectorX gradient;
+  potential.gradient(state.positions, gradient);
   if (!gradient.allFinite()) gradient.setZero();  // a start outside the domain pulls nowhere in particular
   VectorX a = VectorX::Zero(gradient.size());
-  const auto is_fixed = [&](Eigen::Index i) { return world.is_fixed[static_cast<std::size_t>(i)] != 0; };
   for (Eigen::Index i = 0; i < a.size(); ++i)
-    if (is_fixed(i)) a[i] = prescribed[i];
-  if (world.mass->is_lumped()) {
-    for (Eigen::Index i = 0; i < a.size(); ++i)
-      if (!is_fixed(i)) a[i] = -gradient[i] / world.mass->nodal[i / world.dimension];
-    return a;
-  }
+    if (world.is_fixed[static_cast<std::size_t>(i)] != 0) a[i] = prescribed[i];
   VectorX pull;
   world.mass->multiply(a, pull);
-  VectorX right_side = -gradient - pull;
-  for (Eigen::Index i = 0; i < a.size(); ++i)
-    if (is_fixed(i)) right_side[i] = 0;
-  return a + solve_with_mass(world, right_side);
+  return a + accelerations_by(world, -gradient - pull);
 }
 
 }  // namespace resilin

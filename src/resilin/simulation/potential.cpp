@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "resilin/simulation/end_of_stage.hpp"
+
 namespace resilin {
 namespace {
 
@@ -17,6 +19,10 @@ Potential::Potential(std::span<const std::shared_ptr<const Energy>> terms,
     : is_fixed_(is_fixed), conditions_(conditions), base_positions_(stage.base_positions) {
   for (const auto& term : terms) {
     std::unique_ptr<Energy> own = term->begin_stage(stage);
+    if (term->properties().category == EnergyCategory::contact && EndOfStage::is_needed(stage)) {
+      const Energy& inner = own ? *own : *term;
+      own = std::make_unique<EndOfStage>(inner, std::move(own), stage);
+    }
     terms_.push_back(own ? own.get() : term.get());
     if (own) own_.push_back(std::move(own));
   }
@@ -185,13 +191,6 @@ VectorX Potential::gradient_of(EnergyCategory category, const VectorX& x) const 
   return gradient;
 }
 
-VectorX Potential::gradient_without(EnergyCategory category, const VectorX& x) const {
-  VectorX gradient = VectorX::Zero(x.size());
-  for (const Energy* term : terms_)
-    if (term->properties().category != category) term->add_gradient(x, conditions_, gradient);
-  return gradient;
-}
-
 std::vector<VectorX> Potential::gradients_without(EnergyCategory category, const VectorX& x) const {
   std::vector<VectorX> gradients;
   for (const Energy* term : terms_) {
@@ -200,6 +199,17 @@ std::vector<VectorX> Potential::gradients_without(EnergyCategory category, const
     term->add_gradient(x, conditions_, gradients.back());
   }
   return gradients;
+}
+
+Potential::Gain Potential::gain(const VectorX& from, const Conditions& before, const VectorX& to) const {
+  Gain gain;
+  for (const Energy* term : terms_) {
+    const std::optional<double> work = term->driven_work(from, before, to, conditions_);
+    gain.beyond_work += work ? term->value(to, conditions_) - term->value(from, before) - *work
+                             : term->difference(from, to, conditions_);
+    gain.is_driven |= work.has_value();
+  }
+  return gain;
 }
 
 bool Potential::is_in_domain(const VectorX& x) const {

@@ -46,8 +46,14 @@ class Potential final : public Objective {
   double energy(EnergyCategory category, const VectorX& x) const;  ///< [J]
   double difference_without(EnergyCategory category, const VectorX& from, const VectorX& to) const;
   VectorX gradient_of(EnergyCategory category, const VectorX& x) const;
-  VectorX gradient_without(EnergyCategory category, const VectorX& x) const;
   std::vector<VectorX> gradients_without(EnergyCategory category, const VectorX& x) const;  ///< term by term
+  struct Gain {
+    double beyond_work = 0;  ///< [J]
+    bool is_driven = false;  ///< something did work by itself
+  };
+  /// E(to) at the present conditions less E(from) at those before, less the work of what drives terms by
+  /// itself.
+  Gain gain(const VectorX& from, const Conditions& before, const VectorX& to) const;
   /// The energy at x is finite.
   bool is_in_domain(const VectorX& x) const;
   /// How far behind terms that move by themselves have to be when bodies stand at x, at most

@@ -19,11 +19,13 @@ struct StepReport {
     interrupted,    ///< the observer asked to stop; the state is that before the step
   };
   Status status = Status::converged;
-  std::string reason;       ///< in words, with the place of the worst residual or the worst element
-  NewtonReport newton;      ///< summed over the stages and attempts of the step
-  int failed_attempts = 0;  ///< steps that were tried before, too long
-  double time_step = 0;     ///< motion: length of the step [s]
-  double time_error = 0;    ///< motion with adaptive steps: about how far the step misplaced a vertex [m]
+  std::string reason;              ///< in words, with the place of the worst residual or the worst element
+  NewtonReport newton;             ///< summed over the stages and attempts of the step
+  int failed_attempts = 0;         ///< steps that were tried before, too long
+  double time_step = 0;            ///< motion: length of the step [s]
+  bool by_backward_euler = false;  ///< motion: in place of another scheme, which would have added energy
+  double removed_energy = 0;       ///< motion: taken out of the velocities, lest the step add it [J]
+  double time_error = 0;  ///< motion with adaptive steps: about how far the step misplaced a vertex [m]
   std::optional<Index> unstable_modes;  ///< statics: negative eigenvalues of the stiffness, where counted
   std::optional<Inversion> inversion;   ///< linear statics: where a cell is first turned inside out
   std::vector<std::string> warnings;    ///< one line each

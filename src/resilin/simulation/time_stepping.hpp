@@ -27,7 +27,8 @@ class TimeStepper {
   struct Attempt;
   Attempt attempt(const World& world, Newton& newton, const State& state, double time_step,
                   const Integrator& integrator, const NewtonObserver& observer) const;
-  /// The same by the world's integrator; by backward Euler where its end would be outside the domain.
+  /// The same by the world's integrator; by backward Euler where its end would be outside the domain, would
+  /// hold more energy than there was, or was not found while bodies touch.
   Attempt safe_attempt(const World& world, Newton& newton, const State& state, double time_step,
                        const NewtonObserver& observer) const;
   /// Steps of equal length that lead supports around their turns.
@@ -36,8 +37,11 @@ class TimeStepper {
   /// Tries steps until the estimate of the error is below the tolerance.
   StepReport adaptive_step(const World& world, const AdaptiveSteps& options, Newton& newton, State& state,
                            VectorX& gradient, const NewtonObserver& observer) const;
+  /// About how far the step misplaces a vertex [m].
+  double step_error(const World& world, const State& state, const Attempt& found, double time_step) const;
 
   std::unique_ptr<Integrator> integrator_;
+  double strain_stiffness_;  ///< [J]
 };
 
 }  // namespace resilin

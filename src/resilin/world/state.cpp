@@ -13,7 +13,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "images are little-endian");
 
-constexpr std::string_view magic = "resilin state 7\n";
+constexpr std::string_view magic = "resilin state 8\n";
 constexpr int largest_step = 1000000000;           ///< so that the counter never overflows in what follows
 constexpr double smallest_load_increment = 1e-10;  ///< far below what load control ever tries
 
@@ -40,6 +40,10 @@ void visit_members(AnyState& state, Visitor&& visitor) {
   visitor.number("time_step", state.time_step, Sign::not_negative);
   visitor.number("collider_delay", state.collider_delay, Sign::not_negative);
   visitor.number("dissipated_energy", state.dissipated_energy, Sign::any);
+  visitor.number("energy_excess", state.energy_excess, Sign::any);
+  visitor.number("largest_kinetic_energy", state.largest_kinetic_energy, Sign::not_negative);
+  visitor.count("guarded_steps", state.guarded_steps);
+  visitor.number("removed_energy", state.removed_energy, Sign::not_negative);
 }
 
 struct Writer {

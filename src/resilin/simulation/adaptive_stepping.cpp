@@ -1,0 +1,126 @@
+#include <algorithm>
+#include <cmath>
+
+#include "resilin/core/text.hpp"
+#include "resilin/simulation/initial_acceleration.hpp"
+#include "resilin/simulation/potential.hpp"
+#include "resilin/simulation/step_attempt.hpp"
+#include "resilin/simulation/turning_step.hpp"
+
+// Steps as long as an estimate of their error allows: the part of TimeStepper that chooses them.
+
+namespace resilin {
+namespace {
+
+struct PlannedStep {
+  double length;  ///< [s]
+  double end;     ///< [s]; an event exactly where the step meets one
+  bool is_cut;    ///< it would be longer if there were no event
+};
+
+/// A step of the length `wanted`, or of what is left until the next event or the end: all of it when it is no
+/// longer, half of it when it is less than twice as long, so that no sliver is left over.
+PlannedStep plan_step(const World& world, const State& state, double wanted) {
+  const double meaningful = 1e-9 * std::max(world.end_time, world.time_step);
+  double event = world.end_time;
+  for (const double time : world.event_times) {
+    if (time > state.time + meaningful && time < event - meaningful) event = time;
+  }
+  const double left = event - state.time;
+  if (wanted >= left * (1 - 1e-9)) return {left, event, true};
+  if (2 * wanted > left) return {left / 2, state.time + left / 2, true};
+  return {wanted, state.time + wanted, false};
+}
+
+/// The longest vector of a node in `vectors`, its fixed components left out.
+double largest_free_distance(const World& world, const VectorX& vectors) {
+  double largest = 0;
+  for (Index node = 0; node < world.num_nodes(); ++node) {
+    double square = 0;
+    for (int k = 0; k < world.dimension; ++k) {
+      const Eigen::Index i = Eigen::Index{node} * world.dimension + k;
+      if (world.is_fixed[static_cast<std::size_t>(i)] == 0) square += vectors[i] * vectors[i];
+    }
+    largest = square > largest || std::isnan(square) ? square : largest;
+  }
+  return std::sqrt(largest);
+}
+
+VectorX contact_accelerations(const World& world, const State& state) {
+  const Conditions now{.time = state.time, .load = 1, .collider_delay = state.collider_delay};
+  const Potential potential(world, now, static_stage(state.positions));
+  return accelerations_by(world, -potential.gradient_of(EnergyCategory::contact, state.positions));
+}
+
+}  // namespace
+
+double TimeStepper::step_error(const World& world, const State& state, const Attempt& found,
+                               double time_step) const {
+  History start = history_of(state);
+  Motion end = found.end;
+  if (found.contact_accelerations.size() > 0) end.accelerations += found.contact_accelerations;
+  start.now.accelerations += contact_accelerations(world, state);
+  return largest_free_distance(world, integrator_->local_error(start, end, time_step));
+}
+
+StepReport TimeStepper::adaptive_step(const World& world, const AdaptiveSteps& options, Newton& newton,
+                                      State& state, VectorX& gradient, const NewtonObserver& observer) const {
+  const double tolerance = options.tolerance * world.largest_extent();
+  const double shortest = options.min_step.value_or(1e-6 * world.time_step);
+  const double longest = std::max(shortest, options.max_step.value_or(world.end_time));
+  double wanted = std::clamp(state.time_step, shortest, longest);
+  NewtonReport spent;
+  for (int failed_attempts = 0;; ++failed_attempts) {
+    PlannedStep planned = plan_step(world, state, wanted);
+    int num_parts = num_steps_of_turn(turn_of_step(world, state, planned.length));
+    while (num_parts > 1 && planned.length > shortest * (1 + 1e-9) &&
+           turns_evenly(world, state, planned.length / num_parts, num_parts)) {
+      wanted = std::max(shortest, planned.length / num_parts);
+      planned = plan_step(world, state, wanted);
+      num_parts = num_steps_of_turn(turn_of_step(world, state, planned.length));
+    }
+    if (num_parts > 1) {  // a turn at once, or nearly so
+      StepReport report = step_in_parts(world, newton, state, gradient, planned.length, num_parts, observer);
+      if (report.status != StepReport::Status::interrupted) state.time = planned.end;
+      return report;
+    }
+    Attempt found = safe_attempt(world, newton, state, planned.length, observer);
+    StepReport& report = found.report;
+    std::swap(spent, report.newton);
+    add_to(report.newton, spent);
+    spent = report.newton;
+    report.failed_attempts = failed_attempts;
+    if (found.is_interrupted()) return report;
+    report.time_step = planned.length;
+    report.time_error = step_error(world, state, found, planned.length);
+    // The error of a step grows with its length to the power order + 1.
+    const double error = report.time_error / tolerance;
+    const bool is_of_scheme = found.converged() && !found.is_guarded();
+    const double fitting =
+        is_of_scheme && std::isfinite(error)
+            ? std::clamp(0.9 * std::pow(error, -1.0 / (integrator_->order() + 1)), 0.2, 2.0)
+            : 0.5;
+    const bool is_accepted = is_of_scheme && error <= 1;
+    if (!is_accepted && planned.length > shortest * (1 + 1e-9)) {
+      wanted = std::max(shortest, std::min(0.9, fitting) * planned.length);
+      continue;
+    }
+    if (!(error <= 1)) {
+      report.status = StepReport::Status::not_converged;
+      if (report.reason.empty()) {
+        report.reason = "the shortest step misplaces a vertex by about " + format_number(report.time_error) +
+                        " m, more than the tolerance of " + format_number(tolerance) + " m";
+      }
+    }
+    gradient = std::move(found.gradient);
+    StepReport done = report;
+    std::move(found).move(world, state, planned.length);
+    state.time = planned.end;
+    // A step cut short at an event says nothing against longer ones.
+    const double next = fitting * planned.length;
+    state.time_step = std::clamp(planned.is_cut ? std::max(next, wanted) : next, shortest, longest);
+    return done;
+  }
+}
+
+}  // namespace resilin

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <memory>
+#include <utility>
+
+#include "resilin/energy/energy.hpp"
+
+namespace resilin {
+
+/// A term of contact in a stage of a step: taken at the place where the stage ends, not at its unknown x, and
+/// as often as the stage says, so that the whole impulse acts at the end (docs/theory/integrators.md, I.4).
+class EndOfStage final : public Energy {
+ public:
+  /// @param term  kept by reference, unless `own` is the same
+  EndOfStage(const Energy& term, std::unique_ptr<Energy> own, const Stage& stage)
+      : term_(term),
+        own_(std::move(own)),
+        is_mean_(stage.is_mean),
+        weight_(stage.contact_weight),
+        slope_(stage.end_slope()),
+        time_to_end_(stage.time_to_end()) {
+    if (is_mean_) start_ = stage.base_positions;
+  }
+
+  /// Whether a stage takes terms of contact in another way than all others.
+  static bool is_needed(const Stage& stage) { return stage.is_mean || stage.contact_weight != 1; }
+
+  std::string_view name() const override { return term_.name(); }
+  EnergyProperties properties() const override { return term_.properties(); }
+  double value(const VectorX& x, const Conditions& c) const override {
+    VectorX room;
+    return term_.value(end_of(x, room), at_end(c, weight_));
+  }
+  double difference(const VectorX& from, const VectorX& to, const Conditions& c) const override {
+    VectorX room, more_room;
+    return term_.difference(end_of(from, room), end_of(to, more_room), at_end(c, weight_));
+  }
+  void add_gradient(const VectorX& x, const Conditions& c, VectorX& gradient) const override {
+    VectorX room;
+    term_.add_gradient(end_of(x, room), at_end(c, weight_ * slope_), gradient);
+  }
+  void add_gradient_magnitude(const VectorX& x, const Conditions& c, VectorX& magnitude) const override {
+    VectorX room;
+    term_.add_gradient_magnitude(end_of(x, room), at_end(c, weight_ * slope_), magnitude);
+  }
+  void add_hessian(const VectorX& x, const Conditions& c, Projection projection,
+                   BlockMatrix& hessian) const override {
+    VectorX room;
+    term_.add_hessian(end_of(x, room), at_end(c, weight_ * slope_ * slope_), projection, hessian);
+  }
+  double max_step(const VectorX& x, const VectorX& p, const Conditions& c) const override {
+    VectorX room;
+    return term_.max_step(end_of(x, room), slope_ * p, at_end(c, weight_));
+  }
+  void prepare(const VectorX& x, const VectorX& p, const Conditions& c) override {
+    VectorX room;
+    if (own_) own_->prepare(end_of(x, room), slope_ * p, at_end(c, weight_));
+  }
+  double least_delay(const VectorX& x, const Conditions& c) const override {
+    VectorX room;
+    return term_.least_delay(end_of(x, room), at_end(c, weight_));
+  }
+
+ private:
+  /// The place of the end; `room` holds it where it is not x.
+  const VectorX& end_of(const VectorX& x, VectorX& room) const {
+    if (!is_mean_) return x;
+    room = 2 * x - start_;
+    return room;
+  }
+  Conditions at_end(Conditions c, double weight) const {
+    c.time += time_to_end_;
+    c.contact_weight *= weight;
+    return c;
+  }
+
+  const Energy& term_;
+  std::unique_ptr<Energy> own_;
+  bool is_mean_;
+  double weight_, slope_, time_to_end_;
+  VectorX start_{};
+};
+
+}  // namespace resilin

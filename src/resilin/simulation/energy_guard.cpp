@@ -1,0 +1,154 @@
+#include "resilin/simulation/energy_guard.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "resilin/core/dense.hpp"
+#include "resilin/mesh/facet.hpp"
+
+namespace resilin {
+namespace {
+
+bool is_free(const World& world, Eigen::Index i) { return world.is_fixed[static_cast<std::size_t>(i)] == 0; }
+
+VectorX free_part(const World& world, VectorX values) {
+  for (Eigen::Index i = 0; i < values.size(); ++i)
+    if (!is_free(world, i)) values[i] = 0;
+  return values;
+}
+
+double product(const World& world, const VectorX& a, const VectorX& b) {
+  VectorX momentum;
+  world.mass->multiply(a, momentum);
+  return momentum.dot(b);
+}
+
+/// 1/2 |v|^2_M of the free unknowns [J].
+double kinetic_energy(const World& world, const VectorX& velocities) {
+  const VectorX v = free_part(world, velocities);
+  return 0.5 * product(world, v, v);
+}
+
+/// The largest that the supports' work on the bodies may be: reaction times way, with the reactions at the
+/// one end or the other; and the inertia of what moves along with them. None where they stand still.
+std::optional<double> work_of_supports(const World& world, const State& start, const Conditions& before,
+                                       const Motion& end, const Potential& after) {
+  VectorX way = end.positions - start.positions;
+  VectorX free_way = free_part(world, way);
+  way -= free_way;
+  if (way.isZero(0)) return std::nullopt;
+  VectorX reactions;
+  after.gradient(end.positions, reactions);
+  const double work_after = reactions.dot(way);
+  Potential(world, before, static_stage(start.positions)).gradient(start.positions, reactions);
+  const double work_before = reactions.dot(way);
+  double work = std::max(work_before, work_after);
+  if (!world.mass->is_lumped()) {
+    const VectorX pull = end.accelerations - free_part(world, end.accelerations);
+    work -= product(world, pull, free_way);
+  }
+  return work;
+}
+
+/// The velocities of a body's nodes, zero elsewhere, that move it as a rigid one by each of its rigid
+/// motions: dim translations, then rotations about the origin of the positions given.
+std::vector<VectorX> rigid_motions(const World& world, const Body& body, const VectorX& positions,
+                                   const Vector3& center) {
+  const int dim = world.dimension;
+  std::vector<VectorX> motions(dim == 3 ? 6 : 3, VectorX::Zero(positions.size()));
+  for (Index node = body.first_node; node < body.first_node + body.num_nodes; ++node) {
+    const Vector3 r = node_position(dim, node, positions) - center;
+    const auto at = [&](std::size_t motion) {
+      return motions[motion].segment(Eigen::Index{node} * dim, dim);
+    };
+    for (int k = 0; k < dim; ++k) at(static_cast<std::size_t>(k))[k] = 1;
+    if (dim == 2) {
+      at(2) << -r.y(), r.x();
+    } else {
+      at(3) << 0, -r.z(), r.y();
+      at(4) << r.z(), 0, -r.x();
+      at(5) << -r.y(), r.x(), 0;
+    }
+  }
+  return motions;
+}
+
+bool has_support(const World& world, const Body& body) {
+  const auto first = world.support_of.begin() + Eigen::Index{body.first_node} * world.dimension;
+  return std::any_of(first, first + Eigen::Index{body.num_nodes} * world.dimension,
+                     [](std::int32_t support) { return support >= 0; });
+}
+
+/// What is left of velocities without the rigid motion that has the momenta of each body. Bodies with
+/// supports keep all.
+VectorX without_rigid_motion(const World& world, const VectorX& positions, VectorX velocities) {
+  for (const Body& body : world.bodies) {
+    if (has_support(world, body)) continue;
+    const int dim = world.dimension;
+    Vector3 center = Vector3::Zero();
+    for (Index node = body.first_node; node < body.first_node + body.num_nodes; ++node)
+      center += node_position(dim, node, positions) / body.num_nodes;
+    const std::vector<VectorX> motions = rigid_motions(world, body, positions, center);
+    const auto count = static_cast<Eigen::Index>(motions.size());
+    Eigen::MatrixXd masses(count, count);
+    VectorX momenta(count), momentum;
+    for (Eigen::Index i = 0; i < count; ++i) {
+      world.mass->multiply(motions[static_cast<std::size_t>(i)], momentum);
+      momenta[i] = momentum.dot(velocities);
+      for (Eigen::Index j = 0; j < count; ++j)
+        masses(i, j) = momentum.dot(motions[static_cast<std::size_t>(j)]);
+    }
+    const VectorX rates = dense::solve(masses, momenta);
+    for (Eigen::Index i = 0; i < count; ++i) velocities -= rates[i] * motions[static_cast<std::size_t>(i)];
+  }
+  return velocities;
+}
+
+}  // namespace
+
+EnergyChange energy_change(const World& world, const State& start, const Motion& end,
+                           const Conditions& after) {
+  const Conditions before{.time = start.time, .load = 1, .collider_delay = start.collider_delay};
+  Potential potential(world, after, static_stage(start.positions));
+  potential.prepare(start.positions, end.positions - start.positions);
+  EnergyChange change{.kinetic_before = kinetic_energy(world, start.velocities),
+                      .kinetic_after = kinetic_energy(world, end.velocities)};
+  const Potential::Gain gain = potential.gain(start.positions, before, end.positions);
+  const std::optional<double> work = work_of_supports(world, start, before, end, potential);
+  change.added = change.kinetic_after - change.kinetic_before + gain.beyond_work - work.value_or(0);
+  change.is_driven = gain.is_driven || work.has_value();
+  return change;
+}
+
+double strain_stiffness(const World& world) {
+  constexpr double strain = 1e-6;
+  const Vector3 center = node_position(world.dimension, 0, world.rest_positions);
+  const VectorX origin = center.head(world.dimension).replicate(world.num_nodes(), 1);
+  const VectorX strained = world.rest_positions + strain * (world.rest_positions - origin);
+  double energy = 0;
+  for (const Body& body : world.bodies) energy += body.elastic->value(strained, {});
+  return energy / (strain * strain);
+}
+
+double round_off_energy(const World& world, double strain_stiffness, const VectorX& positions,
+                        double time_step) {
+  constexpr double strain = 1e-10, digits = 1e3 * std::numeric_limits<double>::epsilon();
+  const double speed = digits * positions.cwiseAbs().maxCoeff() / time_step;
+  return strain_stiffness * strain * strain + 0.5 * world.mass->total() * speed * speed;
+}
+
+// 1/2 |v - t d|^2_M = 1/2 |v|^2_M - t v.M d + t^2/2 |d|^2_M
+bool slow_down(const World& world, const VectorX& positions, double excess, bool only_within,
+               VectorX& velocities) {
+  const VectorX v = free_part(world, velocities);
+  const VectorX d = only_within ? free_part(world, without_rigid_motion(world, positions, v)) : v;
+  const double slope = product(world, v, d), curvature = product(world, d, d);
+  const double discriminant = slope * slope - 2 * curvature * excess;
+  if (!(discriminant >= 0) || !(slope > 0)) return false;
+  velocities -= 2 * excess / (slope + std::sqrt(discriminant)) * d;
+  return true;
+}
+
+}  // namespace resilin

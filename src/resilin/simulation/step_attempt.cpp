@@ -1,0 +1,81 @@
+#include "resilin/simulation/step_attempt.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "resilin/simulation/energy_guard.hpp"
+
+namespace resilin {
+namespace {
+
+/// What damping takes on the way to `end` [J].
+double dissipation(const World& world, const State& state, const Motion& end, double time_step) {
+  double sum = 0;
+  for (const auto& term : world.terms) sum += term->dissipation(state.positions, end.positions, time_step);
+  return sum;
+}
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Of the largest kinetic energy so far, by which the energy may rise: schemes keep it only on average. Half
+/// of what tests/simulation/energy_test.cpp allows.
+constexpr double energy_tolerance = 5e-4;
+
+}  // namespace
+
+History history_of(const State& state) {
+  return {.now = {state.positions, state.velocities, state.accelerations},
+          .previous_positions = state.previous_positions,
+          .previous_velocities = state.previous_velocities,
+          .previous_time_step = state.previous_time_step};
+}
+
+bool TimeStepper::Attempt::keeps_energy(const World& world, const State& start, double time_step,
+                                        double round_off, bool is_last_resort) {
+  const Conditions after{.time = start.time + time_step, .load = 1, .collider_delay = collider_delay};
+  const EnergyChange change = energy_change(world, start, end, after);
+  const double before = std::max(start.largest_kinetic_energy, change.kinetic_before);
+  // What a scheme loses where nothing disturbs it, it may find again.
+  const double least = converged() && !touches && !change.is_driven ? -infinity : 0;
+  const double found = std::max(least, start.energy_excess) + change.added;
+  // What Newton's method leaves of the forces does work, too.
+  const double left = converged() ? report.newton.residual * (end.positions - start.positions).norm() : 0;
+  const double kinetic_without = std::max(before, change.kinetic_after - std::max(0.0, found));
+  const double allowed = energy_tolerance * kinetic_without + left + round_off;
+  energy_excess = std::max(least, found);
+  largest_kinetic_energy = std::max(before, change.kinetic_after);
+  if (found <= allowed) return true;
+  const VectorX velocities = end.velocities;
+  const bool is_slowed =
+      slow_down(world, end.positions, found - allowed, true, end.velocities) ||
+      (is_last_resort && slow_down(world, end.positions, found - allowed, false, end.velocities));
+  if (!is_slowed && !is_last_resort) return false;
+  energy_excess = allowed;
+  if (!is_slowed) return true;
+  slowing = end.velocities - velocities;
+  report.removed_energy = found - allowed;
+  largest_kinetic_energy = std::max(before, change.kinetic_after - report.removed_energy);
+  return true;
+}
+
+void TimeStepper::Attempt::move(const World& world, State& state, double time_step) && {
+  state.dissipated_energy += dissipation(world, state, end, time_step);
+  state.previous_positions = std::move(state.positions);
+  state.previous_velocities = std::move(state.velocities);
+  if (jump.size() > 0)
+    follow_jump(jump, time_step, jump_effect, state.previous_positions, state.previous_velocities);
+  if (slowing.size() > 0)
+    follow_jump(slowing, time_step, 0, state.previous_positions, state.previous_velocities);
+  state.previous_time_step = time_step;
+  state.positions = std::move(end.positions);
+  state.velocities = std::move(end.velocities);
+  state.accelerations = std::move(end.accelerations);
+  state.collider_delay = collider_delay;
+  state.energy_excess = energy_excess;
+  state.largest_kinetic_energy = largest_kinetic_energy;
+  if (is_guarded()) ++state.guarded_steps;
+  state.removed_energy += report.removed_energy;
+  ++state.step;
+}
+
+}  // namespace resilin

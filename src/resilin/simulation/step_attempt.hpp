@@ -1,0 +1,35 @@
+#pragma once
+
+#include "resilin/simulation/time_stepping.hpp"
+#include "resilin/world/world.hpp"
+
+namespace resilin {
+
+/// A step in time that has been tried and not yet been made.
+struct TimeStepper::Attempt {
+  StepReport report{};
+  Motion end{};
+  VectorX gradient{};
+  double collider_delay = 0;        ///< [s]
+  bool touches = false;             ///< contact acts, or would if the step had been found
+  VectorX contact_accelerations{};  ///< at the end, where they are wanted; empty: none [m/s^2]
+  VectorX jump{};                   ///< of the velocities by contact in the last stage, the same
+  double jump_effect = 0;           ///< see follow_jump [s]
+  VectorX slowing{};                ///< of the velocities, lest the step add energy; empty: none
+  double energy_excess = 0, largest_kinetic_energy = 0;  ///< as in State
+
+  bool converged() const { return report.status == StepReport::Status::converged; }
+  bool is_interrupted() const { return report.status == StepReport::Status::interrupted; }
+  bool is_guarded() const { return report.by_backward_euler || report.removed_energy > 0; }
+  /// Whether the step adds no energy; takes out of its velocities what it does, within bodies or, as the last
+  /// resort, wherever it is.
+  /// @param round_off  [J]
+  bool keeps_energy(const World& world, const State& start, double time_step, double round_off,
+                    bool is_last_resort);
+  void move(const World& world, State& state, double time_step) &&;
+};
+
+/// What a step starts from.
+History history_of(const State& state);
+
+}  // namespace resilin
