@@ -1,6 +1,7 @@
 #include "resilin/world/scene_origin.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 
 #include "resilin/world/body_mesh.hpp"
 
@@ -58,10 +59,13 @@ Vector3 find_scene_origin(const Description& description) {
   const Eigen::AlignedBox3d bounds = bounds_of(description);
   Vector3 middle = Vector3::Zero(), first = Vector3::Zero();
   if (bounds.isEmpty() || !bounds.sizes().allFinite()) return middle;
-  const int dim = description.dimension;
-  middle.head(dim) = bounds.center().head(dim);
-  first.head(dim) = description.bodies.front().translate.head(dim);
-  const double reach = far_away * bounds.sizes().head(dim).maxCoeff();
+  double extent = 0;
+  for (int k = 0; k < description.dimension; ++k) {
+    middle[k] = bounds.center()[k];
+    first[k] = description.bodies.front().translate[k];
+    extent = std::max(extent, bounds.sizes()[k]);
+  }
+  const double reach = far_away * extent;
   if (middle.norm() <= reach) return Vector3::Zero();
   return (middle - first).norm() <= reach ? first : middle;
 }
