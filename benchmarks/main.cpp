@@ -10,6 +10,7 @@
 #include "benchmarks.hpp"
 #include "resilin/core/cpu.hpp"
 #include "resilin/core/error.hpp"
+#include "resilin/core/memory.hpp"
 #include "resilin/core/parallel.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/linear/blas.hpp"
@@ -87,8 +88,8 @@ int main(int argc, char** argv) {
     return fail(1, std::string(error.what()) + "; see resilin bench --help");
   } catch (const InputError& error) {
     return fail(1, error.what());
-  } catch (const std::bad_alloc&) {
-    return fail(1, "out of memory: the problem is too large for this machine");
+  } catch (const std::bad_alloc& error) {
+    return fail(1, out_of_memory_text(error));
   } catch (const std::exception& error) {
     return fail(3, std::string("internal error: ") + error.what());
   }

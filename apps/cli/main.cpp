@@ -1,15 +1,26 @@
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <new>
 #include <optional>
 #include <string>
+#include <system_error>
 
 #include "command.hpp"
 #include "interrupt.hpp"
 #include "resilin/core/cpu.hpp"
 #include "resilin/core/error.hpp"
+#include "resilin/core/memory.hpp"
 #include "resilin/linear/blas.hpp"
 #include "resilin/results/build_info.hpp"
 #include "terminal.hpp"
+
+/// OpenBLAS asks for this when it is loaded, before `main`, and would start a thread for each core: with 8
+/// MiB of stack and 128 MiB to work in each, and where it cannot have them it tries for ever or ends the
+/// process. We have no use for its threads (linear/blas.hpp).
+extern "C" __attribute__((visibility("default"), used)) int openblas_num_threads_env() { return 1; }
 
 namespace resilin::cli {
 namespace {
@@ -17,6 +28,24 @@ namespace {
 int fail(int code, const std::string& message) {
   print_error(message);
   return code;
+}
+
+/// A thread that cannot be had is, as a rule, a stack for which there is no room.
+bool is_out_of_memory(const std::system_error& error) {
+  return error.code() == std::errc::resource_unavailable_try_again ||
+         error.code() == std::errc::not_enough_memory;
+}
+
+/// For memory that runs out where no exception may pass, such as in a thread of a library. Takes none itself.
+[[noreturn]] void end_at_once() {
+  try {
+    if (const std::exception_ptr error = std::current_exception()) std::rethrow_exception(error);
+  } catch (const std::bad_alloc&) {
+    std::fputs("resilin: out of memory: take fewer cells, fewer threads, or raise the limit\n", stderr);
+    _exit(wrong_input);
+  } catch (...) {
+  }
+  std::abort();
 }
 
 int run_action(const Action& action) {
@@ -28,8 +57,11 @@ int run_action(const Action& action) {
     return fail(wrong_input, error.what());
   } catch (const Interrupted&) {
     return fail(not_converged, "stopped by " + interrupter());
-  } catch (const std::bad_alloc&) {
-    return fail(wrong_input, "out of memory: the problem is too large for this machine");
+  } catch (const std::bad_alloc& error) {
+    return fail(wrong_input, out_of_memory_text(error));
+  } catch (const std::system_error& error) {
+    if (is_out_of_memory(error)) return fail(wrong_input, out_of_memory_text(std::bad_alloc()));
+    return fail(internal_error, std::string("internal error: ") + error.what());
   } catch (const std::exception& error) {
     return fail(internal_error, std::string("internal error: ") + error.what());
   }
@@ -60,6 +92,7 @@ int run_command(int argc, char** argv) {
 }
 
 int main(int argc, char** argv) {
+  std::set_terminate(end_at_once);
   report_failed_writes();
   const int code = run_command(argc, argv);
   if (flush_output()) return code;

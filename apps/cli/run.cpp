@@ -199,9 +199,9 @@ void add_run(CommandLine& line, Action& action) {
   command.flag("--quiet", options->quiet, "Print nothing but errors");
   command.footer(
       "Example:\n  resilin run beam.toml --out out/stiff --set body.beam.material.youngs_modulus=1e7\n\n"
-      "Exit codes: 0 done; 1 the input is wrong; 2 did not converge or was stopped (results so far are "
-      "kept);\n"
-      "3 an internal error. Ctrl-C, SIGTERM and SIGHUP stop at a place from which --resume goes on.");
+      "Exit codes: 0 done; 1 the input is wrong or memory is short; 2 did not converge or was stopped\n"
+      "(results so far are kept); 3 an internal error. Ctrl-C, SIGTERM and SIGHUP stop at a place from\n"
+      "which --resume goes on.");
   command.on_chosen([options, &action] { action = [options] { return run(*options); }; });
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "resilin/core/error.hpp"
+#include "resilin/core/memory.hpp"
 #include "resilin/core/overloaded.hpp"
 
 namespace resilin::viewer {
@@ -22,7 +23,8 @@ double seconds(std::chrono::steady_clock::duration duration) {
 /// What went wrong, in one line for the user.
 std::string words_of(const std::exception& error) {
   if (dynamic_cast<const InputError*>(&error) != nullptr) return error.what();
-  if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr) return "out of memory";
+  if (const auto* shortage = dynamic_cast<const std::bad_alloc*>(&error))
+    return out_of_memory_text(*shortage);
   return std::string("internal error: ") + error.what();
 }
 

@@ -7,6 +7,9 @@ Mesh        from arrays, files, meshio objects and recipes
 embed       weights that carry fine points by the cells of a mesh
 """
 
+from resilin import loading  # first: it loads the libraries  # noqa: F401
+
+# isort: split
 from resilin import _core
 from resilin._core import InputError
 from resilin.catalog import laws

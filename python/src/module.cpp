@@ -4,6 +4,7 @@
 
 #include "bindings.hpp"
 #include "resilin/core/error.hpp"
+#include "resilin/core/memory.hpp"
 #include "resilin/core/parallel.hpp"
 #include "resilin/results/build_info.hpp"
 
@@ -13,6 +14,13 @@ NB_MODULE(_core, module) {
   using namespace resilin;
   nb::set_leak_warnings(false);  // torch keeps what its graphs refer to until the interpreter has ended
   const nb::exception<InputError> input_error(module, "InputError", PyExc_ValueError);
+  nb::register_exception_translator([](const std::exception_ptr& thrown, void*) {
+    try {
+      std::rethrow_exception(thrown);
+    } catch (const std::bad_alloc& error) {
+      PyErr_SetString(PyExc_MemoryError, out_of_memory_text(error).c_str());
+    }
+  });
   module.def(
       "input_error_text",
       [](const std::string& place, const std::string& expected, const std::string& got,

@@ -8,14 +8,33 @@
 #include <memory>
 #include <mutex>
 
+#include "resilin/core/memory.hpp"
+
 namespace resilin {
 namespace {
+
+/// Where the address space is limited a thread may find no room for its stack, its heap and the buffer of the
+/// BLAS, which oneTBB does not survive: as many as there is room for, and room left for what they work on.
+int threads_with_room(int wanted) {
+  constexpr double bytes_each = 256.0 * (1 << 20);
+  const double fitting = address_space_left().bytes / bytes_each;
+  return fitting < wanted ? std::max(1, static_cast<int>(fitting)) : wanted;
+}
 
 /// The limit belongs to the process, as the cores do; everything else in the library is a value.
 struct ThreadLimit {
   std::mutex mutex;
-  int count = tbb::this_task_arena::max_concurrency();
+  int count = threads_with_room(tbb::this_task_arena::max_concurrency());
   std::unique_ptr<tbb::global_control> control;
+
+  ThreadLimit() {
+    if (count < tbb::this_task_arena::max_concurrency()) enforce();
+  }
+  void enforce() {
+    control.reset();
+    control = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
+                                                    static_cast<std::size_t>(count));
+  }
 };
 
 ThreadLimit& thread_limit() {
@@ -30,10 +49,8 @@ int num_threads() { return thread_limit().count; }
 void set_num_threads(int count) {
   ThreadLimit& limit = thread_limit();
   const std::lock_guard lock(limit.mutex);
-  limit.count = std::max(count, 1);
-  limit.control.reset();
-  limit.control = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
-                                                        static_cast<std::size_t>(limit.count));
+  limit.count = threads_with_room(std::max(count, 1));
+  limit.enforce();
 }
 
 void detail::run_tasks(std::size_t count, const std::function<void(std::size_t)>& task) {

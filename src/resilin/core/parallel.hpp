@@ -6,7 +6,8 @@
 
 namespace resilin {
 
-/// Number of threads that loops use; all cores unless `set_num_threads` was called.
+/// Number of threads that loops use; all cores unless `set_num_threads` was called. Fewer where the address
+/// space of the process is limited (ulimit -v) and has no room for so many: each needs some 256 MiB of it.
 int num_threads();
 
 /// Limits every later loop to `count` threads (at least 1). Not to be called inside a loop.

@@ -1,5 +1,6 @@
 #include <utility>
 
+#include "resilin/core/log.hpp"
 #include "resilin/linear/catalog.hpp"
 
 namespace resilin {
@@ -8,10 +9,12 @@ namespace {
 /// Tries solvers in turn: the next one where the one before does not converge.
 ///
 /// Every solve begins with the first, so that a run that is taken up again gives the same bits as an unbroken
-/// one.
+/// one. Where there is no memory for a direct one that comes first, a spare takes its place for good.
 class SolverChain : public LinearSolver {
  public:
-  explicit SolverChain(std::vector<std::unique_ptr<LinearSolver>> solvers) : solvers_(std::move(solvers)) {}
+  /// `spare` may be null.
+  SolverChain(std::vector<std::unique_ptr<LinearSolver>> solvers, std::unique_ptr<LinearSolver> spare)
+      : solvers_(std::move(solvers)), spare_(std::move(spare)) {}
 
   std::string_view name() const override { return solvers_.front()->name(); }
   bool is_direct() const override { return solvers_.front()->is_direct(); }
@@ -21,7 +24,13 @@ class SolverChain : public LinearSolver {
     node_positions_ = node_positions;
   }
 
-  LinearReport factorize(const BlockMatrix& A) override { return solvers_.front()->factorize(A); }
+  LinearReport factorize(const BlockMatrix& A) override {
+    const LinearReport report = solvers_.front()->factorize(A);
+    if (report.status != LinearReport::Status::out_of_memory || spare_ == nullptr) return report;
+    solvers_.front() = std::move(spare_);
+    log_info(report.shortage + "; " + std::string(name()) + " solves instead");
+    return solvers_.front()->factorize(A);
+  }
 
   LinearReport solve(const BlockMatrix& A, const VectorX& b, VectorX& x, double relative_tolerance) override {
     LinearReport report = solvers_.front()->solve(A, b, x, relative_tolerance);
@@ -41,6 +50,7 @@ class SolverChain : public LinearSolver {
 
  private:
   std::vector<std::unique_ptr<LinearSolver>> solvers_;
+  std::unique_ptr<LinearSolver> spare_;
   VectorX node_positions_;
 };
 
@@ -51,13 +61,6 @@ class SolverChain : public LinearSolver {
 // is all but incompressible. With mass, incomplete Cholesky needs some 5 to 40 iterations and the cheapest
 // set-up.
 std::unique_ptr<LinearSolver> make_auto(const LinearOptions& options, Index num_unknowns) {
-  if (!options.is_definite) {
-#ifdef RESILIN_HAS_LAPACK
-    return make_multifrontal(options);
-#else
-    return make_ldlt(options);
-#endif
-  }
   constexpr Index most_unknowns_direct_first = 2500;
   constexpr Index most_unknowns_direct = 300000;  // about 4 GB
   constexpr int iterations_incomplete = 80;       // then a multigrid set-up pays
@@ -69,8 +72,9 @@ std::unique_ptr<LinearSolver> make_auto(const LinearOptions& options, Index num_
     choice.max_iterations = max_iterations;
     solvers.push_back(make_linear_solver(choice, num_unknowns));
   };
-  const bool has_direct = num_unknowns <= most_unknowns_direct;
-  const bool is_direct_first = !options.is_dynamic && num_unknowns <= most_unknowns_direct_first;
+  const bool has_direct = !options.is_definite || num_unknowns <= most_unknowns_direct;
+  const bool is_small = num_unknowns <= most_unknowns_direct_first;
+  const bool is_direct_first = !options.is_definite || (!options.is_dynamic && is_small);
   if (!is_direct_first) {
     if (options.is_dynamic) add("cg_ic0", iterations_incomplete);
     add("cg_amg", has_direct ? iterations_multigrid : options.max_iterations);
@@ -78,9 +82,11 @@ std::unique_ptr<LinearSolver> make_auto(const LinearOptions& options, Index num_
 #ifdef RESILIN_HAS_LAPACK
   if (has_direct) add("multifrontal", 0);
 #else
-  if (has_direct) add("cholesky", 0);
+  if (has_direct) add(options.is_definite ? "cholesky" : "ldlt", 0);
 #endif
-  return std::make_unique<SolverChain>(std::move(solvers));
+  // One that works in less memory: without the BLAS, whose own is 128 MiB.
+  std::unique_ptr<LinearSolver> spare = is_direct_first && is_small ? make_ldlt(options) : nullptr;
+  return std::make_unique<SolverChain>(std::move(solvers), std::move(spare));
 }
 
 }  // namespace resilin

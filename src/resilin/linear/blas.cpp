@@ -2,12 +2,16 @@
 
 #include <dlfcn.h>
 
+#include <algorithm>
 #include <cstdlib>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "resilin/core/cpu.hpp"
+#include "resilin/core/memory.hpp"
 
 #ifdef RESILIN_HAS_LAPACK
 extern "C" void dgemm_(const char*, const char*, const int*, const int*, const int*, const double*,
@@ -61,6 +65,44 @@ std::string wanted_core(std::string_view core) {
   return {};
 }
 
+constexpr std::size_t buffer_bytes = (std::size_t{128} << 20) + 4096;  ///< of OpenBLAS, its page of slack too
+constexpr int most_buffers = 64;                                       ///< it keeps books for some 128
+
+/// The buffers belong to the process, as OpenBLAS does.
+struct BlasBuffers {
+  std::mutex mutex;
+  int held = 0;    ///< at least so many does OpenBLAS have
+  int in_use = 0;  ///< calls that may run at this moment
+};
+
+BlasBuffers& blas_buffers() {
+  static BlasBuffers buffers;
+  return buffers;
+}
+
+/// OpenBLAS makes a buffer when all that it has are in use, and keeps it: taking them at the same time makes
+/// it hold so many.
+void require_buffers(int num_calls, std::size_t other_bytes) {
+  static const auto take = find_function<void*(int)>("blas_memory_alloc");
+  static const auto give_back = find_function<void(void*)>("blas_memory_free");
+  BlasBuffers& buffers = blas_buffers();
+  const std::lock_guard lock(buffers.mutex);
+  const int wanted = std::min(buffers.in_use + num_calls, most_buffers);
+  if (take != nullptr && give_back != nullptr && buffers.held < wanted) {
+    std::vector<void*> taken(static_cast<std::size_t>(wanted));
+    int count = 0;
+    while (count < wanted && can_allocate(other_bytes + buffer_bytes)) taken[count++] = take(1);
+    for (int k = 0; k < count; ++k) give_back(taken[k]);
+    buffers.held = std::max(buffers.held, count);
+    if (count < wanted)
+      throw OutOfMemory("out of memory: the BLAS needs 128 MiB" +
+                        (wanted == 1 ? "" : " for each of " + std::to_string(wanted) + " threads") + ", " +
+                        words(address_space_left()) +
+                        "; take solver.kind = \"cg_amg\" or \"ldlt\", fewer threads, or raise the limit");
+  }
+  buffers.in_use += num_calls;
+}
+
 }  // namespace
 
 std::string blas_kernel_name() {
@@ -91,7 +133,8 @@ bool choose_blas_kernel() {
   return openblas_core() != core;
 }
 
-SingleThreadedBlas::SingleThreadedBlas() {
+SingleThreadedBlas::SingleThreadedBlas(int num_calls, std::size_t other_bytes) : num_calls_(num_calls) {
+  require_buffers(num_calls, other_bytes);
   static const auto num_threads = find_function<int()>("openblas_get_num_threads");
   static const auto set_num_threads = find_function<void(int)>("openblas_set_num_threads");
   if (num_threads == nullptr || set_num_threads == nullptr) return;
@@ -100,6 +143,11 @@ SingleThreadedBlas::SingleThreadedBlas() {
 }
 
 SingleThreadedBlas::~SingleThreadedBlas() {
+  BlasBuffers& buffers = blas_buffers();
+  {
+    const std::lock_guard lock(buffers.mutex);
+    buffers.in_use -= num_calls_;
+  }
   if (previous_ == 1) return;
   static const auto set_num_threads = find_function<void(int)>("openblas_set_num_threads");
   set_num_threads(previous_);

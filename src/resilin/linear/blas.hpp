@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 namespace resilin {
@@ -16,16 +17,24 @@ std::string blas_kernel_name();
 /// RESILIN_ISA says nothing, a choice made by OpenBLAS's own variable OPENBLAS_CORETYPE stands.
 bool choose_blas_kernel();
 
-/// Keeps BLAS on one thread while it lives: the solvers are parallel over tasks of their own, and a threaded
-/// BLAS collapses on a busy machine. Also keeps the bits the same for any number of threads.
+/// Keeps each call of the BLAS on one thread while it lives: the solvers are parallel over tasks of their
+/// own, and a threaded BLAS collapses on a busy machine. Also keeps the bits the same for any number of
+/// threads.
 class SingleThreadedBlas {
  public:
-  SingleThreadedBlas();
+  /// Sees to it that `num_calls` calls can run at the same time, beside `other_bytes` that the caller is
+  /// about to allocate. OpenBLAS takes 128 MiB of address space for each, and where it cannot have them it
+  /// tries for ever (0.3.21) or ends the process: here they are taken while they are known to be there. A
+  /// BLAS other than OpenBLAS is taken to need nothing.
+  ///
+  /// @throws OutOfMemory  where there is no room
+  explicit SingleThreadedBlas(int num_calls = 1, std::size_t other_bytes = 0);
   ~SingleThreadedBlas();
   SingleThreadedBlas(const SingleThreadedBlas&) = delete;
   SingleThreadedBlas& operator=(const SingleThreadedBlas&) = delete;
 
  private:
+  int num_calls_;
   int previous_ = 1;
 };
 

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "resilin/core/error.hpp"
+#include "resilin/core/memory.hpp"
 #include "resilin/core/text.hpp"
 
 namespace resilin {
@@ -47,6 +48,10 @@ std::vector<LinearSolverKind> kinds() {
 }
 
 }  // namespace
+
+void require_memory(const LinearReport& report) {
+  if (report.status == LinearReport::Status::out_of_memory) throw OutOfMemory(report.shortage);
+}
 
 void register_linear_solver(LinearSolverKind kind) {
   const std::lock_guard lock(catalog().mutex);

@@ -1,5 +1,7 @@
 #include <cholmod.h>
 
+#include <new>
+
 #include "resilin/linear/blas.hpp"
 #include "resilin/linear/catalog.hpp"
 #include "resilin/linear/direct_solver.hpp"
@@ -20,6 +22,7 @@ class CholmodSolver : public DirectSolver {
     common_.postorder = 1;
     common_.supernodal = CHOLMOD_SUPERNODAL;
     common_.final_ll = 1;
+    common_.metis_memory = 2;  // tries an allocation before METIS, which complains on its own
   }
   ~CholmodSolver() override {
     cholmod_l_free_dense(&solution_, &common_);
@@ -33,17 +36,18 @@ class CholmodSolver : public DirectSolver {
 
   std::string_view name() const override { return "cholesky"; }
 
-  void analyze(const BlockMatrix& A, const VectorX&) override {
-    if (pattern_.update(A, MergedPattern::Keep::superset)) analyze_pattern(A.dim);
-  }
-
-  LinearReport factorize(const BlockMatrix& A) override;
-
  protected:
+  void prepare(const BlockMatrix& A) override;
+  LinearReport factorize_prepared(const BlockMatrix& A) override;
+  void forget() override {
+    pattern_.reset();
+    cholmod_l_free_factor(&factors_, &common_);
+  }
   void solve_factored(const VectorX& b, VectorX& x) override;
 
  private:
   void analyze_pattern(int dim);
+  double bytes_needed() const;
   cholmod_sparse matrix();
 
   MergedPattern pattern_;
@@ -88,20 +92,27 @@ void CholmodSolver::analyze_pattern(int dim) {
   factors_ = cholmod_l_analyze_p(&lower, order.data(), nullptr, 0, &common_);
 }
 
-LinearReport CholmodSolver::factorize(const BlockMatrix& A) {
-  analyze(A, {});
-  LinearReport report;
-  if (factors_ == nullptr) {
-    report.status = LinearReport::Status::out_of_memory;
-    return report;
-  }
+double CholmodSolver::bytes_needed() const {
+  return static_cast<double>(factors_->xsize + factors_->maxcsize) * sizeof(double);
+}
+
+void CholmodSolver::prepare(const BlockMatrix& A) {
+  if (!pattern_.update(A, MergedPattern::Keep::superset)) return;
+  analyze_pattern(A.dim);
+  if (factors_ == nullptr || common_.status < CHOLMOD_OK) throw std::bad_alloc();
+  foresee(bytes_needed(), A);
+}
+
+LinearReport CholmodSolver::factorize_prepared(const BlockMatrix& A) {
+  // CHOLMOD starts up to 4 threads by OpenMP, which ends the process where it cannot have their stacks.
+  constexpr double stacks = 4 * 8 << 20;
   columns_.set_values(pattern_, A);
   cholmod_sparse lower = matrix();
-  const SingleThreadedBlas single_threaded;
+  const SingleThreadedBlas single_threaded(1, static_cast<std::size_t>(bytes_needed() + stacks));
   cholmod_l_factorize(&lower, factors_, &common_);
-  if (common_.status < CHOLMOD_OK) {
-    report.status = LinearReport::Status::out_of_memory;
-  } else if (factors_->minor < factors_->n) {
+  if (common_.status < CHOLMOD_OK) throw std::bad_alloc();
+  LinearReport report;
+  if (factors_->minor < factors_->n) {
     report.status = LinearReport::Status::indefinite;
     report.worst_node =
         static_cast<Index>(static_cast<SuiteSparse_long*>(factors_->Perm)[factors_->minor] / A.dim);
@@ -117,8 +128,9 @@ void CholmodSolver::solve_factored(const VectorX& b, VectorX& x) {
   right_side.x = const_cast<double*>(b.data());  // read only: CHOLMOD's interface has no const
   right_side.xtype = CHOLMOD_REAL;
   right_side.dtype = CHOLMOD_DOUBLE;
-  cholmod_l_solve2(CHOLMOD_A, factors_, &right_side, nullptr, &solution_, nullptr, &solve_work_,
-                   &solve_more_work_, &common_);
+  if (cholmod_l_solve2(CHOLMOD_A, factors_, &right_side, nullptr, &solution_, nullptr, &solve_work_,
+                       &solve_more_work_, &common_) == 0)
+    throw std::bad_alloc();
   x = Eigen::Map<const VectorX>(static_cast<const double*>(solution_->x), b.size());
 }
 

@@ -1,8 +1,54 @@
 #include "resilin/linear/direct_solver.hpp"
 
 #include <algorithm>
+#include <cstdint>
+
+#include "resilin/core/text.hpp"
 
 namespace resilin {
+namespace {
+
+std::string shortage_text(std::string_view solver, const std::string& needs, const MemoryRoom& room,
+                          const BlockMatrix& A) {
+  return "out of memory: solver.kind = \"" + std::string(solver) + "\" needs " + needs + " for " +
+         std::to_string(A.num_unknowns()) + " unknowns, " + words(room) +
+         "; take solver.kind = \"cg_amg\", fewer cells, or raise the limit";
+}
+
+}  // namespace
+
+void DirectSolver::analyze(const BlockMatrix& A, const VectorX&) {
+  try {
+    prepare(A);
+  } catch (const std::bad_alloc&) {
+    forget();  // `factorize` tries again and says it
+  }
+}
+
+LinearReport DirectSolver::factorize(const BlockMatrix& A) {
+  LinearReport report;
+  try {
+    prepare(A);
+    return factorize_prepared(A);
+  } catch (const OutOfMemory& shortage) {
+    report.shortage = shortage.what();
+  } catch (const std::bad_alloc&) {
+    report.shortage = shortage_text(name(), "more memory", memory_room(), A);
+  }
+  report.status = LinearReport::Status::out_of_memory;
+  forget();
+  return report;
+}
+
+bool DirectSolver::fits(double bytes, MemoryRoom (*room)()) {
+  constexpr double small_need = 32e6;  // not worth the look
+  return bytes < small_need || bytes <= room().bytes;
+}
+
+void DirectSolver::foresee(double bytes, const BlockMatrix& A, MemoryRoom (*room)()) const {
+  if (!fits(bytes, room))
+    throw OutOfMemory(shortage_text(name(), format_bytes(static_cast<std::uintmax_t>(bytes)), room(), A));
+}
 
 LinearReport DirectSolver::solve(const BlockMatrix& A, const VectorX& b, VectorX& x,
                                  double relative_tolerance) {

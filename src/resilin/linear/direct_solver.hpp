@@ -2,23 +2,38 @@
 
 #include <vector>
 
+#include "resilin/core/memory.hpp"
 #include "resilin/linear/linear_solver.hpp"
 
 namespace resilin {
 
 /// What direct solvers share: the residual of every solve is checked, and refined when it misses the
-/// tolerance.
+/// tolerance; memory that runs out is a status of `factorize`, with words.
 class DirectSolver : public LinearSolver {
  public:
   bool is_direct() const override { return true; }
+
+  void analyze(const BlockMatrix& A, const VectorX& node_positions) final;
+  LinearReport factorize(const BlockMatrix& A) final;
 
   /// `not_converged` when the residual stays above the tolerance and above 1e-8: the factors do not belong to
   /// A, or A is singular to working precision.
   LinearReport solve(const BlockMatrix& A, const VectorX& b, VectorX& x, double relative_tolerance) override;
 
  protected:
+  /// Analyses the pattern of A unless it is the one held. These two may throw std::bad_alloc.
+  virtual void prepare(const BlockMatrix& A) = 0;
+  virtual LinearReport factorize_prepared(const BlockMatrix& A) = 0;
+  /// Gives back what they hold, which may be half done.
+  virtual void forget() = 0;
   /// x = (factors)^-1 b.
   virtual void solve_factored(const VectorX& b, VectorX& x) = 0;
+
+  /// Whether there is room for so much: a system may hand out more addresses than it has memory, and end the
+  /// process once they are used.
+  static bool fits(double bytes, MemoryRoom (*room)() = memory_room);
+  /// Throws OutOfMemory where it does not fit.
+  void foresee(double bytes, const BlockMatrix& A, MemoryRoom (*room)() = memory_room) const;
 
  private:
   VectorX residual_, correction_;

@@ -119,9 +119,10 @@ bool KrylovSearch::factorize_shifted(EigenModes& modes) {
       modes.zero = zero_in_shifts * first_shift * largest;
       return true;
     }
-    modes.status = report.status == LinearReport::Status::out_of_memory ? EigenModes::Status::out_of_memory
-                                                                        : EigenModes::Status::not_converged;
-    if (modes.status == EigenModes::Status::out_of_memory) return false;
+    const bool is_short = report.status == LinearReport::Status::out_of_memory;
+    modes.status = is_short ? EigenModes::Status::out_of_memory : EigenModes::Status::not_converged;
+    modes.shortage = report.shortage;
+    if (is_short) return false;
   }
   return false;
 }

@@ -1,6 +1,5 @@
 #include <Eigen/SparseCholesky>
 #include <cmath>
-#include <new>
 
 #include "resilin/linear/catalog.hpp"
 #include "resilin/linear/direct_solver.hpp"
@@ -17,20 +16,24 @@ class SimplicialSolver : public DirectSolver {
 
   std::string_view name() const override { return "ldlt"; }
 
-  void analyze(const BlockMatrix& A, const VectorX&) override {
-    if (pattern_.update(A, MergedPattern::Keep::superset)) analyze_pattern(A.dim);
+ protected:
+  void prepare(const BlockMatrix& A) override {
+    if (!pattern_.update(A, MergedPattern::Keep::superset)) return;
+    columns_.set_pattern(pattern_, A.dim);
+    factors_.analyzePattern(matrix());
+    // Eigen has asked for the factor by now: what its use takes is foreseen.
+    foresee(static_cast<double>(factors_.num_entries()) * (sizeof(double) + sizeof(int)), A, free_memory);
   }
 
-  LinearReport factorize(const BlockMatrix& A) override {
-    analyze(A, {});
+  void forget() override {
+    pattern_.reset();
+    factors_.release();
+  }
+
+  LinearReport factorize_prepared(const BlockMatrix& A) override {
     columns_.set_values(pattern_, A);
     LinearReport report;
-    try {
-      factors_.factorize(matrix());
-    } catch (const std::bad_alloc&) {
-      report.status = LinearReport::Status::out_of_memory;
-      return report;
-    }
+    factors_.factorize(matrix());
     const VectorX& pivots = factors_.vectorD();
     for (Offset k = 0; k < pivots.size(); ++k) {
       if (pivots[k] > 0 && std::isfinite(pivots[k])) continue;
@@ -45,16 +48,15 @@ class SimplicialSolver : public DirectSolver {
     return report;
   }
 
- protected:
   void solve_factored(const VectorX& b, VectorX& x) override { x = factors_.solve(b); }
 
  private:
   using SparseMatrix = Eigen::SparseMatrix<double>;
 
-  void analyze_pattern(int dim) {
-    columns_.set_pattern(pattern_, dim);
-    factors_.analyzePattern(matrix());
-  }
+  struct Factors : Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower> {
+    Eigen::Index num_entries() const { return m_matrix.data().size(); }  ///< known from the analysis on
+    void release() { m_matrix = CholMatrixType(); }
+  };
 
   Eigen::Map<const SparseMatrix> matrix() const {
     const auto size = static_cast<Offset>(columns_.begin.size()) - 1;
@@ -69,7 +71,7 @@ class SimplicialSolver : public DirectSolver {
   bool is_definite_;
   MergedPattern pattern_;
   ScalarColumns<int> columns_;
-  Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower> factors_;
+  Factors factors_;
 };
 
 }  // namespace

@@ -25,7 +25,11 @@ struct LinearReport {
   Index negative_pivots = 0;  ///< of a solver for matrices that need not be definite: by Sylvester's law of
                               ///< inertia the number of negative eigenvalues
   Index worst_node = -1;  ///< the node whose pivot failed or that bends the curvature most, where it is known
+  std::string shortage;   ///< of `out_of_memory`: who needed how much, how much there is, what to do
 };
+
+/// Throws the OutOfMemory of a report that says so: no smaller step would help.
+void require_memory(const LinearReport& report);
 
 /// Solves A x = b for symmetric positive definite A. Analysed once for each pattern, factorised again for new
 /// values.

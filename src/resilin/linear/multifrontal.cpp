@@ -74,27 +74,20 @@ class MultifrontalSolver : public DirectSolver {
 
   std::string_view name() const override { return "multifrontal"; }
 
-  void analyze(const BlockMatrix& A, const VectorX&) override {
-    if (!pattern_.update(A, MergedPattern::Keep::superset)) return;
-    analysis_.emplace(pattern_);
-    dim_ = A.dim;
-    factor_.reset();
-    root_updates_.reset();
-    stack_pool_.clear();
-    top_stacks_ = {};
-  }
-
-  LinearReport factorize(const BlockMatrix& A) override;
-
  protected:
+  void prepare(const BlockMatrix& A) override;
+  LinearReport factorize_prepared(const BlockMatrix& A) override;
+  void forget() override;
   void solve_factored(const VectorX& b, VectorX& x) override;
 
  private:
   double* panel_of(const Supernode& supernode) {
     return factor_.get() + supernode.factor_begin * dim_ * dim_;
   }
+  double bytes_needed(bool is_serial) const;
   void gather_values(const BlockMatrix& A);
   void prepare_signs();
+  void forget_factor();
   /// Where a front keeps its update matrix: the update of a subtree's root outlives the stacks of the
   /// subtree.
   struct Place {
@@ -112,7 +105,9 @@ class MultifrontalSolver : public DirectSolver {
   MergedPattern pattern_;
   std::optional<MultifrontalAnalysis> analysis_;
   int dim_ = 3;
-  std::vector<double> values_;  // by slot of the merged pattern
+  bool has_little_memory_ = false;  // for subtrees at the same time, with the present pattern
+  bool is_serial_ = false;          // takes the subtrees one after another
+  std::vector<double> values_;      // by slot of the merged pattern
   std::unique_ptr<double[]> factor_;
   std::vector<double*> updates_;  // by supernode: its update matrix, from its front to its parent's
   std::unique_ptr<double[]> root_updates_;
@@ -222,7 +217,7 @@ void MultifrontalSolver::factorize_front(Index s, const Place& place) {
 }
 
 /// Stops at the first pivot that fails in every subtree, and before the top when there is one. Every front is
-/// computed alike however many threads there are; one thread needs less memory.
+/// computed alike however many threads there are; one subtree at a time needs less memory.
 void MultifrontalSolver::factorize_all() {
   const int numbers_per_block = dim_ * dim_;
   const auto factorize_in_order = [&](const auto& supernodes, const Place& place) {
@@ -231,7 +226,7 @@ void MultifrontalSolver::factorize_all() {
       if (bad_position_[s] >= 0) return;
     }
   };
-  if (num_threads() == 1) {
+  if (is_serial_) {
     top_stacks_.reserve(analysis_->all_stacks, numbers_per_block);
     const auto num_supernodes = static_cast<Index>(analysis_->supernodes.size());
     return factorize_in_order(std::views::iota(0, num_supernodes), {top_stacks_, nullptr});
@@ -256,24 +251,54 @@ void MultifrontalSolver::factorize_all() {
                      {top_stacks_, root_updates_.get()});
 }
 
-LinearReport MultifrontalSolver::factorize(const BlockMatrix& A) {
-  analyze(A, {});
+void MultifrontalSolver::prepare(const BlockMatrix& A) {
+  if (!pattern_.update(A, MergedPattern::Keep::superset)) return;
+  forget_factor();
+  analysis_.emplace(pattern_);
+  dim_ = A.dim;
+}
+
+void MultifrontalSolver::forget_factor() {
+  analysis_.reset();
+  factor_.reset();
+  root_updates_.reset();
+  stack_pool_.clear();
+  top_stacks_ = {};
+}
+
+void MultifrontalSolver::forget() {
+  pattern_.reset();
+  forget_factor();
+}
+
+double MultifrontalSolver::bytes_needed(bool is_serial) const {
+  const auto stacks = [](const MultifrontalAnalysis::StackSizes& sizes) {
+    return sizes.blocks[0] + sizes.blocks[1];
+  };
+  const auto subtrees =
+      std::min(static_cast<Offset>(num_threads()), static_cast<Offset>(analysis_->subtrees.size()));
+  const Offset updates = is_serial ? stacks(analysis_->all_stacks)
+                                   : analysis_->root_update_blocks + stacks(analysis_->top_stacks) +
+                                         subtrees * stacks(analysis_->subtree_stacks);
+  const Offset blocks = pattern_.num_slots() + analysis_->factor_blocks + updates;
+  return static_cast<double>(blocks) * dim_ * dim_ * sizeof(double);
+}
+
+LinearReport MultifrontalSolver::factorize_prepared(const BlockMatrix& A) {
   LinearReport report;
-  const SingleThreadedBlas single_threaded;
-  try {
-    gather_values(A);
-    const auto block = static_cast<std::size_t>(dim_ * dim_);
-    if (!factor_)
-      factor_ = std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(analysis_->factor_blocks) *
-                                                         block);
-    updates_.assign(analysis_->supernodes.size(), nullptr);
-    bad_position_.assign(analysis_->supernodes.size(), -1);
-    if (!is_definite_) prepare_signs();
-    factorize_all();
-  } catch (const std::bad_alloc&) {
-    report.status = LinearReport::Status::out_of_memory;
-    return report;
-  }
+  if (!factor_) has_little_memory_ = !fits(bytes_needed(false));
+  is_serial_ = has_little_memory_ || num_threads() == 1;
+  const double bytes = factor_ ? 0 : bytes_needed(is_serial_);
+  foresee(bytes, A);
+  const SingleThreadedBlas single_threaded(num_threads(), static_cast<std::size_t>(bytes));
+  if (!factor_)
+    factor_ = std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(analysis_->factor_blocks) *
+                                                       static_cast<std::size_t>(dim_ * dim_));
+  gather_values(A);
+  updates_.assign(analysis_->supernodes.size(), nullptr);
+  bad_position_.assign(analysis_->supernodes.size(), -1);
+  if (!is_definite_) prepare_signs();
+  factorize_all();
   const auto bad = std::find_if(bad_position_.begin(), bad_position_.end(), [](Index b) { return b >= 0; });
   if (bad != bad_position_.end()) {
     report.status = LinearReport::Status::indefinite;

@@ -4,6 +4,10 @@
 #include <numeric>
 #ifdef RESILIN_HAS_METIS
 #include <metis.h>
+
+#include <new>
+
+#include "resilin/core/memory.hpp"
 #else
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>
@@ -84,8 +88,13 @@ std::vector<Index> fill_reducing_order(const NodeGraph& graph) {
   options[METIS_OPTION_NUMBERING] = 0;
   options[METIS_OPTION_SEED] = 1;
   auto num_nodes = static_cast<idx_t>(n);
-  METIS_NodeND(&num_nodes, begin.data(), neighbours.data(), nullptr, options, node_at.data(),
-               position.data());
+  // METIS complains of memory on its own and by signals: it is asked for before. Its graphs, from fine to
+  // coarse and cut in two, take some five times the first one; the workspace about as much.
+  constexpr std::size_t small = std::size_t{1} << 20, graphs = 6;
+  if (!can_allocate(small + graphs * sizeof(idx_t) * (neighbours.size() * 2 + n * 5))) throw std::bad_alloc();
+  const int status = METIS_NodeND(&num_nodes, begin.data(), neighbours.data(), nullptr, options,
+                                  node_at.data(), position.data());
+  if (status == METIS_ERROR_MEMORY) throw std::bad_alloc();
   return {node_at.begin(), node_at.end()};
 }
 

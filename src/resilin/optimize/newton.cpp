@@ -32,9 +32,6 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
     bool was_exact = true;
     while (!line.accepted) {
       Direction direction = find_direction(gap, boundary_moves, projection);
-      if (direction.out_of_memory) {
-        return finish(Status::singular, "the linear solver ran out of memory; try solver.kind = \"cg_ic0\"");
-      }
       if (!direction.found) {
         return finish(Status::singular,
                       settings.projection == ProjectionPolicy::none

@@ -69,7 +69,8 @@ class Newton {
   /// `targets[i]`, all at once where the domain allows, else in several steps.
   ///
   /// Every accepted step lowers the objective (once the fixed unknowns are in place) and stays in the domain.
-  /// A missed tolerance is a status, never an exception; x is then the best point reached.
+  /// A missed tolerance is a status, never an exception; x is then the best point reached. Memory that runs
+  /// out is an exception (OutOfMemory), for shorter steps would not help.
   NewtonReport minimize(Objective& objective, std::span<const std::uint8_t> is_fixed, const VectorX& targets,
                         const NewtonSettings& settings, VectorX& x, const NewtonObserver& observer = {});
 

@@ -99,7 +99,6 @@ struct Newton::Search {
     bool found = false;
     bool is_exact = true;
     bool singular = false;
-    bool out_of_memory = false;
   };
 
   /// `shift` times the largest diagonal entry is added to the diagonal: 0, or a little where a projected
@@ -130,7 +129,7 @@ struct Newton::Search {
     ++report.linear_solves;
     if (!direction.is_exact) ++report.projected_solves;
     LinearReport linear = solver.factorize(newton.hessian_);
-    direction.out_of_memory = linear.status == LinearReport::Status::out_of_memory;
+    require_memory(linear);
     if (linear.status != LinearReport::Status::ok) return direction;
     step.setZero(x.size());
     last_forcing = forcing_term();
@@ -205,7 +204,7 @@ struct Newton::Search {
     Projection projection = first;
     while (true) {
       Direction direction = solve_with(projection, 0, gap, boundary_moves);
-      if (direction.found || direction.out_of_memory) return direction;
+      if (direction.found) return direction;
       if (projection == Projection::none) chooser.matrix_was_indefinite();
       const Projection next = chooser.next_choice(projection);
       if (next != projection) {
@@ -215,7 +214,7 @@ struct Newton::Search {
       if (projection == Projection::none) return direction;
       for (const double shift : {1e-6, 1e-3, 1.0}) {
         direction = solve_with(projection, shift, gap, boundary_moves);
-        if (direction.found || direction.out_of_memory) return direction;
+        if (direction.found) return direction;
       }
       return direction;
     }

@@ -100,6 +100,7 @@ struct PathFollower::Search {
     const Stopwatch watch(report.solve_seconds);
     ++report.linear_solves;
     const LinearReport linear = follower.stiffness_.factorize(objective, is_fixed, x, fixed_slope, &pull);
+    require_memory(linear);
     if (linear.status != LinearReport::Status::ok) return false;
     VectorX right_side = -(along + pull);
     set_fixed_to_zero(is_fixed, right_side);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "resilin/core/text.hpp"
 #include "resilin/simulation/force_balance.hpp"
@@ -174,6 +175,10 @@ void LoadControl::count_unstable_modes(const World& world, const Newton& newton,
     if (!stiffness_) stiffness_.emplace(world.dimension, world.pattern);
     const LinearReport linear = stiffness_->factorize(potential, world.is_fixed, state.positions);
     if (linear.status == LinearReport::Status::ok) report.unstable_modes = linear.negative_pivots;
+    // The equilibrium stands without the count, unless it was asked for.
+    if (world.unstable_modes == UnstableModes::count) require_memory(linear);
+    if (linear.status == LinearReport::Status::out_of_memory && !std::exchange(has_warned_of_memory_, true))
+      report.warnings.push_back("unstable modes are not counted: " + linear.shortage);
   }
   const Index count = report.unstable_modes.value_or(0);
   if (count > 0 && count != last_count_.value_or(0)) {

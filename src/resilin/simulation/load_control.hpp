@@ -42,6 +42,7 @@ class LoadControl {
   std::optional<PathFollower> follower_;
   std::optional<ExactStiffness> stiffness_;
   std::optional<Index> last_count_;  ///< of unstable modes: a warning comes when it changes
+  bool has_warned_of_memory_ = false;
 };
 
 }  // namespace resilin

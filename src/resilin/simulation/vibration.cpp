@@ -3,7 +3,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "resilin/core/error.hpp"
+#include "resilin/core/log.hpp"
+#include "resilin/core/memory.hpp"
 #include "resilin/core/stopwatch.hpp"
 #include "resilin/linear/eigenmodes.hpp"
 #include "resilin/simulation/potential.hpp"
@@ -35,10 +36,7 @@ void explain(EigenModes::Status status, StepReport& report) {
   if (status == Status::converged) return;
   report.status =
       status == Status::interrupted ? StepReport::Status::interrupted : StepReport::Status::not_converged;
-  report.reason = status == Status::out_of_memory
-                      ? "the linear solver ran out of memory while it searched for modes; try solver.kind = "
-                        "\"cg_ic0\""
-                      : "the search for modes did not converge";
+  report.reason = "the search for modes did not converge";
 }
 
 }  // namespace
@@ -60,13 +58,21 @@ std::vector<VibrationMode> find_modes(const World& world, const VectorX& equilib
       .add_mass = [&world](double factor, BlockMatrix& A) { world.mass->add_to(factor, A); },
       .multiply_mass = [&world](const VectorX& x, VectorX& y) { world.mass->multiply(x, y); },
       .is_fixed = world.is_fixed};
-  // A factor is used for dozens of right sides: a direct solver unless the scene names another.
-  const bool is_free_choice = world.solver.kind == "auto";
-  const auto solver = make_linear_solver({.kind = is_free_choice ? "cholesky" : world.solver.kind,
-                                          .max_iterations = world.solver.max_iterations},
-                                         world.num_free_unknowns());
+  const auto search = [&](const std::string& kind) {
+    const auto solver = make_linear_solver({.kind = kind, .max_iterations = world.solver.max_iterations},
+                                           world.num_free_unknowns());
+    return smallest_eigenmodes(problem, world.modes->count, *solver, is_stopped);
+  };
   const Stopwatch watch(report.newton.solve_seconds);
-  const EigenModes found = smallest_eigenmodes(problem, world.modes->count, *solver, is_stopped);
+  // A factor is used for dozens of right sides: a direct solver, where it has room, unless the scene names
+  // another.
+  const bool is_free_choice = world.solver.kind == "auto";
+  EigenModes found = search(is_free_choice ? "cholesky" : world.solver.kind);
+  if (found.status == EigenModes::Status::out_of_memory && is_free_choice) {
+    log_info(found.shortage + "; auto solves instead");
+    found = search("auto");
+  }
+  if (found.status == EigenModes::Status::out_of_memory) throw OutOfMemory(found.shortage);
   report.newton.linear_solves += found.num_solves;
   explain(found.status, report);
   std::vector<VibrationMode> modes;

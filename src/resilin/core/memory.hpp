@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <new>
+#include <string>
+#include <string_view>
+
+namespace resilin {
+
+/// How much memory this process may still take, and what says so.
+struct MemoryRoom {
+  double bytes;            ///< infinity where nothing limits it
+  std::string_view limit;  ///< goes after "are left": "of the address space allowed (ulimit -v)"
+};
+
+/// What is left of the address space and the data that the process may have (setrlimit): what it may still
+/// ask for.
+MemoryRoom address_space_left();
+
+/// What the control groups (v1 and v2, with those above) and the machine leave: what it may still use. The
+/// cache of files, which the system gives back at need, counts as free. Reads a few small files.
+MemoryRoom free_memory();
+
+/// The lesser of the two.
+MemoryRoom memory_room();
+
+/// "310 MB are left of the address space allowed (ulimit -v)".
+std::string words(const MemoryRoom& room);
+
+/// Whether so much address space can be had in one piece now: asks for it and gives it back.
+bool can_allocate(std::size_t bytes);
+
+/// More memory is needed than there is; `what()` is one line. Whatever catches std::bad_alloc catches this.
+class OutOfMemory : public std::bad_alloc {
+ public:
+  explicit OutOfMemory(const std::string& message) : message_(std::make_shared<const std::string>(message)) {}
+  const char* what() const noexcept override { return message_->c_str(); }
+
+ private:
+  std::shared_ptr<const std::string> message_;  // copies of an exception must not throw
+};
+
+/// The line about memory that ran out: that of an OutOfMemory, else that there was none, how much is left now
+/// and what to do.
+std::string out_of_memory_text(const std::bad_alloc& error);
+
+}  // namespace resilin

@@ -1,0 +1,72 @@
+// Runs that are short of address space answer soon: with the result of an unlimited one, or in one line.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "program.hpp"
+#include "temporary_folder.hpp"
+
+namespace resilin::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::MatchesRegex;
+
+struct ShortMemory : ::testing::Test {
+  TemporaryFolder folder;
+  int num_results = 0, num_refusals = 0;
+
+  void SetUp() override { folder.write("box.toml", box_scene); }
+
+  ProgramResult run_limited(const std::string& megabytes, const std::string& options) const {
+    const std::string limit = megabytes == "unlimited" ? megabytes : megabytes + "000";
+    return run_shell(folder.path(),
+                     "rm -rf out; ulimit -v " + limit +
+                         "; exec timeout -s KILL 60 \"$RESILIN\" run box.toml --quiet --out out " + options);
+  }
+  /// Of the last frame, and whether its bits are those of the solver that was asked for.
+  std::pair<std::string, bool> outcome() const {
+    const bool is_same_solver =
+        read_text_file(folder / "out/log.txt").find("solves instead") == std::string::npos;
+    std::string frames;
+    for (const auto& entry : std::filesystem::directory_iterator(folder / "out/frames"))
+      frames = std::max(frames, entry.path().string());
+    return {read_text_file(frames), is_same_solver};
+  }
+  void expect_an_answer(const std::string& megabytes, const std::string& options, const std::string& wanted) {
+    SCOPED_TRACE(options + " in " + megabytes + " MB");
+    const ProgramResult result = run_limited(megabytes, options);
+    if (result.exit_code == 0) {
+      ++num_results;
+      const auto [frame, is_same_solver] = outcome();
+      if (is_same_solver) EXPECT_TRUE(frame == wanted);
+    } else if (result.exit_code == 1) {
+      ++num_refusals;
+      EXPECT_THAT(result.err, MatchesRegex("resilin: out of memory: [^\n]+\n"));
+    } else {
+      EXPECT_EQ(result.exit_code, 127);  // the system could not load the program
+      EXPECT_THAT(result.err, HasSubstr("error while loading shared libraries"));
+    }
+  }
+};
+
+TEST_F(ShortMemory, EndsInTheSameResultOrInOneLine) {
+  const std::string statics, motion = "--set simulation.kind=dynamic --set simulation.end_time=0.05 ",
+                             modes = "--set simulation.kind=modes --set simulation.gravity=[0,0,0] ";
+  for (const std::string& kind : {statics, motion, modes}) {
+    for (const std::string solver : {"auto", "cholesky", "multifrontal", "ldlt", "cg_amg", "cg_ic0"}) {
+      const std::string options = kind + "--set solver.kind=" + solver;
+      ASSERT_EQ(run_limited("unlimited", options).exit_code, 0);
+      const std::string wanted = outcome().first;
+      for (const std::string megabytes : {"60", "150", "200", "260", "400", "700", "1500"})
+        expect_an_answer(megabytes, options, wanted);
+    }
+  }
+  EXPECT_GT(num_results, 0);
+  EXPECT_GT(num_refusals, 0);
+}
+
+}  // namespace
+}  // namespace resilin::testing
