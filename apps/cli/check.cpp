@@ -56,10 +56,10 @@ std::vector<std::vector<std::string>> mesh_rows(const Mesh& mesh) {
   }
   rows.push_back({"  box", box_text(bounding_box(mesh)) + " m"});
   for (const Group& group : mesh.groups) {
-    rows.push_back({"  group " + group.name, std::to_string(group.vertices.size()) + " vertices"});
+    rows.push_back({"  group " + one_line(group.name), std::to_string(group.vertices.size()) + " vertices"});
   }
   for (const CellField& field : mesh.cell_fields) {
-    rows.push_back({"  cell field " + field.name, std::to_string(field.values.size()) + " values"});
+    rows.push_back({"  cell field " + one_line(field.name), std::to_string(field.values.size()) + " values"});
   }
   return rows;
 }
@@ -67,12 +67,12 @@ std::vector<std::vector<std::string>> mesh_rows(const Mesh& mesh) {
 int check_mesh_path(const CheckOptions& options) {
   const MeshFile file = read_mesh(options.input);
   const MeshReport report = check_mesh_file(file);
+  report.require_no_errors();
   std::vector<std::string> warnings = file.warnings;
   for (const MeshIssue& issue : report.warnings) warnings.push_back(issue.text());
   print_warnings(warnings);
-  report.require_no_errors();
-  print_line(options.input + ": " + file.format + ", no errors, " + std::to_string(warnings.size()) +
-             " warnings");
+  print_line(one_line(options.input) + ": " + file.format + ", no errors, " +
+             std::to_string(warnings.size()) + " warnings");
   print_text(format_table(mesh_rows(file.mesh)));
   return done;
 }
@@ -98,8 +98,8 @@ void print_scene(const Scene& scene, const World& world) {
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     const Body& body = world.bodies[b];
     const BodyDescription& description = scene.description.bodies[b];
-    print_line("body " + body.name + ": " + body.law + ", " + description.mesh_name + ", mass " +
-               format_short(body.mass) + " kg");
+    print_line("body " + one_line(body.name) + ": " + body.law + ", " + one_line(description.mesh_name) +
+               ", mass " + format_short(body.mass) + " kg");
     std::vector<std::vector<std::string>> rows = {
         {"  element", body.element + (body.element_reason.empty() ? "" : ": " + body.element_reason)},
         {"  quadrature", std::string(body.elastic->quadrature().name)}};
@@ -110,11 +110,12 @@ void print_scene(const Scene& scene, const World& world) {
     print_text(format_table(rows));
   }
   for (const Support& support : world.supports) {
-    print_line("fix " + support.name + ": " + std::to_string(support.nodes.size()) + " vertices");
+    print_line("fix " + one_line(support.name) + ": " + std::to_string(support.nodes.size()) + " vertices");
   }
-  for (const std::string& name : names_of_terms(world, EnergyCategory::external)) print_line("load " + name);
+  for (const std::string& name : names_of_terms(world, EnergyCategory::external))
+    print_line("load " + one_line(name));
   for (const auto& collider : world.colliders) {
-    print_line("collider " + std::string(collider->name()) + ": " + std::string(collider->shape().kind()) +
+    print_line("collider " + one_line(collider->name()) + ": " + std::string(collider->shape().kind()) +
                ", felt from " + format_short(collider->activation_distance()) + " m");
   }
   print_line(std::to_string(world.num_free_unknowns()) + " unknowns, " + time_steps_text(world));
@@ -126,7 +127,7 @@ int check_scene(const CheckOptions& options) {
   std::vector<std::string> warnings = scene.warnings;
   for (std::string& warning : all_warnings(world)) warnings.push_back(std::move(warning));
   print_warnings(warnings);
-  print_line(options.input + ": no errors, " + std::to_string(warnings.size()) + " warnings");
+  print_line(one_line(options.input) + ": no errors, " + std::to_string(warnings.size()) + " warnings");
   print_scene(scene, world);
   return done;
 }

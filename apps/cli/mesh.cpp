@@ -77,13 +77,14 @@ Mesh read_input(const MeshOptions& options, std::string& out) {
   }
   out = options.files[1];
   MeshFile file = read_mesh(options.files[0]);
-  print_warnings(file.warnings);
-  if (options.fills) {
-    Mesh filled = fill_surface(file, options.fill);
-    remove_unused_nodes(filled);
-    return filled;
+  if (!options.fills) {
+    print_warnings(file.warnings);
+    return std::move(file.mesh);
   }
-  return std::move(file.mesh);
+  Mesh filled = fill_surface(file, options.fill);
+  print_warnings(file.warnings);
+  remove_unused_nodes(filled);
+  return filled;
 }
 
 void edit(Mesh& mesh, const MeshOptions& options) {

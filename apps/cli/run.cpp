@@ -84,7 +84,7 @@ void print_start(const RunOptions& options, const Simulation& simulation) {
   const World& world = simulation.world();
   Offset cells = 0;
   for (const Body& body : world.bodies) cells += body.num_cells();
-  print_line((world.title.empty() ? options.scene : world.title) + ": " +
+  print_line(one_line(world.title.empty() ? options.scene : world.title) + ": " +
              std::to_string(world.bodies.size()) + (world.bodies.size() == 1 ? " body, " : " bodies, ") +
              std::to_string(cells) + " cells, " + std::to_string(world.num_free_unknowns()) + " unknowns, " +
              std::string(simulation.solver_name()) + ", " + std::to_string(num_threads()) +
@@ -111,10 +111,11 @@ void print_end(const Simulation& simulation, const ResultFolder& results, const 
   const int dim = simulation.world().dimension;
   print_modes(simulation.modes());
   for (const Frame::ProbeValue& probe : frame.probes) {
-    print_line("probe " + probe.name + ": displacement " + vector_text(probe.displacement, dim) + " m");
+    print_line("probe " + one_line(probe.name) + ": displacement " + vector_text(probe.displacement, dim) +
+               " m");
   }
   for (const auto& [name, force] : frame.reactions) {
-    print_line("reaction " + name + ": " + vector_text(force, dim) + " N");
+    print_line("reaction " + one_line(name) + ": " + vector_text(force, dim) + " N");
   }
   print_line("smallest volume ratio " + format_short(frame.min_volume_ratio));
   const Timing& timing = simulation.timing();

@@ -25,7 +25,7 @@ void print(std::FILE* stream, std::string_view text) { std::fwrite(text.data(), 
 void print_error(std::string_view text) { print(stderr, fmt::format("resilin: {}\n", text)); }
 
 void print_warnings(const std::vector<std::string>& warnings) {
-  for (const std::string& warning : warnings) print(stderr, "warning: " + warning + "\n");
+  for (const std::string& warning : warnings) print(stderr, "warning: " + one_line(warning) + "\n");
 }
 
 void print_line(std::string_view text) { print_text(std::string(text) + "\n"); }

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "program.hpp"
 #include "shared_data.hpp"
@@ -72,6 +73,47 @@ TEST_F(Commands, CheckTellsAboutAMesh) {
   const ProgramResult nan = run({"check", meshes + "/coord_nan.msh"});
   EXPECT_EQ(nan.exit_code, 1);
   EXPECT_THAT(nan.err, HasSubstr("coord_nan.msh"));
+}
+
+TEST_F(Commands, TheFirstLineAboutABrokenFileIsTheError) {
+  int num_broken = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(source_folder() / "tests/data/bad_inputs")) {
+    const ProgramResult checked = run({"check", entry.path().string()});
+    if (checked.exit_code == 0) continue;
+    ++num_broken;
+    EXPECT_EQ(checked.exit_code, 1) << entry.path();
+    EXPECT_THAT(checked.err, StartsWith("resilin: ")) << entry.path();
+    EXPECT_EQ(checked.out, "") << entry.path();
+    const ProgramResult converted = run({"mesh", entry.path().string(), "out.msh"});
+    if (converted.exit_code == 0) continue;
+    EXPECT_THAT(converted.err, StartsWith("resilin: ")) << entry.path();
+  }
+  EXPECT_GT(num_broken, 10);
+}
+
+TEST_F(Commands, NamesThatATerminalWouldObeyAreShownEscaped) {
+  // A group, a body and a title with the commands to clear the screen and to ring.
+  ASSERT_EQ(run({"mesh", "box.msh", "--box", "1", "1", "1", "--cells", "1", "1", "1"}).exit_code, 0);
+  std::string mesh = read_text_file(folder / "box.msh");
+  const std::size_t at = mesh.find("x_min");
+  ASSERT_NE(at, std::string::npos);
+  folder.write("bell.msh", mesh.replace(at, 5, "\x1b[2J\x07"));
+  const std::string scene = "title = \"\\u001b[2J\"\n[[body]]\nname = \"a\\u0007\"\nmesh = \"bell.msh\"\n";
+  folder.write("good.toml", scene + "[[fix]]\nwhere = { group = \"\\u001b[2J\\u0007\" }\n");
+  folder.write("bad.toml", scene + "[[fix]]\nwhere = { group = \"x_min\" }\n");
+  for (const std::vector<std::string>& arguments :
+       std::vector<std::vector<std::string>>{{"check", "bell.msh"},
+                                             {"check", "good.toml"},
+                                             {"run", "good.toml"},
+                                             {"check", "bad.toml"},
+                                             {"run", "bad.toml"}}) {
+    const ProgramResult result = run(arguments);
+    const std::string all = result.out + result.err;
+    EXPECT_TRUE(std::ranges::none_of(all, [](char c) {
+      return (c >= 0 && c < 0x20 && c != '\n') || c == 0x7f;
+    })) << all;
+    EXPECT_THAT(all, HasSubstr("\\x1b[2J")) << arguments[0] << " " << arguments[1];
+  }
 }
 
 TEST_F(Commands, MeshMakesConvertsAndSkinsABox) {

@@ -147,5 +147,47 @@ TEST(Medit, NamesLineAndElement) {
   EXPECT_THAT(refusal("a.mesh", head + "1\n0 0 0 0\n0 1\n"), HasSubstr("keyword"));
 }
 
+/// Two tetrahedra with what CELLS says of them.
+std::string vtk_with(const std::string& cells, const std::string& types = "CELL_TYPES 2\n10 10\n") {
+  return "# vtk DataFile Version 3.0\ntwo\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 5 double\n"
+         "0 0 0 1 0 0 0 1 0 0 0 1 1 1 1\n" +
+         cells + types;
+}
+
+TEST(Vtk, SizesThatDoNotGoTogetherNameCells) {
+  EXPECT_EQ(testing::refusal("a.vtk", vtk_with("CELLS 2 10\n4 0 1 2 3\n4 1 2 3 4\n")), "");
+  for (const char* cells : {
+           "CELLS 2 5\n4 0 1 2 3\n4 1 2 3 4\n",    // room for one
+           "CELLS 2 9\n4 0 1 2 3\n4 1 2 3 4\n",    // the last one is cut
+           "CELLS 2 11\n4 0 1 2 3\n4 1 2 3 4\n",   // takes the next keyword for an index
+           "CELLS 2 12\n4 0 1 2 3\n4 1 2 3 4\n",   //
+           "CELLS 1 10\n4 0 1 2 3\n4 1 2 3 4\n",   // fewer cells than sizes
+           "CELLS 1 5\n4 0 1 2 3\n4 1 2 3 4\n",    // numbers are left over
+           "CELLS 3 10\n4 0 1 2 3\n4 1 2 3 4\n",   // more cells than sizes
+           "CELLS 2 10\n5 0 1 2 3\n4 1 2 3 4\n",   // a size too large
+           "CELLS 2 10\n3 0 1 2 3\n4 1 2 3 4\n",   // a size too small
+           "CELLS 2 10\n-4 0 1 2 3\n4 1 2 3 4\n",  //
+           "CELLS 2 10\n0 0 1 2 3\n4 1 2 3 4\n",   //
+           "CELLS 2 1000000\n4 0 1 2 3\n4 1 2 3 4\n",
+       }) {
+    EXPECT_THAT(testing::refusal("a.vtk", vtk_with(cells)), AllOf(HasSubstr("a.vtk"), HasSubstr("CELLS")))
+        << cells;
+  }
+  EXPECT_THAT(testing::refusal("a.vtk", vtk_with("CELLS 2 9\n4 0 1 2 3\n3 1 2 3\n")),
+              AllOf(HasSubstr("CELLS: cell 1"), HasSubstr("4 points")));
+}
+
+TEST(Vtk, OffsetsThatDoNotGoTogetherNameCells) {
+  const auto file = [](const std::string& sizes, const std::string& offsets) {
+    return vtk_with("CELLS " + sizes + "\nOFFSETS vtktypeint64\n" + offsets +
+                    "\nCONNECTIVITY vtktypeint64\n0 1 2 3 1 2 3 4\n");
+  };
+  EXPECT_EQ(testing::refusal("a.vtk", file("3 8", "0 4 8")), "");
+  for (const char* offsets : {"0 4 7", "0 4 9", "0 9 8", "1 4 8", "0 -4 8", "0 8 4"})
+    EXPECT_THAT(testing::refusal("a.vtk", file("3 8", offsets)), HasSubstr("CELLS")) << offsets;
+  for (const char* sizes : {"2 8", "4 8", "3 7", "3 9"})
+    EXPECT_THAT(testing::refusal("a.vtk", file(sizes, "0 4 8")), HasSubstr("CELLS")) << sizes;
+}
+
 }  // namespace
 }  // namespace resilin

@@ -95,6 +95,61 @@ TEST(Vtu, RefusesCellsOfPointsThatDoNotExist) {
   EXPECT_THAT(testing::refusal("a.vtu", file("0 1 2", "3 3", "5")), HasSubstr("offsets"));
 }
 
+/// A triangle; each part may be written otherwise.
+struct Parts {
+  std::string points =
+      R"(<Points><DataArray type="Float64" NumberOfComponents="3">0 0 0 1 0 0 0 1 0</DataArray></Points>)";
+  std::string connectivity = R"(<DataArray type="Int32" Name="connectivity">0 1 2</DataArray>)";
+  std::string offsets = R"(<DataArray type="Int32" Name="offsets">3</DataArray>)";
+  std::string more{};  ///< beside points and cells
+
+  std::string text() const {
+    return R"(<?xml version="1.0"?><VTKFile type="UnstructuredGrid"><UnstructuredGrid>)"
+           R"(<Piece NumberOfPoints="3" NumberOfCells="1">)" +
+           points + "<Cells>" + connectivity + offsets +
+           R"(<DataArray type="UInt8" Name="types">5</DataArray></Cells>)" + more +
+           "</Piece></UnstructuredGrid></VTKFile>";
+  }
+};
+
+TEST(Vtu, RefusesTwoOfWhatThereCanBeOneOf) {
+  const Parts parts;
+  EXPECT_EQ(testing::refusal("a.vtu", parts.text()), "");
+  EXPECT_THAT(testing::refusal("a.vtu", Parts{.more = parts.points}.text()),
+              HasSubstr("expected one <Points>, got 2"));
+  EXPECT_THAT(testing::refusal("a.vtu", Parts{.points = parts.points + parts.points + parts.points}.text()),
+              HasSubstr("expected one <Points>, got 3"));
+  const std::string cells = "<Cells>" + parts.connectivity + "</Cells>";
+  EXPECT_THAT(testing::refusal("a.vtu", Parts{.more = cells}.text()),
+              HasSubstr("expected one <Cells>, got 2"));
+  const std::string data = R"(<CellData><DataArray type="Float64" Name="E">1</DataArray></CellData>)";
+  EXPECT_EQ(testing::refusal("a.vtu", Parts{.more = data}.text()), "");
+  EXPECT_THAT(testing::refusal("a.vtu", Parts{.more = data + data}.text()), HasSubstr("one <CellData>"));
+  EXPECT_THAT(testing::refusal("a.vtu", Parts{.offsets = parts.offsets + parts.offsets}.text()),
+              HasSubstr("one DataArray \"offsets\", got 2"));
+  std::string twice = parts.points;
+  twice.insert(twice.find("</Points>"),
+               R"(<DataArray type="Float64" NumberOfComponents="3">0 0 0 1 0 0 0 1 0</DataArray>)");
+  EXPECT_THAT(testing::refusal("a.vtu", Parts{.points = twice}.text()),
+              HasSubstr("one DataArray of Points, got 2"));
+}
+
+TEST(Vtu, RefusesAWrongNumberOfComponents) {
+  for (const std::string wrong : {"1", "2", "4", "9", "0", "-3", "three", ""}) {
+    const std::string points = "<Points><DataArray type=\"Float64\" NumberOfComponents=\"" + wrong +
+                               "\">0 0 0 1 0 0 0 1 0</DataArray></Points>";
+    EXPECT_THAT(testing::refusal("a.vtu", Parts{.points = points}.text()),
+                HasSubstr("expected NumberOfComponents 3, got \"" + wrong + '"'));
+    if (wrong == "1") continue;
+    const std::string connectivity = R"(<DataArray type="Int32" Name="connectivity" NumberOfComponents=")" +
+                                     wrong + R"(">0 1 2</DataArray>)";
+    EXPECT_THAT(testing::refusal("a.vtu", Parts{.connectivity = connectivity}.text()),
+                HasSubstr("\"connectivity\": expected NumberOfComponents 1, got \"" + wrong + '"'));
+  }
+  const std::string unsaid = "<Points><DataArray type=\"Float64\">0 0 0 1 0 0 0 1 0</DataArray></Points>";
+  EXPECT_EQ(testing::refusal("a.vtu", Parts{.points = unsaid}.text()), "");
+}
+
 TEST(Pvd, ListsFramesWithTheirTimes) {
   const testing::TemporaryFolder folder;
   write_pvd(folder / "frames.pvd", std::vector<PvdEntry>{{0, "frames/0.vtu"}, {0.5, "frames/1 & 2.vtu"}});

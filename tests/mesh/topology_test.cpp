@@ -3,9 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numeric>
+#include <random>
 
 #include "every_element.hpp"
 #include "resilin/element/catalog.hpp"
+#include "resilin/mesh/edit.hpp"
 #include "resilin/mesh/generators.hpp"
 
 namespace resilin {
@@ -108,12 +111,69 @@ TEST(Components, AreNumberedInTheOrderOfTheirCells) {
   EXPECT_EQ(result.of_vertex, (std::vector<Index>{1, 1, 1, 1, -1, 0, 0, 0, -1}));
 }
 
-TEST(Components, BySidesSeeAHinge) {
-  const CellBlock hinge = {CellKind::tetrahedron, {0, 1, 2, 3, 0, 1, 4, 5}};  // one edge in common
-  EXPECT_EQ(connected_components(hinge, 6).count, 1);
-  EXPECT_EQ(facet_components(hinge).count, 2);
-  const Mesh box = make_box({1, 1, 1}, {3, 3, 3});
-  EXPECT_EQ(facet_components(*box.find_block(CellKind::tetrahedron)).count, 1);
+using Edges = std::vector<std::array<Index, 2>>;
+
+TEST(Pinches, AreNotInSoundMeshes) {
+  const Mesh boxes[] = {make_box({1, 1, 1}, {3, 2, 2}),
+                        make_box({1, 1, 1}, {2, 2, 2}, {0, 0, 0}, TetPattern::five),
+                        make_hexahedron_box({1, 1, 1}, {3, 2, 2}), make_rectangle({1, 1}, {3, 3}),
+                        make_quadrilateral_rectangle({1, 1}, {2, 3})};
+  for (const Mesh& mesh : boxes) {
+    const CellBlock& block = *(mesh.find_solid(3) != nullptr ? mesh.find_solid(3) : mesh.find_solid(2));
+    const Pinches pinches = find_pinches(block, static_cast<Index>(mesh.vertices.size()));
+    EXPECT_TRUE(pinches.vertices.empty()) << name(block.kind);
+    EXPECT_TRUE(pinches.edges.empty()) << name(block.kind);
+  }
+}
+
+void expect_pinches(const CellBlock& block, const std::vector<Index>& vertices, const Edges& edges) {
+  const Pinches pinches = find_pinches(block, 7);
+  EXPECT_EQ(pinches.vertices, vertices) << name(block.kind);
+  EXPECT_EQ(pinches.edges, edges) << name(block.kind);
+}
+
+TEST(Pinches, AreTheVerticesAndEdgesThroughWhichAloneCellsHangTogether) {
+  using enum CellKind;
+  expect_pinches({triangle, {0, 1, 2, 2, 3, 4}}, {2}, {});
+  expect_pinches({quadrilateral, {0, 1, 2, 3, 2, 4, 5, 6}}, {2}, {});
+  expect_pinches({triangle, {0, 1, 2, 2, 3, 4, 4, 5, 0}}, {0, 2, 4}, {});  // a ring of three
+  expect_pinches({tetrahedron, {0, 1, 2, 3, 3, 4, 5, 6}}, {3}, {});
+  expect_pinches({tetrahedron, {0, 1, 2, 3, 0, 1, 4, 5}}, {}, {{0, 1}});
+  expect_pinches({tetrahedron, {0, 1, 2, 3, 1, 2, 3, 4}}, {}, {});  // a side in common
+  expect_pinches({triangle, {0, 1, 2, 3, 4, 5}}, {}, {});           // nothing in common
+}
+
+/// Two boxes of hexahedra that have a corner or an edge in common, in any numbering of the vertices.
+TEST(Pinches, AreFoundInAnyNumbering) {
+  std::mt19937 random(7);
+  for (int round = 0; round < 20; ++round) {
+    const bool is_edge = round % 2 == 1;
+    const auto tets = round % 4 < 2;
+    Mesh a = tets ? make_box({1, 1, 1}, {2, 2, 2}) : make_hexahedron_box({1, 1, 1}, {2, 2, 2});
+    const Vector3 corner(1, 1, is_edge ? 0 : 1);
+    const Mesh b =
+        tets ? make_box({1, 1, 1}, {2, 2, 2}, corner) : make_hexahedron_box({1, 1, 1}, {2, 2, 2}, corner);
+    CellBlock& block = a.blocks[0];
+    const auto shift = static_cast<Index>(a.vertices.size());
+    for (const Index node : b.blocks[0].nodes) block.nodes.push_back(node + shift);
+    a.vertices.insert(a.vertices.end(), b.vertices.begin(), b.vertices.end());
+    a.blocks.resize(1);
+    a.groups.clear();
+    merge_duplicate_vertices(a);
+    std::vector<Index> number(a.vertices.size());
+    std::iota(number.begin(), number.end(), 0);
+    std::ranges::shuffle(number, random);
+    std::vector<Vector3> place(number.size());
+    for (std::size_t v = 0; v < number.size(); ++v)
+      place[static_cast<std::size_t>(number[v])] = a.vertices[v];
+    for (Index& node : a.blocks[0].nodes) node = number[static_cast<std::size_t>(node)];
+    const Pinches pinches = find_pinches(a.blocks[0], static_cast<Index>(place.size()));
+    EXPECT_EQ(pinches.vertices.size(), is_edge ? 0u : 1u);
+    EXPECT_EQ(pinches.edges.size(), is_edge ? 2u : 0u);  // each half of the boxes' edge
+    for (const Index v : pinches.vertices) EXPECT_EQ(place[static_cast<std::size_t>(v)], Vector3(1, 1, 1));
+    for (const auto& edge : pinches.edges)
+      for (const Index v : edge) EXPECT_EQ(place[static_cast<std::size_t>(v)].head<2>(), Vector<2>(1, 1));
+  }
 }
 
 }  // namespace

@@ -35,6 +35,23 @@ TEST(CsvTable, TellsTheLineOfWhatIsNoNumber) {
   EXPECT_THAT(input_error([] { read("1,5;2,5\n"); }), HasSubstr("decimals need a point"));
 }
 
+TEST(CsvTable, MayBeginWithAByteOrderMark) {
+  EXPECT_EQ(read("\xef\xbb\xbf"
+                 "1,2\n3,4\n")
+                .values,
+            (std::vector<double>{1, 2, 3, 4}));
+  EXPECT_EQ(read("\xef\xbb\xbf"
+                 "x,y\n3,4\n")
+                .values,
+            (std::vector<double>{3, 4}));
+  EXPECT_THAT(input_error([] {
+                read(
+                    "\xff\xfe"
+                    "1");
+              }),
+              HasSubstr("table.csv: expected a text in UTF-8"));
+}
+
 TEST(CsvTable, MayBeEmpty) { EXPECT_EQ(read("# nothing\n").num_rows(), 0u); }
 
 }  // namespace

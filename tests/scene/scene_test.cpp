@@ -43,6 +43,12 @@ TEST(SceneFile, LeavesTheDefaultsOfTheStructsWhereItSaysNothing) {
   EXPECT_EQ(d.bodies[0].material.constants, MaterialDescription{}.constants);
 }
 
+TEST(SceneFile, MayBeginWithAByteOrderMark) {
+  EXPECT_EQ(read_text("\xef\xbb\xbf" + good_scene).description.title, "A small beam");
+  EXPECT_EQ(input_error([] { read_text("\xff\xfet\0i\0"); }),
+            "beam.toml: expected a text in UTF-8, got one in UTF-16 or UTF-32; save it as UTF-8");
+}
+
 TEST(SceneFile, TellsFileLineAndColumnOfASyntaxError) {
   const std::string message = input_error([] { read_text("title = \"a\"\ngravity = [1, 2\n[[body]]\n"); });
   EXPECT_THAT(message, StartsWith("beam.toml:3:")) << message;

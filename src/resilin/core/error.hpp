@@ -9,7 +9,7 @@ namespace resilin {
 
 /// The input is wrong and the user can mend it: says where, what was expected, what came and what to do.
 ///
-/// `what()` is one line: "PLACE: expected EXPECTED, got GOT; CURE".
+/// `what()` is one line (core/text.hpp): "PLACE: expected EXPECTED, got GOT; CURE".
 class InputError : public std::runtime_error {
  public:
   /// A wrong value. `cure` may be empty.

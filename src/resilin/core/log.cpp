@@ -3,6 +3,8 @@
 #include <mutex>
 #include <utility>
 
+#include "resilin/core/text.hpp"
+
 namespace resilin {
 namespace {
 
@@ -18,7 +20,7 @@ LogSink& current_sink() {
 
 void log(LogLevel level, std::string_view message) {
   const std::lock_guard lock(sink_mutex());
-  if (current_sink()) current_sink()(level, message);
+  if (current_sink()) current_sink()(level, one_line(message));
 }
 
 }  // namespace

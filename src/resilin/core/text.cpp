@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "resilin/core/error.hpp"
+
 namespace resilin {
 namespace {
 
@@ -24,7 +26,67 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
+/// How many bytes the first character takes; 0 when it is not one of UTF-8. Source: RFC 3629, section 4.
+std::size_t length_of_character(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U; };
+  const unsigned first = byte(0);
+  if (first < 0x80) return 1;
+  const std::size_t length = first >= 0xf5   ? 0
+                             : first >= 0xf0 ? 4
+                             : first >= 0xe0 ? 3
+                             : first >= 0xc2 ? 2
+                                             : 0;
+  for (std::size_t i = 1; i < length; ++i)
+    if (byte(i) < 0x80 || byte(i) > 0xbf) return 0;
+  const unsigned second = byte(1);
+  const bool is_overlong = (first == 0xe0 && second < 0xa0) || (first == 0xf0 && second < 0x90);
+  const bool is_outside = (first == 0xed && second > 0x9f) || (first == 0xf4 && second > 0x8f);
+  return is_overlong || is_outside ? 0 : length;
+}
+
+/// Control characters (C0, C1, delete), line and paragraph separators, and marks that turn the direction of
+/// writing.
+bool is_shown(std::string_view character) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(character[i]); };
+  if (character.size() == 1) return byte(0) >= 0x20 && byte(0) != 0x7f;
+  if (character.size() == 2) return byte(0) != 0xc2 || byte(1) >= 0xa0;
+  if (character.size() != 3 || byte(0) != 0xe2) return true;
+  const bool is_separator_or_turn = byte(1) == 0x80 && byte(2) >= 0xa8 && byte(2) <= 0xae;  // U+2028 to 202E
+  const bool is_mark = byte(1) == 0x80 && (byte(2) == 0x8e || byte(2) == 0x8f);             // U+200E, 200F
+  const bool is_isolate = byte(1) == 0x81 && byte(2) >= 0xa6 && byte(2) <= 0xa9;            // U+2066 to 2069
+  return !is_separator_or_turn && !is_mark && !is_isolate;
+}
+
 }  // namespace
+
+std::string one_line(std::string_view text) {
+  constexpr std::string_view digits = "0123456789abcdef";
+  std::string line;
+  line.reserve(text.size());
+  while (!text.empty()) {
+    const std::size_t length = length_of_character(text);
+    const std::string_view character = text.substr(0, std::max<std::size_t>(length, 1));
+    if (length > 0 && is_shown(character)) {
+      line += character;
+    } else {
+      for (const char c : character) {
+        const auto byte = static_cast<unsigned char>(c);
+        line += {'\\', 'x', digits[byte >> 4], digits[byte & 15]};
+      }
+    }
+    text.remove_prefix(character.size());
+  }
+  return line;
+}
+
+std::string_view without_byte_order_mark(std::string_view bytes, const std::string& place) {
+  constexpr std::string_view utf8 = "\xef\xbb\xbf";
+  if (bytes.starts_with(utf8)) return bytes.substr(utf8.size());
+  if (bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff") ||
+      bytes.starts_with(std::string_view("\0\0\xfe\xff", 4)))
+    throw InputError(place, "a text in UTF-8", "one in UTF-16 or UTF-32", "save it as UTF-8");
+  return bytes;
+}
 
 std::string join(std::span<const std::string> words, std::string_view separator) {
   std::string text;

@@ -27,6 +27,14 @@ std::string format_short(double value);
 /// "512 B", "34 kB", "5.6 MB": three digits at most, steps of 1000.
 std::string format_bytes(std::uintmax_t count);
 
+/// The text on one line that any terminal shows as it is: control characters, marks that turn the direction
+/// of writing and bytes that are no UTF-8 become \xNN, byte by byte.
+std::string one_line(std::string_view text);
+
+/// A text file without the mark that some editors put before UTF-8. @throws InputError naming `place` for
+/// UTF-16 and UTF-32
+std::string_view without_byte_order_mark(std::string_view bytes, const std::string& place);
+
 /// Rows as lines of text, their columns as wide as the widest entry, two blanks between.
 std::string format_table(const std::vector<std::vector<std::string>>& rows);
 

@@ -64,7 +64,7 @@ MeshFile read_mesh(const std::filesystem::path& path) {
 }
 
 MeshFile read_mesh_from_memory(const std::string& name, std::string_view bytes, const Companion& companion) {
-  const MeshSource source{name, bytes, companion};
+  const MeshSource source{name, without_byte_order_mark(bytes, name), companion};
   const MeshFormat& format = format_of(source);
   MeshFile file = format.read(source);
   file.is_surface = format.holds_surfaces;

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
 #include "resilin/io/catalog.hpp"
 #include "resilin/io/mesh_builder.hpp"
 #include "resilin/io/text_scanner.hpp"
@@ -86,7 +87,7 @@ MeshFile read_tetgen(const MeshSource& source) {
   const std::string other_name =
       std::filesystem::path(source.name).replace_extension(other_extension).string();
   TextScanner own(source.name, source.bytes, '#');
-  TextScanner other(other_name, other_bytes, '#');
+  TextScanner other(other_name, without_byte_order_mark(other_bytes, other_name), '#');
   TextScanner& nodes = is_node_file ? own : other;
   TextScanner& elements = is_node_file ? other : own;
   nodes.set_section("the nodes");

@@ -24,9 +24,15 @@ class VtkReader {
 
   MeshFile read() {
     read_header();
+    std::string section = "the header";
     while (!text_.at_end()) {
       const std::string keyword(text_.word("a keyword"));
-      text_.set_section(printable(keyword));
+      double number = 0;
+      if (parse_real(keyword, number))
+        text_.fail("a keyword after the entries of " + section, keyword,
+                   section + " has more entries than its first line says");
+      section = printable(keyword);
+      text_.set_section(section);
       read_part(keyword);
     }
     if (!has_points_) throw InputError(text_.file(), "no POINTS");
@@ -178,35 +184,57 @@ class VtkReader {
     has_cells_ = true;
     const std::size_t first = text_.count("cells", 1);
     const std::size_t second = text_.count("entries of CELLS (sizes and indices into POINTS)", 1);
-    if (text_.peek() == "OFFSETS") {
-      text_.word("");
-      const auto offsets = read_integers(type(), first, "an offset");
-      if (text_.word("CONNECTIVITY") != "CONNECTIVITY") text_.fail("CONNECTIVITY", "another keyword");
-      connectivity_ = read_integers(type(), second, "an index into POINTS");
-      for (std::size_t i = 0; i + 1 < offsets.size(); ++i) add_cell_range(i, offsets[i], offsets[i + 1]);
-      return;
-    }
-    connectivity_ = read_integers({4, false, true}, second, "an index into POINTS");
-    std::int64_t at = 0;
+    if (text_.peek() == "OFFSETS") return read_offset_cells(first, second);
+    const std::string entry = "one of the " + std::to_string(second) + " entries of CELLS, sizes and indices";
+    connectivity_ = read_integers({4, false, true}, second, entry);
+    std::size_t at = 0;
     for (std::size_t i = 0; i < first; ++i) {
-      const bool has_size = at < static_cast<std::int64_t>(second);
-      const std::int64_t size = has_size ? connectivity_[static_cast<std::size_t>(at)] : -1;
-      if (size < 0 || size > 27) fail_at_cell(i, "a number of points from 1 to 27", size);
-      add_cell_range(i, at + 1, at + 1 + size);
-      at += 1 + size;
+      if (at >= second) fail_at_sizes(first, second, "enough for " + std::to_string(i) + " cells");
+      const std::int64_t size = connectivity_[at];
+      if (size < 1 || size > 27) fail_at_cell(i, "a number of points from 1 to 27", size);
+      const std::size_t begin = at + 1;
+      at = begin + static_cast<std::size_t>(size);
+      if (at > second)
+        fail_at_sizes(first, second, "cell " + std::to_string(i) + " ends at " + std::to_string(at));
+      ranges_.emplace_back(begin, static_cast<std::size_t>(size));
+    }
+    if (at != second) fail_at_sizes(first, second, "cells that take " + std::to_string(at));
+  }
+
+  /// Since version 5: where each cell begins, and the end; then all indices.
+  void read_offset_cells(std::size_t first, std::size_t second) {
+    text_.word("");
+    const auto offsets =
+        read_integers(type(), first, "one of the " + std::to_string(first) + " offsets of CELLS");
+    const std::string_view keyword = text_.word("CONNECTIVITY");
+    if (keyword != "CONNECTIVITY")
+      text_.fail("CONNECTIVITY after the " + std::to_string(first) + " offsets of CELLS", printable(keyword));
+    connectivity_ =
+        read_integers(type(), second, "one of the " + std::to_string(second) + " indices of CELLS");
+    for (std::size_t i = 0; i < offsets.size(); ++i) {
+      const std::int64_t least = i == 0 ? 0 : offsets[i - 1];
+      const bool is_bounded = offsets[i] >= least && offsets[i] <= static_cast<std::int64_t>(second);
+      if (!is_bounded || (i == 0 && offsets[0] != 0) ||
+          (i + 1 == offsets.size() && offsets[i] != static_cast<std::int64_t>(second))) {
+        throw InputError(text_.file() + ": CELLS",
+                         "offsets that rise from 0 to the " + std::to_string(second) + " entries",
+                         "offset " + std::to_string(i) + " = " + std::to_string(offsets[i]));
+      }
+      if (i > 0)
+        ranges_.emplace_back(static_cast<std::size_t>(least), static_cast<std::size_t>(offsets[i] - least));
     }
   }
 
-  void add_cell_range(std::size_t cell, std::int64_t begin, std::int64_t end) {
-    if (begin < 0 || end < begin || end > static_cast<std::int64_t>(connectivity_.size())) {
-      fail_at_cell(cell, "points within the " + std::to_string(connectivity_.size()) + " entries of CELLS",
-                   end);
-    }
-    ranges_.emplace_back(static_cast<std::size_t>(begin), static_cast<std::size_t>(end - begin));
+  /// Of a section CELLS whose first line promises `first` cells in `second` entries.
+  [[noreturn]] void fail_at_sizes(std::size_t first, std::size_t second, const std::string& got) const {
+    throw InputError(
+        text_.file() + ": CELLS",
+        std::to_string(first) + " cells in " + std::to_string(second) + " entries, as its first line says",
+        got, "the sizes of the cells and those in the first line do not go together");
   }
 
-  [[noreturn]] void fail_at_cell(std::size_t cell, const std::string& expected, std::int64_t got) {
-    throw InputError(mesh_.cell_place(static_cast<std::int64_t>(cell)), expected, std::to_string(got));
+  [[noreturn]] void fail_at_cell(std::size_t cell, const std::string& expected, std::int64_t got) const {
+    throw InputError(text_.file() + ": CELLS: cell " + std::to_string(cell), expected, std::to_string(got));
   }
 
   void read_cell_types() {
@@ -220,11 +248,16 @@ class VtkReader {
     std::array<Index, max_cell_nodes> nodes{};
     for (std::size_t i = 0; i < count; ++i) {
       const auto kind = kind_of_vtk_cell(types[i]);
-      if (!kind)
-        fail_at_cell(i, "a cell type that can be read, such as 5 (triangle) or 10 (tetrahedron)", types[i]);
+      if (!kind) {
+        throw InputError(mesh_.cell_place(static_cast<std::int64_t>(i)),
+                         "a cell type that can be read, such as 5 (triangle) or 10 (tetrahedron)",
+                         std::to_string(types[i]));
+      }
       const auto [begin, size] = ranges_[i];
       if (size != static_cast<std::size_t>(num_nodes(*kind))) {
-        fail_at_cell(i, std::to_string(num_nodes(*kind)) + " points", static_cast<std::int64_t>(size));
+        fail_at_cell(
+            i, std::to_string(num_nodes(*kind)) + " points, as its type " + std::to_string(types[i]) + " has",
+            static_cast<std::int64_t>(size));
       }
       const auto number = static_cast<std::int64_t>(i);
       for (std::size_t n = 0; n < size; ++n)

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 
 #include "resilin/core/error.hpp"
 #include "resilin/io/atomic_file.hpp"
@@ -80,8 +81,12 @@ class VtuReader {
 
   void sort_tags() {
     std::vector<XmlTag>* section = nullptr;
+    std::map<std::string, int> times;
     for (const XmlTag& tag : tags_) {
-      if (std::vector<XmlTag>* opened = arrays_.section(tag.name)) section = tag.is_closed ? nullptr : opened;
+      if (std::vector<XmlTag>* opened = arrays_.section(tag.name)) {
+        section = tag.is_closed ? nullptr : opened;
+        ++times[tag.name];
+      }
       if (tag.name[0] == '/' && arrays_.section(tag.name.substr(1)) != nullptr) section = nullptr;
       if (tag.name == "DataArray" && section != nullptr) section->push_back(tag);
       if (tag.name == "Piece") arrays_.piece.push_back(tag);
@@ -89,6 +94,10 @@ class VtuReader {
     }
     if (arrays_.piece.size() != 1)
       throw InputError(file_, "one <Piece>", std::to_string(arrays_.piece.size()));
+    for (const char* name : {"Points", "Cells", "PointData", "CellData"})
+      if (times[name] > 1)
+        throw InputError(file_, "one <" + std::string(name) + ">", std::to_string(times[name]),
+                         "which of them is meant cannot be told");
   }
 
   std::size_t count(const std::string& attribute) const {
@@ -99,15 +108,19 @@ class VtuReader {
     return static_cast<std::size_t>(value);
   }
 
-  /// The name `Points` or `connectivity` of an array in one of the sections of the geometry.
-  const XmlTag& array(const std::vector<XmlTag>& section, const std::string& name) const {
-    const auto found = std::find_if(section.begin(), section.end(), [&](const XmlTag& tag) {
-      return name.empty() || tag.attribute("Name") == name;
-    });
-    if (found == section.end()) {
-      throw InputError(file_, "a DataArray " + (name.empty() ? "of Points" : "\"" + name + "\""), "none",
-                       "the file may be cut");
-    }
+  /// The array in one of the sections of the geometry, of this name where it has several.
+  /// @param components  that it must have, where it says how many it has
+  const XmlTag& array(const std::vector<XmlTag>& section, const std::string& name, int components) const {
+    const auto is_meant = [&](const XmlTag& tag) { return name.empty() || tag.attribute("Name") == name; };
+    const auto found = std::ranges::find_if(section, is_meant);
+    const std::string what = name.empty() ? "of Points" : "\"" + name + "\"";
+    if (found == section.end()) throw InputError(file_, "a DataArray " + what, "none", "the file may be cut");
+    if (const auto count = std::ranges::count_if(section, is_meant); count > 1)
+      throw InputError(file_, "one DataArray " + what, std::to_string(count));
+    const std::string expected = std::to_string(components);
+    if (const std::string given = found->attribute("NumberOfComponents", expected); given != expected)
+      throw InputError(decoder_.place(*found), "NumberOfComponents " + expected,
+                       '"' + printable(given) + '"');
     return *found;
   }
 
@@ -133,7 +146,7 @@ class VtuReader {
   }
 
   std::vector<std::int64_t> indices(const std::string& name) const {
-    const XmlTag& tag = array(arrays_.cells, name);
+    const XmlTag& tag = array(arrays_.cells, name, 1);
     std::vector<std::int64_t> result;
     for (const double value : decoder_.values(tag)) {
       const bool is_index = std::abs(value) < 1e15 && std::nearbyint(value) == value;
@@ -145,7 +158,7 @@ class VtuReader {
 
   void read_points() {
     num_points_ = count("NumberOfPoints");
-    const XmlTag& tag = array(arrays_.points, "");
+    const XmlTag& tag = array(arrays_.points, "", 3);
     const std::vector<double> X = decoder_.values(tag);
     if (num_points_ > X.size()) require_size(tag, X.size(), num_points_);
     require_size(tag, X.size(), 3 * num_points_);
@@ -163,8 +176,8 @@ class VtuReader {
     const auto connectivity = indices("connectivity");
     const auto offsets = indices("offsets");
     const auto types = indices("types");
-    require_size(array(arrays_.cells, "offsets"), offsets.size(), num_cells);
-    require_size(array(arrays_.cells, "types"), types.size(), num_cells);
+    require_size(array(arrays_.cells, "offsets", 1), offsets.size(), num_cells);
+    require_size(array(arrays_.cells, "types", 1), types.size(), num_cells);
     std::array<Index, max_cell_nodes> nodes{};
     std::int64_t begin = 0;
     for (std::size_t i = 0; i < num_cells; ++i) {

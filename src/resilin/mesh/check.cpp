@@ -167,11 +167,23 @@ class Examiner {
               "share space, though components " + std::to_string(found.components[0] + 1) + " and " +
                   std::to_string(found.components[1] + 1) + " are not connected: nothing keeps them apart");
     }
-    const Components by_sides = facet_components(block);
-    if (by_sides.count > components.count) {
-      warning({}, "parts are joined only at a single vertex or edge (" + std::to_string(by_sides.count) +
-                      " parts, " + std::to_string(components.count) + " component" +
-                      (components.count == 1 ? "" : "s") + "): such a hinge may swing freely");
+    check_pinches(block);
+  }
+
+  /// Vertices and edges through which alone cells hang together.
+  void check_pinches(const CellBlock& block) {
+    const Pinches pinches = find_pinches(block, num_vertices());
+    if (!pinches.vertices.empty()) {
+      const bool is_one = pinches.vertices.size() == 1;
+      warning(numbering_.vertex_list(pinches.vertices),
+              std::string(is_one ? "a bow tie: " : "bow ties: ") + std::string(name(block.kind)) +
+                  " hang together only through " + (is_one ? "it" : "each of them") +
+                  "; such a joint holds no moment");
+    }
+    for (std::size_t i = 0; i < std::min(pinches.edges.size(), most_issues_of_a_kind); ++i) {
+      warning("edge " + edge_text(pinches.edges[i][0], pinches.edges[i][1]),
+              std::string(name(block.kind)) + " hang together only along it" + more(pinches.edges.size(), i) +
+                  "; such a hinge may swing freely");
     }
   }
 
@@ -336,6 +348,7 @@ MeshReport check_surface(const Mesh& mesh, const Numbering& numbering) {
   examiner.check_duplicate_cells(*block, false);
   examiner.check_surface_edges(*block);
   examiner.check_closed(*block);
+  examiner.check_pinches(*block);
   examiner.check_vertices(*block);
   return std::move(examiner.report);
 }

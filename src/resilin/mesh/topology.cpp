@@ -149,14 +149,6 @@ Components connected_components(const CellBlock& block, Index num_vertices) {
   return result;
 }
 
-Components facet_components(const CellBlock& block) {
-  UnionFind sets(block.num_cells());
-  visit_facets(block, [&](std::span<const Facet> uses) {
-    for (const Facet& use : uses) sets.merge(uses[0].cell, use.cell);
-  });
-  return number_components(block.num_cells(), block.num_cells(), [&](Index cell) { return sets.root(cell); });
-}
-
 std::vector<bool> used_vertices(const CellBlock& block, Index num_vertices) {
   std::vector<bool> is_used(static_cast<std::size_t>(num_vertices), false);
   for (const Index node : block.nodes) is_used[static_cast<std::size_t>(node)] = true;

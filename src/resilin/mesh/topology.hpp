@@ -42,15 +42,20 @@ std::vector<std::array<Index, 2>> edges(const CellBlock& block);
 struct Components {
   Index count = 0;
   std::vector<Index> of_cell;
-  std::vector<Index> of_vertex;  ///< -1 for a vertex of no cell; empty for `facet_components`
+  std::vector<Index> of_vertex;  ///< -1 for a vertex of no cell
 };
 
 /// Components of cells that share a vertex, of blocks of any kind.
 Components connected_components(const CellBlock& block, Index num_vertices);
 
-/// Components of cells that share a whole side: more of them than connected components means a joint at a
-/// single vertex or edge, a hinge that statics cannot hold.
-Components facet_components(const CellBlock& block);
+/// Where cells meet that do not hang together around the place: at a vertex through which alone they do (a
+/// bow tie: no other vertex is common to both sides), or along an edge of cells in space without a common
+/// side.
+struct Pinches {
+  std::vector<Index> vertices;              ///< rising
+  std::vector<std::array<Index, 2>> edges;  ///< smaller vertex first, rising
+};
+Pinches find_pinches(const CellBlock& block, Index num_vertices);
 
 /// vertex_is_used[v] is true when a cell of the block has node v.
 std::vector<bool> used_vertices(const CellBlock& block, Index num_vertices);

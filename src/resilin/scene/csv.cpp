@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
 #include "resilin/io/atomic_file.hpp"
 #include "resilin/io/text_scanner.hpp"
 
@@ -57,7 +58,8 @@ bool is_header(const std::vector<std::string_view>& cells) {
 }  // namespace
 
 NumberTable read_csv(const std::filesystem::path& path) {
-  std::istringstream file(read_file(path));
+  const std::string bytes = read_file(path);
+  std::istringstream file{std::string(without_byte_order_mark(bytes, path.string()))};
   NumberTable table;
   std::string text;
   for (int line = 1; std::getline(file, text); ++line) {

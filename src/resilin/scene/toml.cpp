@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
 #include "resilin/scene/toml_depth.hpp"
 #include "resilin/scene/value.hpp"
 
@@ -55,25 +56,17 @@ SceneValue convert(const toml::node& node, const Source& source) {
   return value;
 }
 
-/// The parser's sentence without control characters.
-std::string one_line(std::string_view text) {
-  std::string line(text);
-  for (char& c : line) {
-    if (static_cast<unsigned char>(c) < 0x20) c = ' ';
-  }
-  return line;
-}
-
 }  // namespace
 
 SceneValue parse_toml(std::string_view text, const std::string& name) {
   refuse_deep_toml(text, name);
   try {
-    return convert(toml::parse(text, name), std::make_shared<const std::string>(name));
+    return convert(toml::parse(without_byte_order_mark(text, name), name),
+                   std::make_shared<const std::string>(name));
   } catch (const toml::parse_error& error) {
     const toml::source_position at = error.source().begin;
     throw InputError(name + ":" + std::to_string(at.line) + ":" + std::to_string(at.column),
-                     one_line(error.description()));
+                     std::string(error.description()));
   }
 }
 
