@@ -1,6 +1,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,7 +38,8 @@ int serve(const viewer::PageServer& server, const ViewOptions& options) {
   print_line("Listening on " + server.address());
   print_line("Open this address in a browser on this machine; Ctrl-C ends.");
   if (!flush_output()) return wrong_input;  // main says why
-  if (!options.has_no_browser) viewer::open_browser(server.address());
+  std::optional<viewer::OpenedBrowser> browser;
+  if (!options.has_no_browser) browser.emplace(server.address());
   wait_for_interrupt();
   return done;
 }
@@ -59,7 +61,7 @@ int view_scene(const ViewOptions& options) {
   Offset cells = 0;
   for (const Body& body : scene->world().bodies) cells += body.num_cells();
   const std::string title = scene->world().title;
-  print_line((title.empty() ? options.shown : title) + ": " + std::to_string(cells) + " cells, " +
+  print_line(one_line(title.empty() ? options.shown : title) + ": " + std::to_string(cells) + " cells, " +
              std::to_string(scene->num_vertices()) + " vertices drawn, " + std::to_string(num_threads()) +
              (num_threads() == 1 ? " thread" : " threads"));
   const viewer::LiveServer live(std::move(scene), server_options(options));

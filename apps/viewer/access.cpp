@@ -38,21 +38,20 @@ bool is_same_token(std::string_view given, std::string_view token) {
 }
 
 Target parse_target(std::string_view target) {
+  return {target.substr(0, target.find('?')), query_value(target, "token")};
+}
+
+std::string_view query_value(std::string_view target, std::string_view key) {
   const std::size_t question = target.find('?');
-  Target parsed{target.substr(0, question), {}};
-  if (question == std::string_view::npos) return parsed;
-  std::string_view query = target.substr(question + 1);
+  std::string_view query =
+      question == std::string_view::npos ? std::string_view{} : target.substr(question + 1);
   while (!query.empty()) {
     const std::size_t end = query.find('&');
     const std::string_view pair = query.substr(0, end);
-    constexpr std::string_view key = "token=";
-    if (pair.starts_with(key)) {
-      parsed.token = pair.substr(key.size());
-      break;
-    }
+    if (pair.starts_with(key) && pair.substr(key.size()).starts_with('=')) return pair.substr(key.size() + 1);
     query = end == std::string_view::npos ? std::string_view{} : query.substr(end + 1);
   }
-  return parsed;
+  return {};
 }
 
 std::string why_forbidden(const RequestOrigin& request, std::uint16_t port, std::string_view token) {

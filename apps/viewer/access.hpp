@@ -26,6 +26,9 @@ struct Target {
 };
 Target parse_target(std::string_view target);
 
+/// What stands behind `key=` in the query of a target; empty when there is none. Not decoded.
+std::string_view query_value(std::string_view target, std::string_view key);
+
 /// The parts of a request that decide; an absent header is empty.
 struct RequestOrigin {
   std::string_view target;

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -38,16 +39,21 @@ class PageService {
   virtual void closed(ClientId client) = 0;
 };
 
-/// What `GET` of a path gets: bytes in memory, or a file that is read while it is sent.
+/// Makes the bytes of an answer when it is asked for, on a thread beside the server's, one answer at a time.
+/// `is_wanted` says no once the server ends. An InputError becomes an answer with status 404.
+using MakeBytes = std::function<std::string(std::string_view target, const std::function<bool()>& is_wanted)>;
+
+/// What `GET` of a path gets: bytes in memory, a file that is read while it is sent, or what is made of the
+/// target.
 struct Resource {
   std::string content_type;
-  std::variant<SharedBytes, std::filesystem::path> content;
+  std::variant<SharedBytes, std::filesystem::path, MakeBytes> content;
   std::string script_nonce;  ///< of a page: scripts that carry it may run, and no others
 };
 
 struct ServerOptions {
-  std::uint16_t port = 0;  ///< 0: any free one
-  int max_connections = 32;
+  std::uint16_t port = 0;    ///< 0: any free one
+  int max_connections = 32;  ///< of pages; of those that ask for nothing the oldest makes room
   std::size_t max_header_bytes = 8192;
   std::size_t max_message_bytes = 4096;              ///< of a page; a longer one ends its connection
   std::chrono::milliseconds request_timeout{10000};  ///< for a request and for the WebSocket handshake

@@ -81,6 +81,31 @@ TEST(LiveRoom, TellsAPageEverythingInOrder) {
   EXPECT_TRUE(next_json(page, "status").contains("real_time_ratio"));
 }
 
+/// Those that have shown the token stay; those that say nothing make room.
+TEST(LiveRoom, PagesAreNotSentAwayForWhoSaysNothing) {
+  ServerOptions options = patient();
+  options.max_connections = 4;
+  const FakeScene scene(4, options);
+  std::vector<PageClient> pages;
+  for (int i = 0; i < 3; ++i) {
+    pages.emplace_back(scene.server.port(), scene.server.token());
+    pages.back().receive_text("hello");
+  }
+  std::vector<Socket> silent;
+  for (int i = 0; i < 20; ++i) silent.emplace_back(scene.server.port());
+  const auto page = [&] {
+    return exchange(scene.server.port(), request_text(scene.server.port(), "/?token=" + scene.server.token()))
+        .substr(0, 12);
+  };
+  EXPECT_TRUE(comes_true([&] { return page() == "HTTP/1.1 200"; }));
+  for (PageClient& client : pages) client.receive_frame();
+  pages.emplace_back(scene.server.port(), scene.server.token());
+  pages.back().receive_text("hello");
+  EXPECT_TRUE(comes_true([&] { return page() == "HTTP/1.1 503"; })) << "all are pages";
+  pages.pop_back();
+  EXPECT_TRUE(comes_true([&] { return page() == "HTTP/1.1 200"; }));
+}
+
 TEST(LiveRoom, SendsNothingMoreUntilAFrameIsAcknowledgedAndThenTheNewest) {
   const FakeScene scene;
   PageClient page = scene.page();

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <thread>
+
 #include "fake_scene.hpp"
 #include "resilin/core/error.hpp"
 #include "temporary_folder.hpp"
@@ -113,12 +116,38 @@ TEST_F(PageServerTest, EndsARequestThatDoesNotComeToItsEnd) {
   EXPECT_TRUE(comes_true([this] { return get("/").starts_with("HTTP/1.1 200"); }));
 }
 
-TEST_F(PageServerTest, TakesNoMoreConnectionsThanItsLimit) {
+/// What somebody who does not know the token can hold up: nothing, however much of a request has come.
+TEST_F(PageServerTest, ConnectionsThatAskForNothingKeepNobodyOut) {
+  const std::string whole = request_text(server->port(), "/?token=" + std::string(32, '0'));
+  for (const std::size_t size :
+       {std::size_t{0}, std::size_t{1}, std::size_t{9}, whole.size() / 2, whole.size() - 1}) {
+    std::vector<viewer::Socket> sockets;
+    const auto start = std::chrono::steady_clock::now();
+    for (int i = 0; i < 3 * options.max_connections; ++i) {
+      sockets.emplace_back(server->port());
+      sockets.back().send(whole.substr(0, size));
+      if (i % 7 > 0) continue;
+      EXPECT_THAT(get("/"), StartsWith("HTTP/1.1 200")) << i << " after " << size;
+    }
+    EXPECT_THAT(get("/recording"), StartsWith("HTTP/1.1 200"));
+    // Well before any of the silent ones has run out of time.
+    EXPECT_LT(std::chrono::steady_clock::now() - start, options.request_timeout);
+  }
+}
+
+TEST_F(PageServerTest, TheOldestOfThoseThatAskForNothingMakesRoom) {
+  options.max_connections = 3;
+  server = serve();
   std::vector<viewer::Socket> sockets;
-  for (int i = 0; i < options.max_connections; ++i) sockets.emplace_back(server->port());
-  EXPECT_TRUE(comes_true([this] { return get("/").starts_with("HTTP/1.1 503"); }));
-  sockets.clear();
-  EXPECT_TRUE(comes_true([this] { return get("/").starts_with("HTTP/1.1 200"); }));
+  for (int i = 0; i < 3; ++i) {
+    sockets.emplace_back(server->port());
+    EXPECT_TRUE(comes_true([&] { return sockets.back().send("GET "); }));
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));  // so that they come one after another
+  }
+  EXPECT_THAT(get("/"), StartsWith("HTTP/1.1 200"));
+  EXPECT_EQ(sockets[0].receive(), "") << "the oldest is closed";
+  sockets[2].send("/?token=" + server->token() + " HTTP/1.1\r\n" + host() + "\r\n");
+  EXPECT_THAT(sockets[2].receive(), StartsWith("HTTP/1.1 200")) << "the newest is not";
 }
 
 TEST_F(PageServerTest, SaysThatThePortIsInUse) {
