@@ -27,7 +27,8 @@ ServedLiveScene::Loaded::Loaded(Scene scene)
     : warnings(std::move(scene.warnings)),
       live(scene.description),
       surface(live.world()),
-      fields(live.world(), surface) {
+      fields(live.world(), surface),
+      field_choices(SurfaceFields::quick(live.world().dimension)) {
   const std::vector<std::string>& more = live.world().warnings;
   warnings.insert(warnings.end(), more.begin(), more.end());
   const auto num_vertices = static_cast<std::size_t>(surface.num_vertices());
@@ -40,12 +41,11 @@ ServedLiveScene::ServedLiveScene(std::function<Scene()> read)
     : read_(std::move(read)), loaded_(std::make_unique<Loaded>(read_())) {}
 
 Json ServedLiveScene::header() const {
-  const std::vector<const FieldInfo*> fields = SurfaceFields::known();
   Json header = Json::parse(encode_header({.title = title_of(world()),
                                            .version = std::string(version()),
                                            .up = loaded_->live.up(),
                                            .gravity = loaded_->live.controls().gravity,
-                                           .fields = fields},
+                                           .fields = loaded_->field_choices},
                                           world(), loaded_->surface));
   header["controls"] = control_entries(loaded_->live.controls(), world().largest_extent());
   return header;
@@ -55,7 +55,7 @@ std::string ServedLiveScene::topology() const { return encode_topology(loaded_->
 
 std::vector<std::string> ServedLiveScene::field_names() const {
   std::vector<std::string> names;
-  for (const FieldInfo* field : SurfaceFields::known()) names.push_back(field->name);
+  for (const ScalarField& field : loaded_->field_choices) names.push_back(field.name);
   return names;
 }
 
@@ -194,7 +194,7 @@ std::string ServedLiveScene::frame(std::uint32_t number, std::uint32_t answered_
                   .positions = loaded.positions,
                   .normals = loaded.normals};
   if (field) {
-    loaded.fields.evaluate(world(), state, SurfaceFields::known()[*field]->name, loaded.field);
+    loaded.fields.evaluate(world(), state, loaded.field_choices[*field].name, loaded.field);
     frame.field_number = static_cast<std::uint32_t>(*field);
     frame.field = loaded.field;
   }

@@ -50,6 +50,7 @@ class ServedLiveScene : public ServedScene {
     LiveScene live;
     ShownSurface surface;
     SurfaceFields fields;
+    std::vector<ScalarField> field_choices;         ///< of which pages choose, in the order of the header
     Vector3 grab_offset = Vector3::Zero();          ///< from the pointer to the place that is held [m]
     std::map<Index, std::uint32_t> vertex_of_node;  ///< which vertex of the page a pinned node was pinned by
     VectorX previous_positions;                     ///< one step before [m]

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "access.hpp"
+#include "recorded_fields.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/results/saved_report.hpp"
 #include "resilin/view/page.hpp"
@@ -31,9 +32,16 @@ std::map<std::string, Resource> recorded_resources(const std::filesystem::path& 
                      "run the scene again with formats = [\"vtu\", \"html\"] in [output]");
   }
   read_report(report);  // what is damaged is said here, not in the browser
+  const auto fields = std::make_shared<RecordedFields>(folder);
+  const MakeBytes list = [fields](std::string_view, const std::function<bool()>&) { return fields->list(); };
+  const MakeBytes values = [fields](std::string_view target, const std::function<bool()>& is_wanted) {
+    return fields->values(query_value(target, "name"), is_wanted);
+  };
   return {{"/", page("recorded")},
           {"/recording", {"application/octet-stream", recording, {}}},
-          {"/report", {"application/json", report, {}}}};
+          {"/report", {"application/json", report, {}}},
+          {"/fields", {"application/json", list, {}}},
+          {"/field", {"application/octet-stream", values, {}}}};
 }
 
 }  // namespace resilin::viewer

@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <csignal>
+#include <filesystem>
 #include <regex>
 
 #include "program.hpp"
@@ -87,6 +89,78 @@ TEST_F(ShownResultsOfARun, OfFormatsThatAreNotAskedForAreNotLeftFromEarlier) {
   for (const char* name : {"recording.bin", "result.html", "result.usda"})
     EXPECT_FALSE(exists(std::string("out/box/") + name)) << name;
   EXPECT_EQ(run_program(folder.path(), {"run", "box.toml", "--formats", "gif"}).exit_code, 1);
+}
+
+/// README's own sequence: run, then draw any field, with the picture that a frame with the field gives.
+TEST_F(ShownResultsOfARun, EveryFieldIsDrawnWithoutBeingAskedForInTheScene) {
+  for (const std::string kind : {"static", "dynamic"}) {
+    const std::vector<std::string> run = {
+        "run", "box.toml", "--quiet", "--set", "simulation.kind=" + kind, "--steps", "2"};
+    run_program(folder.path(), with(run, {"--out", "plain"}));
+    for (const std::string field :
+         {"von_mises", "velocity", "velocity.z", "cauchy_stress.xy", "principal_stress.1", "nodal_pressure",
+          "nodal_green_strain.zz", "energy_density", "displacement"}) {
+      const std::string asked = field.substr(0, field.find('.'));
+      run_program(folder.path(), with(run, {"--out", "asked", "--set",
+                                            "output.fields=[\"" + asked + "\", \"displacement\"]"}));
+      for (const std::string place : {"plain", "asked"}) {
+        const ProgramResult drawn = run_program(
+            folder.path(),
+            {"picture", place, "--field", field, "--rest", "--size", "160", "120", "--out", place + ".png"});
+        EXPECT_EQ(drawn.exit_code, 0) << kind << ", " << field << ": " << drawn.err;
+      }
+      EXPECT_TRUE(text("plain.png") == text("asked.png")) << kind << ", " << field;
+    }
+    EXPECT_EQ(run_program(folder.path(), {"picture", "plain", "--out", "a.png"}).exit_code, 0);
+    EXPECT_EQ(run_program(folder.path(),
+                          {"picture", "plain/frames/0001.vtu", "--field", "pressure", "--out", "b.png"})
+                  .exit_code,
+              0);
+  }
+}
+
+TEST_F(ShownResultsOfARun, FieldsThatCannotBeComputedAreRefusedInOneLine) {
+  ASSERT_EQ(run_program(folder.path(), {"run", "box.toml", "--quiet"}).exit_code, 0);
+  const auto refusal = [&](const std::vector<std::string>& more) {
+    const ProgramResult drawn =
+        run_program(folder.path(), with({"picture", "out/box", "--out", "a.png"}, more));
+    EXPECT_EQ(drawn.exit_code, 1);
+    EXPECT_EQ(std::ranges::count(drawn.err, '\n'), 1) << drawn.err;
+    return drawn.err;
+  };
+  EXPECT_THAT(refusal({"--field", "von_misses"}), HasSubstr("did you mean \"von_mises\"?"));
+  EXPECT_THAT(refusal({"--field", "cauchy_stress"}), HasSubstr("a component of cauchy_stress"));
+  std::string scene = text("out/box/scene.bin");
+  scene[scene.size() / 2] = static_cast<char>(scene[scene.size() / 2] ^ 1);
+  folder.write("out/box/scene.bin", scene);
+  EXPECT_THAT(refusal({"--field", "pressure"}), HasSubstr("scene.bin"));
+  EXPECT_EQ(run_program(folder.path(), {"picture", "out/box", "--field", "displacement", "--out", "a.png"})
+                .exit_code,
+            0);
+  std::filesystem::remove(folder / "out/box/scene.bin");
+  EXPECT_THAT(refusal({"--field", "pressure"}), HasSubstr("a field of the frame (displacement"));
+  // A frame of another scene in its place.
+  ASSERT_EQ(run_program(folder.path(), {"run", "box.toml", "--quiet", "--out", "other", "--set",
+                                        "body.0.mesh.box.cells=[2, 2, 2]"})
+                .exit_code,
+            0);
+  std::filesystem::copy(folder / "other/scene.bin", folder / "out/box/scene.bin");
+  EXPECT_THAT(refusal({"--field", "pressure"}), HasSubstr("a frame of the scene in scene.bin"));
+}
+
+TEST_F(ShownResultsOfARun, OfASmallOneThePageHasEveryField) {
+  ASSERT_EQ(run_program(folder.path(), {"run", "box.toml", "--quiet"}).exit_code, 0);
+  const std::string page = text("out/box/result.html");
+  const std::string begin = "<script id=\"fields\" type=\"application/json\">";
+  const std::size_t at = page.find(begin);
+  ASSERT_NE(at, page.npos);
+  const auto fields =
+      nlohmann::json::parse(page.substr(at + begin.size(), page.find("</script>", at) - at - begin.size()));
+  std::vector<std::string> names;
+  for (const auto& entry : fields) names.push_back(entry["field"]["name"]);
+  for (const char* name :
+       {"displacement.x", "pressure", "cauchy_stress.xz", "principal_stress.3", "green_strain.xx"})
+    EXPECT_THAT(names, ::testing::Contains(name));
 }
 
 TEST(Base64, IsThatOfTheStandard) {  // RFC 4648, section 10

@@ -1,9 +1,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <stdlib.h>  // setenv
 
 #include <algorithm>
+#include <chrono>
+#include <cstring>
+#include <filesystem>
 #include <regex>
+#include <thread>
 
 #include "jelly_scene.hpp"
 #include "program.hpp"
@@ -14,6 +19,7 @@ namespace resilin::testing {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 struct Address {
@@ -133,6 +139,79 @@ TEST_F(View, ServesTheResultsOfARun) {
   EXPECT_THAT(get("/live"), HasSubstr("404"));
   program.kill(SIGTERM);
   EXPECT_EQ(program.finish().exit_code, 0);
+}
+
+TEST_F(View, ComputesFieldsOfARunThatItsRecordingDoesNotHold) {
+  ASSERT_EQ(run({"run", "jelly.toml", "--steps", "3", "--quiet"}).exit_code, 2);
+  RunningProgram program(folder.path(), {"view", "out/jelly", "--no-browser"});
+  const Address address = address_of(program);
+  const auto get = [&address](const std::string& path) {
+    const std::string answer =
+        viewer::exchange(address.port, viewer::request_text(address.port, path + "token=" + address.token));
+    return std::pair(answer.substr(0, 12), answer.substr(answer.find("\r\n\r\n") + 4));
+  };
+  const auto fields = nlohmann::json::parse(get("/fields?").second);
+  ASSERT_GT(fields.size(), 40U);
+  std::size_t size = 0;
+  for (const auto& field : fields) {
+    const auto [status, bytes] = get("/field?name=" + field["name"].get<std::string>() + "&");
+    EXPECT_EQ(status, "HTTP/1.1 200") << field;
+    EXPECT_TRUE(bytes.starts_with("RSV1")) << field;
+    if (size == 0) size = bytes.size();
+    EXPECT_EQ(bytes.size(), size) << field;
+  }
+  std::uint32_t counts[2];  // vertices, frames
+  std::memcpy(counts, get("/field?name=pressure&").second.data() + 4, sizeof counts);
+  EXPECT_EQ(counts[1], 4U);
+  EXPECT_EQ(size, 12 + counts[1] * (12 + 2 * (counts[0] + counts[0] % 2)));
+  for (const char* wrong : {"", "nothing", "cauchy_stress", "von_mises.x", "../report"}) {
+    const auto [status, words] = get(std::string("/field?name=") + wrong + "&");
+    EXPECT_EQ(status, "HTTP/1.1 404") << wrong;
+    EXPECT_EQ(std::ranges::count(words, '\n'), 1) << words;
+  }
+  std::filesystem::remove(folder / "out/jelly/scene.bin");
+  EXPECT_GT(nlohmann::json::parse(get("/fields?").second).size(), 40U) << "it is read once";
+  program.kill(SIGINT);
+  EXPECT_EQ(program.finish().exit_code, 0);
+  RunningProgram without(folder.path(), {"view", "out/jelly", "--no-browser"});
+  const Address other = address_of(without);
+  EXPECT_TRUE(viewer::exchange(other.port, viewer::request_text(other.port, "/fields?token=" + other.token))
+                  .ends_with("[]"));
+}
+
+/// What processes are called with can be read by every user of the machine.
+TEST_F(View, NoProcessIsCalledWithTheTokenWhenABrowserIsOpened) {
+  folder.write("browser", R"sh(#!/bin/sh
+cat "$1" > content.txt
+stat -c %a "$1" "$(dirname "$1")" > modes.txt
+printf %s "$1" > opened.txt
+cat /proc/[0-9]*/cmdline 2>/dev/null | tr '\0' '\n' > calls.txt
+touch done
+)sh");
+  std::filesystem::permissions(folder / "browser", std::filesystem::perms::owner_all);
+  setenv("BROWSER", (folder / "browser").c_str(), 1);
+  setenv("DISPLAY", ":0", 1);
+  for (const bool has_runtime_folder : {false, true}) {
+    std::filesystem::remove(folder / "done");
+    const std::string runtime = (folder.path() / "runtime").string();
+    std::filesystem::create_directories(runtime);
+    has_runtime_folder ? setenv("XDG_RUNTIME_DIR", runtime.c_str(), 1) : unsetenv("XDG_RUNTIME_DIR");
+    RunningProgram program(folder.path(), {"view", "jelly.toml"});
+    const Address address = address_of(program);
+    while (program.is_running() && !std::filesystem::exists(folder / "done"))
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    EXPECT_THAT(folder.read("calls.txt"),
+                ::testing::AllOf(HasSubstr("jelly.toml"), Not(HasSubstr(address.token))));
+    EXPECT_THAT(folder.read("content.txt"),
+                HasSubstr("http://127.0.0.1:" + std::to_string(address.port) + "/?token=" + address.token));
+    EXPECT_EQ(folder.read("modes.txt"), "600\n700\n");
+    const std::filesystem::path opened = folder.read("opened.txt");
+    EXPECT_EQ(opened.string().starts_with(runtime), has_runtime_folder);
+    EXPECT_TRUE(std::filesystem::exists(opened));
+    program.kill(SIGINT);
+    EXPECT_EQ(program.finish().exit_code, 0);
+    EXPECT_FALSE(std::filesystem::exists(opened.parent_path())) << "nothing is left behind";
+  }
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ TEST(Page, LoadsNothingFromElsewhere) {
 TEST(ViewHeader, DescribesPartsAndFields) {
   const World world(small_bar(3, true));
   const ShownSurface surface(world);
-  const std::vector<const FieldInfo*> fields = SurfaceFields::known();
+  const std::vector<ScalarField> fields = SurfaceFields::quick(3);
   const json header = json::parse(encode_header(
       {.title = "A <bar>", .version = "1.2", .gravity = {0, 0, -9.81}, .fields = fields}, world, surface));
   EXPECT_EQ(header["title"], "A <bar>");
@@ -48,7 +48,10 @@ TEST(ViewHeader, DescribesPartsAndFields) {
   EXPECT_EQ(header["parts"][0]["kind"], "cells");
   EXPECT_EQ(header["parts"][0]["num_vertices"], surface.num_vertices());
   ASSERT_EQ(header["fields"].size(), fields.size());
-  EXPECT_EQ(header["fields"][0]["name"], fields[0]->name);
+  EXPECT_EQ(
+      header["fields"][0],
+      json({{"name", "displacement"}, {"label", "displacement"}, {"unit", "m"}, {"group", "displacement"}}));
+  EXPECT_EQ(header["fields"][1]["label"], "displacement x");
 }
 
 TEST(ViewHeader, OfAPlaneHasYUp) {

@@ -100,7 +100,7 @@ constexpr CellQuantity of_cells[] = {
      vector, sample_cauchy_stress, 9, derive_principal_direction<3>},
     {"first_piola_kirchhoff_stress", "first Piola-Kirchhoff stress",
      "first Piola-Kirchhoff stress P = dPsi/dF: force per rest area", "Pa", tensor, sample_first_stress, 9,
-     nullptr},
+     nullptr, false},
     {"second_piola_kirchhoff_stress", "second Piola-Kirchhoff stress",
      "second Piola-Kirchhoff stress S = F^-1 P", "Pa", tensor, sample_second_stress, 9, nullptr},
     {"green_strain", "Green strain", "Green-Lagrange strain (F^T F - I) / 2", "", tensor, sample_green_strain,
@@ -130,7 +130,7 @@ std::vector<FieldInfo> all_fields() {
   for (const bool is_on_nodes : {false, true})
     for (const CellQuantity& q : of_cells)
       all.push_back({std::string(is_on_nodes ? nodal_prefix : "") + std::string(q.name), std::string(q.label),
-                     std::string(q.text), std::string(q.unit), q.kind, is_on_nodes});
+                     std::string(q.text), std::string(q.unit), q.kind, is_on_nodes, q.is_symmetric});
   return all;
 }
 

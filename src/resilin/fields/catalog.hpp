@@ -22,6 +22,7 @@ struct FieldInfo {
   std::string unit;   ///< empty when it has none
   Kind kind;
   bool is_on_nodes;
+  bool is_symmetric = true;  ///< of tensors
 
   int components() const { return kind == Kind::scalar ? 1 : kind == Kind::tensor ? 9 : 3; }
 };

@@ -29,4 +29,35 @@ const Group* Mesh::find_group(std::string_view group_name) const {
   return found == groups.end() ? nullptr : &*found;
 }
 
+namespace {
+
+bool are_below(const std::vector<Index>& numbers, std::size_t end) {
+  return std::ranges::all_of(
+      numbers, [end](Index number) { return number >= 0 && static_cast<std::size_t>(number) < end; });
+}
+
+bool is_whole_block(const CellBlock& block, std::size_t num_vertices) {
+  return block.kind >= CellKind::point && block.kind <= CellKind::tetrahedron10 &&
+         block.nodes.size() % static_cast<std::size_t>(num_nodes(block.kind)) == 0 &&
+         are_below(block.nodes, num_vertices);
+}
+
+bool is_whole_group(const Group& group, const Mesh& mesh) {
+  if (group.cells.size() > mesh.blocks.size() || !are_below(group.vertices, mesh.vertices.size()))
+    return false;
+  for (std::size_t b = 0; b < group.cells.size(); ++b)
+    if (!are_below(group.cells[b], static_cast<std::size_t>(mesh.blocks[b].num_cells()))) return false;
+  return true;
+}
+
+}  // namespace
+
+bool Mesh::is_whole() const {
+  return std::ranges::all_of(blocks,
+                             [&](const CellBlock& b) { return is_whole_block(b, vertices.size()); }) &&
+         std::ranges::all_of(groups, [&](const Group& group) { return is_whole_group(group, *this); }) &&
+         std::ranges::all_of(cell_fields,
+                             [&](const CellField& field) { return field.block < blocks.size(); });
+}
+
 }  // namespace resilin

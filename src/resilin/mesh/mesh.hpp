@@ -49,6 +49,9 @@ struct Mesh {
   /// The cells that a body of this dimension is made of; the first such block, nullptr when there is none.
   const CellBlock* find_solid(int dim) const;
   const Group* find_group(std::string_view group_name) const;
+
+  /// Whether every number that stands for a vertex, a cell or a block is that of one.
+  bool is_whole() const;
 };
 
 }  // namespace resilin

@@ -6,22 +6,12 @@
 #include "resilin/fields/evaluator.hpp"
 #include "resilin/picture/picture_field.hpp"
 #include "resilin/results/frame_file.hpp"
+#include "resilin/results/saved_run.hpp"
 
 namespace resilin {
 namespace {
 
-/// Files of the frames in their order.
-std::vector<std::filesystem::path> frame_files(const std::filesystem::path& folder) {
-  std::vector<std::filesystem::path> files;
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(folder / "frames", error))
-    if (entry.path().extension() == ".vtu") files.push_back(entry.path());
-  std::ranges::sort(files, [](const auto& a, const auto& b) {
-    const std::string left = a.filename().string(), right = b.filename().string();
-    return left.size() != right.size() ? left.size() < right.size() : left < right;  // 9999 before 10000
-  });
-  return files;
-}
+constexpr const char* displacement = "displacement";
 
 std::filesystem::path frame_file(const std::filesystem::path& place, int frame) {
   if (std::filesystem::is_regular_file(place)) return place;
@@ -51,23 +41,33 @@ void describe_field(PictureOptions& options) {
   }
 }
 
+bool holds(const VtuContent& content, const std::string& field) {
+  const std::vector<std::string> names = picture_field_names(content);
+  return std::ranges::find(names, field) != names.end() ||
+         std::ranges::find(names, base_name(field)) != names.end();
+}
+
 }  // namespace
 
 Image draw_result(const std::filesystem::path& place, int frame, PictureOptions options) {
   const std::filesystem::path file = frame_file(place, frame);
   const VtuContent content = read_vtu(file);
-  if (options.field.empty()) {
-    const std::vector<std::string> names = picture_field_names(content);
-    for (const char* name : {"displacement", "von_mises"})
-      if (std::ranges::find(names, name) != names.end()) options.field = name;
+  if (options.field.empty() && holds(content, "von_mises")) options.field = "von_mises";
+  const bool needs_rest_shape = options.shows_rest || options.scale != 1;
+  const bool holds_all = !options.field.empty() && holds(content, options.field) &&
+                         (!needs_rest_shape || holds(content, displacement));
+  if (!holds_all) {
+    if (const std::shared_ptr<const World> world = saved_world_of_frame(file))
+      return draw_state(*world, state_of_frame(*world, content, file), std::move(options));
   }
+  if (options.field.empty() && holds(content, displacement)) options.field = displacement;
   describe_field(options);
   return draw_picture(content, options);
 }
 
 Image draw_state(const World& world, const State& state, PictureOptions options) {
   if (options.field.empty()) options.field = "von_mises";
-  std::vector<std::string> names = {"displacement"};
+  std::vector<std::string> names = {displacement};
   if (base_name(options.field) != names[0]) names.push_back(base_name(options.field));
   require_field(names.back(), "field");
   describe_field(options);

@@ -10,8 +10,9 @@ namespace resilin {
 
 /// Draws a frame that a run has left.
 ///
-/// Label and unit of the colour bar are those of the field. A nodal or cell field that the frame does not
-/// hold is refused with those it holds; an empty field means von_mises where it is there, else displacement.
+/// Label and unit of the colour bar are those of the field. A field that the frame does not hold is computed
+/// from it and from the scene that the run has kept (`saved_world`); where there is none it is refused with
+/// those that the frame holds. An empty field means von_mises, and displacement where that is not to be had.
 /// @param place  the folder of a run, or one .vtu file
 /// @param frame  from 0, or from the end: -1 is the last
 /// @throws InputError

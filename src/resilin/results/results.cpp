@@ -14,6 +14,7 @@
 #include "resilin/results/frame_file.hpp"
 #include "resilin/results/report.hpp"
 #include "resilin/results/saved_report.hpp"
+#include "resilin/results/saved_run.hpp"
 #include "resilin/results/shown_results.hpp"
 
 namespace resilin {
@@ -105,6 +106,27 @@ struct ResultFolder::Contents {
       std::filesystem::remove(partial, ignored);
       throw;
     }
+  }
+
+  /// Writes a state as the next frame of all formats; gives the fields that the scene asks for.
+  std::vector<FieldValues> write(const World& world, const State& state) {
+    if (!evaluator) {
+      evaluator.emplace(world);
+      if (writes_vtu(world)) save_scene(folder, world);
+    }
+    std::vector<std::string> names = world.output.fields;
+    const std::size_t num_asked = names.size();
+    // What other fields are computed from, beside the places (`state_of_frame`).
+    const auto keep = [&names](const char* name) {
+      if (std::ranges::find(names, name) == names.end()) names.emplace_back(name);
+    };
+    if (world.is_dynamic) keep("velocity");
+    if (!world.origin.isZero(0)) keep("displacement");  // which has digits that far places lose
+    std::vector<FieldValues> fields = evaluator->evaluate(state, names);
+    if (writes_vtu(world)) write_frame(frames.size(), world, state, fields);
+    shown_of(world).record(frames.size(), state);
+    fields.erase(fields.begin() + static_cast<std::ptrdiff_t>(num_asked), fields.end());
+    return fields;
   }
 
   RunSummary summary(const Simulation& simulation, const RunOutcome& outcome) const {
@@ -209,13 +231,15 @@ void ResultFolder::record(const World& world, const State& state, const Frame& f
     // The last frame of a run that was broken off is not one of the unbroken run, unless it was due.
     if (!frames.empty() && frames.back()["step"].get<int>() % world.output.every != 0)
       frames.erase(frames.size() - 1);
-    if (!contents_->evaluator) contents_->evaluator.emplace(world);
-    const std::vector<FieldValues> fields = contents_->evaluator->evaluate(state, world.output.fields);
-    if (Contents::writes_vtu(world)) contents_->write_frame(frames.size(), world, state, fields);
-    contents_->shown_of(world).record(frames.size(), state);
+    const std::vector<FieldValues> fields = contents_->write(world, state);
     frames.push_back(frame_json(frame, world, state, fields));
     contents_->output_seconds += seconds_since(begin);
   }
+}
+
+void ResultFolder::add(const World& world, const State& state, const std::string& frame) {
+  contents_->write(world, state);
+  contents_->frames.push_back(Json::parse(frame));
 }
 
 void ResultFolder::finish(const Simulation& simulation, const RunOutcome& outcome) {

@@ -53,6 +53,9 @@ class ResultFolder {
   /// The same for a state that the simulation had; report and checkpoint wait for `finish`.
   void record(const World& world, const State& state, const Frame& frame, bool is_last);
 
+  /// Adds a state with its entry of the report's "frames", as JSON.
+  void add(const World& world, const State& state, const std::string& frame);
+
   /// Writes report and checkpoint with how the run ended.
   void finish(const Simulation& simulation, const RunOutcome& outcome);
 

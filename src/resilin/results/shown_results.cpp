@@ -7,6 +7,8 @@
 #include "resilin/core/text.hpp"
 #include "resilin/io/atomic_file.hpp"
 #include "resilin/results/build_info.hpp"
+#include "resilin/results/frame_fields.hpp"
+#include "resilin/results/saved_run.hpp"
 #include "resilin/view/page.hpp"
 
 namespace resilin {
@@ -75,15 +77,17 @@ std::string base64(std::string_view bytes) {
   return text;
 }
 
-std::string page_with_recording(std::string_view recording, std::string_view report) {
+std::string page_with_recording(std::string_view recording, std::string_view report,
+                                std::string_view fields) {
   return page_with(source_script("embedded") + "\n<script id=\"recording\" type=\"text/plain\">" +
                        base64(recording) + "</script>\n<script id=\"report\" type=\"application/json\">" +
-                       escaped(report) + "</script>",
+                       escaped(report) + "</script>\n<script id=\"fields\" type=\"application/json\">" +
+                       escaped(fields) + "</script>",
                    "");
 }
 
 ShownResults::ShownResults(std::filesystem::path folder, const World& world)
-    : folder_(std::move(folder)), title_(world.title), counts_frames_(!world.is_dynamic) {
+    : folder_(std::move(folder)), world_(world), title_(world.title), counts_frames_(!world.is_dynamic) {
   if (world.output.writes(OutputFormat::html)) {
     const ViewHeader header{.title = world.title,
                             .version = std::string(version()),
@@ -119,6 +123,24 @@ void ShownResults::record(std::size_t number, const State& state) {
   if (usda_) usda_->record(state.positions, time);
 }
 
+/// The fields that the recording does not hold, where they are small together.
+std::string ShownResults::other_fields(std::size_t num_frames) const {
+  std::vector<std::filesystem::path> files = frame_files(folder_);
+  if (!world_.output.writes(OutputFormat::vtu) || num_frames > most_values_of_a_field ||
+      files.size() < num_frames)
+    return "[]";
+  files.resize(num_frames);
+  FrameFields frames(world_, std::move(files));
+  if (frames.num_values() > most_values_of_a_field) return "[]";
+  const std::vector<ScalarField> fields = SurfaceFields::quick(world_.dimension);
+  const std::vector<std::string> values = frames.values(fields, [] { return true; });
+  std::string list;
+  for (std::size_t i = 0; i < fields.size(); ++i)
+    list += (i > 0 ? ",\n" : "") + ("{\"field\": " + encode_field_info(fields[i])) + ", \"values\": \"" +
+            base64(deflated(values[i])) + "\"}";
+  return "[" + list + "]";
+}
+
 std::vector<std::pair<std::string, std::uintmax_t>> ShownResults::finish(std::size_t num_frames,
                                                                          const std::string& report,
                                                                          bool is_complete) {
@@ -131,7 +153,7 @@ std::vector<std::pair<std::string, std::uintmax_t>> ShownResults::finish(std::si
         recording.string() + " has " + format_bytes(size_of(recording)) +
         ", too much for one page: \"resilin view\" shows the folder; output.every writes fewer frames");
   } else if (recorder_) {
-    const std::string page = page_with_recording(read_file(recording), report);
+    const std::string page = page_with_recording(read_file(recording), report, other_fields(num_frames));
     write_atomically(folder_ / page_name, [&page](std::ostream& stream) { stream << page; });
     files.emplace_back(page_name, page.size());
   }

@@ -19,6 +19,9 @@ class ShownResults {
   /// A recording above this size is not put into a page, for browsers refuse such pages; `resilin view` shows
   /// the folder.
   static constexpr std::uintmax_t largest_embedded = std::uintmax_t{128} << 20;
+  /// Vertices times frames up to which a page has every field with it, which takes about 2 MB then; larger
+  /// ones have the recorded fields, and `resilin view` computes the others.
+  static constexpr std::size_t most_values_of_a_field = 20000;
 
   /// Removes what an earlier run into the folder has left of formats that are not asked for.
   /// @param world  kept by reference
@@ -37,8 +40,10 @@ class ShownResults {
 
  private:
   void keep(std::size_t num_frames);
+  std::string other_fields(std::size_t num_frames) const;
 
   std::filesystem::path folder_;
+  const World& world_;
   std::string title_;
   std::unique_ptr<Recorder> recorder_;  ///< null: no page is wanted
   std::unique_ptr<UsdaWriter> usda_;    ///< null: no stage is wanted
@@ -46,8 +51,10 @@ class ShownResults {
   bool counts_frames_ = false;          ///< statics: the stage counts frames, not seconds
 };
 
-/// A page with a recording and its report inside (docs/view_protocol.md, "Addresses").
-std::string page_with_recording(std::string_view recording, std::string_view report);
+/// A page with a recording and its report inside, and with fields beside those of the recording, as JSON
+/// (docs/view_protocol.md, "Addresses").
+std::string page_with_recording(std::string_view recording, std::string_view report,
+                                std::string_view fields = "[]");
 
 std::string base64(std::string_view bytes);
 

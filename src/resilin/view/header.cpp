@@ -19,7 +19,21 @@ Json part(const ShownSurface::Part& part) {
           {"num_edges", part.num_edges}};
 }
 
+Json field_json(const ScalarField& field) {
+  return {{"name", field.name}, {"label", field.label}, {"unit", field.field->unit}, {"group", field.group}};
+}
+
+Json fields_json(std::span<const ScalarField> fields) {
+  Json list = Json::array();
+  for (const ScalarField& field : fields) list.push_back(field_json(field));
+  return list;
+}
+
 }  // namespace
+
+std::string encode_fields(std::span<const ScalarField> fields) { return fields_json(fields).dump(); }
+
+std::string encode_field_info(const ScalarField& field) { return field_json(field).dump(); }
 
 std::string encode_header(const ViewHeader& header, const World& world, const ShownSurface& surface) {
   Json json = {{"title", header.title},
@@ -28,13 +42,10 @@ std::string encode_header(const ViewHeader& header, const World& world, const Sh
                {"extent", world.largest_extent()},
                {"up", numbers(world.dimension == 2 ? Vector3::UnitY() : header.up)},
                {"gravity", numbers(header.gravity)},
-               {"parts", Json::array()},
-               {"fields", Json::array()}};
+               {"parts", Json::array()}};
   for (const ShownSurface::Part& shown : surface.parts()) json["parts"].push_back(part(shown));
   if (header.ground) json["ground"] = *header.ground;
-  for (const FieldInfo* field : header.fields) {
-    json["fields"].push_back({{"name", field->name}, {"label", field->label}, {"unit", field->unit}});
-  }
+  json["fields"] = fields_json(header.fields);
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

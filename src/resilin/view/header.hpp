@@ -3,8 +3,9 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
-#include "resilin/fields/catalog.hpp"
+#include "resilin/fields/scalar_field.hpp"
 #include "resilin/view/shown_surface.hpp"
 
 namespace resilin {
@@ -12,12 +13,17 @@ namespace resilin {
 /// What a page is told before the first frame, besides the world and its surface.
 struct ViewHeader {
   std::string title;
-  std::string version;                       ///< of the program
-  Vector3 up = Vector3::UnitZ();             ///< in 2D always y
-  Vector3 gravity = Vector3::Zero();         ///< [m/s^2]
-  std::optional<double> ground{};            ///< height of a ground plane along `up`, to be drawn [m]
-  std::span<const FieldInfo* const> fields;  ///< that frames may carry, in their order
+  std::string version;                ///< of the program
+  Vector3 up = Vector3::UnitZ();      ///< in 2D always y
+  Vector3 gravity = Vector3::Zero();  ///< [m/s^2]
+  std::optional<double> ground{};     ///< height of a ground plane along `up`, to be drawn [m]
+  std::vector<ScalarField> fields{};  ///< that frames may carry, in their order
 };
+
+/// Fields as the page reads them, a list of objects (docs/view_protocol.md, "Header").
+std::string encode_fields(std::span<const ScalarField> fields);
+/// One of them.
+std::string encode_field_info(const ScalarField& field);
 
 /// The keys that the headers of live scenes and recordings share, as one object of JSON
 /// (docs/view_protocol.md, "Header").

@@ -2,6 +2,8 @@
 
 #include <zlib.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -33,39 +35,44 @@ std::optional<std::uint32_t> number_at(std::string_view bytes, std::size_t at) {
   return number;
 }
 
-std::vector<const FieldInfo*> recorded_fields() {
-  std::vector<const FieldInfo*> infos;
-  for (const std::string& name : recorded_field_names()) infos.push_back(&require_field(name, "recording"));
-  return infos;
-}
-
-std::string encoded(ViewHeader header, const World& world, const ShownSurface& surface) {
-  const std::vector<const FieldInfo*> fields = recorded_fields();
+std::string encoded(ViewHeader header, const World& world, const ShownSurface& surface,
+                    const std::vector<ScalarField>& fields) {
   header.fields = fields;
   return encode_header(header, world, surface);
 }
 
 }  // namespace
 
-const std::vector<std::string>& recorded_field_names() {
-  static const std::vector<std::string> names = {"von_mises", "volume_ratio", "energy_density"};
-  return names;
+std::vector<ScalarField> recorded_fields(const World& world) {
+  constexpr std::array<std::string_view, 3> always = {"von_mises", "volume_ratio", "energy_density"};
+  std::vector<ScalarField> recorded;
+  for (const std::string_view name : always)
+    recorded.push_back(require_scalar_field(name, world.dimension, "recording"));
+  for (ScalarField& field : scalar_fields(world.dimension)) {
+    const bool is_there = std::ranges::find(always, field.name) != always.end();
+    const bool is_asked =
+        std::ranges::find(world.output.fields, field.field->name) != world.output.fields.end();
+    if (is_asked && !is_there && field.field->name != "displacement") recorded.push_back(std::move(field));
+  }
+  return recorded;
 }
 
 Recorder::Recorder(std::filesystem::path path, const World& world, ViewHeader header)
     : path_(std::move(path)),
       world_(world),
       surface_(world),
+      recorded_(recorded_fields(world)),
       fields_(world, surface_),
-      header_(encoded(std::move(header), world, surface_)),
-      codec_(surface_, recorded_field_names().size(), world.largest_extent()) {}
+      evaluator_(world),
+      header_(encoded(std::move(header), world, surface_, recorded_)),
+      codec_(surface_, recorded_.size(), world.largest_extent()) {}
 
 void Recorder::begin() {
   const std::string topology = encode_topology(surface_);
   std::error_code ignored;
   std::filesystem::remove(path_, ignored);
   next_number_ = 0;
-  codec_ = RecordingCodec(surface_, recorded_field_names().size(), world_.largest_extent());
+  codec_ = RecordingCodec(surface_, recorded_.size(), world_.largest_extent());
   append(std::string(mark) + number_bytes(header_.size()) + header_ + number_bytes(topology.size()) +
          topology);
 }
@@ -78,7 +85,7 @@ void Recorder::keep(std::uint32_t end) {
   try {
     const Recording recording = parse_recording(bytes, path_.string());
     if (recording.header != header_ || recording.topology != encode_topology(surface_)) return begin();
-    codec_ = RecordingCodec(surface_, recorded_field_names().size(), world_.largest_extent());
+    codec_ = RecordingCodec(surface_, recorded_.size(), world_.largest_extent());
     next_number_ = 0;
     std::size_t kept = recording.records.empty() ? recording.end : recording.records.front().begin - 8;
     for (const auto& [at, payload] : recording.records) {
@@ -103,8 +110,8 @@ void Recorder::record(std::uint32_t number, const State& state) {
   frame.displacements.resize(3 * n);
   // Places are linear in those of the nodes; of displacements the small ones keep their digits.
   surface_.positions(state.positions - world_.rest_positions, frame.displacements);
-  for (const std::string& name : recorded_field_names())
-    fields_.evaluate(world_, state, name, frame.fields.emplace_back(n));
+  frame.fields.resize(recorded_.size());
+  fields_.evaluate(evaluator_, state, recorded_, frame.fields);
   const std::string payload = codec_.encode(frame);
   append(number_bytes(payload.size()) + number_bytes(checksum(payload)) + payload);
   next_number_ = number + 1;

@@ -11,8 +11,9 @@
 
 namespace resilin {
 
-/// Names of the fields that recordings hold besides the displacement.
-const std::vector<std::string>& recorded_field_names();
+/// The fields that the recordings of a world hold besides the displacement: three that are always there, and
+/// those that its output asks for.
+std::vector<ScalarField> recorded_fields(const World& world);
 
 /// Writes recording.bin, frame by frame: a file that is cut off at any byte holds all frames before
 /// (docs/view_protocol.md, "Recording").
@@ -20,7 +21,7 @@ class Recorder {
  public:
   /// Begins the file, or goes on with one of the same scene; `num_frames() == 0` until `keep`.
   /// @param world   kept by reference
-  /// @param header  its fields are those of `recorded_field_names`
+  /// @param header  its fields become those of `recorded_fields`
   Recorder(std::filesystem::path path, const World& world, ViewHeader header);
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
@@ -41,7 +42,9 @@ class Recorder {
   std::filesystem::path path_;
   const World& world_;
   ShownSurface surface_;
+  std::vector<ScalarField> recorded_;
   SurfaceFields fields_;
+  FieldEvaluator evaluator_;
   std::string header_;
   RecordingCodec codec_;
   std::uint32_t next_number_ = 0;

@@ -78,17 +78,6 @@ void add_parents(std::span<const std::uint32_t> parents, std::span<std::int32_t>
     if (parents[v] != v) values[v] += values[parents[v]];
 }
 
-std::string deflated(const std::string& stream) {
-  uLongf size = compressBound(static_cast<uLong>(stream.size()));
-  std::string bytes(size, '\0');
-  const int status =
-      compress2(reinterpret_cast<Bytef*>(bytes.data()), &size, reinterpret_cast<const Bytef*>(stream.data()),
-                static_cast<uLong>(stream.size()), Z_DEFAULT_COMPRESSION);
-  if (status != Z_OK) throw std::bad_alloc();
-  bytes.resize(size);
-  return bytes;
-}
-
 /// Empty when `bytes` do not inflate to exactly so many.
 std::string inflated(std::string_view bytes, std::size_t expected) {
   std::string stream(expected, '\0');
@@ -128,6 +117,17 @@ float value_of(std::int32_t level, FieldRange range) {
 }
 
 }  // namespace
+
+std::string deflated(std::string_view stream) {
+  uLongf size = compressBound(static_cast<uLong>(stream.size()));
+  std::string bytes(size, '\0');
+  const int status =
+      compress2(reinterpret_cast<Bytef*>(bytes.data()), &size, reinterpret_cast<const Bytef*>(stream.data()),
+                static_cast<uLong>(stream.size()), Z_DEFAULT_COMPRESSION);
+  if (status != Z_OK) throw std::bad_alloc();
+  bytes.resize(size);
+  return bytes;
+}
 
 RecordingCodec::RecordingCodec(const ShownSurface& surface, std::size_t num_fields, double extent)
     : num_fields_(num_fields),

@@ -10,6 +10,9 @@
 
 namespace resilin {
 
+/// A zlib stream of the bytes.
+std::string deflated(std::string_view stream);
+
 /// One recorded state of what is drawn.
 struct RecordedFrame {
   std::uint32_t number = 0;  ///< of the frame in report.json

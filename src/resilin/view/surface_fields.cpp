@@ -4,30 +4,22 @@
 #include <cmath>
 #include <limits>
 
-#include "resilin/core/error.hpp"
 #include "resilin/core/parallel.hpp"
-#include "resilin/core/text.hpp"
-#include "resilin/fields/evaluator.hpp"
+#include "resilin/fields/quantities.hpp"
 
 namespace resilin {
 namespace {
 
 constexpr std::size_t nodes_per_chunk = 1024;
 
-bool is_known(const FieldInfo& field) {
-  // The length of a vector is shown; directions, which have no unit, have none to show.
-  const bool is_of_node = field.is_on_nodes && field.kind == FieldInfo::Kind::vector && !field.unit.empty();
-  const bool is_of_cell = !field.is_on_nodes && field.kind == FieldInfo::Kind::scalar;
-  return is_of_node || is_of_cell;
-}
-
 }  // namespace
 
-std::vector<const FieldInfo*> SurfaceFields::known() {
-  std::vector<const FieldInfo*> known;
-  for (const FieldInfo& field : fields())
-    if (is_known(field)) known.push_back(&field);
-  return known;
+std::vector<ScalarField> SurfaceFields::quick(int dimension) {
+  std::vector<ScalarField> quick = scalar_fields(dimension);
+  std::erase_if(quick, [](const ScalarField& field) {
+    return field.field->is_on_nodes && field.field->name.starts_with(nodal_prefix);
+  });
+  return quick;
 }
 
 SurfaceFields::SurfaceFields(const World& world, const ShownSurface& surface)
@@ -63,30 +55,41 @@ SurfaceFields::SurfaceFields(const World& world, const ShownSurface& surface)
 
 void SurfaceFields::evaluate(const World& world, const State& state, std::string_view name,
                              std::span<float> out) {
-  const FieldInfo& field = require_field(name, "field");
-  if (!is_known(field)) {
-    std::vector<std::string> names;
-    for (const FieldInfo* info : known()) names.push_back(info->name);
-    throw InputError("field", "one of " + join(names), "\"" + std::string(name) + "\"");
+  const ScalarField field = require_scalar_field(name, world.dimension, "field");
+  FieldEvaluator evaluator(world);
+  carry(field, evaluator.evaluate(state, {&field.field->name, 1}).front(), out);
+}
+
+void SurfaceFields::evaluate(FieldEvaluator& evaluator, const State& state,
+                             std::span<const ScalarField> fields, std::span<std::vector<float>> out) {
+  std::vector<std::string> names;
+  for (const ScalarField& field : fields)
+    if (std::ranges::find(names, field.field->name) == names.end()) names.push_back(field.field->name);
+  const std::vector<FieldValues> values = evaluator.evaluate(state, names);
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    const auto found = std::ranges::find(names, fields[i].field->name) - names.begin();
+    out[i].resize(static_cast<std::size_t>(surface_.num_vertices()));
+    carry(fields[i], values[static_cast<std::size_t>(found)], out[i]);
   }
-  const FieldValues found = FieldEvaluator(world).evaluate(state, std::vector{std::string(name)}).front();
+}
+
+void SurfaceFields::carry(const ScalarField& field, const FieldValues& values, std::span<float> out) {
   parallel_for(nodal_.size(), nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t node = begin; node < end; ++node)
-      nodal_[node] = field.is_on_nodes ? length_at(found.values, node) : mean_at(found.values, node);
+      nodal_[node] =
+          field.field->is_on_nodes ? field.at(values.values, node) : mean_at(field, values.values, node);
   });
   surface_.interpolate(nodal_, out);
   for (float& value : out)
     if (!std::isfinite(value)) value = std::numeric_limits<float>::quiet_NaN();
 }
 
-double SurfaceFields::mean_at(std::span<const double> cells, std::size_t node) const {
+double SurfaceFields::mean_at(const ScalarField& field, std::span<const double> values,
+                              std::size_t node) const {
   double sum = 0;
-  for (std::uint32_t i = first_[node]; i < first_[node + 1]; ++i) sum += shares_[i] * cells[cells_at_[i]];
+  for (std::uint32_t i = first_[node]; i < first_[node + 1]; ++i)
+    sum += shares_[i] * field.at(values, cells_at_[i]);
   return sum;
-}
-
-double SurfaceFields::length_at(std::span<const double> vectors, std::size_t node) {
-  return Eigen::Map<const Vector3>(vectors.data() + 3 * node).norm();
 }
 
 }  // namespace resilin

@@ -4,33 +4,38 @@
 #include <string_view>
 #include <vector>
 
-#include "resilin/fields/catalog.hpp"
+#include "resilin/fields/evaluator.hpp"
+#include "resilin/fields/scalar_field.hpp"
 #include "resilin/view/shown_surface.hpp"
 #include "resilin/world/state.hpp"
 
 namespace resilin {
 
-/// Fields at the vertices of a shown surface, made for every frame of a live scene: at a node the mean of the
-/// cells around it, by rest volume. That is neither as smooth nor as exact as the fit of
-/// `FieldEvaluator`'s nodal fields, and a hundred times as fast. A skin takes its numbers from the nodes by
-/// its weights.
+/// Fields at the vertices of a shown surface, made for every frame of a live scene: of what is known by cell,
+/// at a node the mean of the cells around it, by rest volume. That is neither as smooth nor as exact as the
+/// fit of `FieldEvaluator`'s nodal fields, and a hundred times as fast. A skin takes its numbers from the
+/// nodes by its weights.
 class SurfaceFields {
  public:
   /// @param surface  kept by reference
   SurfaceFields(const World& world, const ShownSurface& surface);
 
-  /// The fields that `evaluate` knows, in the order of the catalogue: scalars of cells, and vectors of nodes,
-  /// of which the length is shown.
-  static std::vector<const FieldInfo*> known();
+  /// Those of `scalar_fields` that are quick enough for every frame of a live scene: all but the smooth ones.
+  static std::vector<ScalarField> quick(int dimension);
 
   /// One number for each vertex; nan where it is none.
   /// @param world  has the bodies and cells of the surface's world; its materials may be others
-  /// @throws InputError  when `name` is not one of `known`
+  /// @param name   of one of `scalar_fields`
+  /// @throws InputError  when it is not
   void evaluate(const World& world, const State& state, std::string_view name, std::span<float> out);
 
+  /// The same for several fields, which share what they are computed from.
+  void evaluate(FieldEvaluator& evaluator, const State& state, std::span<const ScalarField> fields,
+                std::span<std::vector<float>> out);
+
  private:
-  double mean_at(std::span<const double> cells, std::size_t node) const;
-  static double length_at(std::span<const double> vectors, std::size_t node);
+  void carry(const ScalarField& field, const FieldValues& values, std::span<float> out);
+  double mean_at(const ScalarField& field, std::span<const double> values, std::size_t node) const;
 
   const ShownSurface& surface_;
   std::vector<double> nodal_;            ///< by node of the world

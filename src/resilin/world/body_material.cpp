@@ -44,6 +44,7 @@ void change_material(World& world, std::size_t index, const BodyDescription& des
   std::ranges::replace(world.terms, std::shared_ptr<const Energy>(world.bodies[index].elastic),
                        std::shared_ptr<const Energy>(elastic));
   world.bodies[index] = std::move(changed);
+  world.made_from.reset();
 }
 
 }  // namespace resilin

@@ -2,16 +2,18 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <initializer_list>
 #include <span>
 #include <string_view>
 
 #include "resilin/core/hash.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/world/description_members.hpp"
 #include "resilin/world/event_times.hpp"
 #include "resilin/world/support.hpp"
 
-// Each struct of a description is taken apart into all of its members: a new member does not compile until
-// somebody has said here whether the steps depend on it.
+// All members of a description are in it (description_members.hpp), and a new one is, too, until somebody has
+// said here that the steps do not depend on it.
 
 namespace resilin {
 namespace {
@@ -51,6 +53,7 @@ std::string_view bytes_of(const std::vector<T>& values) {
 constexpr std::size_t longest_list = 8;  ///< written out; longer ones by their hash
 
 template <class T>
+  requires std::is_arithmetic_v<T> || std::is_same_v<T, Vector3>
 std::string text(const std::vector<T>& values) {
   if (values.empty()) return "none";
   if constexpr (std::is_arithmetic_v<T>) {
@@ -87,6 +90,7 @@ std::string text(const Rotation& rotation) {
 }
 
 template <class T>
+  requires requires(const T& value) { text(value); }
 std::string text(const std::optional<T>& value) {
   return value ? text(*value) : "not given";
 }
@@ -128,154 +132,132 @@ std::string text(const Where& where) {
   return "";
 }
 
-/// Collects entries under one prefix after another.
+template <class T>
+concept Worded = requires(const T& value) { text(value); };
+
+bool is_one_of(std::string_view word, std::initializer_list<std::string_view> words) {
+  return std::ranges::find(words, word) != words.end();
+}
+
+// ---- which members the steps depend on, beside those that others of their struct make idle
+
+template <class T>
+bool is_seen(const T&, std::string_view member) {
+  return !is_one_of(member, {"place", "name"});
+}
+
+bool is_seen(const BodyDescription&, std::string_view member) {
+  return !is_one_of(member, {"place", "name", "mesh_name", "skin"});
+}
+
+bool is_seen(const LoadDescription& load, std::string_view member) {
+  return !is_one_of(member, {"place", "name", load.kind == "pressure" ? "value" : "pressure"});
+}
+
+bool is_seen(const Description& description, std::string_view member) {
+  // `simulation.kind` says in one word what is_dynamic does; unstable modes are only counted.
+  if (is_one_of(member, {"place", "title", "is_dynamic", "max_steps", "unstable_modes", "probes", "sections",
+                         "output"}))
+    return false;
+  // Adaptive steps meet the end, a turn at once is over before it, and the path of a static run ends with it;
+  // equal steps do not see it coming.
+  if (member == "end_time") {
+    return description.is_dynamic
+               ? description.adaptive.has_value() || std::ranges::any_of(description.fixes, turns_at_once)
+               : follows_time(description);
+  }
+  if (is_one_of(member, {"time_step", "integrator", "adaptive"})) return description.is_dynamic;
+  if (is_one_of(member, {"load_steps", "load_control"})) return !description.is_dynamic;
+  return true;
+}
+
+/// How a scene calls a member; empty when its parts stand beside the other members.
+std::string key_of(std::string_view member) {
+  if (is_one_of(member, {"constants", "cell_constants", "shape"})) return "";
+  return std::string(member == "pressure" ? "value" : member);
+}
+
+std::string table_of(std::string_view list) {
+  constexpr std::pair<std::string_view, const char*> tables[] = {
+      {"bodies", "body"}, {"fixes", "fix"}, {"loads", "load"}, {"colliders", "collider"}};
+  for (const auto& [name, table] : tables)
+    if (list == name) return table;
+  return std::string(list);
+}
+
+/// Collects the members that are seen under their names.
 class Entries {
  public:
-  void begin(std::string prefix) { prefix_ = std::move(prefix); }
-
-  template <class T>
-  void add(const std::string& key, const T& value) {
-    entries_.emplace_back(prefix_ + key, text(value));
-  }
-
-  /// The names of a list's entries, so that one that is new or gone is named as such.
-  template <class T>
-  void add_names(const std::string& key, const std::vector<T>& list) {
-    std::vector<std::string> names;
-    for (const T& entry : list) names.push_back(text(entry.name));
-    begin("");
-    entries_.emplace_back(key, names.empty() ? "none" : join(names));
+  explicit Entries(const Description& description) {
+    const char* still = description.modes ? "modes" : "static";
+    add("simulation.kind", std::string(description.is_dynamic ? "dynamic" : still));
+    visit_members(description, [&](std::string_view member, const auto& value) {
+      if (is_seen(description, member)) add_part(std::string(member), value);
+    });
   }
 
   Fingerprint take() { return std::move(entries_); }
 
  private:
-  std::string prefix_;
+  // Parts of a scene.
+
+  template <class T>
+  void add_part(const std::string& member, const T& value) {
+    add("simulation." + member, value);
+  }
+  void add_part(const std::string& member, const NewtonOptions& newton) { add(member, newton); }
+  void add_part(const std::string& member, const SolverOptions& solver) { add(member, solver); }
+  void add_part(const std::string&, const OutputOptions&) {}  // never seen
+  template <class T>
+  void add_part(const std::string& member, const std::vector<T>& list) {
+    const std::string table = table_of(member);
+    std::vector<std::string> names;  // so that one that is new or gone is named as such
+    for (const T& entry : list) names.push_back(text(entry.name));
+    entries_.emplace_back(table, names.empty() ? "none" : join(names));
+    for (const T& entry : list) add(table + "." + entry.name, entry);
+  }
+
+  // Values: in words, or by their own parts.
+
+  template <Worded T>
+  void add(const std::string& key, const T& value) {
+    entries_.emplace_back(key, text(value));
+  }
+  template <class T>
+    requires HasMembers<const T> && (!Worded<T>)
+  void add(const std::string& key, const T& whole) {
+    visit_members(whole, [&](std::string_view member, const auto& value) {
+      if (!is_seen(whole, member)) return;
+      const std::string own = key_of(member);
+      add(own.empty() ? key : key + "." + own, value);
+    });
+  }
+  void add(const std::string& key, const ModesOptions& modes) {
+    const auto& [count, is_loaded] = modes;
+    add(key + ".count", count);
+    add(key + ".about", std::string(is_loaded ? "load" : "rest"));
+  }
+  template <class T>
+    requires(!Worded<T>)
+  void add(const std::string& key, const std::optional<T>& value) {
+    add(key, value.has_value());
+    if (value) add(key, *value);
+  }
+  template <class T>
+  void add(const std::string& key, const std::map<std::string, T>& values) {
+    for (const auto& [name, value] : values) add(key + "." + name, value);
+  }
+  void add(const std::string& key, const std::vector<std::vector<Vector3>>& lists) {
+    for (std::size_t i = 0; i < lists.size(); ++i) add(key + "." + std::to_string(i), lists[i]);
+  }
+
   Fingerprint entries_;
 };
-
-void add_material(const MaterialDescription& material, Entries& entries) {
-  const auto& [place, law, constants, cell_constants, fibres, density] = material;
-  entries.add("law", law);
-  for (const auto& [name, value] : constants) entries.add(name, value);
-  for (const auto& [name, values] : cell_constants) entries.add(name, values);
-  for (std::size_t i = 0; i < fibres.size(); ++i) entries.add("fibres." + std::to_string(i), fibres[i]);
-  entries.add("density", density);
-}
-
-void add_damping(const DampingDescription& damping, Entries& entries) {
-  const auto& [mass, stiffness, shear_viscosity, bulk_viscosity] = damping;
-  entries.add("damping.mass", mass);
-  entries.add("damping.stiffness", stiffness);
-  entries.add("damping.shear_viscosity", shear_viscosity);
-  entries.add("damping.bulk_viscosity", bulk_viscosity);
-}
-
-void add_body(const BodyDescription& body, Entries& entries) {
-  const auto& [place, name, mesh, mesh_name, element, quadrature, material, scale, rotate, translate,
-               velocity, velocity_gradient, initial_positions, initial_velocities, mass, damping, skin] =
-      body;
-  const std::string prefix = "body." + name + ".";
-  entries.begin(prefix);
-  entries.add("mesh", mesh);
-  entries.add("element", element);
-  entries.add("quadrature", quadrature);
-  entries.begin(prefix + "material.");
-  add_material(material, entries);
-  entries.begin(prefix);
-  entries.add("scale", scale);
-  entries.add("rotate", rotate);
-  entries.add("translate", translate);
-  entries.add("velocity", velocity);
-  entries.add("velocity_gradient", velocity_gradient);
-  entries.add("initial_positions", initial_positions);
-  entries.add("initial_velocities", initial_velocities);
-  entries.add("mass", mass);
-  add_damping(damping, entries);
-}
-
-void add_fix(const FixDescription& fix, Entries& entries) {
-  const auto& [place, name, body, where, components, displacement, gradient, rotate, velocity, until,
-               time_function] = fix;
-  entries.begin("fix." + name + ".");
-  entries.add("body", body);
-  entries.add("where", where);
-  entries.add("components", components);
-  entries.add("displacement", displacement);
-  entries.add("gradient", gradient);
-  entries.add("rotate", rotate);
-  entries.add("velocity", velocity);
-  entries.add("until", until);
-  entries.add("time_function", time_function);
-}
-
-void add_load(const LoadDescription& load, Entries& entries) {
-  const auto& [place, name, body, kind, where, value, pressure, stiffness, displacement, velocity, from,
-               until, time_function] = load;
-  entries.begin("load." + name + ".");
-  entries.add("body", body);
-  entries.add("kind", kind);
-  entries.add("where", where);
-  if (kind == "pressure") {
-    entries.add("value", pressure);
-  } else {
-    entries.add("value", value);
-  }
-  entries.add("stiffness", stiffness);
-  entries.add("displacement", displacement);
-  entries.add("velocity", velocity);
-  entries.add("from", from);
-  entries.add("until", until);
-  entries.add("time_function", time_function);
-}
-
-void add_collider(const ColliderDescription& collider, Entries& entries) {
-  const auto& [place, name, kind, shape, velocity, until, activation_distance, stiffness] = collider;
-  const auto& [point, normal, center, radius] = shape;
-  entries.begin("collider." + name + ".");
-  entries.add("kind", kind);
-  entries.add("point", point);
-  entries.add("normal", normal);
-  entries.add("center", center);
-  entries.add("radius", radius);
-  entries.add("velocity", velocity);
-  entries.add("until", until);
-  entries.add("activation_distance", activation_distance);
-  entries.add("stiffness", stiffness);
-}
-
-void add_motion(const Description& d, Entries& entries) {
-  entries.add("time_step", d.time_step);
-  entries.add("integrator", d.integrator);
-  entries.add("adaptive", d.adaptive.has_value());
-  if (!d.adaptive) return;
-  const auto& [tolerance, min_step, max_step] = *d.adaptive;
-  entries.add("adaptive.tolerance", tolerance);
-  entries.add("adaptive.min_step", min_step);
-  entries.add("adaptive.max_step", max_step);
-  entries.add("end_time", d.end_time);  // adaptive steps meet it; equal ones do not see it coming
-}
-
-void add_numerics(const NewtonOptions& newton, const SolverOptions& solver, Entries& entries) {
-  const auto& [tolerance, max_iterations, projection, inversion_bound] = newton;
-  entries.begin("newton.");
-  entries.add("tolerance", tolerance);
-  entries.add("max_iterations", max_iterations);
-  entries.add("projection", projection);
-  entries.add("inversion_bound", inversion_bound);
-  const auto& [kind, max_solver_iterations] = solver;
-  entries.begin("solver.");
-  entries.add("kind", kind);
-  entries.add("max_iterations", max_solver_iterations);
-}
 
 /// On one line, and not too long for one.
 std::string shown(const std::string& text) {
   constexpr std::size_t longest = 100;
-  std::string line = text.size() > longest ? text.substr(0, longest) + "..." : text;
-  for (char& c : line)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-  return line;
+  return one_line(text.size() > longest ? text.substr(0, longest) + "..." : text);
 }
 
 bool has(const Fingerprint& fingerprint, const std::string& name) {
@@ -284,42 +266,7 @@ bool has(const Fingerprint& fingerprint, const std::string& name) {
 
 }  // namespace
 
-Fingerprint fingerprint_of(const Description& description) {
-  const auto& [place, title, is_dynamic, dimension, gravity, time_step, end_time, integrator, adaptive, modes,
-               load_steps, load_control, max_steps, unstable_modes, bodies, fixes, loads, colliders, probes,
-               sections, newton, solver, output] = description;
-  Entries entries;
-  entries.begin("simulation.");
-  entries.add("kind", std::string(modes ? "modes" : is_dynamic ? "dynamic" : "static"));
-  entries.add("dimension", dimension);
-  entries.add("gravity", gravity);
-  if (is_dynamic) {
-    add_motion(description, entries);
-  } else {
-    entries.add("load_steps", load_steps);
-    entries.add("load_control", load_control);
-  }
-  if (modes) {
-    const auto& [count, is_loaded] = *modes;
-    entries.add("modes.count", count);
-    entries.add("modes.about", std::string(is_loaded ? "load" : "rest"));
-  }
-  entries.add_names("body", bodies);
-  for (const BodyDescription& body : bodies) add_body(body, entries);
-  entries.add_names("fix", fixes);
-  for (const FixDescription& fix : fixes) add_fix(fix, entries);
-  entries.add_names("load", loads);
-  for (const LoadDescription& load : loads) add_load(load, entries);
-  entries.add_names("collider", colliders);
-  for (const ColliderDescription& collider : colliders) add_collider(collider, entries);
-  // The path of a static run ends with it, and a turn at once is over before.
-  if (is_dynamic ? !adaptive && std::ranges::any_of(fixes, turns_at_once) : follows_time(description)) {
-    entries.begin("simulation.");
-    entries.add("end_time", end_time);
-  }
-  add_numerics(newton, solver, entries);
-  return entries.take();
-}
+Fingerprint fingerprint_of(const Description& description) { return Entries(description).take(); }
 
 std::optional<FingerprintDifference> first_difference(const Fingerprint& before, const Fingerprint& now) {
   const auto [old_entry, new_entry] = std::ranges::mismatch(before, now);

@@ -1,19 +1,17 @@
 #include "resilin/world/state.hpp"
 
-#include <bit>
 #include <cmath>
-#include <cstring>
+#include <cstdint>
 
+#include "resilin/core/archive.hpp"
 #include "resilin/core/error.hpp"
-#include "resilin/core/hash.hpp"
 #include "resilin/core/text.hpp"
 
 namespace resilin {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "images are little-endian");
-
 constexpr std::string_view magic = "resilin state 8\n";
+constexpr const char* begin_again = "run again without --resume";
 constexpr int largest_step = 1000000000;           ///< so that the counter never overflows in what follows
 constexpr double smallest_load_increment = 1e-10;  ///< far below what load control ever tries
 
@@ -47,68 +45,28 @@ void visit_members(AnyState& state, Visitor&& visitor) {
 }
 
 struct Writer {
-  std::string& image;
+  ArchiveWriter& archive;
 
-  template <class T>
-  void put(const T& value) {
-    image.append(reinterpret_cast<const char*>(&value), sizeof(T));
-  }
-  void count(const char*, int value) { put(static_cast<std::int64_t>(value)); }
-  void number(const char*, double value, Sign) { put(value); }
-  void vector(const char*, const VectorX& values, Size) {
-    put(static_cast<std::int64_t>(values.size()));
-    image.append(reinterpret_cast<const char*>(values.data()),
-                 static_cast<std::size_t>(values.size()) * sizeof(double));
-  }
+  void count(const char*, int value) { archive(std::int64_t{value}); }
+  void number(const char*, double value, Sign) { archive(value); }
+  void vector(const char*, const VectorX& values, Size) { archive(values); }
 };
 
-/// Takes no size that the image gives on trust.
-class Reader {
- public:
-  Reader(std::string_view image, const std::string& place) : rest_(image), place_(place) {}
+struct Reader {
+  ArchiveReader& archive;
+  const std::string& place;
 
   void count(const char* name, int& value) {
-    const auto number = get<std::int64_t>();
+    std::int64_t number = 0;
+    archive(number);
     if (number < 0 || number > largest_step) {
-      throw InputError(place_, std::string(name) + " from 0 to " + std::to_string(largest_step),
-                       std::to_string(number), "run again without --resume");
+      throw InputError(place, std::string(name) + " from 0 to " + std::to_string(largest_step),
+                       std::to_string(number), begin_again);
     }
     value = static_cast<int>(number);
   }
-  void number(const char*, double& value, Sign) { value = get<double>(); }
-  void vector(const char*, VectorX& values, Size) {
-    const auto size = get<std::int64_t>();
-    if (size < 0 || static_cast<std::uint64_t>(size) > rest_.size() / sizeof(double)) fail("a truncated one");
-    values.resize(size);
-    if (size == 0) return;
-    const std::size_t bytes = static_cast<std::size_t>(size) * sizeof(double);
-    std::memcpy(values.data(), take(bytes).data(), bytes);
-  }
-  void end() const {
-    if (!rest_.empty()) fail("one with more behind its end");
-  }
-
- private:
-  [[noreturn]] void fail(const std::string& got) const {
-    throw InputError(place_, "a complete checkpoint", got, "run again without --resume");
-  }
-
-  template <class T>
-  T get() {
-    T value;
-    std::memcpy(&value, take(sizeof(T)).data(), sizeof(T));
-    return value;
-  }
-
-  std::string_view take(std::size_t size) {
-    if (size > rest_.size()) fail("a truncated one");
-    const std::string_view taken = rest_.substr(0, size);
-    rest_.remove_prefix(size);
-    return taken;
-  }
-
-  std::string_view rest_;
-  const std::string& place_;
+  void number(const char*, double& value, Sign) { archive(value); }
+  void vector(const char*, VectorX& values, Size) { archive(values); }
 };
 
 struct Checker {
@@ -116,8 +74,7 @@ struct Checker {
   const std::string& place;
 
   [[noreturn]] void fail(const char* name, const std::string& expected, const std::string& got) const {
-    throw InputError(place, "a checkpoint with " + std::string(name) + " " + expected, got,
-                     "run again without --resume");
+    throw InputError(place, "a checkpoint with " + std::string(name) + " " + expected, got, begin_again);
   }
   void count(const char* name, int value) const {
     if (value < 0 || value > largest_step)
@@ -140,27 +97,16 @@ struct Checker {
 }  // namespace
 
 std::string serialize(const State& state) {
-  std::string image(magic);
-  Writer writer{image};
-  visit_members(state, writer);
-  writer.put(hash_of(image));
-  return image;
+  ArchiveWriter archive;
+  visit_members(state, Writer{archive});
+  return sealed(magic, archive.take());
 }
 
 State deserialize_state(std::string_view image, const std::string& place) {
-  if (image.substr(0, magic.size()) != magic)
-    throw InputError(place, "a checkpoint of this version", "something else", "run again without --resume");
-  std::uint64_t sum = 0;
-  const std::size_t end = image.size() - magic.size() < sizeof(sum) ? 0 : image.size() - sizeof(sum);
-  if (end > 0) std::memcpy(&sum, image.data() + end, sizeof(sum));
-  if (end == 0 || sum != hash_of(image.substr(0, end))) {
-    throw InputError(place, "a checkpoint as it was written", "a truncated or damaged one",
-                     "run again without --resume");
-  }
-  Reader reader(image.substr(magic.size(), end - magic.size()), place);
+  ArchiveReader archive(unsealed(image, magic, place, begin_again), place, begin_again);
   State state;
-  visit_members(state, reader);
-  reader.end();
+  visit_members(state, Reader{archive, place});
+  archive.end();
   return state;
 }
 

@@ -297,6 +297,7 @@ World::World(const Description& description)
       is_dynamic(description.is_dynamic),
       title(description.title),
       place(description.place),
+      made_from(std::make_shared<const Description>(description)),
       gravity(description.gravity),
       time_step(description.time_step),
       end_time(description.end_time),

@@ -60,7 +60,8 @@ class World {
   bool is_dynamic = false;
   std::string title;
   std::string place;
-  Vector3 gravity = Vector3::Zero();  ///< [m/s^2]
+  std::shared_ptr<const Description> made_from;  ///< null once a material was changed
+  Vector3 gravity = Vector3::Zero();             ///< [m/s^2]
   double time_step = 0;
   double end_time = 0;
   double path_time = 0;  ///< static: the time at load factor 1, where anything follows time; else 0 [s]

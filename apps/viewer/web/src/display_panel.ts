@@ -1,8 +1,11 @@
 /** The part of the panel that live scenes and results share: what is drawn and how. */
 
 import type { Controller, GUI } from "lil-gui";
-import type { Look, Viewport } from "./viewport";
+
+import { element } from "./dom";
+import type { Field } from "./protocol";
 import type { Theme, ThemeChoice } from "./theme";
+import type { Look, Viewport } from "./viewport";
 
 export interface DisplayChoices extends Look {
   field: string; // name; "": the body's own colour
@@ -13,6 +16,31 @@ export interface DisplayEvents {
   field(name: string): void;
   look(): void;
   rangeOver?(choice: "all frames" | "this frame"): void; // of recordings
+}
+
+interface FieldGroup {
+  label: string;
+  fields: Field[];
+}
+
+/** Fields that belong together stand together, in the order in which their groups first appear. */
+function groupsOf(fields: Field[]): FieldGroup[] {
+  const groups = new Map<string, Field[]>();
+  for (const field of fields) {
+    const label = field.group ?? field.label;
+    groups.set(label, [...(groups.get(label) ?? []), field]);
+  }
+  return [...groups].map(([label, members]) => ({ label, fields: members }));
+}
+
+/** Puts the options of a list, after the first, under the headings of their groups; a group of one needs none. */
+function groupOptions(select: HTMLSelectElement, groups: FieldGroup[]): void {
+  const options = [...select.options].slice(1);
+  for (const { label, fields } of groups) {
+    const members = options.splice(0, fields.length);
+    if (members.length < 2) select.append(...members);
+    else select.append(element("optgroup", { label }, ...members));
+  }
 }
 
 export class DisplayPanel {
@@ -31,12 +59,15 @@ export class DisplayPanel {
       events.look();
     };
     const { fields, parts } = viewport.header;
-    const options = Object.fromEntries([["body colour", ""], ...fields.map((field) => [field.label, field.name])]);
+    const groups = groupsOf(fields);
+    const sorted = groups.flatMap((group) => group.fields);
+    const options = Object.fromEntries([["body colour", ""], ...sorted.map((field) => [field.label, field.name])]);
     const named = (controller: Controller, id: string, name: string) => {
       controller.domElement.dataset.testid = `show-${id}`;
       return controller.name(name).onChange(apply);
     };
-    named(folder.add(choices, "field", options), "field", "Colour by").onChange(events.field);
+    const colours = named(folder.add(choices, "field", options), "field", "Colour by").onChange(events.field);
+    groupOptions(colours.domElement.querySelector("select")!, groups);
     if (events.rangeOver) {
       const range = folder.add({ over: "all frames" }, "over", ["all frames", "this frame"]);
       named(range, "range", "Range over").onChange(events.rangeOver);

@@ -1,17 +1,19 @@
 /** Starts the page that its source asks for: a live scene, a result folder, or what is in the page itself. */
 
-import { nullable, object, word } from "./decode";
+import { list, nullable, object, text, word } from "./decode";
 import { element } from "./dom";
 import { LiveApp } from "./live_app";
-import { readRecording, RecordedValues } from "./recording";
+import { readField } from "./protocol";
+import { type OtherFields, RecordedValues } from "./recorded_values";
+import { inflated, readRecording } from "./recording";
 import { readReport } from "./report";
 import { ResultsApp } from "./results_app";
 
 const token = new URLSearchParams(location.search).get("token") ?? "";
 const textOf = (id: string) => document.getElementById(id)?.textContent ?? "";
 
-async function fetched(path: string): Promise<Response> {
-  const answer = await fetch(`${path}?${new URLSearchParams({ token })}`);
+async function fetched(path: string, more: Record<string, string> = {}): Promise<Response> {
+  const answer = await fetch(`${path}?${new URLSearchParams({ token, ...more })}`);
   if (!answer.ok) throw new Error(`${path}: ${(await answer.text()).trim() || answer.status}`);
   return answer;
 }
@@ -20,6 +22,28 @@ function bytesOfBase64(text: string): ArrayBuffer {
   const binary = atob(text.trim());
   return Uint8Array.from(binary, (letter) => letter.charCodeAt(0)).buffer;
 }
+
+/** Fields that the recording does not hold: the program computes them, or a small page has them with it. */
+async function otherFields(embedded: boolean): Promise<OtherFields> {
+  if (!embedded) {
+    const answer = await fetched("fields").catch(() => null); // without them the recording can be shown all the same
+    return {
+      fields: answer === null ? [] : list(readField)(await answer.json(), "fields"),
+      fetch: async (name) => (await fetched("field", { name })).arrayBuffer(),
+    };
+  }
+  const entries = list(readEmbeddedField)(JSON.parse(textOf("fields") || "[]"), "fields");
+  const values = new Map(entries.map((entry) => [entry.field.name, entry.values]));
+  return {
+    fields: entries.map((entry) => entry.field),
+    fetch: async (name) => {
+      const bytes = await inflated(new Uint8Array(bytesOfBase64(values.get(name)!)));
+      return bytes.buffer as ArrayBuffer;
+    },
+  };
+}
+
+const readEmbeddedField = object({ field: readField, values: text });
 
 async function startResults(embedded: boolean): Promise<void> {
   const words = element("p", { class: "reading", data: "reading", role: "status" }, "Reading the recording …");
@@ -32,7 +56,8 @@ async function startResults(embedded: boolean): Promise<void> {
     );
     if (recording.frames.length === 0) throw new Error(recording.damage || "The recording holds no frame.");
     const report: unknown = JSON.parse(embedded ? textOf("report") || "null" : await (await fetched("report")).text());
-    new ResultsApp(new RecordedValues(recording), nullable(readReport)(report, "report"));
+    const values = new RecordedValues(recording, await otherFields(embedded));
+    new ResultsApp(values, nullable(readReport)(report, "report"));
     words.remove();
   } catch (error) {
     words.textContent = `The results cannot be shown. ${error instanceof Error ? error.message : String(error)}`;

@@ -60,4 +60,10 @@ export class Overlays {
     clearTimeout(this.toastEnds);
     this.toastEnds = window.setTimeout(() => (this.toast.hidden = true), 6000);
   }
+
+  /** Takes the line away. */
+  hush(): void {
+    clearTimeout(this.toastEnds);
+    this.toast.hidden = true;
+  }
 }

@@ -2,8 +2,8 @@
 
 import { Chart } from "./charts";
 import { element } from "./dom";
-import type { RecordedValues } from "./recording";
-import { curvesOf, timeAxis, type Report, type TimeAxis } from "./report";
+import type { RecordedValues } from "./recorded_values";
+import { curvesOf, type Report, timeAxis, type TimeAxis } from "./report";
 
 const HEIGHT = 118;
 
@@ -73,7 +73,7 @@ export class Plots {
       labels.map((label) => ({ label, unit: "m" })),
       rows,
     );
-    if (field > 0) {
+    if (field >= 0 && this.values.fields[field].group !== "displacement") {
       const { label, unit } = this.values.fields[field];
       const title = `${label} of vertex ${vertex}${unit ? ` [${unit}]` : ""}`;
       const curve = frames.map((_, i) => this.values.value(i, field, vertex));

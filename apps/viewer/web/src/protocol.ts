@@ -36,8 +36,8 @@ const part = object({
 });
 export type Part = Read<typeof part>;
 
-const field = object({ name: text, label: text, unit: text });
-export type Field = Read<typeof field>;
+export const readField = object({ name: text, label: text, unit: text, group: optional(text) });
+export type Field = Read<typeof readField>;
 
 /** What is drawn: of a live scene and of a recording. */
 const headerShape = {
@@ -49,7 +49,7 @@ const headerShape = {
   eye: optional(vector), // from the scene to the eye, at first
   gravity: vector,
   parts: list(part),
-  fields: list(field),
+  fields: list(readField),
 };
 
 export const readHeader = object({

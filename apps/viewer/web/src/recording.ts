@@ -1,14 +1,9 @@
-/** Reads a recording: header, topology, and frames as differences; docs/view_protocol.md describes the format. */
+/**
+ * Reads a recording: header, topology, and frames as differences; docs/view_protocol.md describes the
+ * format.
+ */
 
-import {
-  decodeTopology,
-  readHeader,
-  vertexCount,
-  type Field,
-  type Frame,
-  type Header,
-  type Topology,
-} from "./protocol";
+import { decodeTopology, type Header, readHeader, type Topology, vertexCount } from "./protocol";
 
 /** A recorded state. */
 export interface RecordedFrame {
@@ -158,7 +153,7 @@ class Decoder {
   }
 }
 
-async function inflated(bytes: Uint8Array): Promise<Uint8Array> {
+export async function inflated(bytes: Uint8Array): Promise<Uint8Array> {
   const stream = new Blob([bytes as Uint8Array<ArrayBuffer>]).stream().pipeThrough(new DecompressionStream("deflate"));
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
@@ -173,83 +168,4 @@ function crc32(bytes: Uint8Array): number {
   let c = 0xffffffff;
   for (const byte of bytes) c = crcTable[(c ^ byte) & 0xff] ^ (c >>> 8);
   return (c ^ 0xffffffff) >>> 0;
-}
-
-/** What the results page shows of a recording: the recorded fields, and the displacement formed from the places. */
-export class RecordedValues {
-  readonly fields: Field[];
-  private readonly positions: Float32Array;
-  private readonly lengths: Uint16Array;
-  private greatestDisplacement: number | null = null;
-
-  constructor(readonly recording: Recording) {
-    const recorded = recording.header.fields;
-    this.fields = [{ name: "displacement", label: "displacement", unit: "m" }, ...recorded];
-    this.positions = new Float32Array(recording.topology.restPositions.length);
-    this.lengths = new Uint16Array(this.positions.length / 3);
-  }
-
-  /** `field`: place in `fields`; -1: none. */
-  frame(index: number, field: number): Frame {
-    const { frames, topology } = this.recording;
-    const recorded = frames[index];
-    for (let i = 0; i < this.positions.length; ++i)
-      this.positions[i] = topology.restPositions[i] + recorded.displacements[i];
-    const [least, greatest] = field < 0 ? [0, 1] : this.rangeOfFrame(index, field);
-    const fieldValues =
-      field < 0 ? null : field === 0 ? this.displacementCodes(index, greatest) : recorded.fields[field - 1];
-    return {
-      number: index,
-      time: recorded.time,
-      answersDrag: 0,
-      field,
-      least,
-      greatest,
-      positions: this.positions,
-      normals: null,
-      fieldValues,
-    };
-  }
-
-  private displacementCodes(index: number, greatest: number): Uint16Array {
-    const scale = greatest > 0 ? 65534 / greatest : 0;
-    for (let v = 0; v < this.lengths.length; ++v) {
-      const length = this.displacement(index, v)[3];
-      this.lengths[v] = 1 + Math.min(65534, Math.round(scale * length));
-    }
-    return this.lengths;
-  }
-
-  rangeOfFrame(index: number, field: number): [number, number] {
-    if (field > 0) return this.recording.frames[index].ranges[field - 1];
-    let greatest = 0;
-    for (let v = 0; v < this.lengths.length; ++v) greatest = Math.max(greatest, this.displacement(index, v)[3]);
-    return [0, greatest];
-  }
-
-  /** Over all frames. */
-  range(field: number): [number, number] {
-    const { frames } = this.recording;
-    if (field > 0) {
-      const known = frames.map((frame) => frame.ranges[field - 1]).filter((range) => range.every(Number.isFinite));
-      return [Math.min(...known.map((range) => range[0])), Math.max(...known.map((range) => range[1]))];
-    }
-    this.greatestDisplacement ??= Math.max(...frames.map((_, i) => this.rangeOfFrame(i, 0)[1]));
-    return [0, this.greatestDisplacement];
-  }
-
-  /** Components and length [m]. */
-  displacement(index: number, vertex: number): [number, number, number, number] {
-    const { displacements } = this.recording.frames[index];
-    const [x, y, z] = displacements.subarray(3 * vertex, 3 * vertex + 3);
-    return [x, y, z, Math.sqrt(x * x + y * y + z * z)];
-  }
-
-  /** The value of a recorded field (place in `fields`, from 1); NaN where there is none. */
-  value(index: number, field: number, vertex: number): number {
-    const frame = this.recording.frames[index];
-    const code = frame.fields[field - 1][vertex];
-    const [least, greatest] = frame.ranges[field - 1];
-    return code === 0 ? NaN : least + ((code - 1) / 65534) * (greatest - least);
-  }
 }

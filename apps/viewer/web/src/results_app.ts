@@ -6,7 +6,8 @@ import { Gestures, type Place } from "./gestures";
 import { Overlays } from "./overlays";
 import { Plots } from "./plots";
 import type { Frame } from "./protocol";
-import { RecordedValues, type Recording } from "./recording";
+import type { RecordedValues } from "./recorded_values";
+import type { Recording } from "./recording";
 import type { Report } from "./report";
 import { Shell } from "./shell";
 import { Timeline } from "./timeline";
@@ -31,6 +32,7 @@ export class ResultsApp {
   private readonly timeline: Timeline;
   private readonly plots: Plots;
   private field = -1;
+  private chosen = ""; // name of the field that is shown, or will be once it is there
   private wanted: number | null = 0; // frame to be drawn next
   private probed: number | null = null;
   private rangeOverAll = true;
@@ -133,9 +135,28 @@ export class ResultsApp {
     this.shell.inspected.probed = vertex;
   }
 
-  private chooseField(name: string): void {
-    this.field = this.values.fields.findIndex((field) => field.name === name);
-    this.shell.setOwnRange(null);
+  /** What has to be computed first is shown when it is there, unless something else was chosen meanwhile. */
+  private chooseField(name: string, range: [number, number] | null = null): void {
+    const { values, shell } = this;
+    const field = values.fields.findIndex((entry) => entry.name === name);
+    this.chosen = name;
+    if (field < 0 || values.isReady(field)) return this.showField(field, range);
+    this.overlays.say(`${values.fields[field].label} is being computed …`, "fine");
+    values.load(field).then(
+      () => this.chosen === name && this.showField(field, range),
+      (error: unknown) => {
+        if (this.chosen !== name) return;
+        this.overlays.say(error instanceof Error ? error.message : String(error));
+        shell.choices.field = this.field < 0 ? "" : values.fields[this.field].name;
+        shell.display!.refresh();
+      },
+    );
+  }
+
+  private showField(field: number, range: [number, number] | null): void {
+    this.field = field;
+    this.overlays.hush();
+    this.shell.setOwnRange(range);
     this.wanted = this.timeline.index;
     this.plots.probe(this.probed, this.field);
     this.addressBar.changed();
@@ -188,9 +209,8 @@ export class ResultsApp {
     shell.choices.field = this.values.fields.some((field) => field.name === view.field) ? view.field! : "";
     shell.display!.refresh();
     shell.viewport!.setLook(shell.choices);
-    this.chooseField(shell.choices.field);
+    this.chooseField(shell.choices.field, view.range ?? null);
     if (view.camera) shell.viewport!.orbit.setPose(view.camera);
-    if (view.range) shell.setOwnRange(view.range);
     this.timeline.seek(view.frame ?? this.values.recording.frames.length - 1);
   }
 

@@ -2,7 +2,10 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { readRecording, RecordedValues } from "../src/recording";
+
+import { decodeFieldFrames, RecordedValues } from "../src/recorded_values";
+import { readRecording } from "../src/recording";
+
 import { bendingBeam, crc32, QUANTUM, writeRecording } from "./recording_writer";
 
 const beam = bendingBeam(5, 0.3);
@@ -47,4 +50,65 @@ test("what is not a recording is refused in words", async () => {
   await assert.rejects(read(Buffer.from("something else altogether")), /does not begin with RSR1/);
   await assert.rejects(read(recording.subarray(0, 40)), /ends inside its header/);
   await assert.rejects(read(recording.subarray(0, 900)), /ends inside its topology/);
+});
+
+/**
+ * The bytes of a field that the program computes: value v at vertex v of every frame, in frames of these
+ * numbers.
+ */
+function fieldBytes(numVertices: number, numbers: number[]): ArrayBuffer {
+  const size = 12 + 2 * (numVertices + (numVertices % 2));
+  const view = new DataView(new ArrayBuffer(12 + size * numbers.length));
+  [0x31565352, numVertices, numbers.length].forEach((word, i) => view.setUint32(4 * i, word, true));
+  numbers.forEach((number, f) => {
+    const offset = 12 + f * size;
+    view.setUint32(offset, number, true);
+    view.setFloat32(offset + 4, 0, true);
+    view.setFloat32(offset + 8, 65534, true);
+    for (let v = 1; v < numVertices; ++v) view.setUint16(offset + 12 + 2 * v, v + 1, true); // vertex 0: not a number
+  });
+  return view.buffer;
+}
+
+test("a field that is not recorded is fetched once, and belongs to the frames by their numbers", async () => {
+  const numVertices = beam.rest.length / 3;
+  const asked: string[] = [];
+  const values = new RecordedValues(await read(recording), {
+    fields: ["von_mises", "displacement.x", "pressure"].map((name) => ({ name, label: name, unit: "" })),
+    fetch: async (name) => {
+      asked.push(name);
+      return fieldBytes(numVertices, [4, 3, 1, 0]);
+    },
+  });
+  const names = values.fields.map((field) => field.name);
+  assert.equal(new Set(names).size, names.length, "each once");
+  const pressure = names.indexOf("pressure");
+  assert.ok(names.every((_, i) => values.isReady(i) === (i !== pressure)));
+  await values.load(pressure);
+  await values.load(pressure);
+  await values.load(names.indexOf("von_mises"));
+  assert.deepEqual(asked, ["pressure"]);
+  for (const frame of [0, 1, 3, 4]) {
+    assert.ok(Number.isNaN(values.value(frame, pressure, 0)));
+    assert.equal(values.value(frame, pressure, 7), 7);
+  }
+  assert.ok(Number.isNaN(values.value(2, pressure, 7)), "a frame that was not there");
+  assert.deepEqual(values.range(pressure), [0, 65534]);
+  assert.equal(values.frame(4, pressure).fieldValues![7], 8);
+});
+
+test("components of the displacement are formed from the places", async () => {
+  const values = new RecordedValues(await read(recording));
+  const y = values.fields.findIndex((field) => field.name === "displacement.y");
+  const tip = beam.rest.length / 3 - 1;
+  assert.ok(Math.abs(values.value(4, y, tip) + 0.3) < 2 * QUANTUM + 0.3 / 65534);
+  assert.ok(Math.abs(values.range(y)[0] + 0.3) < 2 * QUANTUM);
+  assert.ok(Math.abs(values.range(y)[1]) < 2 * QUANTUM);
+  assert.ok(Math.abs(values.value(4, 0, tip) - 0.3) < 2 * QUANTUM + 0.3 / 65534);
+});
+
+test("values of another surface are refused", async () => {
+  const { frames } = await read(recording);
+  assert.throws(() => decodeFieldFrames(fieldBytes(3, [0]), frames, 4), /another surface/);
+  assert.throws(() => decodeFieldFrames(new ArrayBuffer(4), frames, 4), /do not begin with RSV1/);
 });

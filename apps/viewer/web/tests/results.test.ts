@@ -4,7 +4,8 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import path from "node:path";
 import { after, before, test } from "node:test";
-import { difference, Program, runProgram, TestBrowser, webFolder, type Watched } from "./harness";
+
+import { difference, Program, runProgram, TestBrowser, type Watched, webFolder } from "./harness";
 import { bendingBeam, reportOf, writeRecording, writeResultPage } from "./recording_writer";
 
 const beam = bendingBeam(21, 0.4);
@@ -201,13 +202,25 @@ test("a run leaves result.html, and resilin view shows its folder", async () => 
       await withPage(async (watched) => {
         const last = report.frames.length - 1;
         await watched.until(`resilin.frame === ${last}`);
-        // The corner's displacement in the recording is that of its probe in the report, to the recording's quantum.
+        // The corner's displacement in the recording is that of its probe in the report, to the recording's
+        // quantum.
         const corner = await watched.value<number>(
           "(() => { for (let v = 0; ; ++v) if (resilin.restPosition(v).every((x) => x > 0.999)) return v; })()",
         );
         const [x, y, z] = await watched.value<number[]>(`resilin.position(${corner})`);
         const { displacement } = report.frames[last].probes.corner;
         [x - 1, y - 1, z - 1].forEach((u, i) => assert.ok(Math.abs(u - displacement[i]) < 1e-4));
+        // Fields that the scene did not ask for: the program computes them, a small page has them with it.
+        const select = watched.page.getByTestId("show-field").locator("select");
+        const labels = (await select.locator("option").allInnerTexts()).map((label) => label.trim());
+        const wanted = ["pressure", "principal stress 1", "Cauchy stress xy", "displacement z", "velocity"];
+        if (where === program.address) wanted.push("von Mises stress, smooth");
+        for (const label of wanted) {
+          assert.ok(labels.includes(label), `${label} of ${labels}`);
+          await select.selectOption({ label });
+          const place = `resilin.header.fields.findIndex((field) => field.label === "${label}")`;
+          await watched.until(`resilin.shownField === ${place}`);
+        }
         await seek(watched, 0);
         assert.ok((await watched.picture()).covered > 0.02);
       }, where);

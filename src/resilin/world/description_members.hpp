@@ -1,0 +1,43 @@
+#pragma once
+
+#include "resilin/core/members.hpp"
+#include "resilin/mesh/mesh_members.hpp"
+#include "resilin/world/description.hpp"
+
+/// What a description consists of. Its image keeps all of it; which of it the steps depend on is said in
+/// fingerprint.cpp.
+namespace resilin {
+
+inline Members<> members(const TimeFunction::Constant&) { return {}; }
+
+RESILIN_MEMBERS(Where, kind, group, min, max, axis, at, tolerance, center, radius, vertices)
+RESILIN_MEMBERS(MaterialDescription, place, law, constants, cell_constants, fibres, density)
+RESILIN_MEMBERS(Rotation, axis, center, degrees)
+RESILIN_MEMBERS(DampingDescription, mass, stiffness, shear_viscosity, bulk_viscosity)
+RESILIN_MEMBERS(SkinDescription, place, surface, surface_name, is_smooth)
+RESILIN_MEMBERS(BodyDescription, place, name, mesh, mesh_name, element, quadrature, material, scale, rotate,
+                translate, velocity, velocity_gradient, initial_positions, initial_velocities, mass, damping,
+                skin)
+RESILIN_MEMBERS(TimeFunction::Table, times, values)
+RESILIN_MEMBERS(TimeFunction::Sine, frequency, amplitude, phase, offset)
+RESILIN_MEMBERS(TimeFunction::Ramp, from, until)
+RESILIN_MEMBERS(TimeFunction, form)
+RESILIN_MEMBERS(FixDescription, place, name, body, where, components, displacement, gradient, rotate,
+                velocity, until, time_function)
+RESILIN_MEMBERS(LoadDescription, place, name, body, kind, where, value, pressure, stiffness, displacement,
+                velocity, from, until, time_function)
+RESILIN_MEMBERS(ShapeDescription, point, normal, center, radius)
+RESILIN_MEMBERS(ColliderDescription, place, name, kind, shape, velocity, until, activation_distance,
+                stiffness)
+RESILIN_MEMBERS(ProbeDescription, place, name, body, at)
+RESILIN_MEMBERS(SectionDescription, place, name, body, axis, at)
+RESILIN_MEMBERS(NewtonOptions, tolerance, max_iterations, projection, inversion_bound)
+RESILIN_MEMBERS(SolverOptions, kind, max_iterations)
+RESILIN_MEMBERS(OutputOptions, every, fields, formats)
+RESILIN_MEMBERS(AdaptiveSteps, tolerance, min_step, max_step)
+RESILIN_MEMBERS(ModesOptions, count, is_loaded)
+RESILIN_MEMBERS(Description, place, title, is_dynamic, dimension, gravity, time_step, end_time, integrator,
+                adaptive, modes, load_steps, load_control, max_steps, unstable_modes, bodies, fixes, loads,
+                colliders, probes, sections, newton, solver, output)
+
+}  // namespace resilin

@@ -1,0 +1,124 @@
+// What is computed from the frames of a run is what its states give, wherever the scene stands.
+
+#include "resilin/results/saved_run.hpp"
+
+#include <gtest/gtest.h>
+
+#include "resilin/fields/evaluator.hpp"
+#include "resilin/io/vtu.hpp"
+#include "resilin/results/result_picture.hpp"
+#include "resilin/results/results.hpp"
+#include "resilin/results/run.hpp"
+#include "small_scenes.hpp"
+#include "temporary_folder.hpp"
+
+namespace resilin::testing {
+namespace {
+
+struct Placed {
+  int dimension;
+  bool is_dynamic;
+  double distance;  ///< of the scene from its origin, in extents of the bar
+};
+
+std::ostream& operator<<(std::ostream& stream, const Placed& placed) {
+  return stream << placed.dimension << "D, " << (placed.is_dynamic ? "dynamic, " : "static, ")
+                << placed.distance;
+}
+
+Description scene_of(const Placed& placed) {
+  Description scene = small_bar(placed.dimension, placed.is_dynamic);
+  scene.end_time = 0.1;
+  Vector3 place = Vector3::Zero();
+  place.head(placed.dimension).setConstant(placed.distance);
+  scene.bodies[0].translate = place;
+  FixDescription& wall = scene.fixes[0];
+  wall.where.at = place[wall.where.axis];
+  wall.where.tolerance = 0.001;
+  scene.probes[0].at += place;
+  return scene;
+}
+
+/// A run into a folder to its end; its last state stays with it.
+struct SavedRun {
+  SavedRun(const Placed& placed, std::filesystem::path place)
+      : folder(std::move(place)), simulation(scene_of(placed)) {
+    ResultFolder results(folder);
+    results.record(simulation, false);
+    const RunOutcome outcome = run_to_end(simulation, {});
+    results.record(simulation, true);
+    results.finish(simulation, outcome);
+  }
+
+  std::filesystem::path folder;
+  Simulation simulation;
+};
+
+struct FramesOfARun : ::testing::TestWithParam<Placed> {
+  const TemporaryFolder folder;
+};
+INSTANTIATE_TEST_SUITE_P(Places, FramesOfARun,
+                         ::testing::Values(Placed{2, false, 0}, Placed{2, true, 0}, Placed{3, false, 0},
+                                           Placed{3, true, 0}, Placed{2, false, 1e6}, Placed{2, true, 1e6},
+                                           Placed{3, false, 1e6}, Placed{3, true, 1e6}));
+
+TEST_P(FramesOfARun, HaveTheFieldsOfTheStates) {
+  const SavedRun run(GetParam(), folder / "out");
+  const std::shared_ptr<const World> world = saved_world(run.folder);
+  ASSERT_NE(world, nullptr);
+  EXPECT_EQ(world->origin, run.simulation.world().origin);
+  EXPECT_EQ(world->origin.isZero(0), GetParam().distance == 0);
+  const std::filesystem::path file = frame_files(run.folder).back();
+  const State state = state_of_frame(*world, read_vtu(file), file);
+  EXPECT_EQ(state.time, run.simulation.state().time);
+  const std::vector<std::string> names = {"displacement", "velocity", "von_mises", "cauchy_stress"};
+  const std::vector<FieldValues> found = FieldEvaluator(*world).evaluate(state, names),
+                                 expected = FieldEvaluator(run.simulation.world())
+                                                .evaluate(run.simulation.state(), names);
+  for (std::size_t f = 0; f < names.size(); ++f) {
+    const auto vector = [](const std::vector<double>& values) {
+      return Eigen::Map<const VectorX>(values.data(), static_cast<Eigen::Index>(values.size()));
+    };
+    const VectorX values = vector(found[f].values), true_values = vector(expected[f].values);
+    ASSERT_EQ(values.size(), true_values.size());
+    // Near the origin bit by bit; elsewhere a place is a rest place and a displacement, rounded once.
+    const double tolerance = GetParam().distance == 0 ? 0 : 1e-12 * true_values.cwiseAbs().maxCoeff();
+    EXPECT_LE((values - true_values).cwiseAbs().maxCoeff(), tolerance) << names[f];
+  }
+}
+
+PictureOptions small_picture(const std::string& field) {
+  PictureOptions options;
+  options.field = field;
+  options.width = 200;
+  options.height = 150;
+  return options;
+}
+
+TEST_P(FramesOfARun, AreDrawnAsTheStates) {
+  const SavedRun run(GetParam(), folder / "out");
+  for (const char* field : {"von_mises", "displacement"}) {
+    PictureOptions options = small_picture(field);
+    options.shows_rest = true;
+    const Image of_frame = draw_result(run.folder, -1, options),
+                of_state = draw_state(run.simulation.world(), run.simulation.state(), options);
+    EXPECT_EQ(of_frame.pixels, of_state.pixels) << field;
+  }
+}
+
+/// The last picture of a run somewhere.
+Image picture_at(double distance, const std::filesystem::path& folder) {
+  const SavedRun run({3, false, distance}, folder);
+  return draw_result(folder, -1, small_picture("von_mises"));
+}
+
+TEST(PicturesOfFarScenes, AreThoseOfNearOnes) {
+  const TemporaryFolder folder;
+  const Image near = picture_at(0, folder / "near"), far = picture_at(1e6, folder / "far");
+  std::size_t different = 0;
+  for (std::size_t i = 0; i < near.pixels.size(); ++i) different += near.pixels[i] != far.pixels[i] ? 1 : 0;
+  EXPECT_LE(different, near.pixels.size() / 1000);  // edges of triangles that end on the edge of a pixel
+}
+
+}  // namespace
+}  // namespace resilin::testing
