@@ -18,6 +18,7 @@ SHARED = {
     "libquadmath": ("GCC's quad-precision library", "LGPL-2.1-or-later", "libquadmath0"),
     "libmetis": ("METIS", "Apache-2.0", "libmetis5"),
     "libtbb": ("oneTBB", "Apache-2.0", "libtbb12"),
+    "libfmt": ("{fmt}", "MIT", "libfmt9"),
     "libtomlplusplus": ("toml++", "MIT", "libtomlplusplus3"),
     "libfreetype": ("FreeType", "FTL (FreeType License)", "libfreetype6"),
     "libpng": ("libpng", "libpng License", "libpng16-16"),
@@ -27,6 +28,8 @@ SHARED = {
 COMPILED_IN = {  # headers and static libraries
     "Eigen": ("MPL-2.0", "libeigen3-dev"),
     "JSON for Modern C++": ("MIT", "nlohmann-json3-dev"),
+    "Boost": ("BSL-1.0", "libboost1.74-dev"),
+    "CLI11": ("BSD-3-Clause", "libcli11-dev"),
 }
 FONT_LICENCE = pathlib.Path(__file__).parent.parent / "src/resilin/picture/DejaVuSans.LICENSE"
 FILE_NAME = "licenses/bundled-libraries.txt"
@@ -49,7 +52,7 @@ def text_for(found):
     """The list, then the terms themselves."""
     lines = ["This wheel carries, unchanged but for their names, these shared libraries of Debian:", ""]
     lines += [f"  {pathlib.PurePath(name).name}: {SHARED[key][0]}, {SHARED[key][1]}" for name, key in found.items()]
-    lines += ["", "Compiled into the extension:", ""]
+    lines += ["", "Compiled into the extension and the program:", ""]
     lines += [f"  {project}: {licence}" for project, (licence, _) in COMPILED_IN.items()]
     lines += ["  DejaVu Sans, a part of it: Bitstream Vera License"]
     lines += ["  nanobind: BSD-3-Clause", "  robin-map (in nanobind): MIT", ""]

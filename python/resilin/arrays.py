@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from resilin.typing import TensorLike
+    from resilin.typing import AnyPath, TensorLike
 
 FLOAT64: np.dtype[np.float64] = np.dtype(np.float64)
 FLOAT32: np.dtype[np.float32] = np.dtype(np.float32)
@@ -29,6 +30,30 @@ def is_tensor(value: object) -> TypeGuard[TensorLike[Any]]:
 
 def refuse(place: str, expected: str, got: str, cure: str = "") -> NoReturn:
     raise InputError(f"{place}: expected {expected}, got {got}" + (f"; {cure}" if cure else ""))
+
+
+def plain_text(value: object, place: str) -> str:
+    """A text that has a form in UTF-8, which a lone surrogate such as "\\ud800" has not."""
+    if not isinstance(value, str):
+        refuse(place, "a text", repr(value))
+    try:
+        value.encode()
+    except UnicodeEncodeError as error:
+        lone = ascii(value[error.start])
+        refuse(place, "a text of whole characters", f"{ascii(value)[:60]} with half of one, {lone}")
+    return value
+
+
+def file_path(path: AnyPath, place: str) -> str:
+    """A path that the system can hold."""
+    text = os.fspath(path)
+    try:
+        has_null = b"\0" in os.fsencode(text)
+    except UnicodeEncodeError:
+        refuse(place, "a path of whole characters", ascii(text)[:60])
+    if has_null:
+        refuse(place, "a path without null characters", ascii(text)[:60])
+    return text
 
 
 def real_array(value: object, place: str) -> NDArray[np.floating[Any]]:

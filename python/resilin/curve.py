@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from resilin import _core
-from resilin.arrays import refuse
+from resilin.arrays import plain_text, refuse
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -130,6 +130,7 @@ def stretch_curve(
     """The curve of a law; see `Material.curve`."""
     if not isinstance(kind, str):
         refuse("kind", "the name of a curve", repr(kind))
+    plain_text(kind, "kind")
     at = np.linspace(*_core.usual_range(kind), NUM_POINTS) if stretches is None else _stretch_array(stretches)
     numbers = [_one_number(law, name, value) for name, value in constants.items()]
     directions = np.zeros((0, 3)) if fibres is None else fibres

@@ -2,27 +2,30 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
 from resilin import _core
-from resilin.arrays import describe, real_array, refuse
+from resilin.arrays import describe, is_tensor, plain_text, real_array, refuse
+from resilin.body_parts import constant_rows, csr_matrix_of, element_of, fibre_rows
 from resilin.catalog import projection_named
-from resilin.embedding import elements_by_kind
-from resilin.material import number_constants
+from resilin.law_at_arrays import LawAtArrays
 from resilin.mesh import warn
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-    from typing import Literal
+    from typing import Literal, TypeVar
 
     from numpy.typing import NDArray
     from scipy.sparse import csr_matrix
 
+    from resilin.elastic_at_tensors import ElasticAtTensors
     from resilin.material import Material
     from resilin.mesh import Mesh
-    from resilin.typing import MassKind, Projection, RealArray, Triplets
+    from resilin.typing import MassKind, Projection, RealArray, TensorLike, Triplets
+
+    T = TypeVar("T")  # the class of the tensors
+    Floats = NDArray[np.float64]
 
 
 class Elastic:
@@ -31,6 +34,11 @@ class Elastic:
     Quantities of points are (M, ...) for M cells, or (M, Q, ...) where the element has Q > 1 quadrature points.
     Positions are arrays (N, d) in metres, d = 3, or 2 for plane strain at unit thickness. A state outside the law's
     domain (J <= 0 under a logarithm) has the energy inf, and nan in gradient and Hessian.
+
+    Torch tensors give tensors. Autograd goes through `value` twice and through `gradient` once, by the positions and by
+    constants of the material that require grad; through the quantities of points, but for those of elements with a
+    mean volume (P2P0, Q1P0), which follow the positions in `value` and `gradient` alone. `hessian` and `max_step` are
+    not differentiated.
 
     Parameters
     ----------
@@ -62,8 +70,9 @@ class Elastic:
         self._dim = mesh.dimension if dimension is None else dimension
         if self._dim not in (2, 3):
             refuse("dimension", "2 or 3", repr(dimension))
-        element = element or _element_of(mesh)
-        kind = _core.element_cells(element, self._dim)
+        self._element = plain_text(element or element_of(mesh), "element")
+        self._quadrature = plain_text(quadrature, "quadrature")
+        kind = _core.element_cells(self._element, self._dim)
         is_second_order = _core.is_second_order(kind)
         core = mesh._core if is_second_order else mesh._core.corners_only()
         solid = core.prepared(self._dim)
@@ -73,24 +82,49 @@ class Elastic:
         cells = dict(solid.cells()).get(kind)
         if cells is None:
             kinds = ", ".join(other.name for other, _ in solid.cells())
-            refuse("element", f"{kind.name} cells for {element}", f"{element} on {kinds}")
+            refuse("element", f"{kind.name} cells for {self._element}", f"{self._element} on {kinds}")
+        self._material = material
         self._cells = cells
         self._rest_positions = np.ascontiguousarray(solid.positions()[:, : self._dim])
-        constants = _constant_rows(number_constants(material), len(self._cells))
-        fibres, num_families = _fibre_rows(material, len(self._cells))
-        self._material = material
-        self._core = _core.ElasticBody(
+        self._make_core()
+
+    def _make_core(self) -> None:
+        self._tensor_body: ElasticAtTensors | None = None  # made when it is needed
+        self._versions: list[int] = []  # of the constants that `_core` was made with
+        law = self._material._law
+        if isinstance(law, LawAtArrays):
+            self._core = self._core_with(law.own)
+            return
+        from resilin.tensor_constants import constants_of_a_unit_solid
+
+        numbers = law.numbers()
+        self._core = self._core_with(constants_of_a_unit_solid(law.info) if numbers is None else numbers)
+        if numbers is not None:
+            self._versions = law.versions()
+        self._at_tensors()
+
+    def _core_with(self, constants: dict[str, Floats]) -> _core.ElasticBody:
+        fibres, num_families = fibre_rows(self._material, len(self._cells))
+        return _core.ElasticBody(
             self._dim,
-            element,
-            quadrature,
+            self._element,
+            self._quadrature,
             self._rest_positions,
             self._cells,
-            material.law,
-            constants,
+            self._material.law,
+            constant_rows(constants, len(self._cells)),
             fibres,
             num_families,
         )
-        self._element = element
+
+    def _core_of_numbers(self) -> _core.ElasticBody:
+        """The core's body with the constants as they are now: an optimiser may have changed those that are tensors."""
+        law = self._material._law
+        if not isinstance(law, LawAtArrays) and law.versions() != self._versions:
+            numbers = law.numbers()
+            if numbers is not None:
+                self._core, self._versions = self._core_with(numbers), law.versions()
+        return self._core
 
     @property
     def rest_positions(self) -> NDArray[np.float64]:
@@ -127,13 +161,37 @@ class Elastic:
         """(M,) [m^3], in 2D areas [m^2]."""
         return self._core.rest_volumes()
 
-    def value(self, x: RealArray) -> float:
-        """Energy [J] at positions `x` (N, d); zero at rest, inf outside the law's domain."""
-        return self._core.value(self._positions(x))
+    @overload
+    def value(self, x: TensorLike[T]) -> T: ...
 
-    def gradient(self, x: RealArray) -> NDArray[np.float64]:
+    @overload
+    def value(self, x: RealArray) -> float: ...
+
+    def value(self, x: Any) -> Any:
+        """Energy [J] at positions `x` (N, d); zero at rest, inf outside the law's domain."""
+        if is_tensor(x):
+            return self._at_tensors().value(x)
+        return self._core_at_arrays().value(self._positions(x))
+
+    @overload
+    def gradient(self, x: TensorLike[T]) -> T: ...
+
+    @overload
+    def gradient(self, x: RealArray) -> Floats: ...
+
+    def gradient(self, x: Any) -> Any:
         """Derivative of the energy (N, d) [N]; the elastic forces are its negative."""
-        return self._core.gradient(self._positions(x))
+        if is_tensor(x):
+            return self._at_tensors().gradient(x)
+        return self._core_at_arrays().gradient(self._positions(x))
+
+    @overload
+    def hessian(self, x: TensorLike[T], projection: Projection = None, as_triplets: Literal[False] = False) -> T: ...
+
+    @overload
+    def hessian(
+        self, x: TensorLike[T], projection: Projection = None, *, as_triplets: Literal[True]
+    ) -> tuple[T, T, T]: ...
 
     @overload
     def hessian(
@@ -151,7 +209,7 @@ class Elastic:
         self, x: RealArray, projection: Projection = None, as_triplets: bool = False
     ) -> csr_matrix | Triplets: ...
 
-    def hessian(self, x: RealArray, projection: Projection = None, as_triplets: bool = False) -> csr_matrix | Triplets:
+    def hessian(self, x: Any, projection: Projection = None, as_triplets: bool = False) -> Any:
         """Second derivative of the energy [N/m].
 
         Parameters
@@ -163,17 +221,20 @@ class Elastic:
 
         Returns
         -------
-        scipy.sparse.csr_matrix (N d, N d)
+        scipy.sparse.csr_matrix (N d, N d), or for tensors torch.sparse_coo
             Unknowns vertex by vertex, x.ravel(); symmetric, columns ascending. The pattern does not depend on `x`.
         (i, j, v)
             With `as_triplets`: rows, columns and values; each entry once.
         """
         kind = projection_named(projection)
-        values, columns, row_begin = self._core.hessian(self._positions(x), kind)
+        if is_tensor(x):
+            body = self._at_tensors()
+            return body.hessian(x, kind) if as_triplets else body.hessian_matrix(x, kind)
+        values, columns, row_begin = self._core_at_arrays().hessian(self._positions(x), kind)
         if as_triplets:
             rows = np.repeat(np.arange(len(row_begin) - 1, dtype=np.int32), np.diff(row_begin))
             return rows, columns, values
-        return _csr_matrix(values, columns, row_begin)
+        return csr_matrix_of(values, columns, row_begin)
 
     def mass(self, density: float = 1000.0, kind: MassKind = "lumped") -> csr_matrix:
         """Mass matrix [kg].
@@ -193,87 +254,119 @@ class Elastic:
             refuse("kind", '"lumped" or "consistent"', repr(kind))
         if not (np.isfinite(density) and density > 0):
             refuse("density", "a number above 0 kg/m^3", repr(density))
-        matrix = _csr_matrix(*self._core.mass(float(density), kind == "consistent"))
+        matrix = csr_matrix_of(*self._core.mass(float(density), kind == "consistent"))
         matrix.eliminate_zeros()
         return matrix
 
-    def max_step(self, x: RealArray, p: RealArray) -> float:
+    @overload
+    def max_step(self, x: TensorLike[T], p: TensorLike[T]) -> T: ...
+
+    @overload
+    def max_step(self, x: RealArray, p: RealArray) -> float: ...
+
+    def max_step(self, x: Any, p: Any) -> Any:
         """The largest t in (0, 1] such that no cell loses more than nine tenths of its volume along x + t p.
 
         For laws that need J > 0; others give 1. `x` and `p` are (N, d).
         """
-        return self._core.max_step(self._positions(x), self._positions(p, "p"))
+        if is_tensor(x):
+            return self._at_tensors().max_step(x, p)
+        return self._core_at_arrays().max_step(self._positions(x), self._positions(p, "p"))
 
-    def volume_ratios(self, x: RealArray) -> NDArray[np.float64]:
+    @overload
+    def volume_ratios(self, x: TensorLike[T]) -> T: ...
+
+    @overload
+    def volume_ratios(self, x: RealArray) -> Floats: ...
+
+    def volume_ratios(self, x: Any) -> Any:
         """J = det F at each point (M,) or (M, Q)."""
-        return self._of_points(self._core.volume_ratios(self._positions(x)))
+        if is_tensor(x):
+            return self._at_tensors().volume_ratios(x)
+        return self._of_points(self._core_at_arrays().volume_ratios(self._positions(x)))
 
-    def energy_densities(self, x: RealArray) -> NDArray[np.float64]:
+    @overload
+    def energy_densities(self, x: TensorLike[T]) -> T: ...
+
+    @overload
+    def energy_densities(self, x: RealArray) -> Floats: ...
+
+    def energy_densities(self, x: Any) -> Any:
         """Psi at each point (M,) or (M, Q) [J/m^3]."""
-        return self._of_points(self._core.energy_densities(self._positions(x)))
+        if is_tensor(x):
+            return self._at_tensors().energy_densities(x)
+        return self._of_points(self._core_at_arrays().energy_densities(self._positions(x)))
 
-    def deformation_gradients(self, x: RealArray) -> NDArray[np.float64]:
+    @overload
+    def deformation_gradients(self, x: TensorLike[T]) -> T: ...
+
+    @overload
+    def deformation_gradients(self, x: RealArray) -> Floats: ...
+
+    def deformation_gradients(self, x: Any) -> Any:
         """F at each point (M, d, d) or (M, Q, d, d)."""
-        gradients = self._of_points(self._core.deformation_gradients(self._positions(x)))
+        if is_tensor(x):
+            return self._at_tensors().deformation_gradients(x)
+        gradients = self._of_points(self._core_at_arrays().deformation_gradients(self._positions(x)))
         return gradients[..., : self._dim, : self._dim]
 
-    def cauchy_stresses(self, x: RealArray) -> NDArray[np.float64]:
+    @overload
+    def cauchy_stresses(self, x: TensorLike[T]) -> T: ...
+
+    @overload
+    def cauchy_stresses(self, x: RealArray) -> Floats: ...
+
+    def cauchy_stresses(self, x: Any) -> Any:
         """Cauchy stress at each point (M, 3, 3) or (M, Q, 3, 3) [Pa]; in 2D with the stress across the plane."""
-        return self._of_points(self._core.cauchy_stresses(self._positions(x)))
+        if is_tensor(x):
+            return self._at_tensors().cauchy_stresses(x)
+        return self._of_points(self._core_at_arrays().cauchy_stresses(self._positions(x)))
 
-    def von_mises(self, x: RealArray) -> NDArray[np.float64]:
+    @overload
+    def von_mises(self, x: TensorLike[T]) -> T: ...
+
+    @overload
+    def von_mises(self, x: RealArray) -> Floats: ...
+
+    def von_mises(self, x: Any) -> Any:
         """Von Mises stress at each point (M,) or (M, Q) [Pa]."""
-        return self._of_points(self._core.von_mises_stresses(self._positions(x)))
+        if is_tensor(x):
+            return self._at_tensors().von_mises(x)
+        return self._of_points(self._core_at_arrays().von_mises_stresses(self._positions(x)))
 
-    def _of_points(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _of_points(self, values: Floats) -> Floats:
         points = self._core.num_points
         return values if points == 1 else values.reshape(-1, points, *values.shape[1:])
 
-    def _positions(self, x: object, place: str = "x") -> NDArray[np.float64]:
+    def _positions(self, x: object, place: str = "x") -> Floats:
         positions = real_array(x, place)
         if positions.shape != self._rest_positions.shape:
             refuse(place, f"an array {describe(self._rest_positions.shape)}", describe(positions.shape))
         return positions.astype(np.float64, copy=False)
 
+    def _core_at_arrays(self) -> _core.ElasticBody:
+        if self._material.tensors:
+            names = " and ".join(self._material.tensors)
+            cure = "use torch.from_numpy(x)"
+            refuse("x", f"a torch tensor because the material's {names} requires grad", "a numpy array", cure)
+        return self._core
+
+    def _at_tensors(self) -> ElasticAtTensors:
+        if self._tensor_body is None:
+            from resilin.elastic_at_tensors import ElasticAtTensors
+
+            self._tensor_body = ElasticAtTensors(
+                self._core_of_numbers, self._core, self._rest_positions, self._cells, self._material._law
+            )
+        return self._tensor_body
+
+    def __getstate__(self) -> dict[str, Any]:
+        made_anew = ("_core", "_tensor_body", "_versions")
+        return {name: value for name, value in vars(self).items() if name not in made_anew}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._make_core()
+
     def __repr__(self) -> str:
         return f"<resilin.Elastic {self._material.law}: {len(self._cells)} cells, {self._rest_positions.size} unknowns>"
-
-
-def _element_of(mesh: Mesh) -> str:
-    elements = elements_by_kind(mesh.dimension)
-    found = [element for kind, element in elements.items() if kind in mesh.cells_by_kind]
-    # Of several kinds the last of the catalogue; a mesh without any is refused later, with its own kinds.
-    return found[-1] if found else next(iter(elements.values()))
-
-
-def _constant_rows(constants: Mapping[str, object], num_cells: int) -> NDArray[np.float64]:
-    """The law's constants, (1, C) or (M, C) when some differ from cell to cell."""
-    columns = []
-    for name, value in constants.items():
-        column = np.asarray(real_array(value, f"material.{name}"), dtype=np.float64)
-        if column.ndim > 1 or (column.ndim == 1 and len(column) not in (1, num_cells)):
-            refuse(f"material.{name}", f"one number, or one for each of {num_cells} cells", describe(column.shape))
-        columns.append(column)
-    return np.ascontiguousarray(np.stack(np.broadcast_arrays(*map(np.atleast_1d, columns)), axis=-1))
-
-
-def _fibre_rows(material: Material, num_cells: int) -> tuple[NDArray[np.float64], int]:
-    """Directions (K, 3), each family once or those of one cell after another, and the number of families."""
-    fibres, max_families = material.fibres, material.info.max_fibres
-    if fibres is None:
-        if max_families > 0:
-            refuse("material.fibres", f"1 to {max_families} directions", "none", "for example fibres=[[1, 0, 0]]")
-        return np.empty((0, 3)), 0
-    if fibres.ndim > 3 or (fibres.ndim == 3 and len(fibres) not in (1, num_cells)):
-        expected = f"directions (families, 3), or ({num_cells}, families, 3) for the cells"
-        refuse("material.fibres", expected, describe(fibres.shape))
-    return fibres.reshape(-1, 3), fibres.shape[-2]
-
-
-def _csr_matrix(values: NDArray[np.float64], columns: NDArray[np.int32], row_begin: NDArray[np.int32]) -> csr_matrix:
-    from scipy.sparse import csr_matrix  # takes longer to import than all else
-
-    size = len(row_begin) - 1
-    matrix = csr_matrix((values, columns, row_begin), shape=(size, size))
-    matrix.has_canonical_format = True
-    return matrix

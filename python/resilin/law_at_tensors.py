@@ -31,7 +31,7 @@ class LawAtTensors:
         states = square_tensors(F, "F")
         read = self._read(states)
         if read is None:
-            return self._followed(ENERGY, states, is_H, out)
+            return self.followed(ENERGY, states, is_H, out)
         law, (array,) = read
         return tensor_of(law.energy_density(array, is_H, array_of(out)), out)
 
@@ -39,7 +39,7 @@ class LawAtTensors:
         states = square_tensors(F, "F")
         read = self._read(states)
         if read is None:
-            return self._followed(STRESS, states, is_H, out)
+            return self.followed(STRESS, states, is_H, out)
         law, (array,) = read
         return tensor_of(law.first_piola_kirchhoff_stress(array, is_H, array_of(out)), out)
 
@@ -47,7 +47,7 @@ class LawAtTensors:
         states = square_tensors(F, "F")
         read = self._read(states)
         if read is None:
-            return self._followed(tangent(projection), states, is_H, out)
+            return self.followed(tangent(projection), states, is_H, out)
         law, (array,) = read
         return tensor_of(law.stress_tangent(array, projection, is_H, array_of(out)), out)
 
@@ -62,7 +62,7 @@ class LawAtTensors:
         if inverses.shape[-1] != states.shape[-1]:
             expected = f"matrices as large as those of F, {tuple(states.shape[-2:])}"
             refuse("Dm_inv", expected, f"{tuple(inverses.shape[-2:])}")
-        P = self._followed(STRESS, states, is_H, out)
+        P = self.followed(STRESS, states, is_H, out)
         others = -volumes[..., None, None] * (inverses @ P.transpose(-1, -2))  # rows: corners 1, 2, ...
         return torch.cat([-others.sum(-2, keepdim=True), others], -2)
 
@@ -70,8 +70,8 @@ class LawAtTensors:
         states = square_tensors(F, "F")
         return {
             constant.name: (
-                self._followed(energy_slope(place), states, is_H),
-                self._followed(stress_slope(place), states, is_H),
+                self.followed(energy_slope(place), states, is_H),
+                self.followed(stress_slope(place), states, is_H),
             )
             for place, constant in enumerate(self._law.info.constants)
         }
@@ -86,7 +86,7 @@ class LawAtTensors:
         in_space = torch.nn.functional.pad(states, (0, missing, 0, missing))
         if missing and not is_H:
             in_space = in_space + torch.diag(torch.tensor([0, 0, 1], dtype=states.dtype))
-        P = self._followed(STRESS, in_space, is_H)
+        P = self.followed(STRESS, in_space, is_H)
         if self._law.info.is_small_strain:
             return P
         if is_H:
@@ -104,7 +104,7 @@ class LawAtTensors:
         arrays = arrays_of(tensors)
         return None if arrays is None else (law, arrays)
 
-    def _followed(self, quantity: Quantity, F: torch.Tensor, is_H: bool, out: object = None) -> torch.Tensor:
+    def followed(self, quantity: Quantity, F: torch.Tensor, is_H: bool, out: object = None) -> torch.Tensor:
         """The quantity as a node that autograd, and vmap, can follow."""
         if out is not None:
             refuse("out", "nothing where autograd or torch.func follows the result", "a tensor")

@@ -7,7 +7,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, overload
 
 from resilin import _core
-from resilin.arrays import is_tensor, refuse
+from resilin.arrays import is_tensor, plain_text, refuse
 from resilin.catalog import HelpWithLaws
 from resilin.constants import number_array, unit_fibres
 from resilin.law_at_arrays import LawAtArrays
@@ -73,9 +73,9 @@ class Material:
     ) -> None:
         if not isinstance(law, str):
             refuse("law", "a name", repr(law))
-        info = self._info = _core.require_law(law, "law")
+        info = self._info = _core.require_law(plain_text(law, "law"), "law")
         given: dict[str, object] = {"youngs_modulus": youngs_modulus, "poissons_ratio": poissons_ratio, **constants}
-        given = {name: value for name, value in given.items() if value is not None}
+        given = {plain_text(name, law): value for name, value in given.items() if value is not None}
         self.tensors: dict[str, torch.Tensor] = {}  # the given constants that autograd follows
         directions: object = fibres
         if any(is_tensor(value) for value in (*given.values(), fibres)):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import warnings
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -10,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from resilin import _core
-from resilin.arrays import describe, real_array, refuse
+from resilin.arrays import describe, file_path, plain_text, real_array, refuse
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -83,15 +82,17 @@ class Mesh:
         groups: Mapping[str, IntegerArray] | None = None,
         name: str = "mesh",
     ) -> None:
+        name = plain_text(name, "mesh: name")
         points = np.ascontiguousarray(real_array(positions, f"{name}: positions"), dtype=np.float64)
         if points.ndim != 2 or points.shape[1] not in (2, 3):
             refuse(f"{name}: positions", "an array (N, 2) or (N, 3)", describe(points.shape))
         count, dimension = points.shape
         by_kind = cells if isinstance(cells, Mapping) else {_kind_of(cells, dimension, name): cells}
         blocks = [(_kind(kind, name), _cell_array(kind, nodes, count, name)) for kind, nodes in by_kind.items()]
-        lists = [
-            (str(group), _vertices(list_, count, f"{name}: group {group}")) for group, list_ in (groups or {}).items()
-        ]
+        lists = []
+        for group, list_ in (groups or {}).items():
+            group_name = plain_text(str(group), f"{name}: groups")
+            lists.append((group_name, _vertices(list_, count, f"{name}: group {repr(group_name)[1:-1]}")))
         self._take(_core.make_mesh(points, blocks, lists, name), dimension)
 
     def _take(self, core: _core.Mesh, dimension: int | None = None) -> Self:
@@ -115,7 +116,7 @@ class Mesh:
     @classmethod
     def read(cls, path: AnyPath) -> Self:
         """Reads a file as it is: MSH, Medit, TetGen, Vega, OBJ, VTK or VTU, told by its first bytes."""
-        core = _core.read_mesh(os.fspath(path))
+        core = _core.read_mesh(file_path(path, "path"))
         warn(core.warnings)
         return cls._of(core)
 
@@ -222,7 +223,16 @@ class Mesh:
 
     def write(self, path: AnyPath) -> None:
         """Writes .msh, .vtu, .mesh (Medit) or .obj (surface)."""
-        self._core.write(os.fspath(path))
+        self._core.write(file_path(path, "path"))
+
+    def __getstate__(self) -> dict[str, Any]:
+        made_anew = ("_positions", "_cells")
+        return {**{name: value for name, value in vars(self).items() if name not in made_anew}, "_dim": self.dimension}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        dimension = state.pop("_dim")
+        self.__dict__.update(state)
+        self._take(state["_core"], dimension)
 
     def __repr__(self) -> str:
         cells = ", ".join(f"{len(nodes)} {kind}" for kind, nodes in self._cells.items())

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from resilin import _core
-from resilin.arrays import refuse
+from resilin.arrays import file_path, plain_text, refuse
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -38,7 +37,7 @@ class Picture:
 
     def save(self, path: AnyPath) -> None:
         """Writes a PNG file."""
-        self._image.save(os.fspath(path))
+        self._image.save(file_path(path, "path"))
 
     def _repr_png_(self) -> bytes:
         return self._image.png()
@@ -56,8 +55,8 @@ def picture(place: AnyPath, field: str | None = None, *, frame: int = -1, **opti
     place : path
         Folder of a run, or a .vtu file.
     field : str, optional
-        One that the frames hold (`output.fields` of the scene), with a component where it has several:
-        "von_mises", "displacement.z", "cauchy_stress.xy". By default von_mises, else displacement.
+        Any, with a component where it has several: "von_mises", "displacement.z", "cauchy_stress.xy"; "von_mises" by
+        default. What the frames do not hold is computed from them and from the scene that the folder keeps.
     frame : int
         Number of the frame; -1 is the last.
     **options
@@ -67,7 +66,7 @@ def picture(place: AnyPath, field: str | None = None, *, frame: int = -1, **opti
     -------
     Picture
     """
-    return Picture(_core.draw_result(os.fspath(place), int(frame), picture_options(field, **options)))
+    return Picture(_core.draw_result(file_path(place, "place"), int(frame), picture_options(field, **options)))
 
 
 def picture_options(
@@ -87,7 +86,7 @@ def picture_options(
     options = _core.PictureOptions()
     if field is not None and not isinstance(field, str):
         refuse("field", "the name of a field", repr(field))
-    options.field = field or ""
+    options.field = plain_text(field or "", "field")
     if np.shape(size) != (2,):
         refuse("size", "two numbers (width, height)", repr(size))
     options.width, options.height = (int(number) for number in size)
@@ -95,8 +94,9 @@ def picture_options(
         if np.shape(range) != (2,):
             refuse("range", "two numbers (smallest, largest)", repr(range))
         options.range = [float(number) for number in range]
-    options.view = view if isinstance(view, str) else ",".join(repr(float(number)) for number in view)
-    options.up, options.map, options.scale = up, map, float(scale)
+    direction = view if isinstance(view, str) else ",".join(repr(float(number)) for number in view)
+    options.view = plain_text(direction, "view")
+    options.up, options.map, options.scale = plain_text(up, "up"), plain_text(map, "map"), float(scale)
     options.edges = "auto" if edges is None else "on" if edges else "off"
     options.rest, options.dark = bool(rest), bool(dark)
     return options

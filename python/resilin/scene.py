@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from resilin import _core
-from resilin.arrays import describe, refuse
+from resilin.arrays import describe, file_path, plain_text, refuse
 from resilin.material import Material, number_constants
 from resilin.mesh import Mesh
 
@@ -37,12 +37,13 @@ def read_scene(scene: Scene, overrides: Overrides = ()) -> _core.Scene:
     """
     if isinstance(overrides, Mapping):
         overrides = [f"{key}={_toml(value)}" for key, value in overrides.items()]
+    overrides = [plain_text(override, "overrides") for override in overrides]
     if isinstance(scene, Mapping):
         plain = _plain_table(scene, "", _dimension_of(scene), 0)
-        return _core.read_scene_from_values(plain, "scene", "", list(overrides))
+        return _core.read_scene_from_values(plain, "scene", "", overrides)
     if not isinstance(scene, str | os.PathLike):
         refuse("scene", "a path or a dict", type(scene).__name__)
-    return _core.read_scene(os.fspath(scene), list(overrides))
+    return _core.read_scene(file_path(scene, "scene"), overrides)
 
 
 def _dimension_of(scene: Table) -> Any:
@@ -66,10 +67,12 @@ def _plain(value: object, path: str, dimension: int, depth: int = 0) -> object:
         value = value.item()
     if isinstance(value, int) and not -(2**63) <= value < 2**63:
         refuse(f"scene: {path}", "a whole number of 64 bits", str(value))
-    if isinstance(value, bool | int | float | str):
+    if isinstance(value, str):
+        return plain_text(value, f"scene: {path}")
+    if isinstance(value, bool | int | float):
         return value
     if isinstance(value, os.PathLike):
-        return os.fspath(value)
+        return plain_text(os.fspath(value), f"scene: {path}")
     if isinstance(value, Mesh):
         return value._core
     refuse(f"scene: {path}", "a number, a text, a list, a dict, an array or a mesh", type(value).__name__)
@@ -80,6 +83,7 @@ def _plain_table(table: Table, path: str, dimension: int, depth: int) -> dict[st
     for key, value in table.items():
         if not isinstance(key, str):
             refuse(f"scene: {path}", "keys that are texts", repr(key))
+        plain_text(key, f"scene: {path or 'keys'}")
         if isinstance(value, Material) and key == "law":
             entries = material_entries(value, dimension)
             for name in table.keys() & entries.keys() - {"law"}:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, NoReturn
 
 import numpy as np
 
 from resilin import _core
-from resilin.arrays import refuse
+from resilin.arrays import file_path, plain_text, refuse
 from resilin.mesh import warn
 from resilin.picture import Picture, picture_options
 from resilin.scene import material_entries, read_scene
@@ -57,13 +56,16 @@ class Fields(Mapping[str, "Floats"]):
         self._evaluate = evaluate
 
     def __getitem__(self, name: str) -> Floats:
-        return self._evaluate(name)
+        return self._evaluate(plain_text(name, "fields"))
 
     def __iter__(self) -> Iterator[str]:
         return iter(_core.field_names())
 
     def __len__(self) -> int:
         return len(_core.field_names())
+
+    def __contains__(self, name: object) -> bool:
+        return name in _core.field_names()
 
     def __repr__(self) -> str:
         return f"<fields {', '.join(self)}>"
@@ -104,7 +106,7 @@ class Result:
     def save(self, folder: AnyPath) -> None:
         """Writes the folder that `resilin run --out` leaves: report.json, frames.pvd, frames/, checkpoint.bin and, as
         output.formats asks, result.html and result.usda."""
-        self._core.save(os.fspath(folder))
+        self._core.save(file_path(folder, "folder"))
 
     def plot(self, field: str | None = "von_mises", *, frame: int = -1, **options: Unpack[PictureOptions]) -> Picture:
         """Draws the deformed body, coloured by a field; no display and no other package is needed.
@@ -141,6 +143,9 @@ class Result:
             A notebook shows it; `.save("stress.png")` writes it, `.pixels` is an array.
         """
         return Picture(self._core.draw(int(frame), picture_options(field, **options)))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self._core,)
 
     def __repr__(self) -> str:
         return f"<resilin.Result {self.status}: {len(self.times)} frames; {self.report['reason']}>"
@@ -222,7 +227,7 @@ class Simulation:
             refuse("resume", "a folder `out` with a checkpoint", "no folder")
         line = Progress(self._core, progress)
         try:
-            folder = None if out is None else os.fspath(out)
+            folder = None if out is None else file_path(out, "out")
             how = None if not resume else "anyway" if resume == "anyway" else "same"
             result = Result(self._core.run(folder, how, int(steps or 0), line.after_step))
         finally:
@@ -248,7 +253,9 @@ class Simulation:
         uniform = {name: float(value) for name, value in entries.items() if np.ndim(value) == 0}
         by_cell = {name: np.asarray(value).tolist() for name, value in entries.items() if np.ndim(value)}
         fibres = [np.ascontiguousarray(np.atleast_2d(family)) for family in fibres]
-        self._core.set_material(body, law, uniform, by_cell, fibres, None if density is None else float(density))
+        self._core.set_material(
+            plain_text(body, "body"), law, uniform, by_cell, fibres, None if density is None else float(density)
+        )
 
     @property
     def positions(self) -> Floats:
@@ -303,7 +310,7 @@ class Simulation:
 
     def cells(self, body: str) -> NDArray[np.int32]:
         """Vertices of the cells of a body (M, d + 1), as rows of `positions`."""
-        return self._core.cells(body)
+        return self._core.cells(plain_text(body, "body"))
 
     def skin_positions(self, body: str) -> Floats:
         """Where the skin of a body is now (V, 3) [m]; in 2D the third column is zero.
@@ -313,15 +320,18 @@ class Simulation:
         InputError
             For a body without the key `skin`.
         """
-        return self._core.skin_positions(body)
+        return self._core.skin_positions(plain_text(body, "body"))
 
     def skin_triangles(self, body: str) -> NDArray[np.int32]:
         """Triangles of the skin (T, 3), as rows of `skin_positions`; of a curve in 2D its lines (T, 2)."""
-        return self._core.skin_facets(body)
+        return self._core.skin_facets(plain_text(body, "body"))
 
     def vertices(self, body: str) -> slice:
         """The rows of `positions` that belong to a body, as a slice."""
-        return slice(*self._core.vertex_range(body))
+        return slice(*self._core.vertex_range(plain_text(body, "body")))
+
+    def __reduce__(self) -> NoReturn:
+        raise TypeError("a Simulation cannot be pickled; pickle its scene, or the Result of a run")
 
     def __repr__(self) -> str:
         return f"<resilin.Simulation {self._core.title}: {self._core.reached()}>"

@@ -40,7 +40,7 @@ class TensorConstants:
         self.info = info
         self.fibres = fibres
         self.states_shape: tuple[int, ...] = () if fibres is None else fibres.shape[:-2]
-        self._given, self._tensors = given, tensors
+        self._given, self.tensors = given, tensors
         self._checked_versions: list[int] | None = None
         self._conversion: Conversion | None = None
         if "youngs_modulus" in given or "youngs_modulus" in tensors:
@@ -49,11 +49,11 @@ class TensorConstants:
 
     def own(self) -> list[torch.Tensor]:
         """The constants of the law's formula as float64 tensors that depend on the given ones."""
-        versions = [tensor._version for tensor in self._tensors.values()]
-        if versions != self._checked_versions:  # an optimiser has been at work
+        versions = self.versions()
+        if versions != self._checked_versions:
             self._check()
             self._checked_versions = versions
-        tensors = {name: tensor.double() for name, tensor in self._tensors.items()}
+        tensors = {name: tensor.double() for name, tensor in self.tensors.items()}
         if self._conversion is None:
             return [self._tensor(tensors, constant.name, constant.fallback) for constant in self.info.constants]
         young, poisson = self._tensor(tensors, "youngs_modulus"), self._tensor(tensors, "poissons_ratio")
@@ -64,16 +64,34 @@ class TensorConstants:
             for name, (base, by_mu, by_lambda) in self._conversion.items()
         ]
 
+    def numbers(self) -> dict[str, NDArray[np.float64]] | None:
+        """The constants as they are now; None where torch.func has wrapped one, which cannot be read then."""
+        if not all(is_readable(tensor) for tensor in self.tensors.values()):
+            return None
+        names = (constant.name for constant in self.info.constants)
+        return {name: tensor.detach().numpy() for name, tensor in zip(names, self.own(), strict=True)}
+
+    def versions(self) -> list[int]:
+        """Differ when an optimiser has changed a constant."""
+        return [tensor._version for tensor in self.tensors.values()]
+
     def _check(self) -> None:
         """Refuses tensors whose values are out of bounds; those that torch.func has wrapped cannot be read."""
-        if all(is_readable(tensor) for tensor in self._tensors.values()):
-            values = {name: tensor.detach().double().numpy() for name, tensor in self._tensors.items()}
+        if all(is_readable(tensor) for tensor in self.tensors.values()):
+            values = {name: tensor.detach().double().numpy() for name, tensor in self.tensors.items()}
             own_constants(self.info, {**self._given, **values})
 
     def _tensor(self, tensors: Tensors, name: str, fallback: float | None = None) -> torch.Tensor:
         if name not in tensors and name not in self._given and fallback is None:
             refuse(f"{self.info.name}.{name}", "a number or a tensor", "nothing", f"add {name}")
         return tensors[name] if name in tensors else torch.from_numpy(self._given.get(name, np.array(fallback)))
+
+
+def constants_of_a_unit_solid(info: _core.LawInfo) -> dict[str, NDArray[np.float64]]:
+    """Constants of the law's formula for mu = lambda = 1 Pa: those of no material, but allowed."""
+    fallbacks = {constant.name: constant.fallback for constant in info.constants if constant.is_free}
+    free = {name: np.array(1.0 if value is None else value) for name, value in fallbacks.items()}
+    return _converted(info, (1.0, 1.0), free)
 
 
 def split_constants(

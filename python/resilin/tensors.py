@@ -88,3 +88,9 @@ def array_of(out: object) -> NDArray[Any] | None:
 def tensor_of(result: NDArray[Any], out: object) -> torch.Tensor:
     """`out`, which holds the result already, or the result."""
     return out if isinstance(out, torch.Tensor) else torch.from_numpy(np.asarray(result))
+
+
+def in_type_of(like: torch.Tensor, values: torch.Tensor) -> torch.Tensor:
+    """`values` in float64 or float32, as `like` is."""
+    converted: torch.Tensor = values.to(like.dtype)
+    return converted

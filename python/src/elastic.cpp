@@ -4,6 +4,7 @@
 #include <nanobind/stl/vector.h>
 
 #include <memory>
+#include <span>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "resilin/element/catalog.hpp"
 #include "resilin/energy/elastic.hpp"
 #include "resilin/energy/mass.hpp"
+#include "resilin/mesh/cell_positions.hpp"
 
 namespace resilin::python {
 namespace {
@@ -93,6 +95,28 @@ class ElasticBody {
   NumpyArray<double> point_volumes() const { return cell_array(energy_.point_volumes()); }
   std::size_t num_points() const { return static_cast<std::size_t>(energy_.num_points()); }
   std::string quadrature() const { return std::string(energy_.quadrature().name); }
+  bool has_mean_volume() const { return energy_.element().has_mean_volume; }
+
+  /// dN_a/dX_k at each quadrature point [1/m]: (M Q, nodes of a cell, dim)
+  NumpyArray<double> shape_gradients() const {
+    const ElementInfo& element = energy_.element();
+    const auto n = static_cast<std::size_t>(element.num_nodes), dim = static_cast<std::size_t>(dim_);
+    const QuadratureRule& rule = energy_.quadrature();
+    const std::size_t count = cells_.size() / n * rule.points.size();
+    std::vector<double> all, X;
+    all.reserve(count * n * dim);
+    {
+      const nb::gil_scoped_release release;
+      for (std::size_t first = 0; first < cells_.size(); first += n) {
+        cell_positions(dim_, std::span(cells_).subspan(first, n), rest_positions_, X);
+        for (const QuadraturePoint& point : rule.points) {
+          const PointGeometry geometry = point_geometry(element, point, X);
+          all.insert(all.end(), geometry.gradients.begin(), geometry.gradients.end());
+        }
+      }
+    }
+    return numpy_array(std::move(all), {count, n, dim});
+  }
   NumpyArray<double> volume_ratios(const Array2d<double>& x) const {
     return by_point(x, &ElasticEnergy::volume_ratios);
   }
@@ -165,7 +189,9 @@ void bind_elastic(nb::module_& module) {
       .def("max_step", &ElasticBody::max_step, nb::arg("x"), nb::arg("p"))
       .def("rest_volumes", &ElasticBody::rest_volumes)
       .def("point_volumes", &ElasticBody::point_volumes)
+      .def("shape_gradients", &ElasticBody::shape_gradients)
       .def_prop_ro("num_points", &ElasticBody::num_points)
+      .def_prop_ro("has_mean_volume", &ElasticBody::has_mean_volume)
       .def_prop_ro("quadrature", &ElasticBody::quadrature)
       .def("volume_ratios", &ElasticBody::volume_ratios, nb::arg("x"))
       .def("energy_densities", &ElasticBody::energy_densities, nb::arg("x"))

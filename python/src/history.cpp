@@ -4,11 +4,24 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <stdexcept>
+
+#include "resilin/core/archive.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/fields/evaluator.hpp"
 #include "resilin/results/report.hpp"
 #include "resilin/results/result_picture.hpp"
 #include "resilin/results/results.hpp"
+#include "resilin/world/description_image.hpp"
+
+namespace resilin {
+
+RESILIN_MEMBERS(RunOutcome, status, reason, warnings)
+RESILIN_MEMBERS(FailedSteps, count, first_step, first_time, first_reason)
+RESILIN_MEMBERS(Timing, assembly, solve, steps)
+RESILIN_MEMBERS(RunSummary, outcome, solver, failed_steps, timing, total_seconds, output_seconds)
+
+}  // namespace resilin
 
 namespace resilin::python {
 namespace {
@@ -22,7 +35,25 @@ std::vector<double> without_third(const std::vector<double>& vectors, std::size_
   return values;
 }
 
+/// What `function` gives for each state, (T, N, dim).
+template <class Function>
+NumpyArray<double> node_arrays(const World& world, std::span<const State> states, const Function& function) {
+  std::vector<double> all;
+  for (const State& state : states) {
+    const VectorX values = function(state);
+    all.insert(all.end(), values.begin(), values.end());
+  }
+  return numpy_array(std::move(all), {states.size(), static_cast<std::size_t>(world.num_nodes()),
+                                      static_cast<std::size_t>(world.dimension)});
+}
+
 }  // namespace
+
+VectorX scene_places(const World& world, VectorX positions) {
+  for (Eigen::Index i = 0; i < positions.size(); ++i)
+    positions[i] += world.origin[static_cast<int>(i) % world.dimension];
+  return positions;
+}
 
 NumpyArray<double> field_array(const World& world, std::span<const State> states, const std::string& name) {
   const FieldInfo& field = require_field(name, "fields");
@@ -64,22 +95,46 @@ void History::finish(const Simulation& simulation, const RunOutcome& outcome, do
               .timing = simulation.timing(),
               .total_seconds = total_seconds,
               .output_seconds = output_seconds};
-}
-
-void History::save(const std::filesystem::path& path) const {
-  ResultFolder folder(path, summary_.total_seconds);
-  for (std::size_t i = 0; i < states_.size(); ++i) folder.record(world(), states_[i], frames_[i], true);
-  folder.finish(world(), states_.back(), summary_);
-}
-
-std::string History::report() const {
   Json frames = Json::array();
   FieldEvaluator evaluator(world());
   for (std::size_t i = 0; i < frames_.size(); ++i) {
     const std::vector<FieldValues> fields = evaluator.evaluate(states_[i], world().output.fields);
     frames.push_back(frame_json(frames_[i], world(), states_[i], fields));
   }
-  return report_json(world(), std::move(frames), summary_).dump();
+  frames_.clear();
+  report_ = report_json(world(), std::move(frames), summary_).dump();
+}
+
+void History::save(const std::filesystem::path& path) const {
+  ResultFolder folder(path, summary_.total_seconds);
+  const Json report = Json::parse(report_);
+  for (std::size_t i = 0; i < states_.size(); ++i)
+    folder.add(world(), states_[i], report["frames"][i].dump());
+  folder.finish(world(), states_.back(), summary_);
+}
+
+std::string History::image() const {
+  if (!world().made_from) throw std::runtime_error("a result of a world without a description has no image");
+  std::vector<std::string> states;
+  for (const State& state : states_) states.push_back(serialize(state));
+  ArchiveWriter writer;
+  writer(serialize(*world().made_from), states, report_, summary_);
+  return writer.take();
+}
+
+History History::from_image(std::string_view image) {
+  const std::string place = "result";
+  std::string description, report;
+  std::vector<std::string> states;
+  RunSummary summary;
+  ArchiveReader reader(image, place);
+  reader(description, states, report, summary);
+  reader.end();
+  History history(std::make_shared<const World>(deserialize_description(description, place)));
+  for (const std::string& state : states) history.states_.push_back(deserialize_state(state, place));
+  history.report_ = std::move(report);
+  history.summary_ = std::move(summary);
+  return history;
 }
 
 Image History::draw(int frame, const PictureOptions& options) const {
@@ -90,11 +145,12 @@ Image History::draw(int frame, const PictureOptions& options) const {
   return draw_state(world(), states_[static_cast<std::size_t>(number)], options);
 }
 
-NumpyArray<double> History::nodal(VectorX State::* member) const {
-  std::vector<double> all;
-  for (const State& state : states_) all.insert(all.end(), (state.*member).begin(), (state.*member).end());
-  return numpy_array(std::move(all), {states_.size(), static_cast<std::size_t>(world().num_nodes()),
-                                      static_cast<std::size_t>(world().dimension)});
+NumpyArray<double> History::positions() const {
+  return node_arrays(world(), states_, [&](const State& s) { return scene_places(world(), s.positions); });
+}
+
+NumpyArray<double> History::velocities() const {
+  return node_arrays(world(), states_, [](const State& s) { return s.velocities; });
 }
 
 NumpyArray<double> History::scalar(double State::* member) const {
@@ -108,6 +164,15 @@ void bind_history(nb::module_& module) {
   nb::class_<History>(module, "History")
       .def("save", &History::save, nb::arg("folder"), nb::call_guard<nb::gil_scoped_release>())
       .def("report", &History::report)
+      .def("__getstate__",
+           [](const History& history) {
+             const std::string image = history.image();
+             return nb::bytes(image.data(), image.size());
+           })
+      .def("__setstate__",
+           [](History& history, const nb::bytes& image) {
+             new (&history) History(History::from_image({image.c_str(), image.size()}));
+           })
       .def("draw", &History::draw, nb::arg("frame"), nb::arg("options"),
            nb::call_guard<nb::gil_scoped_release>())
       .def("positions", &History::positions)

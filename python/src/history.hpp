@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "bindings.hpp"
@@ -17,10 +18,18 @@ namespace resilin::python {
 /// and velocity (T, N, dim), tensors (T, ..., 3, 3).
 NumpyArray<double> field_array(const World& world, std::span<const State> states, const std::string& name);
 
+/// The same places in the scene's coordinates [m].
+VectorX scene_places(const World& world, VectorX positions);
+
 /// The recorded states of a run.
 class History {
  public:
-  explicit History(std::shared_ptr<const Simulation> simulation) : simulation_(std::move(simulation)) {}
+  explicit History(const std::shared_ptr<const Simulation>& simulation)
+      : world_(simulation, &simulation->world()) {}
+
+  /// All of it as bytes, and back, perhaps in another process.
+  std::string image() const;
+  static History from_image(std::string_view image);
 
   /// Keeps the present state when it is due (each `output.every` steps), or when `is_last`.
   void record(const Simulation& simulation, bool is_last);
@@ -29,25 +38,26 @@ class History {
 
   /// Writes the folder that the run would have left.
   void save(const std::filesystem::path& folder) const;
-  std::string report() const;  ///< as in report.json
+  const std::string& report() const { return report_; }  ///< as in report.json
   /// @param frame  from 0, or from the end: -1 is the last
   Image draw(int frame, const PictureOptions& options) const;
 
-  NumpyArray<double> positions() const { return nodal(&State::positions); }    ///< (T, N, dim)
-  NumpyArray<double> velocities() const { return nodal(&State::velocities); }  ///< (T, N, dim)
+  NumpyArray<double> positions() const;   ///< (T, N, dim) [m]
+  NumpyArray<double> velocities() const;  ///< (T, N, dim) [m/s]
   NumpyArray<double> times() const { return scalar(&State::time); }
   NumpyArray<double> loads() const { return scalar(&State::load); }
   NumpyArray<double> field(const std::string& name) const { return field_array(world(), states_, name); }
 
  private:
-  const World& world() const { return simulation_->world(); }
-  NumpyArray<double> nodal(VectorX State::* member) const;
+  explicit History(std::shared_ptr<const World> world) : world_(std::move(world)) {}
+  const World& world() const { return *world_; }
   NumpyArray<double> scalar(double State::* member) const;
 
-  std::shared_ptr<const Simulation> simulation_;  // for its world, which no step changes
+  std::shared_ptr<const World> world_;  // which no step changes
   std::vector<State> states_;
-  std::vector<Frame> frames_;
+  std::vector<Frame> frames_;  // emptied by `finish`
   RunSummary summary_;
+  std::string report_;  // once the run has ended
 };
 
 void bind_history(nb::module_& module);

@@ -14,12 +14,21 @@
 
 #include "bindings.hpp"
 #include "csr.hpp"
+#include "resilin/core/archive.hpp"
 #include "resilin/element/catalog.hpp"
 #include "resilin/io/mesh_file.hpp"
 #include "resilin/mesh/cell_kind.hpp"
 #include "resilin/mesh/embedding.hpp"
 #include "resilin/mesh/generators.hpp"
+#include "resilin/mesh/mesh_members.hpp"
 #include "resilin/mesh/second_order.hpp"
+
+namespace resilin {
+
+RESILIN_MEMBERS(Numbering, file, cell_word, first_vertex, first_cell, vertices, cells)
+RESILIN_MEMBERS(MeshFile, mesh, numbering, format, warnings)
+
+}  // namespace resilin
 
 namespace resilin::python {
 namespace {
@@ -88,6 +97,22 @@ std::vector<std::tuple<std::string, CellKind, NumpyArray<double>>> cell_fields(c
     all.emplace_back(field.name, file.mesh.blocks[field.block].kind,
                      numpy_array(field.values, {field.values.size()}));
   return all;
+}
+
+nb::bytes image(const MeshFile& file) {
+  ArchiveWriter writer;
+  writer(file);
+  const std::string bytes = writer.take();
+  return nb::bytes(bytes.data(), bytes.size());
+}
+
+MeshFile from_image(const nb::bytes& image) {
+  ArchiveReader reader({image.c_str(), image.size()}, "mesh");
+  MeshFile file;
+  reader(file);
+  reader.end();
+  if (!file.mesh.is_whole()) reader.fail();
+  return file;
 }
 
 std::vector<std::string> texts(const std::vector<MeshIssue>& issues) {
@@ -179,6 +204,9 @@ void bind_mesh(nb::module_& module) {
   nb::class_<MeshFile>(module, "Mesh")
       .def_prop_ro("name", [](const MeshFile& file) { return file.numbering.file; })
       .def_ro("warnings", &MeshFile::warnings)
+      .def("__getstate__", &image)
+      .def("__setstate__",
+           [](MeshFile& file, const nb::bytes& bytes) { new (&file) MeshFile(from_image(bytes)); })
       .def("positions", &positions)
       .def("cells", &cells)
       .def("groups", &groups)

@@ -29,26 +29,46 @@
 #include "resilin/results/run.hpp"
 #include "resilin/scene/scene.hpp"
 #include "scene_value.hpp"
+#include "turns.hpp"
 
 namespace resilin::python {
 namespace {
 
-/// A simulation with the description that it was made from.
+/// The number of the body with this name. @throws InputError
+std::size_t find_body(const World& world, const std::string& name) {
+  std::vector<std::string> names;
+  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+    if (world.bodies[b].name == name) return b;
+    names.push_back(world.bodies[b].name);
+  }
+  throw InputError("body", "one of " + join(names), "\"" + name + "\"");
+}
+
+const Body& body_of(const Simulation& simulation, const std::string& name) {
+  return simulation.world().bodies[find_body(simulation.world(), name)];
+}
+
+/// A simulation that threads work with in turns: each step, and each look at the state, is whole.
 class RunningSimulation {
  public:
-  explicit RunningSimulation(const Scene& scene)
-      : description_(scene.description), warnings_(scene.warnings) {
+  explicit RunningSimulation(const Scene& scene) : warnings_(scene.warnings) {
     const Stopwatch stopwatch(setup_seconds_);
-    simulation_ = std::make_shared<Simulation>(description_);
-    for (std::string& warning : all_warnings(world())) warnings_.push_back(std::move(warning));
+    simulation_ = std::make_shared<Simulation>(scene.description);
+    for (std::string& warning : all_warnings(simulation_->world())) warnings_.push_back(std::move(warning));
   }
 
-  const Simulation& simulation() const { return *simulation_; }
-  const World& world() const { return simulation_->world(); }
   const std::vector<std::string>& warnings() const { return warnings_; }
+
+  /// `function(simulation)` in this thread's turn.
+  template <class Function>
+  auto look(const Function& function) const {
+    const Turns::Turn turn(turns_, Turns::Kind::look);
+    return function(std::as_const(*simulation_));
+  }
 
   /// (status, reason, iterations, relative residual). The state stays where it was when Ctrl-C comes.
   std::tuple<std::string, std::string, int, double> step() {
+    const Turns::Turn turn(turns_, Turns::Kind::change);
     Interruptible interruptible;
     StepReport report;
     {
@@ -61,9 +81,10 @@ class RunningSimulation {
   }
 
   /// Runs to the end and records. `resume`: null, "same" or "anyway", as after --resume. `after_step` is
-  /// called without arguments.
+  /// called without arguments. Others may look between steps.
   History run(const std::optional<std::filesystem::path>& out, const std::optional<std::string>& resume,
               int max_steps, const nb::object& after_step) {
+    const Turns::Turn turn(turns_, Turns::Kind::change);
     Interruptible interruptible;
     std::optional<History> history;
     {
@@ -79,8 +100,9 @@ class RunningSimulation {
                     const std::map<std::string, double>& constants,
                     const std::map<std::string, std::vector<double>>& cell_constants,
                     const std::vector<Array2d<double>>& fibres, const std::optional<double>& density) {
-    Description changed = description_;
-    MaterialDescription& material = changed.bodies[find_body(body)].material;
+    const Turns::Turn turn(turns_, Turns::Kind::change);
+    Description changed = *simulation_->world().made_from;
+    MaterialDescription& material = changed.bodies[find_body(simulation_->world(), body)].material;
     material.place = "material";
     material.law = law;
     material.constants = constants;
@@ -93,50 +115,7 @@ class RunningSimulation {
     State state = simulation_->state();
     state.accelerations.resize(0);  // those of the new material
     simulation->resume_from(state, "material", simulation_->failed_steps());
-    description_ = std::move(changed);
     simulation_ = std::move(simulation);
-  }
-
-  std::size_t find_body(const std::string& name) const {
-    std::vector<std::string> names;
-    for (std::size_t b = 0; b < world().bodies.size(); ++b) {
-      if (world().bodies[b].name == name) return b;
-      names.push_back(world().bodies[b].name);
-    }
-    throw InputError("body", "one of " + join(names), "\"" + name + "\"");
-  }
-
-  NumpyArray<Index> cells(const std::string& name) const {
-    const Body& body = world().bodies[find_body(name)];
-    return numpy_array(body.cells, {static_cast<std::size_t>(body.num_cells()),
-                                    static_cast<std::size_t>(num_nodes(body.cell_kind))});
-  }
-
-  const Skin& skin(const std::string& name) const {
-    const Body& body = world().bodies[find_body(name)];
-    if (!body.skin)
-      throw InputError("body \"" + name + "\"", "a skin", "none", "its key in the scene is `skin`");
-    return *body.skin;
-  }
-
-  /// (V, 3) [m]
-  NumpyArray<double> skin_positions(const std::string& name) const {
-    const Embedding& embedding = skin(name).embedding;
-    std::vector<double> places(3 * static_cast<std::size_t>(embedding.num_points()));
-    embedding.apply(simulation_->state().positions, places);
-    return numpy_array(std::move(places), {static_cast<std::size_t>(embedding.num_points()), 3});
-  }
-
-  /// (T, 3), in 2D perhaps (T, 2)
-  NumpyArray<Index> skin_facets(const std::string& name) const {
-    const CellBlock& facets = skin(name).facets;
-    return numpy_array(facets.nodes, {static_cast<std::size_t>(facets.num_cells()),
-                                      static_cast<std::size_t>(num_nodes(facets.kind))});
-  }
-
-  std::pair<Index, Index> vertex_range(const std::string& name) const {
-    const Body& body = world().bodies[find_body(name)];
-    return {body.first_node, body.first_node + body.num_nodes};
   }
 
  private:
@@ -158,7 +137,11 @@ class RunningSimulation {
                                              .after_step =
                                                  [&](const StepReport&) {
                                                    record(simulation_->is_finished());
-                                                   if (!after_step.is_none()) interruptible.call(after_step);
+                                                   turns_.let_others_look();
+                                                   if (!after_step.is_none()) {
+                                                     const Turns::Opening opening(turns_);
+                                                     interruptible.call(after_step);
+                                                   }
                                                  },
                                              .max_steps = max_steps});
     outcome.warnings.insert(outcome.warnings.begin(), warnings_.begin(), warnings_.end());
@@ -173,20 +156,82 @@ class RunningSimulation {
     return run_to_end(*simulation_, hooks);
   }
 
-  Description description_;
   std::shared_ptr<Simulation> simulation_;
   std::vector<std::string> warnings_;
   double setup_seconds_ = 0;
+  mutable Turns turns_;
 };
+
+NumpyArray<Index> cells(const Simulation& simulation, const std::string& name) {
+  const Body& body = body_of(simulation, name);
+  return numpy_array(body.cells, {static_cast<std::size_t>(body.num_cells()),
+                                  static_cast<std::size_t>(num_nodes(body.cell_kind))});
+}
+
+const Skin& skin_of(const Simulation& simulation, const std::string& name) {
+  const Body& body = body_of(simulation, name);
+  if (!body.skin)
+    throw InputError("body \"" + name + "\"", "a skin", "none", "its key in the scene is `skin`");
+  return *body.skin;
+}
+
+/// (V, 3) [m], in the scene's coordinates
+NumpyArray<double> skin_positions(const Simulation& simulation, const std::string& name) {
+  const Embedding& embedding = skin_of(simulation, name).embedding;
+  std::vector<double> places(3 * static_cast<std::size_t>(embedding.num_points()));
+  embedding.apply(simulation.state().positions, places);
+  for (std::size_t i = 0; i < places.size(); ++i) places[i] += simulation.world().origin[i % 3];
+  return numpy_array(std::move(places), {static_cast<std::size_t>(embedding.num_points()), 3});
+}
+
+/// (T, 3), in 2D perhaps (T, 2)
+NumpyArray<Index> skin_facets(const Simulation& simulation, const std::string& name) {
+  const CellBlock& facets = skin_of(simulation, name).facets;
+  return numpy_array(facets.nodes, {static_cast<std::size_t>(facets.num_cells()),
+                                    static_cast<std::size_t>(num_nodes(facets.kind))});
+}
+
+std::pair<Index, Index> vertex_range(const Simulation& simulation, const std::string& name) {
+  const Body& body = body_of(simulation, name);
+  return {body.first_node, body.first_node + body.num_nodes};
+}
+
+std::string frame(const Simulation& simulation) {
+  const World& world = simulation.world();
+  const auto fields = FieldEvaluator(world).evaluate(simulation.state(), world.output.fields);
+  return frame_json(simulation.frame(), world, simulation.state(), fields).dump();
+}
+
+/// (N, dim) [m], in the scene's coordinates
+NumpyArray<double> place_array(const World& world, const VectorX& positions) {
+  return node_array(scene_places(world, positions), world.dimension);
+}
+
+// ---- functions of a simulation, in a turn
+
+template <class Result>
+auto look(Result (*function)(const Simulation&)) {
+  return [function](const RunningSimulation& s) { return s.look(function); };
+}
+
+template <class Result>
+auto look_at(Result (*function)(const Simulation&, const std::string&)) {
+  return [function](const RunningSimulation& s, const std::string& name) {
+    return s.look([&](const Simulation& simulation) { return function(simulation, name); });
+  };
+}
 
 template <class Member>
 auto of_state(Member State::* member) {
-  return [member](const RunningSimulation& s) { return s.simulation().state().*member; };
+  return [member](const RunningSimulation& s) {
+    return s.look([member](const Simulation& simulation) { return simulation.state().*member; });
+  };
 }
 
-auto nodal(VectorX State::* member) {
+template <class Member>
+auto of_world(Member World::* member) {
   return [member](const RunningSimulation& s) {
-    return node_array(s.simulation().state().*member, s.world().dimension);
+    return s.look([member](const Simulation& simulation) { return simulation.world().*member; });
   };
 }
 
@@ -217,47 +262,42 @@ void bind_simulation(nb::module_& module) {
            nb::arg("max_steps"), nb::arg("after_step").none())
       .def("set_material", &RunningSimulation::set_material, nb::arg("body"), nb::arg("law"),
            nb::arg("constants"), nb::arg("cell_constants"), nb::arg("fibres"), nb::arg("density").none())
-      .def("cells", &RunningSimulation::cells, nb::arg("body"))
-      .def("skin_positions", &RunningSimulation::skin_positions, nb::arg("body"))
-      .def("skin_facets", &RunningSimulation::skin_facets, nb::arg("body"))
-      .def("vertex_range", &RunningSimulation::vertex_range, nb::arg("body"))
-      .def("frame",
-           [](const RunningSimulation& s) {
-             const State& state = s.simulation().state();
-             const auto fields = FieldEvaluator(s.world()).evaluate(state, s.world().output.fields);
-             return frame_json(s.simulation().frame(), s.world(), state, fields).dump();
-           })
+      .def("cells", look_at(&cells), nb::arg("body"))
+      .def("skin_positions", look_at(&skin_positions), nb::arg("body"))
+      .def("skin_facets", look_at(&skin_facets), nb::arg("body"))
+      .def("vertex_range", look_at(&vertex_range), nb::arg("body"))
+      .def("frame", look(&frame))
       .def(
           "draw",
           [](const RunningSimulation& s, const PictureOptions& options) {
-            return draw_state(s.world(), s.simulation().state(), options);
+            return s.look([&](const Simulation& simulation) {
+              const nb::gil_scoped_release release;
+              return draw_state(simulation.world(), simulation.state(), options);
+            });
           },
-          nb::arg("options"), nb::call_guard<nb::gil_scoped_release>())
-      .def("bodies", [](const RunningSimulation& s) { return bodies_json(s.world()).dump(); })
-      .def("reached", [](const RunningSimulation& s) { return reached(s.simulation()); })
-      .def("positions", nodal(&State::positions))
-      .def("velocities", nodal(&State::velocities))
+          nb::arg("options"))
+      .def("bodies", look(+[](const Simulation& s) { return bodies_json(s.world()).dump(); }))
+      .def("reached", look(&reached))
+      .def("positions",
+           look(+[](const Simulation& s) { return place_array(s.world(), s.state().positions); }))
+      .def("velocities",
+           look(+[](const Simulation& s) { return node_array(s.state().velocities, s.world().dimension); }))
       .def("rest_positions",
-           [](const RunningSimulation& s) {
-             return node_array(s.world().rest_positions, s.world().dimension);
-           })
-      .def(
-          "field",
-          [](const RunningSimulation& s, const std::string& name) {
-            return field_array(s.world(), {&s.simulation().state(), 1}, name);
-          },
-          nb::arg("name"))
+           look(+[](const Simulation& s) { return place_array(s.world(), s.world().rest_positions); }))
+      .def("field", look_at(+[](const Simulation& s, const std::string& name) {
+             return field_array(s.world(), {&s.state(), 1}, name);
+           }),
+           nb::arg("name"))
       .def_prop_ro("warnings", &RunningSimulation::warnings)
       .def_prop_ro("time", of_state(&State::time))
       .def_prop_ro("load", of_state(&State::load))
       .def_prop_ro("step_number", of_state(&State::step))
-      .def_prop_ro("end_time", [](const RunningSimulation& s) { return s.world().end_time; })
-      .def_prop_ro("title", [](const RunningSimulation& s) { return s.world().title; })
-      .def_prop_ro("is_dynamic", [](const RunningSimulation& s) { return s.world().is_dynamic; })
-      .def_prop_ro("is_finished", [](const RunningSimulation& s) { return s.simulation().is_finished(); })
-      .def_prop_ro("share_done", [](const RunningSimulation& s) { return s.simulation().share_done(); })
-      .def_prop_ro("expected_steps",
-                   [](const RunningSimulation& s) { return s.simulation().expected_steps(); });
+      .def_prop_ro("end_time", of_world(&World::end_time))
+      .def_prop_ro("title", of_world(&World::title))
+      .def_prop_ro("is_dynamic", of_world(&World::is_dynamic))
+      .def_prop_ro("is_finished", look(+[](const Simulation& s) { return s.is_finished(); }))
+      .def_prop_ro("share_done", look(+[](const Simulation& s) { return s.share_done(); }))
+      .def_prop_ro("expected_steps", look(+[](const Simulation& s) { return s.expected_steps(); }));
 }
 
 }  // namespace resilin::python

@@ -52,6 +52,10 @@ def test_a_folder_is_drawn_like_the_result_in_memory(result, tmp_path):
     result.save(tmp_path / "beam")
     from_folder = resilin.picture(tmp_path / "beam", "nodal_pressure", size=(200, 150))
     assert (from_folder.pixels == result.plot("nodal_pressure", size=(200, 150)).pixels).all()
+    # A field that the scene did not ask for is computed from what the folder keeps.
+    computed = resilin.picture(tmp_path / "beam", "green_strain.xx", size=(200, 150))
+    assert (computed.pixels == result.plot("green_strain.xx", size=(200, 150)).pixels).all()
+    (tmp_path / "beam" / "scene.bin").unlink()
     with pytest.raises(resilin.InputError, match="displacement, nodal_pressure, body, von_mises"):
         resilin.picture(tmp_path / "beam", "green_strain.xx")
     with pytest.raises(resilin.InputError, match="nothing there"):

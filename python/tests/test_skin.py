@@ -1,5 +1,7 @@
 """Skins: fine points carried by coarse cells."""
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -68,3 +70,31 @@ def test_body_without_a_skin_says_so():
     simulation = resilin.Simulation(scene_with_skin())
     with pytest.raises(resilin.InputError, match="expected a skin, got none"):
         simulation.skin_positions("bar")
+
+
+@pytest.mark.parametrize("distance", [0, 1e4, 1e8])
+def test_places_are_those_of_the_scene_wherever_it_stands(distance, tmp_path):
+    """A far scene is computed in coordinates of its own; what comes out does not show that."""
+    place = np.array([1, -2, 0.5]) * distance
+
+    def simulate(place):
+        scene = scene_with_skin(skin=fine_surface(), translate=list(place))
+        scene["fix"][0]["where"] = {"group": "x_min"}
+        simulation = resilin.Simulation(scene)
+        return simulation, simulation.run(out=tmp_path / "out")
+
+    (near, near_result), (far, result) = simulate(0 * place), simulate(place)
+    rounding = 1e-12 + 4e-16 * distance
+    for there, here in [
+        (far.rest_positions, near.rest_positions),
+        (far.positions, near.positions),
+        (far.skin_positions("bar"), near.skin_positions("bar")),
+        (result.positions, near_result.positions),
+        (pickle.loads(pickle.dumps(result)).positions, near_result.positions),
+    ]:
+        np.testing.assert_allclose(there, here + place, rtol=0, atol=rounding)
+    np.testing.assert_allclose(result.fields["displacement"], near_result.fields["displacement"], rtol=0, atol=1e-12)
+    frame = resilin.Mesh.read(tmp_path / "out" / "frames" / "0010.vtu")
+    np.testing.assert_allclose(frame.positions, result.positions[-1], rtol=0, atol=rounding)
+    far.set_material("bar", resilin.Material("neo_hookean", youngs_modulus=2e6, poissons_ratio=0.4))
+    np.testing.assert_array_equal(far.positions, result.positions[-1])

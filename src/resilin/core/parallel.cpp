@@ -5,6 +5,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
 #include <memory>
 #include <mutex>
 
@@ -24,7 +25,8 @@ int threads_with_room(int wanted) {
 /// The limit belongs to the process, as the cores do; everything else in the library is a value.
 struct ThreadLimit {
   std::mutex mutex;
-  int count = threads_with_room(tbb::this_task_arena::max_concurrency());
+  std::atomic<int> count =
+      threads_with_room(tbb::this_task_arena::max_concurrency());  // read without the lock
   std::unique_ptr<tbb::global_control> control;
 
   ThreadLimit() {
