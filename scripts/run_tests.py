@@ -15,6 +15,7 @@ import xml.etree.ElementTree as ElementTree
 
 import check_browser
 import check_consumer
+import check_docs
 import check_examples
 import check_format
 import check_includes
@@ -114,6 +115,13 @@ def run_examples():
     return [run_check(f"example {name}", check) for name, check in check_examples.all_checks().items()]
 
 
+def run_docs():
+    name = "the check of README and docs finds lines that are wrong"
+    return [run_check(name, check_docs.find_faults_of_this_check)] + [
+        run_check(f"docs: {line}", lambda problems=problems: problems) for line, problems in check_docs.outcomes()
+    ]
+
+
 def run_validation():
     outcomes = [
         Outcome(f"validation {name}", "failed" if problem else "passed", problem)
@@ -167,6 +175,7 @@ STEPS = {
     "tidy": run_tidy,
     "release": run_release,
     "examples": run_examples,
+    "docs": run_docs,
     "validation": run_validation,
     "consumer": run_consumer,
     "python": run_python,
@@ -175,7 +184,7 @@ STEPS = {
     "sanitizers": run_sanitizers,
 }
 NEEDED_BUILD = {
-    step: "release" for step in ("release", "examples", "validation", "consumer", "python", "wheel", "browser")
+    step: "release" for step in ("release", "examples", "docs", "validation", "consumer", "python", "wheel", "browser")
 } | {"sanitizers": "asan"}
 
 
