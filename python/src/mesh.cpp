@@ -26,7 +26,7 @@
 namespace resilin {
 
 RESILIN_MEMBERS(Numbering, file, cell_word, first_vertex, first_cell, vertices, cells)
-RESILIN_MEMBERS(MeshFile, mesh, numbering, format, warnings)
+RESILIN_MEMBERS(MeshFile, mesh, numbering, format, warnings, is_surface)
 
 }  // namespace resilin
 
