@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "resilin/results/step_progress.hpp"
 #include "terminal.hpp"
 
 namespace resilin::cli {
@@ -12,6 +13,10 @@ namespace {
 
 constexpr auto between_draws = std::chrono::milliseconds(100);
 constexpr auto between_lines = std::chrono::seconds(2);
+/// A step that lasts longer than this is told of while it goes on; where lines are printed, one for each of
+/// the longer time without any.
+constexpr auto long_step = std::chrono::seconds(1);
+constexpr auto between_lines_of_a_step = std::chrono::seconds(10);
 
 }  // namespace
 
@@ -22,6 +27,7 @@ Progress::Style Progress::style_for_stdout(bool is_quiet) {
 
 Progress::Progress(Style style, const Simulation& simulation)
     : style_(style),
+      simulation_(&simulation),
       first_step_(simulation.state().step),
       first_time_(simulation.state().time),
       first_share_(share_done(simulation)) {}
@@ -56,32 +62,44 @@ std::string Progress::state_text(const Simulation& simulation, const StepReport&
 }
 
 void Progress::iteration(const NewtonReport& so_far) {
-  if (style_ != Style::bar || Clock::now() < next_output_) return;
-  iterations_ = so_far.iterations;
-  draw();
+  if (style_ == Style::silent) return;
+  ++iterations_;
+  const auto now = Clock::now();
+  const bool is_long = now - step_start_ >= long_step;
+  if (style_ == Style::bar && now >= next_output_) {
+    draw(is_long ? describe_progress(*simulation_, so_far, iterations_)
+                 : fmt::format("{} (iteration {})", text_, iterations_));
+  } else if (style_ == Style::lines && is_long && now >= next_line_of_step_) {
+    print_share(describe_progress(*simulation_, so_far, iterations_));
+  }
 }
 
 void Progress::step(const Simulation& simulation, const StepReport& report) {
   if (style_ == Style::silent) return;
+  iterations_ = 0;
+  step_start_ = Clock::now();
   share_ = share_done(simulation);
   const bool is_last = simulation.is_finished();
-  if (Clock::now() < next_output_ && !is_last) return;
+  if (step_start_ < next_output_ && !is_last) return;
   text_ = state_text(simulation, report) + remaining_text(share_);
-  iterations_ = 0;
-  if (style_ == Style::bar) return draw();
-  next_output_ = Clock::now() + between_lines;
-  print_line(fmt::format("{:3.0f} %  {}", 100 * share_, text_));
-  flush_output();
+  if (style_ == Style::bar) return draw(text_);
+  next_output_ = step_start_ + between_lines;
+  print_share(text_);
 }
 
-void Progress::draw() {
+void Progress::draw(const std::string& text) {
   constexpr int width = 24;
   const int filled = std::clamp(static_cast<int>(share_ * width), 0, width);
-  const std::string inside = iterations_ > 0 ? fmt::format(" (iteration {})", iterations_) : "";
-  print_text(fmt::format("\r\x1b[K[{:#<{}}{:.<{}}] {}{}", "", filled, "", width - filled, text_, inside));
+  print_text(fmt::format("\r\x1b[K[{:#<{}}{:.<{}}] {}", "", filled, "", width - filled, text));
   flush_output();
   is_drawn_ = true;
   next_output_ = Clock::now() + between_draws;
+}
+
+void Progress::print_share(const std::string& text) {
+  print_line(fmt::format("{:3.0f} %  {}", 100 * share_, text));
+  flush_output();
+  next_line_of_step_ = Clock::now() + between_lines_of_a_step;
 }
 
 void Progress::end() {

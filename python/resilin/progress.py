@@ -13,10 +13,12 @@ if TYPE_CHECKING:
 
 BETWEEN_DRAWS = 0.1  # [s]
 BETWEEN_LINES = 2.0  # [s]
+LONG_STEP = 1.0  # [s]: a step that lasts longer is told of while it goes on ...
+BETWEEN_LINES_OF_A_STEP = 10.0  # [s]: ... where lines are printed, once in so long a time without any
 
 
 class Progress:
-    """Prints after steps of `simulation`.
+    """Prints after steps of `simulation`, and within those that last.
 
     Parameters
     ----------
@@ -29,19 +31,27 @@ class Progress:
         self._overwrites = sys.stdout.isatty() or is_notebook()
         self._is_shown = self._overwrites if is_shown is None else is_shown
         self._width = 0
-        self._next = self._start = time.monotonic()
+        self._next = self._next_in_step = self._step_start = self._start = time.monotonic()
 
     @property
-    def after_step(self) -> Callable[[], None] | None:
-        """What the core is to call after each step, or None."""
+    def after_step(self) -> Callable[..., None] | None:
+        """What the core is to call after each step, and with (share done, what it is at) within one; or None."""
         return self._step if self._is_shown else None
 
-    def _step(self) -> None:
+    def _step(self, share: float | None = None, text: str = "") -> None:
         now = time.monotonic()
+        if share is not None:
+            if now >= max(self._step_start + LONG_STEP, self._next_in_step):
+                self._print(f"{100 * share:3.0f} %  {text}, {now - self._start:.3g} s")
+            return
+        self._step_start = now
         if now < self._next and not self._simulation.is_finished:
             return
         self._next = now + (BETWEEN_DRAWS if self._overwrites else BETWEEN_LINES)
-        text = self._text()
+        self._print(self._text())
+
+    def _print(self, text: str) -> None:
+        self._next_in_step = time.monotonic() + (BETWEEN_DRAWS if self._overwrites else BETWEEN_LINES_OF_A_STEP)
         if self._overwrites:
             print("\r" + text.ljust(self._width), end="", flush=True)
             self._width = len(text)

@@ -18,15 +18,6 @@ bool Interruptible::is_stopped() {
   return error_.has_value();
 }
 
-void Interruptible::call(const nb::object& function) {
-  const nb::gil_scoped_acquire acquire;
-  try {
-    function();
-  } catch (nb::python_error& error) {
-    error_.emplace(std::move(error));
-  }
-}
-
 void Interruptible::rethrow() {
   if (error_) throw nb::python_error(std::move(*error_));
 }

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <optional>
+#include <utility>
 
 #include "bindings.hpp"
 
@@ -14,7 +15,15 @@ class Interruptible {
   bool is_stopped();
 
   /// Calls a Python function; its exception stops the computation.
-  void call(const nb::object& function);
+  template <class... Arguments>
+  void call(const nb::object& function, const Arguments&... arguments) {
+    const nb::gil_scoped_acquire acquire;
+    try {
+      function(arguments...);
+    } catch (nb::python_error& error) {
+      error_.emplace(std::move(error));
+    }
+  }
 
   /// Raises what stopped the computation, if anything did. To be called with the GIL.
   void rethrow();

@@ -27,6 +27,7 @@
 #include "resilin/results/result_picture.hpp"
 #include "resilin/results/results.hpp"
 #include "resilin/results/run.hpp"
+#include "resilin/results/step_progress.hpp"
 #include "resilin/scene/scene.hpp"
 #include "scene_value.hpp"
 #include "turns.hpp"
@@ -81,7 +82,8 @@ class RunningSimulation {
   }
 
   /// Runs to the end and records. `resume`: null, "same" or "anyway", as after --resume. `after_step` is
-  /// called without arguments. Others may look between steps.
+  /// called without arguments, and within a step with the share of the run that is done and what the step is
+  /// at. Others may look between steps.
   History run(const std::optional<std::filesystem::path>& out, const std::optional<std::string>& resume,
               int max_steps, const nb::object& after_step) {
     const Turns::Turn turn(turns_, Turns::Kind::change);
@@ -132,10 +134,18 @@ class RunningSimulation {
     };
     record(false);
     double seconds = setup_seconds_;
+    int iterations = 0;  // of the step
+    const auto within_step = [&](const NewtonReport& so_far) {
+      ++iterations;
+      if (after_step.is_none()) return;
+      interruptible.call(after_step, simulation_->share_done(),
+                         describe_progress(*simulation_, so_far, iterations));
+    };
     RunOutcome outcome = timed_run(seconds, {.is_stopped = [&] { return interruptible.is_stopped(); },
-                                             .after_iteration = {},
+                                             .after_iteration = within_step,
                                              .after_step =
                                                  [&](const StepReport&) {
+                                                   iterations = 0;
                                                    record(simulation_->is_finished());
                                                    turns_.let_others_look();
                                                    if (!after_step.is_none()) {

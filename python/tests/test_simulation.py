@@ -327,6 +327,15 @@ def test_progress_is_one_line_when_asked_and_none_otherwise(capsys):
     assert lines[-1].startswith("100 %  step 2/2, t = 0.02 s")
 
 
+def test_progress_tells_of_a_step_that_lasts(capsys, monkeypatch):
+    for name in ("LONG_STEP", "BETWEEN_LINES_OF_A_STEP"):
+        monkeypatch.setattr(f"resilin.progress.{name}", 0)
+    resilin.run(square(end_time=0.02), progress=True)
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].startswith("  0 %  step 1, from t = 0 s, Newton iteration 1, residual ")
+    assert lines[-1].startswith("100 %  step 2/2, t = 0.02 s")
+
+
 def test_oddities_are_python_warnings():
     scene = square()
     scene["body"][0] |= {"mesh": {"positions": [[0, 0], [1, 0], [0, 1]], "cells": [[0, 2, 1]]}}

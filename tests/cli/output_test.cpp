@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <csignal>
+
 #include "program.hpp"
 #include "temporary_folder.hpp"
 
@@ -59,6 +61,28 @@ TEST_F(Output, ThatHeadHasCutOffEndsARunWithACheckpoint) {
 }
 
 /// Every limit on the size of a file, from none at all to just enough for some of them.
+/// A wall that bursts under a thousandth of its load is looked at for hundreds of iterations.
+TEST_F(Output, TellsOfAStepThatLastsWhileItGoesOn) {
+  folder.write("wall.toml", R"([[body]]
+name = "wall"
+mesh = { box = { size = [0.02, 0.02, 0.001], cells = [24, 24, 1] } }
+material = { law = "neo_hookean", youngs_modulus = 1e6, poissons_ratio = 0.49 }
+[[fix]]
+where = { group = "x_min" }
+[[load]]
+kind = "pressure"
+value = 1e7
+where = { group = "z_min" }
+)");
+  RunningProgram program(folder.path(), {"run", "wall.toml"});
+  const std::string line =
+      "  0 %  step 1, from load factor 0 by [0-9.e-]+ at most, Newton iteration [0-9]+, residual .* "
+      "\\(tolerance 1e-08\\)";
+  EXPECT_THAT(program.wait_for(line), ::testing::ContainsRegex(line));
+  program.kill(SIGINT);
+  EXPECT_EQ(program.finish().exit_code, 2);
+}
+
 TEST_F(Output, ThatIsLongerThanAllowedNamesTheFileAndTheLimit) {
   int refused = 0;
   for (const int blocks : {0, 1, 2, 4, 8, 16, 32, 64, 256}) {

@@ -52,10 +52,11 @@ Description tiny(const std::string& kind) {
 Checkpoint checkpoint_of(const Description& scene, int steps) {
   Simulation simulation(scene);
   for (int i = 0; i < steps; ++i) simulation.step();
-  return {.version = std::string(version()),
-          .fingerprint = simulation.world().fingerprint,
-          .failed_steps = {.count = 1, .first_step = 2, .first_time = 0.5, .first_reason = "why"},
-          .state = simulation.state()};
+  return {
+      .version = std::string(version()),
+      .fingerprint = simulation.world().fingerprint,
+      .failed_steps = {.count = 2, .in_a_row = 1, .first_step = 2, .first_time = 0.5, .first_reason = "why"},
+      .state = simulation.state()};
 }
 
 const std::array<std::string, 5> kinds = {"static", "dynamic", "adaptive", "modes", "path"};

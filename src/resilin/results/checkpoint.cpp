@@ -36,8 +36,8 @@ std::string serialize(const Checkpoint& checkpoint) {
   const FailedSteps& failed = checkpoint.failed_steps;
   ArchiveWriter archive;
   archive(checkpoint.version, checkpoint.fingerprint, std::int64_t{failed.count},
-          std::int64_t{failed.first_step}, failed.first_time, failed.first_reason,
-          serialize(checkpoint.state));
+          std::int64_t{failed.in_a_row}, std::int64_t{failed.first_step}, failed.first_time,
+          failed.first_reason, serialize(checkpoint.state));
   return sealed(magic, archive.take());
 }
 
@@ -49,13 +49,14 @@ Checkpoint parse_checkpoint(std::string_view bytes, const std::string& place) {
   }
   Checkpoint checkpoint;
   FailedSteps& failed = checkpoint.failed_steps;
-  std::int64_t count = 0, first_step = 0;
+  std::int64_t count = 0, in_a_row = 0, first_step = 0;
   std::string state;
   ArchiveReader archive(unsealed(bytes, magic, place, cure), place, cure);
-  archive(checkpoint.version, checkpoint.fingerprint, count, first_step, failed.first_time,
+  archive(checkpoint.version, checkpoint.fingerprint, count, in_a_row, first_step, failed.first_time,
           failed.first_reason, state);
   archive.end();
   failed.count = count_of_steps(count, place);
+  failed.in_a_row = count_of_steps(in_a_row, place);
   failed.first_step = count_of_steps(first_step, place);
   checkpoint.state = deserialize_state(state, place);
   return checkpoint;

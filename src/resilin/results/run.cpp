@@ -59,6 +59,21 @@ RunOutcome verdict(const Simulation& simulation) {
               "): " + failed.first_reason + guarding_remark(simulation.state())};
 }
 
+/// Steps that find no solution one after the other will not find one later: a body has burst or collapsed.
+bool gives_up(const Simulation& simulation) {
+  const int most = simulation.world().newton.max_failures;
+  return most > 0 && simulation.failed_steps().in_a_row >= most && !simulation.is_finished();
+}
+
+std::string describe_giving_up(const Simulation& simulation, const StepReport& last) {
+  const FailedSteps& failed = simulation.failed_steps();
+  return "ended at " + reached(simulation) + ": for " + std::to_string(failed.in_a_row) +
+         " steps in a row no solution was found, the last " + format_short(last.time_step) +
+         " s long: " + last.reason + "; if this is no body that bursts or collapses, a smaller " +
+         (simulation.world().adaptive ? "simulation.adaptive.min_step" : "simulation.time_step") +
+         " helps; newton.max_failures = 0 goes on regardless";
+}
+
 RunOutcome step_to_end(Simulation& simulation, const RunHooks& hooks) {
   const auto is_stopped = [&hooks] { return hooks.is_stopped && hooks.is_stopped(); };
   const auto stopped = [&]() -> RunOutcome {
@@ -84,6 +99,7 @@ RunOutcome step_to_end(Simulation& simulation, const RunHooks& hooks) {
       if (!simulation.world().is_dynamic) return {RunStatus::not_converged, report.reason};
     }
     if (hooks.after_step) hooks.after_step(report);
+    if (gives_up(simulation)) return {RunStatus::not_converged, describe_giving_up(simulation, report)};
   }
   RunOutcome outcome = verdict(simulation);
   if (had_ended) outcome.reason += "; the run had ended before, nothing was left to do";

@@ -58,6 +58,9 @@ Keys<NewtonOptions> newton_keys() {
       number_key("tolerance", &N::tolerance, "", positive, "Largest residual force, relative to the loads."),
       integer_key("max_iterations", &N::max_iterations, at_least_one,
                   "Newton iterations of a load or time step. A small number truncates a time step, safely."),
+      integer_key("max_failures", &N::max_failures, not_negative,
+                  "Motion: the run ends after so many steps in a row for which no solution was found; those "
+                  "that a max_iterations below 100 cuts short do not count. 0: it never does."),
       choice_key("projection", &N::projection,
                  "What is done to negative eigenvalues of the elements' matrices."),
       choice_key("inversion_bound", &N::inversion_bound,

@@ -94,6 +94,7 @@ StepReport Simulation::step(const NewtonObserver& observer) {
                                     : load_control_->step(world_, newton_, state_, observer);
   if (state_.step > step_before) {
     measure(time_stepper_ ? &gradient : nullptr);
+    failed_steps_.in_a_row = report.has_solution ? 0 : failed_steps_.in_a_row + 1;
     if (report.status == StepReport::Status::not_converged) note_failure(report.reason);
   }
   timing_.assembly += report.newton.assembly_seconds;

@@ -2,9 +2,6 @@
 
 #include <cmath>
 
-#include "resilin/core/text.hpp"
-#include "resilin/mesh/facet.hpp"
-
 namespace resilin {
 
 void add_to(NewtonReport& sum, const NewtonReport& part) {
@@ -51,26 +48,6 @@ void choose_lower_start(Objective& objective, std::span<const std::uint8_t> is_f
   objective.prepare(x, way);
   const double difference = objective.difference(x, candidate);
   if (std::isfinite(difference) && difference < 0 && objective.max_step(x, way) == 1) x = candidate;
-}
-
-std::string describe_failure(const World& world, const NewtonReport& report, const VectorX& positions) {
-  std::string text = report.reason;
-  if (report.worst_unknown >= 0) {
-    const Index node = report.worst_unknown / world.dimension;
-    const Body& body = world.body_of(node);
-    const Vector3 X = world.place_of(node, world.rest_positions);
-    text += "; the force residual is " + format_number(report.residual) + " N (" +
-            format_number(report.relative_residual()) + " of the load), largest at vertex " +
-            std::to_string(node - body.first_node) + " of \"" + body.name + "\" at (" + format_number(X.x()) +
-            ", " + format_number(X.y()) + ", " + format_number(X.z()) + ")";
-  }
-  for (const Body& body : world.bodies) {
-    const auto [ratio, cell] = body.elastic->min_volume_ratio(positions);
-    if (ratio > 0.05) continue;
-    text += "; cell " + std::to_string(cell) + " of \"" + body.name + "\" has volume ratio " +
-            format_number(ratio);
-  }
-  return text;
 }
 
 }  // namespace resilin

@@ -20,6 +20,7 @@ struct StepReport {
   };
   Status status = Status::converged;
   std::string reason;              ///< in words, with the place of the worst residual or the worst element
+  bool has_solution = true;        ///< motion: one was found, or newton.max_iterations cut the search short
   NewtonReport newton;             ///< summed over the stages and attempts of the step
   int failed_attempts = 0;         ///< steps that were tried before, too long
   double time_step = 0;            ///< motion: length of the step [s]
@@ -42,12 +43,14 @@ NewtonSettings newton_settings(const World& world);
 void choose_lower_start(Objective& objective, std::span<const std::uint8_t> is_fixed, const VectorX& held,
                         VectorX candidate, VectorX& x);
 
-/// Why a search ended, with the place of the largest residual and the cells that are all but flat.
+/// Why a search ended: with the place of the largest residual, where the material of that body suffers most,
+/// and cells of other bodies that are all but flat. Places are those of the rest shapes.
 std::string describe_failure(const World& world, const NewtonReport& report, const VectorX& positions);
 
 /// Steps of a run that did not converge and were gone on from, those before a restart included.
 struct FailedSteps {
   int count = 0;
+  int in_a_row = 0;  ///< of them, those up to now for which there seems to be no solution
   int first_step = 0;
   double first_time = 0;     ///< at its end [s]
   std::string first_reason;  ///< in words

@@ -85,6 +85,9 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
       report.status = StepReport::Status::not_converged;
       report.reason = describe_failure(world, search, x);
       attempt.touches |= !(potential.energy(EnergyCategory::contact, guess) == 0);
+      const bool is_cut_short = search.status == NewtonReport::Status::max_iterations &&
+                                world.newton.max_iterations < NewtonOptions{}.max_iterations;
+      report.has_solution &= is_cut_short;
     }
     potential.gradient(x, attempt.gradient);
     // Energies are compared where the run ends: they cost as much as a step of Newton's method.
@@ -183,6 +186,7 @@ StepReport TimeStepper::step_in_parts(const World& world, Newton& newton, State&
     add_to(report.newton, found.report.newton);
     report.by_backward_euler |= found.report.by_backward_euler;
     report.removed_energy += found.report.removed_energy;
+    report.has_solution &= found.report.has_solution;
     if (!found.converged()) {
       report.status = found.report.status;
       report.reason = found.report.reason;

@@ -185,6 +185,7 @@ struct SectionDescription {
 struct NewtonOptions {
   double tolerance = 1e-8;   ///< force residual relative to the load (docs/theory/stopping.md)
   int max_iterations = 100;  ///< per load or time step; a smaller number truncates a step, safely
+  int max_failures = 5;      ///< motion: ends after so many steps in a row without a solution; 0: never
   ProjectionChoice projection = ProjectionChoice::automatic;
   InversionBound inversion_bound = InversionBound::points;
 };

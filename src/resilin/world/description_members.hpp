@@ -31,7 +31,7 @@ RESILIN_MEMBERS(ColliderDescription, place, name, kind, shape, velocity, until, 
                 stiffness)
 RESILIN_MEMBERS(ProbeDescription, place, name, body, at)
 RESILIN_MEMBERS(SectionDescription, place, name, body, axis, at)
-RESILIN_MEMBERS(NewtonOptions, tolerance, max_iterations, projection, inversion_bound)
+RESILIN_MEMBERS(NewtonOptions, tolerance, max_iterations, max_failures, projection, inversion_bound)
 RESILIN_MEMBERS(SolverOptions, kind, max_iterations)
 RESILIN_MEMBERS(OutputOptions, every, fields, formats)
 RESILIN_MEMBERS(AdaptiveSteps, tolerance, min_step, max_step)

@@ -150,6 +150,10 @@ bool is_seen(const BodyDescription&, std::string_view member) {
   return !is_one_of(member, {"place", "name", "mesh_name", "skin"});
 }
 
+bool is_seen(const NewtonOptions&, std::string_view member) {
+  return member != "max_failures";  // when to give up, not what is computed
+}
+
 bool is_seen(const LoadDescription& load, std::string_view member) {
   return !is_one_of(member, {"place", "name", load.kind == "pressure" ? "value" : "pressure"});
 }

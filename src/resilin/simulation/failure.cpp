@@ -1,0 +1,86 @@
+// Why a search ended without an equilibrium, in words.
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include "resilin/core/text.hpp"
+#include "resilin/simulation/step.hpp"
+
+namespace resilin {
+namespace {
+
+constexpr double all_but_flat = 0.05;  ///< a volume ratio of which every body is told
+constexpr double far_stretched = 2;    ///< a stretch beyond which the volume says little
+
+std::string place_text(const Vector3& place) {
+  return '(' + format_short(place.x()) + ", " + format_short(place.y()) + ", " + format_short(place.z()) +
+         ')';
+}
+
+/// "cell 12 at (0.1, 0.2, 0)": the middle of its rest shape.
+std::string cell_text(const World& world, const Body& body, Index cell) {
+  const auto count = static_cast<std::size_t>(num_nodes(body.cell_kind));
+  const std::span<const Index> nodes =
+      std::span(body.cells).subspan(static_cast<std::size_t>(cell) * count, count);
+  Vector3 middle = Vector3::Zero();
+  for (const Index node : nodes) middle += world.place_of(node, world.rest_positions);
+  return "cell " + std::to_string(cell) + " at " + place_text(middle / static_cast<double>(count));
+}
+
+struct Stretched {
+  double stretch = 0;  ///< the largest principal one; nan where one is not a number
+  Index cell = -1;
+};
+
+Stretched most_stretched(const Body& body, const VectorX& positions) {
+  const std::vector<Matrix<3>> gradients = body.elastic->deformation_gradients(positions);
+  Stretched most;
+  for (std::size_t i = 0; i < gradients.size(); ++i) {
+    const Matrix<3>& F = gradients[i];
+    const auto cell = static_cast<Index>(i) / body.elastic->num_points();
+    if (!F.allFinite()) return {std::numeric_limits<double>::quiet_NaN(), cell};
+    if (F.norm() <= most.stretch) continue;  // no stretch is larger
+    const double stretch = F.jacobiSvd().singularValues()[0];
+    if (stretch > most.stretch) most = {stretch, cell};
+  }
+  return most;
+}
+
+/// Where the material of a body suffers most.
+std::string strain_text(const World& world, const Body& body, const VectorX& positions) {
+  const auto [ratio, flat_cell] = body.elastic->min_volume_ratio(positions);
+  std::string text =
+      "; its smallest volume ratio is " + format_short(ratio) + ", in " + cell_text(world, body, flat_cell);
+  const Stretched most = most_stretched(body, positions);
+  if (!(most.stretch <= far_stretched))
+    text +=
+        "; it is stretched " + format_short(most.stretch) + " times in " + cell_text(world, body, most.cell);
+  return text;
+}
+
+}  // namespace
+
+std::string describe_failure(const World& world, const NewtonReport& report, const VectorX& positions) {
+  std::string text = report.reason;
+  const Body* worst = nullptr;
+  if (report.worst_unknown >= 0) {
+    const Index node = report.worst_unknown / world.dimension;
+    worst = &world.body_of(node);
+    text += "; the force residual is " + format_number(report.residual) + " N (" +
+            format_number(report.relative_residual()) + " of the load), largest at vertex " +
+            std::to_string(node - worst->first_node) + " of \"" + worst->name + "\" at " +
+            place_text(world.place_of(node, world.rest_positions)) + strain_text(world, *worst, positions);
+  }
+  for (const Body& body : world.bodies) {
+    if (&body == worst) continue;
+    const auto [ratio, cell] = body.elastic->min_volume_ratio(positions);
+    if (ratio > all_but_flat) continue;
+    text += "; " + cell_text(world, body, cell) + " of \"" + body.name + "\" has volume ratio " +
+            format_short(ratio);
+  }
+  return text;
+}
+
+}  // namespace resilin
