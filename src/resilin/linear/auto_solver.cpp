@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <utility>
 
 #include "resilin/core/log.hpp"
@@ -6,71 +7,106 @@
 namespace resilin {
 namespace {
 
-/// Tries solvers in turn: the next one where the one before does not converge.
-///
-/// Every solve begins with the first, so that a run that is taken up again gives the same bits as an unbroken
-/// one. Where there is no memory for a direct one that comes first, a spare takes its place for good.
+/// A solver and what it may cost: the iterations on one matrix after which the next solver is the cheaper
+/// one.
+struct Candidate {
+  std::unique_ptr<LinearSolver> solver;
+  int affordable_iterations;
+};
+
+/// Tries solvers in turn, each until it has spent what the next one costs: within a solve that does not
+/// converge and from solve to solve with the same matrix. The matrices that follow in the same search begin
+/// with the solver that this has led to, and every search with the first, so that a run that is taken up
+/// again gives the same bits as an unbroken one. Where there is no memory for a direct one that comes first,
+/// a spare takes its place for good; one that comes later is left out.
 class SolverChain : public LinearSolver {
  public:
   /// `spare` may be null.
-  SolverChain(std::vector<std::unique_ptr<LinearSolver>> solvers, std::unique_ptr<LinearSolver> spare)
-      : solvers_(std::move(solvers)), spare_(std::move(spare)) {}
+  SolverChain(std::vector<Candidate> candidates, std::unique_ptr<LinearSolver> spare)
+      : candidates_(std::move(candidates)), spare_(std::move(spare)) {}
 
-  std::string_view name() const override { return solvers_.front()->name(); }
-  bool is_direct() const override { return solvers_.front()->is_direct(); }
+  std::string_view name() const override { return candidates_.front().solver->name(); }
+  bool is_direct() const override { return candidates_.front().solver->is_direct(); }
+  void begin_search() override { current_ = 0; }
 
   void analyze(const BlockMatrix& A, const VectorX& node_positions) override {
-    solvers_.front()->analyze(A, node_positions);
+    solver().analyze(A, node_positions);
     node_positions_ = node_positions;
   }
 
   LinearReport factorize(const BlockMatrix& A) override {
-    const LinearReport report = solvers_.front()->factorize(A);
-    if (report.status != LinearReport::Status::out_of_memory || spare_ == nullptr) return report;
-    solvers_.front() = std::move(spare_);
-    log_info(report.shortage + "; " + std::string(name()) + " solves instead");
-    return solvers_.front()->factorize(A);
+    spent_ = 0;
+    LinearReport report = solver().factorize(A);
+    if (report.status != LinearReport::Status::out_of_memory) return report;
+    if (current_ > 0) {
+      candidates_.resize(current_);
+      current_ = 0;
+    } else {
+      if (spare_ == nullptr) return report;
+      candidates_.front().solver = std::move(spare_);
+    }
+    log_info(report.shortage + "; " + std::string(solver().name()) + " solves instead");
+    solver().analyze(A, node_positions_);
+    return solver().factorize(A);
   }
 
   LinearReport solve(const BlockMatrix& A, const VectorX& b, VectorX& x, double relative_tolerance) override {
-    LinearReport report = solvers_.front()->solve(A, b, x, relative_tolerance);
+    if (has_next() && spent_ > candidates_[current_].affordable_iterations) go_to_next(A);
+    LinearReport report = solver().solve(A, b, x, relative_tolerance);
     int iterations = report.iterations;
-    for (std::size_t k = 1; k < solvers_.size(); ++k) {
-      if (report.status != LinearReport::Status::not_converged) break;
-      solvers_[k]->analyze(A, node_positions_);
-      LinearReport next = solvers_[k]->factorize(A);
+    while (report.status == LinearReport::Status::not_converged && has_next()) {
+      const LinearReport next = go_to_next(A);
       if (next.status == LinearReport::Status::out_of_memory) break;  // the last iterate is all there is
-      if (next.status == LinearReport::Status::ok) next = solvers_[k]->solve(A, b, x, relative_tolerance);
       report = next;
+      if (next.status != LinearReport::Status::ok) break;
+      report = solver().solve(A, b, x, relative_tolerance);
       iterations += report.iterations;
     }
+    spent_ += iterations;
     report.iterations = iterations;
     return report;
   }
 
  private:
-  std::vector<std::unique_ptr<LinearSolver>> solvers_;
+  LinearSolver& solver() { return *candidates_[current_].solver; }
+  bool has_next() const { return current_ + 1 < candidates_.size(); }
+
+  /// Stays where it is unless the next solver has its factors.
+  LinearReport go_to_next(const BlockMatrix& A) {
+    LinearSolver& next = *candidates_[current_ + 1].solver;
+    next.analyze(A, node_positions_);
+    const LinearReport report = next.factorize(A);
+    spent_ = 0;
+    if (report.status == LinearReport::Status::ok) ++current_;
+    if (report.status == LinearReport::Status::out_of_memory) candidates_.resize(current_ + 1);
+    return report;
+  }
+
+  std::vector<Candidate> candidates_;
   std::unique_ptr<LinearSolver> spare_;
+  std::size_t current_ = 0;
+  int spent_ = 0;  ///< iterations with the present matrix
   VectorX node_positions_;
 };
 
 }  // namespace
 
 // Limits from `resilin bench solvers` (docs/performance.md): in 3D at rest the multigrid overtakes the direct
-// solver at about 2,500 unknowns and is 6 times faster at 47,000; it gives way to it only where the material
-// is all but incompressible. With mass, incomplete Cholesky needs some 5 to 40 iterations and the cheapest
-// set-up.
+// solver at about 2,500 unknowns and is 6 times faster at 47,000. Thin walls, materials that are all but
+// incompressible or full of stiff fibres and many solves with one matrix make it give way to it. With mass,
+// incomplete Cholesky needs some 5 to 40 iterations and the cheapest set-up.
 std::unique_ptr<LinearSolver> make_auto(const LinearOptions& options, Index num_unknowns) {
   constexpr Index most_unknowns_direct_first = 2500;
   constexpr Index most_unknowns_direct = 300000;  // about 4 GB
   constexpr int iterations_incomplete = 80;       // then a multigrid set-up pays
-  constexpr int iterations_multigrid = 200;       // about the cost of a factorisation
-  std::vector<std::unique_ptr<LinearSolver>> solvers;
+  // A factorisation costs 200 iterations of the multigrid at 47,000 unknowns, and grows like their square.
+  const int iterations_multigrid = std::max(40, num_unknowns / 230);
+  std::vector<Candidate> solvers;
   const auto add = [&](const char* kind, int max_iterations) {
     LinearOptions choice = options;
     choice.kind = kind;
     choice.max_iterations = max_iterations;
-    solvers.push_back(make_linear_solver(choice, num_unknowns));
+    solvers.push_back({make_linear_solver(choice, num_unknowns), max_iterations});
   };
   const bool has_direct = !options.is_definite || num_unknowns <= most_unknowns_direct;
   const bool is_small = num_unknowns <= most_unknowns_direct_first;

@@ -41,6 +41,9 @@ class LinearSolver {
   virtual ~LinearSolver() = default;
   virtual std::string_view name() const = 0;
   virtual bool is_direct() const = 0;
+  /// Matrices of one search for an equilibrium follow: what was learnt of those before is forgotten, so that
+  /// a search gives the same bits whatever went before it.
+  virtual void begin_search() {}
   /// `node_positions` (dim per node) and rigid modes derived from them help multilevel solvers; may be empty.
   /// After large rotations give current positions: again on the same pattern this costs little. May be left
   /// out, and is needed before the bits of a run are to be repeated from a checkpoint when extra blocks came

@@ -9,6 +9,7 @@ namespace resilin {
 NewtonReport Newton::Search::run(const NewtonObserver& observer) {
   using Status = NewtonReport::Status;
   using Verdict = Convergence::Verdict;
+  newton.solver_->begin_search();
   int short_boundary_steps = 0;
   VectorX gap = boundary_gap();
   bool boundary_moves = (gap.array() != 0).any();

@@ -21,6 +21,9 @@ struct Newton::Search {
   /// After so many halvings a step along which carried internal values led is given up for one at those of x:
   /// the globalisation of docs/theory/mean_volume.md.
   static constexpr int max_halvings_of_carried_values = 4;
+  /// So many times may a step that is let pass raise the residual. Volumes that are off for a moment do so by
+  /// the ratio of the moduli; from where stiffening fibres raise it by more there is no way back.
+  static constexpr double most_growth_of_residual = 1e6;
 
   Newton& newton;
   Objective& objective;
@@ -38,6 +41,7 @@ struct Newton::Search {
   VectorX internal{};  ///< where the Hessian is formed besides x ...
   struct Watchdog {
     VectorX x{}, gradient{};  ///< where the energy was lowest ...
+    double residual = 0;      ///< ... with this weighted residual [N] ...
     int steps = 0;            ///< ... before so many steps
     bool is_strict = false;   ///< the next step must lower it
   } watchdog{};
@@ -47,6 +51,7 @@ struct Newton::Search {
   double weighted_residual = 0;
   double last_residual = 0;  ///< the one before
   double last_forcing = 0;
+  double last_shift = 0;      ///< of a matrix that stayed indefinite though projected: the next one will, too
   bool has_potential = true;  ///< unless slow convergence asked and the objective said no
   bool potential_is_known = false;
 
@@ -55,9 +60,8 @@ struct Newton::Search {
   /// What is still missing at the fixed unknowns; zero at the free ones.
   VectorX boundary_gap() const {
     VectorX gap = VectorX::Zero(x.size());
-    for (Eigen::Index i = 0; i < x.size(); ++i) {
+    for (Eigen::Index i = 0; i < x.size(); ++i)
       if (!is_free(i)) gap[i] = targets[i] - x[i];
-    }
     return gap;
   }
 
@@ -98,7 +102,6 @@ struct Newton::Search {
   struct Direction {
     bool found = false;
     bool is_exact = true;
-    bool singular = false;
   };
 
   /// `shift` times the largest diagonal entry is added to the diagonal: 0, or a little where a projected
@@ -124,8 +127,7 @@ struct Newton::Search {
     }
     const Stopwatch watch(report.solve_seconds);
     LinearSolver& solver = *newton.solver_;
-    solver.analyze(newton.hessian_,
-                   x);  // quick on the same pattern; the rigid modes are those of the body as it stands
+    solver.analyze(newton.hessian_, x);  // quick on the same pattern; the rigid modes are those at x
     ++report.linear_solves;
     if (!direction.is_exact) ++report.projected_solves;
     LinearReport linear = solver.factorize(newton.hessian_);
@@ -155,7 +157,9 @@ struct Newton::Search {
       return linear.status != LinearReport::Status::indefinite && p.allFinite();
     };
     VectorX p;
-    const TangentReport tangent = solve_with_true_tangent(objective, is_fixed, x, right_side, near, 1e-3, p);
+    const double tolerance = std::clamp(0.01 * weighted_residual / convergence.weighted_scale(), 1e-3, 0.01);
+    const TangentReport tangent =
+        solve_with_true_tangent(objective, is_fixed, x, right_side, near, tolerance, p);
     report.tangent_iterations += tangent.iterations;
     if (!(tangent.relative_residual < 0.3)) return;
     step.swap(p);
@@ -174,9 +178,8 @@ struct Newton::Search {
   void add_to_diagonal(double shift) {
     BlockMatrix& H = newton.hessian_;
     const VectorX largest = parts.largest(diagonal);
-    for (Index node = 0; node < H.num_nodes(); ++node) {
+    for (Index node = 0; node < H.num_nodes(); ++node)
       for (int k = 0; k < H.dim; ++k) H.add_to_diagonal(node, k, shift * largest[parts.of_node(node)]);
-    }
   }
 
   /// In the measure of `convergence`, in which all parts count alike.
@@ -204,16 +207,21 @@ struct Newton::Search {
     Projection projection = first;
     while (true) {
       Direction direction = solve_with(projection, 0, gap, boundary_moves);
-      if (direction.found) return direction;
+      if (direction.found) {
+        last_shift = 0;
+        return direction;
+      }
       if (projection == Projection::none) chooser.matrix_was_indefinite();
-      const Projection next = chooser.next_choice(projection);
-      if (next != projection) {
-        projection = next;
+      const Projection stronger = chooser.next_choice(projection);
+      if (stronger != projection && last_shift == 0) {
+        projection = stronger;
         continue;
       }
-      if (projection == Projection::none) return direction;
+      if (stronger == Projection::none) return direction;
       for (const double shift : {1e-6, 1e-3, 1.0}) {
-        direction = solve_with(projection, shift, gap, boundary_moves);
+        if (shift < std::min(last_shift, 1e-3)) continue;
+        direction = solve_with(chooser.next_choice(stronger), shift, gap, boundary_moves);
+        last_shift = shift;
         if (direction.found) return direction;
       }
       return direction;
@@ -238,7 +246,7 @@ struct Newton::Search {
       const double more = -objective.difference(x, further);
       if (!(more > decrease) || !std::isfinite(more)) return;
       objective.gradient(further, further_gradient);
-      if (!further_gradient.allFinite()) return;
+      if (!std::isfinite(convergence.weighted_norm(further_gradient))) return;
       decrease = more;
       length *= 2;
       trial.swap(further);
@@ -252,11 +260,11 @@ struct Newton::Search {
            convergence.weighted_norm(trial_gradient) <= (1 - settings.armijo * length) * weighted_residual;
   }
 
-  /// An energy may be finite where the forces are not numbers any more.
+  /// An energy may be finite where the forces, or their norm, are not numbers any more.
   bool knows_finite_forces() {
     if (!gradient_at_trial_is_known) objective.gradient(trial, trial_gradient);
     gradient_at_trial_is_known = true;
-    return trial_gradient.allFinite();
+    return std::isfinite(convergence.weighted_norm(trial_gradient));
   }
 
   /// The whole step along carried internal values: taken when the energy falls below its lowest value, and as
@@ -270,9 +278,13 @@ struct Newton::Search {
     const bool is_lower = decrease >= -settings.armijo * result.length * slope;
     if (is_lower && watchdog.steps == 0) return false;  // for the line search to judge
     if (!is_lower && watchdog.steps >= settings.relaxed_steps) return false;
+    const double lowest_residual = watchdog.steps > 0 ? watchdog.residual : weighted_residual;
+    if (!(convergence.weighted_norm(trial_gradient) <= most_growth_of_residual * lowest_residual))
+      return false;
     if (watchdog.steps == 0) {
       watchdog.x = x;
       watchdog.gradient = gradient;
+      watchdog.residual = weighted_residual;
     }
     watchdog.steps = is_lower ? 0 : watchdog.steps + 1;
     result.accepted = true;

@@ -15,6 +15,8 @@ namespace {
 constexpr double smallest_load_increment = 1e-4;
 constexpr double load_growth = 1.5;
 constexpr int quick_convergence = 5;  ///< Newton iterations below which the load increment grows
+/// Iterations of a step that has been shortened and can be once more: two halves take fewer.
+constexpr int most_iterations_of_a_shortened_step = 40;
 /// Up to this number of unknowns a factorisation for each equilibrium costs a fraction of a second.
 constexpr Index most_unknowns_counted = 10000;
 
@@ -113,8 +115,12 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
     VectorX targets = state.positions;
     place_supports(world.dimension, world.supports, world.rest_positions, conditions, targets);
     VectorX x = predicted_positions(world, potential, targets, state, load);
+    NewtonSettings settings = newton_settings(world);
+    const double length = load - state.load;
+    if (length < 0.99 / world.load_steps && 0.5 * length >= smallest_load_increment)
+      settings.max_iterations = std::min(settings.max_iterations, most_iterations_of_a_shortened_step);
     const NewtonReport search =
-        solve_stage(potential, world.is_fixed, targets, x, newton_settings(world), {}, newton, x, observer);
+        solve_stage(potential, world.is_fixed, targets, x, settings, {}, newton, x, observer);
     add_to(report.newton, search);
     if (search.status == NewtonReport::Status::interrupted) {
       report.status = StepReport::Status::interrupted;
