@@ -37,7 +37,6 @@ Description bar(int n, bool is_dynamic, const std::string& element) {
   scene.end_time = 0.5;
   scene.newton.tolerance = 1e-8;
   BodyDescription body;
-  body.element = "P1";
   body.name = "bar";
   body.mesh = make_box({4, 1, 1}, {4 * n, n, n});
   body.element = element;
@@ -64,7 +63,6 @@ Description cube(int n) {
   scene.gravity = {0, 0, -9.81};
   scene.newton.tolerance = 1e-6;
   BodyDescription body;
-  body.element = "P1";
   body.name = "cube";
   body.element = "P1";
   body.mesh = make_box({0.4, 0.4, 0.4}, {n, n, n}, Vector3::Zero(), TetPattern::five);
@@ -84,7 +82,6 @@ Description seed001(const std::filesystem::path& mesh) {
   scene.end_time = 2;
   scene.newton.tolerance = 1e-4;
   BodyDescription body;
-  body.element = "P1";
   body.name = "armadillo";
   body.element = "P1";
   body.mesh = read_solid_mesh(mesh, 3).mesh;

@@ -28,6 +28,7 @@ def square(**simulation):
         "body": [
             {
                 "name": "square",
+                "element": "P1",
                 "mesh": mesh,
                 "material": {"law": "neo_hookean", "youngs_modulus": 1e5, "poissons_ratio": 0.4, "density": 1000},
                 "initial_positions": mesh.positions * [1.4, 1],

@@ -37,10 +37,12 @@ Keys<BodyDescription> body_keys() {
   using B = BodyDescription;
   return {
       text_key("name", &B::name, "\"body\"", "Fixes, loads, probes and the report refer to it."),
-      choice_key(
-          "element", &B::element, element_names(), {},
-          "[Shape functions](#element). auto: P2P0 (Q1P0) where Poisson's ratio is above 0.45, else P2 in "
-          "statics, P1 in motion, Q1 on quadrilaterals and hexahedra; the report says which and why."),
+      choice_key("element", &B::element, element_names(), {},
+                 "[Shape functions](#element). auto: P2P0 (Q1P0) where Poisson's ratio is above 0.45, else "
+                 "P2 (Q1 on "
+                 "quadrilaterals and hexahedra), at rest, in motion and on the page alike; the report says "
+                 "which and "
+                 "why ([theory](theory/discretisation.md))."),
       key<B>(
           {"quadrature", one_of(quadrature_names()), "", "the element's own",
            "Rule of the points at which the energy is sampled, one of the [element](#element)'s; exact has "

@@ -105,8 +105,7 @@ ChosenElement choose_element(const ElementCase& c) {
     return plain(2,
                  above + ", and the volume energy of " + std::string(c.law.name) + " does not stand apart");
   if (is_second_order(c.cells)) return plain(2, "the mesh is of second order");
-  if (c.is_dynamic) return plain(1, "in motion linear elements cost least");
-  return plain(2, "in statics quadratic elements cost least for the same error");
+  return plain(2, "quadratic elements cost least for the same error, and linear ones lock where they bend");
 }
 
 std::string locking_text(const ElementInfo& element, const ElementCase& c) {

@@ -27,7 +27,6 @@ class Placement {
 /// What the choice of an element depends on.
 struct ElementCase {
   CellKind cells;  ///< of the mesh
-  bool is_dynamic;
   const LawInfo& law;
   double poissons_ratio;  ///< of the small-strain solid; the largest of all cells
 };
@@ -38,8 +37,8 @@ struct ChosenElement {
   std::string reason;  ///< "nu = 0.49 is above 0.45, where elements without a pressure lock"
 };
 
-/// What element = "auto" means: an element with one pressure per cell for nearly incompressible solids, else
-/// P2 in statics and on meshes of second order, P1 in motion; Q1 on quadrilaterals and hexahedra.
+/// What element = "auto" means, at rest, in motion and under a hand alike: an element with one pressure per
+/// cell for nearly incompressible solids, else P2; Q1 on quadrilaterals and hexahedra.
 ChosenElement choose_element(const ElementCase& c);
 
 /// Why this element is a bad choice, with the cure; empty when it is not.

@@ -180,10 +180,8 @@ void Builder::add_body(const BodyDescription& description) {
   const CellBlock& cells = solid_cells(description, world_.dimension);
   const LawInfo& law = require_law(description.material.law, description.material.place + ".law");
   constants_.push_back(constants_of_cells(law, description.material, cells.num_cells()));
-  const ElementCase element_case{.cells = cells.kind,
-                                 .is_dynamic = world_.is_dynamic,
-                                 .law = law,
-                                 .poissons_ratio = largest_poissons_ratio(law, constants_.back())};
+  const ElementCase element_case{
+      .cells = cells.kind, .law = law, .poissons_ratio = largest_poissons_ratio(law, constants_.back())};
   const BodyMesh& made =
       meshes_.emplace_back(make_body_mesh(description, world_.dimension, element_case, world_.warnings));
   Body body;
