@@ -105,6 +105,16 @@ void print_modes(const std::vector<VibrationMode>& modes) {
   }
 }
 
+/// One line, of all bodies.
+void print_discretisation_errors(const World& world, const DiscretisationErrors& errors) {
+  std::vector<std::string> parts;
+  for (std::size_t b = 0; b < errors.size(); ++b)
+    if (const std::optional<double>& error = errors[b])
+      parts.push_back(share_text(*error) + " (" + world.bodies[b].name + ", " + world.bodies[b].element +
+                      ")");
+  if (!parts.empty()) print_line("error by the size of the cells, estimated: " + join(parts));
+}
+
 void print_end(const Simulation& simulation, const ResultFolder& results, const RunOutcome& outcome,
                double setup_seconds, double total) {
   const Frame& frame = simulation.frame();
@@ -118,6 +128,7 @@ void print_end(const Simulation& simulation, const ResultFolder& results, const 
     print_line("reaction " + one_line(name) + ": " + vector_text(force, dim) + " N");
   }
   print_line("smallest volume ratio " + format_short(frame.min_volume_ratio));
+  print_discretisation_errors(simulation.world(), outcome.discretisation_errors);
   const Timing& timing = simulation.timing();
   print_line(std::string(name(outcome.status)) + ": " + outcome.reason);
   print_line("took " + format_seconds(total) + " (reading and setting up " + format_seconds(setup_seconds) +

@@ -170,6 +170,7 @@ class BodyReport(TypedDict):
     cells: int
     vertices: int
     unknowns: int
+    discretisation_error: float | None
 
 
 class TimingReport(TypedDict):

@@ -48,6 +48,34 @@ TEST(LiveScene, GoesOnToTheExactEquilibriumAndSaysSo) {
   EXPECT_EQ(scene.state().positions, before);
 }
 
+/// Page and run: the same element, the same equilibrium, the same words about its cells.
+TEST(LiveScene, TakesTheElementOfARunAndSaysHowFarOffItsCellsMayBe) {
+  for (const std::string element : {"auto", "P1"}) {
+    Description statics = standing_block(3);
+    statics.is_dynamic = false;
+    statics.gravity = {2, 0, -9.81};
+    statics.bodies[0].element = element;
+    LiveScene scene(statics);
+    LiveControls controls = scene.controls();
+    controls.damping = 5;
+    scene.set_controls(controls);
+    Simulation simulation(statics);
+    while (!simulation.is_finished()) ASSERT_EQ(simulation.step().status, StepReport::Status::converged);
+    EXPECT_EQ(scene.world().bodies[0].element, simulation.world().bodies[0].element);
+    const DiscretisationErrors errors =
+        discretisation_errors(simulation.world(), simulation.state().positions);
+    EXPECT_EQ(*errors[0] > large_discretisation_error, element == "P1");
+    // In motion, too, before it has come to rest.
+    for (int i = 0; i < 40; ++i) scene.step(unhurried);
+    ASSERT_FALSE(scene.report().at_rest);
+    EXPECT_EQ(scene.report().words.find("may be off by about") != std::string::npos, element == "P1");
+    steps_to_rest(scene);
+    ASSERT_TRUE(scene.report().at_rest) << scene.report().words;
+    EXPECT_NEAR(*scene.report().discretisation_errors[0], *errors[0], 1e-5 * *errors[0]);
+    EXPECT_EQ(scene.report().words.find("may be off by about") != std::string::npos, element == "P1");
+  }
+}
+
 TEST(LiveScene, FollowsTheHandAndSwingsBack) {
   LiveScene scene(standing_block(2, 0));
   const Index corner = top_corner(scene.world());

@@ -57,6 +57,12 @@ const ElementInfo* find_element(int dim, bool of_simplices, int degree, bool has
   return nullptr;
 }
 
+const ElementInfo& corner_element(const ElementInfo& element) {
+  for (const ElementInfo& candidate : infos())
+    if (candidate.shape == element.shape && candidate.num_nodes == element.num_corners()) return candidate;
+  return element;
+}
+
 const ElementInfo& require_element(std::string_view name, int dim, const std::string& place) {
   if (const ElementInfo* element = find_element(name, dim)) return *element;
   std::vector<std::string> names;

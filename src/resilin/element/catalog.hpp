@@ -42,6 +42,9 @@ const ElementInfo* find_element(std::string_view name, int dim);
 /// functions, one pressure per cell or none.
 const ElementInfo* find_element(int dim, bool of_simplices, int degree, bool has_mean_volume);
 
+/// The element of degree 1 whose nodes are the corners of this one.
+const ElementInfo& corner_element(const ElementInfo& element);
+
 /// The element of this name in this dimension; throws InputError(place, ...) that lists them when there is
 /// none.
 const ElementInfo& require_element(std::string_view name, int dim, const std::string& place);

@@ -12,13 +12,6 @@ namespace {
 constexpr int columns = 3;  // components that are solved for at a time
 constexpr double tolerance = 1e-13;
 
-/// The element whose nodes are the corners of this one.
-const ElementInfo& corner_element(const ElementInfo& element) {
-  for (const ElementInfo* candidate : elements())
-    if (candidate->shape == element.shape && candidate->num_nodes == element.num_corners()) return *candidate;
-  return element;
-}
-
 std::vector<double> shape_values(const ElementInfo& element, std::span<const Vector3> places) {
   const auto n = static_cast<std::size_t>(element.num_nodes);
   std::vector<double> values(places.size() * n);

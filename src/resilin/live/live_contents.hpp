@@ -51,6 +51,7 @@ struct LiveScene::Contents {
   bool stay_upright(Potential& potential, VectorX& x) const;
   void measure(const NewtonReport& newton_report);
   void note_calm(double dt);
+  void estimate_now_and_then();
   std::string words() const;
   double unloaded_scale() const;
 

@@ -48,6 +48,7 @@ std::string LiveScene::Contents::words() const {
     add(std::to_string(report.inverted_cells) + (report.inverted_cells == 1 ? " cell is" : " cells are") +
         " turned inside out");
   }
+  for (const std::string& coarse : coarseness_texts(world, report.discretisation_errors)) add(coarse);
   return text;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "resilin/energy/material_point.hpp"
+#include "resilin/fields/discretisation_error.hpp"
 #include "resilin/live/live_controls.hpp"
 #include "resilin/simulation/simulation.hpp"
 
@@ -25,7 +26,8 @@ struct LiveReport {
   Index inverted_cells = 0;
   double elastic_energy = 0, kinetic_energy = 0;      ///< [J]
   double step_ms = 0, assembly_ms = 0, solve_ms = 0;  ///< wall time; the rest is searching and measuring
-  std::string words;                                  ///< what is not solved, or that it is at rest
+  DiscretisationErrors discretisation_errors{};       ///< estimated now and then, and at rest
+  std::string words;  ///< what is not solved, or that it is at rest; whose cells are too coarse
 };
 
 /// How long a step may take.

@@ -14,6 +14,8 @@ namespace resilin {
 namespace {
 
 constexpr int quiet_steps_before_seeking = 10;
+constexpr int steps_to_first_estimate = 30;  ///< of the error by the size of the cells
+constexpr int steps_between_estimates = 120;
 constexpr double nearly_flat = 0.1;          ///< volume ratio of a cell about to turn inside out
 constexpr double longest_mending_step = 10;  ///< [s], where bodies are held
 constexpr double fall_while_mending = 0.05;  ///< of the extent, in one step
@@ -98,6 +100,7 @@ void LiveScene::Contents::move_in_time(double dt, const StepBudget& budget) {
   state.collider_delay = potential.conditions().collider_delay;
   ++state.step;
   measure(newton_report);
+  estimate_now_and_then();
   note_calm(dt);
 }
 
@@ -166,11 +169,20 @@ void LiveScene::Contents::move_to_equilibrium(const StepBudget& budget) {
   ++calm.seeking_steps;
   measure(newton_report);
   report.at_rest = report.converged = is_at_rest;
+  if (is_at_rest) report.discretisation_errors = discretisation_errors(world, state.positions);
   report.words = words();
 }
 
 double LiveScene::Contents::unloaded_scale() const {
   return unloaded_force_scale * controls.youngs_modulus * std::pow(extent, world.dimension - 1);
+}
+
+/// The error by the size of the cells, where the state tells it; else what was found before stays.
+void LiveScene::Contents::estimate_now_and_then() {
+  if (state.step % steps_between_estimates != steps_to_first_estimate) return;
+  if (report.elastic_energy < least_share_of_strain_energy * report.kinetic_energy) return;
+  report.discretisation_errors = discretisation_errors(world, state.positions);
+  report.words = words();
 }
 
 /// Whether anything moved in the last step.

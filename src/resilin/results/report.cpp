@@ -156,6 +156,11 @@ Json report_json(const World& world, Json frames, const RunSummary& summary) {
   report["is_linear"] = is_linear(world);
   report["frames"] = std::move(frames);
   report["bodies"] = bodies_json(world);
+  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+    const DiscretisationErrors& errors = summary.outcome.discretisation_errors;
+    const std::optional<double> error = b < errors.size() ? errors[b] : std::nullopt;
+    report["bodies"][b]["discretisation_error"] = error ? Json(*error) : Json(nullptr);
+  }
   report["solver"] = summary.solver;
   report["timing"] = {{"total", summary.total_seconds},
                       {"assembly", summary.timing.assembly},

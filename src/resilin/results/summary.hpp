@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "resilin/fields/discretisation_error.hpp"
 #include "resilin/simulation/simulation.hpp"
 
 namespace resilin {
@@ -21,7 +22,8 @@ std::string_view name(RunStatus status);
 struct RunOutcome {
   RunStatus status = RunStatus::done;
   std::string reason;
-  std::vector<std::string> warnings{};  ///< what is odd about it, one line each
+  std::vector<std::string> warnings{};           ///< what is odd about it, one line each
+  DiscretisationErrors discretisation_errors{};  ///< of the bodies, in their most strained state
 };
 
 /// What the report says about a whole run.

@@ -14,7 +14,12 @@ const reportFrame = object({
 });
 type ReportFrame = Read<typeof reportFrame>;
 
-export const readReport = object({ status: text, reason: optional(text), frames: list(reportFrame) });
+export const readReport = object({
+  status: text,
+  reason: optional(text),
+  warnings: optional(list(text)),
+  frames: list(reportFrame),
+});
 export type Report = Read<typeof readReport>;
 
 export interface Curves {

@@ -102,8 +102,11 @@ export class ResultsApp {
     if (skipped > 0) words.push(`every ${skipped + 1}th of what was recorded, since all would not fit`);
     if (report && report.status !== "done") words.push(report.reason || report.status);
     if (damage) words.push(damage);
+    const warnings = report?.warnings ?? [];
+    words.push(...warnings);
     this.shell.subtitle.append(` · ${words.join(" · ")}`);
-    if (damage || (report && report.status !== "done")) this.shell.subtitle.classList.add("warn");
+    if (damage || warnings.length > 0 || (report && report.status !== "done"))
+      this.shell.subtitle.classList.add("warn");
   }
 
   private listen(): void {

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "resilin/world/world.hpp"
+
+namespace resilin {
+
+/// How far off a body's displacements are because its cells are of finite size, as a share of them: about 1 -
+/// |u_h| / |u|, where they follow from loads; where they are prescribed, the share of the forces.
+///
+///   eta^2 = int |T* - T|^2 dV / int |T|^2 dV
+///
+/// T is the stress of the element, turned back with the material, T* a smoother one recovered from it
+/// (PatchRecovery), | | the norm of the complementary energy of the small-strain solid. An estimate, no
+/// bound. Theory: docs/theory/discretisation.md. Source: Zienkiewicz & Zhu 1987, 1992.
+/// @param positions  of all nodes of the world, in equilibrium or in motion [m]
+/// @return           nothing for a body that is not strained, or of too few cells to tell
+std::optional<double> discretisation_error(const World& world, const Body& body, const VectorX& positions);
+
+/// The same for each body of the world.
+using DiscretisationErrors = std::vector<std::optional<double>>;
+DiscretisationErrors discretisation_errors(const World& world, const VectorX& positions);
+
+/// Of the kinetic energy; in motion, strain energy below it is what the tolerance of the steps leaves, and
+/// tells nothing.
+constexpr double least_share_of_strain_energy = 1e-6;
+
+/// The estimate above which a body's cells are called too coarse: what is told as 3 % may be 5 % or more.
+constexpr double large_discretisation_error = 0.03;
+
+/// One line for each body whose cells are too coarse: how far off it may be, and what to choose.
+std::vector<std::string> coarseness_texts(const World& world, const DiscretisationErrors& errors);
+
+/// "13 %", "0.3 %".
+std::string share_text(double error);
+
+}  // namespace resilin
