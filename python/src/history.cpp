@@ -16,8 +16,8 @@
 
 namespace resilin {
 
-RESILIN_MEMBERS(RunOutcome, status, reason, warnings)
-RESILIN_MEMBERS(FailedSteps, count, first_step, first_time, first_reason)
+RESILIN_MEMBERS(RunOutcome, status, reason, warnings, discretisation_errors)
+RESILIN_MEMBERS(FailedSteps, count, in_a_row, first_step, first_time, first_reason)
 RESILIN_MEMBERS(Timing, assembly, solve, steps)
 RESILIN_MEMBERS(RunSummary, outcome, solver, failed_steps, timing, total_seconds, output_seconds)
 

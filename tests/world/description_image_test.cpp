@@ -143,7 +143,7 @@ class Dice {
     });
     d.probes = list([this] { return ProbeDescription{text(), text(), text(), vector()}; });
     d.sections = list([this] { return SectionDescription{text(), text(), text(), whole(3), number()}; });
-    d.newton = {number(), whole(99), static_cast<ProjectionChoice>(whole(4)),
+    d.newton = {number(), whole(99), whole(9), static_cast<ProjectionChoice>(whole(4)),
                 static_cast<InversionBound>(whole(2))};
     d.output = {whole(9), list([this] { return text(); }),
                 list([this] { return static_cast<OutputFormat>(whole(3)); })};
