@@ -161,18 +161,18 @@ bool is_seen(const LoadDescription& load, std::string_view member) {
 bool is_seen(const Description& description, std::string_view member) {
   // `simulation.kind` says in one word what is_dynamic does; unstable modes are only counted.
   if (is_one_of(member, {"place", "title", "is_dynamic", "max_steps", "unstable_modes", "probes", "sections",
-                         "output"}))
+                         "output", "end_time"}))
     return false;
-  // Adaptive steps meet the end, a turn at once is over before it, and the path of a static run ends with it;
-  // equal steps do not see it coming.
-  if (member == "end_time") {
-    return description.is_dynamic
-               ? description.adaptive.has_value() || std::ranges::any_of(description.fixes, turns_at_once)
-               : follows_time(description);
-  }
   if (is_one_of(member, {"time_step", "integrator", "adaptive"})) return description.is_dynamic;
   if (is_one_of(member, {"load_steps", "load_control"})) return !description.is_dynamic;
   return true;
+}
+
+/// Adaptive steps meet the end, a turn at once is over before it, and the path of a static run ends with it;
+/// equal steps do not see it coming.
+bool is_end_seen(const Description& description) {
+  if (!description.is_dynamic) return follows_time(description);
+  return description.adaptive.has_value() || std::ranges::any_of(description.fixes, turns_at_once);
 }
 
 /// How a scene calls a member; empty when its parts stand beside the other members.
@@ -198,6 +198,8 @@ class Entries {
     visit_members(description, [&](std::string_view member, const auto& value) {
       if (is_seen(description, member)) add_part(std::string(member), value);
     });
+    if (is_end_seen(description))
+      add("simulation.end_time", description.end_time);  // last: others make it seen
   }
 
   Fingerprint take() { return std::move(entries_); }
