@@ -11,17 +11,17 @@ import resource
 _NO_THREADS = {"OPENBLAS_NUM_THREADS": "1", "OMP_THREAD_LIMIT": "1"}
 
 
-def _is_limited():
+def _is_limited() -> bool:
     limits = (resource.getrlimit(kind)[0] for kind in (resource.RLIMIT_AS, resource.RLIMIT_DATA))
     return any(limit != resource.RLIM_INFINITY for limit in limits)
 
 
-def _load():
+def _load() -> None:
     for name in ("numpy", "resilin._core"):
         importlib.import_module(name)
 
 
-def _load_without_threads():
+def _load_without_threads() -> None:
     before = {name: os.environ.get(name) for name in _NO_THREADS}
     os.environ.update(_NO_THREADS)
     try:

@@ -170,6 +170,11 @@ class BodyReport(TypedDict):
     cells: int
     vertices: int
     unknowns: int
+
+
+class ReportedBody(BodyReport):
+    """Of a run: how far off the body may be by the size of its cells (docs/theory/discretisation.md)."""
+
     discretisation_error: float | None
 
 
@@ -192,7 +197,7 @@ class _Report(TypedDict):
     kind: Literal["static", "dynamic", "modes"]
     is_linear: bool
     frames: list[FrameReport]
-    bodies: list[BodyReport]
+    bodies: list[ReportedBody]
     solver: str
     timing: TimingReport
     peak_memory_MiB: float
