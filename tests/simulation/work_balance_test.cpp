@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "every_element.hpp"
 #include "resilin/simulation/force_balance.hpp"
 #include "resilin/simulation/simulation.hpp"
@@ -33,14 +35,19 @@ Description worked_bar(const std::string& law, const ElementInfo& element) {
   return scene;
 }
 
-WorkBalance balance_at(const Simulation& simulation, const World& energies) {
+WorkBalance balance_along(const Simulation& simulation, const World& energies, const VectorX& displacement) {
   const VectorX& x = simulation.state().positions;
   const Potential potential(simulation.world(), {.time = 0, .load = 1}, static_stage(x));
   VectorX gradient;
   potential.gradient(x, gradient);
   World world = simulation.world();
   world.bodies[0].elastic = energies.bodies[0].elastic;
-  return measure_work(world, potential, x, gradient, x - world.rest_positions)[0];
+  return measure_work(world, potential, x, gradient, displacement)[0];
+}
+
+WorkBalance balance_at(const Simulation& simulation, const World& energies) {
+  return balance_along(simulation, energies,
+                       simulation.state().positions - simulation.world().rest_positions);
 }
 
 struct WorkOnEveryElement : OnEveryElement {};
@@ -63,6 +70,19 @@ TEST_P(WorkOnEveryElement, ShowsStressesThatAreNotThoseOfTheEnergy) {
   scene.bodies[0].material.constants["youngs_modulus"] *= 1.01;
   const WorkBalance wrong = balance_at(simulation, World(scene));
   EXPECT_GT(wrong.gap(), 5e-3 * wrong.scale);
+}
+
+/// Of a body that has come to rest only the last digits of its positions still move.
+TEST_P(WorkOnEveryElement, IsBalancedAlongDisplacementsOfAnySize) {
+  const Simulation simulation = testing::run_all(worked_bar("stable_neo_hookean", element));
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> component(-1, 1);
+  for (int exponent = -2; exponent >= -17; --exponent) {
+    VectorX displacement = simulation.state().positions;
+    for (double& value : displacement) value = std::pow(10, exponent) * component(random);
+    const WorkBalance balance = balance_along(simulation, simulation.world(), displacement);
+    EXPECT_LT(balance.gap(), 1e-4 * balance.scale + balance.rounding) << exponent;
+  }
 }
 
 }  // namespace

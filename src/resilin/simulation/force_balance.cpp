@@ -12,8 +12,11 @@ namespace {
 
 /// Of a displacement, for differences of energies along it, whose error is the square of this beside one.
 constexpr double part_of_displacement = 1e-4;
-/// Shorter ones, where the energy ends so near by, have no digits.
-constexpr double least_part_of_displacement = 1e-8;
+/// Of a body's extent: a displacement that is nothing but rounding is followed so far beyond itself, since
+/// the positions have no digits for parts of it.
+constexpr double least_way = 1e-6;
+/// Where the energy ends so near by, parts are halved so often at most; shorter ones have no digits.
+constexpr int most_halvings = 14;
 
 /// Of the parts that a force is the sum of, what rounding may leave of it.
 constexpr double digits = 10 * std::numeric_limits<double>::epsilon();
@@ -23,16 +26,24 @@ struct Changes {
   double part, after, before;
 };
 
-Changes changes_of_energy(const Body& body, const Conditions& conditions, const VectorX& x,
-                          const VectorX& displacement) {
+Changes changes_of_energy(const World& world, const Body& body, const Conditions& conditions,
+                          const VectorX& x, const VectorX& displacement) {
+  const double largest = displacement
+                             .segment(Eigen::Index{body.first_node} * world.dimension,
+                                      Eigen::Index{body.num_nodes} * world.dimension)
+                             .cwiseAbs()
+                             .maxCoeff();
   Changes changes{.part = part_of_displacement, .after = 0, .before = 0};
-  while (true) {
+  const double way = least_way * largest_extent(body, world.rest_positions, world.dimension);
+  if (way * std::numeric_limits<double>::epsilon() > largest) return changes;  // moves nothing
+  changes.part = std::max(changes.part, way / largest);
+  for (int halvings = 0;; ++halvings) {
     const VectorX step = changes.part * displacement;
     changes.after = body.elastic->difference(x, x + step, conditions);
     changes.before = body.elastic->difference(x, x - step, conditions);
     const bool is_inside = std::isfinite(changes.after) && std::isfinite(changes.before);
-    if (is_inside || changes.part <= least_part_of_displacement) return changes;
-    changes.part *= 0.1;
+    if (is_inside || halvings == most_halvings) return changes;
+    changes.part *= 0.5;
   }
 }
 
@@ -78,7 +89,7 @@ std::vector<WorkBalance> measure_work(const World& world, const Potential& poten
   std::vector<WorkBalance> balances;
   for (const Body& body : world.bodies) {
     WorkBalance balance;
-    const Changes changes = changes_of_energy(body, potential.conditions(), x, displacement);
+    const Changes changes = changes_of_energy(world, body, potential.conditions(), x, displacement);
     balance.strain_energy = (changes.after - changes.before) / (2 * changes.part);
     balance.scale = std::max(std::abs(changes.after), std::abs(changes.before)) / (2 * changes.part);
     const Eigen::Index first = Eigen::Index{body.first_node} * world.dimension;
