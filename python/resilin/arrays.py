@@ -32,6 +32,11 @@ def refuse(place: str, expected: str, got: str, cure: str = "") -> NoReturn:
     raise InputError(f"{place}: expected {expected}, got {got}" + (f"; {cure}" if cure else ""))
 
 
+def require_instance(value: object, kind: type, place: str) -> None:
+    if not isinstance(value, kind):
+        refuse(place, f"a resilin.{kind.__name__}", type(value).__name__)
+
+
 def plain_text(value: object, place: str) -> str:
     """A text that has a form in UTF-8, which a lone surrogate such as "\\ud800" has not."""
     if not isinstance(value, str):

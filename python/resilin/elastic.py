@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from resilin import _core
-from resilin.arrays import describe, is_tensor, plain_text, real_array, refuse
+from resilin.arrays import describe, is_tensor, plain_text, real_array, refuse, require_instance
 from resilin.body_parts import constant_rows, csr_matrix_of, element_of, fibre_rows
 from resilin.catalog import projection_named
 from resilin.law_at_arrays import LawAtArrays
-from resilin.mesh import warn
+from resilin.material import Material
+from resilin.mesh import Mesh, warn
 
 if TYPE_CHECKING:
     from typing import Literal, TypeVar
@@ -20,8 +21,6 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
     from resilin.elastic_at_tensors import ElasticAtTensors
-    from resilin.material import Material
-    from resilin.mesh import Mesh
     from resilin.typing import MassKind, Projection, RealArray, TensorLike, Triplets
 
     T = TypeVar("T")  # the class of the tensors
@@ -67,6 +66,8 @@ class Elastic:
         quadrature: str = "",
         dimension: int | None = None,
     ) -> None:
+        require_instance(mesh, Mesh, "mesh")
+        require_instance(material, Material, "material")
         self._dim = mesh.dimension if dimension is None else dimension
         if self._dim not in (2, 3):
             refuse("dimension", "2 or 3", repr(dimension))

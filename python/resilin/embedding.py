@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from resilin import _core
-from resilin.arrays import describe, real_array, refuse
+from resilin.arrays import describe, real_array, refuse, require_instance
+from resilin.mesh import Mesh
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
-    from resilin.mesh import Mesh
     from resilin.typing import RealArray
 
 
@@ -45,6 +45,7 @@ def embed(mesh: Mesh, points: RealArray) -> csr_array:
     """
     import scipy.sparse
 
+    require_instance(mesh, Mesh, "mesh")
     points = np.asarray(real_array(points, "points"), dtype=np.float64)
     if points.ndim != 2 or points.shape[1] != mesh.dimension:
         refuse("points", f"an array (V, {mesh.dimension})", describe(points.shape))

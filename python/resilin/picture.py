@@ -36,7 +36,7 @@ class Picture:
         return self._image.pixels()
 
     def save(self, path: AnyPath) -> None:
-        """Writes a PNG file."""
+        """Writes a PNG file; its name ends in .png, or has no extension."""
         self._image.save(file_path(path, "path"))
 
     def _repr_png_(self) -> bytes:

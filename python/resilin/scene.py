@@ -82,7 +82,7 @@ def _plain_table(table: Table, path: str, dimension: int, depth: int) -> dict[st
     plain = {}
     for key, value in table.items():
         if not isinstance(key, str):
-            refuse(f"scene: {path}", "keys that are texts", repr(key))
+            refuse(f"scene: {path or 'keys'}", "keys that are texts", repr(key))
         plain_text(key, f"scene: {path or 'keys'}")
         if isinstance(value, Material) and key == "law":
             entries = material_entries(value, dimension)

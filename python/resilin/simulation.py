@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, NoReturn
 import numpy as np
 
 from resilin import _core
-from resilin.arrays import file_path, plain_text, refuse
+from resilin.arrays import file_path, plain_text, refuse, require_instance
+from resilin.material import Material
 from resilin.mesh import warn
 from resilin.picture import Picture, picture_options
 from resilin.scene import material_entries, read_scene
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from typing_extensions import Unpack
 
-    from resilin.material import Material
     from resilin.typing import (
         AnyPath,
         BodyReport,
@@ -248,6 +248,7 @@ class Simulation:
         density : float, optional
             [kg/m^3]; by default as before.
         """
+        require_instance(material, Material, "material")
         entries = material_entries(material)
         law, fibres = entries.pop("law"), entries.pop("fibres", [])
         uniform = {name: float(value) for name, value in entries.items() if np.ndim(value) == 0}
@@ -334,7 +335,8 @@ class Simulation:
         raise TypeError("a Simulation cannot be pickled; pickle its scene, or the Result of a run")
 
     def __repr__(self) -> str:
-        return f"<resilin.Simulation {self._core.title}: {self._core.reached()}>"
+        title = f" {self._core.title}" if self._core.title else ""
+        return f"<resilin.Simulation{title}: {self._core.reached()}>"
 
 
 def run(

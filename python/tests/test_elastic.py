@@ -199,6 +199,21 @@ def test_inverted_cells_are_turned_around():
     assert elastic.rest_volumes == pytest.approx([0.5])
 
 
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda mesh, law: resilin.Elastic(mesh.positions, law), "mesh: expected a resilin.Mesh, got ndarray"),
+        (lambda mesh, law: resilin.Elastic(mesh, "neo_hookean"), "material: expected a resilin.Material, got str"),
+        (lambda mesh, law: resilin.embed(None, mesh.positions), "mesh: expected a resilin.Mesh, got NoneType"),
+    ],
+)
+def test_what_is_no_mesh_and_no_material_is_refused(call, message):
+    law = resilin.Material("neo_hookean", shear_modulus=MU, lame_lambda=LAMBDA)
+    with pytest.raises(resilin.InputError) as caught:
+        call(resilin.Mesh([[0, 0], [1, 0], [0, 1]], [[0, 1, 2]]), law)
+    assert str(caught.value) == message
+
+
 @pytest.mark.parametrize("x", [np.zeros((16, 3)), np.zeros(32), np.zeros((16, 2), dtype=complex), "x"])
 def test_wrong_positions_are_refused_in_one_line(x):
     with pytest.raises(resilin.InputError) as caught:

@@ -182,6 +182,7 @@ def test_a_scene_holds_arrays_for_each_cell_and_vertex():
         ({"title": 2**63}, "scene: title: expected a whole number of 64 bits"),
         ({"newton": {"tolerance": -1}}, "scene: newton.tolerance: expected a number"),
         ({"newton": {1: 2}}, "scene: newton: expected keys that are texts, got 1"),
+        ({1: 2}, "scene: keys: expected keys that are texts, got 1"),
         ({"fix": [{"where": {"group": "x_mn"}}]}, 'did you mean "x_min"?'),
         ({"newton": {"tolerance": np.ones((2, 2, 2))}}, "expected an array of real numbers with one or two axes"),
         ({"newton": {"tolerance": np.ones(100)}}, "expected a number > 0, got an array of 100 x 1"),
