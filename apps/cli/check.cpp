@@ -64,6 +64,10 @@ std::vector<std::vector<std::string>> mesh_rows(const Mesh& mesh) {
   return rows;
 }
 
+std::string count_of_warnings(std::size_t count) {
+  return std::to_string(count) + (count == 1 ? " warning" : " warnings");
+}
+
 int check_mesh_path(const CheckOptions& options) {
   const MeshFile file = read_mesh(options.input);
   const MeshReport report = check_mesh_file(file);
@@ -72,7 +76,7 @@ int check_mesh_path(const CheckOptions& options) {
   for (const MeshIssue& issue : report.warnings) warnings.push_back(issue.text());
   print_warnings(warnings);
   print_line(one_line(options.input) + ": " + file.format + ", no errors, " +
-             std::to_string(warnings.size()) + " warnings");
+             count_of_warnings(warnings.size()));
   print_text(format_table(mesh_rows(file.mesh)));
   return done;
 }
@@ -127,7 +131,7 @@ int check_scene(const CheckOptions& options) {
   std::vector<std::string> warnings = scene.warnings;
   for (std::string& warning : all_warnings(world)) warnings.push_back(std::move(warning));
   print_warnings(warnings);
-  print_line(one_line(options.input) + ": no errors, " + std::to_string(warnings.size()) + " warnings");
+  print_line(one_line(options.input) + ": no errors, " + count_of_warnings(warnings.size()));
   print_scene(scene, world);
   return done;
 }

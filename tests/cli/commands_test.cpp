@@ -64,6 +64,7 @@ TEST_F(Commands, CheckTellsAboutAScene) {
   const ProgramResult soft = run({"check", "box.toml", "--set", "body.0.material.youngs_modulus=1"});
   EXPECT_EQ(soft.exit_code, 0);
   EXPECT_THAT(soft.err, HasSubstr("is youngs_modulus in Pa"));
+  EXPECT_THAT(soft.out, HasSubstr("no errors, 1 warning\n"));
 }
 
 TEST_F(Commands, CheckTellsAboutAMesh) {

@@ -130,6 +130,8 @@ TEST_F(ShownResultsOfARun, FieldsThatCannotBeComputedAreRefusedInOneLine) {
   };
   EXPECT_THAT(refusal({"--field", "von_misses"}), HasSubstr("did you mean \"von_mises\"?"));
   EXPECT_THAT(refusal({"--field", "cauchy_stress"}), HasSubstr("a component of cauchy_stress"));
+  EXPECT_EQ(run_program(folder.path(), {"picture", "out/box", "--out", "a.jpg"}).err,
+            "resilin: a.jpg: expected a name that ends in .png, got \".jpg\"\n");
   std::string scene = text("out/box/scene.bin");
   scene[scene.size() / 2] = static_cast<char>(scene[scene.size() / 2] ^ 1);
   folder.write("out/box/scene.bin", scene);

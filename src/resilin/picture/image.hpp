@@ -32,7 +32,8 @@ struct Image {
 /// The bytes of a PNG file: the same for the same image.
 std::string encode_png(const Image& image);
 
-/// Beside and renamed. Throws FileError when the file cannot be written.
+/// Beside and renamed. Throws FileError when the file cannot be written, InputError for another extension
+/// than .png, which would not be what the file holds.
 void write_png(const std::filesystem::path& path, const Image& image);
 
 }  // namespace resilin

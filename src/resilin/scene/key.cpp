@@ -1,10 +1,21 @@
 #include "resilin/scene/key.hpp"
 
 #include <algorithm>
+#include <regex>
 
 #include "resilin/io/text_scanner.hpp"
 
 namespace resilin {
+namespace {
+
+/// A type as docs/scene.md has it, without the marks of its links: "text or [box](#mesh)" becomes
+/// "text or a table (docs/scene.md#mesh)".
+std::string readable_type(const std::string& type) {
+  static const std::regex link(R"(\[[^\]]*\]\((#[^)]*)\))");
+  return std::regex_replace(type, link, "a table (docs/scene.md$1)");
+}
+
+}  // namespace
 
 void refuse_unknown_keys(const SceneNode& table, const std::vector<std::string>& known) {
   for (const SceneMember& member : table.value->table()) {
@@ -19,8 +30,8 @@ void refuse_unknown_keys(const SceneNode& table, const std::vector<std::string>&
 }
 
 void refuse_missing_key(const SceneNode& table, const KeyDoc& key) {
-  table.fail_with("the key \"" + key.name + "\" is missing; give " + key.name + " = " + key.type + ": " +
-                  key.text);
+  table.fail_with("the key \"" + key.name + "\" is missing; give " + key.name + " = " +
+                  readable_type(key.type) + ": " + key.text);
 }
 
 void refuse_later(const SceneNode& node, const std::string& cure) {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <system_error>
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
@@ -147,7 +148,11 @@ NumberTable read_rows(const SceneNode& node, std::size_t num_rows, std::size_t n
 std::filesystem::path read_path(const SceneNode& node) {
   const std::string text = read_text(node);
   if (text.empty() || text.find('\0') != std::string::npos) node.fail("the name of a file");
-  return node.context->folder / text;
+  std::filesystem::path path = node.context->folder / text;
+  std::error_code failure;
+  if (std::filesystem::status(path, failure).type() == std::filesystem::file_type::not_found)
+    node.fail_with(one_line(path.string()) + ": no such file");
+  return path;
 }
 
 void expect_table(const SceneNode& node) {

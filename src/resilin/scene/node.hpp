@@ -65,7 +65,7 @@ Eigen::Matrix3d read_matrix(const SceneNode& node);
 /// `of_what` completes "one row for each ...".
 NumberTable read_rows(const SceneNode& node, std::size_t num_rows, std::size_t num_columns,
                       const std::string& of_what);
-/// A path, beside the scene unless absolute.
+/// The path of a file that is there, beside the scene unless absolute.
 std::filesystem::path read_path(const SceneNode& node);
 /// Throws unless the value is a table or, for the second, a list of `count` entries (any number for -1).
 void expect_table(const SceneNode& node);
