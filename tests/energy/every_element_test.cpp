@@ -145,6 +145,23 @@ TEST_P(EveryElementEnergy, IsPositiveSemidefiniteOnceProjected) {
   });
 }
 
+TEST_P(EveryElementEnergy, IsStableAtRestHoweverFlatItsCells) {
+  for (const double thickness : {1.0, 0.3, 0.1}) {
+    ElementMesh mesh(element, 1, 0);
+    for (Eigen::Index i = mesh.dim - 1; i < mesh.X.size(); i += mesh.dim) mesh.X[i] *= thickness;
+    for (const LawInfo* each : laws()) {
+      const LawInfo& law = *each;
+      if ((element.has_mean_volume && !law.has_volume_energy) || !std::isnan(law.only_poissons_ratio))
+        continue;
+      SCOPED_TRACE(law.name);
+      ElasticEnergy energy = make_energy(element, mesh, law);
+      const Eigen::MatrixXd H = hessian(mesh, energy, mesh.X, Projection::none);
+      const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(H).eigenvalues();
+      EXPECT_GT(values.minCoeff(), -1e-12 * values.maxCoeff()) << "thickness " << thickness;
+    }
+  }
+}
+
 TEST_P(EveryElementEnergy, PassesThePatchTestOnCurvedCells) {
   for_every_law([](const ElementInfo& info, const ElementMesh& mesh, const LawInfo& law) {
     const ElasticEnergy energy = make_energy(info, mesh, law);

@@ -34,15 +34,17 @@ struct StableNeoHookeanLog {
     return {4.0 / 3.0 * hooke.mu, hooke.lambda + 5.0 / 6.0 * hooke.mu};
   }
 
-  /// The part that depends on J alone and resists changes of volume [J/m^3]; j = J - 1.
+  /// The part of Hooke's lambda [J/m^3]; j = J - 1. With all of the paper's lambda in it, what is left would
+  /// soften with changes of volume, and cells that see this part in the mean alone would not be stable at
+  /// rest.
   template <class T>
   T volume_energy(const T& j) const {
-    return 0.5 * lambda * square(j);
+    return 0.5 * (lambda - 0.625 * mu) * square(j);
   }
 
   template <class T>
   T energy_density(const Invariants<T>& c) const {
-    return 0.375 * mu * c.d1 - 0.5 * mu * log1p_minus(0.25 * c.i1) + volume_energy(c.j);
+    return 0.375 * mu * c.d1 - 0.5 * mu * log1p_minus(0.25 * c.i1) + 0.5 * lambda * square(c.j);
   }
 };
 
