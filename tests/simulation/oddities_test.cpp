@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "small_scenes.hpp"
 
 namespace resilin::testing {
@@ -55,6 +57,36 @@ TEST(Oddities, CountThemAsTheyAre) {
   x = world.rest_positions;
   x[0] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_GT(inverted_cells(world.bodies[0], x).count, 0);
+}
+
+/// Bars at rest, and those whose vertices are off by more than Newton's method would leave them.
+TEST(Oddities, TellWhatRoundingLeavesOutOfBalance) {
+  for (const int dimension : {2, 3})
+    for (const double error : {0.0, 1e-12, 1e-5, 1e-3}) {
+      const Simulation simulation = run_all(small_bar(dimension, false));
+      State state = simulation.state();
+      std::mt19937 random(7);
+      std::uniform_real_distribution<double> component(-error, error);
+      for (double& value : state.positions) value += component(random);
+      std::string all;
+      for (const std::string& line : oddities(simulation.world(), state)) all += line;
+      if (error < 1e-6)
+        EXPECT_THAT(all, IsEmpty()) << error;
+      else
+        EXPECT_THAT(all, AllOf(HasSubstr("do not balance"), HasSubstr("no digits for less"))) << error;
+    }
+}
+
+/// A scene in which nothing acts has nothing to balance, whatever rounding leaves.
+TEST(Oddities, AskNoBalanceWhereNothingActs) {
+  for (const int dimension : {2, 3}) {
+    Description scene = small_bar(dimension, false);
+    scene.gravity.setZero();
+    EXPECT_THAT(oddities_at_the_end(scene), IsEmpty());
+    scene.fixes[0].where.kind = Where::Kind::all;
+    scene.fixes[0].displacement = {0.1, 0.3, 0};
+    EXPECT_THAT(oddities_at_the_end(scene), IsEmpty());
+  }
 }
 
 /// A body that is thrown at another one and has reached it, or has not.

@@ -21,6 +21,12 @@ constexpr int most_halvings = 14;
 /// Of the parts that a force is the sum of, what rounding may leave of it.
 constexpr double digits = 10 * std::numeric_limits<double>::epsilon();
 
+std::string gap_text(const Body& body, const ForceBalance& balance) {
+  return "the forces on \"" + body.name + "\" do not balance: its supports exert " +
+         format_short(balance.reaction.norm()) + " N, all else " + format_short(balance.load.norm()) +
+         " N, and " + format_short(balance.gap()) + " N are missing";
+}
+
 /// How the strain energy changes from x to both sides of it, by a part of a displacement.
 struct Changes {
   double part, after, before;
@@ -123,9 +129,7 @@ std::string describe_imbalance(const World& world, const Potential& potential, c
   for (std::size_t b = 0; b < forces.size(); ++b) {
     const ForceBalance& balance = forces[b];
     if (!is_missing(balance.gap(), balance.scale, rounding)) continue;
-    return "the forces on \"" + world.bodies[b].name + "\" do not balance: its supports exert " +
-           format_short(balance.reaction.norm()) + " N, all else " + format_short(balance.load.norm()) +
-           " N, and " + format_short(balance.gap()) + " N are missing";
+    return gap_text(world.bodies[b], balance);
   }
   if (displacement.size() == 0 || displacement.isZero(0)) return {};
   const std::vector<WorkBalance> works = measure_work(world, potential, x, gradient, displacement);
@@ -138,6 +142,27 @@ std::string describe_imbalance(const World& world, const Potential& potential, c
            format_short(balance.work) + " J of work: " + format_short(balance.gap()) + " J are missing";
   }
   return {};
+}
+
+std::vector<std::string> describe_lost_digits(const World& world, const State& state) {
+  const VectorX& x = state.positions;
+  const Potential potential(world, world.at_load(state.load), static_stage(x));
+  VectorX gradient;
+  potential.gradient(x, gradient);
+  const Parts parts(*world.pattern);
+  const VectorX acting = potential.distinct_acting_scales(x, parts);
+  const double notable = std::max(notable_balance_error, 10 * world.newton.tolerance);
+  std::vector<std::string> texts;
+  const std::vector<ForceBalance> forces = measure_balance(world, potential, x, gradient);
+  for (std::size_t b = 0; b < forces.size(); ++b) {
+    const Body& body = world.bodies[b];
+    double load = 0;  // what supports exert may be rounding itself
+    for (Index node = body.first_node; node < body.first_node + body.num_nodes; ++node)
+      load = std::max(load, acting[parts.of_node(node)]);
+    if (load > 0 && !(forces[b].gap() <= notable * std::max(load, forces[b].scale)))
+      texts.push_back(gap_text(body, forces[b]) + ": the positions have no digits for less");
+  }
+  return texts;
 }
 
 }  // namespace resilin

@@ -6,6 +6,7 @@
 
 #include "resilin/optimize/newton.hpp"
 #include "resilin/simulation/potential.hpp"
+#include "resilin/world/state.hpp"
 
 namespace resilin {
 
@@ -49,5 +50,12 @@ constexpr double largest_balance_error = 1e-3;
 std::string describe_imbalance(const World& world, const Potential& potential, const VectorX& x,
                                const VectorX& gradient, const NewtonReport& report,
                                const VectorX& displacement = {});
+
+/// An equilibrium whose bodies are farther out of balance than this is told of, with what is missing.
+constexpr double notable_balance_error = 1e-6;
+
+/// One line for each body at rest whose forces balance no better than rounding lets them, or than ten times
+/// newton.tolerance.
+std::vector<std::string> describe_lost_digits(const World& world, const State& state);
 
 }  // namespace resilin

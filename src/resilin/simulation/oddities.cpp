@@ -4,6 +4,7 @@
 #include <span>
 
 #include "resilin/core/text.hpp"
+#include "resilin/simulation/force_balance.hpp"
 #include "resilin/world/body_overlap.hpp"
 
 namespace resilin {
@@ -43,6 +44,9 @@ std::vector<std::string> oddities(const World& world, const State& state) {
   for (const Body& body : world.bodies)
     if (const InvertedCells inverted = inverted_cells(body, state.positions); inverted.count > 0)
       found.push_back(inversion_text(world, body, inverted));
+  if (!world.is_dynamic)
+    for (const std::string& text : describe_lost_digits(world, state))
+      found.push_back(world.place + ": " + text);
   const std::vector<BodyOverlap> now = overlapping_bodies(world, state.positions);
   if (now.empty()) return found;
   const std::vector<BodyOverlap> before = overlapping_bodies(world, world.start_positions);
