@@ -83,6 +83,22 @@ TEST_P(MassOfEveryElement, IfConsistentKnowsTheEnergyOfALinearVelocity) {
   }
 }
 
+/// Consistent masses have negative entries: what rounding may do to a sum of them is told by their sizes.
+TEST_P(MassOfEveryElement, HasASizeThatNoSumOfItsEntriesExceeds) {
+  for (const bool is_consistent : {false, true}) {
+    const Cell cell = cell_of(element, 0.08);
+    const MassMatrix mass = mass_of(cell, 3, is_consistent);
+    VectorX signs = VectorX::Ones(cell.X.size()), momentum, largest;
+    mass.multiply_magnitude(signs, largest);
+    for (unsigned seed = 0; seed < 8; ++seed) {
+      for (Eigen::Index i = 0; i < signs.size(); ++i) signs[i] = std::sin(i * i + seed) > 0 ? 1 : -1;
+      mass.multiply(signs, momentum);
+      EXPECT_LE((momentum.cwiseAbs() - largest).maxCoeff(), 1e-15 * mass.total());
+    }
+    EXPECT_GE(largest.minCoeff(), is_consistent ? mass.nodal.minCoeff() / 100 : mass.nodal.minCoeff());
+  }
+}
+
 TEST_P(MassOfEveryElement, IfLumpedIsPositiveAndSumsToTheMass) {
   for (const double distortion : {0.0, 0.08}) {
     const Cell cell = cell_of(element, distortion);

@@ -52,6 +52,20 @@ Description thrown_body(const FallCase& c) {
 struct EveryFall : ::testing::TestWithParam<FallCase> {};
 INSTANTIATE_TEST_SUITE_P(Catalogue, EveryFall, ::testing::ValuesIn(all_falls()), name_of_fall);
 
+/// Of consistent masses, whose entries of both signs are no measure of rounding themselves.
+TEST_P(EveryFall, WithoutWeightOrThrowIsRestInBalance) {
+  if (GetParam().mass != MassKind::consistent) return;
+  Description scene = thrown_body(GetParam());
+  scene.gravity = {0, 0, 0};
+  scene.bodies[0].velocity = {0, 0, 0};
+  scene.bodies[0].translate = {0, 1.7, 0};
+  Simulation simulation(scene);
+  for (int step = 0; step < 10; ++step) {
+    const StepReport report = simulation.step();
+    ASSERT_EQ(report.status, StepReport::Status::converged) << report.reason;
+  }
+}
+
 TEST_P(EveryFall, IsFreeOfStressAndLeavesNoNodeBehind) {
   const Description scene = thrown_body(GetParam());
   const int dim = scene.dimension;

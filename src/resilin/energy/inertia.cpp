@@ -23,7 +23,7 @@ void MassDistance::add_gradient(const VectorX& x, const Conditions&, VectorX& gr
 
 void MassDistance::add_gradient_magnitude(const VectorX& x, const Conditions&, VectorX& magnitude) const {
   VectorX momentum;
-  mass_.multiply(x.cwiseAbs() + target_.cwiseAbs(), momentum);
+  mass_.multiply_magnitude(x.cwiseAbs() + target_.cwiseAbs(), momentum);
   magnitude += momentum / scale_;
 }
 

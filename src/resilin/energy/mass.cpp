@@ -1,6 +1,7 @@
 #include "resilin/energy/mass.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "resilin/mesh/cell_positions.hpp"
 #include "resilin/mesh/shape_integrals.hpp"
@@ -24,7 +25,8 @@ void lump(const ElementInfo& element, std::span<const double> products, std::spa
 
 }  // namespace
 
-void MassMatrix::multiply(const VectorX& x, VectorX& y) const {
+template <class Entry>
+void MassMatrix::multiply_with(const Entry& entry, const VectorX& x, VectorX& y) const {
   y.setZero(x.size());
   const auto node = [this](auto& v, Index i) { return v.segment(Eigen::Index{i} * dim, dim); };
   if (is_lumped()) {
@@ -35,11 +37,19 @@ void MassMatrix::multiply(const VectorX& x, VectorX& y) const {
     for (Offset s = pattern->row_begin[static_cast<std::size_t>(i)];
          s < pattern->row_begin[static_cast<std::size_t>(i) + 1]; ++s) {
       const Index j = pattern->columns[static_cast<std::size_t>(s)];
-      const double m = slots[static_cast<std::size_t>(s)];
+      const double m = entry(slots[static_cast<std::size_t>(s)]);
       node(y, i) += m * node(x, j);
       if (j != i) node(y, j) += m * node(x, i);
     }
   }
+}
+
+void MassMatrix::multiply(const VectorX& x, VectorX& y) const {
+  multiply_with([](double m) { return m; }, x, y);
+}
+
+void MassMatrix::multiply_magnitude(const VectorX& x, VectorX& y) const {
+  multiply_with([](double m) { return std::abs(m); }, x, y);
 }
 
 void MassMatrix::add_to(double factor, BlockMatrix& A) const {

@@ -20,11 +20,19 @@ struct MassMatrix {
 
   /// y = M x for vectors of dim numbers per node.
   void multiply(const VectorX& x, VectorX& y) const;
+  /// y = |M| x, entry by entry: consistent masses have negative entries too, at the corners of quadratic
+  /// cells.
+  void multiply_magnitude(const VectorX& x, VectorX& y) const;
   /// A += factor M.
   void add_to(double factor, BlockMatrix& A) const;
   double total() const { return nodal.sum(); }
   /// The same matrix times a factor.
   MassMatrix times(double factor) const;
+
+ private:
+  /// y = M x, each entry of a matrix that is not lumped replaced by entry(m_ij).
+  template <class Entry>
+  void multiply_with(const Entry& entry, const VectorX& x, VectorX& y) const;
 };
 
 /// Adds the mass of a body's cells. Consistent: m_ab = rho integral N_a N_b dV, for which `mass.pattern` and
