@@ -19,7 +19,9 @@ namespace resilin {
 RESILIN_MEMBERS(RunOutcome, status, reason, warnings, discretisation_errors)
 RESILIN_MEMBERS(FailedSteps, count, in_a_row, first_step, first_time, first_reason)
 RESILIN_MEMBERS(Timing, assembly, solve, steps)
-RESILIN_MEMBERS(RunSummary, outcome, solver, failed_steps, timing, total_seconds, output_seconds)
+RESILIN_MEMBERS(MostStrained, energy, positions)
+RESILIN_MEMBERS(RunSummary, outcome, solver, failed_steps, most_strained, timing, total_seconds,
+                output_seconds)
 
 }  // namespace resilin
 
@@ -92,6 +94,7 @@ void History::finish(const Simulation& simulation, const RunOutcome& outcome, do
   summary_ = {.outcome = outcome,
               .solver = std::string(simulation.solver_name()),
               .failed_steps = simulation.failed_steps(),
+              .most_strained = simulation.most_strained(),
               .timing = simulation.timing(),
               .total_seconds = total_seconds,
               .output_seconds = output_seconds};

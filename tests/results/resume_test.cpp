@@ -66,6 +66,20 @@ TEST(ResumedRun, RemembersTheStepsThatHadFailed) {
   }
 }
 
+/// A bar thrown long is strained most early on; damping takes the rest.
+TEST(ResumedRun, RemembersWhereItWasStrainedMost) {
+  const TemporaryFolder folder;
+  Description scene = small_bar(3, true);
+  scene.bodies[0].velocity_gradient = Vector3(3, 0, 0).asDiagonal();
+  scene.bodies[0].damping.mass = 30;
+  scene.end_time = 20 * scene.time_step;
+  const DiscretisationErrors whole = run_into(folder / "whole", scene, 0).discretisation_errors;
+  ASSERT_TRUE(whole[0].has_value());
+  for (int parts = 0; parts < 4; ++parts) run_into(folder / "parts", scene, 6);
+  EXPECT_EQ(run_into(folder / "parts", scene, 0).discretisation_errors, whole);
+  EXPECT_EQ(folder.read("parts/checkpoint.bin"), folder.read("whole/checkpoint.bin"));
+}
+
 TEST(ResumedRun, ThatHadEndedSaysSoAndKeepsItsVerdict) {
   for (const bool is_dynamic : {false, true}) {
     const TemporaryFolder folder;

@@ -24,10 +24,6 @@ std::optional<double> discretisation_error(const World& world, const Body& body,
 using DiscretisationErrors = std::vector<std::optional<double>>;
 DiscretisationErrors discretisation_errors(const World& world, const VectorX& positions);
 
-/// Of the kinetic energy; in motion, strain energy below it is what the tolerance of the steps leaves, and
-/// tells nothing.
-constexpr double least_share_of_strain_energy = 1e-6;
-
 /// The estimate above which a body's cells are called too coarse: what is told as 3 % may be 5 % or more.
 constexpr double large_discretisation_error = 0.03;
 

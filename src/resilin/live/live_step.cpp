@@ -8,6 +8,7 @@
 #include "resilin/live/kinetic_guard.hpp"
 #include "resilin/live/live_contents.hpp"
 #include "resilin/optimize/convergence.hpp"
+#include "resilin/simulation/most_strained.hpp"
 #include "resilin/simulation/stage_solver.hpp"
 
 namespace resilin {

@@ -11,9 +11,9 @@
 namespace resilin {
 namespace {
 
-// The format: this line; version, fingerprint, failed steps and the image of the state, each number in 8
-// bytes, each text behind its length; the hash of all that.
-constexpr std::string_view magic = "resilin checkpoint 1\n";
+// The format: this line; version, fingerprint, failed steps, most strained state and the image of the state,
+// each number in 8 bytes, each text behind its length; the hash of all that.
+constexpr std::string_view magic = "resilin checkpoint 2\n";
 constexpr std::string_view magic_of_any_format = "resilin ";
 constexpr const char* cure = "run without --resume to begin again";
 constexpr const char* kind_key = "simulation.kind";
@@ -37,7 +37,8 @@ std::string serialize(const Checkpoint& checkpoint) {
   ArchiveWriter archive;
   archive(checkpoint.version, checkpoint.fingerprint, std::int64_t{failed.count},
           std::int64_t{failed.in_a_row}, std::int64_t{failed.first_step}, failed.first_time,
-          failed.first_reason, serialize(checkpoint.state));
+          failed.first_reason, checkpoint.most_strained.energy, checkpoint.most_strained.positions,
+          serialize(checkpoint.state));
   return sealed(magic, archive.take());
 }
 
@@ -53,7 +54,7 @@ Checkpoint parse_checkpoint(std::string_view bytes, const std::string& place) {
   std::string state;
   ArchiveReader archive(unsealed(bytes, magic, place, cure), place, cure);
   archive(checkpoint.version, checkpoint.fingerprint, count, in_a_row, first_step, failed.first_time,
-          failed.first_reason, state);
+          failed.first_reason, checkpoint.most_strained.energy, checkpoint.most_strained.positions, state);
   archive.end();
   failed.count = count_of_steps(count, place);
   failed.in_a_row = count_of_steps(in_a_row, place);

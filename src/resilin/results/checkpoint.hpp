@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "resilin/simulation/most_strained.hpp"
 #include "resilin/simulation/step.hpp"
 #include "resilin/world/fingerprint.hpp"
 #include "resilin/world/state.hpp"
@@ -15,6 +16,7 @@ struct Checkpoint {
   std::string version;      ///< of the program that wrote it
   Fingerprint fingerprint;  ///< of the scene
   FailedSteps failed_steps;
+  MostStrained most_strained{};
   State state;
 };
 

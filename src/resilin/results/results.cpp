@@ -133,6 +133,7 @@ struct ResultFolder::Contents {
     return {.outcome = outcome,
             .solver = std::string(simulation.solver_name()),
             .failed_steps = simulation.failed_steps(),
+            .most_strained = simulation.most_strained(),
             .timing = simulation.timing(),
             .total_seconds = seconds_before + seconds_since(start),
             .output_seconds = output_seconds};
@@ -156,6 +157,7 @@ struct ResultFolder::Contents {
     write_text(folder / checkpoint_name, serialize(Checkpoint{.version = std::string(version()),
                                                               .fingerprint = world.fingerprint,
                                                               .failed_steps = summary.failed_steps,
+                                                              .most_strained = summary.most_strained,
                                                               .state = state}));
     const double cost = seconds_since(begin);
     output_seconds += cost;
@@ -204,7 +206,9 @@ ResultFolder::Resumed ResultFolder::resume(Simulation& simulation, Resume rule) 
   // Those of the scene as it was.
   if (resumed.difference) checkpoint.state.accelerations.resize(0);
   SavedReport report = read_report(contents_->folder / report_name);
-  simulation.resume_from(checkpoint.state, path.string(), checkpoint.failed_steps);
+  // Of another scene the strain then is none of this one's.
+  simulation.resume_from(checkpoint.state, path.string(), checkpoint.failed_steps,
+                         resumed.difference ? MostStrained{} : checkpoint.most_strained);
   for (Json& frame : report.frames)
     if (frame["step"].get<int>() <= checkpoint.state.step) contents_->frames.push_back(std::move(frame));
   contents_->seconds_before += report.total_seconds;

@@ -75,27 +75,12 @@ std::string describe_giving_up(const Simulation& simulation, const StepReport& l
 }
 
 /// The state that tells how much the cells' size matters: in statics the last one, in motion that of the most
-/// strain energy.
-class MostStrained {
- public:
-  explicit MostStrained(const Simulation& simulation) { note(simulation); }
-  void note(const Simulation& simulation) {
-    const Frame& frame = simulation.frame();
-    if (!simulation.world().is_dynamic || !(frame.elastic_energy > energy_)) return;
-    if (frame.elastic_energy < least_share_of_strain_energy * frame.kinetic_energy) return;
-    energy_ = frame.elastic_energy;
-    positions_ = simulation.state().positions;
-  }
-  /// Those at rest where nothing was strained.
-  const VectorX& positions(const Simulation& simulation) const {
-    if (!simulation.world().is_dynamic) return simulation.state().positions;
-    return positions_.size() == 0 ? simulation.world().rest_positions : positions_;
-  }
-
- private:
-  double energy_ = 0;
-  VectorX positions_;
-};
+/// strain energy, or that at rest where nothing was strained.
+const VectorX& telling_positions(const Simulation& simulation) {
+  if (!simulation.world().is_dynamic) return simulation.state().positions;
+  const VectorX& positions = simulation.most_strained().positions;
+  return positions.size() == 0 ? simulation.world().rest_positions : positions;
+}
 
 RunOutcome step_to_end(Simulation& simulation, const RunHooks& hooks) {
   const auto is_stopped = [&hooks] { return hooks.is_stopped && hooks.is_stopped(); };
@@ -133,16 +118,10 @@ RunOutcome step_to_end(Simulation& simulation, const RunHooks& hooks) {
 
 RunOutcome run_to_end(Simulation& simulation, const RunHooks& hooks) {
   const World& world = simulation.world();
-  MostStrained most_strained(simulation);
-  RunHooks watching = hooks;
-  watching.after_step = [&](const StepReport& report) {
-    most_strained.note(simulation);
-    if (hooks.after_step) hooks.after_step(report);
-  };
-  RunOutcome outcome = step_to_end(simulation, watching);
+  RunOutcome outcome = step_to_end(simulation, hooks);
   outcome.warnings = oddities(world, simulation.state());
   if (world.modes) return outcome;
-  outcome.discretisation_errors = discretisation_errors(world, most_strained.positions(simulation));
+  outcome.discretisation_errors = discretisation_errors(world, telling_positions(simulation));
   for (const std::string& text : coarseness_texts(world, outcome.discretisation_errors))
     outcome.warnings.push_back(world.place + ": " + text);
   return outcome;

@@ -31,6 +31,7 @@ struct RunSummary {
   RunOutcome outcome;
   std::string solver;
   FailedSteps failed_steps;
+  MostStrained most_strained;
   Timing timing;
   double total_seconds = 0;
   double output_seconds = 0;

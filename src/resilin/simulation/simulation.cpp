@@ -8,6 +8,19 @@
 #include "resilin/core/text.hpp"
 
 namespace resilin {
+namespace {
+
+void check_most_strained(const MostStrained& strained, Eigen::Index num_unknowns, const std::string& place) {
+  const Eigen::Index size = strained.positions.size();
+  if (strained.energy >= 0 && std::isfinite(strained.energy) && strained.positions.allFinite() &&
+      (size == num_unknowns || (size == 0 && strained.energy == 0)))
+    return;
+  throw InputError(place, "a most strained state of " + std::to_string(num_unknowns) + " unknowns",
+                   "one of " + std::to_string(size) + " with " + format_number(strained.energy) + " J",
+                   "run again without --resume");
+}
+
+}  // namespace
 
 Simulation::Simulation(World world)
     : world_(std::move(world)),
@@ -28,7 +41,7 @@ Simulation::Simulation(World world)
     load_control_.emplace(world_);
     load_control_->prepare(world_, state_);
   }
-  frame_ = measure_frame(world_, state_, nullptr);
+  measure(nullptr);
 }
 
 bool Simulation::is_finished() const {
@@ -47,6 +60,7 @@ double Simulation::share_done() const {
 /// The frame of the present state.
 void Simulation::measure(const VectorX* step_gradient) {
   frame_ = measure_frame(world_, state_, step_gradient);
+  if (world_.is_dynamic) most_strained_.note(frame_, state_);
   if (state_.mode == 0) return;
   const VibrationMode& mode = modes_[static_cast<std::size_t>(state_.mode - 1)];
   frame_.mode = {.number = state_.mode,
@@ -121,8 +135,10 @@ void Simulation::note_failure(const std::string& reason) {
   failed_steps_.first_reason = reason;
 }
 
-void Simulation::resume_from(const State& state, const std::string& place, const FailedSteps& failed) {
+void Simulation::resume_from(const State& state, const std::string& place, const FailedSteps& failed,
+                             const MostStrained& most_strained) {
   check_state(state, state_.positions.size(), place);
+  check_most_strained(most_strained, state_.positions.size(), place);
   const int most_modes = world_.modes ? world_.modes->count : 0;
   if (state.mode > most_modes)
     throw InputError(place, "a mode from 0 to " + std::to_string(most_modes), std::to_string(state.mode),
@@ -135,6 +151,7 @@ void Simulation::resume_from(const State& state, const std::string& place, const
     if (static_cast<int>(modes_.size()) < state_.mode)
       throw InputError(place, "modes of this scene", report.reason);
   }
+  most_strained_ = most_strained;
   measure(nullptr);
   if (!std::isfinite(frame_.total_energy()))
     throw InputError(

@@ -5,6 +5,7 @@
 
 #include "resilin/simulation/frame.hpp"
 #include "resilin/simulation/load_control.hpp"
+#include "resilin/simulation/most_strained.hpp"
 #include "resilin/simulation/step.hpp"
 #include "resilin/simulation/time_stepping.hpp"
 #include "resilin/simulation/vibration.hpp"
@@ -56,9 +57,14 @@ class Simulation {
   /// Those since the start, and those that `resume_from` was told of.
   const FailedSteps& failed_steps() const { return failed_steps_; }
 
-  /// Goes on from a saved state, after steps of which `failed` had not converged. Throws InputError naming
-  /// `place` when the state does not fit this world; whether it is of the same scene the caller knows.
-  void resume_from(const State& state, const std::string& place, const FailedSteps& failed = {});
+  /// In motion, since the start, what `resume_from` was told of included.
+  const MostStrained& most_strained() const { return most_strained_; }
+
+  /// Goes on from a saved state, after steps of which `failed` had not converged and `most_strained` was
+  /// strained most. Throws InputError naming `place` when a state does not fit this world; whether it is of
+  /// the same scene the caller knows.
+  void resume_from(const State& state, const std::string& place, const FailedSteps& failed = {},
+                   const MostStrained& most_strained = {});
 
  private:
   StepReport step_to_next_mode(const NewtonObserver& observer);
@@ -74,6 +80,7 @@ class Simulation {
   Frame frame_;
   Timing timing_;
   FailedSteps failed_steps_;
+  MostStrained most_strained_;
 };
 
 }  // namespace resilin
