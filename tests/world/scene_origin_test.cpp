@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <random>
 
+#include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/results/frame_file.hpp"
 #include "resilin/simulation/simulation.hpp"
@@ -101,6 +102,18 @@ TEST(SceneOrigin, IsZeroForScenesNearTheirOwn) {
     Description scene = testing::small_bar(3, false);
     scene.bodies[0].translate.y() = distance;
     EXPECT_EQ(find_scene_origin(scene), Vector3::Zero()) << distance;
+  }
+}
+
+TEST(SceneOrigin, LeavesWhatIsWrongToTheChecksOfTheWorld) {
+  for (const int wrong : {-1, 0, 1, 4, 1000}) {
+    Description scene = scene_at(scene_of_places(false), {1e5, 0, 0});
+    scene.fixes[0].where.axis = scene.sections[0].axis = wrong == 0 || wrong == 1 ? 3 : wrong;
+    EXPECT_NE(find_scene_origin(scene), Vector3::Zero());
+    EXPECT_THROW(World{scene}, InputError) << wrong;
+    scene.dimension = wrong;
+    EXPECT_EQ(find_scene_origin(scene), Vector3::Zero()) << wrong;
+    EXPECT_THROW(World{scene}, InputError) << wrong;
   }
 }
 

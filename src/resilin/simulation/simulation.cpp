@@ -102,7 +102,8 @@ StepReport Simulation::step(const NewtonObserver& observer) {
   const auto start = std::chrono::steady_clock::now();
   const int step_before = state_.step;
   VectorX gradient;
-  const bool shows_mode = world_.modes && (!world_.modes->is_loaded || state_.load >= 1);
+  const std::optional<ModesOptions>& modes = world_.modes;
+  const bool shows_mode = modes.has_value() && (!modes->is_loaded || state_.load >= 1);
   StepReport report = time_stepper_ ? time_stepper_->step(world_, newton_, state_, gradient, observer)
                       : shows_mode  ? step_to_next_mode(observer)
                                     : load_control_->step(world_, newton_, state_, observer);

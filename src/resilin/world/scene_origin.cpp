@@ -20,6 +20,9 @@ Eigen::AlignedBox3d bounds_of(const Description& description) {
   return bounds;
 }
 
+/// Zero for an axis that is none, which is refused later.
+double along(int axis, const Vector3& by) { return axis >= 0 && axis < 3 ? by[axis] : 0; }
+
 void move(Where& where, const Vector3& by) {
   switch (where.kind) {
     case Where::Kind::box:
@@ -27,7 +30,7 @@ void move(Where& where, const Vector3& by) {
       where.max += by;
       break;
     case Where::Kind::plane:
-      where.at += by[where.axis];
+      where.at += along(where.axis, by);
       break;
     case Where::Kind::sphere:
       where.center += by;
@@ -56,8 +59,9 @@ void move(FixDescription& fix, const Vector3& by) {
 }  // namespace
 
 Vector3 find_scene_origin(const Description& description) {
-  const Eigen::AlignedBox3d bounds = bounds_of(description);
   Vector3 middle = Vector3::Zero(), first = Vector3::Zero();
+  if (description.dimension != 2 && description.dimension != 3) return middle;  // which is refused later
+  const Eigen::AlignedBox3d bounds = bounds_of(description);
   if (bounds.isEmpty() || !bounds.sizes().allFinite()) return middle;
   double extent = 0;
   for (int k = 0; k < description.dimension; ++k) {
@@ -81,7 +85,7 @@ Description with_origin(const Description& description, const Vector3& origin) {
     collider.shape.center += by;
   }
   for (ProbeDescription& probe : moved.probes) probe.at += by;
-  for (SectionDescription& section : moved.sections) section.at += by[section.axis];
+  for (SectionDescription& section : moved.sections) section.at += along(section.axis, by);
   return moved;
 }
 
