@@ -39,10 +39,7 @@ const CellBlock* solid_cells(const Mesh& mesh) {
 }
 
 std::string box_text(const BoundingBox& box) {
-  const auto point = [](const Vector3& p) {
-    return "(" + format_short(p.x()) + ", " + format_short(p.y()) + ", " + format_short(p.z()) + ")";
-  };
-  return point(box.min) + " to " + point(box.max);
+  return format_point(box.min) + " to " + format_point(box.max);
 }
 
 std::vector<std::vector<std::string>> mesh_rows(const Mesh& mesh) {

@@ -1,20 +1,12 @@
 #include "log_file.hpp"
 
-#include <ctime>
 #include <ostream>
 #include <string>
 
+#include "resilin/core/text.hpp"
+
 namespace resilin::cli {
 namespace {
-
-std::string time_of_day() {
-  const std::time_t now = std::time(nullptr);
-  std::tm local{};
-  localtime_r(&now, &local);
-  char text[32];
-  const std::size_t length = std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S", &local);
-  return {text, length};
-}
 
 const char* word(LogLevel level) {
   switch (level) {
@@ -33,7 +25,7 @@ const char* word(LogLevel level) {
 LogFile::LogFile(const std::filesystem::path& path, bool append)
     : file_(path, append ? OutputFile::Mode::append : OutputFile::Mode::truncate) {
   sink_before_ = set_log_sink([this](LogLevel level, std::string_view message) {
-    file_.stream() << time_of_day() << ' ' << word(level) << ": " << message << std::endl;
+    file_.stream() << local_time() << ' ' << word(level) << ": " << message << std::endl;
   });
 }
 

@@ -233,26 +233,3 @@ def test_fibres_by_cell_are_those_of_the_points():
     followed = {**constants, "fibre_modulus": number(constants["fibre_modulus"])}
     of_tensors = resilin.Elastic(mesh, resilin.Material("holzapfel_gasser_ogden", fibres=fibres, **followed), "P2")
     assert float(of_tensors.value(x).detach()) == pytest.approx(of_numbers.value(x.numpy()), rel=1e-12)
-
-
-if hasattr(torch, "func"):  # from torch 2 on
-
-    def test_transforms_of_torch_func_pass_through():
-        from torch.func import grad, hessian, vmap
-
-        body = body_of("P1", 2)
-        x = state_of(body)
-        np.testing.assert_array_equal(grad(body.value)(x).numpy(), body.gradient(x.numpy()))
-        H = hessian(body.value)(x).reshape(x.numel(), x.numel()).numpy()
-        expected = body.hessian(x.numpy()).toarray()
-        np.testing.assert_allclose(H, expected, atol=1e-12 * np.abs(expected).max())
-        several = torch.stack([x, 1.1 * x, 0.9 * x])
-        np.testing.assert_array_equal(
-            vmap(body.value)(several).numpy(), [body.value(state.numpy()) for state in several]
-        )
-        modulus = grad(
-            lambda E: resilin.Elastic(
-                mesh_for("P1", 2), resilin.Material("neo_hookean", youngs_modulus=E, poissons_ratio=0.3)
-            ).value(x)
-        )(torch.tensor(2.0, dtype=torch.float64))
-        assert float(modulus) > 0

@@ -72,3 +72,21 @@ def test_derivatives_per_state():
 def test_third_derivatives_are_refused():
     with pytest.raises(RuntimeError, match="third derivatives of the energy are not available"):
         torch.func.hessian(lambda F: MATERIAL.first_piola_kirchhoff_stress(F).sum())(states()[0])
+
+
+def test_transforms_pass_through_a_body():
+    mesh = resilin.Mesh.rectangle((1, 1), (1, 2))
+    body = resilin.Elastic(mesh, MATERIAL, element="P1")
+    x = torch.from_numpy(body.rest_positions * 1.1)
+    np.testing.assert_array_equal(torch.func.grad(body.value)(x).numpy(), body.gradient(x.numpy()))
+    H = torch.func.hessian(body.value)(x).reshape(x.numel(), x.numel()).numpy()
+    expected = body.hessian(x.numpy()).toarray()
+    np.testing.assert_allclose(H, expected, atol=1e-12 * np.abs(expected).max())
+    several = torch.stack([x, 1.1 * x, 0.9 * x])
+    energies = torch.func.vmap(body.value)(several).numpy()
+    np.testing.assert_array_equal(energies, [body.value(state.numpy()) for state in several])
+
+    def energy(E):
+        return resilin.Elastic(mesh, resilin.Material("neo_hookean", youngs_modulus=E, poissons_ratio=0.3)).value(x)
+
+    assert float(torch.func.grad(energy)(torch.tensor(2.0, dtype=torch.float64))) > 0

@@ -6,7 +6,6 @@
 #include <random>
 
 #include "every_integrator.hpp"
-#include "resilin/core/error.hpp"
 #include "resilin/core/parallel.hpp"
 #include "resilin/world/colliders.hpp"
 #include "small_scenes.hpp"
@@ -233,27 +232,18 @@ TEST(ABodyOnTheGround, MovesInTheSameBitsForAnyNumberOfThreadsAndAfterARestart) 
   EXPECT_EQ(ends[0], ends[2]);
 }
 
-std::string message_of(const Description& scene) {
-  try {
-    const World world(scene);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
 TEST(ABodyInsideACollider, IsRefusedWithItsDeepestVertex) {
   Description scene = small_bar(3, true);
   scene.colliders = {ball({1, 0.25, 0.25}, 0.02)};
-  EXPECT_EQ(message_of(scene),
+  EXPECT_EQ(refusal_of(scene),
             "collider: expected bodies that start outside, with a gap, got vertex 80 of \"body\" at (1, "
             "0.25, 0.25), "
             "0.02 m inside; move the body (translate) or the collider by 0.0225 m or more");
   scene.colliders = {ground(3)};
-  EXPECT_NE(message_of(scene).find(", on its surface; move"), std::string::npos);
+  EXPECT_NE(refusal_of(scene).find(", on its surface; move"), std::string::npos);
   // A vertex that a support holds is where it is.
   scene.fixes[0].where.axis = 2;
-  EXPECT_EQ(message_of(scene), "");
+  EXPECT_EQ(refusal_of(scene), "");
 }
 
 TEST(AStaticBodyOnTheGround, IsNotHeldSideways) {
@@ -261,21 +251,21 @@ TEST(AStaticBodyOnTheGround, IsNotHeldSideways) {
   scene.fixes.clear();
   scene.bodies[0].translate = {0, 0, 0.001};
   scene.colliders = {ground(3)};
-  const std::string message = message_of(scene);
+  const std::string message = refusal_of(scene);
   EXPECT_NE(message.find("3 of 6 rigid motions are free in a static run: translation along x, "
                          "translation along y, rotation about z;"),
             message.npos)
       << message;
   EXPECT_NE(message.find("a collider holds only what is within its activation distance"), message.npos);
   scene.bodies[0].translate = {0, 0, 0.1};
-  EXPECT_NE(message_of(scene).find("6 of 6 rigid motions"), std::string::npos);
+  EXPECT_NE(refusal_of(scene).find("6 of 6 rigid motions"), std::string::npos);
 }
 
 TEST(FreeVibrations, RefuseColliders) {
   Description scene = small_bar(3, false);
   scene.modes.emplace();
   scene.colliders = {ball({5, 0, 0}, 1)};
-  EXPECT_NE(message_of(scene).find("no [[collider]] where free vibrations are sought"), std::string::npos);
+  EXPECT_NE(refusal_of(scene).find("no [[collider]] where free vibrations are sought"), std::string::npos);
 }
 
 }  // namespace

@@ -4,7 +4,10 @@
 
 #include <cmath>
 #include <limits>
+#include <string>
+#include <string_view>
 
+#include "resilin/core/error.hpp"
 #include "resilin/material/law.hpp"
 #include "resilin/mesh/generators.hpp"
 #include "resilin/simulation/simulation.hpp"
@@ -48,6 +51,17 @@ inline Description small_bar(int dimension, bool is_dynamic) {
   tip.at = {1, 0.25, dimension == 3 ? 0.25 : 0.0};
   scene.probes.push_back(tip);
   return scene;
+}
+
+/// Why a scene is refused, in one line; empty when it is not.
+inline std::string refusal_of(const Description& scene) {
+  try {
+    const Simulation simulation(scene);
+  } catch (const InputError& error) {
+    EXPECT_EQ(std::string_view(error.what()).find('\n'), std::string_view::npos);
+    return error.what();
+  }
+  return {};
 }
 
 inline Simulation run_all(const Description& scene) {

@@ -183,7 +183,7 @@ TEST(DescriptionImage, GivesTheSameWorld) {
   }
 }
 
-std::string refusal_of(const std::string& image) {
+std::string refusal_of_image(const std::string& image) {
   try {
     deserialize_description(image, "scene.bin");
   } catch (const InputError& error) {
@@ -195,13 +195,13 @@ std::string refusal_of(const std::string& image) {
 TEST(DescriptionImage, IsRefusedWhenItIsDamagedAnywhere) {
   const std::string image = serialize(Dice(3).description());
   for (std::size_t at = 0; at < image.size(); at += 1 + image.size() / 300) {
-    EXPECT_THAT(refusal_of(image.substr(0, at)), HasSubstr("scene.bin")) << at;
+    EXPECT_THAT(refusal_of_image(image.substr(0, at)), HasSubstr("scene.bin")) << at;
     std::string flipped = image;
     flipped[at] = static_cast<char>(flipped[at] ^ 0x20);
-    EXPECT_THAT(refusal_of(flipped), HasSubstr("scene.bin")) << at;
+    EXPECT_THAT(refusal_of_image(flipped), HasSubstr("scene.bin")) << at;
   }
-  EXPECT_THAT(refusal_of(image + "x"), HasSubstr("scene.bin"));
-  EXPECT_EQ(refusal_of(image), "");
+  EXPECT_THAT(refusal_of_image(image + "x"), HasSubstr("scene.bin"));
+  EXPECT_EQ(refusal_of_image(image), "");
 }
 
 /// With a hash that is right: counts are not trusted, and what comes is a description or a refusal.
@@ -216,7 +216,7 @@ TEST(DescriptionImage, IsNeverTrustedWhenItIsForged) {
       content[std::uniform_int_distribution<std::size_t>(0, content.size() - 1)(random)] =
           static_cast<char>(random() % 256);
     if (round % 3 == 0) content.resize(std::uniform_int_distribution<std::size_t>(0, content.size())(random));
-    num_refused += refusal_of(sealed(mark, content)).empty() ? 0 : 1;
+    num_refused += refusal_of_image(sealed(mark, content)).empty() ? 0 : 1;
   }
   EXPECT_GT(num_refused, 500);
 }

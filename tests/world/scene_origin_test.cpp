@@ -1,5 +1,6 @@
 #include "resilin/world/scene_origin.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -13,6 +14,9 @@
 
 namespace resilin {
 namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
 
 /// Everything that has a place, around the bar of `small_bar`.
 Description scene_of_places(bool is_dynamic) {
@@ -95,6 +99,31 @@ TEST_P(ScenesFarAway, MoveAsTheyDoAtTheOriginAndReportWhereTheyAre) {
     const double scale = by_us.reactions[0].second.norm() * far;
     EXPECT_LT((over_there.reaction_torques[i] - turned).norm(), 1e-6 * scale) << i;
   }
+}
+
+TEST(ScenesFarFromTheirOrigin, AreSpokenOfInTheirOwnCoordinates) {
+  const Vector3 place(4e5, -2e5, 3e5);
+  const auto far_bar = [&](bool is_dynamic) { return scene_at(testing::small_bar(3, is_dynamic), place); };
+  Description inside = far_bar(true);
+  ColliderDescription ball;
+  ball.kind = "sphere";
+  ball.shape.center = place + Vector3(1, 0.25, 0.25);
+  ball.shape.radius = 0.02;
+  inside.colliders = {ball};
+  EXPECT_THAT(testing::refusal_of(inside), HasSubstr(" at (4e+05, -2e+05, 3e+05), 0.02 m inside"));
+  Description loose = far_bar(false);
+  for (const Index vertex : {0, 1}) {
+    FixDescription hinge = loose.fixes[0];
+    hinge.where.kind = Where::Kind::vertices;
+    hinge.where.vertices = {vertex};
+    (vertex == 0 ? loose.fixes[0] : loose.fixes.emplace_back()) = hinge;
+  }
+  EXPECT_THAT(testing::refusal_of(loose), HasSubstr(" through (4e+05, -2e+05, 3e+05)"));
+  Description twice = far_bar(true);
+  twice.bodies.push_back(twice.bodies[0]);
+  twice.bodies[1].name = "other";
+  twice.fixes[0].body = twice.probes[0].body = twice.bodies[0].name;
+  EXPECT_THAT(all_warnings(World(twice)), Contains(HasSubstr("near (4e+05, -2e+05, 3e+05)")));
 }
 
 TEST(SceneOrigin, IsZeroForScenesNearTheirOwn) {

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstddef>
+#include <ctime>
 
 #include "resilin/core/error.hpp"
 
@@ -127,6 +128,20 @@ std::string format_short(double value) {
   const auto end =
       std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::general, 3);
   return {buffer.data(), end.ptr};
+}
+
+std::string format_point(const Vector3& point, int dim) {
+  std::string text = "(" + format_short(point.x());
+  for (int k = 1; k < dim; ++k) text += ", " + format_short(point[k]);
+  return text + ")";
+}
+
+std::string local_time() {
+  const std::time_t now = std::time(nullptr);
+  std::tm local{};
+  localtime_r(&now, &local);
+  std::array<char, 32> text{};
+  return {text.data(), std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%M:%S", &local)};
 }
 
 std::string format_bytes(std::uintmax_t count) {

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "resilin/core/types.hpp"
+
 namespace resilin {
 
 /// "a, b, c".
@@ -23,6 +25,12 @@ std::string format_number(double value);
 
 /// Three digits: "0.0123", "1.23e-09", independent of the locale.
 std::string format_short(double value);
+
+/// "(0.1, -2, 1e-09)": each coordinate by format_short.
+std::string format_point(const Vector3& point, int dim = 3);
+
+/// "2025-01-31 12:00:00", now and in the time zone of this machine.
+std::string local_time();
 
 /// "512 B", "34 kB", "5.6 MB": three digits at most, steps of 1000.
 std::string format_bytes(std::uintmax_t count);

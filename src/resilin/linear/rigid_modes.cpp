@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "resilin/core/rigid_motions.hpp"
+
 namespace resilin {
 
 Modes rigid_modes(int dim, const VectorX& positions, std::span<const std::uint8_t> is_fixed) {
@@ -20,18 +22,7 @@ Modes rigid_modes(int dim, const VectorX& positions, std::span<const std::uint8_
   for (Index i = 0; i < num_nodes; ++i) radius = std::max(radius, (position(i) - center).norm());
   for (Index i = 0; i < num_nodes; ++i) {
     Eigen::Map<Eigen::Matrix<double, -1, -1, Eigen::RowMajor>> mode(modes.of(i), dim, modes.count);
-    mode.leftCols(dim).setIdentity();
-    if (radius > 0) {
-      const Vector3 X = (position(i) - center) / radius;
-      mode(0, dim) = -X.y();  // about z
-      mode(1, dim) = X.x();
-      if (dim == 3) {
-        mode(1, 4) = -X.z();  // about x
-        mode(2, 4) = X.y();
-        mode(0, 5) = X.z();  // about y
-        mode(2, 5) = -X.x();
-      }
-    }
+    mode = rigid_motions(dim, radius > 0 ? Vector3((position(i) - center) / radius) : Vector3(0, 0, 0));
     for (int d = 0; d < dim; ++d)
       if (is_fixed[i * dim + d] != 0) mode.row(d).setZero();
   }

@@ -295,9 +295,8 @@ std::string fold_text(const Mesh& mesh, const CellBlock& block, const FoldedCell
   const auto X = [&](std::size_t i) -> const Vector3& {
     return mesh.vertices[static_cast<std::size_t>(nodes[i])];
   };
-  std::string text = "turned inside out: its Jacobian is " + format_short(folded.jacobian) + " at (";
-  for (int k = 0; k < dimension(block.kind); ++k) text += (k > 0 ? ", " : "") + format_short(folded.xi[k]);
-  text += ") of its reference cell";
+  std::string text = "turned inside out: its Jacobian is " + format_short(folded.jacobian) + " at " +
+                     format_point(folded.xi, dimension(block.kind)) + " of its reference cell";
   if (!is_second_order(block.kind)) {
     return text + (dimension(block.kind) == 3
                        ? ", so it is distorted too much or its vertices are not in the order of MSH: four "

@@ -8,12 +8,12 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <ctime>
 #include <string>
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/log.hpp"
 #include "resilin/core/output_file.hpp"
+#include "resilin/core/text.hpp"
 
 namespace resilin {
 namespace {
@@ -25,17 +25,9 @@ std::string host_name() {
   return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "this machine";
 }
 
-std::string time_of_day() {
-  const std::time_t now = std::time(nullptr);
-  std::tm local{};
-  localtime_r(&now, &local);
-  std::array<char, 32> text{};
-  return {text.data(), std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%M:%S", &local)};
-}
-
 /// "process 1234 on host since 2025-01-31 12:00:00"
 std::string own_words() {
-  return "process " + std::to_string(::getpid()) + " on " + host_name() + " since " + time_of_day();
+  return "process " + std::to_string(::getpid()) + " on " + host_name() + " since " + local_time();
 }
 
 /// What the file says of its holder; empty when it says nothing.

@@ -10,7 +10,7 @@ namespace {
 /// Whence the step goes and how far, as far as that is known before it has been taken.
 std::string way(const World& world, const State& state) {
   if (world.is_dynamic) return "from t = " + format_short(state.time) + " s";
-  const std::string from = "from load factor " + format_short(state.load);
+  std::string from = "from load factor " + format_short(state.load);
   if (world.follows_path) return from;
   return from + " by " + format_short(std::min(state.load_increment, 1 - state.load)) + " at most";
 }
@@ -21,8 +21,7 @@ std::string describe_progress(const Simulation& simulation, const NewtonReport& 
   const World& world = simulation.world();
   const State& state = simulation.state();
   const std::string step = "step " + std::to_string(state.step + 1) + ", ";
-  const bool shows_mode = world.modes && (!world.modes->is_loaded || state.load >= 1);
-  if (shows_mode) return step + "looking for modes of vibration";
+  if (simulation.shows_modes()) return step + "looking for modes of vibration";
   return step + way(world, state) + ", Newton iteration " + std::to_string(iterations) + ", residual " +
          format_short(so_far.relative_residual()) + " (tolerance " + format_short(world.newton.tolerance) +
          ")";

@@ -6,16 +6,15 @@
 #include <optional>
 
 #include "resilin/core/dense.hpp"
+#include "resilin/core/rigid_motions.hpp"
 #include "resilin/mesh/facet.hpp"
+#include "resilin/optimize/residual.hpp"
 
 namespace resilin {
 namespace {
 
-bool is_free(const World& world, Eigen::Index i) { return world.is_fixed[static_cast<std::size_t>(i)] == 0; }
-
 VectorX free_part(const World& world, VectorX values) {
-  for (Eigen::Index i = 0; i < values.size(); ++i)
-    if (!is_free(world, i)) values[i] = 0;
+  set_fixed_to_zero(world.is_fixed, values);
   return values;
 }
 
@@ -53,24 +52,15 @@ std::optional<double> work_of_supports(const World& world, const State& start, c
 }
 
 /// The velocities of a body's nodes, zero elsewhere, that move it as a rigid one by each of its rigid
-/// motions: dim translations, then rotations about the origin of the positions given.
-std::vector<VectorX> rigid_motions(const World& world, const Body& body, const VectorX& positions,
-                                   const Vector3& center) {
+/// motions about `center`.
+std::vector<VectorX> motions_of_body(const World& world, const Body& body, const VectorX& positions,
+                                     const Vector3& center) {
   const int dim = world.dimension;
   std::vector<VectorX> motions(dim == 3 ? 6 : 3, VectorX::Zero(positions.size()));
   for (Index node = body.first_node; node < body.first_node + body.num_nodes; ++node) {
-    const Vector3 r = node_position(dim, node, positions) - center;
-    const auto at = [&](std::size_t motion) {
-      return motions[motion].segment(Eigen::Index{node} * dim, dim);
-    };
-    for (int k = 0; k < dim; ++k) at(static_cast<std::size_t>(k))[k] = 1;
-    if (dim == 2) {
-      at(2) << -r.y(), r.x();
-    } else {
-      at(3) << 0, -r.z(), r.y();
-      at(4) << r.z(), 0, -r.x();
-      at(5) << -r.y(), r.x(), 0;
-    }
+    const RigidMotions of_node = rigid_motions(dim, node_position(dim, node, positions) - center);
+    for (std::size_t k = 0; k < motions.size(); ++k)
+      motions[k].segment(Eigen::Index{node} * dim, dim) = of_node.col(static_cast<Eigen::Index>(k));
   }
   return motions;
 }
@@ -90,7 +80,7 @@ VectorX without_rigid_motion(const World& world, const VectorX& positions, Vecto
     Vector3 center = Vector3::Zero();
     for (Index node = body.first_node; node < body.first_node + body.num_nodes; ++node)
       center += node_position(dim, node, positions) / body.num_nodes;
-    const std::vector<VectorX> motions = rigid_motions(world, body, positions, center);
+    const std::vector<VectorX> motions = motions_of_body(world, body, positions, center);
     const auto count = static_cast<Eigen::Index>(motions.size());
     Eigen::MatrixXd masses(count, count);
     VectorX momenta(count), momentum;

@@ -14,11 +14,6 @@ namespace {
 constexpr double all_but_flat = 0.05;  ///< a volume ratio of which every body is told
 constexpr double far_stretched = 2;    ///< a stretch beyond which the volume says little
 
-std::string place_text(const Vector3& place) {
-  return '(' + format_short(place.x()) + ", " + format_short(place.y()) + ", " + format_short(place.z()) +
-         ')';
-}
-
 /// "cell 12 at (0.1, 0.2, 0)": the middle of its rest shape.
 std::string cell_text(const World& world, const Body& body, Index cell) {
   const auto count = static_cast<std::size_t>(num_nodes(body.cell_kind));
@@ -26,7 +21,7 @@ std::string cell_text(const World& world, const Body& body, Index cell) {
       std::span(body.cells).subspan(static_cast<std::size_t>(cell) * count, count);
   Vector3 middle = Vector3::Zero();
   for (const Index node : nodes) middle += world.place_of(node, world.rest_positions);
-  return "cell " + std::to_string(cell) + " at " + place_text(middle / static_cast<double>(count));
+  return "cell " + std::to_string(cell) + " at " + world.place_text(middle / static_cast<double>(count));
 }
 
 struct Stretched {
@@ -71,7 +66,8 @@ std::string describe_failure(const World& world, const NewtonReport& report, con
     text += "; the force residual is " + format_number(report.residual) + " N (" +
             format_number(report.relative_residual()) + " of the load), largest at vertex " +
             std::to_string(node - worst->first_node) + " of \"" + worst->name + "\" at " +
-            place_text(world.place_of(node, world.rest_positions)) + strain_text(world, *worst, positions);
+            world.place_text(world.place_of(node, world.rest_positions)) +
+            strain_text(world, *worst, positions);
   }
   for (const Body& body : world.bodies) {
     if (&body == worst) continue;

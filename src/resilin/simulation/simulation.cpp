@@ -86,9 +86,12 @@ StepReport Simulation::step_to_next_mode(const NewtonObserver& observer) {
   return report;
 }
 
+bool Simulation::shows_modes() const {
+  return world_.modes && (!world_.modes->is_loaded || state_.load >= 1);
+}
+
 int Simulation::expected_steps() const {
-  if (world_.modes && (!world_.modes->is_loaded || state_.load >= 1))
-    return state_.step + world_.modes->count - state_.mode;
+  if (world_.modes && shows_modes()) return state_.step + world_.modes->count - state_.mode;
   if (world_.is_dynamic) {
     const double left = world_.end_time - state_.time;
     const double length = world_.adaptive ? state_.time_step : world_.time_step;
@@ -102,11 +105,14 @@ StepReport Simulation::step(const NewtonObserver& observer) {
   const auto start = std::chrono::steady_clock::now();
   const int step_before = state_.step;
   VectorX gradient;
-  const std::optional<ModesOptions>& modes = world_.modes;
-  const bool shows_mode = modes.has_value() && (!modes->is_loaded || state_.load >= 1);
-  StepReport report = time_stepper_ ? time_stepper_->step(world_, newton_, state_, gradient, observer)
-                      : shows_mode  ? step_to_next_mode(observer)
-                                    : load_control_->step(world_, newton_, state_, observer);
+  StepReport report;
+  if (time_stepper_) {
+    report = time_stepper_->step(world_, newton_, state_, gradient, observer);
+  } else if (load_control_ && !shows_modes()) {
+    report = load_control_->step(world_, newton_, state_, observer);
+  } else {
+    report = step_to_next_mode(observer);
+  }
   if (state_.step > step_before) {
     measure(time_stepper_ ? &gradient : nullptr);
     failed_steps_.in_a_row = report.has_solution ? 0 : failed_steps_.in_a_row + 1;

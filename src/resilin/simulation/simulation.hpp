@@ -48,6 +48,9 @@ class Simulation {
   /// The end time, the full load or the last mode is reached.
   bool is_finished() const;
 
+  /// The next step shows a mode of vibration: the equilibrium that they are about has been found.
+  bool shows_modes() const;
+
   /// About how many steps are needed in all, for progress: exact in motion with equal steps, else a guess.
   int expected_steps() const;
 

@@ -1,6 +1,5 @@
 #include "resilin/world/body_overlap.hpp"
 
-#include "resilin/core/text.hpp"
 #include "resilin/mesh/overlap.hpp"
 
 namespace resilin {
@@ -20,10 +19,9 @@ std::vector<BodyOverlap> overlapping_bodies(const World& world, const VectorX& x
 std::string describe(const World& world, const BodyOverlap& overlap) {
   const std::string a = "\"" + world.bodies[overlap.body].name + "\"",
                     b = "\"" + world.bodies[overlap.other].name + "\"";
-  std::string place;
-  for (int k = 0; k < world.dimension; ++k) place += (k > 0 ? ", " : "") + format_short(overlap.place[k]);
   return "bodies " + a + " and " + b + " share space, cell " + std::to_string(overlap.cell) + " of " + a +
-         " and cell " + std::to_string(overlap.other_cell) + " of " + b + " near (" + place + ")";
+         " and cell " + std::to_string(overlap.other_cell) + " of " + b + " near " +
+         world.place_text(world.origin + overlap.place);
 }
 
 }  // namespace resilin

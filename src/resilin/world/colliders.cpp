@@ -25,14 +25,6 @@ double youngs_modulus(const Body& body) {
   return E;
 }
 
-std::string position_text(const Vector3& position, int dim) {
-  std::vector<std::string> numbers;
-  for (int k = 0; k < dim; ++k) numbers.push_back(format_short(position[k]));
-  std::string text = "(";
-  text += join(numbers);
-  return text + ")";
-}
-
 }  // namespace
 
 std::vector<ContactNode> contact_nodes(const World& world, std::optional<double> stiffness) {
@@ -90,7 +82,7 @@ void check_is_outside(const ColliderBarrier& collider, const World& world, const
   throw InputError(
       place, "bodies that start outside, with a gap",
       "vertex " + std::to_string(nearest.node - body.first_node) + " of \"" + body.name + "\" at " +
-          position_text(node_position(world.dimension, nearest.node, positions), world.dimension) + ", " +
+          world.place_text(world.place_of(nearest.node, positions)) + ", " +
           (nearest.distance == 0 ? "on its surface" : format_short(-nearest.distance) + " m inside"),
       "move the body (translate) or the collider by " + format_short(gap - nearest.distance) + " m or more");
 }

@@ -85,6 +85,11 @@ void check_numerics(const Description& d) {
 
 }  // namespace
 
+void require_axis(int axis, int dim, const std::string& place) {
+  if (axis >= 0 && axis < dim) return;
+  throw InputError(place, dim == 3 ? "x, y or z (0, 1 or 2)" : "x or y (0 or 1)", std::to_string(axis));
+}
+
 void check_description(const Description& description) {
   check_simulation(description, description.place + ": simulation.");
   check_numerics(description);

@@ -8,4 +8,7 @@ namespace resilin {
 /// from. What depends on meshes, laws and bodies is for those that read these.
 void check_description(const Description& description);
 
+/// Throws InputError for the number of an axis that a space of `dim` dimensions does not have.
+void require_axis(int axis, int dim, const std::string& place);
+
 }  // namespace resilin

@@ -9,6 +9,7 @@
 
 #include "resilin/core/dense.hpp"
 #include "resilin/core/error.hpp"
+#include "resilin/core/rigid_motions.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/mesh/facet.hpp"
 #include "resilin/mesh/topology.hpp"
@@ -22,20 +23,6 @@ constexpr const char* about_colliders =
     "; a collider holds only what is within its activation distance at the start, and nothing sideways";
 constexpr double round_off = 1e-6;  ///< of a direction: the square root of what the Gram matrix leaves
 
-/// Rows: components of a node's motion; columns: 3 translations and 3 rotations (2D: 2 and 1) about `center`,
-/// lengths in units of `size` so that all columns count alike.
-Eigen::MatrixXd rigid_motions(int dim, const Vector3& X, const Vector3& center, double size) {
-  const Vector3 r = (X - center) / size;
-  if (dim == 2) {
-    Eigen::MatrixXd motions(2, 3);
-    motions << 1, 0, -r.y(), 0, 1, r.x();
-    return motions;
-  }
-  Eigen::MatrixXd motions(3, 6);
-  motions << 1, 0, 0, 0, r.z(), -r.y(), 0, 1, 0, -r.z(), 0, r.x(), 0, 0, 1, r.y(), -r.x(), 0;
-  return motions;
-}
-
 struct Part {
   Vector3 center = Vector3::Zero();
   double size = 0;
@@ -43,12 +30,9 @@ struct Part {
   Eigen::MatrixXd gram;  ///< sum of r^T r over the held components: its rank is the number of held motions
 };
 
-std::string in_parentheses(const Eigen::VectorXd& v) {
-  std::vector<std::string> numbers;
-  for (const double value : v) numbers.push_back(format_short(std::abs(value) < 1e-12 ? 0 : value));
-  std::string text = "(";
-  text += join(numbers);
-  return text + ")";
+/// Zero where only rounding is left of numbers of this size.
+Vector3 without_round_off(const Vector3& v, double size) {
+  return (v.array().abs() < 1e-12 * size).select(0, v);
 }
 
 /// An orthonormal basis of what these vectors span.
@@ -79,10 +63,11 @@ std::vector<Vector3> simple_basis(std::vector<Vector3> space) {
     if (outside.norm() < round_off) take(e);
   }
   while (!space.empty()) {
-    const Vector3 direction = space.front();
+    Vector3 direction = space.front();
     Eigen::Index largest = 0;
     direction.cwiseAbs().maxCoeff(&largest);
-    take(direction[largest] < 0 ? Vector3(-direction) : direction);
+    if (direction[largest] < 0) direction = -direction;
+    take(direction);
   }
   return basis;
 }
@@ -92,7 +77,7 @@ std::string name_of(const Vector3& direction, int dim) {
   for (int axis = 0; axis < dim; ++axis) {
     if (std::abs(direction[axis]) > 1 - round_off) return {"xyz"[axis]};
   }
-  return in_parentheses(direction.head(dim));
+  return format_point(without_round_off(direction, 1), dim);
 }
 
 /// Solves A^T A r = A^T b, the shortest r where there are several.
@@ -121,7 +106,7 @@ std::optional<Vector3> common_point(const std::vector<Turn>& turns) {
     AtA += Matrix<3>::Identity() - turn.axis * turn.axis.transpose();
     Atb += turn.axis.cross(turn.shift);
   }
-  const Vector3 r = least_squares(AtA, Atb);
+  Vector3 r = least_squares(AtA, Atb);
   for (const Turn& turn : turns) {
     if ((turn.axis.cross(r) + turn.shift).norm() > round_off * (1 + turn.shift.norm())) return std::nullopt;
   }
@@ -129,7 +114,8 @@ std::optional<Vector3> common_point(const std::vector<Turn>& turns) {
 }
 
 /// The motions that the columns of `free` span (orthonormal, in the basis of `rigid_motions`), in words.
-std::vector<std::string> names_of_motions(int dim, const Part& part, const Eigen::MatrixXd& free) {
+std::vector<std::string> names_of_motions(const World& world, const Part& part, const Eigen::MatrixXd& free) {
+  const int dim = world.dimension;
   std::vector<std::string> names;
   // Combinations that do not turn are translations; the others turn about their rotational part.
   const Eigen::Index num_rotations = free.rows() - dim;
@@ -173,10 +159,11 @@ std::vector<std::string> names_of_motions(int dim, const Part& part, const Eigen
   const std::optional<Vector3> common = common_point(list);
   for (const Turn& turn : list) {
     const Vector3 r = common ? *common : Vector3(turn.axis.cross(turn.shift));
-    const Vector3 through = part.center + part.size * r;
+    const Vector3 through = world.origin + part.center + part.size * r;
     names.push_back(turn.name);
     if (axis_is_anywhere) continue;
-    names.back() += (dim == 2 ? " about " : " through ") + in_parentheses(through.head(dim));
+    names.back() += (dim == 2 ? " about " : " through ") +
+                    world.place_text(without_round_off(through, part.size + through.norm()));
   }
   return names;
 }
@@ -219,9 +206,12 @@ std::vector<Part> parts_of(const World& world, const Body& body, const std::vect
     part.size = std::max(part.size, (node_position(dim, node, world.rest_positions) - part.center).norm());
   });
   for (Part& part : parts) part.gram = Eigen::MatrixXd::Zero(num_motions, num_motions);
+  /// Lengths in units of the part's size, so that all motions count alike.
+  const auto motions_of = [&](const Part& part, Index node) {
+    return rigid_motions(dim, (node_position(dim, node, world.rest_positions) - part.center) / part.size);
+  };
   for_each_vertex([&](Part& part, Index node) {
-    const Eigen::MatrixXd motions =
-        rigid_motions(dim, node_position(dim, node, world.rest_positions), part.center, part.size);
+    const RigidMotions motions = motions_of(part, node);
     for (int k = 0; k < dim; ++k) {
       if (is_held[static_cast<std::size_t>(node * dim + k)] == 0) continue;
       part.gram += motions.row(k).transpose() * motions.row(k);
@@ -233,9 +223,7 @@ std::vector<Part> parts_of(const World& world, const Body& body, const std::vect
     const Index number = components.of_vertex[static_cast<std::size_t>(v)];
     if (number < 0) continue;  // a vertex that no cell uses
     Part& part = parts[static_cast<std::size_t>(number)];
-    const Eigen::RowVectorXd motion =
-        direction.head(dim).transpose() *
-        rigid_motions(dim, node_position(dim, node, world.rest_positions), part.center, part.size);
+    const Eigen::RowVectorXd motion = direction.head(dim).transpose() * motions_of(part, node);
     part.gram += motion.transpose() * motion;
   }
   return parts;
@@ -260,9 +248,9 @@ void check_is_held(const World& world) {
       std::string where = "body \"" + body.name + "\"";
       if (parts.size() > 1) {
         where += ", component " + std::to_string(p + 1) + " (" + std::to_string(part.num_vertices) +
-                 " vertices around " + in_parentheses(part.center.head(dim)) + ")";
+                 " vertices around " + world.place_text(world.origin + part.center) + ")";
       }
-      const std::vector<std::string> names = names_of_motions(dim, part, eigen.vectors.leftCols(num_free));
+      const std::vector<std::string> names = names_of_motions(world, part, eigen.vectors.leftCols(num_free));
       const auto starts_with = [&](const char* word) {
         return std::ranges::any_of(names, [&](const std::string& name) { return name.starts_with(word); });
       };

@@ -11,12 +11,6 @@
 namespace resilin {
 namespace {
 
-std::string place_text(const Vector3& point, int dim) {
-  std::string text;
-  for (int k = 0; k < dim; ++k) text += (k > 0 ? ", " : "(") + format_short(point[k]);
-  return text + ")";
-}
-
 /// A probe watches the nearest vertex, which is a place of its own when it is half a cell away or a tenth of
 /// the body.
 void warn_of_distance(World& world, const Body& body, const ProbeDescription& probe, Index node,
@@ -38,8 +32,8 @@ void warn_of_distance(World& world, const Body& body, const ProbeDescription& pr
   }
   if (distance <= std::min(0.5 * cell_size, 0.1 * (high - low).maxCoeff())) return;
   world.warnings.push_back(probe.place + ": the nearest vertex, which it watches, is " +
-                           format_short(distance) + " m from " + place_text(world.origin + probe.at, dim) +
-                           ", at " + place_text(world.origin + place, dim) +
+                           format_short(distance) + " m from " + world.place_text(world.origin + probe.at) +
+                           ", at " + world.place_text(world.origin + place) +
                            "; place it there, or refine the mesh");
 }
 

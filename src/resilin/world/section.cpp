@@ -8,6 +8,7 @@
 #include "resilin/core/text.hpp"
 #include "resilin/mesh/facet.hpp"
 #include "resilin/mesh/topology.hpp"
+#include "resilin/world/description_check.hpp"
 #include "resilin/world/world.hpp"
 
 namespace resilin {
@@ -73,6 +74,7 @@ NodeVolumes node_volumes(const Body& body, const std::vector<bool>& is_below) {
 Section::Section(const SectionDescription& description, const Body& body, int dim,
                  const VectorX& rest_positions)
     : name_(description.name), dim_(dim) {
+  require_axis(description.axis, dim, description.place + ".plane.axis");
   const std::vector<bool> is_below = cells_below(description, body, dim, rest_positions);
   if (std::ranges::find(is_below, true) == is_below.end() ||
       std::ranges::find(is_below, false) == is_below.end()) {

@@ -8,6 +8,7 @@
 #include "resilin/mesh/facet.hpp"
 #include "resilin/mesh/second_order.hpp"
 #include "resilin/mesh/topology.hpp"
+#include "resilin/world/description_check.hpp"
 
 namespace resilin {
 namespace {
@@ -53,6 +54,22 @@ std::function<bool(const Vector3&)> position_test(const Where& where, double ext
   }
 }
 
+void check_where(const Where& where, int dim, const std::string& place) {
+  switch (where.kind) {
+    case Where::Kind::plane:
+      require_axis(where.axis, dim, place + ".plane.axis");
+      return;
+    case Where::Kind::all:
+    case Where::Kind::group:
+    case Where::Kind::box:
+    case Where::Kind::sphere:
+    case Where::Kind::vertices:
+      return;
+  }
+  throw InputError(place, "a kind of selection",
+                   "the number " + std::to_string(static_cast<int>(where.kind)));
+}
+
 /// "the body reaches from x = 0 to 4, y = 0 to 1", to help when nothing was selected.
 std::string describe_extent(const Body& body, const VectorX& rest_positions, int dim) {
   std::string text = "the body reaches from ";
@@ -83,6 +100,7 @@ std::vector<Index> whole_cells(const CellBlock& block, const std::vector<Index>&
 
 std::vector<Index> select_vertices(const Where& where, const Mesh& mesh, const Body& body,
                                    const VectorX& rest_positions, int dim, const std::string& place) {
+  check_where(where, dim, place);
   std::vector<bool> is_candidate(static_cast<std::size_t>(body.num_nodes),
                                  where.kind != Where::Kind::group && where.kind != Where::Kind::vertices);
   if (where.kind == Where::Kind::group) {

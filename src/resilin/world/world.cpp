@@ -353,6 +353,8 @@ Vector3 World::place_of(Index node, const VectorX& positions) const {
   return origin + node_position(dimension, node, positions);
 }
 
+std::string World::place_text(const Vector3& point) const { return format_point(point, dimension); }
+
 double World::largest_extent() const {
   double extent = 0;
   for (int k = 0; k < dimension; ++k) {
