@@ -25,7 +25,7 @@ const char* word(LogLevel level) {
 LogFile::LogFile(const std::filesystem::path& path, bool append)
     : file_(path, append ? OutputFile::Mode::append : OutputFile::Mode::truncate) {
   sink_before_ = set_log_sink([this](LogLevel level, std::string_view message) {
-    file_.stream() << local_time() << ' ' << word(level) << ": " << message << std::endl;
+    file_.stream() << local_time() << ' ' << word(level) << ": " << message << '\n' << std::flush;
   });
 }
 

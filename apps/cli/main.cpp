@@ -44,6 +44,7 @@ bool is_out_of_memory(const std::system_error& error) {
     std::fputs("resilin: out of memory: take fewer cells, fewer threads, or raise the limit\n", stderr);
     _exit(wrong_input);
   } catch (...) {
+    std::abort();
   }
   std::abort();
 }

@@ -44,9 +44,8 @@ std::string Progress::remaining_text(double share) const {
 std::string Progress::state_text(const Simulation& simulation, const StepReport& report) const {
   const State& state = simulation.state();
   std::string text = fmt::format("step {}", state.step);
-  if (simulation.frame().mode) {
-    return text + fmt::format(", mode {}, {:.6g} Hz", state.mode, simulation.frame().mode->frequency);
-  }
+  if (const auto& mode = simulation.frame().mode)
+    return text + fmt::format(", mode {}, {:.6g} Hz", state.mode, mode->frequency);
   if (simulation.world().is_dynamic) {
     text += fmt::format("/{}, t = {:.4g} s", simulation.expected_steps(), state.time);
   } else {

@@ -157,8 +157,11 @@ std::optional<double> ColliderBarrier::driven_work(const VectorX& from, const Co
                                                    const VectorX& to, const Conditions& after) const {
   const Vector3 way = displacement(after) - displacement(before);
   if (way.isZero(0)) return std::nullopt;
-  return std::max({reaction(from, before)->force.dot(way), reaction(to, after)->force.dot(way),
-                   value(to, after) - value(to, before)});
+  const auto work = [&](const VectorX& x, const Conditions& c) {
+    const std::optional<Reaction> pushed = reaction(x, c);
+    return pushed ? pushed->force.dot(way) : 0.0;
+  };
+  return std::max({work(from, before), work(to, after), value(to, after) - value(to, before)});
 }
 
 double ColliderBarrier::least_delay(const VectorX& x, const Conditions& c) const {

@@ -90,7 +90,7 @@ class ArchiveWriter {
   template <class... T>
   void put(const std::variant<T...>& value) {
     put_count(value.index());
-    std::visit([this](const auto& form) { put(form); }, value);
+    std::visit([this](const auto& form) { this->put(form); }, value);
   }
   template <HasMembers T>
   void put(const T& value) {

@@ -23,12 +23,12 @@ ElasticTiles::ElasticTiles(ElementBlocks element_blocks, const LawInfo& material
       has_mean_volume_(has_mean) {}
 
 ElasticTiles::Scratch::Scratch(const ElasticTiles& tiles) {
-  const ElementBlocks& blocks = tiles.blocks;
-  const std::size_t entries = tiles.blocks_per_tile() * blocks.num_points;
-  const auto n = static_cast<std::size_t>(blocks.dim * blocks.dim);
-  const std::size_t state = blocks.is_linear_simplex() ? 0 : entries,
+  const ElementBlocks& elements = tiles.blocks;
+  const std::size_t entries = tiles.blocks_per_tile() * elements.num_points;
+  const auto n = static_cast<std::size_t>(elements.dim * elements.dim);
+  const std::size_t state = elements.is_linear_simplex() ? 0 : entries,
                     mean_rows = tiles.has_mean_volume() ? 1 : 0;
-  const std::size_t K_rows = tiles.blocks_per_tile() * static_cast<std::size_t>(blocks.num_pairs()) * n;
+  const std::size_t K_rows = tiles.blocks_per_tile() * static_cast<std::size_t>(elements.num_pairs()) * n;
   struct Part {
     double** place;
     std::size_t rows;

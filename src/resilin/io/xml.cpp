@@ -118,7 +118,7 @@ class XmlScanner {
 
 }  // namespace
 
-std::string XmlTag::attribute(std::string_view key, std::string otherwise) const {
+std::string XmlTag::attribute(std::string_view key, const std::string& otherwise) const {
   const auto found = attributes.find(key);
   return found == attributes.end() ? otherwise : found->second;
 }

@@ -16,7 +16,7 @@ struct XmlTag {
   std::size_t text_begin = 0;  ///< position of `text` in the document
 
   /// The attribute, or `otherwise` when there is none.
-  std::string attribute(std::string_view key, std::string otherwise = "") const;
+  std::string attribute(std::string_view key, const std::string& otherwise = "") const;
 };
 
 /// The tags of a document in their order, as far as VTK files need XML: no entities but the five, no CDATA.

@@ -32,8 +32,8 @@ LinearReport ConjugateGradients::solve(const BlockMatrix& A, const VectorX& b, V
   if (x.size() != n) x.setZero(n);
   r_ = b;
   if (!x.isZero(0)) {
-    multiply(A, x, Ap_, work_);
-    r_ -= Ap_;
+    multiply(A, x, product_, work_);
+    r_ -= product_;
   }
   const double b_norm = std::sqrt(dot(b, b));
   double r_norm = std::sqrt(dot(r_, r_));
@@ -49,17 +49,17 @@ LinearReport ConjugateGradients::solve(const BlockMatrix& A, const VectorX& b, V
     const double rz = dot(r_, z_);
     if (!(rz > 0) || !std::isfinite(rz)) break;  // the preconditioner has lost definiteness to round-off
     kernels.xpby(z_.data(), report.iterations == 0 ? 0.0 : rz / previous_rz, p_.data(), n);
-    multiply(A, p_, Ap_, work_);
-    const double curvature = dot(p_, Ap_);
+    multiply(A, p_, product_, work_);
+    const double curvature = dot(p_, product_);
     if (!(curvature > 0)) {
       report.status = LinearReport::Status::indefinite;
-      report.worst_node = most_negative_node(p_, Ap_, A.dim);
+      report.worst_node = most_negative_node(p_, product_, A.dim);
       if (report.iterations == 0 && x.isZero(0)) x = p_;
       break;
     }
     const double step = rz / curvature;
     kernels.axpy(step, p_.data(), x.data(), n);
-    kernels.axpy(-step, Ap_.data(), r_.data(), n);
+    kernels.axpy(-step, product_.data(), r_.data(), n);
     previous_rz = rz;
     ++report.iterations;
     r_norm = std::sqrt(dot(r_, r_));

@@ -38,7 +38,7 @@ class ConjugateGradients : public LinearSolver {
   std::string name_;
   int max_iterations_;
   std::unique_ptr<Preconditioner> preconditioner_;
-  VectorX r_, z_, p_, Ap_;
+  VectorX r_, z_, p_, product_;
   std::vector<double> work_;
 };
 

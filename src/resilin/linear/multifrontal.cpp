@@ -3,7 +3,6 @@
 #include <memory>
 #include <mutex>
 #include <new>
-#include <optional>
 #include <ranges>
 
 #include "resilin/core/parallel.hpp"
@@ -103,7 +102,7 @@ class MultifrontalSolver : public DirectSolver {
 
   bool is_definite_;
   MergedPattern pattern_;
-  std::optional<MultifrontalAnalysis> analysis_;
+  std::unique_ptr<const MultifrontalAnalysis> analysis_;
   int dim_ = 3;
   bool has_little_memory_ = false;  // for subtrees at the same time, with the present pattern
   bool is_serial_ = false;          // takes the subtrees one after another
@@ -254,7 +253,7 @@ void MultifrontalSolver::factorize_all() {
 void MultifrontalSolver::prepare(const BlockMatrix& A) {
   if (!pattern_.update(A, MergedPattern::Keep::superset)) return;
   forget_factor();
-  analysis_.emplace(pattern_);
+  analysis_ = std::make_unique<const MultifrontalAnalysis>(pattern_);
   dim_ = A.dim;
 }
 

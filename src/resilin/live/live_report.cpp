@@ -36,7 +36,7 @@ std::string LiveScene::Contents::words() const {
   const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
   const std::string share = format_short(report.relative_residual) + " of the load";
   if (report.at_rest) {
-    add("at rest: exact equilibrium, the force residual is " + share);
+    add("at rest: exact equilibrium of these cells, the force residual is " + share);
   } else if (is_seeking()) {
     add("nothing moves: going on to the exact equilibrium, the force residual is " + share);
   } else if (!report.converged) {

@@ -96,13 +96,15 @@ void LiveScene::stop_poking() {
 }
 
 std::optional<Vector3> LiveScene::ball() const {
-  if (!contents_->ball) return {};
-  return contents_->ball->barrier()->place({});
+  const auto& ball = contents_->ball;
+  if (!ball) return {};
+  return ball->barrier()->place({});
 }
 
 std::optional<double> LiveScene::ground() const {
-  if (!contents_->floor) return {};
-  return contents_->floor->barrier()->place({}).dot(contents_->up);
+  const auto& floor = contents_->floor;
+  if (!floor) return {};
+  return floor->barrier()->place({}).dot(contents_->up);
 }
 
 Vector3 LiveScene::up() const { return contents_->up; }

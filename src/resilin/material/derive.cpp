@@ -60,7 +60,7 @@ Matrix<3> cauchy(const Material& material, const Matrix<dim>& gradient, bool is_
   Matrix<3> full = Matrix<3>::Zero();
   if (!is_displacement) full = Matrix<3>::Identity();
   full.template topLeftCorner<dim, dim>() = gradient;
-  const Matrix<3> P = stress<3>(material, full, is_displacement);
+  Matrix<3> P = stress<3>(material, full, is_displacement);
   if (material.law->kind == LawKind::small_strain) return P;
   const Matrix<3> F = is_displacement ? Matrix<3>(full + Matrix<3>::Identity()) : full;
   return P * F.transpose() / F.determinant();

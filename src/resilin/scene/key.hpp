@@ -133,7 +133,8 @@ Key<T> choice_key(const char* name, std::string T::* member, const std::vector<s
 /// An enum with spellings.
 template <Spelled Choice>
 Choice read_choice(const SceneNode& node) {
-  return *find_spelled<Choice>(read_choice(node, all_spellings<Choice>()));
+  // Words that are none have been refused by the time they are looked up.
+  return find_spelled<Choice>(read_choice(node, all_spellings<Choice>())).value_or(Choice{});
 }
 
 template <class T, Spelled Choice>

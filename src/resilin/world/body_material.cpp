@@ -15,11 +15,11 @@ std::shared_ptr<ElasticEnergy> give_material(const World& world, const BodyDescr
   const std::size_t num_constants = law.constants.size();
   body.law = law.name;
   body.constants.clear();
+  const std::size_t num_sets = constants.size() / num_constants;
   for (std::size_t i = 0; i < num_constants; ++i) {
     double sum = 0;
     for (std::size_t k = i; k < constants.size(); k += num_constants) sum += constants[k];
-    const auto count = static_cast<double>(constants.size() / num_constants);
-    body.constants.emplace_back(law.constants[i].name, sum / count);
+    body.constants.emplace_back(law.constants[i].name, sum / static_cast<double>(num_sets));
   }
   auto elastic = std::make_shared<ElasticEnergy>(
       world.dimension, ElementChoice(body.element, description.quadrature), body.cells, world.rest_positions,

@@ -251,7 +251,7 @@ class Entries {
   }
   template <class T>
   void add(const std::string& key, const std::map<std::string, T>& values) {
-    for (const auto& [name, value] : values) add(key + "." + name, value);
+    for (const auto& [name, value] : values) add(std::string(key).append(".").append(name), value);
   }
   void add(const std::string& key, const std::vector<std::vector<Vector3>>& lists) {
     for (std::size_t i = 0; i < lists.size(); ++i) add(key + "." + std::to_string(i), lists[i]);
