@@ -126,6 +126,21 @@ TEST_P(EveryIntegrator, KnowsItsLocalError) {
   EXPECT_NEAR(integrator->local_error(start, end, dt)[0], error, 0.1 * std::abs(error));
 }
 
+/// Contact with a force that rises in time from nothing is taken as that of the end: dt^2/3 of its change.
+TEST_P(EveryIntegrator, KnowsTheErrorByContact) {
+  const double dt = 2e-3, by_contact = 7;
+  History start{.now = at(0.5, 0.25)};
+  start.now.accelerations = VectorX::Zero(1);
+  start.previous_positions = start.now.positions - dt * start.now.velocities;
+  start.previous_velocities = start.now.velocities;
+  start.previous_time_step = dt;
+  Motion end = start.now;
+  end.positions += dt * start.now.velocities;
+  end.positions[0] += 0.5 * dt * dt * by_contact;
+  const double error = integrator->local_error(start, end, dt)[0] - dt * dt * by_contact / 6;
+  EXPECT_NEAR(error, dt * dt / 3 * by_contact, 1e-9 * dt * dt * by_contact);
+}
+
 /// Of a vibration far below the step, all is left or nothing: nothing grows.
 TEST_P(EveryIntegrator, FeedsNoVibrationThatItDoesNotResolve) {
   const double w = 1e4;

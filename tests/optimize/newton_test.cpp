@@ -49,6 +49,41 @@ TEST(Newton, FindsTheHangingChainWithEveryPolicyThatProjects) {
   }
 }
 
+TEST(Newton, RespondsToForcesByItsLastMatrix) {
+  const Chain chain(num_nodes, weight());
+  for (const std::string solver : {"ldlt", "cg_jacobi"}) {
+    Newton newton(2, chain.pattern(), make_linear_solver({.kind = solver}, 2 * num_nodes));
+    EXPECT_FALSE(newton.response(weight(), both_ends_fixed(), 1e-10)) << "there is no matrix yet";
+    VectorX x = 1.2 * straight_line();  // a chain that is not tight gives way sideways
+    x[9] = -0.3;
+    newton.form_matrix(chain, both_ends_fixed(), x);
+    const std::optional<VectorX> way = newton.response(weight(), both_ends_fixed(), 1e-10);
+    ASSERT_TRUE(way);
+    BlockMatrix hessian(2, chain.pattern());
+    chain.hessian(x, Projection::clamp, hessian);
+    VectorX force;
+    multiply(hessian, *way, force);
+    for (Index i = 0; i < 2 * num_nodes; ++i) {
+      if (both_ends_fixed()[static_cast<std::size_t>(i)] != 0) {
+        EXPECT_EQ((*way)[i], 0);
+      } else {
+        EXPECT_NEAR(force[i], weight()[i], 1e-8 * weight().norm());
+      }
+    }
+  }
+}
+
+/// A search that begins at the solution forms no matrix, and none of an earlier one is left.
+TEST(Newton, ForgetsTheMatrixOfTheSearchBefore) {
+  Chain chain(num_nodes, weight());
+  Newton newton(2, chain.pattern(), make_linear_solver({.kind = "ldlt"}, 2 * num_nodes));
+  VectorX x = straight_line();
+  ASSERT_TRUE(newton.minimize(chain, both_ends_fixed(), x, {}, x).converged());
+  EXPECT_TRUE(newton.response(weight(), both_ends_fixed(), 1e-10));
+  ASSERT_TRUE(newton.minimize(chain, both_ends_fixed(), x, {}, x).converged());
+  EXPECT_FALSE(newton.response(weight(), both_ends_fixed(), 1e-10));
+}
+
 TEST(Newton, LowersTheObjectiveInEveryIteration) {
   Chain chain(num_nodes, weight());
   VectorX start = straight_line();

@@ -61,7 +61,8 @@ class Integrator {
   ///
   ///   x_n + dt v_n + dt^2 (a_n / 3 + a / 6),
   ///
-  /// which is right where accelerations are linear in time. Needs the accelerations at both ends.
+  /// which is right where accelerations are linear in time. Needs the accelerations at both ends. Where they
+  /// leave contact out, dt^2 (b_n / 3 + b / 6) with those by contact, b, is to be taken off.
   virtual VectorX local_error(const History& start, const Motion& end, double time_step) const;
 
   int num_stages() const;

@@ -19,10 +19,13 @@ class Midpoint final : public Integrator {
     return {.stages = {{.duration = 0.5, .time_fraction = 0.5}}, .end_start = -1, .end_stage = 2};
   }
 
-  /// dt^3/12 a', its slope from the accelerations in the middles of this step and the one before.
+  /// dt^3/12 a', its slope from the accelerations in the middles of this step and the one before; where that
+  /// is not known, from those at the start. What places differ from the motion by a_m was done by contact.
   VectorX local_error(const History& start, const Motion& end, double dt) const override {
-    return dt * dt * dt / 12 * (end.accelerations - start.now.accelerations) /
-           (0.5 * (dt + start.previous_time_step));
+    const VectorX by_contact =
+        end.positions - start.now.positions - dt * start.now.velocities - 0.5 * dt * dt * end.accelerations;
+    return by_contact + dt * dt * dt / 12 * (end.accelerations - start.now.accelerations) /
+                            (0.5 * (dt + start.previous_time_step));
   }
 };
 

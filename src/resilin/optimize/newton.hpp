@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -74,16 +76,31 @@ class Newton {
   NewtonReport minimize(Objective& objective, std::span<const std::uint8_t> is_fixed, const VectorX& targets,
                         const NewtonSettings& settings, VectorX& x, const NewtonObserver& observer = {});
 
+  /// Where forces lead by the last matrix, that of the latest search (projected, where it was) or of
+  /// `form_matrix`: H^-1 f [m], zero at the fixed unknowns. None where the search needed no matrix.
+  /// @param tolerance  to which an iterative solver goes, relative to the forces
+  std::optional<VectorX> response(VectorX forces, std::span<const std::uint8_t> is_fixed, double tolerance);
+  /// Makes the Hessian of an objective at x, its elements projected, the last matrix.
+  void form_matrix(const Objective& objective, std::span<const std::uint8_t> is_fixed, const VectorX& x);
+
   std::string_view solver_name() const { return solver_->name(); }
   bool solver_is_direct() const { return solver_->is_direct(); }
   const Parts& parts() const { return parts_; }
 
  private:
   struct Search;
+  /// In what measure the matrix that the solver holds sees the parts; of one part, nothing.
+  struct Measure {
+    std::optional<Parts> parts;
+    VectorX weights;
+  };
+
+  void keep_measure(bool has_matrix, const Parts& parts, const VectorX& weights);
 
   BlockMatrix hessian_;
   Parts parts_;
   std::unique_ptr<LinearSolver> solver_;
+  std::optional<Measure> last_measure_;  ///< of the last matrix; none: the search has none
 };
 
 std::string_view name(NewtonReport::Status status);

@@ -41,7 +41,7 @@ std::string remarks(const Simulation& simulation) {
 std::string guarding_remark(const State& state) {
   if (state.guarded_steps == 0) return "";
   return "; " + std::to_string(state.guarded_steps) + (state.guarded_steps == 1 ? " step" : " steps") +
-         " would have added energy: they were taken by backward_euler, or " +
+         " would have added energy, or were cut short at contact: they were taken by backward_euler, or " +
          format_short(state.removed_energy) +
          " J in all were taken out of the velocities; a shorter time_step follows the motion better";
 }

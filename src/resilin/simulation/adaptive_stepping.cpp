@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "resilin/core/text.hpp"
 #include "resilin/simulation/initial_acceleration.hpp"
@@ -12,8 +13,8 @@
 namespace resilin {
 namespace {
 
-/// Attempts at a step that the guard of the energy changes before one is taken as it is.
-constexpr int most_guarded_attempts = 4;
+/// To which iterative solvers filter an estimate, relative to it.
+constexpr double filter_tolerance = 1e-3;
 
 struct PlannedStep {
   double length;  ///< [s]
@@ -55,15 +56,54 @@ VectorX contact_accelerations(const World& world, const State& state) {
   return accelerations_by(world, -potential.gradient_of(EnergyCategory::contact, state.positions));
 }
 
+/// By how much the next length should differ from the one tried.
+class LengthChoice {
+ public:
+  explicit LengthChoice(int order) : order_(order + 1.0) {}
+
+  /// The error of a step grows with its length to the power order + 1; where contact begins, by less: what an
+  /// attempt before has shown decides.
+  /// @param error  over the tolerance
+  double factor(double length, double error) {
+    if (!std::isfinite(error)) return 0.5;
+    if (error > 0 && last_error_ > error)
+      order_ = std::clamp(std::log(last_error_ / error) / std::log(last_length_ / length), 1.0, order_);
+    last_error_ = error;
+    last_length_ = length;
+    return std::clamp(0.9 * std::pow(error, -1 / order_), 0.1, 2.0);
+  }
+
+ private:
+  double order_, last_error_ = 0, last_length_ = 0;
+};
+
 }  // namespace
 
-double TimeStepper::step_error(const World& world, const State& state, const Attempt& found,
+double TimeStepper::step_error(const World& world, Newton& newton, const State& state, const Attempt& found,
                                double time_step) const {
-  History start = history_of(state);
-  Motion end = found.end;
-  if (found.contact_accelerations.size() > 0) end.accelerations += found.contact_accelerations;
-  start.now.accelerations += contact_accelerations(world, state);
-  return largest_free_distance(world, integrator_->local_error(start, end, time_step));
+  History start = start_of_step(world, state, time_step);
+  const bool is_new = start.now.accelerations != state.accelerations;
+  if (is_new) start.previous_time_step = 0;  // what was before an event says nothing about what follows
+  VectorX by_contact = contact_accelerations(world, state) / 3;
+  if (found.contact_accelerations.size() > 0) by_contact += found.contact_accelerations / 6;
+  const VectorX error =
+      found.scheme->local_error(start, found.end, time_step) - time_step * time_step * by_contact;
+  if (!by_contact.isZero(0)) {  // which may let go within the step: it holds no error back
+    const Conditions end{.time = state.time + time_step, .load = 1};
+    const Terms terms = terms_without(EnergyCategory::contact, world.terms);
+    newton.form_matrix(Potential(terms, world.is_fixed, end, found.last_stage), world.is_fixed,
+                       found.end.positions);
+  }
+  // (M/c^2 + K)^-1 M/c^2 e, (I.8)
+  const auto filtered_distance = [&](const VectorX& way) {
+    VectorX forces;
+    world.mass->multiply(way / found.last_stage.scale(), forces);
+    const std::optional<VectorX> filtered =
+        newton.response(std::move(forces), world.is_fixed, filter_tolerance);
+    return largest_free_distance(world, filtered ? *filtered : way);
+  };
+  const double distance = filtered_distance(error);
+  return found.slowing.size() == 0 ? distance : distance + filtered_distance(time_step * found.slowing);
 }
 
 StepReport TimeStepper::adaptive_step(const World& world, const AdaptiveSteps& options, Newton& newton,
@@ -73,7 +113,7 @@ StepReport TimeStepper::adaptive_step(const World& world, const AdaptiveSteps& o
   const double longest = std::max(shortest, options.max_step.value_or(world.end_time));
   double wanted = std::clamp(state.time_step, shortest, longest);
   NewtonReport spent;
-  int num_guarded = 0;
+  LengthChoice choice(integrator_->order());
   for (int failed_attempts = 0;; ++failed_attempts) {
     PlannedStep planned = plan_step(world, state, wanted);
     int num_parts = num_steps_of_turn(turn_of_step(world, state, planned.length));
@@ -96,18 +136,10 @@ StepReport TimeStepper::adaptive_step(const World& world, const AdaptiveSteps& o
     report.failed_attempts = failed_attempts;
     if (found.is_interrupted()) return report;
     report.time_step = planned.length;
-    report.time_error = step_error(world, state, found, planned.length);
-    // The error of a step grows with its length to the power order + 1.
+    report.time_error = step_error(world, newton, state, found, planned.length);
     const double error = report.time_error / tolerance;
-    // What the guard still takes from much shorter steps is no matter of their length.
-    num_guarded += found.converged() && found.is_guarded() ? 1 : 0;
-    const bool is_of_scheme =
-        found.converged() && (!found.is_guarded() || num_guarded > most_guarded_attempts);
-    const double fitting =
-        is_of_scheme && std::isfinite(error)
-            ? std::clamp(0.9 * std::pow(error, -1.0 / (integrator_->order() + 1)), 0.2, 2.0)
-            : 0.5;
-    const bool is_accepted = is_of_scheme && error <= 1;
+    const double fitting = found.is_usable ? choice.factor(planned.length, error) : 0.5;
+    const bool is_accepted = found.is_usable && error <= 1;
     if (!is_accepted && planned.length > shortest * (1 + 1e-9)) {
       wanted = std::max(shortest, std::min(0.9, fitting) * planned.length);
       continue;
@@ -124,7 +156,7 @@ StepReport TimeStepper::adaptive_step(const World& world, const AdaptiveSteps& o
     std::move(found).move(world, state, planned.length);
     state.time = planned.end;
     // A step cut short at an event says nothing against longer ones.
-    const double next = fitting * planned.length;
+    const double next = (failed_attempts > 0 ? std::min(1.0, fitting) : fitting) * planned.length;
     state.time_step = std::clamp(planned.is_cut ? std::max(next, wanted) : next, shortest, longest);
     return done;
   }

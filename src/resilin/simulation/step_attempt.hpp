@@ -8,9 +8,14 @@ namespace resilin {
 /// A step in time that has been tried and not yet been made.
 struct TimeStepper::Attempt {
   StepReport report{};
+  const Integrator* scheme = nullptr;  ///< that took it
+  /// Every search found a minimum, or ended early only because newton.max_iterations is low on purpose: a
+  /// shorter step would change nothing about that.
+  bool is_usable = true;
   Motion end{};
   VectorX gradient{};
-  double collider_delay = 0;        ///< [s]
+  double collider_delay = 0;  ///< [s]
+  Stage last_stage{};
   bool touches = false;             ///< contact acts, or would if the step had been found
   VectorX contact_accelerations{};  ///< at the end, where they are wanted; empty: none [m/s^2]
   VectorX jump{};                   ///< of the velocities by contact in the last stage, the same

@@ -6,7 +6,6 @@
 
 #include "resilin/core/text.hpp"
 #include "resilin/energy/time_function.hpp"
-#include "resilin/integrator/backward_euler.hpp"
 #include "resilin/simulation/energy_guard.hpp"
 #include "resilin/simulation/force_balance.hpp"
 #include "resilin/simulation/initial_acceleration.hpp"
@@ -49,14 +48,20 @@ void TimeStepper::prepare(const World& world, State& state) const {
     state.accelerations = accelerations_at(world, state, prescribed.accelerations);
 }
 
+History TimeStepper::start_of_step(const World& world, const State& state, double time_step) const {
+  History start = history_of(state);
+  if (is_event(world, state.time)) start.now.accelerations = accelerations_from(world, state, time_step);
+  return start;
+}
+
 TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, const State& state,
                                           double time_step, const Integrator& integrator,
                                           const NewtonObserver& observer) const {
   Attempt attempt;
   StepReport& report = attempt.report;
-  History start = history_of(state);
-  if (integrator.needs_accelerations() && is_event(world, state.time))
-    start.now.accelerations = accelerations_from(world, state, time_step);
+  attempt.scheme = &integrator;
+  const History start =
+      integrator.needs_accelerations() ? start_of_step(world, state, time_step) : history_of(state);
   History seen = start;  // without the impulses of contact in the stages
   std::vector<Motion> solutions;
   double colliders_reached = state.time - state.collider_delay;
@@ -88,6 +93,7 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
       const bool is_cut_short = search.status == NewtonReport::Status::max_iterations &&
                                 world.newton.max_iterations < NewtonOptions{}.max_iterations;
       report.has_solution &= is_cut_short;
+      attempt.is_usable &= is_cut_short;
     }
     potential.gradient(x, attempt.gradient);
     // Energies are compared where the run ends: they cost as much as a step of Newton's method.
@@ -100,8 +106,10 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
         !imbalance.empty()) {
       report.status = StepReport::Status::not_converged;
       report.reason = imbalance;
+      attempt.is_usable = false;
     }
     if (conditions.collider_delay > 0) {
+      attempt.is_usable &= !search.converged();  // else a shorter step may have let it pass
       report.status = StepReport::Status::not_converged;
       report.reason = "bodies are in the way of a moving collider, which is " +
                       format_short(conditions.collider_delay) + " s behind its motion" +
@@ -128,6 +136,7 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
       }
     }
     solutions.push_back(std::move(found));
+    attempt.last_stage = std::move(stage);
   }
   attempt.end = integrator.finish(start, std::move(solutions), time_step);
   prescribe_motion_at(world, state.time + time_step, attempt.end);
@@ -136,8 +145,7 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
 
 TimeStepper::Attempt TimeStepper::safe_attempt(const World& world, Newton& newton, const State& state,
                                                double time_step, const NewtonObserver& observer) const {
-  const BackwardEuler backward_euler;
-  const bool is_safest = integrator_->name() == backward_euler.name();
+  const bool is_safest = integrator_->name() == safest_.name();
   Attempt found = attempt(world, newton, state, time_step, *integrator_, observer);
   if (found.is_interrupted()) return found;
   // Cut short before contact is found, other schemes turn velocities around far from any collider.
@@ -147,13 +155,14 @@ TimeStepper::Attempt TimeStepper::safe_attempt(const World& world, Newton& newto
   const Conditions end{.time = state.time + time_step, .load = 1, .collider_delay = found.collider_delay};
   const bool leaves_domain =
       !Potential(world, end, static_stage(state.positions)).is_in_domain(found.end.positions);
-  Attempt other = attempt(world, newton, state, time_step, backward_euler, observer);
+  Attempt other = attempt(world, newton, state, time_step, safest_, observer);
   std::swap(found.report.newton, other.report.newton);
   add_to(other.report.newton, found.report.newton);
   if (other.is_interrupted()) return other;
   other.keeps_energy(world, state, time_step, round_off, true);
   other.report.by_backward_euler = true;
   if (leaves_domain) {
+    other.is_usable = false;
     other.report.status = StepReport::Status::not_converged;
     other.report.reason = "the step would have inverted an element, so that backward_euler took it" +
                           (other.report.reason.empty() ? "" : "; " + other.report.reason);

@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "resilin/integrator/integrator.hpp"
+#include "resilin/integrator/backward_euler.hpp"
 #include "resilin/simulation/step.hpp"
 #include "resilin/world/state.hpp"
 
@@ -37,10 +37,15 @@ class TimeStepper {
   /// Tries steps until the estimate of the error is below the tolerance.
   StepReport adaptive_step(const World& world, const AdaptiveSteps& options, Newton& newton, State& state,
                            VectorX& gradient, const NewtonObserver& observer) const;
-  /// About how far the step misplaces a vertex [m].
-  double step_error(const World& world, const State& state, const Attempt& found, double time_step) const;
+  /// About how far the step, the latest that `newton` was asked for, misplaces a vertex [m].
+  double step_error(const World& world, Newton& newton, const State& state, const Attempt& found,
+                    double time_step) const;
+  /// What a step starts from; where loads or prescribed motions begin or end, with the accelerations of what
+  /// follows.
+  History start_of_step(const World& world, const State& state, double time_step) const;
 
   std::unique_ptr<Integrator> integrator_;
+  BackwardEuler safest_;
   double strain_stiffness_;  ///< [J]
 };
 
