@@ -9,6 +9,7 @@
 #include "resilin/live/live_scene.hpp"
 #include "resilin/live/obstacle.hpp"
 #include "resilin/simulation/potential.hpp"
+#include "resilin/simulation/stage_solver.hpp"
 
 /// What a live scene holds. For the sources of this module alone.
 namespace resilin {
@@ -40,7 +41,7 @@ struct LiveScene::Contents {
   /// What loads and supports take for the time: that of a static scene ends with its path.
   double scene_time(double time) const { return std::min(time, path_time); }
   void step(const StepBudget& budget);
-  NewtonReport minimize(Potential& potential, const VectorX& guess, const VectorX& targets, double tolerance,
+  NewtonReport minimize(Potential& potential, const Flight& guess, const VectorX& targets, double tolerance,
                         const StepBudget& budget, VectorX& x);
   Terms with_hand(Terms all) const;
   void move_in_parts(const StepBudget& budget);

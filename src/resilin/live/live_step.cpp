@@ -51,13 +51,14 @@ Terms LiveScene::Contents::with_hand(Terms all) const {
 
 /// Newton's method from the better of where things are and where they would fly, until the tolerance or the
 /// end of the time.
-NewtonReport LiveScene::Contents::minimize(Potential& potential, const VectorX& guess, const VectorX& targets,
+NewtonReport LiveScene::Contents::minimize(Potential& potential, const Flight& guess, const VectorX& targets,
                                            double tolerance, const StepBudget& budget, VectorX& x) {
   NewtonSettings settings = newton_settings(world);
   settings.tolerance = tolerance;
   settings.max_iterations = controls.newton_limit > 0 ? controls.newton_limit : world.newton.max_iterations;
   return solve_stage(potential, is_fixed, targets, guess, settings,
-                     {.seconds = budget.seconds, .iterations = settings.max_iterations}, newton, x);
+                     {.seconds = budget.seconds, .iterations = settings.max_iterations}, newton, x)
+      .newton;
 }
 
 /// A step in time; several where supports turn far in it.
@@ -85,7 +86,7 @@ void LiveScene::Contents::move_in_time(double dt, const StepBudget& budget) {
   Potential potential(all, is_fixed, conditions, stage);
   VectorX x = state.positions;
   NewtonReport newton_report =
-      minimize(potential, flight_guess(world, is_fixed, potential, stage, controls.gravity, x), targets,
+      minimize(potential, flight(world, is_fixed, potential, stage, controls.gravity, x), targets,
                controls.tolerance, budget, x);
   if (!held && !is_driven && report.min_volume_ratio > 0 && stay_upright(potential, x))
     newton_report.status = NewtonReport::Status::stalled;
@@ -154,7 +155,7 @@ void LiveScene::Contents::move_to_equilibrium(const StepBudget& budget) {
   const Terms all = with_hand(terms_at_rest);
   Potential potential(all, is_fixed, conditions, stage);
   VectorX x = state.positions;
-  NewtonReport newton_report = minimize(potential, x, targets, 0.1 * rest_tolerance, budget, x);
+  NewtonReport newton_report = minimize(potential, {.places = x}, targets, 0.1 * rest_tolerance, budget, x);
   const Potential at_rest(all, is_fixed, conditions, static_stage(state.positions));
   VectorX gradient;
   at_rest.gradient(x, gradient);

@@ -120,7 +120,8 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
     if (length < 0.99 / world.load_steps && 0.5 * length >= smallest_load_increment)
       settings.max_iterations = std::min(settings.max_iterations, most_iterations_of_a_shortened_step);
     const NewtonReport search =
-        solve_stage(potential, world.is_fixed, targets, x, settings, {}, newton, x, observer);
+        solve_stage(potential, world.is_fixed, targets, {.places = x}, settings, {}, newton, x, observer)
+            .newton;
     add_to(report.newton, search);
     if (search.status == NewtonReport::Status::interrupted) {
       report.status = StepReport::Status::interrupted;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include "resilin/optimize/convergence.hpp"
+#include "resilin/simulation/rigid_fit.hpp"
 #include "resilin/simulation/step.hpp"
 
 namespace resilin {
@@ -31,48 +33,73 @@ class Clock {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-}  // namespace
-
-VectorX flight_guess(const World& world, std::span<const std::uint8_t> is_fixed, const Potential& potential,
-                     const Stage& stage, const Vector3& gravity, const VectorX& x) {
-  VectorX guess = stage.target();
-  const Eigen::Index dim = world.dimension;
-  const VectorX g = gravity.head(dim);
-  if (g.isZero(0)) return guess;
-  const VectorX pull =
-      potential.gradient_of(EnergyCategory::external, x) + potential.gradient_of(EnergyCategory::contact, x);
-  const auto is_held = [&](Index node) {
-    return world.mass->nodal[node] > 0 &&
-           std::ranges::any_of(
-               is_fixed.subspan(static_cast<std::size_t>(node * dim), static_cast<std::size_t>(dim)),
-               [](std::uint8_t fixed) { return fixed != 0; });
-  };
-  for (const Body& body : world.bodies) {
-    VectorX force = VectorX::Zero(dim);
-    bool flies = true;
-    for (Index node = body.first_node; node < body.first_node + body.num_nodes && flies; ++node) {
-      force -= pull.segment(node * dim, dim);
-      flies = !is_held(node);
-    }
-    if (!flies || !(force.dot(g) > 0.5 * body.mass * g.squaredNorm())) continue;
-    guess.segment(body.first_node * dim, body.num_nodes * dim) +=
-        stage.scale() * g.replicate(body.num_nodes, 1);
+/// Makes x the bodies in a shape that they may have, moved as rigid ones to where they fly, if that lowers
+/// the potential. @return whether it did
+bool fit_to_flight(Potential& potential, std::span<const std::uint8_t> is_fixed, const Flight& flight,
+                   const VectorX& shape, VectorX& x) {
+  if (flight.world == nullptr) return false;
+  const VectorX held = x;
+  VectorX fitted = rigidly_fitted(*flight.world, is_fixed, shape, flight.places, x);
+  if (fitted == x) return false;  // no body is free
+  if (choose_lower_start(potential, is_fixed, held, fitted, x)) return true;
+  // What one body touches is no reason against the flight of others.
+  if (flight.world->bodies.size() == 1) return false;
+  const VectorX touched = potential.gradient_of(EnergyCategory::contact, x).cwiseAbs() +
+                          potential.gradient_of(EnergyCategory::contact, fitted).cwiseAbs();
+  for (const Body& body : flight.world->bodies) {
+    const Eigen::Index dim = flight.world->dimension;
+    const Eigen::Index first = body.first_node * dim, count = body.num_nodes * dim;
+    if (!touched.segment(first, count).isZero(0)) fitted.segment(first, count) = x.segment(first, count);
   }
-  return guess;
+  return choose_lower_start(potential, is_fixed, held, fitted, x);
 }
 
-NewtonReport solve_stage(Potential& potential, std::span<const std::uint8_t> is_fixed, const VectorX& targets,
-                         const VectorX& guess, const NewtonSettings& settings, const StageBudget& budget,
-                         Newton& newton, VectorX& x, const NewtonObserver& observer) {
+/// The residual of a search at another place than where it ended.
+void measure_again(const Potential& potential, std::span<const std::uint8_t> is_fixed, const Newton& newton,
+                   const VectorX& x, NewtonReport& report) {
+  VectorX gradient;
+  potential.gradient(x, gradient);
+  Convergence balance(potential, is_fixed, newton.parts(), /*tolerance=*/0);
+  balance.measure(x, gradient);
+  report.residual = balance.residual();
+  report.force_scale = balance.force_scale();
+  report.worst_unknown = balance.worst_unknown();
+}
+
+}  // namespace
+
+Flight flight(const World& world, std::span<const std::uint8_t> is_fixed, const Potential& potential,
+              const Stage& stage, const Vector3& gravity, const VectorX& x) {
+  Flight flight{.places = stage.target(), .world = &world};
+  const Eigen::Index dim = world.dimension;
+  const VectorX g = gravity.head(dim);
+  if (g.isZero(0)) return flight;
+  const VectorX pull =
+      potential.gradient_of(EnergyCategory::external, x) + potential.gradient_of(EnergyCategory::contact, x);
+  for (const Body& body : world.bodies) {
+    VectorX force = VectorX::Zero(dim);
+    for (Index node = body.first_node; node < body.first_node + body.num_nodes; ++node)
+      force -= pull.segment(node * dim, dim);
+    if (!is_free(world, body, is_fixed) || !(force.dot(g) > 0.5 * body.mass * g.squaredNorm())) continue;
+    flight.places.segment(body.first_node * dim, body.num_nodes * dim) +=
+        stage.scale() * g.replicate(body.num_nodes, 1);
+  }
+  return flight;
+}
+
+StageReport solve_stage(Potential& potential, std::span<const std::uint8_t> is_fixed, const VectorX& targets,
+                        const Flight& flight, const NewtonSettings& settings, const StageBudget& budget,
+                        Newton& newton, VectorX& x, const NewtonObserver& observer) {
   const Clock clock(budget, observer);
   const VectorX held = x;
-  NewtonReport total;
+  StageReport report;
+  NewtonReport& total = report.newton;
   for (int advance = 0;; ++advance) {
     Conditions conditions = potential.conditions();
     conditions.collider_delay = potential.least_delay(x);
     potential.set_conditions(conditions);
     const bool is_last = conditions.collider_delay == 0 || advance == most_advances;
-    if (advance == 0) choose_lower_start(potential, is_fixed, held, guess, x);
+    if (advance == 0) report.flew = choose_lower_start(potential, is_fixed, held, flight.places, x);
     NewtonSettings allowed = settings;
     if (!is_last) allowed.max_iterations = std::min(allowed.max_iterations, iterations_to_give_way);
     add_to(total, newton.minimize(potential, is_fixed, targets, allowed, x, clock.observer()));
@@ -81,7 +108,12 @@ NewtonReport solve_stage(Potential& potential, std::span<const std::uint8_t> is_
         total.relative_residual() <= settings.tolerance)
       total.status = NewtonReport::Status::converged;
     const bool is_over = clock.is_over() || total.iterations >= budget.iterations;
-    if (is_last || is_over || total.status == NewtonReport::Status::interrupted) return total;
+    if (!is_last && !is_over && total.status != NewtonReport::Status::interrupted) continue;
+    if (total.converged()) return report;
+    bool is_moved = fit_to_flight(potential, is_fixed, flight, x, x);
+    is_moved |= fit_to_flight(potential, is_fixed, flight, held, x);
+    if (is_moved) measure_again(potential, is_fixed, newton, x, total);
+    return report;
   }
 }
 

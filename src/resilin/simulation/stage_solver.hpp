@@ -14,26 +14,38 @@ struct StageBudget {
   int iterations = std::numeric_limits<int>::max();  ///< the same for this number of them
 };
 
+/// Where a stage would end if nothing held the bodies back.
+struct Flight {
+  VectorX places;                ///< [m]
+  const World* world = nullptr;  ///< whose bodies fly; null in statics, where none does
+};
+
 /// Where the stage would end without forces; bodies that fly, held by no support and about as heavy as their
 /// weight when they stand at x, are where gravity takes them: M a = M g, whatever the mass matrix.
 /// @param gravity  that of a term of the potential [m/s^2]
-VectorX flight_guess(const World& world, std::span<const std::uint8_t> is_fixed, const Potential& potential,
-                     const Stage& stage, const Vector3& gravity, const VectorX& x);
+Flight flight(const World& world, std::span<const std::uint8_t> is_fixed, const Potential& potential,
+              const Stage& stage, const Vector3& gravity, const VectorX& x);
+
+struct StageReport {
+  NewtonReport newton;  ///< counts of all searches
+  bool flew = false;    ///< the search began at the flight
+};
 
 /// Newton's method on one stage of a step, for runs and for scenes that are played with.
 ///
-/// Starts from x or from `guess`, whichever has the lower energy. Where bodies are in the way of what moves
-/// by itself (colliders), this goes as far as it can without touching them, a few iterations let the bodies
-/// give way, and so on: `potential.conditions().collider_delay` is how far it is behind at first, and becomes
-/// how far it still is.
+/// Starts from the flight or from x, whichever has the lower energy. Free bodies of a search that ends early
+/// are moved as rigid ones to where they fly, as found or in their shape at x, where that lowers the energy:
+/// so they keep their momenta, however little of their deformation was found. Where bodies are in the way of
+/// what moves by itself (colliders), this goes as far as it can without touching them, a few iterations let
+/// the bodies give way, and so on: `potential.conditions().collider_delay` is how far it is behind at first,
+/// and becomes how far it still is.
 ///
 /// @param targets  places of the fixed unknowns
 /// @param x        the start, and what is found
-/// @return         counts of all searches. A search that the budget ended is `interrupted`, as is one that
-/// the
-///                 observer ended, unless its last iteration solved the stage
-NewtonReport solve_stage(Potential& potential, std::span<const std::uint8_t> is_fixed, const VectorX& targets,
-                         const VectorX& guess, const NewtonSettings& settings, const StageBudget& budget,
-                         Newton& newton, VectorX& x, const NewtonObserver& observer = {});
+/// @return         a search that the budget ended is `interrupted`, as is one that the observer ended, unless
+///                 its last iteration solved the stage
+StageReport solve_stage(Potential& potential, std::span<const std::uint8_t> is_fixed, const VectorX& targets,
+                        const Flight& flight, const NewtonSettings& settings, const StageBudget& budget,
+                        Newton& newton, VectorX& x, const NewtonObserver& observer = {});
 
 }  // namespace resilin

@@ -39,7 +39,7 @@ NewtonSettings newton_settings(const World& world) {
   return settings;
 }
 
-void choose_lower_start(Objective& objective, std::span<const std::uint8_t> is_fixed, const VectorX& held,
+bool choose_lower_start(Objective& objective, std::span<const std::uint8_t> is_fixed, const VectorX& held,
                         VectorX candidate, VectorX& x) {
   for (Eigen::Index k = 0; k < x.size(); ++k) {
     if (is_fixed[static_cast<std::size_t>(k)] != 0) candidate[k] = held[k];
@@ -47,7 +47,9 @@ void choose_lower_start(Objective& objective, std::span<const std::uint8_t> is_f
   const VectorX way = candidate - x;
   objective.prepare(x, way);
   const double difference = objective.difference(x, candidate);
-  if (std::isfinite(difference) && difference < 0 && objective.max_step(x, way) == 1) x = candidate;
+  if (!std::isfinite(difference) || !(difference < 0) || objective.max_step(x, way) != 1) return false;
+  x = candidate;
+  return true;
 }
 
 }  // namespace resilin

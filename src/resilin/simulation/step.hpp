@@ -40,7 +40,8 @@ NewtonSettings newton_settings(const World& world);
 
 /// Makes x the one of two starts with the lower objective, so that a step cut short never has pumped energy
 /// in. At fixed unknowns the candidate takes the values of `held`.
-void choose_lower_start(Objective& objective, std::span<const std::uint8_t> is_fixed, const VectorX& held,
+/// @return whether it is the candidate
+bool choose_lower_start(Objective& objective, std::span<const std::uint8_t> is_fixed, const VectorX& held,
                         VectorX candidate, VectorX& x);
 
 /// Why a search ended: with the place of the largest residual, where the material of that body suffers most,

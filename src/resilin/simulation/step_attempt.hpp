@@ -16,6 +16,9 @@ struct TimeStepper::Attempt {
   VectorX gradient{};
   double collider_delay = 0;  ///< [s]
   Stage last_stage{};
+  /// Not found on a way that began in flight: near contact, other schemes than backward Euler then turn
+  /// velocities around far from any collider.
+  bool may_be_turned = false;
   bool touches = false;             ///< contact acts, or would if the step had been found
   VectorX contact_accelerations{};  ///< at the end, where they are wanted; empty: none [m/s^2]
   VectorX jump{};                   ///< of the velocities by contact in the last stage, the same

@@ -77,9 +77,10 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
     conditions.collider_delay = end - colliders_reached;
     Potential potential(world, conditions, stage);
     VectorX x = before;
-    const VectorX guess = flight_guess(world, world.is_fixed, potential, stage, world.gravity, x);
-    const NewtonReport search = solve_stage(potential, world.is_fixed, prescribed.positions, guess,
-                                            newton_settings(world), {}, newton, x, observer);
+    const Flight flying = flight(world, world.is_fixed, potential, stage, world.gravity, x);
+    const StageReport searched = solve_stage(potential, world.is_fixed, prescribed.positions, flying,
+                                             newton_settings(world), {}, newton, x, observer);
+    const NewtonReport& search = searched.newton;
     conditions = potential.conditions();
     add_to(report.newton, search);
     if (search.status == NewtonReport::Status::interrupted) {
@@ -89,7 +90,8 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
     if (!search.converged()) {
       report.status = StepReport::Status::not_converged;
       report.reason = describe_failure(world, search, x);
-      attempt.touches |= !(potential.energy(EnergyCategory::contact, guess) == 0);
+      attempt.touches |= !(potential.energy(EnergyCategory::contact, flying.places) == 0);
+      attempt.may_be_turned |= !searched.flew;
       const bool is_cut_short = search.status == NewtonReport::Status::max_iterations &&
                                 world.newton.max_iterations < NewtonOptions{}.max_iterations;
       report.has_solution &= is_cut_short;
@@ -107,9 +109,11 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
       report.status = StepReport::Status::not_converged;
       report.reason = imbalance;
       attempt.is_usable = false;
+      attempt.may_be_turned = true;
     }
     if (conditions.collider_delay > 0) {
-      attempt.is_usable &= !search.converged();  // else a shorter step may have let it pass
+      attempt.is_usable &= !search.converged();  // else a shorter step may let it pass
+      attempt.may_be_turned |= search.converged();
       report.status = StepReport::Status::not_converged;
       report.reason = "bodies are in the way of a moving collider, which is " +
                       format_short(conditions.collider_delay) + " s behind its motion" +
@@ -148,8 +152,7 @@ TimeStepper::Attempt TimeStepper::safe_attempt(const World& world, Newton& newto
   const bool is_safest = integrator_->name() == safest_.name();
   Attempt found = attempt(world, newton, state, time_step, *integrator_, observer);
   if (found.is_interrupted()) return found;
-  // Cut short before contact is found, other schemes turn velocities around far from any collider.
-  const bool is_lost = !found.converged() && found.touches && !is_safest;
+  const bool is_lost = found.touches && found.may_be_turned && !is_safest;
   const double round_off = round_off_energy(world, strain_stiffness_, state.positions, time_step);
   if (!is_lost && found.keeps_energy(world, state, time_step, round_off, is_safest)) return found;
   const Conditions end{.time = state.time + time_step, .load = 1, .collider_delay = found.collider_delay};
