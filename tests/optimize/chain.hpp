@@ -73,7 +73,7 @@ class Chain final : public Objective {
   VectorX force_scales(const VectorX&, const VectorX& g, const Parts& parts) const override {
     return VectorX::Constant(parts.count(), std::max(force_.norm(), g.head<2>().norm()));
   }
-  VectorX distinct_acting_scales(const VectorX&, const Parts& parts) const override {
+  VectorX distinct_acting_scales(const VectorX&, const VectorX&, const Parts& parts) const override {
     return VectorX::Constant(parts.count(), force_.norm());
   }
 

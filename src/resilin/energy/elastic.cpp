@@ -163,6 +163,22 @@ double ElasticEnergy::difference(const VectorX& from, const VectorX& to, const C
                     tiles_.blocks.local_displacements(from).data());
 }
 
+double ElasticEnergy::magnitude(const VectorX& x, const Conditions&) const {
+  const std::vector<double> u = tiles_.blocks.local_displacements(x);
+  return parallel_sum<LaneSum>(all_blocks_.size(), blocks_per_chunk,
+                               [&](std::size_t begin, std::size_t end) {
+                                 LaneSum sum;
+                                 ElasticTiles::Scratch scratch(tiles_);
+                                 for_tiles(tiles_, all_blocks_.data() + begin, end - begin,
+                                           [&](const ElasticTiles::Tile& tile) {
+                                             tiles_.magnitudes(tile, u.data(), scratch, scratch.energy);
+                                             tiles_.add_energies(tile, scratch.energy, nullptr, sum.lanes);
+                                           });
+                                 return sum;
+                               })
+      .total();
+}
+
 std::shared_ptr<const std::vector<OwnerPart>> ElasticEnergy::parts() const {
   if (parts_->size() == static_cast<std::size_t>(num_threads())) return parts_;
   return std::make_shared<std::vector<OwnerPart>>(split_by_owner(tiles_.blocks, num_threads()));

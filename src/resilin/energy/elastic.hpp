@@ -55,6 +55,7 @@ class ElasticEnergy final : public Energy {
   }
   double value(const VectorX& x, const Conditions& c) const override;
   double difference(const VectorX& from, const VectorX& to, const Conditions& c) const override;
+  double magnitude(const VectorX& x, const Conditions& c) const override;
   void add_gradient(const VectorX& x, const Conditions& c, VectorX& gradient) const override;
   void add_gradient_magnitude(const VectorX& x, const Conditions& c, VectorX& magnitude) const override;
   void add_pattern(BlockPatternBuilder& builder) const override;

@@ -1,5 +1,6 @@
 #include "resilin/energy/elastic_tiles.hpp"
 
+#include <cmath>
 #include <memory>
 
 #include "resilin/core/simd.hpp"
@@ -177,6 +178,38 @@ void ElasticTiles::energies(const Tile& tile, const double* u, Scratch& scratch,
   call_volume(tile, scratch);
   take_row(scratch.mean_volume, tile.num_blocks, 0, scratch.mean);
   replace_volume(tile, 0, 1, 0, scratch.mean, scratch, psi);
+}
+
+void ElasticTiles::magnitudes(const Tile& tile, const double* u, Scratch& scratch, double* psi) const {
+  energies(tile, u, scratch, psi);
+  call_law(law_kernels_->gradient, tile, scratch.variables, true, scratch, scratch.law);
+  const int rows = num_slopes(law->kind);
+  if (has_mean_volume_) {
+    take_row(scratch.mean_volume, tile.num_blocks, 1, scratch.mean);
+    replace_volume(tile, volume_slope_row, rows, 1, scratch.mean, scratch, scratch.law);
+  }
+  const auto entry_size = static_cast<std::size_t>(blocks.dim * blocks.dim);
+  for (std::size_t i = 0; i < num_entries(tile) * block_size; ++i) {
+    const std::size_t entry = i / block_size, lane = i % block_size;
+    double square = 0;
+    for (std::size_t k = 0; k < entry_size; ++k) {
+      const double h = scratch.H[(entry * entry_size + k) * block_size + lane];
+      square += h * h;
+    }
+    const double first = std::sqrt(square);
+    // j, stretches: polynomials of H from the first degree on; d1, eps:eps: of the second, d2: to the fourth.
+    const double of_j = first + square + square * first;
+    psi[i] = std::abs(psi[i]);
+    for (int row = 0; row < rows; ++row) {
+      const bool has_invariants = law->kind == LawKind::invariants || law->kind == LawKind::fibres;
+      const double size = !has_invariants || row >= 2 ? of_j : row == 0 ? square : square * (1 + square);
+      psi[i] +=
+          std::abs(scratch.law[(entry * static_cast<std::size_t>(rows) + static_cast<std::size_t>(row)) *
+                                   block_size +
+                               lane]) *
+          size;
+    }
+  }
 }
 
 void ElasticTiles::add_energies(const Tile& tile, const double* psi, const double* psi_from,

@@ -45,6 +45,10 @@ class ElasticTiles {
 
   /// Psi by entry; with a mean volume its share of the cell's energy.
   void energies(const Tile& tile, const double* u, Scratch& scratch, double* psi) const;
+  /// What rounding of Psi is a part of, by entry: |Psi|, and what the law's variables are summed of times the
+  /// slopes of Psi by them. A body that has turned has invariants near zero which are sums of numbers that
+  /// are not.
+  void magnitudes(const Tile& tile, const double* u, Scratch& scratch, double* psi) const;
   void add_energies(const Tile& tile, const double* psi, const double* psi_from, EnergySum& sum) const;
   void add_forces(const Tile& tile, const double* u, bool is_magnitude, const OwnedNodes& owned,
                   Scratch& scratch, double* forces) const;

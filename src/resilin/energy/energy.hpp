@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -72,6 +73,9 @@ class Energy {
   /// E(to) - E(from) [J] as the sum of the differences of its parts, so that it keeps its digits when the two
   /// are close. +infinity when `to` is outside the domain.
   virtual double difference(const VectorX& from, const VectorX& to, const Conditions& c) const = 0;
+
+  /// The sum of the |parts| that `value` is made of [J]: the scale of its round-off.
+  virtual double magnitude(const VectorX& x, const Conditions& c) const { return std::abs(value(x, c)); }
 
   /// Adds dE/dx [N] to `gradient`.
   virtual void add_gradient(const VectorX& x, const Conditions& c, VectorX& gradient) const = 0;

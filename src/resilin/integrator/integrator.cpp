@@ -45,26 +45,28 @@ Stage Integrator::begin_stage(int stage, const History& start, const std::vector
   const StepCoefficients scheme = coefficients(step_ratio(start, time_step));
   const auto number = static_cast<std::size_t>(stage);
   const StageCoefficients& weights = scheme.stages[number];
-  Stage begun{.base_positions = weights.start.value * start.now.positions,
-              .base_velocities = weights.start.value * start.now.velocities,
+  Stage begun{.base_positions = start.now.positions,
+              .base_velocities = start.now.velocities,
               .duration = weights.duration * time_step,
               .time_fraction = weights.time_fraction,
               .is_mean = scheme.end_start == -1 && scheme.end_stage == 2};
-  const auto add = [&](const MotionWeight& weight, const Motion& motion) {
-    if (weight.slope == 0) return;
-    begun.base_positions += weight.slope * time_step * motion.velocities;
-    begun.base_velocities += weight.slope * time_step * motion.accelerations;
+  // The values sum to one. Summed as differences from the start they leave a body at rest where it is, with
+  // all its digits.
+  const auto add_value = [&](double value, const VectorX& positions, const VectorX& velocities) {
+    begun.base_positions += value * (positions - start.now.positions);
+    begun.base_velocities += value * (velocities - start.now.velocities);
   };
-  add(weights.start, start.now);
+  const auto add_slope = [&](double slope, const Motion& motion) {
+    if (slope == 0) return;
+    begun.base_positions += slope * time_step * motion.velocities;
+    begun.base_velocities += slope * time_step * motion.accelerations;
+  };
+  add_slope(weights.start.slope, start.now);
   for (std::size_t k = 0; k < weights.stages.size(); ++k) {
-    begun.base_positions += weights.stages[k].value * solutions[k].positions;
-    begun.base_velocities += weights.stages[k].value * solutions[k].velocities;
-    add(weights.stages[k], solutions[k]);
+    add_value(weights.stages[k].value, solutions[k].positions, solutions[k].velocities);
+    add_slope(weights.stages[k].slope, solutions[k]);
   }
-  if (weights.previous != 0) {
-    begun.base_positions += weights.previous * start.previous_positions;
-    begun.base_velocities += weights.previous * start.previous_velocities;
-  }
+  if (weights.previous != 0) add_value(weights.previous, start.previous_positions, start.previous_velocities);
   const double begin = stage == 0 ? 0 : scheme.stages[number - 1].time_fraction;
   const double end = begun.is_mean ? 1 : weights.time_fraction;
   const double slope = begun.end_slope();

@@ -29,7 +29,7 @@ struct MotionWeight {
 ///   x_0 = sum_k value_k x_k + dt slope_k v_k,   v_0 = sum_k value_k v_k + dt slope_k a_k
 ///
 /// over the motion one step before (whose slope never counts), the motion at the start and those that the
-/// stages before it have found.
+/// stages before it have found. The values sum to one.
 struct StageCoefficients {
   double duration = 1;       ///< c / dt
   double time_fraction = 1;  ///< where in the step its unknown is

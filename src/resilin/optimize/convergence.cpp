@@ -94,7 +94,7 @@ Convergence::Verdict Convergence::verdict(const VectorX& diagonal, bool look_clo
   const VectorX beyond_rounding = parts_->norms(excess, is_fixed_, Unknowns::free);
   for (const Index part : doubtful)
     if (!(beyond_rounding[part] <= tolerance_ * scales_[part])) return Verdict::no;
-  const VectorX acting = objective_->distinct_acting_scales(*x_, *parts_);
+  const VectorX acting = objective_->distinct_acting_scales(*x_, roundings, *parts_);
   const VectorX reactions = parts_->norms(*gradient_, is_fixed_, Unknowns::fixed);
   for (const Index part : doubtful) {
     const double felt = std::max(acting[part], reactions[part] > roundings[part] ? reactions[part] : 0.0);

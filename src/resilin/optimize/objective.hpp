@@ -44,7 +44,9 @@ class Objective {
   virtual VectorX force_scales(const VectorX& x, const VectorX& gradient, const Parts& parts) const = 0;
   /// The same of what acts from outside, momentum over a step among it, without reactions and without forces
   /// that are nothing but the rounding of numbers that cancel.
-  virtual VectorX distinct_acting_scales(const VectorX& x, const Parts& parts) const = 0;
+  /// @param roundings  of the gradient in each part [N]: what rounding may have set in motion is no larger
+  virtual VectorX distinct_acting_scales(const VectorX& x, const VectorX& roundings,
+                                         const Parts& parts) const = 0;
 };
 
 }  // namespace resilin

@@ -150,7 +150,7 @@ std::vector<std::string> describe_lost_digits(const World& world, const State& s
   VectorX gradient;
   potential.gradient(x, gradient);
   const Parts parts(*world.pattern);
-  const VectorX acting = potential.distinct_acting_scales(x, parts);
+  const VectorX acting = potential.distinct_acting_scales(x, VectorX::Zero(parts.count()), parts);
   const double notable = std::max(notable_balance_error, 10 * world.newton.tolerance);
   std::vector<std::string> texts;
   const std::vector<ForceBalance> forces = measure_balance(world, potential, x, gradient);

@@ -48,7 +48,7 @@ double Potential::difference(const VectorX& from, const VectorX& to) const {
 
 double Potential::magnitude(const VectorX& x) const {
   double sum = 0;
-  for (const Energy* term : terms_) sum += std::abs(term->value(x, conditions_));
+  for (const Energy* term : terms_) sum += term->magnitude(x, conditions_);
   return sum;
 }
 
@@ -146,7 +146,8 @@ VectorX Potential::force_scales(const VectorX& x, const VectorX& gradient, const
   return scales;
 }
 
-VectorX Potential::distinct_acting_scales(const VectorX& x, const Parts& parts) const {
+VectorX Potential::distinct_acting_scales(const VectorX& x, const VectorX& roundings,
+                                          const Parts& parts) const {
   VectorX scales = VectorX::Zero(parts.count());
   VectorX force, magnitude, at_base;
   for (const Energy* term : terms_) {
@@ -156,13 +157,15 @@ VectorX Potential::distinct_acting_scales(const VectorX& x, const Parts& parts) 
     magnitude.setZero(x.size());
     term->add_gradient(x, conditions_, force);
     term->add_gradient_magnitude(x, conditions_, magnitude);
-    const VectorX rounding = forces_round_off * parts.norms(magnitude, is_fixed_, Unknowns::all);
+    VectorX rounding = forces_round_off * parts.norms(magnitude, is_fixed_, Unknowns::all);
     VectorX sizes = parts.norms(force, is_fixed_, Unknowns::all);
     // What moves evenly has no inertial force, but momentum; over the step that is a force, too.
     if (category == EnergyCategory::inertia) {
       at_base.setZero(x.size());
       term->add_gradient(base_positions_, conditions_, at_base);
       sizes = sizes.cwiseMax(parts.norms(force - at_base, is_fixed_, Unknowns::all));
+      // Accelerations and velocities are what all forces left, their rounding included.
+      rounding = rounding.cwiseMax(roundings);
     }
     for (Index part = 0; part < parts.count(); ++part)
       if (sizes[part] > rounding[part]) scales[part] = std::max(scales[part], sizes[part]);

@@ -40,7 +40,8 @@ class Potential final : public Objective {
 
   /// The largest of: each term but the elastic ones, the reactions; each as the norm over a part [N].
   VectorX force_scales(const VectorX& x, const VectorX& gradient, const Parts& parts) const override;
-  VectorX distinct_acting_scales(const VectorX& x, const Parts& parts) const override;
+  VectorX distinct_acting_scales(const VectorX& x, const VectorX& roundings,
+                                 const Parts& parts) const override;
 
   // ---- parts of the sum
   double energy(EnergyCategory category, const VectorX& x) const;  ///< [J]
