@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 namespace resilin {
 namespace {
@@ -45,6 +46,24 @@ TEST(Parts, HaveNormsOfTheirOwn) {
   EXPECT_EQ(parts.norms(values, is_fixed, Unknowns::free), VectorX(Eigen::Vector2d(5, 7)));
   EXPECT_EQ(parts.norms(values, is_fixed, Unknowns::fixed), VectorX(Eigen::Vector2d(12, 5)));
   EXPECT_EQ(parts.largest(values), VectorX(Eigen::Vector2d(12, 7)));
+}
+
+TEST(Parts, HaveNormsWhereSquaresVanishOrOverflow) {
+  const Parts parts(*two_pieces());
+  const std::vector<std::uint8_t> is_fixed(6, 0);
+  for (const double tiny : {1e-3, 1e-120, 1e-170, 1e-300, 1e-318}) {
+    VectorX values(6);
+    values << 3 * tiny, 4 * tiny, 0, 0, 3 / tiny, 4 / tiny;
+    if (!std::isfinite(1 / tiny)) values.tail(2) << 3e300, 4e300;
+    const VectorX norms = parts.norms(values, is_fixed, Unknowns::all);
+    EXPECT_NEAR(norms[0] / tiny, 5, tiny < 1e-307 ? 1e-3 : 1e-14) << tiny;
+    EXPECT_NEAR(norms[1] / (values[4] / 3), 5, 1e-14) << tiny;
+  }
+  VectorX values = VectorX::Ones(6);
+  values[4] = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(std::isfinite(parts.norms(values, is_fixed, Unknowns::all)[1]));
+  values[0] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(std::isfinite(parts.norms(values, is_fixed, Unknowns::all)[0]));
 }
 
 TEST(Parts, OfASystemMayBeMeasuredInUnitsOfTheirOwn) {

@@ -22,8 +22,9 @@ struct LawInfo {
   std::string_view title;  ///< the name as it is printed
   std::string_view formula;
   std::string_view source;
-  std::string_view inversion;  ///< what happens at J <= 0, in words
-  bool needs_positive_J;       ///< Psi = +infinity at J <= 0
+  std::string_view inversion;      ///< what happens at J <= 0, in words
+  std::string_view end_of_domain;  ///< where the energy is infinite besides; empty for laws without a limit
+  bool needs_positive_J;           ///< Psi = +infinity at J <= 0
   bool uses_second_invariant;
   bool is_quadratic;           ///< in the displacement gradient
   bool has_volume_energy;      ///< its volume energy stands apart: elements with a mean volume take it

@@ -49,6 +49,14 @@ constexpr double only_poissons_ratio() {
     return std::numeric_limits<double>::quiet_NaN();
 }
 
+template <class Law>
+constexpr std::string_view end_of_domain() {
+  if constexpr (requires { Law::end_of_domain; })
+    return Law::end_of_domain;
+  else
+    return {};
+}
+
 template <template <class> class Law>
 LawInfo info(int index) {
   using Plain = Law<double>;
@@ -59,6 +67,7 @@ LawInfo info(int index) {
           .formula = Plain::formula,
           .source = Plain::source,
           .inversion = Plain::inversion,
+          .end_of_domain = end_of_domain<Plain>(),
           .needs_positive_J = Plain::needs_positive_J,
           .uses_second_invariant = Plain::uses_second_invariant,
           .is_quadratic = Plain::kind == LawKind::small_strain,

@@ -80,7 +80,9 @@ std::string section(const LawInfo& law) {
         {"\nNeeds ", families(law.max_fibres),
          " of `fibres`, unit vectors of the rest shape. (E, nu) are those of the ground substance, without "
          "fibres.\n"});
-  append(text, {"\nSource: ", law.source, ".  \nJ <= 0: ", law.inversion, ".\n\n"});
+  append(text, {"\nSource: ", law.source, ".  \nJ <= 0: ", law.inversion});
+  if (!law.end_of_domain.empty()) append(text, {", and where ", law.end_of_domain});
+  append(text, {".\n\n"});
   return text;
 }
 

@@ -32,13 +32,13 @@ class Sets {
 
 constexpr std::size_t nodes_per_chunk = 4096;
 
-double norm_of(const VectorX& values, std::span<const std::uint8_t> is_fixed, Unknowns which) {
-  if (which == Unknowns::all) return values.norm();
-  const bool wanted = which == Unknowns::fixed;
-  double sum = 0;
-  for (Eigen::Index i = 0; i < values.size(); ++i)
-    if ((is_fixed[static_cast<std::size_t>(i)] != 0) == wanted) sum += values[i] * values[i];
-  return std::sqrt(sum);
+/// A power of two times which numbers have squares that neither vanish nor overflow; 1 where they have
+/// anyway.
+double unit_for_squares(double largest) {
+  constexpr double tiny = 1e-100, huge = 1e100;
+  constexpr int most = 1000;  // the smallest double is 2^-1074
+  if (!(largest > 0) || (largest > tiny && largest < huge) || !std::isfinite(largest)) return 1;
+  return std::ldexp(1.0, std::clamp(-std::ilogb(largest), -most, most));
 }
 
 }  // namespace
@@ -82,23 +82,30 @@ Parts Parts::joined_by(const BlockMatrix& hessian) const {
 }
 
 VectorX Parts::norms(const VectorX& values, std::span<const std::uint8_t> is_fixed, Unknowns which) const {
-  if (count_ == 1) return VectorX::Constant(1, norm_of(values, is_fixed, which));
+  const VectorX units = largest(values).unaryExpr(&unit_for_squares);
   VectorX sums = VectorX::Zero(count_);
-  const Eigen::Index dim = values.size() / static_cast<Eigen::Index>(part_of_.size());
-  for (Eigen::Index i = 0; i < values.size(); ++i) {
-    const bool fixed = is_fixed[static_cast<std::size_t>(i)] != 0;
-    if (which != Unknowns::all && fixed != (which == Unknowns::fixed)) continue;
-    sums[part_of_[static_cast<std::size_t>(i / dim)]] += values[i] * values[i];
+  const auto num_nodes = static_cast<Eigen::Index>(part_of_.size());
+  const Eigen::Index dim = values.size() / num_nodes;
+  for (Eigen::Index node = 0; node < num_nodes; ++node) {
+    const Index part = part_of_[static_cast<std::size_t>(node)];
+    for (Eigen::Index i = node * dim; i < (node + 1) * dim; ++i) {
+      const bool fixed = is_fixed[static_cast<std::size_t>(i)] != 0;
+      if (which != Unknowns::all && fixed != (which == Unknowns::fixed)) continue;
+      const double value = units[part] * values[i];
+      sums[part] += value * value;
+    }
   }
-  return sums.cwiseSqrt();
+  return sums.cwiseSqrt().cwiseQuotient(units);
 }
 
 VectorX Parts::largest(const VectorX& values) const {
   VectorX largest = VectorX::Zero(count_);
-  const Eigen::Index dim = values.size() / static_cast<Eigen::Index>(part_of_.size());
-  for (Eigen::Index i = 0; i < values.size(); ++i) {
-    double& so_far = largest[part_of_[static_cast<std::size_t>(i / dim)]];
-    so_far = std::max(so_far, std::abs(values[i]));
+  const auto num_nodes = static_cast<Eigen::Index>(part_of_.size());
+  const Eigen::Index dim = values.size() / num_nodes;
+  for (Eigen::Index node = 0; node < num_nodes; ++node) {
+    double& so_far = largest[part_of_[static_cast<std::size_t>(node)]];
+    for (Eigen::Index i = node * dim; i < (node + 1) * dim; ++i)
+      so_far = std::max(so_far, std::abs(values[i]));
   }
   return largest;
 }

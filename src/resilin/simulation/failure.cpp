@@ -6,6 +6,7 @@
 #include <span>
 
 #include "resilin/core/text.hpp"
+#include "resilin/material/law.hpp"
 #include "resilin/simulation/step.hpp"
 
 namespace resilin {
@@ -52,10 +53,17 @@ std::string strain_text(const World& world, const Body& body, const VectorX& pos
   if (!(most.stretch <= far_stretched))
     text +=
         "; it is stretched " + format_short(most.stretch) + " times in " + cell_text(world, body, most.cell);
-  return text;
+  return text + describe_limit(body);
 }
 
 }  // namespace
+
+std::string describe_limit(const Body& body) {
+  const LawInfo* law = find_law(body.law);
+  if (law == nullptr || law->end_of_domain.empty()) return {};
+  return "; " + body.law + " ends where " + std::string(law->end_of_domain) +
+         ": less load, or other constants, keep it inside";
+}
 
 std::string describe_failure(const World& world, const NewtonReport& report, const VectorX& positions) {
   std::string text = report.reason;

@@ -6,6 +6,7 @@
 
 #include "resilin/core/text.hpp"
 #include "resilin/mesh/facet.hpp"
+#include "resilin/simulation/step.hpp"
 
 namespace resilin {
 namespace {
@@ -18,6 +19,9 @@ constexpr double least_way = 1e-6;
 /// Where the energy ends so near by, parts are halved so often at most; shorter ones have no digits.
 constexpr int most_halvings = 14;
 
+/// Of the largest gap that is accepted: from there on differences of energies are taken more closely.
+constexpr double precision_of_doubt = 0.1;
+
 /// Of the parts that a force is the sum of, what rounding may leave of it.
 constexpr double digits = 10 * std::numeric_limits<double>::epsilon();
 
@@ -27,31 +31,58 @@ std::string gap_text(const Body& body, const ForceBalance& balance) {
          " N, and " + format_short(balance.gap()) + " N are missing";
 }
 
-/// How the strain energy changes from x to both sides of it, by a part of a displacement.
-struct Changes {
-  double part, after, before;
-};
-
-Changes changes_of_energy(const World& world, const Body& body, const Conditions& conditions,
-                          const VectorX& x, const VectorX& displacement) {
-  const double largest = displacement
-                             .segment(Eigen::Index{body.first_node} * world.dimension,
-                                      Eigen::Index{body.num_nodes} * world.dimension)
-                             .cwiseAbs()
-                             .maxCoeff();
-  Changes changes{.part = part_of_displacement, .after = 0, .before = 0};
-  const double way = least_way * largest_extent(body, world.rest_positions, world.dimension);
-  if (way * std::numeric_limits<double>::epsilon() > largest) return changes;  // moves nothing
-  changes.part = std::max(changes.part, way / largest);
-  for (int halvings = 0;; ++halvings) {
-    const VectorX step = changes.part * displacement;
-    changes.after = body.elastic->difference(x, x + step, conditions);
-    changes.before = body.elastic->difference(x, x - step, conditions);
-    const bool is_inside = std::isfinite(changes.after) && std::isfinite(changes.before);
-    if (is_inside || halvings == most_halvings) return changes;
-    changes.part *= 0.5;
+/// How the strain energy of a body changes from x to both sides of it, by parts of a displacement.
+class EnergyRate {
+ public:
+  EnergyRate(const World& world, const Body& body, const Conditions& conditions, const VectorX& x,
+             const VectorX& displacement)
+      : body_(body), conditions_(conditions), x_(x), displacement_(displacement) {
+    const double largest = displacement
+                               .segment(Eigen::Index{body.first_node} * world.dimension,
+                                        Eigen::Index{body.num_nodes} * world.dimension)
+                               .cwiseAbs()
+                               .maxCoeff();
+    const double way = least_way * largest_extent(body, world.rest_positions, world.dimension);
+    if (way * std::numeric_limits<double>::epsilon() > largest) return;  // moves nothing
+    smallest_part_ = way / largest;
+    part_ = std::max(part_of_displacement, smallest_part_);
+    measure();
+    for (int halvings = 0; !is_inside() && halvings < most_halvings; ++halvings) halve();
   }
-}
+
+  /// For the whole displacement at the rate at x [J].
+  double rate() const { return (after_ - before_) / (2 * part_); }
+  /// The larger of both changes, for the whole displacement [J].
+  double scale() const { return std::max(std::abs(after_), std::abs(before_)) / (2 * part_); }
+
+  /// Where the energy bends sharply, as near the limit of a law, differences see its rate from nearer by.
+  /// @param precision  of the rate [J]
+  void look_closer(double precision) {
+    for (double last = std::numeric_limits<double>::infinity();
+         !(std::abs(rate() - last) <= precision) && 0.5 * part_ >= smallest_part_;) {
+      last = rate();
+      halve();
+    }
+  }
+
+ private:
+  bool is_inside() const { return std::isfinite(after_) && std::isfinite(before_); }
+  void halve() {
+    part_ *= 0.5;
+    measure();
+  }
+  void measure() {
+    const VectorX step = part_ * displacement_;
+    after_ = body_.elastic->difference(x_, x_ + step, conditions_);
+    before_ = body_.elastic->difference(x_, x_ - step, conditions_);
+  }
+
+  const Body& body_;
+  const Conditions& conditions_;
+  const VectorX& x_;
+  const VectorX& displacement_;
+  double part_ = part_of_displacement, smallest_part_ = part_of_displacement, after_ = 0, before_ = 0;
+};
 
 }  // namespace
 
@@ -95,9 +126,9 @@ std::vector<WorkBalance> measure_work(const World& world, const Potential& poten
   std::vector<WorkBalance> balances;
   for (const Body& body : world.bodies) {
     WorkBalance balance;
-    const Changes changes = changes_of_energy(world, body, potential.conditions(), x, displacement);
-    balance.strain_energy = (changes.after - changes.before) / (2 * changes.part);
-    balance.scale = std::max(std::abs(changes.after), std::abs(changes.before)) / (2 * changes.part);
+    EnergyRate energy(world, body, potential.conditions(), x, displacement);
+    balance.strain_energy = energy.rate();
+    balance.scale = energy.scale();
     const Eigen::Index first = Eigen::Index{body.first_node} * world.dimension;
     const Eigen::Index count = Eigen::Index{body.num_nodes} * world.dimension;
     double held = 0;
@@ -112,6 +143,11 @@ std::vector<WorkBalance> measure_work(const World& world, const Potential& poten
       const auto works = forces.segment(first, count).cwiseProduct(displacement.segment(first, count));
       balance.work -= works.sum();
       balance.scale = std::max(balance.scale, works.cwiseAbs().sum());
+    }
+    const double precision = precision_of_doubt * largest_balance_error * balance.scale;
+    if (!(balance.gap() <= precision)) {
+      energy.look_closer(precision);
+      balance.strain_energy = energy.rate();
     }
     balances.push_back(balance);
   }
@@ -139,7 +175,8 @@ std::string describe_imbalance(const World& world, const Potential& potential, c
     if (!is_missing(balance.gap(), balance.scale, left)) continue;
     return "the strain energy of \"" + world.bodies[b].name + "\" would change by " +
            format_short(balance.strain_energy) + " J where the forces on it do " +
-           format_short(balance.work) + " J of work: " + format_short(balance.gap()) + " J are missing";
+           format_short(balance.work) + " J of work: " + format_short(balance.gap()) + " J are missing" +
+           describe_limit(world.bodies[b]);
   }
   return {};
 }

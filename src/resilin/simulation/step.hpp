@@ -48,6 +48,9 @@ bool choose_lower_start(Objective& objective, std::span<const std::uint8_t> is_f
 /// and cells of other bodies that are all but flat. Places are those of the rest shapes.
 std::string describe_failure(const World& world, const NewtonReport& report, const VectorX& positions);
 
+/// "; gent ends where ...", for a body of a law whose energy ends at a stretch; else empty.
+std::string describe_limit(const Body& body);
+
 /// Steps of a run that did not converge and were gone on from, those before a restart included.
 struct FailedSteps {
   int count = 0;

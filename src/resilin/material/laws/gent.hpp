@@ -18,8 +18,8 @@ struct Gent {
   static constexpr std::string_view title = "Gent";
   static constexpr std::string_view formula = "-mu/2 J_m ln(1 - (J^(-2/3) I_C - 3)/J_m) + kappa/2 (J - 1)^2";
   static constexpr std::string_view source = "Gent 1996, eq. 2";
-  static constexpr std::string_view inversion =
-      "energy is infinite at J <= 0, and where J^(-2/3) I_C - 3 reaches J_m";
+  static constexpr std::string_view inversion = "energy is infinite at J <= 0";
+  static constexpr std::string_view end_of_domain = "J^(-2/3) I_C - 3 reaches J_m";
   static constexpr bool needs_positive_J = true;
   static constexpr bool uses_second_invariant = false;
   static constexpr std::array constants = {
