@@ -1,0 +1,144 @@
+#pragma once
+
+// The points of two parts of surfaces that are nearest to each other, without branches, for a double or for
+// lanes. Corner cases are exact: a vertex that has no share in its closest point has weight zero.
+//
+// Source: Ericson 2005, "Real-Time Collision Detection", 5.1 (regions of points, edges and triangles). The
+// parameters inside two edges or a triangle follow from triple products with the normal N of both, whose
+// round-off grows as 1 / sin(angle) and not, as that of the normal equations does, with its square.
+
+#include "resilin/collision/pair_kind.hpp"
+#include "resilin/collision/triple.hpp"
+
+namespace resilin {
+
+template <class Real>
+struct ClosestPoints {
+  /// Of the vertices of the pair: from 0 to 1 and adding up to 1 for the first part, from -1 to 0 and adding
+  /// up to -1 for the second.
+  Real weights[most_pair_vertices];
+  Triple<Real> gap;       ///< sum_i weights_i x_i: from the second closest point to the first
+  Real squared_distance;  ///< |gap|^2
+};
+
+/// The nearer of two; the first where they are equally far.
+template <class Real>
+RESILIN_INLINE ClosestPoints<Real> select_nearer(const ClosestPoints<Real>& a, const ClosestPoints<Real>& b) {
+  const auto is_nearer = b.squared_distance < a.squared_distance;
+  ClosestPoints<Real> nearer;
+  for (int i = 0; i < most_pair_vertices; ++i)
+    nearer.weights[i] = select(is_nearer, b.weights[i], a.weights[i]);
+  nearer.gap = select(is_nearer, b.gap, a.gap);
+  nearer.squared_distance = select(is_nearer, b.squared_distance, a.squared_distance);
+  return nearer;
+}
+
+/// s in [0, 1] of the point a + s e nearest to one that is `from_a` away from a; 0 for an edge of no length.
+template <class Real>
+RESILIN_INLINE Real edge_parameter(const Triple<Real>& from_a, const Triple<Real>& e) {
+  const Real along = dot(from_a, e), squared_length = dot(e, e);
+  const Real s = select(along < squared_length, along / squared_length, Real(1.0));
+  return select(along > Real(0.0), s, Real(0.0));
+}
+
+template <class Real>
+RESILIN_INLINE ClosestPoints<Real> closest_point_point(const Triple<Real>& p, const Triple<Real>& q) {
+  const Triple<Real> gap = p - q;
+  return {{Real(1.0), Real(-1.0), Real(0.0), Real(0.0)}, gap, dot(gap, gap)};
+}
+
+/// Of the point p and the edge from a to b.
+template <class Real>
+RESILIN_INLINE ClosestPoints<Real> closest_point_edge(const Triple<Real>& p, const Triple<Real>& a,
+                                                      const Triple<Real>& b) {
+  const Triple<Real> from_a = p - a, from_b = p - b;
+  const Real s = edge_parameter(from_a, b - a), rest = 1.0 - s;
+  const Triple<Real> gap = rest * from_a + s * from_b;
+  return {{Real(1.0), -rest, -s, Real(0.0)}, gap, dot(gap, gap)};
+}
+
+/// The same with its weights at the places of the vertices in a larger pair.
+template <class Real>
+RESILIN_INLINE ClosestPoints<Real> closest_point_edge_at(const Triple<Real> x[], int p, int a, int b,
+                                                         double sign) {
+  const ClosestPoints<Real> edge = closest_point_edge(x[p], x[a], x[b]);
+  ClosestPoints<Real> placed;
+  for (Real& weight : placed.weights) weight = 0.0;
+  placed.weights[p] = sign * edge.weights[0];
+  placed.weights[a] = sign * edge.weights[1];
+  placed.weights[b] = sign * edge.weights[2];
+  placed.gap = Real(sign) * edge.gap;
+  placed.squared_distance = edge.squared_distance;
+  return placed;
+}
+
+/// Of the point x[0] and the triangle x[1], x[2], x[3]: the plane's own foot where it lies inside and is
+/// nearer than the three edges, which also decide for a triangle without area.
+template <class Real>
+RESILIN_INLINE ClosestPoints<Real> closest_point_triangle(const Triple<Real> x[]) {
+  ClosestPoints<Real> nearest = select_nearer(
+      select_nearer(closest_point_edge_at(x, 0, 1, 2, 1.0), closest_point_edge_at(x, 0, 2, 3, 1.0)),
+      closest_point_edge_at(x, 0, 3, 1, 1.0));
+  const Triple<Real> from[3] = {x[0] - x[1], x[0] - x[2], x[0] - x[3]};
+  const Triple<Real> e1 = x[2] - x[1], e2 = x[3] - x[1], N = cross(e1, e2);
+  const Real inverse = 1.0 / dot(N, N);
+  Real u = dot(cross(from[0], e2), N) * inverse, v = dot(cross(e1, from[0]), N) * inverse;
+  // Once more from the gap itself, which is short where digits count: round-off then grows with the distance.
+  Triple<Real> gap = (1.0 - u - v) * from[0] + u * from[1] + v * from[2];
+  u += dot(cross(gap, e2), N) * inverse;
+  v += dot(cross(e1, gap), N) * inverse;
+  const Real w = 1.0 - u - v;
+  gap = w * from[0] + u * from[1] + v * from[2];
+  const Real squared_distance = dot(gap, gap);
+  const auto is_inside =
+      (u > Real(0.0)) & (v > Real(0.0)) & (w > Real(0.0)) & (squared_distance < nearest.squared_distance);
+  const Real weights[4] = {Real(1.0), -w, -u, -v};
+  for (int i = 0; i < 4; ++i) nearest.weights[i] = select(is_inside, weights[i], nearest.weights[i]);
+  nearest.gap = select(is_inside, gap, nearest.gap);
+  nearest.squared_distance = select(is_inside, squared_distance, nearest.squared_distance);
+  return nearest;
+}
+
+/// Of the edges x[0] x[1] and x[2] x[3]: inside both where that is nearer than any end to the other edge,
+/// which also decides for parallel edges and edges of no length.
+template <class Real>
+RESILIN_INLINE ClosestPoints<Real> closest_edge_edge(const Triple<Real> x[]) {
+  ClosestPoints<Real> nearest = select_nearer(
+      select_nearer(closest_point_edge_at(x, 0, 2, 3, 1.0), closest_point_edge_at(x, 1, 2, 3, 1.0)),
+      select_nearer(closest_point_edge_at(x, 2, 0, 1, -1.0), closest_point_edge_at(x, 3, 0, 1, -1.0)));
+  const Triple<Real> a = x[1] - x[0], b = x[3] - x[2], N = cross(a, b);
+  const Triple<Real> from[2][2] = {{x[0] - x[2], x[0] - x[3]}, {x[1] - x[2], x[1] - x[3]}};
+  const Real inverse = 1.0 / dot(N, N);
+  const auto gap_at = [&](const Real& s, const Real& t) {
+    return (1.0 - s) * ((1.0 - t) * from[0][0] + t * from[0][1]) +
+           s * ((1.0 - t) * from[1][0] + t * from[1][1]);
+  };
+  Real s = -(dot(cross(from[0][0], b), N) * inverse), t = -(dot(cross(from[0][0], a), N) * inverse);
+  Triple<Real> gap = gap_at(s, t);
+  s -= dot(cross(gap, b), N) * inverse;  // as for the triangle
+  t -= dot(cross(gap, a), N) * inverse;
+  gap = gap_at(s, t);
+  const Real squared_distance = dot(gap, gap);
+  const auto is_inside = (s > Real(0.0)) & (s < Real(1.0)) & (t > Real(0.0)) & (t < Real(1.0)) &
+                         (squared_distance < nearest.squared_distance);
+  const Real weights[4] = {1.0 - s, s, t - 1.0, -t};
+  for (int i = 0; i < 4; ++i) nearest.weights[i] = select(is_inside, weights[i], nearest.weights[i]);
+  nearest.gap = select(is_inside, gap, nearest.gap);
+  nearest.squared_distance = select(is_inside, squared_distance, nearest.squared_distance);
+  return nearest;
+}
+
+/// Of a pair of any kind, its vertices in their order.
+template <PairKind kind, class Real>
+RESILIN_INLINE ClosestPoints<Real> closest_points(const Triple<Real> x[]) {
+  if constexpr (kind == PairKind::point_point)
+    return closest_point_point(x[0], x[1]);
+  else if constexpr (kind == PairKind::point_edge)
+    return closest_point_edge(x[0], x[1], x[2]);
+  else if constexpr (kind == PairKind::point_triangle)
+    return closest_point_triangle(x);
+  else
+    return closest_edge_edge(x);
+}
+
+}  // namespace resilin

@@ -1,0 +1,30 @@
+#pragma once
+
+namespace resilin {
+
+/// Two simple convex parts of surfaces that may come near each other.
+enum class PairKind { point_point, point_edge, point_triangle, edge_edge };
+
+/// How many vertices the first part has; they come first wherever those of a pair are listed.
+constexpr int num_first(PairKind kind) { return kind == PairKind::edge_edge ? 2 : 1; }
+
+/// How many vertices the second part has.
+constexpr int num_second(PairKind kind) {
+  switch (kind) {
+    case PairKind::point_point:
+      return 1;
+    case PairKind::point_triangle:
+      return 3;
+    case PairKind::point_edge:
+    case PairKind::edge_edge:
+      break;
+  }
+  return 2;
+}
+
+constexpr int num_vertices(PairKind kind) { return num_first(kind) + num_second(kind); }
+
+/// No pair has more vertices.
+constexpr int most_pair_vertices = 4;
+
+}  // namespace resilin
