@@ -1,0 +1,11 @@
+#include "resilin/core/kernel_dispatch.hpp"
+
+#include "resilin/collision/kernels/pair_kernels.hpp"
+
+namespace resilin {
+
+const PairKernels& pair_kernels(PairKind kind, InstructionSet set) {
+  return *CompiledSets::kernels(set, [kind]<InstructionSet s>() { return &compiled_pair_kernels<s>(kind); });
+}
+
+}  // namespace resilin
