@@ -1,5 +1,6 @@
 #include "benchmarks.hpp"
 
+#include "collision.hpp"
 #include "damping.hpp"
 #include "kernel_benchmark.hpp"
 #include "latency.hpp"
@@ -52,6 +53,10 @@ std::vector<Measurement> bench_damping(const BenchOptions& options) {
   return measure_damping(options.n > 0 ? options.n : 10, options.element);
 }
 
+std::vector<Measurement> bench_collision(const BenchOptions& options) {
+  return measure_collision(options.n > 0 ? options.n : 41);
+}
+
 std::vector<Measurement> bench_seed001(const BenchOptions&) { return measure_seed001(); }
 
 std::vector<Measurement> bench_view(const BenchOptions&) { return measure_view(); }
@@ -89,6 +94,8 @@ const std::vector<Benchmark>& benchmarks() {
       {"damping",
        "What material damping costs: that cube with and without it, --n cells along an edge, --element",
        bench_damping},
+      {"collision", "Two surfaces of 12 n^2 triangles near each other: search, times of collision, barrier",
+       bench_collision},
       {"seed001", "627 tetrahedra dragged and let go, every step converged; needs RESILIN_SHARED",
        bench_seed001},
       {"view", "Dragging in real time: time of a step, and its distance to the solved step", bench_view},
