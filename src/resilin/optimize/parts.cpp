@@ -81,21 +81,31 @@ Parts Parts::joined_by(const BlockMatrix& hessian) const {
   return joined;
 }
 
-VectorX Parts::norms(const VectorX& values, std::span<const std::uint8_t> is_fixed, Unknowns which) const {
-  const VectorX units = largest(values).unaryExpr(&unit_for_squares);
+VectorX Parts::squares(const VectorX& values, const VectorX& units, std::span<const std::uint8_t> is_fixed,
+                       Unknowns which) const {
   VectorX sums = VectorX::Zero(count_);
-  const auto num_nodes = static_cast<Eigen::Index>(part_of_.size());
-  const Eigen::Index dim = values.size() / num_nodes;
-  for (Eigen::Index node = 0; node < num_nodes; ++node) {
-    const Index part = part_of_[static_cast<std::size_t>(node)];
-    for (Eigen::Index i = node * dim; i < (node + 1) * dim; ++i) {
-      const bool fixed = is_fixed[static_cast<std::size_t>(i)] != 0;
-      if (which != Unknowns::all && fixed != (which == Unknowns::fixed)) continue;
-      const double value = units[part] * values[i];
-      sums[part] += value * value;
+  const std::size_t dim = static_cast<std::size_t>(values.size()) / part_of_.size();
+  const std::uint8_t* fixed = is_fixed.data();
+  const double* value = values.data();
+  for (const Index part : part_of_) {
+    double sum = 0;  // by node: the additions of a part wait for each other
+    for (std::size_t k = 0; k < dim; ++k, ++value) {
+      const double counted = units[part] * *value;
+      if (which == Unknowns::all || (*fixed++ != 0) == (which == Unknowns::fixed)) sum += counted * counted;
     }
+    sums[part] += sum;
   }
-  return sums.cwiseSqrt().cwiseQuotient(units);
+  return sums;
+}
+
+VectorX Parts::norms(const VectorX& values, std::span<const std::uint8_t> is_fixed, Unknowns which) const {
+  constexpr double tiny = 1e-200, huge = 1e200;
+  const VectorX ones = VectorX::Ones(count_);
+  const VectorX sums = squares(values, ones, is_fixed, which);
+  if (std::ranges::all_of(sums, [](double sum) { return sum > tiny && sum < huge; })) return sums.cwiseSqrt();
+  const VectorX units = largest(values).unaryExpr(&unit_for_squares);
+  if (units == ones) return sums.cwiseSqrt();
+  return squares(values, units, is_fixed, which).cwiseSqrt().cwiseQuotient(units);
 }
 
 VectorX Parts::largest(const VectorX& values) const {

@@ -33,6 +33,10 @@ class Parts {
   VectorX largest(const VectorX& values) const;
 
  private:
+  /// The sum of the squares of `values` times the unit of each part.
+  VectorX squares(const VectorX& values, const VectorX& units, std::span<const std::uint8_t> is_fixed,
+                  Unknowns which) const;
+
   std::vector<Index> part_of_;
   Index count_ = 1;
 };
