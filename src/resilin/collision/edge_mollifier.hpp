@@ -17,8 +17,10 @@ struct EdgeMollifier {
   double threshold;  ///< eps [m^4]
 
   static EdgeMollifier of_rest_edges(const Vector3& A, const Vector3& B) {
-    return {1e-3 * A.squaredNorm() * B.squaredNorm()};
+    return of_rest_lengths(A.norm() * B.norm());
   }
+  /// @param product  of both lengths at rest [m^2]
+  static EdgeMollifier of_rest_lengths(double product) { return {1e-3 * product * product}; }
 
   bool fades(double c) const { return c < threshold; }
   double value(double c) const { return fades(c) ? (2 - c / threshold) * (c / threshold) : 1; }

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "resilin/collision/surface.hpp"
+#include "resilin/mesh/mesh.hpp"
+
+namespace resilin {
+
+/// A body's part in contact.
+struct ContactBody {
+  CellBlock facets;      ///< of its surface, by the nodes of the world: seen from outside anticlockwise
+  double stiffness = 0;  ///< kappa of its layer [Pa]
+};
+
+/// The surfaces of bodies as they touch each other: flat parts, whose vertices follow from the nodes by a
+/// fixed linear map, and what they lend to the pairs that they make.
+///
+/// Lines and triangles are parts themselves; those of second order are cut at their nodes, quadrilaterals
+/// into four triangles around their middle.
+struct ContactSurface {
+  CollisionSurface parts;
+  std::vector<std::size_t> row_begin{0};  ///< of each vertex, in `nodes` and `shares`, and the end
+  std::vector<Index> nodes;
+  std::vector<double> shares;         ///< x_v = sum_k shares_k x_(nodes_k)
+  std::vector<double> point_areas;    ///< shares of the rest area [m^2], in 2D of the length [m]
+  std::vector<double> edge_areas;     ///< in 3D likewise: a third of each triangle beside the edge
+  std::vector<double> edge_lengths;   ///< at rest [m]
+  std::vector<Index> triangle_edges;  ///< in 3D three for each triangle
+  std::vector<int> edge_counts;   ///< times that an edge's distance is to be counted besides its triangles'
+  std::vector<int> point_counts;  ///< that of a vertex, besides its edges' and triangles'
+  std::vector<double> stiffness;  ///< kappa of each body [Pa]
+
+  /// Where the vertices are, dim numbers each [m].
+  VectorX places(const VectorX& x) const;
+  /// Adds what acts on the vertices to what acts on the nodes.
+  void add_to_nodes(const VectorX& of_vertices, VectorX& of_nodes) const;
+  /// Calls `visit(a, b, share_a share_b)` for the nodes that two vertices follow.
+  template <class Visit>
+  void for_each_pair_of_nodes(Index v, Index w, const Visit& visit) const {
+    const auto row = [this](Index vertex) { return row_begin[static_cast<std::size_t>(vertex)]; };
+    for (std::size_t k = row(v); k < row(v + 1); ++k)
+      for (std::size_t l = row(w); l < row(w + 1); ++l) visit(nodes[k], nodes[l], shares[k] * shares[l]);
+  }
+};
+
+/// @param rest_positions  of all nodes [m]
+ContactSurface make_contact_surface(int dim, std::span<const ContactBody> bodies,
+                                    const VectorX& rest_positions);
+
+}  // namespace resilin

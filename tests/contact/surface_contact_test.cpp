@@ -1,0 +1,227 @@
+#include "resilin/contact/surface_contact.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <random>
+
+#include "resilin/mesh/generators.hpp"
+#include "resilin/mesh/topology.hpp"
+
+namespace resilin {
+namespace {
+
+constexpr double activation_distance = 0.02;
+
+/// Bodies of one mesh or another as contact sees them.
+struct Surfaces {
+  int dim;
+  std::vector<ContactBody> bodies;
+  VectorX positions;
+  std::vector<Index> first_nodes;
+
+  void add(const Mesh& mesh, double stiffness, const std::function<Vector3(const Vector3&)>& place) {
+    const auto first = static_cast<Index>(positions.size() / dim);
+    first_nodes.push_back(first);
+    CellBlock facets = boundary(*mesh.find_solid(dim)).facets;
+    for (Index& node : facets.nodes) node += first;
+    bodies.push_back({std::move(facets), stiffness});
+    const Eigen::Index old_size = positions.size();
+    positions.conservativeResize(old_size + static_cast<Eigen::Index>(mesh.vertices.size()) * dim);
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+      positions.segment(old_size + static_cast<Eigen::Index>(i) * dim, dim) =
+          place(mesh.vertices[i]).head(dim);
+  }
+  SurfaceContact contact(bool with_themselves = false) const {
+    return {"contact", make_contact_surface(dim, bodies, positions),
+            BodyMeetings(static_cast<Index>(bodies.size()), with_themselves), activation_distance, positions};
+  }
+};
+
+/// A box on a box, turned and shifted upon each other at random, with noise, nearer than the activation
+/// distance.
+Surfaces boxes(int dim, int seed) {
+  std::mt19937 generator(static_cast<unsigned>(seed));
+  std::uniform_real_distribution<double> unit(-1, 1);
+  Surfaces surfaces{.dim = dim, .bodies = {}, .positions = {}, .first_nodes = {}};
+  const int up = dim - 1;
+  const auto noise = [&] {
+    return Vector3(0.002 * unit(generator), 0.002 * unit(generator), 0.002 * unit(generator));
+  };
+  const Eigen::AngleAxisd turn(dim == 3 ? 0.5 * unit(generator) : 0, Vector3::UnitZ());
+  const Vector3 shift = 0.2 * Vector3(unit(generator), dim == 3 ? unit(generator) : 0, 0);
+  const double clearance = activation_distance * (0.5 + 0.2 * unit(generator));
+  const auto mesh = [&](int n) {
+    return dim == 3 ? make_box({1, 1, 0.5}, {n, n, 1}) : make_rectangle({1, 0.5}, {n, 1});
+  };
+  surfaces.add(mesh(3), 1e4, [&](const Vector3& X) { return Vector3(X + noise()); });
+  surfaces.add(mesh(2), 3e5, [&](const Vector3& X) {
+    return Vector3(turn * X + shift + (0.5 + clearance) * Vector3::Unit(up) + noise());
+  });
+  return surfaces;
+}
+
+/// The same as one body that meets itself.
+Surfaces one_body(Surfaces surfaces) {
+  CellBlock& facets = surfaces.bodies[0].facets;
+  const CellBlock& others = surfaces.bodies[1].facets;
+  facets.nodes.insert(facets.nodes.end(), others.nodes.begin(), others.nodes.end());
+  surfaces.bodies.resize(1);
+  return surfaces;
+}
+
+struct Case {
+  std::string name;
+  Surfaces surfaces;
+  bool with_itself;
+};
+
+Case case_of(int seed) {
+  const Surfaces two = boxes(2 + seed % 2, seed);
+  if (seed % 3 == 2) return {"a body that meets itself", one_body(two), true};
+  return {"two bodies", two, false};
+}
+
+VectorX random_vector(Eigen::Index size, std::mt19937& generator) {
+  std::normal_distribution<double> normal;
+  return VectorX::NullaryExpr(size, [&] { return normal(generator); });
+}
+
+VectorX gradient_of(const SurfaceContact& contact, const VectorX& x) {
+  VectorX gradient = VectorX::Zero(x.size());
+  contact.add_gradient(x, {}, gradient);
+  return gradient;
+}
+
+struct SurfaceContactCases : ::testing::TestWithParam<int> {
+  Case which = case_of(GetParam());
+  const VectorX& x = which.surfaces.positions;
+  SurfaceContact contact = which.surfaces.contact(which.with_itself);
+  std::mt19937 generator{static_cast<unsigned>(GetParam() + 1000)};
+};
+INSTANTIATE_TEST_SUITE_P(Seeds, SurfaceContactCases, ::testing::Range(0, 24));
+
+TEST_P(SurfaceContactCases, HasTheGradientOfItsEnergy) {
+  const VectorX gradient = gradient_of(contact, x);
+  ASSERT_GT(gradient.norm(), 0) << which.name;
+  for (int i = 0; i < 5; ++i) {
+    const VectorX way = random_vector(x.size(), generator);
+    const double h = 1e-7;
+    const double rate = contact.difference(x - h * way, x + h * way, {}) / (2 * h);
+    EXPECT_NEAR(rate, gradient.dot(way), 1e-6 * gradient.cwiseAbs().dot(way.cwiseAbs())) << which.name;
+  }
+}
+
+TEST_P(SurfaceContactCases, HasTheHessianOfItsEnergy) {
+  const auto pattern = std::make_shared<const BlockPattern>(
+      BlockPatternBuilder(static_cast<Index>(x.size() / which.surfaces.dim)).build());
+  BlockMatrix hessian(which.surfaces.dim, pattern);
+  contact.add_hessian(x, {}, Projection::none, hessian);
+  for (int i = 0; i < 3; ++i) {
+    const VectorX way = random_vector(x.size(), generator);
+    const double h = 1e-7;
+    const VectorX rate = (gradient_of(contact, x + h * way) - gradient_of(contact, x - h * way)) / (2 * h);
+    VectorX product;
+    multiply(hessian, way, product);
+    EXPECT_LT((rate - product).norm(), 1e-4 * product.norm()) << which.name;
+  }
+}
+
+TEST_P(SurfaceContactCases, ProjectsToAMatrixWithoutNegativeCurvature) {
+  const auto pattern = std::make_shared<const BlockPattern>(
+      BlockPatternBuilder(static_cast<Index>(x.size() / which.surfaces.dim)).build());
+  BlockMatrix hessian(which.surfaces.dim, pattern);
+  contact.add_hessian(x, {}, Projection::clamp, hessian);
+  for (int i = 0; i < 20; ++i) {
+    const VectorX way = random_vector(x.size(), generator);
+    VectorX product;
+    multiply(hessian, way, product);
+    EXPECT_GE(way.dot(product), -1e-10 * way.norm() * product.norm()) << which.name;
+  }
+}
+
+TEST_P(SurfaceContactCases, ActsAndReacts) {
+  const int dim = which.surfaces.dim;
+  const VectorX gradient = gradient_of(contact, x);
+  Vector3 force = Vector3::Zero(), torque = Vector3::Zero();
+  double size = 0;
+  for (Index node = 0; node < x.size() / dim; ++node) {
+    Vector3 f = Vector3::Zero(), place = Vector3::Zero();
+    f.head(dim) = gradient.segment(Eigen::Index{node} * dim, dim);
+    place.head(dim) = x.segment(Eigen::Index{node} * dim, dim);
+    force += f;
+    torque += place.cross(f);
+    size += f.norm();
+  }
+  EXPECT_LT(force.norm(), 1e-12 * size) << which.name;
+  EXPECT_LT(torque.norm(), 1e-11 * size) << which.name;
+}
+
+TEST_P(SurfaceContactCases, DifferencesAreThoseOfTheEnergies) {
+  for (const double h : {1e-3, 1e-5, 1e-8}) {
+    const VectorX to = x + h * random_vector(x.size(), generator);
+    const double before = contact.value(x, {}), after = contact.value(to, {});
+    if (!std::isfinite(after)) continue;
+    EXPECT_NEAR(contact.difference(x, to, {}), after - before, 1e-11 * (before + after)) << which.name << h;
+  }
+}
+
+TEST_P(SurfaceContactCases, StagesSeeTheSame) {
+  const std::unique_ptr<Energy> own = contact.begin_stage(Stage{.base_positions = x});
+  const VectorX p = 0.01 * random_vector(x.size(), generator);
+  own->prepare(x, p, {});
+  EXPECT_EQ(own->max_step(x, p, {}), contact.max_step(x, p, {}));
+  for (const double t : {0.0, 0.3 * own->max_step(x, p, {})}) {
+    const VectorX y = x + t * p;
+    EXPECT_EQ(own->value(y, {}), contact.value(y, {})) << t;
+    EXPECT_EQ(own->difference(x, y, {}), contact.difference(x, y, {})) << t;
+  }
+}
+
+/// Whatever the way, each step leaves a gap, and steps on and on never lead to the other side.
+TEST_P(SurfaceContactCases, StepsLeaveAGap) {
+  VectorX y = x;
+  const VectorX p = 0.3 * random_vector(x.size(), generator);
+  for (int step = 0; step < 10; ++step) {
+    const double before = contact.smallest_gap(y);
+    y += contact.max_step(y, p, {}) * p;
+    const double after = contact.smallest_gap(y);
+    EXPECT_GT(after, 0);
+    EXPECT_TRUE(std::isfinite(contact.value(y, {}))) << before;
+  }
+}
+
+/// Two blocks whose faces do not match press each other with the pressure of two flat faces: each point of a
+/// face counts once for its area, whatever parts of the other it is near to.
+TEST(SurfaceContact, OfFlatFacesIsAPressure) {
+  for (const int dim : {2, 3}) {
+    const double clearance = 0.4 * activation_distance, kappa = 1e5;
+    Surfaces surfaces{.dim = dim, .bodies = {}, .positions = {}, .first_nodes = {}};
+    const auto mesh = [&](int n) {
+      return dim == 3 ? make_box({1, 1, 0.5}, {n, n, 1}) : make_rectangle({1, 0.5}, {n, 1});
+    };
+    surfaces.add(mesh(7), kappa, [](const Vector3& X) { return X; });
+    surfaces.add(mesh(5), kappa,
+                 [&](const Vector3& X) { return Vector3(X + (0.5 + clearance) * Vector3::Unit(dim - 1)); });
+    const SurfaceContact contact = surfaces.contact();
+    const VectorX gradient = gradient_of(contact, surfaces.positions);
+    double force = 0;
+    for (Index node = 0; node < surfaces.first_nodes[1]; ++node)
+      force += gradient[Eigen::Index{node} * dim + dim - 1];
+    double area = 0;
+    const VectorX places = contact.surface().places(surfaces.positions);
+    for (std::size_t v = 0; v < contact.surface().parts.num_vertices(); ++v) {
+      const double height = places[static_cast<Eigen::Index>(v) * dim + dim - 1];
+      if (std::abs(height - 0.5) < 2 * clearance) area += 0.5 * contact.surface().point_areas[v];
+    }
+    const double pressure = -kappa * ClampedLogBarrier{activation_distance}.slope(clearance);
+    // In 3D edges that cross bear a little besides.
+    EXPECT_NEAR(force / (pressure * area), dim == 2 ? 1 : 1.1, dim == 2 ? 1e-9 : 0.1);
+  }
+}
+
+}  // namespace
+}  // namespace resilin
