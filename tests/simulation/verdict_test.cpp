@@ -228,5 +228,35 @@ TEST_P(FibreStrip, EndsInNumbersOrSaysWhereItFails) {
   }
 }
 
+/// Bodies that slide on a floor go a long way across their forces, on which next to no work is done.
+struct SlidingBody : ::testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Seeds, SlidingBody, ::testing::Range(0, 12));
+
+TEST_P(SlidingBody, IsInBalanceStepByStep) {
+  std::mt19937 generator(static_cast<unsigned>(GetParam()));
+  std::uniform_real_distribution<double> unit(-1, 1);
+  Description scene = small_bar(2 + GetParam() % 2, true);
+  const int up = scene.dimension - 1;
+  scene.fixes.clear();
+  scene.probes.clear();
+  scene.integrator = GetParam() % 3 == 0 ? "tr_bdf2" : "backward_euler";
+  BodyDescription& body = scene.bodies[0];
+  body.element = GetParam() % 4 < 2 ? "P1" : "P2";
+  body.material.constants = {{"youngs_modulus", std::pow(10, 5 + unit(generator))}, {"poissons_ratio", 0.3}};
+  body.velocity = 2 * unit(generator) * Vector3::UnitX();
+  ColliderDescription floor;
+  floor.kind = "half_space";
+  floor.shape.point = -0.01 * Vector3::Unit(up);
+  floor.shape.normal = Vector3::Unit(up);
+  scene.colliders.push_back(floor);
+  scene.time_step = std::pow(10, 0.5 * unit(generator));
+  scene.end_time = 40 * scene.time_step;
+  Simulation simulation(scene);
+  while (!simulation.is_finished()) {
+    const StepReport report = simulation.step();
+    ASSERT_EQ(report.status, StepReport::Status::converged) << report.reason;
+  }
+}
+
 }  // namespace
 }  // namespace resilin::testing

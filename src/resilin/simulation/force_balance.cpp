@@ -171,7 +171,13 @@ std::string describe_imbalance(const World& world, const Potential& potential, c
   const std::vector<WorkBalance> works = measure_work(world, potential, x, gradient, displacement);
   for (std::size_t b = 0; b < works.size(); ++b) {
     const WorkBalance& balance = works[b];
-    const double left = std::max(balance.rounding, rounding * displacement.norm());
+    // A body that slides across its forces goes a long way on which they do no work but that of what the
+    // search may leave of them.
+    const Eigen::Index first = Eigen::Index{world.bodies[b].first_node} * world.dimension;
+    const double way =
+        displacement.segment(first, Eigen::Index{world.bodies[b].num_nodes} * world.dimension).norm();
+    const double left = std::max(
+        {balance.rounding, rounding * displacement.norm(), world.newton.tolerance * forces[b].scale * way});
     if (!is_missing(balance.gap(), balance.scale, left)) continue;
     return "the strain energy of \"" + world.bodies[b].name + "\" would change by " +
            format_short(balance.strain_energy) + " J where the forces on it do " +
