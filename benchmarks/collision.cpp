@@ -13,19 +13,19 @@
 namespace resilin::bench {
 namespace {
 
-constexpr int repetitions = 15;
+constexpr int num_timings = 15;
 constexpr PairKind measured_kinds[] = {PairKind::point_triangle, PairKind::edge_edge};
 
 template <class Action>
 double median_of_runs(const Action& action) {
   std::vector<double> times;
-  for (int i = 0; i < repetitions; ++i) {
+  for (int i = 0; i < num_timings; ++i) {
     const double start = wall_seconds();
     action();
     times.push_back(wall_seconds() - start);
   }
-  std::ranges::nth_element(times, times.begin() + repetitions / 2);
-  return times[repetitions / 2];
+  std::ranges::nth_element(times, times.begin() + num_timings / 2);
+  return times[num_timings / 2];
 }
 
 Mesh make_cube_surface(int n) { return extract_surface(make_box({1, 1, 1}, {n, n, n})).mesh; }
