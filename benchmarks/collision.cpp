@@ -16,18 +16,6 @@ namespace {
 constexpr int num_timings = 15;
 constexpr PairKind measured_kinds[] = {PairKind::point_triangle, PairKind::edge_edge};
 
-template <class Action>
-double median_of_runs(const Action& action) {
-  std::vector<double> times;
-  for (int i = 0; i < num_timings; ++i) {
-    const double start = wall_seconds();
-    action();
-    times.push_back(wall_seconds() - start);
-  }
-  std::ranges::nth_element(times, times.begin() + num_timings / 2);
-  return times[num_timings / 2];
-}
-
 Mesh make_cube_surface(int n) { return extract_surface(make_box({1, 1, 1}, {n, n, n})).mesh; }
 
 /// The cube's surface pushed out to a ball of diameter 1, its triangles of nearly one size.
@@ -86,10 +74,10 @@ void measure_barrier(const std::string& name, const SurfaceCandidates& found, co
   for (const PairKind kind : measured_kinds) {
     const auto active = active_pairs(found.list(kind, bodies.surface), points, bodies.activation_distance);
     count += active.size();
-    gradient += median_of_runs([&] {
+    gradient += median_wall_seconds(num_timings, [&] {
       for (const auto& x : active) sum += PairBarrier<3>(barrier, kind, x, 1).gradient()[0];
     });
-    hessian += median_of_runs([&] {
+    hessian += median_wall_seconds(num_timings, [&] {
       for (const auto& x : active)
         sum += PairBarrier<3>(barrier, kind, x, 1).hessian(Projection::clamp)(0, 0);
     });
@@ -106,10 +94,11 @@ void measure_bodies(const std::string& name, const TwoBodies& bodies, std::vecto
   BroadPhase broad_phase(bodies.surface, BodyMeetings(2, true), rest);
   const double dhat = bodies.activation_distance;
   out.emplace_back(name + ", triangles", static_cast<double>(bodies.surface.triangles.size()) / 3);
-  out.emplace_back(name + ", find at rest ms", 1e3 * median_of_runs([&] { broad_phase.find(rest, dhat); }));
+  out.emplace_back(name + ", find at rest ms",
+                   1e3 * median_wall_seconds(num_timings, [&] { broad_phase.find(rest, dhat); }));
   measure_barrier(name, broad_phase.candidates(), bodies, rest, out);
   out.emplace_back(name + ", find on the way ms",
-                   1e3 * median_of_runs([&] { broad_phase.find(points, dhat); }));
+                   1e3 * median_wall_seconds(num_timings, [&] { broad_phase.find(points, dhat); }));
   double seconds = 0, earliest = 1, squares_seconds = 0;
   std::size_t count = 0;
   std::vector<double> numbers;
@@ -117,8 +106,9 @@ void measure_bodies(const std::string& name, const TwoBodies& bodies, std::vecto
     const CandidateList list = broad_phase.candidates().list(kind, bodies.surface);
     count += list.pairs.size();
     numbers.resize(list.pairs.size());
-    seconds += median_of_runs([&] { earliest = std::min(earliest, earliest_collision_time(list, points)); });
-    squares_seconds += median_of_runs([&] { squared_distances(list, points, numbers); });
+    seconds += median_wall_seconds(
+        num_timings, [&] { earliest = std::min(earliest, earliest_collision_time(list, points)); });
+    squares_seconds += median_wall_seconds(num_timings, [&] { squared_distances(list, points, numbers); });
   }
   const double candidates = std::max<double>(1, static_cast<double>(count));
   out.emplace_back(name + ", candidates", static_cast<double>(count));

@@ -14,17 +14,9 @@
 namespace resilin::bench {
 namespace {
 
-/// Median time of `action` [ms].
 template <class Action>
-double time_of(int repetitions, const Action& action) {
-  std::vector<double> times;
-  for (int i = 0; i < repetitions; ++i) {
-    const double start = wall_seconds();
-    action();
-    times.push_back(1e3 * (wall_seconds() - start));
-  }
-  std::ranges::nth_element(times, times.begin() + repetitions / 2);
-  return times[static_cast<std::size_t>(repetitions / 2)];
+double median_milliseconds(int num_calls, const Action& action) {
+  return 1e3 * median_wall_seconds(num_calls, action);
 }
 
 /// The boundary of a cube of n^3 cubes, pushed out to a ball that the unit cube contains.
@@ -69,23 +61,24 @@ SkinTiming measure(const std::string& name, Mesh mesh, Mesh surface) {
 
   SkinTiming timing{.name = name, .cells = body.num_cells(), .vertices = skin.num_vertices()};
   timing.outside_percent = 100.0 * skin.embedding.outside().count / skin.num_vertices();
-  timing.build_ms =
-      time_of(builds, [&] { const Embedding again(element, body.cells, world.rest_positions, points); });
+  timing.build_ms = median_milliseconds(
+      builds, [&] { const Embedding again(element, body.cells, world.rest_positions, points); });
   const Embedding smooth(element, body.cells, world.rest_positions, points, true);
   const State state = deformed(world);
   std::vector<float> places(3 * points.size());
-  timing.smooth_apply_ms = time_of(frames, [&] { smooth.apply(state.positions, places); });
-  timing.apply_ms = time_of(frames, [&] { skin.embedding.apply(state.positions, places); });
+  timing.smooth_apply_ms = median_milliseconds(frames, [&] { smooth.apply(state.positions, places); });
+  timing.apply_ms = median_milliseconds(frames, [&] { skin.embedding.apply(state.positions, places); });
 
   const ShownSurface surface_shown(world);
   SurfaceFields fields(world, surface_shown);
   const auto count = static_cast<std::size_t>(surface_shown.num_vertices());
   std::vector<float> positions(3 * count), normals(3 * count), field(count);
   surface_shown.positions(state.positions, positions);
-  timing.normals_ms = time_of(frames, [&] { surface_shown.normals(positions, normals); });
-  timing.field_ms = time_of(frames / 4, [&] { fields.evaluate(world, state, "von_mises", field); });
+  timing.normals_ms = median_milliseconds(frames, [&] { surface_shown.normals(positions, normals); });
+  timing.field_ms =
+      median_milliseconds(frames / 4, [&] { fields.evaluate(world, state, "von_mises", field); });
   std::string bytes;
-  timing.encode_ms = time_of(
+  timing.encode_ms = median_milliseconds(
       frames, [&] { encode_frame({.positions = positions, .normals = normals, .field = field}, bytes); });
   return timing;
 }

@@ -189,9 +189,12 @@ double SurfaceContact::max_step(const VectorX& x, const VectorX& p, const Condit
   const VectorX places = surface_->places(x), displacements = surface_->places(p);
   const VectorX ends = places + displacements;
   const int dim = surface_->parts.dim;
-  BroadPhase broad_phase = broad_phase_;
   const bool is_found = found_ && found_->covers(places, dim, slack()) && found_->covers(ends, dim, slack());
-  const Found here = is_found ? Found{} : find(broad_phase, places, displacements);
+  Found here;
+  if (!is_found) {
+    BroadPhase broad_phase = broad_phase_;
+    here = find(broad_phase, places, displacements);
+  }
   const SurfaceCandidates& candidates = is_found ? found_->candidates : here.candidates;
   const std::vector<MovingPoint> ways = moving_points(dim, numbers(places), numbers(displacements));
   double step = 1;

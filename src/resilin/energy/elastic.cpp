@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <span>
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/parallel.hpp"
@@ -58,6 +59,21 @@ struct LaneSum {
     return sum + rest;
   }
 };
+
+/// Of what `add(tile, scratch, sum)` adds for the tiles of these blocks; +infinity outside the domain.
+template <class AddTile>
+double sum_of_tiles(const ElasticTiles& tiles, std::span<const Index> blocks, const AddTile& add) {
+  return parallel_sum<LaneSum>(blocks.size(), blocks_per_chunk,
+                               [&](std::size_t begin, std::size_t end) {
+                                 LaneSum sum;
+                                 ElasticTiles::Scratch scratch(tiles);
+                                 for_tiles(
+                                     tiles, blocks.data() + begin, end - begin,
+                                     [&](const ElasticTiles::Tile& tile) { add(tile, scratch, sum.lanes); });
+                                 return sum;
+                               })
+      .total();
+}
 
 }  // namespace
 
@@ -134,24 +150,16 @@ void ElasticEnergy::set_directions(const FibreDirections& fibres) {
 }
 
 double ElasticEnergy::energy_sum(const double* displacements, const double* displacements_from) const {
-  return parallel_sum<LaneSum>(all_blocks_.size(), blocks_per_chunk,
-                               [&](std::size_t begin, std::size_t end) {
-                                 LaneSum sum;
-                                 ElasticTiles::Scratch scratch(tiles_);
-                                 for_tiles(tiles_, all_blocks_.data() + begin, end - begin,
-                                           [&](const ElasticTiles::Tile& tile) {
-                                             tiles_.energies(tile, displacements, scratch, scratch.energy);
-                                             const double* from = nullptr;
-                                             if (displacements_from != nullptr) {
-                                               tiles_.energies(tile, displacements_from, scratch,
-                                                               scratch.energy_from);
-                                               from = scratch.energy_from;
-                                             }
-                                             tiles_.add_energies(tile, scratch.energy, from, sum.lanes);
-                                           });
-                                 return sum;
-                               })
-      .total();
+  return sum_of_tiles(tiles_, all_blocks_,
+                      [&](const ElasticTiles::Tile& tile, ElasticTiles::Scratch& scratch, EnergySum& sum) {
+                        tiles_.energies(tile, displacements, scratch, scratch.energy);
+                        const double* from = nullptr;
+                        if (displacements_from != nullptr) {
+                          tiles_.energies(tile, displacements_from, scratch, scratch.energy_from);
+                          from = scratch.energy_from;
+                        }
+                        tiles_.add_energies(tile, scratch.energy, from, sum);
+                      });
 }
 
 double ElasticEnergy::value(const VectorX& x, const Conditions&) const {
@@ -165,18 +173,11 @@ double ElasticEnergy::difference(const VectorX& from, const VectorX& to, const C
 
 double ElasticEnergy::magnitude(const VectorX& x, const Conditions&) const {
   const std::vector<double> u = tiles_.blocks.local_displacements(x);
-  return parallel_sum<LaneSum>(all_blocks_.size(), blocks_per_chunk,
-                               [&](std::size_t begin, std::size_t end) {
-                                 LaneSum sum;
-                                 ElasticTiles::Scratch scratch(tiles_);
-                                 for_tiles(tiles_, all_blocks_.data() + begin, end - begin,
-                                           [&](const ElasticTiles::Tile& tile) {
-                                             tiles_.magnitudes(tile, u.data(), scratch, scratch.energy);
-                                             tiles_.add_energies(tile, scratch.energy, nullptr, sum.lanes);
-                                           });
-                                 return sum;
-                               })
-      .total();
+  return sum_of_tiles(tiles_, all_blocks_,
+                      [&](const ElasticTiles::Tile& tile, ElasticTiles::Scratch& scratch, EnergySum& sum) {
+                        tiles_.magnitudes(tile, u.data(), scratch, scratch.energy);
+                        tiles_.add_energies(tile, scratch.energy, nullptr, sum);
+                      });
 }
 
 std::shared_ptr<const std::vector<OwnerPart>> ElasticEnergy::parts() const {

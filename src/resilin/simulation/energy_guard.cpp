@@ -9,6 +9,7 @@
 #include "resilin/core/rigid_motions.hpp"
 #include "resilin/mesh/facet.hpp"
 #include "resilin/optimize/residual.hpp"
+#include "resilin/simulation/rigid_fit.hpp"
 
 namespace resilin {
 namespace {
@@ -65,17 +66,11 @@ std::vector<VectorX> motions_of_body(const World& world, const Body& body, const
   return motions;
 }
 
-bool has_support(const World& world, const Body& body) {
-  const auto first = world.support_of.begin() + Eigen::Index{body.first_node} * world.dimension;
-  return std::any_of(first, first + Eigen::Index{body.num_nodes} * world.dimension,
-                     [](std::int32_t support) { return support >= 0; });
-}
-
 /// What is left of velocities without the rigid motion that has the momenta of each body. Bodies with
 /// supports keep all.
 VectorX without_rigid_motion(const World& world, const VectorX& positions, VectorX velocities) {
   for (const Body& body : world.bodies) {
-    if (has_support(world, body)) continue;
+    if (!is_free(world, body, world.is_fixed)) continue;
     const int dim = world.dimension;
     Vector3 center = Vector3::Zero();
     for (Index node = body.first_node; node < body.first_node + body.num_nodes; ++node)
