@@ -186,9 +186,9 @@ TEST_P(SurfaceContactCases, StepsLeaveAGap) {
   VectorX y = x;
   const VectorX p = 0.3 * random_vector(x.size(), generator);
   for (int step = 0; step < 10; ++step) {
-    const double before = contact.smallest_gap(y);
+    const double before = contact.smallest_gap(y).distance;
     y += contact.max_step(y, p, {}) * p;
-    const double after = contact.smallest_gap(y);
+    const double after = contact.smallest_gap(y).distance;
     EXPECT_GT(after, 0);
     EXPECT_TRUE(std::isfinite(contact.value(y, {}))) << before;
   }

@@ -152,7 +152,10 @@ INSTANTIATE_TEST_SUITE_P(
         WrongValue{"body.0.material.law=odgen", "did you mean \"ogden\"?"},
         WrongValue{"body.0.skin=absent.obj", "absent.obj: no such file"},
         WrongValue{"output.formats=[\"obj\"]", "output.formats[0]"},
-        WrongValue{"contact={}", "contact: not part of this version"},
+        WrongValue{"contact.friction=0.3", "contact.friction: not part of this version"},
+        WrongValue{"contact.pair=[{}]", "contact.pair[0]: the key \"bodies\" is missing"},
+        WrongValue{"contact.pair=[{bodies=[\"a\"]}]", "contact.pair[0].bodies"},
+        WrongValue{"contact.activation_distance=0", "contact.activation_distance: expected a number > 0"},
         WrongValue{"contact.friction=-0.1", "contact.friction: expected a number >= 0, got -0.1"},
         WrongValue{"collider=[{}]", "collider[0]: the key \"kind\" is missing"},
         WrongValue{"collider=[{kind=\"cube\"}]",
@@ -169,7 +172,27 @@ INSTANTIATE_TEST_SUITE_P(
                    "collider[0].name: expected a name of its own, got \"wall\""}),
     numbered_name<WrongValue>);
 
-TEST(SceneFile, AcceptsContactThatIsSwitchedOff) { EXPECT_EQ(error_with({"contact.enabled=false"}), ""); }
+TEST(SceneFile, ReadsHowBodiesMeet) {
+  const Scene scene = read_text(R"([contact]
+self = true
+activation_distance = 0.01
+stiffness = 1e4
+[[contact.pair]]
+bodies = ["a", "b"]
+enabled = false
+[[body]]
+name = "a"
+mesh = { box = { size = [1, 1, 1], cells = [1, 1, 1] } }
+)");
+  const ContactDescription& contact = scene.description.contact;
+  EXPECT_TRUE(contact.is_enabled);
+  EXPECT_TRUE(contact.with_themselves);
+  EXPECT_EQ(contact.activation_distance, 0.01);
+  EXPECT_EQ(contact.stiffness, 1e4);
+  ASSERT_EQ(contact.pairs.size(), 1U);
+  EXPECT_EQ(contact.pairs[0].bodies, (std::array<std::string, 2>{"a", "b"}));
+  EXPECT_FALSE(contact.pairs[0].is_enabled);
+}
 
 TEST(SceneFile, TakesTwoNumbersInTwoDimensions) {
   const Scene scene = read_text(R"([simulation]

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <random>
+#include <set>
 
 #include "resilin/core/parallel.hpp"
 #include "resilin/element/catalog.hpp"
@@ -17,7 +18,8 @@ namespace {
 
 constexpr double time_step = 0.01;  // [s]
 
-/// A bar in motion with a load of every kind on its end, all colliders near its underside, and damping.
+/// A bar in motion with a load of every kind on its end, all colliders near its underside, another bar above
+/// it, and damping.
 Description crowded_scene(int dimension, const std::string& element) {
   Description scene = small_bar(dimension, true);
   BodyDescription& body = scene.bodies[0];
@@ -34,6 +36,7 @@ Description crowded_scene(int dimension, const std::string& element) {
   for (const LoadKind& kind : load_kinds()) {
     LoadDescription load;
     load.kind = load.name = kind.name;
+    load.body = body.name;
     load.value = {30, -20, dimension == 3 ? 10.0 : 0.0};
     load.pressure = 400;
     load.stiffness = 70;
@@ -57,6 +60,12 @@ Description crowded_scene(int dimension, const std::string& element) {
     collider.velocity = {0.2, 0, 0};
     scene.colliders.push_back(collider);
   }
+  BodyDescription other = body;
+  other.name = "other";
+  other.translate = 0.3 * Vector3::Unit(dimension - 1);
+  scene.fixes[0].body = scene.probes[0].body = body.name;
+  scene.bodies.push_back(other);
+  scene.contact.activation_distance = 0.1;
   return scene;
 }
 
@@ -76,8 +85,9 @@ World world_of(const TermCase& c) { return World(crowded_scene(c.dimension, c.el
 std::vector<TermCase> all_cases() {
   std::vector<TermCase> cases;
   for (const int dimension : {2, 3}) {
-    for (const auto& term : World(crowded_scene(dimension, "P1")).terms)
-      cases.push_back({dimension, "P1", std::string(term->name())});
+    std::set<std::string> names;  // both bodies have some of these
+    for (const auto& term : World(crowded_scene(dimension, "P1")).terms) names.emplace(term->name());
+    for (const std::string& name : names) cases.push_back({dimension, "P1", name});
   }
   for (const ElementInfo* element : elements())
     for (const char* term : {"elastic", "viscous damping"})

@@ -139,7 +139,7 @@ TEST(AStaticBody, StandsOnAColliderThatItTouches) {
       refusal_of(scene),
       AllOf(HasSubstr("3 of 6 rigid motions are free in a static run: translation along x, translation "
                       "along y, rotation about z;"),
-            HasSubstr("a collider holds only what is within its activation distance at the start")));
+            HasSubstr("holds only what is within its activation distance at the start")));
   scene.colliders[0].shape.point.z() = -1;
   EXPECT_THAT(refusal_of(scene), HasSubstr("6 of 6"));
 }

@@ -47,6 +47,7 @@ TEST(Skin, OfASecondBodyIsCarriedByItsOwnNodes) {
   scene.bodies.insert(scene.bodies.begin(), scene.bodies[0]);
   scene.bodies[0].name = "first";
   scene.bodies[0].skin.reset();
+  scene.contact.is_enabled = false;
   scene.fixes[0].body = scene.probes[0].body = "first";
   const World world(scene);
   EXPECT_EQ(world.bodies[0].skin, nullptr);

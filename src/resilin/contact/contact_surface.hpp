@@ -36,12 +36,19 @@ struct ContactSurface {
   VectorX places(const VectorX& x) const;
   /// Adds what acts on the vertices to what acts on the nodes.
   void add_to_nodes(const VectorX& of_vertices, VectorX& of_nodes) const;
+  /// Calls `visit(node, share)` for the nodes that a vertex follows.
+  template <class Visit>
+  void for_each_node(Index vertex, const Visit& visit) const {
+    for (std::size_t k = row_begin[static_cast<std::size_t>(vertex)];
+         k < row_begin[static_cast<std::size_t>(vertex) + 1]; ++k)
+      visit(nodes[k], shares[k]);
+  }
   /// Calls `visit(a, b, share_a share_b)` for the nodes that two vertices follow.
   template <class Visit>
   void for_each_pair_of_nodes(Index v, Index w, const Visit& visit) const {
-    const auto row = [this](Index vertex) { return row_begin[static_cast<std::size_t>(vertex)]; };
-    for (std::size_t k = row(v); k < row(v + 1); ++k)
-      for (std::size_t l = row(w); l < row(w + 1); ++l) visit(nodes[k], nodes[l], shares[k] * shares[l]);
+    for_each_node(v, [&](Index a, double share_a) {
+      for_each_node(w, [&](Index b, double share_b) { visit(a, b, share_a * share_b); });
+    });
   }
 };
 

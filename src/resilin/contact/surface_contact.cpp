@@ -214,14 +214,39 @@ void SurfaceContact::prepare(const VectorX& x, const VectorX& p, const Condition
   found_ = find(broad_phase_, surface_->places(x), surface_->places(p));
 }
 
-double SurfaceContact::smallest_gap(const VectorX& x) const {
+void SurfaceContact::add_held_directions(const VectorX& x, std::vector<HeldDirection>& held) const {
   const VectorX places = surface_->places(x);
-  double smallest = std::numeric_limits<double>::infinity();
+  const auto first_node = [&](Index v) {
+    return surface_->nodes[surface_->row_begin[static_cast<std::size_t>(v)]];
+  };
   in_dimension(surface_->parts.dim, [&](auto dim) {
-    for (const ContactTerm& term : terms_at({&places}))
-      smallest = std::min(smallest, squared_distance<dim>(term.kind, Places<dim>(term, places)));
+    for (const ContactTerm& term : terms_at({&places})) {
+      const PairBarrier<dim> pair = barrier_of<dim>(term, barrier_, places);
+      if (!pair.is_active()) continue;
+      Vector3 normal = Vector3::Zero();
+      normal.head<dim>() = pair.distance().normal;
+      const std::span<const Index> vertices = term.used_vertices();
+      const auto num_of_first = static_cast<std::size_t>(num_first(term.kind));
+      for (std::size_t i = 0; i < vertices.size(); ++i) {
+        if (pair.distance().weights[i] == 0) continue;
+        const Index other = vertices[i < num_of_first ? num_of_first : 0];
+        surface_->for_each_node(
+            vertices[i], [&](Index node, double) { held.push_back({node, normal, first_node(other)}); });
+      }
+    }
   });
-  return std::sqrt(smallest);
+}
+
+SurfaceContact::Gap SurfaceContact::smallest_gap(const VectorX& x) const {
+  const VectorX places = surface_->places(x);
+  Gap smallest;
+  in_dimension(surface_->parts.dim, [&](auto dim) {
+    for (const ContactTerm& term : terms_at({&places})) {
+      const double distance = std::sqrt(squared_distance<dim>(term.kind, Places<dim>(term, places)));
+      if (distance < smallest.distance) smallest = {distance, term.kind, term.vertices};
+    }
+  });
+  return smallest;
 }
 
 }  // namespace resilin

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <initializer_list>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -36,11 +37,21 @@ class SurfaceContact final : public Energy {
   std::unique_ptr<Energy> begin_stage(const Stage& stage) const override;
   void prepare(const VectorX& x, const VectorX& p, const Conditions& c) override;
 
+  /// Across the gap, the nodes of parts that are near enough to feel each other.
+  void add_held_directions(const VectorX& x, std::vector<HeldDirection>& held) const override;
+
   double activation_distance() const { return barrier_.activation_distance; }
   const ContactSurface& surface() const { return *surface_; }
-  /// The least distance of two parts that meet and are nearer than the activation distance [m]; infinite
-  /// where none are.
-  double smallest_gap(const VectorX& x) const;
+  const BodyMeetings& meetings() const { return broad_phase_.meetings(); }
+
+  /// The two parts that meet and are nearest to each other.
+  struct Gap {
+    double distance = std::numeric_limits<double>::infinity();  ///< [m]
+    PairKind kind = PairKind::point_point;
+    std::array<Index, most_pair_vertices> vertices{-1, -1, -1, -1};  ///< of the surface
+  };
+  /// Of those nearer than the activation distance, the first of several; infinite where none are.
+  Gap smallest_gap(const VectorX& x) const;
 
  private:
   /// Candidates, which are all while each vertex is in the box around its way, or a little outside.

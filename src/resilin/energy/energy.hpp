@@ -43,7 +43,8 @@ struct Reaction {
 /// A direction in which something holds a node at the start of a static run.
 struct HeldDirection {
   Index node;
-  Vector3 direction;  ///< of length 1
+  Vector3 direction;   ///< of length 1
+  Index by_node = -1;  ///< of the body that holds it; -1: something that does not move
 };
 
 /// A number that a term was made with and that results may be differentiated by, such as a stiffness.

@@ -5,6 +5,12 @@
 #include "resilin/optimize/newton_search.hpp"
 
 namespace resilin {
+namespace {
+
+constexpr const char* blocked_motion =
+    "the prescribed motion would invert an element or lead surfaces through each other";
+
+}  // namespace
 
 NewtonReport Newton::Search::run(const NewtonObserver& observer) {
   using Status = NewtonReport::Status;
@@ -65,13 +71,13 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
         if (closer == Verdict::yes) return finish(Status::converged, "converged");
         if (closer == Verdict::out_of_digits) return finish_out_of_digits();
         return finish(Status::stalled,
-                      boundary_moves ? "the prescribed motion would invert an element"
+                      boundary_moves ? blocked_motion
                                      : "the line search found no lower energy along the Newton direction");
       }
       projection = next;
     }
     if (boundary_moves && line.length < 0.05 && ++short_boundary_steps > 5) {
-      return finish(Status::stalled, "the prescribed motion would invert an element");
+      return finish(Status::stalled, blocked_motion);
     }
     accept_trial(line.length);
     if (watchdog.steps == 0) watchdog.is_strict = false;

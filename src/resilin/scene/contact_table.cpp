@@ -4,32 +4,69 @@
 namespace resilin {
 namespace {
 
-/// What the contract says of contact between bodies; checked, so that a wrong number is told before the
-/// refusal.
-struct ContactDescription {
-  bool is_enabled = true;
-  double friction = 0;
-};
-
-Keys<ContactDescription> contact_keys() {
-  using C = ContactDescription;
+Keys<ContactPairDescription> contact_pair_keys() {
+  using P = ContactPairDescription;
   return {
-      key<C>({"enabled", "true or false", "", "true", "Bodies push each other and themselves away."},
-             [](const SceneNode& node, C& c) { c.is_enabled = read_flag(node); }),
-      number_key("friction", &C::friction, "", not_negative, "Coefficient of friction."),
+      key<P>(
+          {"bodies", "list of 2 texts", "", "required", "The names of two bodies, or of one twice: itself."},
+          [](const SceneNode& node, P& pair) {
+            expect_list(node, "names of bodies", 2);
+            for (std::size_t i = 0; i < 2; ++i) pair.bodies[i] = read_text(node.element(i));
+          }),
+      key<P>({"enabled", "true or false", "", default_text(P{}.is_enabled),
+              "Whether they keep each other apart."},
+             [](const SceneNode& node, P& pair) { pair.is_enabled = read_flag(node); }),
   };
+}
+
+void read_contact_pair(const SceneNode& node, ContactPairDescription& pair) {
+  pair.place = node.place();
+  read_table(node, contact_pair_keys(), pair);
 }
 
 }  // namespace
 
-void refuse_contact(const SceneNode& node) {
-  ContactDescription contact;
+Keys<ContactDescription> contact_keys() {
+  using C = ContactDescription;
+  return {
+      key<C>({"enabled", "true or false", "", default_text(C{}.is_enabled),
+              "Bodies keep each other apart; else they pass through each other."},
+             [](const SceneNode& node, C& c) { c.is_enabled = read_flag(node); }),
+      key<C>({"self", "true or false", "", default_text(C{}.with_themselves),
+              "Each body keeps its own parts apart, too."},
+             [](const SceneNode& node, C& c) { c.with_themselves = read_flag(node); }),
+      key<C>({"activation_distance", "number > 0", "m",
+              "0.005 of the smallest body's extent; with `self` at most half the thinnest gap",
+              "From here on bodies feel each other; they rest at about half of it."},
+             [](const SceneNode& node, C& c) { c.activation_distance = read_number(node, positive); }),
+      key<C>({"stiffness", "number > 0", "Pa", "0.1 of the softer body's Young's modulus",
+              "Pressure at about half the activation distance; a stiffer one lets bodies come less near."},
+             [](const SceneNode& node, C& c) { c.stiffness = read_number(node, positive); }),
+      key<C>({"friction", "0", "", "0", "Bodies slide freely; another coefficient is refused."},
+             [](const SceneNode& node, C&) {
+               if (read_number(node, not_negative) > 0)
+                 refuse_later(node, "bodies slide along each other freely: leave it out or set it to 0");
+             }),
+      key<C>({"pair", "[[contact.pair]]", "", "none", "Pairs of bodies that are not to follow the above."},
+             [](const SceneNode& node, C& c) {
+               if (!node.value->is_array()) node.fail("a list of tables, each headed [[contact.pair]]");
+               for (std::size_t i = 0; i < node.value->array().size(); ++i) {
+                 c.pairs.emplace_back();
+                 read_contact_pair(node.element(i), c.pairs.back());
+               }
+             }),
+  };
+}
+
+TableDoc contact_pair_doc() {
+  return document("[[contact.pair]]",
+                  "Two bodies, or one and itself, that meet in another way than all others.",
+                  contact_pair_keys());
+}
+
+void read_contact(const SceneNode& node, ContactDescription& contact) {
+  contact.place = node.place();
   read_table(node, contact_keys(), contact);
-  if (contact.is_enabled) {
-    refuse_later(node,
-                 "bodies pass through each other here: leave [contact] out or set enabled = false; "
-                 "[[collider]] keeps them out of half-spaces and spheres");
-  }
 }
 
 Keys<ColliderDescription> collider_keys() {

@@ -51,10 +51,6 @@ std::string scene_reference() {
     page += "\n| key | type | unit | default | meaning |\n| --- | --- | --- | --- | --- |\n";
     for (const KeyDoc& key : section.keys) page += row(key);
   }
-  page +=
-      "\n## [contact]\nNot in this version: bodies pass through each other. `[contact]` with `enabled = "
-      "false` "
-      "is accepted.\n";
   return page;
 }
 
@@ -81,6 +77,11 @@ std::vector<TableDoc> scene_tables() {
                "A solid that bodies cannot enter; they slide along it without friction. The force on them is "
                "reported ([contact](contact.md)).",
                collider_keys()),
+      document("[contact]",
+               "How bodies keep each other apart, which they do unless told otherwise, and themselves "
+               "([contact](contact.md)).",
+               contact_keys()),
+      contact_pair_doc(),
       document("[newton]", "When the equations count as solved.", newton_keys()),
       document("[solver]", "How linear systems are solved.", solver_keys()),
       document("[[probe]]", "A vertex whose motion the report lists.", probe_keys()),

@@ -34,7 +34,7 @@ void read_root(const SceneNode& root, Description& d) {
                              "solver", "probe", "section", "output"});
   if (root.has("title")) d.title = read_text(root.child("title"));
   read_optional(root, "simulation", simulation_keys(), d);
-  if (root.has("contact")) refuse_contact(root.child("contact"));
+  if (root.has("contact")) read_contact(root.child("contact"), d.contact);
   read_optional(root, "newton", newton_keys(), d.newton);
   read_optional(root, "solver", solver_keys(), d.solver);
   read_optional(root, "output", output_keys(), d.output);

@@ -65,8 +65,9 @@ TableDoc damping_doc();
 // contact_table.cpp
 Keys<ColliderDescription> collider_keys();
 void read_collider(const SceneNode& node, ColliderDescription& collider);
-/// Contact of bodies with each other: part of the contract, not of this version.
-void refuse_contact(const SceneNode& node);
+Keys<ContactDescription> contact_keys();
+TableDoc contact_pair_doc();
+void read_contact(const SceneNode& node, ContactDescription& contact);
 
 // names.cpp
 /// Bodies, fixes, loads, probes and sections have names of their own; whether a name that is referred to

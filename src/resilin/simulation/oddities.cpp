@@ -55,8 +55,10 @@ std::vector<std::string> oddities(const World& world, const State& state) {
       return other.body == overlap.body && other.other == overlap.other;
     });
     if (!is_old)
-      found.push_back(world.place + ": " + describe(world, overlap) +
-                      ": they went through each other, for bodies do not feel each other");
+      found.push_back(world.place + ": " + describe(world, overlap) + ": they went through each other, " +
+                      (world.meet(overlap.body, overlap.other)
+                           ? "although contact keeps them apart: this is a fault of the program"
+                           : "for they are not to meet ([contact])"));
   }
   return found;
 }

@@ -27,13 +27,17 @@ double youngs_modulus(const Body& body) {
 
 }  // namespace
 
+double barrier_stiffness(const Body& body, std::optional<double> asked) {
+  return asked ? *asked : stiffness_share * youngs_modulus(body);
+}
+
 std::vector<ContactNode> contact_nodes(const World& world, std::optional<double> stiffness) {
   const int dim = world.dimension;
   const std::vector<std::int32_t> support_of = supports_of_unknowns(dim, world.num_nodes(), world.supports);
   std::vector<ContactNode> all;
   for (const Body& body : world.bodies) {
     const CellBlock facets = boundary({.kind = body.cell_kind, .nodes = body.cells}).facets;
-    const double kappa = stiffness.value_or(stiffness_share * youngs_modulus(body));
+    const double kappa = barrier_stiffness(body, stiffness);
     for (const ContactNode& node : contact_nodes(dim, facets, world.rest_positions, kappa)) {
       bool is_free = false;
       for (int k = 0; k < dim; ++k) is_free |= support_of[static_cast<std::size_t>(node.node * dim + k)] < 0;

@@ -13,6 +13,9 @@ namespace resilin {
 /// @param stiffness  of the barrier [Pa]; none: a tenth of each body's Young's modulus at small strain
 std::vector<ContactNode> contact_nodes(const World& world, std::optional<double> stiffness = {});
 
+/// The stiffness of a body's barrier [Pa]: as asked, or a tenth of its Young's modulus at small strain.
+double barrier_stiffness(const Body& body, std::optional<double> asked);
+
 /// [m]: 0.005 of the largest extent of the smallest body. Smaller gaps look better and cost Newton
 /// iterations: a barrier is felt only so far away, and a step ends where a node has lost nine tenths of its
 /// distance.

@@ -166,6 +166,23 @@ struct ColliderDescription {
   std::optional<double> stiffness;  ///< of the barrier [Pa]; default 0.1 of each body's Young's modulus
 };
 
+/// Two bodies, or one and itself, that meet in another way than all others.
+struct ContactPairDescription {
+  std::string place = "contact.pair";
+  std::array<std::string, 2> bodies;
+  bool is_enabled = true;
+};
+
+/// How bodies meet each other and themselves.
+struct ContactDescription {
+  std::string place = "contact";
+  bool is_enabled = true;                     ///< false: bodies pass through each other
+  bool with_themselves = false;               ///< each body meets itself, too
+  std::optional<double> activation_distance;  ///< [m]; default: see default_activation_distance
+  std::optional<double> stiffness;  ///< of the barrier [Pa]; default 0.1 of each body's Young's modulus
+  std::vector<ContactPairDescription> pairs;
+};
+
 struct ProbeDescription {
   std::string place = "probe";
   std::string name;
@@ -236,6 +253,7 @@ struct Description {
   std::vector<FixDescription> fixes;
   std::vector<LoadDescription> loads;
   std::vector<ColliderDescription> colliders;
+  ContactDescription contact;
   std::vector<ProbeDescription> probes;
   std::vector<SectionDescription> sections;
   NewtonOptions newton;

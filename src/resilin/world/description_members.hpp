@@ -29,6 +29,8 @@ RESILIN_MEMBERS(LoadDescription, place, name, body, kind, where, value, pressure
 RESILIN_MEMBERS(ShapeDescription, point, normal, center, radius)
 RESILIN_MEMBERS(ColliderDescription, place, name, kind, shape, velocity, until, activation_distance,
                 stiffness)
+RESILIN_MEMBERS(ContactPairDescription, place, bodies, is_enabled)
+RESILIN_MEMBERS(ContactDescription, place, is_enabled, with_themselves, activation_distance, stiffness, pairs)
 RESILIN_MEMBERS(ProbeDescription, place, name, body, at)
 RESILIN_MEMBERS(SectionDescription, place, name, body, axis, at)
 RESILIN_MEMBERS(NewtonOptions, tolerance, max_iterations, max_failures, projection, inversion_bound)
@@ -38,6 +40,6 @@ RESILIN_MEMBERS(AdaptiveSteps, tolerance, min_step, max_step)
 RESILIN_MEMBERS(ModesOptions, count, is_loaded)
 RESILIN_MEMBERS(Description, place, title, is_dynamic, dimension, gravity, time_step, end_time, integrator,
                 adaptive, modes, load_steps, load_control, max_steps, unstable_modes, bodies, fixes, loads,
-                colliders, probes, sections, newton, solver, output)
+                colliders, contact, probes, sections, newton, solver, output)
 
 }  // namespace resilin

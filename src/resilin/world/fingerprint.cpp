@@ -132,6 +132,11 @@ std::string text(const Where& where) {
   return "";
 }
 
+std::string text(const ContactPairDescription& pair) {
+  const auto& [place, bodies, is_enabled] = pair;
+  return text(bodies[0]) + " and " + text(bodies[1]) + (is_enabled ? " meet" : " pass");
+}
+
 template <class T>
 concept Worded = requires(const T& value) { text(value); };
 
@@ -177,6 +182,9 @@ bool is_end_seen(const Description& description) {
 
 /// How a scene calls a member; empty when its parts stand beside the other members.
 std::string key_of(std::string_view member) {
+  if (member == "is_enabled") return "enabled";
+  if (member == "with_themselves") return "self";
+  if (member == "pairs") return "pair";
   if (is_one_of(member, {"constants", "cell_constants", "shape"})) return "";
   return std::string(member == "pressure" ? "value" : member);
 }
@@ -213,6 +221,7 @@ class Entries {
   }
   void add_part(const std::string& member, const NewtonOptions& newton) { add(member, newton); }
   void add_part(const std::string& member, const SolverOptions& solver) { add(member, solver); }
+  void add_part(const std::string& member, const ContactDescription& contact) { add(member, contact); }
   void add_part(const std::string&, const OutputOptions&) {}  // never seen
   template <class T>
   void add_part(const std::string& member, const std::vector<T>& list) {
@@ -252,6 +261,9 @@ class Entries {
   template <class T>
   void add(const std::string& key, const std::map<std::string, T>& values) {
     for (const auto& [name, value] : values) add(std::string(key).append(".").append(name), value);
+  }
+  void add(const std::string& key, const std::vector<ContactPairDescription>& pairs) {
+    for (const ContactPairDescription& pair : pairs) add(key, pair);
   }
   void add(const std::string& key, const std::vector<std::vector<Vector3>>& lists) {
     for (std::size_t i = 0; i < lists.size(); ++i) add(key + "." + std::to_string(i), lists[i]);

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,8 +20,9 @@
 namespace resilin {
 namespace {
 
-constexpr const char* about_colliders =
-    "; a collider holds only what is within its activation distance at the start, and nothing sideways";
+constexpr const char* about_contact =
+    "; what touches a body (a collider, a body that is held itself) holds only what is within its activation "
+    "distance at the start, and nothing sideways";
 constexpr double round_off = 1e-6;  ///< of a direction: the square root of what the Gram matrix leaves
 
 struct Part {
@@ -217,7 +219,7 @@ std::vector<Part> parts_of(const World& world, const Body& body, const std::vect
       part.gram += motions.row(k).transpose() * motions.row(k);
     }
   });
-  for (const auto& [node, direction] : held_directions) {
+  for (const auto& [node, direction, by_node] : held_directions) {
     const Index v = node - body.first_node;
     if (v < 0 || v >= body.num_nodes) continue;
     const Index number = components.of_vertex[static_cast<std::size_t>(v)];
@@ -229,6 +231,38 @@ std::vector<Part> parts_of(const World& world, const Body& body, const std::vect
   return parts;
 }
 
+Eigen::Index num_free_motions(const dense::Eigenpairs& eigen) {
+  const double largest = std::max(eigen.values.maxCoeff(), 1e-300);
+  return (eigen.values.array() <= 1e-12 * largest).count();
+}
+
+struct LooseBody {
+  const Body* body;
+  std::vector<Part> parts;
+};
+
+/// Bodies with parts that are not held. What holds a body may be another one, if that is held without it.
+std::vector<LooseBody> loose_bodies(const World& world, const std::vector<std::uint8_t>& is_held,
+                                    const std::vector<HeldDirection>& directions) {
+  std::vector<LooseBody> loose;
+  for (const Body& body : world.bodies) loose.push_back({&body, {}});
+  while (true) {
+    std::vector<HeldDirection> by_what_is_held;
+    std::ranges::copy_if(directions, std::back_inserter(by_what_is_held), [&](const HeldDirection& held) {
+      return held.by_node < 0 ||
+             std::ranges::find(loose, &world.body_of(held.by_node), &LooseBody::body) == loose.end();
+    });
+    const std::size_t before = loose.size();
+    for (LooseBody& one : loose) one.parts = parts_of(world, *one.body, is_held, by_what_is_held);
+    std::erase_if(loose, [](const LooseBody& one) {
+      return std::ranges::none_of(one.parts, [](const Part& part) {
+        return num_free_motions(dense::symmetric_eigenpairs(part.gram)) > 0;
+      });
+    });
+    if (loose.empty() || loose.size() == before) return loose;
+  }
+}
+
 }  // namespace
 
 void check_is_held(const World& world) {
@@ -237,16 +271,15 @@ void check_is_held(const World& world) {
   for (std::size_t i = 0; i < is_held.size(); ++i) is_held[i] = world.support_of[i] >= 0 ? 1 : 0;
   std::vector<HeldDirection> held_directions;
   for (const auto& term : world.terms) term->add_held_directions(world.start_positions, held_directions);
-  for (const Body& body : world.bodies) {
-    const std::vector<Part> parts = parts_of(world, body, is_held, held_directions);
-    for (std::size_t p = 0; p < parts.size(); ++p) {
-      const Part& part = parts[p];
+  for (const LooseBody& loose : loose_bodies(world, is_held, held_directions)) {
+    const Body& body = *loose.body;
+    for (std::size_t p = 0; p < loose.parts.size(); ++p) {
+      const Part& part = loose.parts[p];
       const dense::Eigenpairs eigen = dense::symmetric_eigenpairs(part.gram);
-      const double largest = std::max(eigen.values.maxCoeff(), 1e-300);
-      const auto num_free = (eigen.values.array() <= 1e-12 * largest).count();
+      const Eigen::Index num_free = num_free_motions(eigen);
       if (num_free == 0) continue;
       std::string where = "body \"" + body.name + "\"";
-      if (parts.size() > 1) {
+      if (loose.parts.size() > 1) {
         where += ", component " + std::to_string(p + 1) + " (" + std::to_string(part.num_vertices) +
                  " vertices around " + world.place_text(world.origin + part.center) + ")";
       }
@@ -258,7 +291,7 @@ void check_is_held(const World& world) {
                                         std::to_string(part.gram.rows()) +
                                         " rigid motions are free in a static run: " + join(names) + "; " +
                                         cure(dim, starts_with("translation"), starts_with("rotation")) +
-                                        (world.colliders.empty() ? "" : about_colliders));
+                                        (world.colliders.empty() && !world.contact ? "" : about_contact));
     }
   }
 }

@@ -12,6 +12,7 @@
 #include "resilin/world/body_overlap.hpp"
 #include "resilin/world/cell_material.hpp"
 #include "resilin/world/colliders.hpp"
+#include "resilin/world/contact.hpp"
 #include "resilin/world/damping.hpp"
 #include "resilin/world/description_check.hpp"
 #include "resilin/world/event_times.hpp"
@@ -134,6 +135,8 @@ void Builder::build() {
     world_.colliders.push_back(make_collider(collider, world_));
     world_.terms.push_back(world_.colliders.back());
   }
+  world_.contact = make_contact(description_.contact, world_);
+  if (world_.contact) world_.terms.push_back(world_.contact);
   if (world_.is_dynamic) {
     world_.terms.push_back(std::make_shared<Inertia>(world_.mass));
     for (const auto& term : damping_terms(description_, world_)) world_.terms.push_back(term);
@@ -150,7 +153,8 @@ void Builder::build() {
 void Builder::find_oddities() {
   for (const BodyOverlap& overlap : overlapping_bodies(world_, world_.start_positions))
     world_.warnings.push_back(world_.place + ": " + describe(world_, overlap) +
-                              ": bodies do not feel each other; move one of them (translate)");
+                              ": they are not to meet ([contact]) and pass through each other; move one of "
+                              "them (translate), or let them meet");
   for (std::string& line : supports_in_colliders(world_)) world_.warnings.push_back(std::move(line));
   world_.run_warnings = implausible_numbers(description_);
   if (world_.modes || !is_idle(world_)) return;
@@ -362,6 +366,10 @@ double World::largest_extent() const {
     extent = std::max(extent, coordinates.maxCoeff() - coordinates.minCoeff());
   }
   return extent;
+}
+
+bool World::meet(std::size_t a, std::size_t b) const {
+  return contact && contact->meetings().meet(static_cast<Index>(a), static_cast<Index>(b));
 }
 
 const Body& World::body_of(Index node) const {

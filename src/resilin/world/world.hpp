@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "resilin/contact/collider_barrier.hpp"
+#include "resilin/contact/surface_contact.hpp"
 #include "resilin/energy/elastic.hpp"
 #include "resilin/energy/mass.hpp"
 #include "resilin/world/description.hpp"
@@ -97,6 +98,7 @@ class World {
   Terms terms;
   std::shared_ptr<const MassMatrix> mass;
   std::vector<std::shared_ptr<const ColliderBarrier>> colliders;  ///< those of `terms`, for who draws them
+  std::shared_ptr<const SurfaceContact> contact;  ///< one of `terms`; null where no bodies meet
   std::shared_ptr<const BlockPattern> pattern;
   std::vector<std::uint8_t> is_fixed;    ///< per unknown: prescribed, or of a vertex that no cell uses
   std::vector<std::int32_t> support_of;  ///< per unknown: which support prescribes it; -1: none
@@ -111,6 +113,8 @@ class World {
   Index num_free_unknowns() const;
   double largest_extent() const;  ///< of the rest shapes of all bodies, along the axes [m]
   const Body& body_of(Index node) const;
+  /// Whether two bodies, by their numbers, keep each other apart.
+  bool meet(std::size_t a, std::size_t b) const;
 };
 
 /// Everything that is odd about running a world as it stands, one line each.

@@ -1,0 +1,97 @@
+#include "resilin/contact/crossing.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <span>
+
+#include "resilin/core/orientation.hpp"
+#include "resilin/core/parallel.hpp"
+#include "resilin/mesh/box_tree.hpp"
+#include "resilin/mesh/facet.hpp"
+
+namespace resilin {
+namespace {
+
+constexpr std::size_t edges_per_task = 256;
+constexpr Index none = std::numeric_limits<Index>::max();
+
+/// Whether a segment goes through a triangle's inside.
+bool goes_through(const Vector3& p, const Vector3& q, const std::array<Vector3, 3>& triangle) {
+  const auto& [a, b, c] = triangle;
+  if (orientation(a, b, c, p) * orientation(a, b, c, q) >= 0) return false;
+  const std::array<int, 3> sides = {orientation(p, q, a, b), orientation(p, q, b, c),
+                                    orientation(p, q, c, a)};
+  const auto [least, most] = std::ranges::minmax(sides);
+  return least >= 0 || most <= 0;
+}
+
+bool cross(const std::array<Eigen::Vector2d, 2>& s, const std::array<Eigen::Vector2d, 2>& t) {
+  return orientation(s[0], s[1], t[0]) * orientation(s[0], s[1], t[1]) < 0 &&
+         orientation(t[0], t[1], s[0]) * orientation(t[0], t[1], s[1]) < 0;
+}
+
+class CrossingSearch {
+ public:
+  CrossingSearch(const CollisionSurface& surface, const BodyMeetings& meetings, const VectorX& places)
+      : surface_(surface), meetings_(meetings), places_(places) {
+    const std::size_t corners = surface.dim == 3 ? 3 : 2;
+    const std::vector<Index>& parts = surface.dim == 3 ? surface.triangles : surface.edges;
+    std::vector<Box> boxes(parts.size() / corners);
+    for (std::size_t i = 0; i < parts.size(); ++i) boxes[i / corners].add(place(parts[i]));
+    tree_ = BoxTree(boxes);
+  }
+
+  /// What an edge goes through, the lowest number; `none` for nothing.
+  Index first_through(Index edge) const {
+    const std::span<const Index> ends = std::span(surface_.edges).subspan(2 * at(edge), 2);
+    Box box;
+    for (const Index end : ends) box.add(place(end));
+    Index first = none;
+    tree_.visit_meeting(box, [&](Index other) {
+      if (other < first && are_crossing(ends, other, edge)) first = other;
+    });
+    return first;
+  }
+
+ private:
+  static std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+  Vector3 place(Index vertex) const { return node_position(surface_.dim, vertex, places_); }
+  Eigen::Vector2d place_2d(Index vertex) const { return places_.segment<2>(Eigen::Index{vertex} * 2); }
+
+  bool are_crossing(std::span<const Index> ends, Index other, Index edge) const {
+    const std::size_t corners = surface_.dim == 3 ? 3 : 2;
+    const std::vector<Index>& parts = surface_.dim == 3 ? surface_.triangles : surface_.edges;
+    if (surface_.dim == 2 && other <= edge) return false;  // once is enough
+    const std::span<const Index> part = std::span(parts).subspan(corners * at(other), corners);
+    if (!meetings_.meet(surface_.bodies[at(ends[0])], surface_.bodies[at(part[0])])) return false;
+    for (const Index corner : part)
+      if (corner == ends[0] || corner == ends[1]) return false;
+    if (surface_.dim == 3)
+      return goes_through(place(ends[0]), place(ends[1]), {place(part[0]), place(part[1]), place(part[2])});
+    return cross({place_2d(ends[0]), place_2d(ends[1])}, {place_2d(part[0]), place_2d(part[1])});
+  }
+
+  const CollisionSurface& surface_;
+  const BodyMeetings& meetings_;
+  const VectorX& places_;
+  BoxTree tree_;
+};
+
+}  // namespace
+
+std::optional<Crossing> first_crossing(const CollisionSurface& surface, const BodyMeetings& meetings,
+                                       const VectorX& places) {
+  const CrossingSearch search(surface, meetings, places);
+  const std::size_t num_edges = surface.edges.size() / 2;
+  std::vector<Index> through(num_edges);
+  parallel_for(num_edges, edges_per_task, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t edge = begin; edge < end; ++edge)
+      through[edge] = search.first_through(static_cast<Index>(edge));
+  });
+  const auto found = std::ranges::find_if(through, [](Index other) { return other != none; });
+  if (found == through.end()) return std::nullopt;
+  return Crossing{static_cast<Index>(found - through.begin()), *found};
+}
+
+}  // namespace resilin

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <optional>
+
+#include "resilin/collision/surface.hpp"
+
+namespace resilin {
+
+/// An edge of a surface that goes through a triangle, in 2D through another edge.
+struct Crossing {
+  Index edge;   ///< of the surface
+  Index other;  ///< triangle, in 2D edge
+};
+
+/// The first crossing of parts that meet; parts that share a vertex do not. Decided by exact predicates
+/// (core/orientation.hpp), by another way than the distances and times by which contact keeps parts apart.
+/// Parts that only touch, and edges within the plane of a triangle, do not cross.
+/// @param places  of the vertices, dim numbers each [m]
+std::optional<Crossing> first_crossing(const CollisionSurface& surface, const BodyMeetings& meetings,
+                                       const VectorX& places);
+
+}  // namespace resilin

@@ -1,0 +1,202 @@
+#include "resilin/world/contact.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "resilin/contact/crossing.hpp"
+#include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
+#include "resilin/mesh/topology.hpp"
+#include "resilin/world/body_overlap.hpp"
+#include "resilin/world/colliders.hpp"
+
+namespace resilin {
+namespace {
+
+/// Of the activation distance: what is nearer at the start counts as touching.
+constexpr double touching = 1e-6;
+/// Of the thinnest gap of a body to itself at rest: where its own parts begin to feel each other.
+constexpr double share_of_gap = 0.5;
+
+Index body_called(const World& world, const std::string& name, const std::string& place) {
+  std::vector<std::string> names;
+  for (const Body& body : world.bodies) names.push_back(body.name);
+  const auto found = std::ranges::find(names, name);
+  if (found == names.end()) refuse_word(place + ".bodies", name, names);
+  return static_cast<Index>(found - names.begin());
+}
+
+BodyMeetings meetings_of(const ContactDescription& description, const World& world) {
+  BodyMeetings meetings(static_cast<Index>(world.bodies.size()), description.with_themselves);
+  for (const ContactPairDescription& pair : description.pairs)
+    meetings.set(body_called(world, pair.bodies[0], pair.place),
+                 body_called(world, pair.bodies[1], pair.place), pair.is_enabled);
+  return meetings;
+}
+
+bool any_meet(const BodyMeetings& meetings) {
+  const Index n = meetings.num_bodies();
+  return std::any_of(meetings.table(), meetings.table() + static_cast<std::ptrdiff_t>(n) * n,
+                     [](unsigned char meet) { return meet != 0; });
+}
+
+bool any_meets_itself(const BodyMeetings& meetings) {
+  for (Index body = 0; body < meetings.num_bodies(); ++body)
+    if (meetings.meet(body, body)) return true;
+  return false;
+}
+
+ContactSurface surface_of(const ContactDescription& description, const World& world) {
+  std::vector<ContactBody> bodies;
+  for (const Body& body : world.bodies)
+    bodies.push_back({boundary({.kind = body.cell_kind, .nodes = body.cells}).facets,
+                      barrier_stiffness(body, description.stiffness)});
+  return make_contact_surface(world.dimension, bodies, world.rest_positions);
+}
+
+void require_positive(const std::optional<double>& value, const std::string& place) {
+  if (!value || (*value > 0 && std::isfinite(*value))) return;
+  throw InputError(place, "a finite number > 0", format_number(*value));
+}
+
+/// The least extent of a body along the axes [m]; no body is thicker than that.
+double thinnest_extent(const World& world, const Body& body) {
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < world.dimension; ++k)
+    least = std::min(least, reach_along(k, body, world.rest_positions, world.dimension).length());
+  return least;
+}
+
+void check_fits_bodies(double activation_distance, const World& world, const std::string& place) {
+  for (const Body& body : world.bodies) {
+    const double half = 0.5 * thinnest_extent(world, body);
+    if (activation_distance < half) continue;
+    throw InputError(
+        place + ".activation_distance",
+        "less than half the thickness of every body, " + format_short(half) + " m for \"" + body.name + "\"",
+        format_number(activation_distance), "leave it out, and one that fits is chosen");
+  }
+}
+
+/// How far along one axis the second body has to go for its box to leave that of the first.
+Vector3 way_apart(const World& world, const Body& body, const Body& other, double gap) {
+  Vector3 way = Vector3::Zero();
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < world.dimension; ++k) {
+    const Reach a = reach_along(k, body, world.start_positions, world.dimension);
+    const Reach b = reach_along(k, other, world.start_positions, world.dimension);
+    for (const double along : {a.high - b.low + gap, a.low - b.high - gap}) {
+      if (!(std::abs(along) < least)) continue;
+      least = std::abs(along);
+      way = along * Vector3::Unit(k);
+    }
+  }
+  return way;
+}
+
+std::string cure(const World& world, const Body& body, const Body& other, double gap) {
+  if (&body == &other) return "give the body a shape whose parts are apart, or leave `self` out";
+  const Vector3 way = way_apart(world, body, other, gap);
+  return "move \"" + other.name + "\" by " + world.place_text(way) +
+         " (translate), or let them pass: [contact] enabled = false, or a [[contact.pair]] of these two";
+}
+
+std::string both(const Body& body, const Body& other) {
+  return &body == &other ? "parts of \"" + body.name + '"' : '"' + body.name + "\" and \"" + other.name + '"';
+}
+
+/// What bodies do at the start that meet.
+class StartCheck {
+ public:
+  StartCheck(const SurfaceContact& contact, const World& world, std::string place)
+      : contact_(contact), world_(world), place_(std::move(place)), parts_(contact.surface().parts) {}
+
+  void check_overlaps() const {
+    for (const BodyOverlap& overlap : overlapping_bodies(world_, world_.start_positions))
+      if (contact_.meetings().meet(static_cast<Index>(overlap.body), static_cast<Index>(overlap.other)))
+        throw InputError(place_, "bodies that start apart", describe(world_, overlap),
+                         cure(world_, world_.bodies[overlap.body], world_.bodies[overlap.other], gap()));
+  }
+
+  void check_crossings() const {
+    const VectorX places = contact_.surface().places(world_.start_positions);
+    const auto crossing = first_crossing(parts_, contact_.meetings(), places);
+    if (!crossing) return;
+    const Index vertex = parts_.edges[static_cast<std::size_t>(2 * crossing->edge)];
+    const std::vector<Index>& others = parts_.dim == 3 ? parts_.triangles : parts_.edges;
+    const Index other = others[static_cast<std::size_t>(parts_.dim * crossing->other)];
+    const Body &a = body_of(vertex), &b = body_of(other);
+    throw InputError(place_, "surfaces that start apart",
+                     both(a, b) + " go through each other near " + place_text(vertex, places),
+                     cure(world_, a, b, gap()));
+  }
+
+  void check_gap() const {
+    const SurfaceContact::Gap nearest = contact_.smallest_gap(world_.start_positions);
+    if (!(nearest.distance <= touching * contact_.activation_distance())) return;
+    const VectorX places = contact_.surface().places(world_.start_positions);
+    const Index vertex = nearest.vertices[0];
+    const Index other = nearest.vertices[static_cast<std::size_t>(num_first(nearest.kind))];
+    const Body &a = body_of(vertex), &b = body_of(other);
+    throw InputError(
+        place_, "surfaces that start with a gap",
+        both(a, b) + " touch near " + place_text(vertex, places) + " and " + place_text(other, places),
+        cure(world_, a, b, gap()));
+  }
+
+ private:
+  double gap() const { return 0.5 * contact_.activation_distance(); }
+  const Body& body_of(Index vertex) const {
+    return world_.bodies[static_cast<std::size_t>(parts_.bodies[static_cast<std::size_t>(vertex)])];
+  }
+  std::string place_text(Index vertex, const VectorX& places) const {
+    return world_.place_text(world_.origin + node_position(parts_.dim, vertex, places));
+  }
+
+  const SurfaceContact& contact_;
+  const World& world_;
+  std::string place_;
+  const CollisionSurface& parts_;
+};
+
+/// How far apart a body's own parts are at rest, up to `distance`.
+double thinnest_gap(const ContactSurface& surface, const BodyMeetings& meetings, double distance,
+                    const VectorX& rest_positions) {
+  return SurfaceContact("gap", surface, meetings, distance, rest_positions)
+      .smallest_gap(rest_positions)
+      .distance;
+}
+
+}  // namespace
+
+std::shared_ptr<const SurfaceContact> make_contact(const ContactDescription& description, World& world) {
+  require_positive(description.activation_distance, description.place + ".activation_distance");
+  require_positive(description.stiffness, description.place + ".stiffness");
+  const BodyMeetings meetings = meetings_of(description, world);
+  if (!description.is_enabled || !any_meet(meetings) || world.modes) return nullptr;
+  const ContactSurface surface = surface_of(description, world);
+  double distance = description.activation_distance.value_or(default_activation_distance(world));
+  check_fits_bodies(distance, world, description.place);
+  if (any_meets_itself(meetings)) {
+    BodyMeetings alone(meetings.num_bodies());
+    for (Index a = 0; a < alone.num_bodies(); ++a)
+      for (Index b = 0; b < alone.num_bodies(); ++b) alone.set(a, b, a == b && meetings.meet(a, a));
+    const double gap = thinnest_gap(surface, alone, distance, world.rest_positions);
+    if (gap < distance && description.activation_distance)
+      throw InputError(
+          description.place + ".activation_distance",
+          "less than the thinnest gap between a body's own parts at rest, " + format_short(gap) + " m",
+          format_number(distance), "leave it out, and one that fits is chosen");
+    distance = std::min(distance, share_of_gap * gap);
+  }
+  auto contact =
+      std::make_shared<SurfaceContact>("contact", surface, meetings, distance, world.start_positions);
+  const StartCheck start(*contact, world, description.place);
+  start.check_overlaps();
+  start.check_crossings();
+  start.check_gap();
+  return contact;
+}
+
+}  // namespace resilin

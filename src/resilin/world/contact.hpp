@@ -1,0 +1,15 @@
+#pragma once
+
+#include <memory>
+
+#include "resilin/contact/surface_contact.hpp"
+#include "resilin/world/world.hpp"
+
+namespace resilin {
+
+/// What keeps bodies apart, or null where none meet.
+/// Throws InputError for a description that cannot be, for bodies that touch, cross or share space at the
+/// start, and for an activation distance that reaches across a body.
+std::shared_ptr<const SurfaceContact> make_contact(const ContactDescription& description, World& world);
+
+}  // namespace resilin
