@@ -127,6 +127,13 @@ void print_end(const Simulation& simulation, const ResultFolder& results, const 
   for (const auto& [name, force] : frame.reactions) {
     print_line("reaction " + one_line(name) + ": " + vector_text(force, dim) + " N");
   }
+  for (const SurfaceContact::BodyContact& contact : frame.contacts) {
+    const auto name_of = [&](Index body) {
+      return one_line(simulation.world().bodies[static_cast<std::size_t>(body)].name);
+    };
+    print_line("contact of " + name_of(contact.body) + " with " + name_of(contact.other) + ": " +
+               vector_text(contact.force, dim) + " N on the latter, gap " + format_short(contact.gap) + " m");
+  }
   print_line("smallest volume ratio " + format_short(frame.min_volume_ratio));
   print_discretisation_errors(simulation.world(), outcome.discretisation_errors);
   const Timing& timing = simulation.timing();

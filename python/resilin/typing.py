@@ -127,6 +127,15 @@ class ExtremesReport(TypedDict):
     max: ExtremeReport
 
 
+class ContactReport(TypedDict):
+    """Two bodies that touch; the force is on the second, the first feels the opposite."""
+
+    bodies: list[str]
+    force: list[float]
+    gap: float
+    pairs: int
+
+
 class _Frame(TypedDict):
     step: int
     time: float
@@ -147,6 +156,7 @@ class _Frame(TypedDict):
     reactions: dict[str, list[float]]
     reaction_moments: dict[str, list[float]]
     sections: dict[str, SectionReport]
+    contacts: list[ContactReport]
     extremes: dict[str, ExtremesReport]
 
 

@@ -44,8 +44,12 @@ const std::map<std::string, Configuration>& configurations() {
       {"dt_zero", {{"simulation.kind=dynamic", "simulation.time_step=0.0"}, 1, {"time_step", "> 0"}}},
       {"gravity_two_components", {{"simulation.gravity=[0,-9.81]"}, 1, {"gravity", "dimension"}}},
       {"friction_negative", {{"contact.friction=-0.1"}, 1, {"contact.friction", "-0.1"}}},
-      // This version has no contact; it refuses to be asked for it, overlap or not.
-      {"initial_interpenetration", {{"contact.enabled=true"}, 1, {"contact", "not part of this version"}}},
+      {"initial_interpenetration",
+       {{"body=[{name=\"a\",mesh={box={size=[1,1,1],cells=[1,1,1]}}},"
+         "{name=\"b\",mesh={box={size=[1,1,1],cells=[1,1,1]}},translate=[0.5,0,0]}]",
+         "fix=[{body=\"a\",where={group=\"x_min\"}}]", "load=[]", "probe=[]"},
+        1,
+        {"contact: expected bodies that start apart", "of \"a\" and cell", "move \"b\" by (0.5"}}},
       {"output_dir_missing", {{}, 0, {}}},
       {"mesh_missing", {{"body.0.mesh=nowhere/bar.msh"}, 1, {"nowhere/bar.msh", "no such file"}}},
       {"locale_de", {{}, 0, {}}},

@@ -4,7 +4,8 @@
 
 #include <random>
 
-#include "resilin/collision/pair_distance.hpp"
+#include "resilin/mesh/generators.hpp"
+#include "resilin/mesh/topology.hpp"
 
 namespace resilin {
 namespace {
@@ -84,6 +85,34 @@ TEST_P(CrossingsOfRandomParts, AreThoseThatEquationsFind) {
 }
 
 INSTANTIATE_TEST_SUITE_P(InTwoAndThreeDimensions, CrossingsOfRandomParts, ::testing::Values(2, 3));
+
+/// A box or a square of side 2 size around a place.
+void add_box(Parts& parts, const Vector3& middle, double size) {
+  const int dim = parts.surface.dim;
+  const Mesh mesh =
+      dim == 3 ? make_box({2, 2, 2}, {1, 1, 1}, {-1, -1, -1}) : make_rectangle({2, 2}, {1, 1}, {-1, -1});
+  const CellBlock facets = boundary(*mesh.find_solid(dim)).facets;
+  const Eigen::Index old = parts.places.size();
+  parts.places.conservativeResize(old + static_cast<Eigen::Index>(mesh.vertices.size()) * dim);
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+    parts.places.segment(old + static_cast<Eigen::Index>(v) * dim, dim) =
+        (middle + size * mesh.vertices[v]).head(dim);
+  add_body(parts.surface, static_cast<Index>(mesh.vertices.size()), facets.nodes);
+}
+
+TEST(ABodyInAnother, IsFoundWhereSurfacesDoNotCross) {
+  for (const int dim : {2, 3}) {
+    Parts parts = random_parts(dim, 0, 1);
+    add_box(parts, {0, 0, 0}, 1);
+    add_box(parts, {0.3, 0.2, dim == 3 ? -0.4 : 0}, 0.1);
+    add_box(parts, {1.2, 0.2, 0}, 0.1);
+    EXPECT_FALSE(first_crossing(parts.surface, BodyMeetings(3), parts.places));
+    EXPECT_TRUE(is_one_inside(parts.surface, 0, 1, parts.places)) << dim;
+    EXPECT_TRUE(is_one_inside(parts.surface, 1, 0, parts.places)) << dim;
+    EXPECT_FALSE(is_one_inside(parts.surface, 0, 2, parts.places)) << dim;
+    EXPECT_FALSE(is_one_inside(parts.surface, 1, 2, parts.places)) << dim;
+  }
+}
 
 /// A triangle above another one, moved down until its tip has gone through by a hair.
 TEST(ACrossing, IsSeenToTheLastBit) {

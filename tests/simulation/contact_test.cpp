@@ -119,6 +119,14 @@ TEST(ACubeOnACube, PressesItWithItsWeight) {
   const Frame& frame = simulation.frame();
   EXPECT_EQ(frame.reactions[2].first, "foot");
   EXPECT_NEAR(frame.reactions[2].second.z(), 2 * 9810, 1e-7 * 9810);
+  ASSERT_EQ(frame.contacts.size(), 1U);
+  const auto& [body, other, force, gap, num_pairs] = frame.contacts[0];
+  EXPECT_EQ(body, 0);
+  EXPECT_EQ(other, 1);
+  EXPECT_LT((force - Vector3(0, 0, 9810)).norm(), 1e-7 * 9810);
+  EXPECT_GT(gap, 0);
+  EXPECT_LT(gap, simulation.world().contact->activation_distance());
+  EXPECT_GT(num_pairs, 0);
 }
 
 /// A ring of 1 m, pressed at its top and its bottom by `force` [N] each.

@@ -44,6 +44,27 @@ TEST(Oddities, NameCellsThatAreInsideOut) {
     }
 }
 
+/// One node in the middle of an edge is pushed until the cell folds beside it; the points do not see it.
+TEST(Oddities, NameCellsThatFoldBetweenTheirPoints) {
+  for (const int dimension : {2, 3}) {
+    Description scene = small_bar(dimension, true);
+    scene.bodies[0].element = "P2";
+    const World world(scene);
+    State state = Simulation(scene).state();
+    EXPECT_EQ(folded_cells(world.bodies[0], world, state.positions).count, 0);
+    const Body& body = world.bodies[0];
+    const Index corner = body.cells[0], middle = body.cells[static_cast<std::size_t>(dimension + 1)];
+    const auto place = [&](Index node) {
+      return state.positions.segment(Eigen::Index{node} * dimension, dimension);
+    };
+    place(middle) += 0.6 * (place(corner) - place(middle));  // beyond a quarter of the edge
+    ASSERT_EQ(inverted_cells(body, state.positions).count, 0);
+    EXPECT_GT(folded_cells(body, world, state.positions).count, 0);
+    const std::string words = ::testing::PrintToString(oddities(world, state));
+    EXPECT_THAT(words, AllOf(HasSubstr("folded between the points"), HasSubstr("inversion_bound")));
+  }
+}
+
 TEST(Oddities, CountThemAsTheyAre) {
   Description scene = small_bar(3, false);
   scene.fixes[0].where.kind = Where::Kind::all;

@@ -1,19 +1,43 @@
 #include "resilin/contact/contact_node.hpp"
 
+#include <algorithm>
 #include <array>
 #include <map>
 
 namespace resilin {
+namespace {
+
+/// A facet's share at one of its nodes.
+struct FacetShare {
+  Vector3 normal;  ///< of length 1
+  double area;
+};
+
+/// The most that faces in one direction see of the shares.
+double facing_area(const std::vector<FacetShare>& shares) {
+  double most = 0;
+  for (const FacetShare& face : shares) {
+    double seen = 0;
+    for (const FacetShare& other : shares) seen += other.area * std::max(0.0, face.normal.dot(other.normal));
+    most = std::max(most, seen);
+  }
+  return most;
+}
+
+}  // namespace
 
 std::vector<ContactNode> contact_nodes(int dim, const CellBlock& facets, const VectorX& rest_positions,
                                        double stiffness) {
-  std::map<Index, double> areas;
+  std::map<Index, std::vector<FacetShare>> shares;
   for (Index facet = 0; facet < facets.num_cells(); ++facet) {
     const std::span<const Index> nodes = facets.cell(facet);
     std::array<double, 6> squares{};
+    Vector3 whole = Vector3::Zero();
     double area = 0, sum = 0;
     for (const FacetPoint& point : facet_points(facets.kind)) {
-      const double weight = point.weight * area_vector(dim, point, nodes, rest_positions).norm();
+      const Vector3 vector = point.weight * area_vector(dim, point, nodes, rest_positions);
+      const double weight = vector.norm();
+      whole += vector;
       area += weight;
       for (std::size_t a = 0; a < nodes.size(); ++a) {
         const double square = weight * point.values[a] * point.values[a];
@@ -22,10 +46,11 @@ std::vector<ContactNode> contact_nodes(int dim, const CellBlock& facets, const V
       }
     }
     if (!(sum > 0)) continue;  // a facet without area has no share
-    for (std::size_t a = 0; a < nodes.size(); ++a) areas[nodes[a]] += area * squares[a] / sum;
+    for (std::size_t a = 0; a < nodes.size(); ++a)
+      shares[nodes[a]].push_back({whole.normalized(), area * squares[a] / sum});
   }
   std::vector<ContactNode> result;
-  for (const auto& [node, area] : areas) result.push_back({node, stiffness * area});
+  for (const auto& [node, of_node] : shares) result.push_back({node, stiffness * facing_area(of_node)});
   return result;
 }
 

@@ -1,9 +1,14 @@
 #include "resilin/contact/crossing.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
+#include <numbers>
+#include <numeric>
 #include <span>
+#include <vector>
 
 #include "resilin/core/orientation.hpp"
 #include "resilin/core/parallel.hpp"
@@ -78,7 +83,68 @@ class CrossingSearch {
   BoxTree tree_;
 };
 
+/// Whether a ray along x from a point goes out of a body's surface once more than into it.
+bool is_inside_2d(const CollisionSurface& surface, Index body, const Eigen::Vector2d& point,
+                  const VectorX& places) {
+  bool is_inside = false;
+  for (std::size_t i = 0; i < surface.edges.size(); i += 2) {
+    if (surface.bodies[static_cast<std::size_t>(surface.edges[i])] != body) continue;
+    const Eigen::Vector2d a = places.segment<2>(Eigen::Index{surface.edges[i]} * 2),
+                          b = places.segment<2>(Eigen::Index{surface.edges[i + 1]} * 2);
+    if ((a.y() > point.y()) == (b.y() > point.y())) continue;
+    if ((orientation(a, b, point) > 0) == (b.y() > a.y())) is_inside = !is_inside;
+  }
+  return is_inside;
+}
+
+/// Whether a body's surface goes around a point.
+bool is_inside_3d(const CollisionSurface& surface, Index body, const Vector3& point, const VectorX& places) {
+  double turns = 0;
+  for (std::size_t i = 0; i < surface.triangles.size(); i += 3) {
+    if (surface.bodies[static_cast<std::size_t>(surface.triangles[i])] != body) continue;
+    std::array<Vector3, 3> to;
+    for (std::size_t k = 0; k < 3; ++k) to[k] = node_position(3, surface.triangles[i + k], places) - point;
+    const auto& [a, b, c] = to;
+    const double la = a.norm(), lb = b.norm(), lc = c.norm();
+    turns += std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + a.dot(c) * lb + b.dot(c) * la) /
+             (2 * std::numbers::pi);
+  }
+  return turns > 0.5;
+}
+
+/// One vertex of each connected piece of a body's surface.
+std::vector<Index> piece_vertices(const CollisionSurface& surface, Index body) {
+  std::vector<Index> leader(surface.num_vertices());
+  std::iota(leader.begin(), leader.end(), Index{0});
+  const auto find = [&](Index v) {
+    while (leader[static_cast<std::size_t>(v)] != v)
+      v = leader[static_cast<std::size_t>(v)] =
+          leader[static_cast<std::size_t>(leader[static_cast<std::size_t>(v)])];
+    return v;
+  };
+  for (std::size_t i = 0; i < surface.edges.size(); i += 2)
+    leader[static_cast<std::size_t>(find(surface.edges[i]))] = find(surface.edges[i + 1]);
+  std::vector<Index> vertices;
+  for (const Index v : surface.edges)
+    if (surface.bodies[static_cast<std::size_t>(v)] == body && find(v) == v) vertices.push_back(v);
+  std::ranges::sort(vertices);
+  const auto repeated = std::ranges::unique(vertices);
+  vertices.erase(repeated.begin(), repeated.end());
+  return vertices;
+}
+
 }  // namespace
+
+bool is_one_inside(const CollisionSurface& surface, Index body, Index other, const VectorX& places) {
+  const auto has_pieces_in = [&](Index one, Index around) {
+    return std::ranges::any_of(piece_vertices(surface, one), [&](Index vertex) {
+      return surface.dim == 3
+                 ? is_inside_3d(surface, around, node_position(3, vertex, places), places)
+                 : is_inside_2d(surface, around, places.segment<2>(Eigen::Index{vertex} * 2), places);
+    });
+  };
+  return has_pieces_in(body, other) || has_pieces_in(other, body);
+}
 
 std::optional<Crossing> first_crossing(const CollisionSurface& surface, const BodyMeetings& meetings,
                                        const VectorX& places) {

@@ -19,4 +19,9 @@ struct Crossing {
 std::optional<Crossing> first_crossing(const CollisionSurface& surface, const BodyMeetings& meetings,
                                        const VectorX& places);
 
+/// Whether bodies whose surfaces do not cross share space: a connected piece of the one's surface is inside
+/// that of the other. Told for a vertex of each piece: by the winding number of the surface around it (solid
+/// angles of its triangles: Van Oosterom & Strackee 1983), in 2D by a ray.
+bool is_one_inside(const CollisionSurface& surface, Index body, Index other, const VectorX& places);
+
 }  // namespace resilin

@@ -16,6 +16,8 @@ namespace {
 
 /// Of the activation distance, that vertices may leave the boxes of a search by.
 constexpr double share_of_slack = 0.25;
+/// Of the activation distance: what is nearer counts as touching.
+constexpr double touching = 1e-6;
 
 /// Where the vertices of a term are.
 template <int dim>
@@ -214,6 +216,37 @@ void SurfaceContact::prepare(const VectorX& x, const VectorX& p, const Condition
   found_ = find(broad_phase_, surface_->places(x), surface_->places(p));
 }
 
+std::vector<SurfaceContact::BodyContact> SurfaceContact::body_contacts(const VectorX& x,
+                                                                       const Conditions& c) const {
+  const VectorX places = surface_->places(x);
+  std::map<std::array<Index, 2>, BodyContact> contacts;
+  in_dimension(surface_->parts.dim, [&](auto dim) {
+    for (const ContactTerm& term : terms_at({&places})) {
+      const PairBarrier<dim> pair = barrier_of<dim>(term, barrier_, places);
+      if (!pair.is_active()) continue;
+      const std::span<const Index> vertices = term.used_vertices();
+      const auto split = static_cast<std::size_t>(num_first(term.kind));
+      const auto body_of = [&](Index v) { return surface_->parts.bodies[static_cast<std::size_t>(v)]; };
+      const Index first = body_of(vertices[0]), second = body_of(vertices[split]);
+      const auto [low, high] = std::minmax(first, second);
+      BodyContact& contact =
+          contacts.try_emplace({low, high}, BodyContact{.body = low, .other = high}).first->second;
+      ++contact.num_pairs;
+      contact.gap = std::min(contact.gap, pair.distance().distance);
+      if (low == high) continue;
+      const PairVector<dim> gradient = pair.gradient();
+      const bool is_first_the_other = first == high;
+      for (std::size_t i = is_first_the_other ? 0 : split; i < (is_first_the_other ? split : vertices.size());
+           ++i)
+        contact.force.template head<dim>() -=
+            c.contact_weight * gradient.template segment<dim>(static_cast<Eigen::Index>(i) * dim);
+    }
+  });
+  std::vector<BodyContact> list;
+  for (const auto& [bodies, contact] : contacts) list.push_back(contact);
+  return list;
+}
+
 void SurfaceContact::add_held_directions(const VectorX& x, std::vector<HeldDirection>& held) const {
   const VectorX places = surface_->places(x);
   const auto first_node = [&](Index v) {
@@ -235,6 +268,10 @@ void SurfaceContact::add_held_directions(const VectorX& x, std::vector<HeldDirec
       }
     }
   });
+}
+
+bool SurfaceContact::touches(const VectorX& x) const {
+  return smallest_gap(x).distance <= touching * activation_distance();
 }
 
 SurfaceContact::Gap SurfaceContact::smallest_gap(const VectorX& x) const {

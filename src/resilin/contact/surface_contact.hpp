@@ -37,6 +37,16 @@ class SurfaceContact final : public Energy {
   std::unique_ptr<Energy> begin_stage(const Stage& stage) const override;
   void prepare(const VectorX& x, const VectorX& p, const Conditions& c) override;
 
+  /// What two bodies that touch do to each other, or one to itself.
+  struct BodyContact {
+    Index body, other;                                     ///< numbers of the bodies
+    Vector3 force = Vector3::Zero();                       ///< on `other` [N]; the body feels the opposite
+    double gap = std::numeric_limits<double>::infinity();  ///< the smallest [m]
+    Index num_pairs = 0;                                   ///< of parts that feel each other
+  };
+  /// In the order of the bodies.
+  std::vector<BodyContact> body_contacts(const VectorX& x, const Conditions& c) const;
+
   /// Across the gap, the nodes of parts that are near enough to feel each other.
   void add_held_directions(const VectorX& x, std::vector<HeldDirection>& held) const override;
 
@@ -52,6 +62,8 @@ class SurfaceContact final : public Energy {
   };
   /// Of those nearer than the activation distance, the first of several; infinite where none are.
   Gap smallest_gap(const VectorX& x) const;
+  /// Whether that is less than 1e-6 of the activation distance.
+  bool touches(const VectorX& x) const;
 
  private:
   /// Candidates, which are all while each vertex is in the box around its way, or a little outside.

@@ -5,6 +5,7 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/fields/contact_traction.hpp"
 #include "resilin/fields/quantities.hpp"
 #include "resilin/fields/tensors.hpp"
 
@@ -114,19 +115,24 @@ constexpr CellQuantity of_cells[] = {
 };
 
 constexpr NodeQuantity of_nodes[] = {
-    {"displacement", "displacement", "from the rest shape", "m",
+    {"displacement", "displacement", "from the rest shape", "m", vector,
      [](const World& world, const State& state) -> VectorX {
        return state.positions - world.rest_positions;
      }},
-    {"velocity", "velocity", "zero in statics", "m/s",
+    {"velocity", "velocity", "zero in statics", "m/s", vector,
      [](const World&, const State& state) -> VectorX { return state.velocities; }},
+    {"contact_traction", "contact traction",
+     "force per rest area that bodies and colliders exert where they touch; zero elsewhere", "Pa", vector,
+     contact_traction},
+    {"contact_pressure", "contact pressure", "how much of it presses upon the surface", "Pa", scalar,
+     contact_pressure},
 };
 
 std::vector<FieldInfo> all_fields() {
   std::vector<FieldInfo> all;
   for (const NodeQuantity& q : of_nodes)
     all.push_back(
-        {std::string(q.name), std::string(q.label), std::string(q.text), std::string(q.unit), vector, true});
+        {std::string(q.name), std::string(q.label), std::string(q.text), std::string(q.unit), q.kind, true});
   for (const bool is_on_nodes : {false, true})
     for (const CellQuantity& q : of_cells)
       all.push_back({std::string(is_on_nodes ? nodal_prefix : "") + std::string(q.name), std::string(q.label),

@@ -102,7 +102,9 @@ std::vector<FieldValues> FieldEvaluator::evaluate(const State& state, std::span<
     const FieldInfo& field = require_field(name, "fields");
     const auto node_quantity = std::ranges::find(node_quantities(), name, &NodeQuantity::name);
     if (node_quantity != node_quantities().end()) {
-      results.push_back({&field, nodal_vectors(node_quantity->values(world_, state), world_.dimension)});
+      const VectorX values = node_quantity->values(world_, state);
+      results.push_back({&field, field.components() == 1 ? std::vector<double>(values.begin(), values.end())
+                                                         : nodal_vectors(values, world_.dimension)});
       continue;
     }
     const CellQuantity& quantity = *find_quantity(field);

@@ -30,9 +30,10 @@ struct CellQuantity {
 };
 std::span<const CellQuantity> cell_quantities();
 
-/// A quantity of the vertices: dim numbers for each.
+/// A quantity of the vertices: dim numbers for each, or one.
 struct NodeQuantity {
   std::string_view name, label, text, unit;
+  FieldInfo::Kind kind;
   VectorX (*values)(const World& world, const State& state);
 };
 std::span<const NodeQuantity> node_quantities();

@@ -111,11 +111,26 @@ Json extremes_json(const World& world, const State& state, std::span<const Field
   return json;
 }
 
+const std::string& body_name(const World& world, Index body) {
+  return world.bodies[static_cast<std::size_t>(body)].name;
+}
+
+Json contacts_json(const Frame& frame, const World& world) {
+  Json list = Json::array();
+  for (const SurfaceContact::BodyContact& contact : frame.contacts)
+    list.push_back({{"bodies", {body_name(world, contact.body), body_name(world, contact.other)}},
+                    {"force", vector_json(contact.force, world.dimension)},
+                    {"gap", contact.gap},
+                    {"pairs", contact.num_pairs}});
+  return list;
+}
+
 }  // namespace
 
 Json frame_json(const Frame& frame, const World& world, const State& state,
                 std::span<const FieldValues> fields) {
   Json json = frame_json(frame, world.dimension);
+  json["contacts"] = contacts_json(frame, world);
   json["extremes"] = extremes_json(world, state, fields);
   return json;
 }

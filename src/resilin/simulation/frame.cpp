@@ -21,7 +21,7 @@ void move_to_scene_coordinates(const Vector3& origin, Frame& frame) {
 
 Frame measure_frame(const World& world, const State& state, const VectorX* step_gradient) {
   const int dim = world.dimension;
-  const Conditions conditions{.time = state.time, .load = state.load, .collider_delay = state.collider_delay};
+  const Conditions conditions = conditions_of(state);
   Frame frame;
   frame.step = state.step;
   frame.time = state.time;
@@ -56,6 +56,8 @@ Frame measure_frame(const World& world, const State& state, const VectorX* step_
                                             node_position(dim, probe.node, world.rest_positions),
                             .velocity = node_position(dim, probe.node, state.velocities)});
   }
+
+  if (world.contact) frame.contacts = world.contact->body_contacts(state.positions, conditions);
 
   for (const Section& section : world.sections) frame.sections.push_back(section.measure(state.positions));
 

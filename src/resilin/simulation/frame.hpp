@@ -56,6 +56,9 @@ struct Frame {
 
   std::vector<Vector3> reaction_torques;  ///< of the same about the origin, on the moved nodes [N m]
 
+  /// Bodies that touch.
+  std::vector<SurfaceContact::BodyContact> contacts;
+
   std::vector<SectionForce> sections;  ///< what bodies carry through the cuts that the scene asks for
 
   double total_energy() const { return elastic_energy + kinetic_energy + external_energy + contact_energy; }

@@ -34,7 +34,7 @@ VectorX accelerations_by(const World& world, const VectorX& forces) {
 }
 
 VectorX accelerations_at(const World& world, const State& state, const VectorX& prescribed) {
-  const Conditions conditions{.time = state.time, .load = state.load, .collider_delay = state.collider_delay};
+  const Conditions conditions = conditions_of(state);
   // v = (x - x_0) / c for any c.
   const Stage stage{.base_positions = state.positions - state.velocities,
                     .base_velocities = state.velocities,

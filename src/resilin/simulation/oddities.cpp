@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <span>
 
+#include "resilin/contact/crossing.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/element/jacobian_bound.hpp"
+#include "resilin/mesh/facet.hpp"
 #include "resilin/simulation/force_balance.hpp"
 #include "resilin/world/body_overlap.hpp"
 
@@ -16,6 +19,15 @@ std::string inversion_text(const World& world, const Body& body, const InvertedC
          std::to_string(inverted.worst) + " most, with volume ratio " + format_short(inverted.ratio) +
          ": no real body does that, and " + body.law +
          " allows it; take a law that needs J > 0, such as neo_hookean, or load it less";
+}
+
+std::string folding_text(const World& world, const Body& body, const InvertedCells& folded) {
+  return world.place + ": " + std::to_string(folded.count) + " of " + std::to_string(body.num_cells()) +
+         " cells of \"" + body.name + "\" " + (folded.count == 1 ? "is" : "are") +
+         " folded between the points where energy is taken, cell " + std::to_string(folded.worst) +
+         " with volume ratio " + format_short(folded.ratio) + (folded.count == 1 ? "" : " among them") +
+         ": newton.inversion_bound = \"everywhere\" keeps them right with laws that need J > 0, finer cells "
+         "need not fold";
 }
 
 }  // namespace
@@ -38,18 +50,61 @@ InvertedCells inverted_cells(const Body& body, const VectorX& x) {
   return found;
 }
 
+InvertedCells folded_cells(const Body& body, const World& world, const VectorX& x) {
+  InvertedCells found;
+  const ElementInfo& element = body.elastic->element();
+  const int dim = world.dimension, num_nodes = resilin::num_nodes(body.cell_kind);
+  if (num_nodes == dim + 1) return found;  // J is the same everywhere
+  const std::vector<double> ratios = body.elastic->volume_ratios(x);
+  const auto num_points = static_cast<std::size_t>(body.elastic->num_points());
+  const auto places = [&](Index cell, const VectorX& all) {
+    std::vector<double> of_cell;
+    for (int a = 0; a < num_nodes; ++a) {
+      const Index node = body.cells[static_cast<std::size_t>(cell * num_nodes + a)];
+      for (int k = 0; k < dim; ++k) of_cell.push_back(all[Eigen::Index{node} * dim + k]);
+    }
+    return of_cell;
+  };
+  for (Index cell = 0; cell < body.num_cells(); ++cell) {
+    const auto points = std::span(ratios).subspan(static_cast<std::size_t>(cell) * num_points, num_points);
+    if (!std::ranges::all_of(points, [](double ratio) { return ratio > 0; })) continue;
+    const JacobianSign sign = jacobian_sign(element, places(cell, x));
+    if (sign.kind != JacobianSign::Kind::not_positive) continue;
+    const double ratio = sign.value / jacobian(element, sign.xi, places(cell, world.rest_positions));
+    ++found.count;
+    if (found.worst >= 0 && ratio >= found.ratio) continue;
+    found.ratio = ratio;
+    found.worst = cell;
+  }
+  return found;
+}
+
 std::vector<std::string> oddities(const World& world, const State& state) {
   std::vector<std::string> found;
   if (world.modes) return found;  // drawn, not reached
   for (const Body& body : world.bodies)
     if (const InvertedCells inverted = inverted_cells(body, state.positions); inverted.count > 0)
       found.push_back(inversion_text(world, body, inverted));
+  for (const Body& body : world.bodies)
+    if (const InvertedCells folded = folded_cells(body, world, state.positions); folded.count > 0)
+      found.push_back(folding_text(world, body, folded));
   if (!world.is_dynamic)
     for (const std::string& text : describe_lost_digits(world, state))
       found.push_back(world.place + ": " + text);
-  const std::vector<BodyOverlap> now = overlapping_bodies(world, state.positions);
+  if (world.contact) {
+    const CollisionSurface& parts = world.contact->surface().parts;
+    const VectorX places = world.contact->surface().places(state.positions);
+    if (const auto crossing = first_crossing(parts, world.contact->meetings(), places)) {
+      const Index vertex = parts.edges[static_cast<std::size_t>(2 * crossing->edge)];
+      found.push_back(world.place + ": surfaces went through each other near " +
+                      world.place_text(world.origin + node_position(world.dimension, vertex, places)) +
+                      ", although contact keeps them apart: this is a fault of the program");
+    }
+  }
+  const std::vector<BodyOverlap> now = overlapping_bodies(world, state.positions, world.contact.get());
   if (now.empty()) return found;
-  const std::vector<BodyOverlap> before = overlapping_bodies(world, world.start_positions);
+  const std::vector<BodyOverlap> before =
+      overlapping_bodies(world, world.start_positions, world.contact.get());
   for (const BodyOverlap& overlap : now) {
     const bool is_old = std::ranges::any_of(before, [&](const BodyOverlap& other) {
       return other.body == overlap.body && other.other == overlap.other;

@@ -20,4 +20,7 @@ struct InvertedCells {
 };
 InvertedCells inverted_cells(const Body& body, const VectorX& x);
 
+/// Cells with J > 0 at all quadrature points and J <= 0 elsewhere (jacobian_sign).
+InvertedCells folded_cells(const Body& body, const World& world, const VectorX& x);
+
 }  // namespace resilin

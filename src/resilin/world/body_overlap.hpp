@@ -15,8 +15,10 @@ struct BodyOverlap {
 };
 
 /// Bodies that share space when they stand at x; such as only touch do not. Of a pair the first cells are
-/// named.
-std::vector<BodyOverlap> overlapping_bodies(const World& world, const VectorX& x);
+/// named. Sides of cells are taken as flat between their corners; where `contact` has the bodies' surfaces,
+/// its finer parts decide.
+std::vector<BodyOverlap> overlapping_bodies(const World& world, const VectorX& x,
+                                            const SurfaceContact* contact);
 
 /// "bodies "a" and "b" share space, cell 3 of "a" and cell 7 of "b" near (0, 0, 1)".
 std::string describe(const World& world, const BodyOverlap& overlap);

@@ -14,8 +14,6 @@
 namespace resilin {
 namespace {
 
-/// Of the activation distance: what is nearer at the start counts as touching.
-constexpr double touching = 1e-6;
 /// Of the thinnest gap of a body to itself at rest: where its own parts begin to feel each other.
 constexpr double share_of_gap = 0.5;
 
@@ -113,7 +111,7 @@ class StartCheck {
       : contact_(contact), world_(world), place_(std::move(place)), parts_(contact.surface().parts) {}
 
   void check_overlaps() const {
-    for (const BodyOverlap& overlap : overlapping_bodies(world_, world_.start_positions))
+    for (const BodyOverlap& overlap : overlapping_bodies(world_, world_.start_positions, &contact_))
       if (contact_.meetings().meet(static_cast<Index>(overlap.body), static_cast<Index>(overlap.other)))
         throw InputError(place_, "bodies that start apart", describe(world_, overlap),
                          cure(world_, world_.bodies[overlap.body], world_.bodies[overlap.other], gap()));
@@ -133,8 +131,8 @@ class StartCheck {
   }
 
   void check_gap() const {
+    if (!contact_.touches(world_.start_positions)) return;
     const SurfaceContact::Gap nearest = contact_.smallest_gap(world_.start_positions);
-    if (!(nearest.distance <= touching * contact_.activation_distance())) return;
     const VectorX places = contact_.surface().places(world_.start_positions);
     const Index vertex = nearest.vertices[0];
     const Index other = nearest.vertices[static_cast<std::size_t>(num_first(nearest.kind))];

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "resilin/core/types.hpp"
+#include "resilin/energy/energy.hpp"
 
 namespace resilin {
 
@@ -37,6 +38,11 @@ struct State {
   int guarded_steps = 0;              ///< that would have added energy, and were changed
   double removed_energy = 0;          ///< from the velocities of these [J]
 };
+
+/// Under which its forces are taken.
+inline Conditions conditions_of(const State& state) {
+  return {.time = state.time, .load = state.load, .collider_delay = state.collider_delay};
+}
 
 /// Exact binary image of a state, for checkpoints.
 std::string serialize(const State& state);

@@ -151,7 +151,7 @@ void Builder::build() {
 
 /// What does not keep a complete world from running.
 void Builder::find_oddities() {
-  for (const BodyOverlap& overlap : overlapping_bodies(world_, world_.start_positions))
+  for (const BodyOverlap& overlap : overlapping_bodies(world_, world_.start_positions, world_.contact.get()))
     world_.warnings.push_back(world_.place + ": " + describe(world_, overlap) +
                               ": they are not to meet ([contact]) and pass through each other; move one of "
                               "them (translate), or let them meet");
