@@ -57,6 +57,10 @@ std::vector<Measurement> bench_collision(const BenchOptions& options) {
   return measure_collision(options.n > 0 ? options.n : 41);
 }
 
+std::vector<Measurement> bench_contact(const BenchOptions& options) {
+  return measure_contact(options.n > 0 ? options.n : 10);
+}
+
 std::vector<Measurement> bench_seed001(const BenchOptions&) { return measure_seed001(); }
 
 std::vector<Measurement> bench_view(const BenchOptions&) { return measure_view(); }
@@ -96,6 +100,9 @@ const std::vector<Benchmark>& benchmarks() {
        bench_damping},
       {"collision", "Two surfaces of 12 n^2 triangles near each other: search, times of collision, barrier",
        bench_collision},
+      {"contact",
+       "A cube falls on the ground, and two on each other in line and not, --n cells along an edge",
+       bench_contact},
       {"seed001", "627 tetrahedra dragged and let go, every step converged; needs RESILIN_SHARED",
        bench_seed001},
       {"view", "Dragging in real time: time of a step, and its distance to the solved step", bench_view},

@@ -97,6 +97,46 @@ std::vector<Measurement> measure_cube(int n) {
   return measurements;
 }
 
+namespace {
+
+void add_contact(const std::string& name, const Description& scene, std::vector<Measurement>& measurements) {
+  Simulation simulation(scene);
+  const Run result = run(simulation);
+  const auto steps = static_cast<double>(result.step_cpu.size());
+  const auto add = [&](const std::string& what, double value) {
+    measurements.emplace_back(name + ", " + what, value);
+  };
+  add("mean ms per step", 1e3 * result.cpu / steps);
+  add("largest ms per step", 1e3 * *std::ranges::max_element(result.step_cpu));
+  add("Newton iterations per step", result.newton / steps);
+  add("linear solves per step", result.linear_solves / steps);
+  add("projected solves per step", result.projected / steps);
+  add("linear iterations per step", result.linear / steps);
+  add("assembly %", 100 * simulation.timing().assembly / result.wall);
+  add("solving %", 100 * simulation.timing().solve / result.wall);
+  if (const SurfaceContact* contact = simulation.world().contact.get()) {
+    add("search %", 100 * contact->timing().search / result.wall);
+    add("detection %", 100 * contact->timing().detection / result.wall);
+    add("barrier %", 100 * contact->timing().barrier / result.wall);
+  }
+  add("steps not converged", result.not_converged);
+  double height = 0;
+  const Body& top = simulation.world().bodies.back();
+  for (Index node = top.first_node; node < top.first_node + top.num_nodes; ++node)
+    height += simulation.state().positions[3 * node + 2] / top.num_nodes;
+  add("height of the top body at the end", height);
+}
+
+}  // namespace
+
+std::vector<Measurement> measure_contact(int n) {
+  std::vector<Measurement> measurements;
+  add_contact("dropped cube", dropped_cube(n), measurements);
+  add_contact("two cubes", two_cubes(n, false), measurements);
+  add_contact("two cubes in line", two_cubes(n, true), measurements);
+  return measurements;
+}
+
 std::filesystem::path shared_mesh(const std::string& name) {
   const char* folder = std::getenv("RESILIN_SHARED");
   return std::filesystem::path(folder == nullptr ? "../shared" : folder) / "meshes" / name;

@@ -74,6 +74,30 @@ Description cube(int n) {
   return scene;
 }
 
+Description dropped_cube(int n) {
+  Description scene = cube(n);
+  scene.title = "dropped cube";
+  scene.fixes.clear();
+  scene.bodies[0].translate = {0, 0, 0.05};
+  ColliderDescription ground;
+  ground.name = "ground";
+  ground.kind = "half_space";
+  ground.shape.normal = {0, 0, 1};
+  scene.colliders.push_back(ground);
+  return scene;
+}
+
+Description two_cubes(int n, bool is_aligned) {
+  Description scene = dropped_cube(n);
+  scene.title = "two cubes";
+  scene.bodies.push_back(scene.bodies[0]);
+  scene.bodies[0].name = "lower";
+  scene.bodies[0].translate = {0, 0, 0.002};
+  scene.bodies[1].name = "upper";
+  scene.bodies[1].translate = {is_aligned ? 0 : 0.05, is_aligned ? 0 : 0.03, 0.452};
+  return scene;
+}
+
 Description seed001(const std::filesystem::path& mesh) {
   Description scene;
   scene.title = "seed 001";

@@ -22,6 +22,13 @@ Description bar(int n, bool is_dynamic, const std::string& element);
 /// kg/m^3, that falls under its weight for one second in steps of 1/60 s. Stops at 1e-6 of the weight.
 Description cube(int n);
 
+/// That cube, free, 5 cm above the ground.
+Description dropped_cube(int n);
+
+/// Two such cubes: the lower falls on the ground, the upper, 5 cm above it, on the lower; beside it by 5 and
+/// 3 cm or in line with it.
+Description two_cubes(int n, bool is_aligned);
+
 /// The armadillo that its first author let people drag: 627 tetrahedra, springs of 1e5 N/m pull one ear aside
 /// for a second and let go; steps of 0.01 s, each converged. @param mesh  armadillo_coarse.node
 Description seed001(const std::filesystem::path& mesh);
@@ -31,6 +38,8 @@ std::filesystem::path shared_mesh(const std::string& name);
 
 std::vector<Measurement> measure_bar(int n, bool is_dynamic, const std::string& element);
 std::vector<Measurement> measure_cube(int n);
+/// One cube that falls on the ground and two that fall on each other.
+std::vector<Measurement> measure_contact(int n);
 /// Needs $RESILIN_SHARED: the mesh may not be shipped. @throws InputError saying so
 std::vector<Measurement> measure_seed001();
 

@@ -65,6 +65,45 @@ def newton_iterations(report, _folder):
     return sum(frame["newton_iterations"] for frame in report["frames"])
 
 
+def mean_velocity(report, _folder, time, axis, mass):
+    """Of the centre of mass of everything, along an axis; at the end where there is no time."""
+    at_time = [frame for frame in report["frames"] if time is None or math.isclose(frame["time"], time, rel_tol=1e-6)]
+    frame = at_time[-1]
+    return frame["momentum"]["linear"][axis] / mass
+
+
+def mean_acceleration(report, folder, begin, end, axis, mass):
+    """Of the centre of mass of everything, along an axis between two times."""
+    change = mean_velocity(report, folder, end, axis, mass) - mean_velocity(report, folder, begin, axis, mass)
+    return change / (end - begin)
+
+
+def time_to_stop(report, _folder, axis):
+    """When the momentum along an axis, which fell evenly, is zero: from the frames above a tenth of the first."""
+    momenta = [(frame["time"], frame["momentum"]["linear"][axis]) for frame in report["frames"]]
+    (t0, p0), (t1, p1) = momenta[0], [entry for entry in momenta if entry[1] > 0.1 * momenta[0][1]][-1]
+    return t0 + (t1 - t0) * p0 / (p0 - p1)
+
+
+def touching_times(report, name_of_collider):
+    """Times of the frames in which a collider pushes by more than a tenth of the most that it does."""
+    sizes = [(frame["time"], math.hypot(*frame["reactions"][name_of_collider])) for frame in report["frames"]]
+    most = max(size for _, size in sizes)
+    return [time for time, size in sizes if size > 0.1 * most]
+
+
+def contact_duration(report, _folder, name_of_collider):
+    """From the first to the last push of a collider."""
+    times = touching_times(report, name_of_collider)
+    return times[-1] - times[0]
+
+
+def mean_contact_force(report, folder, name_of_collider, axis):
+    """What a collider gives to the momentum along an axis, over the time that it pushes."""
+    momenta = [frame["momentum"]["linear"][axis] for frame in report["frames"]]
+    return (momenta[-1] - momenta[0]) / contact_duration(report, folder, name_of_collider)
+
+
 def manufactured_displacement(place):
     """Displacement [m] of the manufactured solution, and the derivatives of its x and y components by x and y."""
     x, a, b = math.pi * place[0], 0.15, 0.2
@@ -90,6 +129,11 @@ MEASURES = {
         energy_slope,
         largest_energy_change,
         largest_energy_growth,
+        mean_velocity,
+        mean_acceleration,
+        time_to_stop,
+        contact_duration,
+        mean_contact_force,
         manufactured_error,
         newton_iterations,
     )

@@ -119,6 +119,14 @@ void print_scene(const Scene& scene, const World& world) {
     print_line("collider " + one_line(collider->name()) + ": " + std::string(collider->shape().kind()) +
                ", felt from " + format_short(collider->activation_distance()) + " m");
   }
+  for (const auto& collider : world.mesh_colliders) {
+    const ContactSurface& surface = collider->surface();
+    print_line("collider " + one_line(collider->name()) + ": " +
+               std::to_string(surface.obstacle->mesh.vertices.size()) + " vertices, felt from " +
+               format_short(collider->activation_distance()) + " m");
+  }
+  if (world.contact)
+    print_line("contact of bodies: felt from " + format_short(world.contact->activation_distance()) + " m");
   print_line(std::to_string(world.num_free_unknowns()) + " unknowns, " + time_steps_text(world));
 }
 

@@ -91,6 +91,7 @@ class EnergyReport(TypedDict):
     contact: float
     total: float
     dissipated: float
+    friction: float
 
 
 class MomentumReport(TypedDict):

@@ -90,7 +90,8 @@ struct EveryCollider : ::testing::TestWithParam<std::tuple<std::string_view, int
 
 std::vector<std::string_view> names_of_shapes() {
   std::vector<std::string_view> names;
-  for (const ShapeKind& kind : shape_kinds()) names.push_back(kind.name);
+  for (const ShapeKind& kind : shape_kinds())
+    if (kind.make != nullptr) names.push_back(kind.name);
   return names;
 }
 

@@ -60,6 +60,15 @@ TEST(Obj, RefusesNumbersOfNoVertex) {
   EXPECT_THAT(refusal("a.obj", vertices), HasSubstr("no elements"));
 }
 
+TEST(Obj, ReadsLinesAndPoints) {
+  const Mesh mesh =
+      read_mesh_from_memory("a.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nl 1 2 3\np 3 -3\nf 1 2 3\n").mesh;
+  ASSERT_EQ(mesh.blocks.size(), 3U);
+  EXPECT_EQ(mesh.find_block(CellKind::line)->nodes, (std::vector<Index>{0, 1, 1, 2}));
+  EXPECT_EQ(mesh.find_block(CellKind::point)->nodes, (std::vector<Index>{2, 0}));
+  EXPECT_EQ(mesh.find_block(CellKind::triangle)->nodes, (std::vector<Index>{0, 1, 2}));
+}
+
 const std::string tetgen_nodes =
     "# made by hand\n4 3 1 1\n1 0 0 0 7.5 0\n2 1 0 0 7.5 3\n3 0 1 0 7.5 3\n4 0 0 1 7.5 0\n";
 const std::string tetgen_elements = "1 4 1\n1 1 2 3 4 5 # region 5\n";

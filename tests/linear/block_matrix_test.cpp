@@ -54,10 +54,33 @@ TEST_P(EveryDimension, AddsABlockInEitherOrderToTheBaseOrBesideIt) {
   expected.block(dim, 0, dim, dim) = block;
   expected.block(0, dim, dim, dim) = block.transpose();
   expected.block(0, 2 * dim, dim, dim) = expected.block(2 * dim, 0, dim, dim) = block + block.transpose();
-  EXPECT_EQ(A.extra.size(), 2U);
+  EXPECT_EQ(A.extra.size(), 1U);
   EXPECT_LT((dense(A) - expected).norm(), 1e-15);
   A.set_zero();
   EXPECT_EQ(dense(A).norm(), 0);
+}
+
+TEST_P(EveryDimension, KeepsEachPairBesideTheBaseOnce) {
+  const int dim = GetParam();
+  BlockPatternBuilder builder(200);
+  BlockMatrix A(dim, std::make_shared<const BlockPattern>(builder.build()));
+  Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(200 * dim, 200 * dim);
+  const Eigen::Matrix<double, -1, -1, Eigen::RowMajor> block = Eigen::MatrixXd::Random(dim, dim);
+  for (int k = 0; k < 6000; ++k) {  // 3,000 pairs, each in both orders
+    const int i = k % 100, j = 100 + (k / 100) % 30;
+    const bool is_turned = k >= 3000;
+    A.add_block(is_turned ? j : i, is_turned ? i : j, block.data());
+    expected.block(i * dim, j * dim, dim, dim) +=
+        is_turned ? Eigen::MatrixXd(block.transpose()) : Eigen::MatrixXd(block);
+  }
+  EXPECT_EQ(A.extra.size(), 3000U);
+  expected.bottomLeftCorner(100 * dim, 100 * dim) =
+      expected.topRightCorner(100 * dim, 100 * dim).transpose().eval();
+  EXPECT_LT((dense(A) - expected).norm(), 1e-12);
+  A.set_zero();
+  EXPECT_TRUE(A.extra.empty());
+  A.add_block(3, 150, block.data());
+  EXPECT_EQ(A.extra.size(), 1U);
 }
 
 TEST_P(EveryDimension, EliminationLeavesTheIdentityAndTheFreePart) {

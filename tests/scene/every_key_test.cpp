@@ -23,7 +23,7 @@ TEST(EveryKey, MakesAWorld) {
   const Description& description = scene.description;
   EXPECT_EQ(world.bodies.size(), description.bodies.size());
   EXPECT_EQ(world.supports.size(), description.fixes.size());
-  EXPECT_EQ(world.colliders.size(), description.colliders.size());
+  EXPECT_EQ(world.colliders.size() + world.mesh_colliders.size(), description.colliders.size());
   const std::size_t num_terms = description.loads.size() + 1;  // and gravity
   EXPECT_EQ(names_of_terms(world, EnergyCategory::external).size(), num_terms);
   EXPECT_EQ(description.newton.projection, ProjectionChoice::clamp);

@@ -80,17 +80,17 @@ TEST(BodiesThatPass, AreWarnedOfInstead) {
   EXPECT_THAT(warnings(), HasSubstr("pass through each other"));
   EXPECT_EQ(World(scene).contact, nullptr);
   scene.contact.is_enabled = true;
-  scene.contact.pairs = {{.bodies = {"other", "body"}, .is_enabled = false}};
+  scene.contact.pairs = {{.bodies = {"other", "body"}, .is_enabled = false, .friction = {}}};
   EXPECT_THAT(warnings(), HasSubstr("pass through each other"));
   EXPECT_EQ(World(scene).contact, nullptr);
 }
 
 TEST(PairsOfBodies, AreThoseOfTheScene) {
   Description scene = two_bars(3, {0, 0.5, 0});
-  scene.contact.pairs = {{.place = "scene: contact.pair[0]", .bodies = {"body", "othr"}}};
+  scene.contact.pairs = {{.place = "scene: contact.pair[0]", .bodies = {"body", "othr"}, .friction = {}}};
   EXPECT_THAT(refusal_of(scene),
               AllOf(HasSubstr("contact.pair[0].bodies"), HasSubstr("did you mean \"other\"")));
-  scene.contact.pairs = {{.bodies = {"body", "body"}}};
+  scene.contact.pairs = {{.bodies = {"body", "body"}, .friction = {}}};
   const World world(scene);
   EXPECT_TRUE(world.meet(0, 0));
   EXPECT_TRUE(world.meet(0, 1));

@@ -137,7 +137,11 @@ class Dice {
     });
     d.colliders = list([this] {
       ColliderDescription collider;
-      collider.shape = {vector(), vector(), vector(), number()};
+      collider.shape = {vector(), vector(), vector(), number(), vector(), vector(),
+                        vector(), mesh(),   text(),   number(), vector()};
+      collider.displacement = vector();
+      collider.time_function = time_function();
+      collider.rotate = maybe([this] { return ColliderTurn{vector(), vector(), number(), number()}; });
       collider.stiffness = maybe([this] { return number(); });
       return collider;
     });

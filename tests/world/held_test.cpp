@@ -144,6 +144,32 @@ TEST(AStaticBody, StandsOnAColliderThatItTouches) {
   EXPECT_THAT(refusal_of(scene), HasSubstr("6 of 6"));
 }
 
+/// A body carries another one that it touches, if it is held itself: two that only hold each other float.
+TEST(AStaticBody, StandsOnABodyThatIsHeld) {
+  Description scene = loose_bar(3);
+  scene.bodies.push_back(scene.bodies[0]);
+  scene.bodies[0].name = "lower";
+  scene.bodies[1].name = "upper";
+  scene.probes.clear();
+  scene.bodies[1].translate = scene.bodies[0].translate + Vector3(0, 0, 0.25 + 1e-3);
+  scene.contact.activation_distance = 0.01;
+  EXPECT_THAT(refusal_of(scene), HasSubstr("body \"lower\" is not held: 6 of 6"));
+  FixDescription foot;
+  foot.name = "foot";
+  foot.body = "lower";
+  foot.where.kind = Where::Kind::plane;
+  foot.where.axis = 2;
+  scene.fixes.push_back(foot);
+  EXPECT_THAT(
+      refusal_of(scene),
+      AllOf(
+          HasSubstr("body \"upper\" is not held: 3 of 6 rigid motions are free in a static run: translation "
+                    "along x, translation along y, rotation about z"),
+          HasSubstr("holds only what is within its activation distance at the start")));
+  scene.bodies[1].translate.z() += 0.1;
+  EXPECT_THAT(refusal_of(scene), HasSubstr("body \"upper\" is not held: 6 of 6"));
+}
+
 TEST(ABodyInMotion, NeedsNoSupport) {
   Description scene = loose_bar(3);
   scene.is_dynamic = true;

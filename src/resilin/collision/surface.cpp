@@ -15,7 +15,7 @@ Index add_body(CollisionSurface& surface, Index num_vertices, std::span<const In
   for (std::size_t i = 0; i + corners <= facets.size(); i += corners) {
     for (std::size_t k = 0; k < corners; ++k) {
       const Index a = first + facets[i + k], b = first + facets[i + (k + 1) % corners];
-      edges.push_back({std::min(a, b), std::max(a, b)});
+      if (a != b || surface.dim == 2) edges.push_back({std::min(a, b), std::max(a, b)});
       if (surface.dim == 3) surface.triangles.push_back(a);
     }
   }

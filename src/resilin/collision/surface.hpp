@@ -21,7 +21,8 @@ struct CollisionSurface {
 };
 
 /// Adds a body, the next after the last, with all its vertices as points and each edge of its facets once.
-/// @param facets  triangles, in 2D edges, by the body's own vertices from 0 on
+/// @param facets  triangles, in 2D edges, by the body's own vertices from 0 on; one that repeats a vertex is
+///                an edge or a point by itself
 /// @return        the number of its first vertex in the surface
 Index add_body(CollisionSurface& surface, Index num_vertices, std::span<const Index> facets);
 

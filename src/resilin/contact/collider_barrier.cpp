@@ -12,6 +12,10 @@ namespace {
 /// Of the distance, that a step may use up.
 constexpr double largest_loss = 0.9;
 
+/// Of the way of a collider that turns or follows a function of time: the least that is tried, and how much
+/// less is tried each time.
+constexpr double least_part = 1e-9, next_part = 0.7;
+
 /// The symmetric matrix with its negative eigenvalues dealt with as asked.
 Eigen::Matrix3d projected(const Eigen::Matrix3d& matrix, Projection projection) {
   if (projection == Projection::none || matrix.isZero(0)) return matrix;
@@ -26,25 +30,32 @@ Eigen::Matrix3d projected(const Eigen::Matrix3d& matrix, Projection projection) 
 
 ColliderBarrier::ColliderBarrier(std::string name, int dim, std::shared_ptr<const ColliderShape> shape,
                                  std::vector<ContactNode> nodes, double activation_distance,
-                                 ColliderMotion motion)
+                                 ColliderMotion motion, double friction)
     : name_(std::move(name)),
       dim_(dim),
       shape_(std::move(shape)),
       nodes_(std::move(nodes)),
       barrier_{activation_distance},
-      motion_(std::move(motion)) {}
+      motion_(std::move(motion)),
+      friction_(friction) {}
 
 void ColliderBarrier::set_shape(std::shared_ptr<const ColliderShape> shape) {
   shape_ = std::move(shape);
   offset_.setZero();
 }
 
+RigidPlace ColliderBarrier::rigid_place(const Conditions& c) const {
+  RigidPlace place = motion_.place(c.time - c.collider_delay);
+  place.shift += offset_;
+  return place;
+}
+
 template <class Visit>
 void ColliderBarrier::for_each_near(const VectorX& x, const Conditions& c, const Visit& visit) const {
   if (!is_active_) return;
-  const Vector3 shift = displacement(c);
+  const RigidPlace place = rigid_place(c);
   for (const ContactNode& node : nodes_) {
-    const Vector3 y = node_position(dim_, node.node, x) - shift;
+    const Vector3 y = place.inverse(node_position(dim_, node.node, x));
     const double d = shape_->distance(y);
     if (!(d >= barrier_.activation_distance)) visit(node, y, d);
   }
@@ -60,11 +71,11 @@ double ColliderBarrier::value(const VectorX& x, const Conditions& c) const {
 
 double ColliderBarrier::difference(const VectorX& from, const VectorX& to, const Conditions& c) const {
   if (!is_active_) return 0;
-  const Vector3 shift = displacement(c);
+  const RigidPlace place = rigid_place(c);
   double sum = 0;
   for (const ContactNode& node : nodes_) {
-    const Vector3 y = node_position(dim_, node.node, from) - shift;
-    const Vector3 end = node_position(dim_, node.node, to) - shift;
+    const Vector3 y = place.inverse(node_position(dim_, node.node, from));
+    const Vector3 end = place.inverse(node_position(dim_, node.node, to));
     const double d = shape_->distance(y), change = shape_->distance_change(y, end);
     if (d >= activation_distance() && d + change >= activation_distance()) continue;
     sum += node.stiffness * barrier_.difference(d, change);
@@ -73,28 +84,33 @@ double ColliderBarrier::difference(const VectorX& from, const VectorX& to, const
 }
 
 void ColliderBarrier::add_gradient(const VectorX& x, const Conditions& c, VectorX& gradient) const {
+  const RigidPlace place = rigid_place(c);
   for_each_near(x, c, [&](const ContactNode& node, const Vector3& y, double d) {
     gradient.segment(Eigen::Index{node.node} * dim_, dim_) +=
-        c.contact_weight * node.stiffness * barrier_.slope(d) * shape_->normal(y).head(dim_);
+        c.contact_weight * node.stiffness * barrier_.slope(d) * place.turned(shape_->normal(y)).head(dim_);
   });
 }
 
 void ColliderBarrier::add_gradient_magnitude(const VectorX& x, const Conditions& c,
                                              VectorX& magnitude) const {
+  const RigidPlace place = rigid_place(c);
   for_each_near(x, c, [&](const ContactNode& node, const Vector3& y, double d) {
     magnitude.segment(Eigen::Index{node.node} * dim_, dim_) -=
-        c.contact_weight * node.stiffness * barrier_.slope(d) * shape_->normal(y).head(dim_).cwiseAbs();
+        c.contact_weight * node.stiffness * barrier_.slope(d) *
+        place.turned(shape_->normal(y)).head(dim_).cwiseAbs();
   });
 }
 
 // d2/dx2 kappa A b(d(x)) = kappa A (b'' n n^T + b' Hess d); the first term is never negative.
 void ColliderBarrier::add_hessian(const VectorX& x, const Conditions& c, Projection projection,
                                   BlockMatrix& hessian) const {
+  const RigidPlace place = rigid_place(c);
   for_each_near(x, c, [&](const ContactNode& node, const Vector3& y, double d) {
     const Vector3 n = shape_->normal(y);
-    const Eigen::Matrix3d block = c.contact_weight * node.stiffness *
-                                  (barrier_.curvature(d) * n * n.transpose() +
-                                   projected(barrier_.slope(d) * shape_->curvature(y), projection));
+    Eigen::Matrix3d block = c.contact_weight * node.stiffness *
+                            (barrier_.curvature(d) * n * n.transpose() +
+                             projected(barrier_.slope(d) * shape_->curvature(y), projection));
+    if (place.turn) block = *place.turn * block * place.turn->transpose();
     std::array<double, 9> values{};
     for (int i = 0; i < dim_; ++i)
       for (int j = 0; j < dim_; ++j) values[static_cast<std::size_t>(i * dim_ + j)] = block(i, j);
@@ -104,71 +120,116 @@ void ColliderBarrier::add_hessian(const VectorX& x, const Conditions& c, Project
 
 double ColliderBarrier::max_step(const VectorX& x, const VectorX& p, const Conditions& c) const {
   if (!is_active_) return 1;
-  const Vector3 shift = displacement(c);
+  const RigidPlace place = rigid_place(c);
   double step = 1;
   for (const ContactNode& node : nodes_) {
-    const Vector3 y = node_position(dim_, node.node, x) - shift;
+    const Vector3 y = place.inverse(node_position(dim_, node.node, x));
+    const Vector3 way = place.turned_back(node_position(dim_, node.node, p));
     const double left = (1 - largest_loss) * shape_->distance(y);
-    step = std::min(step, shape_->time_of_approach(y, node_position(dim_, node.node, p), left));
+    step = std::min(step, shape_->time_of_approach(y, way, left));
   }
   return step;
 }
 
 std::optional<Reaction> ColliderBarrier::reaction(const VectorX& x, const Conditions& c) const {
+  const RigidPlace place = rigid_place(c);
   Reaction sum;
   for_each_near(x, c, [&](const ContactNode& node, const Vector3& y, double d) {
-    const Vector3 force = -node.stiffness * barrier_.slope(d) * shape_->normal(y);
+    const Vector3 force = -node.stiffness * barrier_.slope(d) * place.turned(shape_->normal(y));
     sum.force += force;
     sum.torque += node_position(dim_, node.node, x).cross(force);
   });
   return sum;
 }
 
+void ColliderBarrier::add_friction_contacts(const VectorX& x, const Conditions& c,
+                                            FrictionContacts& contacts) const {
+  if (!(friction_ > 0)) return;
+  const RigidPlace place = rigid_place(c);
+  for_each_near(x, c, [&](const ContactNode& node, const Vector3& y, double d) {
+    if (d <= 0) return;
+    const WeightedNode itself{node.node, 1};
+    contacts.add(
+        {.normal = place.turned(shape_->normal(y)),
+         .limit = -friction_ * node.stiffness * barrier_.slope(d),
+         .velocity = motion_.velocity_at(node_position(dim_, node.node, x), c.time - c.collider_delay)},
+        {&itself, 1});
+  });
+}
+
 void ColliderBarrier::add_held_directions(const VectorX& x, std::vector<HeldDirection>& held) const {
+  const RigidPlace place = rigid_place({});
   for_each_near(x, {}, [&](const ContactNode& node, const Vector3& y, double) {
-    held.push_back({node.node, shape_->normal(y)});
+    held.push_back({node.node, place.turned(shape_->normal(y))});
   });
 }
 
 ColliderBarrier::Nearest ColliderBarrier::nearest(const VectorX& x, const Conditions& c) const {
-  const Vector3 shift = displacement(c);
+  const RigidPlace place = rigid_place(c);
   Nearest nearest;
   for (const ContactNode& node : nodes_) {
-    const double d = shape_->distance(node_position(dim_, node.node, x) - shift);
+    const double d = shape_->distance(place.inverse(node_position(dim_, node.node, x)));
     if (d < nearest.distance) nearest = {d, node.node};
   }
   return nearest;
 }
 
+double ColliderBarrier::distance_left(double distance, double share) const {
+  return std::min(share * activation_distance(), 0.5 * distance);
+}
+
 double ColliderBarrier::largest_motion(const VectorX& x, const Vector3& motion, const Conditions& c,
                                        double share) const {
   if (!is_active_) return 1;
-  const Vector3 shift = displacement(c);
+  const RigidPlace place = rigid_place(c);
+  const Vector3 way = -place.turned_back(motion);
   double part = 1;
   for (const ContactNode& node : nodes_) {
-    const Vector3 y = node_position(dim_, node.node, x) - shift;
-    const double left = std::min(share * activation_distance(), 0.5 * shape_->distance(y));
-    part = std::min(part, shape_->time_of_approach(y, -motion, left));
+    const Vector3 y = place.inverse(node_position(dim_, node.node, x));
+    part = std::min(part, shape_->time_of_approach(y, way, distance_left(shape_->distance(y), share)));
   }
   return part;
 }
 
+// Each node's force times the way of what it touches.
 std::optional<double> ColliderBarrier::driven_work(const VectorX& from, const Conditions& before,
                                                    const VectorX& to, const Conditions& after) const {
-  const Vector3 way = displacement(after) - displacement(before);
-  if (way.isZero(0)) return std::nullopt;
+  const RigidPlace start = rigid_place(before), end = rigid_place(after);
+  if (start.shift == end.shift && start.turn == end.turn) return std::nullopt;
   const auto work = [&](const VectorX& x, const Conditions& c) {
-    const std::optional<Reaction> pushed = reaction(x, c);
-    return pushed ? pushed->force.dot(way) : 0.0;
+    const RigidPlace place = rigid_place(c);
+    double sum = 0;
+    for_each_near(x, c, [&](const ContactNode& node, const Vector3& y, double d) {
+      const Vector3 force = -node.stiffness * barrier_.slope(d) * place.turned(shape_->normal(y));
+      sum += force.dot(end(y) - start(y));
+    });
+    return sum;
   };
   return std::max({work(from, before), work(to, after), value(to, after) - value(to, before)});
 }
 
+// Seen from the collider the nodes go on chords.
+bool ColliderBarrier::may_go(const VectorX& x, double from, double to) const {
+  const RigidPlace start = rigid_place({.time = from}), end = rigid_place({.time = to});
+  return std::ranges::all_of(nodes_, [&](const ContactNode& node) {
+    const Vector3 place = node_position(dim_, node.node, x), y = start.inverse(place);
+    const double left = distance_left(shape_->distance(y), share_left);
+    return shape_->time_of_approach(y, end.inverse(place) - y, left) >= 1;
+  });
+}
+
 double ColliderBarrier::least_delay(const VectorX& x, const Conditions& c) const {
-  if (motion_.velocity.isZero(0)) return 0;
-  const double reached = time_moved(c), wanted = time_moved({.time = c.time});
-  const double part = largest_motion(x, (wanted - reached) * motion_.velocity, c);
-  return part == 1 ? 0 : c.time - (reached + part * (wanted - reached));
+  if (motion_.is_at_rest() || !is_active_) return 0;
+  if (motion_.is_straight()) {
+    const double reached = std::min(c.time - c.collider_delay, motion_.until);
+    const double wanted = std::min(c.time, motion_.until);
+    const double part = largest_motion(x, (wanted - reached) * motion_.velocity, c);
+    return part == 1 ? 0 : c.time - (reached + part * (wanted - reached));
+  }
+  for (double part = 1; part > least_part; part *= next_part)
+    if (may_go(x, c.time - c.collider_delay, c.time - (1 - part) * c.collider_delay))
+      return (1 - part) * c.collider_delay;
+  return c.collider_delay;
 }
 
 }  // namespace resilin

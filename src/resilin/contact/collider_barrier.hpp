@@ -1,34 +1,30 @@
 #pragma once
 
-#include <algorithm>
-#include <array>
 #include <limits>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "resilin/contact/barrier.hpp"
+#include "resilin/contact/collider_motion.hpp"
 #include "resilin/contact/collider_shape.hpp"
 #include "resilin/contact/contact_node.hpp"
+#include "resilin/contact/friction_contact.hpp"
 #include "resilin/energy/energy.hpp"
 
 namespace resilin {
 
-/// How a collider moves as time passes: at a velocity until a time, then it stays.
-struct ColliderMotion {
-  Vector3 velocity = Vector3::Zero();                      ///< [m/s]
-  double until = std::numeric_limits<double>::infinity();  ///< [s]
-};
-
-/// Keeps nodes of the bodies' surfaces out of a collider, without friction: E = sum_i kappa A_i b(d(x_i)).
+/// Keeps nodes of the bodies' surfaces out of a collider: E = sum_i kappa A_i b(d(x_i)). What rubs there is
+/// for `Friction` to tell.
 ///
 /// Only positions with d > 0 are in its domain, and `max_step` never lets a node lose more than nine tenths
 /// of its distance: nothing passes through. Between the steps of a simulation the caller may move the
 /// collider or give it another shape; `largest_motion` says how far it may go. Theory: docs/contact.md.
-class ColliderBarrier final : public Energy {
+class ColliderBarrier final : public Energy, public FrictionSource {
  public:
   ColliderBarrier(std::string name, int dim, std::shared_ptr<const ColliderShape> shape,
-                  std::vector<ContactNode> nodes, double activation_distance, ColliderMotion motion = {});
+                  std::vector<ContactNode> nodes, double activation_distance, ColliderMotion motion = {},
+                  double friction = 0);
 
   std::string_view name() const override { return name_; }
   EnergyProperties properties() const override { return {.category = EnergyCategory::contact}; }
@@ -43,6 +39,13 @@ class ColliderBarrier final : public Energy {
   /// What the collider does to the bodies.
   std::optional<Reaction> reaction(const VectorX& x, const Conditions& c) const override;
 
+  const FrictionSource* friction_source() const override { return this; }
+  std::string_view name_in_reports() const override { return name_; }
+  /// Each node that is near enough to feel it.
+  void add_friction_contacts(const VectorX& x, const Conditions& c,
+                             FrictionContacts& contacts) const override;
+  double friction() const { return friction_; }
+
   /// Across its surface, the nodes that are near enough to feel it.
   void add_held_directions(const VectorX& x, std::vector<HeldDirection>& held) const override;
 
@@ -51,12 +54,16 @@ class ColliderBarrier final : public Energy {
     Index node = -1;
   };
   Nearest nearest(const VectorX& x, const Conditions& c) const;
+  /// Of a point from the collider [m].
+  double distance(const Vector3& point, const Conditions& c) const {
+    return shape_->distance(rigid_place(c).inverse(point));
+  }
 
   /// How much of `motion` [m], from 0 to 1, the collider may be moved by at once: until some node that it
   /// comes nearer to is left with `share` of the activation distance, or with half its distance where that is
   /// less. Even where the bodies are pressed hard this is never zero, and the bodies stay in the domain.
   double largest_motion(const VectorX& x, const Vector3& motion, const Conditions& c,
-                        double share = 0.1) const;
+                        double share = share_left) const;
 
   /// The least delay, from 0 to `c.collider_delay`, with which the collider's own motion has gone on from
   /// there no further than `largest_motion` allows [s].
@@ -67,7 +74,7 @@ class ColliderBarrier final : public Energy {
                                     const Conditions& after) const override;
 
   /// Where the shape's reference point is [m].
-  Vector3 place(const Conditions& c) const { return shape_->reference_point() + displacement(c); }
+  Vector3 place(const Conditions& c) const { return rigid_place(c)(shape_->reference_point()); }
   void move_to(const Vector3& point) { offset_ = point - shape_->reference_point(); }
   void move_by(const Vector3& motion) { offset_ += motion; }
   /// Takes the place of the old shape, where its own reference point is.
@@ -82,9 +89,14 @@ class ColliderBarrier final : public Energy {
   const ColliderMotion& motion() const { return motion_; }
 
  private:
-  double time_moved(const Conditions& c) const { return std::min(c.time - c.collider_delay, motion_.until); }
-  /// From where the shape was made.
-  Vector3 displacement(const Conditions& c) const { return offset_ + time_moved(c) * motion_.velocity; }
+  static constexpr double share_left = 0.1;  ///< of the activation distance
+
+  /// Of the shape from where it was made.
+  RigidPlace rigid_place(const Conditions& c) const;
+  /// Whether the bodies let it go from where it is at one time to where it is at another.
+  bool may_go(const VectorX& x, double from, double to) const;
+  /// What is left of its distance when something comes nearer.
+  double distance_left(double distance, double share) const;
   /// Calls `visit(node, y, d)` for nodes nearer than the activation distance; y is relative to the shape.
   template <class Visit>
   void for_each_near(const VectorX& x, const Conditions& c, const Visit& visit) const;
@@ -95,6 +107,7 @@ class ColliderBarrier final : public Energy {
   std::vector<ContactNode> nodes_;
   ClampedLogBarrier barrier_;
   ColliderMotion motion_;
+  double friction_;  ///< its coefficient
   Vector3 offset_ = Vector3::Zero();
   bool is_active_ = true;
 };

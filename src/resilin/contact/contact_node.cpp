@@ -1,30 +1,11 @@
 #include "resilin/contact/contact_node.hpp"
 
-#include <algorithm>
 #include <array>
 #include <map>
 
+#include "resilin/contact/facing_area.hpp"
+
 namespace resilin {
-namespace {
-
-/// A facet's share at one of its nodes.
-struct FacetShare {
-  Vector3 normal;  ///< of length 1
-  double area;
-};
-
-/// The most that faces in one direction see of the shares.
-double facing_area(const std::vector<FacetShare>& shares) {
-  double most = 0;
-  for (const FacetShare& face : shares) {
-    double seen = 0;
-    for (const FacetShare& other : shares) seen += other.area * std::max(0.0, face.normal.dot(other.normal));
-    most = std::max(most, seen);
-  }
-  return most;
-}
-
-}  // namespace
 
 std::vector<ContactNode> contact_nodes(int dim, const CellBlock& facets, const VectorX& rest_positions,
                                        double stiffness) {

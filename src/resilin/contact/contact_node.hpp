@@ -17,8 +17,8 @@ struct ContactNode {
 /// Each facet is shared in proportion to the integral of N_a^2 (diagonal scaling; Hinton, Rock & Zienkiewicz
 /// 1976), which is positive for every node; the integral of N_a itself vanishes at the corners of a quadratic
 /// triangle, which nothing would keep out then. For flat linear facets and lines the two are the same.
-/// Of facets that look in different directions a node has as much as one of them sees of all: on a sharp edge,
-/// the share of one face, since what it rests on meets but one.
+/// Of facets that look in different directions a node has as much as one of them sees of all: on a sharp
+/// edge, the share of one face, since what it rests on meets but one.
 /// @param stiffness  kappa [Pa]
 std::vector<ContactNode> contact_nodes(int dim, const CellBlock& facets, const VectorX& rest_positions,
                                        double stiffness);

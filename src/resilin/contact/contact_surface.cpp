@@ -3,12 +3,16 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <map>
 
+#include "resilin/contact/facing_area.hpp"
 #include "resilin/mesh/facet.hpp"
 
 namespace resilin {
 namespace {
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 /// The corners of the flat parts of a facet, by its nodes; -1 is its middle.
 std::span<const Index> flat_parts(CellKind kind) {
@@ -95,24 +99,37 @@ class Shares {
     const std::span<const Index> v = std::span(parts.triangles).subspan(3 * triangle, 3);
     const Vector3 a = place(v[0]), b = place(v[1]), c = place(v[2]);
     const double third = (b - a).cross(c - a).norm() / 6;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Index edge = edge_between(parts, first_edge, v[k], v[(k + 1) % 3]);
-      surface_.triangle_edges.push_back(edge);
-      surface_.edge_areas[static_cast<std::size_t>(edge)] += third;
-      surface_.point_areas[static_cast<std::size_t>(v[k])] += third;
-      --surface_.edge_counts[static_cast<std::size_t>(edge)];
+    const std::size_t num_corners = v[0] == v[1] ? 1 : v[1] == v[2] ? 2 : 3;
+    for (std::size_t k = 0; k < num_corners; ++k) {
       --surface_.point_counts[static_cast<std::size_t>(v[k])];
+    }
+    const std::size_t num_edges = num_corners == 3 ? 3 : num_corners - 1;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Index edge = k < num_edges ? edge_between(parts, first_edge, v[k], v[(k + 1) % 3]) : -1;
+      surface_.triangle_edges.push_back(edge);
+      if (edge < 0) continue;
+      surface_.edge_areas[static_cast<std::size_t>(edge)] += third;
+      --surface_.edge_counts[static_cast<std::size_t>(edge)];
     }
   }
   void add_edge(std::size_t edge) {
     const CollisionSurface& parts = surface_.parts;
-    const Index v[] = {parts.edges[2 * edge], parts.edges[2 * edge + 1]};
-    const double length = (place(v[1]) - place(v[0])).norm();
+    const std::span<const Index> ends = std::span(parts.edges).subspan(2 * edge, 2);
+    const double length = (place(ends[1]) - place(ends[0])).norm();
     surface_.edge_lengths[edge] = length;
-    for (const Index end : v) {
+    for (const Index end : ends.first(ends[0] == ends[1] ? 1 : 2))
       surface_.point_counts[static_cast<std::size_t>(end)] -= surface_.edge_counts[edge];
-      if (parts.dim == 2) surface_.point_areas[static_cast<std::size_t>(end)] += length / 2;
+  }
+  void find_means() {
+    std::vector<double> counts(surface_.stiffness.size(), 0);
+    surface_.mean_point_areas.assign(counts.size(), 0);
+    for (std::size_t v = 0; v < surface_.point_areas.size(); ++v) {
+      const std::size_t body = at(surface_.parts.bodies[v]);
+      surface_.mean_point_areas[body] += surface_.point_areas[v];
+      ++counts[body];
     }
+    for (std::size_t body = 0; body < counts.size(); ++body)
+      if (counts[body] > 0) surface_.mean_point_areas[body] /= counts[body];
   }
 
  private:
@@ -124,52 +141,114 @@ class Shares {
 
 }  // namespace
 
-VectorX ContactSurface::places(const VectorX& x) const {
-  const Eigen::Index dim = parts.dim;
-  VectorX y(static_cast<Eigen::Index>(parts.num_vertices()) * dim);
-  for (std::size_t v = 0; v < parts.num_vertices(); ++v) {
-    auto place = y.segment(static_cast<Eigen::Index>(v) * dim, dim);
-    place.setZero();
-    for (std::size_t k = row_begin[v]; k < row_begin[v + 1]; ++k)
-      place += shares[k] * x.segment(nodes[k] * dim, dim);
+VectorX ContactSurface::places(const VectorX& x, const Conditions& c) const {
+  VectorX y = displacements(x);
+  if (!obstacle) return y;
+  const RigidPlace place = obstacle->motion.place(c.time - c.collider_delay);
+  Eigen::Index next = Eigen::Index{num_body_vertices()} * parts.dim;
+  for (const Vector3& X : obstacle->mesh.vertices) {
+    y.segment(next, parts.dim) = place(X).head(parts.dim);
+    next += parts.dim;
   }
   return y;
 }
 
+VectorX ContactSurface::displacements(const VectorX& x) const {
+  const auto dim = static_cast<std::size_t>(parts.dim);
+  VectorX y = VectorX::Zero(static_cast<Eigen::Index>(parts.num_vertices() * dim));
+  double* to = y.data();
+  for (std::size_t v = 0; v < parts.num_vertices(); ++v, to += dim)
+    for (std::size_t k = row_begin[v]; k < row_begin[v + 1]; ++k) {
+      const double* from = x.data() + at(nodes[k]) * dim;
+      for (std::size_t i = 0; i < dim; ++i) to[i] += shares[k] * from[i];
+    }
+  return y;
+}
+
 void ContactSurface::add_to_nodes(const VectorX& of_vertices, VectorX& of_nodes) const {
-  const Eigen::Index dim = parts.dim;
-  for (std::size_t v = 0; v < parts.num_vertices(); ++v)
-    for (std::size_t k = row_begin[v]; k < row_begin[v + 1]; ++k)
-      of_nodes.segment(nodes[k] * dim, dim) +=
-          shares[k] * of_vertices.segment(static_cast<Eigen::Index>(v) * dim, dim);
+  const auto dim = static_cast<std::size_t>(parts.dim);
+  const double* from = of_vertices.data();
+  for (std::size_t v = 0; v < parts.num_vertices(); ++v, from += dim)
+    for (std::size_t k = row_begin[v]; k < row_begin[v + 1]; ++k) {
+      double* to = of_nodes.data() + at(nodes[k]) * dim;
+      for (std::size_t i = 0; i < dim; ++i) to[i] += shares[k] * from[i];
+    }
+}
+
+void leave_held_out(ContactSurface& surface, std::span<const std::uint8_t> is_held) {
+  CollisionSurface& parts = surface.parts;
+  const auto is_out = [&](Index vertex) {
+    const auto begin = surface.nodes.begin() + static_cast<std::ptrdiff_t>(surface.row_begin[at(vertex)]);
+    const auto end = surface.nodes.begin() + static_cast<std::ptrdiff_t>(surface.row_begin[at(vertex + 1)]);
+    return begin != end && std::all_of(begin, end, [&](Index node) { return is_held[at(node)] != 0; });
+  };
+  std::erase_if(parts.points, is_out);
+  std::vector<Index> new_numbers(surface.edge_lengths.size(), -1);
+  std::size_t kept = 0;
+  for (std::size_t edge = 0; edge < new_numbers.size(); ++edge) {
+    if (is_out(parts.edges[2 * edge]) && is_out(parts.edges[2 * edge + 1])) continue;
+    std::copy_n(&parts.edges[2 * edge], 2, &parts.edges[2 * kept]);
+    surface.edge_lengths[kept] = surface.edge_lengths[edge];
+    surface.edge_counts[kept] = surface.edge_counts[edge];
+    for (std::vector<double>* values : {&surface.edge_areas, &surface.sharpness.edges})
+      if (!values->empty()) (*values)[kept] = (*values)[edge];
+    new_numbers[edge] = static_cast<Index>(kept++);
+  }
+  parts.edges.resize(2 * kept);
+  surface.edge_lengths.resize(kept);
+  surface.edge_counts.resize(kept);
+  for (std::vector<double>* values : {&surface.edge_areas, &surface.sharpness.edges})
+    if (!values->empty()) values->resize(kept);
+  for (Index& edge : surface.triangle_edges)
+    if (edge >= 0) edge = new_numbers[at(edge)];
+  std::size_t end = 0;
+  for (std::size_t t = 0; t < parts.triangles.size(); t += 3) {
+    if (std::all_of(&parts.triangles[t], &parts.triangles[t] + 3, is_out)) continue;
+    std::copy_n(&parts.triangles[t], 3, &parts.triangles[end]);
+    std::copy_n(&surface.triangle_edges[t], 3, &surface.triangle_edges[end]);
+    end += 3;
+  }
+  parts.triangles.resize(end);
+  surface.triangle_edges.resize(end);
 }
 
 ContactSurface make_contact_surface(int dim, std::span<const ContactBody> bodies,
-                                    const VectorX& rest_positions) {
+                                    const VectorX& rest_positions, std::optional<ContactObstacle> obstacle) {
   ContactSurface surface;
   surface.parts.dim = dim;
   std::vector<Index> first_edges;
   std::vector<std::size_t> first_triangles;
-  for (const ContactBody& body : bodies) {
+  const auto add = [&](Index num_vertices, std::span<const Index> corners, double stiffness) {
     first_edges.push_back(static_cast<Index>(surface.parts.edges.size() / 2));
     first_triangles.push_back(surface.parts.triangles.size() / 3);
+    add_body(surface.parts, num_vertices, corners);
+    surface.stiffness.push_back(stiffness);
+  };
+  for (const ContactBody& body : bodies) {
     const FlatBody flat(surface, body.facets);
-    add_body(surface.parts, flat.num_vertices(), flat.corners());
-    surface.stiffness.push_back(body.stiffness);
+    add(flat.num_vertices(), flat.corners(), body.stiffness);
+  }
+  if (obstacle) {
+    const std::size_t count = obstacle->mesh.vertices.size();
+    surface.row_begin.insert(surface.row_begin.end(), count, surface.nodes.size());
+    add(static_cast<Index>(count), obstacle->mesh.facets, std::numeric_limits<double>::infinity());
+    surface.obstacle = std::move(obstacle);
   }
   first_triangles.push_back(surface.parts.triangles.size() / 3);
   const std::size_t num_vertices = surface.parts.num_vertices(), num_edges = surface.parts.edges.size() / 2;
-  surface.point_areas.assign(num_vertices, 0);
   surface.point_counts.assign(num_vertices, 1);
   surface.edge_areas.assign(dim == 3 ? num_edges : 0, 0);
   surface.edge_lengths.assign(num_edges, 0);
   surface.edge_counts.assign(num_edges, 1);
   const VectorX rest_places = surface.places(rest_positions);
+  surface.point_areas = facing_areas(surface.parts, rest_places);
   Shares shares(surface, rest_places);
-  for (std::size_t body = 0; body < bodies.size(); ++body)
+  for (std::size_t body = 0; body + 1 < first_triangles.size(); ++body)
     for (std::size_t t = first_triangles[body]; t < first_triangles[body + 1]; ++t)
       shares.add_triangle(t, first_edges[body]);
   for (std::size_t edge = 0; edge < num_edges; ++edge) shares.add_edge(edge);
+  shares.find_means();
+  surface.sharpness = sharpness_of(surface.parts, surface.triangle_edges, rest_places);
   return surface;
 }
 

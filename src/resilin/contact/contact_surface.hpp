@@ -1,9 +1,15 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "resilin/collision/surface.hpp"
+#include "resilin/contact/collider_mesh.hpp"
+#include "resilin/contact/collider_motion.hpp"
+#include "resilin/contact/sharpness.hpp"
+#include "resilin/energy/energy.hpp"
 #include "resilin/mesh/mesh.hpp"
 
 namespace resilin {
@@ -14,8 +20,15 @@ struct ContactBody {
   double stiffness = 0;  ///< kappa of its layer [Pa]
 };
 
+/// A rigid surface that bodies meet, which moves by itself.
+struct ContactObstacle {
+  ColliderMesh mesh;
+  ColliderMotion motion;
+};
+
 /// The surfaces of bodies as they touch each other: flat parts, whose vertices follow from the nodes by a
-/// fixed linear map, and what they lend to the pairs that they make.
+/// fixed linear map, and what they lend to the pairs that they make. The last of the bodies may be an
+/// obstacle, whose vertices follow no node.
 ///
 /// Lines and triangles are parts themselves; those of second order are cut at their nodes, quadrilaterals
 /// into four triangles around their middle.
@@ -24,16 +37,27 @@ struct ContactSurface {
   std::vector<std::size_t> row_begin{0};  ///< of each vertex, in `nodes` and `shares`, and the end
   std::vector<Index> nodes;
   std::vector<double> shares;         ///< x_v = sum_k shares_k x_(nodes_k)
-  std::vector<double> point_areas;    ///< shares of the rest area [m^2], in 2D of the length [m]
+  std::vector<double> point_areas;    ///< at rest, what faces one thing (facing_area.hpp) [m^2], in 2D [m]
   std::vector<double> edge_areas;     ///< in 3D likewise: a third of each triangle beside the edge
   std::vector<double> edge_lengths;   ///< at rest [m]
-  std::vector<Index> triangle_edges;  ///< in 3D three for each triangle
+  std::vector<Index> triangle_edges;  ///< in 3D three for each triangle; -1: none of its own
   std::vector<int> edge_counts;   ///< times that an edge's distance is to be counted besides its triangles'
   std::vector<int> point_counts;  ///< that of a vertex, besides its edges' and triangles'
-  std::vector<double> stiffness;  ///< kappa of each body [Pa]
+  std::vector<double> stiffness;  ///< kappa of each body [Pa]; infinite for the obstacle
+  std::vector<double> mean_point_areas;  ///< of each body
+  std::optional<ContactObstacle> obstacle;
+  Sharpness sharpness;  ///< at rest
 
   /// Where the vertices are, dim numbers each [m].
-  VectorX places(const VectorX& x) const;
+  VectorX places(const VectorX& x, const Conditions& c = {}) const;
+  /// Their displacements for those of the nodes; the obstacle stands.
+  VectorX displacements(const VectorX& of_nodes) const;
+  bool is_obstacle(Index vertex) const {
+    return obstacle && parts.bodies[static_cast<std::size_t>(vertex)] == parts.bodies.back();
+  }
+  Index num_body_vertices() const {
+    return static_cast<Index>(parts.num_vertices() - (obstacle ? obstacle->mesh.vertices.size() : 0));
+  }
   /// Adds what acts on the vertices to what acts on the nodes.
   void add_to_nodes(const VectorX& of_vertices, VectorX& of_nodes) const;
   /// Calls `visit(node, share)` for the nodes that a vertex follows.
@@ -54,6 +78,11 @@ struct ContactSurface {
 
 /// @param rest_positions  of all nodes [m]
 ContactSurface make_contact_surface(int dim, std::span<const ContactBody> bodies,
-                                    const VectorX& rest_positions);
+                                    const VectorX& rest_positions,
+                                    std::optional<ContactObstacle> obstacle = std::nullopt);
+
+/// Takes out points, edges and triangles whose nodes are all held, one number per node: where they are is not
+/// for contact to say.
+void leave_held_out(ContactSurface& surface, std::span<const std::uint8_t> is_held);
 
 }  // namespace resilin

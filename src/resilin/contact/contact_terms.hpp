@@ -1,10 +1,10 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 
-#include "resilin/collision/moving_point.hpp"
 #include "resilin/contact/contact_surface.hpp"
 
 namespace resilin {
@@ -20,16 +20,61 @@ struct ContactTerm {
   std::array<Index, most_pair_vertices> vertices;  ///< of the surface, those of the first part first
   double stiffness;                                ///< [Pa m^2], in 2D [Pa m] on unit thickness
   double mollifier_threshold;                      ///< of EdgeMollifier [m^4]; 0 for pairs that have none
+  double activation_distance;                      ///< [m]
+
+  bool operator==(const ContactTerm&) const = default;
 
   std::span<const Index> used_vertices() const {
     return std::span(vertices).first(static_cast<std::size_t>(num_vertices(kind)));
   }
 };
 
-/// Those of the candidates that are nearer than the activation distance in one of the states, with what
-/// belongs to them, in an order that does not depend on the number of threads.
-/// @param states  where the vertices are, each of dim numbers per vertex [m]
-std::vector<ContactTerm> contact_terms(const ContactSurface& surface, const SurfaceCandidates& candidates,
-                                       std::span<const VectorX* const> states, double activation_distance);
+/// Terms in an order that does not depend on the number of threads: those of the points, point by point, then
+/// those of edges.
+struct ContactTerms {
+  std::vector<ContactTerm> terms;
+  std::vector<std::size_t> point_begin{0};  ///< of each point's terms, and the end of the last
+
+  std::span<const ContactTerm> of_point(std::size_t point) const {
+    return std::span(terms).subspan(point_begin[point], point_begin[point + 1] - point_begin[point]);
+  }
+  std::span<const ContactTerm> of_edges() const { return std::span(terms).subspan(point_begin.back()); }
+  std::size_t num_points() const { return point_begin.size() - 1; }
+};
+
+/// Which candidates are nearer than their activation distance, one number each: not 0 where they are.
+struct NearCandidates {
+  std::vector<std::uint8_t> points;  ///< against triangles, in 2D edges
+  std::vector<std::uint8_t> edges;   ///< in 3D against edges
+
+  /// Those that are near here or there.
+  NearCandidates& operator|=(const NearCandidates& others);
+  bool operator==(const NearCandidates&) const = default;
+};
+
+/// @param places  where the vertices are, dim numbers each [m]
+NearCandidates near_candidates(const ContactSurface& surface, const SurfaceCandidates& candidates,
+                               const VectorX& places, double activation_distance);
+
+/// The terms of the near candidates with what belongs to them; candidates that are not near change nothing.
+ContactTerms contact_terms(const ContactSurface& surface, const SurfaceCandidates& candidates,
+                           const NearCandidates& near, double activation_distance);
+
+/// The same sum of fewer terms, for vertices in these places: what several terms of a point have of one
+/// feature (a corner of six triangles) is one term, and what is nothing is left out.
+ContactTerms merged_terms(const ContactSurface& surface, const ContactTerms& terms, const VectorX& places);
+
+/// Terms that differ by what all do: merged where a point has the same before and after.
+std::vector<ContactTerm> terms_of_change(const ContactTerms& all, const ContactTerms& merged_before,
+                                         const ContactTerms& merged_after);
+
+/// The candidates whose parts are nearest to each other, the first of several.
+struct NearestCandidate {
+  double distance;  ///< [m]; infinite where there are none
+  PairKind kind = PairKind::point_point;
+  std::array<Index, most_pair_vertices> vertices{-1, -1, -1, -1};  ///< of the surface
+};
+NearestCandidate nearest_candidate(const ContactSurface& surface, const SurfaceCandidates& candidates,
+                                   const VectorX& places);
 
 }  // namespace resilin

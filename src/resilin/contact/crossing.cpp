@@ -109,7 +109,7 @@ bool is_inside_3d(const CollisionSurface& surface, Index body, const Vector3& po
     turns += std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + a.dot(c) * lb + b.dot(c) * la) /
              (2 * std::numbers::pi);
   }
-  return turns > 0.5;
+  return std::abs(turns) > 0.5;  // whatever its orientation
 }
 
 /// One vertex of each connected piece of a body's surface.
@@ -125,25 +125,26 @@ std::vector<Index> piece_vertices(const CollisionSurface& surface, Index body) {
   for (std::size_t i = 0; i < surface.edges.size(); i += 2)
     leader[static_cast<std::size_t>(find(surface.edges[i]))] = find(surface.edges[i + 1]);
   std::vector<Index> vertices;
-  for (const Index v : surface.edges)
+  for (const Index v : surface.points)
     if (surface.bodies[static_cast<std::size_t>(v)] == body && find(v) == v) vertices.push_back(v);
-  std::ranges::sort(vertices);
-  const auto repeated = std::ranges::unique(vertices);
-  vertices.erase(repeated.begin(), repeated.end());
   return vertices;
 }
 
 }  // namespace
 
+bool is_inside(const CollisionSurface& surface, Index body, const Vector3& point, const VectorX& places) {
+  return surface.dim == 3 ? is_inside_3d(surface, body, point, places)
+                          : is_inside_2d(surface, body, point.head<2>(), places);
+}
+
+bool has_piece_inside(const CollisionSurface& surface, Index body, Index other, const VectorX& places) {
+  return std::ranges::any_of(piece_vertices(surface, body), [&](Index vertex) {
+    return is_inside(surface, other, node_position(surface.dim, vertex, places), places);
+  });
+}
+
 bool is_one_inside(const CollisionSurface& surface, Index body, Index other, const VectorX& places) {
-  const auto has_pieces_in = [&](Index one, Index around) {
-    return std::ranges::any_of(piece_vertices(surface, one), [&](Index vertex) {
-      return surface.dim == 3
-                 ? is_inside_3d(surface, around, node_position(3, vertex, places), places)
-                 : is_inside_2d(surface, around, places.segment<2>(Eigen::Index{vertex} * 2), places);
-    });
-  };
-  return has_pieces_in(body, other) || has_pieces_in(other, body);
+  return has_piece_inside(surface, body, other, places) || has_piece_inside(surface, other, body, places);
 }
 
 std::optional<Crossing> first_crossing(const CollisionSurface& surface, const BodyMeetings& meetings,

@@ -19,9 +19,15 @@ struct Crossing {
 std::optional<Crossing> first_crossing(const CollisionSurface& surface, const BodyMeetings& meetings,
                                        const VectorX& places);
 
-/// Whether bodies whose surfaces do not cross share space: a connected piece of the one's surface is inside
-/// that of the other. Told for a vertex of each piece: by the winding number of the surface around it (solid
-/// angles of its triangles: Van Oosterom & Strackee 1983), in 2D by a ray.
+/// Whether a point is inside the closed surface of a body: by the winding number of the surface around it
+/// (solid angles of its triangles: Van Oosterom & Strackee 1983), in 2D by a ray.
+bool is_inside(const CollisionSurface& surface, Index body, const Vector3& point, const VectorX& places);
+
+/// Whether a connected piece of a body's surface, which does not cross the closed one of another, is inside
+/// of that. Told for a vertex of each piece.
+bool has_piece_inside(const CollisionSurface& surface, Index body, Index other, const VectorX& places);
+
+/// Whether bodies whose surfaces do not cross share space.
 bool is_one_inside(const CollisionSurface& surface, Index body, Index other, const VectorX& places);
 
 }  // namespace resilin

@@ -43,6 +43,12 @@ double PairBarrier<dim>::value() const {
 }
 
 template <int dim>
+double PairBarrier<dim>::normal_force() const {
+  const double m = cross_ ? mollifier_.value(cross_->squared()) : 1;
+  return is_active() ? -stiffness_ * m * barrier_.slope(pair_.distance) : 0;
+}
+
+template <int dim>
 PairVector<dim> PairBarrier<dim>::gradient() const {
   if (!is_active()) return PairVector<dim>::Zero();
   PairVector<dim> g = stiffness_ * barrier_.slope(pair_.distance) * pair_.gradient();

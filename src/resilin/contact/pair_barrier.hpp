@@ -20,8 +20,7 @@ class PairBarrier {
  public:
   /// @param vertices   of the pair, as many as its kind has [m]
   /// @param stiffness  k_b A: barrier stiffness [Pa] times the pair's share of the rest area [m^2]; negative
-  /// to
-  ///                   take away what other pairs count twice
+  ///                   to take away what other pairs count twice
   /// @param mollifier  of two edges in 3D, unless they are not to fade
   PairBarrier(const ClampedLogBarrier& barrier, PairKind kind, std::span<const Vector<dim>> vertices,
               double stiffness, const std::optional<EdgeMollifier>& mollifier = std::nullopt);
@@ -29,8 +28,9 @@ class PairBarrier {
   const PairDistance<dim>& distance() const { return pair_; }
   bool is_active() const { return !(pair_.distance >= barrier_.activation_distance); }
 
-  double value() const;                                  ///< E [J]; infinite where the parts touch
-  PairVector<dim> gradient() const;                      ///< dE/dx [N], for d > 0
+  double value() const;              ///< E [J]; infinite where the parts touch
+  PairVector<dim> gradient() const;  ///< dE/dx [N], for d > 0
+  double normal_force() const;       ///< -k_b A m b' [N]: what pushes the parts apart along their distance
   PairMatrix<dim> hessian(Projection projection) const;  ///< d2E/dx2 [N/m], for d > 0
 
  private:

@@ -1,53 +1,28 @@
 #include "resilin/contact/surface_contact.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <limits>
 #include <map>
+#include <utility>
 
 #include "resilin/collision/collision_time.hpp"
-#include "resilin/collision/feature.hpp"
-#include "resilin/contact/pair_barrier.hpp"
+#include "resilin/core/stopwatch.hpp"
 #include "resilin/integrator/stage.hpp"
+#include "resilin/mesh/facet.hpp"
 
 namespace resilin {
 namespace {
 
-/// Of the activation distance, that vertices may leave the boxes of a search by.
-constexpr double share_of_slack = 0.25;
 /// Of the activation distance: what is nearer counts as touching.
 constexpr double touching = 1e-6;
 
-/// Where the vertices of a term are.
-template <int dim>
-class Places {
- public:
-  Places(const ContactTerm& term, const VectorX& all) : count_(term.used_vertices().size()) {
-    std::size_t k = 0;
-    for (const Index v : term.used_vertices()) corners_[k++] = all.segment<dim>(Eigen::Index{v} * dim);
+/// Nodes may have a part in several vertices of a pair.
+void add_weight(Index node, double weight, std::vector<WeightedNode>& nodes) {
+  const auto found = std::ranges::find(nodes, node, &WeightedNode::node);
+  if (found == nodes.end()) {
+    nodes.push_back({node, weight});
+  } else {
+    found->weight += weight;
   }
-  operator std::span<const Vector<dim>>() const { return std::span(corners_).first(count_); }
-
- private:
-  std::array<Vector<dim>, most_pair_vertices> corners_;
-  std::size_t count_;
-};
-
-std::optional<EdgeMollifier> mollifier_of(const ContactTerm& term) {
-  if (term.mollifier_threshold > 0) return EdgeMollifier{term.mollifier_threshold};
-  return std::nullopt;
-}
-
-template <int dim>
-PairBarrier<dim> barrier_of(const ContactTerm& term, const ClampedLogBarrier& barrier,
-                            const VectorX& places) {
-  return {barrier, term.kind, Places<dim>(term, places), term.stiffness, mollifier_of(term)};
-}
-
-template <class Visit>
-auto in_dimension(int dim, const Visit& visit) {
-  return dim == 3 ? visit(std::integral_constant<int, 3>()) : visit(std::integral_constant<int, 2>());
 }
 
 std::span<const double> numbers(const VectorX& values) {
@@ -61,229 +36,242 @@ SurfaceContact::SurfaceContact(std::string name, ContactSurface surface, BodyMee
     : name_(std::move(name)),
       surface_(std::make_shared<const ContactSurface>(std::move(surface))),
       barrier_{activation_distance},
-      broad_phase_(surface_->parts, std::move(meetings),
-                   moving_points(surface_->parts.dim, numbers(surface_->places(positions)))) {}
+      trees_(std::make_shared<const BroadPhase>(
+          surface_->parts, std::move(meetings),
+          moving_points(surface_->parts.dim, numbers(surface_->places(positions))))) {}
 
-double SurfaceContact::slack() const { return share_of_slack * barrier_.activation_distance; }
-
-bool SurfaceContact::Found::covers(const VectorX& places, int dim, double slack) const {
-  for (std::size_t v = 0; v < ways.size(); ++v)
-    for (int k = 0; k < dim; ++k) {
-      const double from = ways[v].x[k], way = ways[v].p[k];
-      const double y = places[static_cast<Eigen::Index>(v) * dim + k];
-      if (!(y >= from + std::min(way, 0.0) - slack && y <= from + std::max(way, 0.0) + slack)) return false;
-    }
-  return true;
+bool SurfaceContact::State::is_of(const VectorX& positions, const Conditions& c) const {
+  return x.size() > 0 && time == c.time && delay == c.collider_delay && x == positions;
 }
 
-SurfaceContact::Found SurfaceContact::find(BroadPhase& broad_phase, const VectorX& places,
-                                           const VectorX& displacements) const {
-  Found found;
-  found.ways = moving_points(surface_->parts.dim, numbers(places), numbers(displacements));
-  found.candidates = broad_phase.find(found.ways, barrier_.activation_distance + 2 * slack());
-  return found;
+template <class Use>
+auto SurfaceContact::with_memory(const Use& use) const {
+  if (memory_) return use(*memory_);
+  Memory memory{.search = {trees_, barrier_.activation_distance}};
+  return use(memory);
 }
 
-std::vector<ContactTerm> SurfaceContact::terms_at(std::initializer_list<const VectorX*> states) const {
-  const int dim = surface_->parts.dim;
-  const auto is_covered = [&](const VectorX* state) { return found_->covers(*state, dim, slack()); };
-  const std::span<const VectorX* const> all(states.begin(), states.size());
-  if (found_ && std::ranges::all_of(all, is_covered))
-    return contact_terms(*surface_, found_->candidates, all, barrier_.activation_distance);
-  BroadPhase broad_phase = broad_phase_;
-  const VectorX& from = *all.front();
-  const Found found = find(broad_phase, from, *all.back() - from);
-  return contact_terms(*surface_, found.candidates, all, barrier_.activation_distance);
+void SurfaceContact::cover(Memory& memory, const VectorX& from, const VectorX& to) const {
+  const Stopwatch watch(timing_->search);
+  if (memory.search.cover(from, to))
+    for (State& state : memory.states) state.x.resize(0);  // they know of other candidates
+}
+
+void SurfaceContact::find_terms(Memory& memory, State& state) const {
+  const Stopwatch watch(timing_->barrier);
+  const SurfaceCandidates& candidates = memory.search.candidates();
+  state.near = near_candidates(*surface_, candidates, state.places, barrier_.activation_distance);
+  state.all = contact_terms(*surface_, candidates, state.near, barrier_.activation_distance);
+  state.merged = merged_terms(*surface_, state.all, state.places);
+  state.gradient.resize(0);
+}
+
+SurfaceContact::State& SurfaceContact::state_at(Memory& memory, const VectorX& x, const Conditions& c) const {
+  auto& [newer, older] = memory.states;
+  if (newer.is_of(x, c)) return newer;
+  std::swap(newer, older);
+  if (newer.is_of(x, c)) return newer;
+  newer.places = surface_->places(x, c);
+  cover(memory, newer.places, newer.places);
+  newer.x = x;
+  newer.time = c.time;
+  newer.delay = c.collider_delay;
+  find_terms(memory, newer);
+  return newer;
 }
 
 double SurfaceContact::value(const VectorX& x, const Conditions& c) const {
-  const VectorX places = surface_->places(x);
-  double sum = 0;
-  in_dimension(surface_->parts.dim, [&](auto dim) {
-    for (const ContactTerm& term : terms_at({&places}))
-      sum += barrier_of<dim>(term, barrier_, places).value();
+  return with_memory([&](Memory& memory) {
+    const State& state = state_at(memory, x, c);
+    const Stopwatch watch(timing_->barrier);
+    return c.contact_weight * sum_of_values(set_of(state), state.places);
   });
-  return c.contact_weight * sum;
+}
+
+double SurfaceContact::difference(Memory& memory, const VectorX& from, const VectorX& to,
+                                  const Conditions& c) const {
+  const auto is_known = [&](const VectorX& x) {
+    return std::ranges::any_of(memory.states, [&](const State& state) { return state.is_of(x, c); });
+  };
+  // Both states by the same candidates.
+  if (!is_known(from) || !is_known(to)) cover(memory, surface_->places(from, c), surface_->places(to, c));
+  state_at(memory, from, c);
+  const State& after = state_at(memory, to, c);
+  const State& before = memory.states[1];
+  const Stopwatch watch(timing_->barrier);
+  std::vector<ContactTerm> terms;
+  if (before.near == after.near) {
+    terms = terms_of_change(before.all, before.merged, after.merged);
+  } else {
+    NearCandidates near = before.near;
+    near |= after.near;
+    terms = contact_terms(*surface_, memory.search.candidates(), near, barrier_.activation_distance).terms;
+  }
+  return c.contact_weight * sum_of_differences({*surface_, terms}, before.places, after.places);
 }
 
 double SurfaceContact::difference(const VectorX& from, const VectorX& to, const Conditions& c) const {
-  const VectorX before = surface_->places(from), after = surface_->places(to);
-  double sum = 0;
-  in_dimension(surface_->parts.dim, [&](auto dim) {
-    for (const ContactTerm& term : terms_at({&before, &after}))
-      sum += pair_barrier_difference<dim>(barrier_, term.kind, Places<dim>(term, before),
-                                          Places<dim>(term, after), term.stiffness, mollifier_of(term));
-  });
-  return c.contact_weight * sum;
+  if (from == to) return 0;
+  return with_memory([&](Memory& memory) { return difference(memory, from, to, c); });
 }
 
-template <class Change>
-void SurfaceContact::add_gradients(const VectorX& x, const Change& change, VectorX& sum) const {
-  const VectorX places = surface_->places(x);
-  VectorX of_vertices = VectorX::Zero(places.size());
-  in_dimension(surface_->parts.dim, [&](auto dim) {
-    for (const ContactTerm& term : terms_at({&places})) {
-      const PairBarrier<dim> pair = barrier_of<dim>(term, barrier_, places);
-      if (!pair.is_active()) continue;
-      const PairVector<dim> gradient = change(pair.gradient());
-      Eigen::Index k = 0;
-      for (const Index v : term.used_vertices())
-        of_vertices.segment<dim>(Eigen::Index{v} * dim) += gradient.template segment<dim>(dim * k++);
-    }
-  });
-  surface_->add_to_nodes(of_vertices, sum);
+const VectorX& SurfaceContact::gradient_at(Memory& memory, const VectorX& x, const Conditions& c) const {
+  State& state = state_at(memory, x, c);
+  const Stopwatch watch(timing_->barrier);
+  if (state.gradient.size() == 0) state.gradient = sum_of_gradients(set_of(state), state.places);
+  return state.gradient;
+}
+
+VectorX SurfaceContact::vertex_gradient(const VectorX& x, const Conditions& c) const {
+  return with_memory([&](Memory& memory) { return VectorX(c.contact_weight * gradient_at(memory, x, c)); });
 }
 
 void SurfaceContact::add_gradient(const VectorX& x, const Conditions& c, VectorX& gradient) const {
-  add_gradients(x, [&c](const auto& of_pair) { return (c.contact_weight * of_pair).eval(); }, gradient);
+  with_memory([&](Memory& memory) {
+    if (state_at(memory, x, c).merged.terms.empty()) return;
+    surface_->add_to_nodes(c.contact_weight * gradient_at(memory, x, c), gradient);
+  });
 }
 
 void SurfaceContact::add_gradient_magnitude(const VectorX& x, const Conditions& c, VectorX& magnitude) const {
-  add_gradients(
-      x, [&c](const auto& of_pair) { return (c.contact_weight * of_pair.cwiseAbs()).eval(); }, magnitude);
-}
-
-template <int dim>
-void SurfaceContact::add_hessian_of(const VectorX& places, double weight, Projection projection,
-                                    BlockMatrix& hessian) const {
-  // What several terms have of one feature is summed before it is projected.
-  std::map<Feature, ContactTerm> merged;
-  std::vector<ContactTerm> edges;  // whose mollifiers are their own
-  for (const ContactTerm& term : terms_at({&places})) {
-    const PairBarrier<dim> pair = barrier_of<dim>(term, barrier_, places);
-    if (!pair.is_active()) continue;
-    if (term.kind == PairKind::edge_edge) {
-      edges.push_back(term);
-      continue;
-    }
-    const Feature feature = closest_feature(term.kind, term.used_vertices(), pair.distance().weights);
-    merged.try_emplace(feature, ContactTerm{feature.kind, feature.vertices, 0, 0}).first->second.stiffness +=
-        term.stiffness;
-  }
-  const auto add = [&](const ContactTerm& term) {
-    const PairMatrix<dim> matrix = weight * barrier_of<dim>(term, barrier_, places).hessian(projection);
-    std::array<double, static_cast<std::size_t>(dim * dim)> block;
-    const std::span<const Index> vertices = term.used_vertices();
-    for (std::size_t i = 0; i < vertices.size(); ++i)
-      for (std::size_t j = 0; j < vertices.size(); ++j)
-        surface_->for_each_pair_of_nodes(vertices[i], vertices[j], [&](Index a, Index b, double share) {
-          if (a > b) return;  // the other half of the matrix
-          const auto row = static_cast<Eigen::Index>(i) * dim, column = static_cast<Eigen::Index>(j) * dim;
-          for (int r = 0; r < dim; ++r)
-            for (int s = 0; s < dim; ++s)
-              block[static_cast<std::size_t>(r * dim + s)] = share * matrix(row + r, column + s);
-          hessian.add_block(a, b, block.data());
-        });
-  };
-  for (const auto& [feature, term] : merged)
-    if (term.stiffness != 0) add(term);
-  for (const ContactTerm& term : edges) add(term);
+  with_memory([&](Memory& memory) {
+    const State& state = state_at(memory, x, c);
+    const VectorX of_vertices = sum_of_gradients(set_of(state), state.places, GradientParts::magnitudes);
+    surface_->add_to_nodes(c.contact_weight * of_vertices, magnitude);
+  });
 }
 
 void SurfaceContact::add_hessian(const VectorX& x, const Conditions& c, Projection projection,
                                  BlockMatrix& hessian) const {
-  const VectorX places = surface_->places(x);
-  in_dimension(surface_->parts.dim,
-               [&](auto dim) { add_hessian_of<dim>(places, c.contact_weight, projection, hessian); });
+  with_memory([&](Memory& memory) {
+    const State& state = state_at(memory, x, c);
+    const Stopwatch watch(timing_->barrier);
+    add_node_hessian(set_of(state), state.places, c.contact_weight, projection, hessian);
+  });
 }
 
-double SurfaceContact::max_step(const VectorX& x, const VectorX& p, const Conditions&) const {
-  const VectorX places = surface_->places(x), displacements = surface_->places(p);
-  const VectorX ends = places + displacements;
-  const int dim = surface_->parts.dim;
-  const bool is_found = found_ && found_->covers(places, dim, slack()) && found_->covers(ends, dim, slack());
-  Found here;
-  if (!is_found) {
-    BroadPhase broad_phase = broad_phase_;
-    here = find(broad_phase, places, displacements);
-  }
-  const SurfaceCandidates& candidates = is_found ? found_->candidates : here.candidates;
-  const std::vector<MovingPoint> ways = moving_points(dim, numbers(places), numbers(displacements));
-  double step = 1;
+double SurfaceContact::free_share(Memory& memory, const VectorX& places, const VectorX& displacements,
+                                  double share_left) const {
+  cover(memory, places, places + displacements);
+  const Stopwatch watch(timing_->detection);
+  const std::vector<MovingPoint> ways =
+      moving_points(surface_->parts.dim, numbers(places), numbers(displacements));
+  double share = 1;
   for (const PairKind kind : {PairKind::point_edge, PairKind::point_triangle, PairKind::edge_edge})
-    step = std::min(step, earliest_collision_time(candidates.list(kind, surface_->parts), ways));
-  return step;
+    share = std::min(share, earliest_collision_time(memory.search.candidates().list(kind, surface_->parts),
+                                                    ways, {.share_left = share_left}));
+  return share;
 }
 
-std::unique_ptr<Energy> SurfaceContact::begin_stage(const Stage& stage) const {
+double SurfaceContact::free_share(const VectorX& places, const VectorX& displacements,
+                                  double share_left) const {
+  Memory memory{.search = {trees_, barrier_.activation_distance}};
+  return free_share(memory, places, displacements, share_left);
+}
+
+double SurfaceContact::max_step(const VectorX& x, const VectorX& p, const Conditions& c) const {
+  return with_memory([&](Memory& memory) {
+    return free_share(memory, surface_->places(x, c), surface_->displacements(p),
+                      CollisionTimeOptions().share_left);
+  });
+}
+
+std::unique_ptr<Energy> SurfaceContact::begin_stage(const Stage&) const {
   auto own = std::make_unique<SurfaceContact>(*this);
-  const VectorX places = surface_->places(stage.shape.size() > 0 ? stage.shape : stage.base_positions);
-  own->found_ = own->find(own->broad_phase_, places, VectorX::Zero(places.size()));
+  own->begin_memory();
   return own;
 }
 
-void SurfaceContact::prepare(const VectorX& x, const VectorX& p, const Conditions&) {
-  found_ = find(broad_phase_, surface_->places(x), surface_->places(p));
+void SurfaceContact::prepare(const VectorX& x, const VectorX& p, const Conditions& c) {
+  if (!memory_) return;
+  const VectorX places = surface_->places(x, c);
+  cover(*memory_, places, places + surface_->displacements(p));
+}
+
+void SurfaceContact::add_held_directions(const VectorX& x, std::vector<HeldDirection>& held) const {
+  const auto first_node = [&](Index v) {
+    return surface_->nodes[surface_->row_begin[static_cast<std::size_t>(v)]];
+  };
+  for (const PartForce& force : part_forces(x)) {
+    const auto count = static_cast<std::size_t>(num_vertices(force.kind)),
+               num_of_first = static_cast<std::size_t>(num_first(force.kind));
+    for (std::size_t i = 0; i < count; ++i) {
+      if (force.weights[i] == 0) continue;
+      const Index other = force.vertices[i < num_of_first ? num_of_first : 0];
+      surface_->for_each_node(force.vertices[i], [&](Index node, double) {
+        held.push_back({node, force.normal, first_node(other)});
+      });
+    }
+  }
+}
+
+std::vector<PartForce> SurfaceContact::part_forces(const VectorX& x, const Conditions& c) const {
+  return with_memory([&](Memory& memory) {
+    const State& state = state_at(memory, x, c);
+    return resilin::part_forces(set_of(state), state.places);
+  });
 }
 
 std::vector<SurfaceContact::BodyContact> SurfaceContact::body_contacts(const VectorX& x,
                                                                        const Conditions& c) const {
-  const VectorX places = surface_->places(x);
+  const std::vector<Index>& bodies = surface_->parts.bodies;
   std::map<std::array<Index, 2>, BodyContact> contacts;
-  in_dimension(surface_->parts.dim, [&](auto dim) {
-    for (const ContactTerm& term : terms_at({&places})) {
-      const PairBarrier<dim> pair = barrier_of<dim>(term, barrier_, places);
-      if (!pair.is_active()) continue;
-      const std::span<const Index> vertices = term.used_vertices();
-      const auto split = static_cast<std::size_t>(num_first(term.kind));
-      const auto body_of = [&](Index v) { return surface_->parts.bodies[static_cast<std::size_t>(v)]; };
-      const Index first = body_of(vertices[0]), second = body_of(vertices[split]);
-      const auto [low, high] = std::minmax(first, second);
-      BodyContact& contact =
-          contacts.try_emplace({low, high}, BodyContact{.body = low, .other = high}).first->second;
-      ++contact.num_pairs;
-      contact.gap = std::min(contact.gap, pair.distance().distance);
-      if (low == high) continue;
-      const PairVector<dim> gradient = pair.gradient();
-      const bool is_first_the_other = first == high;
-      for (std::size_t i = is_first_the_other ? 0 : split; i < (is_first_the_other ? split : vertices.size());
-           ++i)
-        contact.force.template head<dim>() -=
-            c.contact_weight * gradient.template segment<dim>(static_cast<Eigen::Index>(i) * dim);
-    }
-  });
+  for (const PartForce& force : part_forces(x, c)) {
+    const Index first = bodies[static_cast<std::size_t>(force.vertices[0])];
+    const Index second =
+        bodies[static_cast<std::size_t>(force.vertices[static_cast<std::size_t>(num_first(force.kind))])];
+    const auto [low, high] = std::minmax(first, second);
+    BodyContact& contact =
+        contacts.try_emplace({low, high}, BodyContact{.body = low, .other = high}).first->second;
+    ++contact.num_pairs;
+    contact.gap = std::min(contact.gap, force.distance);
+    if (low != high)
+      contact.force += (first == high ? 1 : -1) * c.contact_weight * force.force * force.normal;
+  }
   std::vector<BodyContact> list;
-  for (const auto& [bodies, contact] : contacts) list.push_back(contact);
+  for (const auto& [pair, contact] : contacts) list.push_back(contact);
   return list;
 }
 
-void SurfaceContact::add_held_directions(const VectorX& x, std::vector<HeldDirection>& held) const {
-  const VectorX places = surface_->places(x);
-  const auto first_node = [&](Index v) {
-    return surface_->nodes[surface_->row_begin[static_cast<std::size_t>(v)]];
-  };
-  in_dimension(surface_->parts.dim, [&](auto dim) {
-    for (const ContactTerm& term : terms_at({&places})) {
-      const PairBarrier<dim> pair = barrier_of<dim>(term, barrier_, places);
-      if (!pair.is_active()) continue;
-      Vector3 normal = Vector3::Zero();
-      normal.head<dim>() = pair.distance().normal;
-      const std::span<const Index> vertices = term.used_vertices();
-      const auto num_of_first = static_cast<std::size_t>(num_first(term.kind));
-      for (std::size_t i = 0; i < vertices.size(); ++i) {
-        if (pair.distance().weights[i] == 0) continue;
-        const Index other = vertices[i < num_of_first ? num_of_first : 0];
-        surface_->for_each_node(
-            vertices[i], [&](Index node, double) { held.push_back({node, normal, first_node(other)}); });
-      }
+void SurfaceContact::add_friction_contacts(const VectorX& x, const Conditions& c,
+                                           FrictionContacts& contacts) const {
+  if (friction_.empty()) return;
+  const CollisionSurface& parts = surface_->parts;
+  const auto body_of = [&](Index v) { return parts.bodies[static_cast<std::size_t>(v)]; };
+  const VectorX places = surface_->places(x, c);
+  std::vector<WeightedNode> nodes;
+  for (const PartForce& force : part_forces(x, c)) {
+    const auto split = static_cast<std::size_t>(num_first(force.kind));
+    const double coefficient = friction_[static_cast<std::size_t>(
+        body_of(force.vertices[0]) * meetings().num_bodies() + body_of(force.vertices[split]))];
+    FrictionContact contact{.normal = force.normal, .limit = coefficient * force.force};
+    nodes.clear();
+    for (std::size_t i = 0; i < static_cast<std::size_t>(num_vertices(force.kind)); ++i) {
+      const Index vertex = force.vertices[i];
+      const double weight = force.weights[i];
+      if (weight == 0) continue;
+      surface_->for_each_node(vertex,
+                              [&](Index node, double share) { add_weight(node, share * weight, nodes); });
+      if (surface_->is_obstacle(vertex))  // its own part of the slip
+        contact.velocity -= weight * surface_->obstacle->motion.velocity_at(
+                                         node_position(parts.dim, vertex, places), c.time - c.collider_delay);
     }
-  });
+    contacts.add(contact, nodes);
+  }
 }
 
-bool SurfaceContact::touches(const VectorX& x) const {
-  return smallest_gap(x).distance <= touching * activation_distance();
+bool SurfaceContact::touches(const VectorX& x, const Conditions& c) const {
+  return smallest_gap(x, c).distance <= touching * activation_distance();
 }
 
-SurfaceContact::Gap SurfaceContact::smallest_gap(const VectorX& x) const {
-  const VectorX places = surface_->places(x);
-  Gap smallest;
-  in_dimension(surface_->parts.dim, [&](auto dim) {
-    for (const ContactTerm& term : terms_at({&places})) {
-      const double distance = std::sqrt(squared_distance<dim>(term.kind, Places<dim>(term, places)));
-      if (distance < smallest.distance) smallest = {distance, term.kind, term.vertices};
-    }
+SurfaceContact::Gap SurfaceContact::smallest_gap(const VectorX& x, const Conditions& c) const {
+  return with_memory([&](Memory& memory) {
+    const VectorX places = surface_->places(x, c);
+    cover(memory, places, places);
+    const NearestCandidate nearest = nearest_candidate(*surface_, memory.search.candidates(), places);
+    if (!(nearest.distance < barrier_.activation_distance)) return Gap{};
+    return Gap{nearest.distance, nearest.kind, nearest.vertices};
   });
-  return smallest;
 }
 
 }  // namespace resilin

@@ -1,24 +1,29 @@
 #pragma once
 
-#include <initializer_list>
+#include <array>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <string>
 
-#include "resilin/collision/broad_phase.hpp"
 #include "resilin/contact/barrier.hpp"
+#include "resilin/contact/contact_search.hpp"
 #include "resilin/contact/contact_terms.hpp"
+#include "resilin/contact/friction_contact.hpp"
+#include "resilin/contact/term_sums.hpp"
 #include "resilin/energy/energy.hpp"
 
 namespace resilin {
 
-/// Keeps the surfaces of bodies apart from each other, and from themselves, without friction: the sum over
-/// the pairs that are near of stiffness m b(d) (contact_terms.hpp).
+/// Keeps the surfaces of bodies apart from each other, from themselves and from an obstacle: the sum over the
+/// pairs that are near of stiffness m b(d) (contact_terms.hpp). What rubs there is for `Friction` to tell.
 ///
 /// `max_step` follows every candidate on its way (collision_time.hpp), so that no step that it bounds leads
 /// through a surface. Between two positions that are far apart `difference` alone does not see that.
-class SurfaceContact final : public Energy {
+///
+/// The copy of a stage remembers its candidates and what it found out about the last two states. What it
+/// remembers changes no bit of a result, but it serves one thread at a time.
+class SurfaceContact : public Energy, public FrictionSource {
  public:
   SurfaceContact(std::string name, ContactSurface surface, BodyMeetings meetings, double activation_distance,
                  const VectorX& positions);
@@ -33,7 +38,6 @@ class SurfaceContact final : public Energy {
                    BlockMatrix& hessian) const override;
   double max_step(const VectorX& x, const VectorX& p, const Conditions& c) const override;
 
-  /// Keeps the candidates of an iteration.
   std::unique_ptr<Energy> begin_stage(const Stage& stage) const override;
   void prepare(const VectorX& x, const VectorX& p, const Conditions& c) override;
 
@@ -50,9 +54,32 @@ class SurfaceContact final : public Energy {
   /// Across the gap, the nodes of parts that are near enough to feel each other.
   void add_held_directions(const VectorX& x, std::vector<HeldDirection>& held) const override;
 
+  /// One contact for each feature that pushes, its slip that of the closest points.
+  void add_friction_contacts(const VectorX& x, const Conditions& c,
+                             FrictionContacts& contacts) const override;
+  const FrictionSource* friction_source() const override { return this; }
+  bool is_copy_of(const FrictionSource& other) const override {
+    const auto* contact = dynamic_cast<const SurfaceContact*>(&other);
+    return contact != nullptr && contact->surface_ == surface_;
+  }
+  /// @param coefficients  of each body with each, row by row; without them there is no friction
+  void set_friction(std::vector<double> coefficients) { friction_ = std::move(coefficients); }
+  bool has_friction() const { return !friction_.empty(); }
+
   double activation_distance() const { return barrier_.activation_distance; }
   const ContactSurface& surface() const { return *surface_; }
-  const BodyMeetings& meetings() const { return broad_phase_.meetings(); }
+  const BodyMeetings& meetings() const { return trees_->meetings(); }
+
+  /// The forces of all terms [N], `contact_weight` left out.
+  std::vector<PartForce> part_forces(const VectorX& x, const Conditions& c = {}) const;
+
+  /// Wall time since the term was made, that of its stages among it [s].
+  struct Timing {
+    double search = 0;     ///< candidates
+    double detection = 0;  ///< largest steps
+    double barrier = 0;    ///< terms and their sums
+  };
+  const Timing& timing() const { return *timing_; }
 
   /// The two parts that meet and are nearest to each other.
   struct Gap {
@@ -61,33 +88,53 @@ class SurfaceContact final : public Energy {
     std::array<Index, most_pair_vertices> vertices{-1, -1, -1, -1};  ///< of the surface
   };
   /// Of those nearer than the activation distance, the first of several; infinite where none are.
-  Gap smallest_gap(const VectorX& x) const;
+  Gap smallest_gap(const VectorX& x, const Conditions& c = {}) const;
   /// Whether that is less than 1e-6 of the activation distance.
-  bool touches(const VectorX& x) const;
+  bool touches(const VectorX& x, const Conditions& c = {}) const;
+
+ protected:
+  /// dE/dy [N] of the vertices, the obstacle's included.
+  VectorX vertex_gradient(const VectorX& x, const Conditions& c) const;
+  /// How much of a way of the vertices is free, from 0 to 1, all pairs keeping a share of their distance.
+  double free_share(const VectorX& places, const VectorX& displacements, double share_left) const;
+  /// For the copy of a stage.
+  void begin_memory() { memory_ = Memory{.search = {trees_, barrier_.activation_distance}}; }
 
  private:
-  /// Candidates, which are all while each vertex is in the box around its way, or a little outside.
-  struct Found {
-    SurfaceCandidates candidates;
-    std::vector<MovingPoint> ways;
-    bool covers(const VectorX& places, int dim, double slack) const;
+  /// What is known of the vertices in one state.
+  struct State {
+    VectorX x, places;
+    double time = 0, delay = 0;  ///< of the conditions
+    NearCandidates near;         ///< of the present candidates
+    ContactTerms all, merged;
+    VectorX gradient;  ///< of the vertices; empty: not asked for yet
+
+    bool is_of(const VectorX& positions, const Conditions& c) const;
+  };
+  struct Memory {
+    ContactSearch search;
+    std::array<State, 2> states{};  ///< the newer one first
   };
 
-  Found find(BroadPhase& broad_phase, const VectorX& places, const VectorX& displacements) const;
-  /// The terms of vertices in these places, of which there is one set or two.
-  std::vector<ContactTerm> terms_at(std::initializer_list<const VectorX*> states) const;
-  double slack() const;  ///< [m]
-  template <class Change>
-  void add_gradients(const VectorX& x, const Change& change, VectorX& sum) const;
-  template <int dim>
-  void add_hessian_of(const VectorX& places, double weight, Projection projection,
-                      BlockMatrix& hessian) const;
+  /// Calls `use(memory)` with that of the stage, or one for this call.
+  template <class Use>
+  auto with_memory(const Use& use) const;
+  TermSet set_of(const State& state) const { return {*surface_, state.merged.terms}; }
+  void cover(Memory& memory, const VectorX& from, const VectorX& to) const;
+  void find_terms(Memory& memory, State& state) const;
+  State& state_at(Memory& memory, const VectorX& x, const Conditions& c) const;
+  const VectorX& gradient_at(Memory& memory, const VectorX& x, const Conditions& c) const;
+  double free_share(Memory& memory, const VectorX& places, const VectorX& displacements,
+                    double share_left) const;
+  double difference(Memory& memory, const VectorX& from, const VectorX& to, const Conditions& c) const;
 
   std::string name_;
   std::shared_ptr<const ContactSurface> surface_;
   ClampedLogBarrier barrier_;
-  BroadPhase broad_phase_;
-  std::optional<Found> found_;  ///< of a stage: by `begin_stage`, then by `prepare`
+  std::vector<double> friction_{};
+  std::shared_ptr<const BroadPhase> trees_;
+  std::shared_ptr<Timing> timing_ = std::make_shared<Timing>();
+  mutable std::optional<Memory> memory_;  ///< of a stage
 };
 
 }  // namespace resilin

@@ -21,11 +21,16 @@ struct Conditions {
   double time = 0;            ///< [s]; in a static run the load factor times the scene's end time
   double load = 1;            ///< load factor of a static run; 1 in motion
   double collider_delay = 0;  ///< how far moving colliders are behind, while a step leads them on [s]
-  double contact_weight = 1;  ///< times which terms of the category `contact` count (`Stage`)
+  double contact_weight = 1;  ///< times which terms that act as impulses count (`Stage`)
 };
 
 /// Under what a term is counted in reports.
-enum class EnergyCategory { elastic, external, contact, damping, inertia };
+enum class EnergyCategory { elastic, external, contact, friction, damping, inertia };
+
+/// Forces of contact and of friction act as impulses at the ends of stages.
+inline bool acts_as_impulse(EnergyCategory category) {
+  return category == EnergyCategory::contact || category == EnergyCategory::friction;
+}
 
 /// What is known of a term without asking it for numbers.
 struct EnergyProperties {
@@ -55,6 +60,9 @@ struct EnergyParameter {
 
 /// Matrices of the cells of a body, for its own loop over them to add (energy/elastic.hpp).
 class CellMatrices;
+
+/// What rubs against bodies (contact/friction_contact.hpp).
+class FrictionSource;
 
 /// One term of the sum that is minimised over the positions: E(x) in joules.
 ///
@@ -130,6 +138,16 @@ class Energy {
   /// x + p: what they all need (candidates for contact) may be found here, once.
   virtual void prepare(const VectorX& /*x*/, const VectorX& /*p*/, const Conditions& /*c*/) {}
 
+  /// The term as something that rubs, if it does.
+  virtual const FrictionSource* friction_source() const { return nullptr; }
+  /// Shows a stage's own term all terms of the stage, in order: it may use what they have found.
+  virtual void see(std::span<const Energy* const> /*terms*/) {}
+
+  /// A stage's own term may keep something of a shape that is known, such as normal forces: it forms that
+  /// here as it is at x, by which its energy becomes another one. Before the first time there is none of it.
+  /// @return whether that may have changed forces
+  virtual bool form_lag(const VectorX& /*x*/, const Conditions& /*c*/) { return false; }
+
   /// The work [J] of what drives the term by itself, a function of time or a motion of its own, while bodies
   /// go from `from` to `to`: where a scheme decides at which of the two the term's forces are taken, the
   /// largest that it may be. None for a term whose energy depends on the positions alone.
@@ -151,8 +169,8 @@ class Energy {
   /// Directions in which it holds nodes that stand at x, so that no rigid motion is free.
   virtual void add_held_directions(const VectorX& /*x*/, std::vector<HeldDirection>& /*held*/) const {}
 
-  /// What the term turns into heat while bodies go from one shape to another at even speed [J], never
-  /// negative: zero for terms that do not damp.
+  /// What the term turns into heat while bodies go from one shape to another at even speed [J]: zero for
+  /// terms that neither damp nor rub.
   virtual double dissipation(const VectorX& /*from*/, const VectorX& /*to*/, double /*duration*/) const {
     return 0;
   }

@@ -7,6 +7,7 @@
 #include "resilin/contact/contact_node.hpp"
 #include "resilin/mesh/facet.hpp"
 #include "resilin/mesh/topology.hpp"
+#include "resilin/world/friction.hpp"
 
 namespace resilin {
 namespace {
@@ -71,11 +72,14 @@ VectorX contact_forces(const World& world, const State& state) {
 VectorX contact_traction(const World& world, const State& state) {
   const int dim = world.dimension;
   const VectorX forces = contact_forces(world, state);
+  VectorX along = VectorX::Zero(forces.size());  // minus friction
+  if (const auto friction = friction_of(world, state))
+    friction->add_gradient(state.positions, conditions_of(state), along);
   VectorX traction = VectorX::Zero(forces.size());
   TouchedFaces(world, state.positions, forces)
       .for_each_pressed(dim, forces, [&](Index node, const Vector3&, double area) {
         traction.segment(Eigen::Index{node} * dim, dim) =
-            forces.segment(Eigen::Index{node} * dim, dim) / area;
+            (forces - along).segment(Eigen::Index{node} * dim, dim) / area;
       });
   return traction;
 }

@@ -9,8 +9,8 @@ namespace resilin {
 /// [Pa]. A node on a sharp edge has its share of the faces that look against the force alone.
 VectorX contact_traction(const World& world, const State& state);
 
-/// Its part against the outward normal of these faces, one number per node [Pa]; positive where the surface is
-/// pressed upon.
+/// Its part against the outward normal of these faces, one number per node [Pa]; positive where the surface
+/// is pressed upon.
 VectorX contact_pressure(const World& world, const State& state);
 
 }  // namespace resilin

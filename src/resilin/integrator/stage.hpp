@@ -29,7 +29,8 @@ struct Stage {
   double time_fraction = 1;   ///< of the step, where loads and moving supports are taken
   bool is_mean = false;       ///< x is the mean of the start and the end of the step
   double contact_weight = 1;  ///< times which energies of contact count
-  VectorX shape{};            ///< about the x that is sought, known before: where lagged terms are formed [m]
+  VectorX shape{};            ///< about the x that is sought, known before: where damping is formed [m]
+  double load_time = 0;  ///< statics: what the load increment stands for, in which bodies come from x_0 [s]
 
   bool is_static() const { return duration == 0; }
   VectorX target() const { return base_positions + duration * base_velocities; }
@@ -37,8 +38,19 @@ struct Stage {
   VectorX velocities(const VectorX& x) const { return (x - base_positions) / duration; }
   /// How the place at the stage's end depends on x, its slope and itself.
   double end_slope() const { return is_mean ? 2 : 1; }
+  /// From the end of the stage before, or the start of the step, to its own [s].
+  double length() const {
+    return is_static() ? load_time : contact_weight * end_slope() * end_slope() * duration;
+  }
   /// When the end is, after the time of x [s].
   double time_to_end() const { return is_mean ? duration : 0; }
+  /// Where the stage would end if bodies had no velocity there; in statics x_0. How far from it the stage
+  /// ends is the velocity there times the time of slip.
+  VectorX still_end() const {
+    return is_mean ? VectorX(base_positions + duration * base_velocities) : base_positions;
+  }
+  /// [s]
+  double time_of_slip() const { return is_static() ? load_time : duration; }
   Motion motion(VectorX x) const {
     VectorX v = velocities(x);
     VectorX a = (v - base_velocities) / duration;
@@ -46,7 +58,9 @@ struct Stage {
   }
 };
 
-/// A stage of a static step from the equilibrium `x`.
-inline Stage static_stage(const VectorX& x) { return {.base_positions = x, .shape = x}; }
+/// A stage of a static step from the equilibrium `x`. Without a time that it takes nothing slips in it.
+inline Stage static_stage(const VectorX& x, double load_time = 0) {
+  return {.base_positions = x, .shape = x, .load_time = load_time};
+}
 
 }  // namespace resilin

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <ostream>
+#include <span>
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
@@ -9,15 +10,17 @@
 #include "resilin/io/text_scanner.hpp"
 #include "resilin/mesh/edit.hpp"
 
-// Wavefront OBJ surfaces: positions and polygons; texture coordinates, normals and materials are passed over.
+// Wavefront OBJ surfaces: positions, polygons, lines and points; texture coordinates, normals and materials
+// are passed over.
 // Source: Wavefront Technologies, "Advanced Visualizer Manual", appendix B1.
 
 namespace resilin {
 namespace {
 
-/// A triangle as the file gives it: vertices may still follow, so it is checked at the end.
-struct Triangle {
-  std::array<std::int64_t, 3> vertices;  ///< from 1
+/// A part as the file gives it: vertices may still follow, so it is checked at the end.
+struct Part {
+  CellKind kind;                         ///< triangle, line or point
+  std::array<std::int64_t, 3> vertices;  ///< from 1, as many as the kind has
   std::int64_t face;
   std::int64_t line;
   std::size_t groups;  ///< which list of groups it belongs to
@@ -31,7 +34,7 @@ class ObjReader {
   MeshFile read() {
     while (!text_.at_end()) read_statement();
     mesh_.finish_vertices();
-    for (const Triangle& triangle : triangles_) add(triangle);
+    for (const Part& part : parts_) add(part);
     return mesh_.finish();
   }
 
@@ -42,6 +45,10 @@ class ObjReader {
       read_vertex();
     } else if (keyword == "f") {
       read_face();
+    } else if (keyword == "l") {
+      read_line();
+    } else if (keyword == "p") {
+      read_points();
     } else if (keyword == "g" || keyword == "o") {
       read_groups();
     } else if (is_statement(keyword)) {
@@ -78,7 +85,7 @@ class ObjReader {
     return number;
   }
 
-  void read_face() {
+  std::vector<std::int64_t> read_corners(std::size_t least, const std::string& of_what) {
     std::vector<std::int64_t> corners;
     while (!text_.is_line_done()) {
       const std::string_view reference = text_.word("a vertex number");
@@ -88,14 +95,29 @@ class ObjReader {
         corners.push_back(vertex_number(reference));
       }
     }
-    if (corners.size() < 3) {
-      text_.fail("at least 3 vertices of a face", std::to_string(corners.size()), "the file may be cut");
+    if (corners.size() < least) {
+      text_.fail(
+          "at least " + std::to_string(least) + (least == 1 ? " vertex" : " vertices") + " of " + of_what,
+          std::to_string(corners.size()), "the file may be cut");
     }
     ++num_faces_;
-    for (std::size_t i = 2; i < corners.size(); ++i) {
-      triangles_.push_back(
-          {{corners[0], corners[i - 1], corners[i]}, num_faces_, text_.line(), group_lists_.size() - 1});
-    }
+    return corners;
+  }
+  void push(CellKind kind, const std::array<std::int64_t, 3>& vertices) {
+    parts_.push_back({kind, vertices, num_faces_, text_.line(), group_lists_.size() - 1});
+  }
+
+  void read_face() {
+    const std::vector<std::int64_t> corners = read_corners(3, "a face");
+    for (std::size_t i = 2; i < corners.size(); ++i)
+      push(CellKind::triangle, {corners[0], corners[i - 1], corners[i]});
+  }
+  void read_line() {
+    const std::vector<std::int64_t> corners = read_corners(2, "a line");
+    for (std::size_t i = 1; i < corners.size(); ++i) push(CellKind::line, {corners[i - 1], corners[i]});
+  }
+  void read_points() {
+    for (const std::int64_t vertex : read_corners(1, "points")) push(CellKind::point, {vertex});
   }
 
   void read_groups() {
@@ -104,25 +126,26 @@ class ObjReader {
     group_lists_.push_back(std::move(groups));
   }
 
-  void add(const Triangle& triangle) {
+  void add(const Part& part) {
     std::array<Index, 3> nodes{};
-    for (std::size_t i = 0; i < 3; ++i) {
-      nodes[i] = mesh_.find_vertex(triangle.vertices[i]);
+    const auto count = static_cast<std::size_t>(num_nodes(part.kind));
+    for (std::size_t i = 0; i < count; ++i) {
+      nodes[i] = mesh_.find_vertex(part.vertices[i]);
       if (nodes[i] < 0) {
-        throw InputError(text_.file() + ": line " + std::to_string(triangle.line),
+        throw InputError(text_.file() + ": line " + std::to_string(part.line),
                          "a vertex number from 1 to " + std::to_string(num_vertices_),
-                         std::to_string(triangle.vertices[i]));
+                         std::to_string(part.vertices[i]));
       }
     }
-    const auto cell = mesh_.add_cell(CellKind::triangle, triangle.face, nodes);
-    for (const std::size_t group : group_lists_[triangle.groups]) mesh_.add_to_group(group, cell);
+    const auto cell = mesh_.add_cell(part.kind, part.face, std::span(nodes).first(count));
+    for (const std::size_t group : group_lists_[part.groups]) mesh_.add_to_group(group, cell);
   }
 
   TextScanner text_;
   MeshBuilder mesh_;
   std::int64_t num_vertices_ = 0;
   std::int64_t num_faces_ = 0;
-  std::vector<Triangle> triangles_;
+  std::vector<Part> parts_;
   std::vector<std::vector<std::size_t>> group_lists_ = {{}};
 };
 

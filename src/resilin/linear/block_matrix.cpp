@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cstdint>
 
 #include "resilin/core/parallel.hpp"
 #include "resilin/linear/kernels/block_kernels.hpp"
@@ -22,6 +23,12 @@ void multiply_extra(const BlockMatrix& A, const VectorX& x, VectorX& y) {
           y[extra.column * dim + c] += block[r * dim + c] * x[extra.row * dim + r];
       }
   }
+}
+
+/// A place for a pair in a table of 2^k places (Fibonacci hashing: Knuth 1998, 6.4).
+std::size_t hashed(Index row, Index column, std::size_t num_places) {
+  const auto key = static_cast<std::uint64_t>(row) << 32 | static_cast<std::uint32_t>(column);
+  return static_cast<std::size_t>(key * 0x9e3779b97f4a7c15ULL >> 32) & (num_places - 1);
 }
 
 /// Row `row` of a dim x dim block becomes that of the identity, or of zero off the diagonal.
@@ -46,15 +53,35 @@ void BlockMatrix::set_zero() {
   std::fill(values.begin(), values.end(), 0.0);
   extra.clear();
   extra_values.clear();
+  std::ranges::fill(extra_places_, -1);
+}
+
+void BlockMatrix::enlarge_places() {
+  extra_places_.assign(std::max<std::size_t>(256, 2 * extra_places_.size()), -1);
+  for (std::size_t k = 0; k < extra.size(); ++k) {
+    std::size_t place = hashed(extra[k].row, extra[k].column, extra_places_.size());
+    while (extra_places_[place] >= 0) place = (place + 1) & (extra_places_.size() - 1);
+    extra_places_[place] = static_cast<Index>(k);
+  }
+}
+
+double* BlockMatrix::extra_block(Index row, Index column) {
+  if (2 * (extra.size() + 1) > extra_places_.size()) enlarge_places();
+  std::size_t place = hashed(row, column, extra_places_.size());
+  for (; extra_places_[place] >= 0; place = (place + 1) & (extra_places_.size() - 1)) {
+    const ExtraBlock& found = extra[static_cast<std::size_t>(extra_places_[place])];
+    if (found.row == row && found.column == column) return extra_values.data() + found.begin;
+  }
+  extra_places_[place] = static_cast<Index>(extra.size());
+  extra.push_back({row, column, static_cast<Offset>(extra_values.size())});
+  extra_values.resize(extra_values.size() + static_cast<std::size_t>(dim * dim), 0.0);
+  return extra_values.data() + extra.back().begin;
 }
 
 void BlockMatrix::add_block(Index i, Index j, const double* block_values) {
-  const Offset slot = pattern->find_slot(std::min(i, j), std::max(i, j));
-  if (slot < 0) {
-    extra.push_back({std::min(i, j), std::max(i, j), static_cast<Offset>(extra_values.size())});
-    extra_values.resize(extra_values.size() + static_cast<std::size_t>(dim * dim), 0.0);
-  }
-  double* to = slot < 0 ? extra_values.data() + extra.back().begin : block(slot);
+  const Index row = std::min(i, j), column = std::max(i, j);
+  const Offset slot = pattern->find_slot(row, column);
+  double* to = slot < 0 ? extra_block(row, column) : block(slot);
   for (int r = 0; r < dim; ++r)
     for (int c = 0; c < dim; ++c)
       to[r * dim + c] += i <= j ? block_values[r * dim + c] : block_values[c * dim + r];

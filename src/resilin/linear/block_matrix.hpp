@@ -12,7 +12,7 @@ namespace resilin {
 ///
 /// The base part never changes its pattern, so element-to-slot maps stay valid. Terms whose pairs change
 /// between iterations (contact) put blocks into `extra`, which is added to the base in every product and
-/// factorisation. A pair may occur several times in `extra`.
+/// factorisation, each pair once.
 struct BlockMatrix {
   struct ExtraBlock {
     Index row, column;  ///< row <= column
@@ -38,6 +38,12 @@ struct BlockMatrix {
   /// order of i and j; the transpose is stored when i > j.
   void add_block(Index i, Index j, const double* block_values);
   void add_to_diagonal(Index node, int component, double value);
+
+ private:
+  double* extra_block(Index row, Index column);
+  void enlarge_places();
+
+  std::vector<Index> extra_places_;  ///< hash table of the numbers in `extra`; -1: free
 };
 
 /// y = A x. Parallel; the same bits for any number of threads.

@@ -9,7 +9,9 @@
 #include "resilin/core/error.hpp"
 #include "resilin/energy/damping.hpp"
 #include "resilin/world/body_material.hpp"
+#include "resilin/world/colliders.hpp"
 #include "resilin/world/event_times.hpp"
+#include "resilin/world/friction.hpp"
 #include "resilin/world/loads.hpp"
 
 namespace resilin {
@@ -19,7 +21,7 @@ constexpr double longest_step = 0.1;  ///< [s], of those that are played with
 
 /// Whether a collider is a floor: level, facing up and at rest.
 bool is_floor(const ColliderDescription& collider, const Vector3& up) {
-  return collider.kind == "half_space" && collider.velocity == Vector3::Zero() &&
+  return collider.kind == "half_space" && !collider.rotate && motion_of(collider, 1).is_at_rest() &&
          collider.shape.normal.normalized().dot(up) > 1 - 1e-12;
 }
 
@@ -53,7 +55,8 @@ Description in_motion(Description description) {
 /// When all that changes by itself has come to its end [s]; before, bodies may be still and yet not at rest.
 double end_of_changes(const Description& description, const World& world) {
   const auto moves_on = [](const ColliderDescription& collider) {
-    return collider.velocity != Vector3::Zero() && !collider.until;
+    const bool turns = collider.rotate && collider.rotate->degrees_per_second != 0;
+    return (turns || collider.velocity != Vector3::Zero()) && !collider.until;
   };
   const auto is_endless = [](const auto& entry) {
     return std::holds_alternative<TimeFunction::Sine>(entry.time_function.form) ||
@@ -61,6 +64,7 @@ double end_of_changes(const Description& description, const World& world) {
   };
   if (std::ranges::any_of(description.fixes, is_endless) ||
       std::ranges::any_of(description.loads, is_endless) ||
+      std::ranges::any_of(description.colliders, is_endless) ||
       std::ranges::any_of(description.colliders, moves_on))
     return std::numeric_limits<double>::infinity();
   return world.event_times.empty() ? 0 : world.event_times.back();
@@ -92,6 +96,7 @@ LiveScene::Contents::Contents(const Description& scene)
   for (const ColliderDescription& collider : scene.colliders) {
     if (!is_floor(collider, up)) continue;
     controls.has_ground = true;
+    controls.ground_friction = collider.friction;
     controls.ground_height = collider.shape.point.dot(up);
   }
   reset();
@@ -122,6 +127,11 @@ void LiveScene::Contents::renew_terms() {
       sum.push_back(make_gravity(controls.gravity, world, is_in_motion));
     if (floor) sum.push_back(floor->barrier());
     if (ball) sum.push_back(ball->barrier());
+    if (floor && controls.ground_friction > 0) {
+      const std::vector<std::shared_ptr<const FrictionSource>> source = {floor->barrier()};
+      const double speed = description.contact.friction_speed.value_or(default_friction_speed(world));
+      sum.push_back(std::make_shared<Friction>(world.dimension, source, speed));
+    }
     return sum;
   };
   terms = all(true);
@@ -137,7 +147,8 @@ void LiveScene::Contents::renew_floor() {
   const Vector3 start = floor ? floor->barrier()->place({}) : goal;
   floor.reset();
   if (!controls.has_ground) return;
-  floor.emplace("ground", world, state.positions, std::make_shared<HalfSpace>(start, up), -up);
+  floor.emplace("ground", world, state.positions, std::make_shared<HalfSpace>(start, up), -up,
+                controls.ground_friction);
   floor->set_goal(goal);
 }
 
@@ -182,9 +193,9 @@ void LiveScene::Contents::set_controls(const LiveControls& asked) {
                                 wanted.youngs_modulus != controls.youngs_modulus ||
                                 wanted.poissons_ratio != controls.poissons_ratio;
   if (changes_material) change_materials(wanted);
-  const bool changes_floor = wanted.has_ground != controls.has_ground ||
-                             wanted.ground_height != controls.ground_height ||
-                             wanted.youngs_modulus != controls.youngs_modulus;
+  const bool changes_floor =
+      wanted.has_ground != controls.has_ground || wanted.ground_height != controls.ground_height ||
+      wanted.ground_friction != controls.ground_friction || wanted.youngs_modulus != controls.youngs_modulus;
   controls = wanted;
   if (changes_floor) renew_floor();
   renew_terms();

@@ -17,8 +17,9 @@ struct LiveControls {
   Vector3 gravity = Vector3::Zero();  ///< [m/s^2]
   double time_step = 1.0 / 60;        ///< [s]
   double max_force = 0;               ///< of the hand [N]
-  bool has_ground = false;            ///< a floor without friction
+  bool has_ground = false;            ///< a floor
   double ground_height = 0;           ///< of the floor, against gravity [m]
+  double ground_friction = 0;         ///< Coulomb's coefficient of bodies on it
   int newton_limit = 0;               ///< Newton iterations of a step; 0: as many as its time allows
   double tolerance = 1e-4;            ///< force residual relative to the load at which a step is solved
   double speed = 1;                   ///< simulated over real time, for whoever calls the steps

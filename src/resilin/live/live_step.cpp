@@ -28,7 +28,10 @@ constexpr double unloaded_force_scale =
 }  // namespace
 
 bool LiveScene::Contents::is_seeking() const {
-  return state.time >= end_of_changes && calm.quiet_steps >= quiet_steps_before_seeking;
+  // Where friction holds bodies depends on how they came there, which a search for the equilibrium forgets.
+  const bool rubs = std::ranges::any_of(
+      terms, [](const auto& term) { return term->properties().category == EnergyCategory::friction; });
+  return !rubs && state.time >= end_of_changes && calm.quiet_steps >= quiet_steps_before_seeking;
 }
 
 void LiveScene::Contents::step(const StepBudget& budget) {
@@ -57,7 +60,10 @@ NewtonReport LiveScene::Contents::minimize(Potential& potential, const Flight& g
   settings.tolerance = tolerance;
   settings.max_iterations = controls.newton_limit > 0 ? controls.newton_limit : world.newton.max_iterations;
   return solve_stage(potential, is_fixed, targets, guess, settings,
-                     {.seconds = budget.seconds, .iterations = settings.max_iterations}, newton, x)
+                     {.seconds = budget.seconds,
+                      .iterations = settings.max_iterations,
+                      .friction_rounds = world.friction_iterations},
+                     newton, x)
       .newton;
 }
 
@@ -65,7 +71,7 @@ NewtonReport LiveScene::Contents::minimize(Potential& potential, const Flight& g
 void LiveScene::Contents::move_in_parts(const StepBudget& budget) {
   const double dt = controls.time_step;
   const double turn =
-      largest_turn(world.supports, {.time = scene_time(state.time)}, {.time = scene_time(state.time + dt)});
+      largest_turn(world, {.time = scene_time(state.time)}, {.time = scene_time(state.time + dt)});
   const int num_parts = num_steps_of_turn(turn);
   for (int part = 0; part < num_parts; ++part) move_in_time(dt / num_parts, budget);
 }

@@ -10,9 +10,11 @@ constexpr double least_motion = 1e-3;  ///< of the activation distance, to speak
 }  // namespace
 
 Obstacle::Obstacle(const std::string& name, const World& world, const VectorX& positions,
-                   const std::shared_ptr<const ColliderShape>& shape, const Vector3& way_out) {
+                   const std::shared_ptr<const ColliderShape>& shape, const Vector3& way_out,
+                   double friction) {
   const double reach = default_activation_distance(world);
-  barrier_ = std::make_shared<ColliderBarrier>(name, world.dimension, shape, contact_nodes(world), reach);
+  barrier_ = std::make_shared<ColliderBarrier>(name, world.dimension, shape, contact_nodes(world), reach,
+                                               ColliderMotion{}, friction);
   goal_ = shape->reference_point();
   // A node that is d inside comes out by moving at least -d along the way.
   for (int attempt = 0; attempt < 1000; ++attempt) {

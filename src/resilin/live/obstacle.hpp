@@ -13,7 +13,7 @@ class Obstacle {
  public:
   /// @param shape  where it starts; moved along `way_out` until all nodes are outside
   Obstacle(const std::string& name, const World& world, const VectorX& positions,
-           const std::shared_ptr<const ColliderShape>& shape, const Vector3& way_out);
+           const std::shared_ptr<const ColliderShape>& shape, const Vector3& way_out, double friction = 0);
 
   /// Where its reference point shall be [m].
   void set_goal(const Vector3& goal) { goal_ = goal; }

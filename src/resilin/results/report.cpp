@@ -74,7 +74,8 @@ Json frame_json(const Frame& frame, int dimension) {
   json["worst_body"] = frame.worst_body;
   json["energy"] = {{"elastic", frame.elastic_energy},   {"kinetic", frame.kinetic_energy},
                     {"external", frame.external_energy}, {"contact", frame.contact_energy},
-                    {"total", frame.total_energy()},     {"dissipated", frame.dissipated_energy}};
+                    {"total", frame.total_energy()},     {"dissipated", frame.dissipated_energy},
+                    {"friction", frame.friction_work}};
   json["momentum"]["linear"] = vector_json(frame.linear_momentum, dimension);
   json["momentum"]["angular"] = moment_json(frame.angular_momentum, dimension);
   json["probes"] = Json::object();

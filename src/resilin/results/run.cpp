@@ -46,17 +46,27 @@ std::string guarding_remark(const State& state) {
          " J in all were taken out of the velocities; a shorter time_step follows the motion better";
 }
 
+/// What friction left open.
+std::string friction_remark(const State& state) {
+  if (state.unsettled_steps == 0) return "";
+  return "; friction had not settled at the end of " + std::to_string(state.unsettled_steps) +
+         (state.unsettled_steps == 1 ? " step" : " steps") + ", where at most " +
+         format_short(state.friction_mismatch) + " of the forces were out of balance with it";
+}
+
 /// On a run that has reached its end.
 RunOutcome verdict(const Simulation& simulation) {
   const FailedSteps& failed = simulation.failed_steps();
   if (failed.count == 0)
     return {RunStatus::done, "reached " + reached(simulation) + ", every step converged" +
-                                 remarks(simulation) + guarding_remark(simulation.state())};
-  return {RunStatus::not_converged,
-          std::to_string(failed.count) + " of " + std::to_string(simulation.state().step) +
-              " steps were cut short before they converged; the first at t = " +
-              format_short(failed.first_time) + " s (step " + std::to_string(failed.first_step) +
-              "): " + failed.first_reason + guarding_remark(simulation.state())};
+                                 remarks(simulation) + friction_remark(simulation.state()) +
+                                 guarding_remark(simulation.state())};
+  return {
+      RunStatus::not_converged,
+      std::to_string(failed.count) + " of " + std::to_string(simulation.state().step) +
+          " steps were cut short before they converged; the first at t = " + format_short(failed.first_time) +
+          " s (step " + std::to_string(failed.first_step) + "): " + failed.first_reason +
+          friction_remark(simulation.state()) + guarding_remark(simulation.state())};
 }
 
 /// Steps that find no solution one after the other will not find one later: a body has burst or collapsed.

@@ -74,9 +74,10 @@ std::vector<TableDoc> scene_tables() {
       where_doc(),
       time_function_doc(),
       document("[[collider]]",
-               "A solid that bodies cannot enter; they slide along it without friction. The force on them is "
-               "reported ([contact](contact.md)).",
+               "A rigid thing that bodies cannot enter or pass. The force on them is reported "
+               "([contact](contact.md)).",
                collider_keys()),
+      collider_turn_doc(),
       document("[contact]",
                "How bodies keep each other apart, which they do unless told otherwise, and themselves "
                "([contact](contact.md)).",

@@ -64,6 +64,7 @@ TableDoc damping_doc();
 
 // contact_table.cpp
 Keys<ColliderDescription> collider_keys();
+TableDoc collider_turn_doc();
 void read_collider(const SceneNode& node, ColliderDescription& collider);
 Keys<ContactDescription> contact_keys();
 TableDoc contact_pair_doc();

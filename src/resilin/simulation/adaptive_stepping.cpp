@@ -7,6 +7,7 @@
 #include "resilin/simulation/potential.hpp"
 #include "resilin/simulation/step_attempt.hpp"
 #include "resilin/simulation/turning_step.hpp"
+#include "resilin/world/friction.hpp"
 
 // Steps as long as an estimate of their error allows: the part of TimeStepper that chooses them.
 
@@ -52,8 +53,10 @@ double largest_free_distance(const World& world, const VectorX& vectors) {
 
 VectorX contact_accelerations(const World& world, const State& state) {
   const Conditions now{.time = state.time, .load = 1, .collider_delay = state.collider_delay};
-  const Potential potential(world, now, static_stage(state.positions));
-  return accelerations_by(world, -potential.gradient_of(EnergyCategory::contact, state.positions));
+  const VectorX& x = state.positions;
+  VectorX gradient = Potential(world, now, static_stage(x)).impulses(x);
+  if (const auto friction = friction_of(world, state)) friction->add_gradient(x, now, gradient);
+  return accelerations_by(world, -gradient);
 }
 
 /// By how much the next length should differ from the one tried.
@@ -153,8 +156,7 @@ StepReport TimeStepper::adaptive_step(const World& world, const AdaptiveSteps& o
     }
     gradient = std::move(found.gradient);
     StepReport done = report;
-    std::move(found).move(world, state, planned.length);
-    state.time = planned.end;
+    std::move(found).move(world, state, planned.length, planned.end);
     // A step cut short at an event says nothing against longer ones.
     const double next = (failed_attempts > 0 ? std::min(1.0, fitting) : fitting) * planned.length;
     state.time_step = std::clamp(planned.is_cut ? std::max(next, wanted) : next, shortest, longest);

@@ -7,8 +7,9 @@
 
 namespace resilin {
 
-/// A term of contact in a stage of a step: taken at the place where the stage ends, not at its unknown x, and
-/// as often as the stage says, so that the whole impulse acts at the end (docs/theory/integrators.md, I.4).
+/// A term of contact or friction in a stage of a step: taken at the place where the stage ends, not at its
+/// unknown x, and as often as the stage says, so that the whole impulse acts at the end
+/// (docs/theory/integrators.md, I.4).
 class EndOfStage final : public Energy {
  public:
   /// @param term  kept by reference, unless `own` is the same
@@ -55,6 +56,19 @@ class EndOfStage final : public Energy {
   void prepare(const VectorX& x, const VectorX& p, const Conditions& c) override {
     VectorX room;
     if (own_) own_->prepare(end_of(x, room), slope_ * p, at_end(c, weight_));
+  }
+  const FrictionSource* friction_source() const override { return term_.friction_source(); }
+  void see(std::span<const Energy* const> terms) override {
+    if (own_) own_->see(terms);
+  }
+  bool form_lag(const VectorX& x, const Conditions& c) override {
+    VectorX room;
+    return own_ && own_->form_lag(end_of(x, room), at_end(c, weight_));
+  }
+  /// @param from  where the stage before ended
+  double dissipation(const VectorX& from, const VectorX& x, double duration) const override {
+    VectorX room;
+    return own_ ? own_->dissipation(from, end_of(x, room), duration) : 0;
   }
   double least_delay(const VectorX& x, const Conditions& c) const override {
     VectorX room;

@@ -7,7 +7,7 @@
 
 #include "resilin/core/text.hpp"
 #include "resilin/material/law.hpp"
-#include "resilin/simulation/step.hpp"
+#include "resilin/simulation/stage_solver.hpp"
 
 namespace resilin {
 namespace {
@@ -63,6 +63,13 @@ std::string describe_limit(const Body& body) {
   if (law == nullptr || law->end_of_domain.empty()) return {};
   return "; " + body.law + " ends where " + std::string(law->end_of_domain) +
          ": less load, or other constants, keep it inside";
+}
+
+std::string describe_unsettled_friction(const StageReport& stage) {
+  return "friction has not settled: after it was formed anew " + std::to_string(stage.friction_rounds) +
+         " times, " + format_short(stage.friction_mismatch) +
+         " of the forces that act are out of balance with that of the place found; shorter steps, or more "
+         "contact.friction_iterations, help";
 }
 
 std::string describe_failure(const World& world, const NewtonReport& report, const VectorX& positions) {

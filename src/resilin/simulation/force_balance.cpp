@@ -7,6 +7,7 @@
 #include "resilin/core/text.hpp"
 #include "resilin/mesh/facet.hpp"
 #include "resilin/simulation/step.hpp"
+#include "resilin/world/friction.hpp"
 
 namespace resilin {
 namespace {
@@ -189,7 +190,8 @@ std::string describe_imbalance(const World& world, const Potential& potential, c
 
 std::vector<std::string> describe_lost_digits(const World& world, const State& state) {
   const VectorX& x = state.positions;
-  const Potential potential(world, world.at_load(state.load), static_stage(x));
+  Potential potential(world, world.at_load(state.load), stage_of(world, state));
+  potential.form_lag(x);
   VectorX gradient;
   potential.gradient(x, gradient);
   const Parts parts(*world.pattern);

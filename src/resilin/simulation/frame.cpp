@@ -1,9 +1,12 @@
 #include "resilin/simulation/frame.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <map>
 
 #include "resilin/mesh/facet.hpp"
 #include "resilin/simulation/potential.hpp"
+#include "resilin/world/friction.hpp"
 
 namespace resilin {
 namespace {
@@ -17,6 +20,38 @@ void move_to_scene_coordinates(const Vector3& origin, Frame& frame) {
   for (SectionForce& section : frame.sections) section.center += origin;
 }
 
+/// To the force of a collider.
+void add_to_reaction(const World& world, std::string_view name, const FrictionContacts::Entry& entry,
+                     const Vector3& force, const VectorX& x, Frame& frame) {
+  const auto found = std::ranges::find(frame.reactions, name, &std::pair<std::string, Vector3>::first);
+  const auto number = static_cast<std::size_t>(found - frame.reactions.begin());
+  for (const auto& [node, weight] : entry.nodes) {
+    frame.reactions[number].second += weight * force;
+    frame.reaction_torques[number] += node_position(world.dimension, node, x).cross(weight * force);
+  }
+}
+
+/// To the force of one body on another.
+void add_to_contact(const World& world, const FrictionContacts::Entry& entry, const Vector3& force,
+                    Frame& frame) {
+  std::map<const Body*, double> parts;
+  for (const auto& [node, weight] : entry.nodes) parts[&world.body_of(node)] += weight;
+  for (SurfaceContact::BodyContact& contact : frame.contacts) {
+    const auto part = parts.find(&world.bodies[static_cast<std::size_t>(contact.other)]);
+    const bool is_theirs = parts.contains(&world.bodies[static_cast<std::size_t>(contact.body)]);
+    if (is_theirs && part != parts.end() && contact.body != contact.other)
+      contact.force += part->second * force;
+  }
+}
+
+void add_friction(const World& world, const LaggedFriction& friction, const VectorX& x, Frame& frame) {
+  friction.for_each_force(x, [&](const FrictionContacts::Entry& entry, const Vector3& force) {
+    const std::string_view name = world.friction->sources()[entry.source]->name_in_reports();
+    name.empty() ? add_to_contact(world, entry, force, frame)
+                 : add_to_reaction(world, name, entry, force, x, frame);
+  });
+}
+
 }  // namespace
 
 Frame measure_frame(const World& world, const State& state, const VectorX* step_gradient) {
@@ -27,6 +62,7 @@ Frame measure_frame(const World& world, const State& state, const VectorX* step_
   frame.time = state.time;
   frame.load = state.load;
   frame.dissipated_energy = state.dissipated_energy;
+  frame.friction_work = state.friction_work;
 
   VectorX momentum;
   world.mass->multiply(state.velocities, momentum);
@@ -61,9 +97,11 @@ Frame measure_frame(const World& world, const State& state, const VectorX* step_
 
   for (const Section& section : world.sections) frame.sections.push_back(section.measure(state.positions));
 
+  const std::unique_ptr<const LaggedFriction> friction = friction_of(world, state);
   VectorX gradient;
   if (step_gradient == nullptr) {
     potential.gradient(state.positions, gradient);
+    if (friction) friction->add_gradient(state.positions, conditions, gradient);
     step_gradient = &gradient;
   }
   for (const Support& support : world.supports) frame.reactions.emplace_back(support.name, Vector3::Zero());
@@ -84,6 +122,7 @@ Frame measure_frame(const World& world, const State& state, const VectorX* step_
     frame.reactions.emplace_back(term->name(), reaction->force);
     frame.reaction_torques.push_back(reaction->torque);
   }
+  if (friction) add_friction(world, *friction, state.positions, frame);
   move_to_scene_coordinates(world.origin, frame);
   return frame;
 }

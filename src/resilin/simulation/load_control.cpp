@@ -8,6 +8,7 @@
 #include "resilin/simulation/force_balance.hpp"
 #include "resilin/simulation/potential.hpp"
 #include "resilin/simulation/stage_solver.hpp"
+#include "resilin/world/friction.hpp"
 
 namespace resilin {
 namespace {
@@ -21,7 +22,7 @@ constexpr int most_iterations_of_a_shortened_step = 40;
 constexpr Index most_unknowns_counted = 10000;
 
 double turn_between(const World& world, double load, double next) {
-  return largest_turn(world.supports, world.at_load(load), world.at_load(next));
+  return largest_turn(world, world.at_load(load), world.at_load(next));
 }
 
 /// The next load factor that a step has to meet: one of k / load_steps, so that a scene gets the frames that
@@ -111,7 +112,8 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
     const double load = next_load(world, state);
     Conditions conditions = world.at_load(load);
     conditions.collider_delay = conditions.time - world.at_load(state.load).time;
-    Potential potential(world, conditions, static_stage(state.positions));
+    const Stage stage = static_stage(state.positions, world.end_time * (load - state.load));
+    Potential potential(world, conditions, stage);
     VectorX targets = state.positions;
     place_supports(world.dimension, world.supports, world.rest_positions, conditions, targets);
     VectorX x = predicted_positions(world, potential, targets, state, load);
@@ -119,9 +121,10 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
     const double length = load - state.load;
     if (length < 0.99 / world.load_steps && 0.5 * length >= smallest_load_increment)
       settings.max_iterations = std::min(settings.max_iterations, most_iterations_of_a_shortened_step);
-    const NewtonReport search =
-        solve_stage(potential, world.is_fixed, targets, {.places = x}, settings, {}, newton, x, observer)
-            .newton;
+    const StageReport searched =
+        solve_stage(potential, world.is_fixed, targets, {.places = x}, settings,
+                    {.friction_rounds = world.friction_iterations}, newton, x, observer);
+    const NewtonReport& search = searched.newton;
     add_to(report.newton, search);
     if (search.status == NewtonReport::Status::interrupted) {
       report.status = StepReport::Status::interrupted;
@@ -129,11 +132,17 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
     }
     VectorX gradient;
     potential.gradient(x, gradient);
-    const std::string imbalance = search.converged() ? describe_imbalance(world, potential, x, gradient,
-                                                                          search, x - world.rest_positions)
-                                                     : "";
+    std::string imbalance;
+    if (search.converged())
+      imbalance = searched.friction_mismatch > largest_balance_error
+                      ? describe_unsettled_friction(searched)
+                      : describe_imbalance(world, potential, x, gradient, search, x - world.rest_positions);
     const double delay = potential.conditions().collider_delay;
     if (search.converged() && imbalance.empty() && delay == 0) {
+      const double heat = potential.heat_of_friction(state.positions, x, stage.length());
+      state.friction_work += heat;
+      state.dissipated_energy += heat;
+      report.friction.add(searched);
       move_to(state, std::move(x), load);
       state.time = conditions.time;
       if (search.iterations < quick_convergence)
@@ -171,7 +180,8 @@ void LoadControl::find_inversion(const World& world, const State& state, StepRep
 
 void LoadControl::count_unstable_modes(const World& world, const Newton& newton, const State& state,
                                        StepReport& report) {
-  const Potential potential(world, world.at_load(state.load), static_stage(state.positions));
+  Potential potential(world, world.at_load(state.load), stage_of(world, state));
+  potential.form_lag(state.positions);
   // Without a potential the eigenvalues of the symmetric part say nothing of stability.
   if (world.unstable_modes == UnstableModes::skip || !potential.has_potential(state.positions)) return;
   if (world.unstable_modes == UnstableModes::automatic && world.num_free_unknowns() > most_unknowns_counted &&

@@ -91,10 +91,13 @@ std::vector<std::string> oddities(const World& world, const State& state) {
   if (!world.is_dynamic)
     for (const std::string& text : describe_lost_digits(world, state))
       found.push_back(world.place + ": " + text);
-  if (world.contact) {
-    const CollisionSurface& parts = world.contact->surface().parts;
-    const VectorX places = world.contact->surface().places(state.positions);
-    if (const auto crossing = first_crossing(parts, world.contact->meetings(), places)) {
+  std::vector<std::shared_ptr<const SurfaceContact>> contacts(world.mesh_colliders.begin(),
+                                                              world.mesh_colliders.end());
+  if (world.contact) contacts.push_back(world.contact);
+  for (const auto& contact : contacts) {
+    const CollisionSurface& parts = contact->surface().parts;
+    const VectorX places = contact->surface().places(state.positions, conditions_of(state));
+    if (const auto crossing = first_crossing(parts, contact->meetings(), places)) {
       const Index vertex = parts.edges[static_cast<std::size_t>(2 * crossing->edge)];
       found.push_back(world.place + ": surfaces went through each other near " +
                       world.place_text(world.origin + node_position(world.dimension, vertex, places)) +

@@ -116,8 +116,8 @@ StepReport LoadControl::step_along_path(const World& world, Newton& newton, Stat
       imbalance = describe_imbalance(world, potential, point.positions, gradient, search,
                                      point.positions - world.rest_positions);
     }
-    const bool turns_too_far = largest_turn(world.supports, world.at_load(state.load),
-                                            world.at_load(point.load)) > largest_turn_of_step * (1 + 1e-9);
+    const bool turns_too_far = largest_turn(world, world.at_load(state.load), world.at_load(point.load)) >
+                               largest_turn_of_step * (1 + 1e-9);
     if (search.converged() && imbalance.empty() && !turns_too_far) {
       state.previous_positions = std::exchange(state.positions, std::move(point.positions));
       state.previous_load = std::exchange(state.load, point.load);

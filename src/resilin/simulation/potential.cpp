@@ -19,13 +19,14 @@ Potential::Potential(std::span<const std::shared_ptr<const Energy>> terms,
     : is_fixed_(is_fixed), conditions_(conditions), base_positions_(stage.base_positions) {
   for (const auto& term : terms) {
     std::unique_ptr<Energy> own = term->begin_stage(stage);
-    if (term->properties().category == EnergyCategory::contact && EndOfStage::is_needed(stage)) {
+    if (acts_as_impulse(term->properties().category) && EndOfStage::is_needed(stage)) {
       const Energy& inner = own ? *own : *term;
       own = std::make_unique<EndOfStage>(inner, std::move(own), stage);
     }
     terms_.push_back(own ? own.get() : term.get());
     if (own) own_.push_back(std::move(own));
   }
+  for (const auto& term : own_) term->see(terms_);
   along_.resize(terms_.size());
   for (const Energy* term : terms_) {
     const CellMatrices* matrices = term->cell_matrices();
@@ -34,6 +35,12 @@ Potential::Potential(std::span<const std::shared_ptr<const Energy>> terms,
     is_taken_.push_back(taker != terms_.end());
     if (is_taken_.back()) along_[static_cast<std::size_t>(taker - terms_.begin())].push_back(matrices);
   }
+}
+
+bool Potential::form_lag(const VectorX& x) {
+  bool is_changed = false;
+  for (const auto& term : own_) is_changed |= term->form_lag(x, conditions_);
+  return is_changed;
 }
 
 void Potential::prepare(const VectorX& x, const VectorX& p) {
@@ -192,6 +199,20 @@ VectorX Potential::gradient_of(EnergyCategory category, const VectorX& x) const 
   for (const Energy* term : terms_)
     if (term->properties().category == category) term->add_gradient(x, conditions_, gradient);
   return gradient;
+}
+
+VectorX Potential::impulses(const VectorX& x) const {
+  VectorX gradient = VectorX::Zero(x.size());
+  for (const Energy* term : terms_)
+    if (acts_as_impulse(term->properties().category)) term->add_gradient(x, conditions_, gradient);
+  return gradient;
+}
+
+double Potential::heat_of_friction(const VectorX& from, const VectorX& x, double duration) const {
+  double sum = 0;
+  for (const Energy* term : terms_)
+    if (term->properties().category == EnergyCategory::friction) sum += term->dissipation(from, x, duration);
+  return sum;
 }
 
 std::vector<VectorX> Potential::gradients_without(EnergyCategory category, const VectorX& x) const {

@@ -24,6 +24,10 @@ class Potential final : public Objective {
   /// Within the stage: what lags stays where it is.
   void set_conditions(const Conditions& conditions) { conditions_ = conditions; }
 
+  /// What terms keep of a shape that is known, the normal forces of friction, becomes what it is at x. Before
+  /// the first time there is none of it. @return whether that may have changed forces
+  bool form_lag(const VectorX& x);
+
   void prepare(const VectorX& x, const VectorX& p) override;
   double difference(const VectorX& from, const VectorX& to) const override;
   double magnitude(const VectorX& x) const override;
@@ -47,6 +51,11 @@ class Potential final : public Objective {
   double energy(EnergyCategory category, const VectorX& x) const;  ///< [J]
   double difference_without(EnergyCategory category, const VectorX& from, const VectorX& to) const;
   VectorX gradient_of(EnergyCategory category, const VectorX& x) const;
+  VectorX impulses(const VectorX& x) const;  ///< gradients of what acts as an impulse
+  /// What friction turns into heat in the stage, whose forces are those of its end [J].
+  /// @param from      where the stage before ended
+  /// @param duration  since then [s]
+  double heat_of_friction(const VectorX& from, const VectorX& x, double duration) const;
   std::vector<VectorX> gradients_without(EnergyCategory category, const VectorX& x) const;  ///< term by term
   struct Gain {
     double beyond_work = 0;  ///< [J]

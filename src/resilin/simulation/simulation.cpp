@@ -115,6 +115,8 @@ StepReport Simulation::step(const NewtonObserver& observer) {
   }
   if (state_.step > step_before) {
     measure(time_stepper_ ? &gradient : nullptr);
+    if (report.friction.unsettled_stages > 0) ++state_.unsettled_steps;
+    state_.friction_mismatch = std::max(state_.friction_mismatch, report.friction.mismatch);
     failed_steps_.in_a_row = report.has_solution ? 0 : failed_steps_.in_a_row + 1;
     if (report.status == StepReport::Status::not_converged) note_failure(report.reason);
   }

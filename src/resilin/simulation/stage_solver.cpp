@@ -54,16 +54,19 @@ bool fit_to_flight(Potential& potential, std::span<const std::uint8_t> is_fixed,
   return choose_lower_start(potential, is_fixed, held, fitted, x);
 }
 
-/// The residual of a search at another place than where it ended.
-void measure_again(const Potential& potential, std::span<const std::uint8_t> is_fixed, const Newton& newton,
-                   const VectorX& x, NewtonReport& report) {
+/// The residual of a search at another place than where it ended, or with other forces. @return the verdict
+Convergence::Verdict measure_again(const Potential& potential, std::span<const std::uint8_t> is_fixed,
+                                   const Newton& newton, double tolerance, const VectorX& x,
+                                   NewtonReport& report) {
   VectorX gradient;
   potential.gradient(x, gradient);
-  Convergence balance(potential, is_fixed, newton.parts(), /*tolerance=*/0);
+  Convergence balance(potential, is_fixed, newton.parts(), tolerance);
   balance.measure(x, gradient);
+  const Convergence::Verdict verdict = balance.verdict({}, /*look_closer=*/tolerance > 0);
   report.residual = balance.residual();
   report.force_scale = balance.force_scale();
   report.worst_unknown = balance.worst_unknown();
+  return verdict;
 }
 
 }  // namespace
@@ -94,7 +97,16 @@ StageReport solve_stage(Potential& potential, std::span<const std::uint8_t> is_f
   const VectorX held = x;
   StageReport report;
   NewtonReport& total = report.newton;
+  const auto is_over = [&] { return clock.is_over() || total.iterations >= budget.iterations; };
+  const auto search = [&](const NewtonSettings& allowed) {
+    add_to(total, newton.minimize(potential, is_fixed, targets, allowed, x, clock.observer()));
+    // The time may be over with the very iteration that solved the stage.
+    if (total.status == NewtonReport::Status::interrupted && clock.is_over() &&
+        total.relative_residual() <= settings.tolerance)
+      total.status = NewtonReport::Status::converged;
+  };
   for (int advance = 0;; ++advance) {
+    potential.form_lag(x);
     Conditions conditions = potential.conditions();
     conditions.collider_delay = potential.least_delay(x);
     potential.set_conditions(conditions);
@@ -102,17 +114,23 @@ StageReport solve_stage(Potential& potential, std::span<const std::uint8_t> is_f
     if (advance == 0) report.flew = choose_lower_start(potential, is_fixed, held, flight.places, x);
     NewtonSettings allowed = settings;
     if (!is_last) allowed.max_iterations = std::min(allowed.max_iterations, iterations_to_give_way);
-    add_to(total, newton.minimize(potential, is_fixed, targets, allowed, x, clock.observer()));
-    // The time may be over with the very iteration that solved the stage.
-    if (total.status == NewtonReport::Status::interrupted && clock.is_over() &&
-        total.relative_residual() <= settings.tolerance)
-      total.status = NewtonReport::Status::converged;
-    const bool is_over = clock.is_over() || total.iterations >= budget.iterations;
-    if (!is_last && !is_over && total.status != NewtonReport::Status::interrupted) continue;
+    search(allowed);
+    if (!is_last && !is_over() && total.status != NewtonReport::Status::interrupted) continue;
+    for (int round = 0; total.converged() && potential.form_lag(x); ++round) {
+      if (round >= budget.friction_rounds || is_over()) {
+        const auto verdict = measure_again(potential, is_fixed, newton, settings.tolerance, x, total);
+        if (verdict != Convergence::Verdict::yes) report.friction_mismatch = total.relative_residual();
+        break;
+      }
+      const int before = total.iterations;
+      search(settings);
+      if (total.iterations == before) break;
+      ++report.friction_rounds;
+    }
     if (total.converged()) return report;
     bool is_moved = fit_to_flight(potential, is_fixed, flight, x, x);
     is_moved |= fit_to_flight(potential, is_fixed, flight, held, x);
-    if (is_moved) measure_again(potential, is_fixed, newton, x, total);
+    if (is_moved) measure_again(potential, is_fixed, newton, /*tolerance=*/0, x, total);
     return report;
   }
 }

@@ -12,6 +12,7 @@ struct StageBudget {
   /// After this no further Newton iteration begins; at least one is done [s].
   double seconds = std::numeric_limits<double>::infinity();
   int iterations = std::numeric_limits<int>::max();  ///< the same for this number of them
+  int friction_rounds = 0;  ///< so often the normal forces of friction are formed anew and the search goes on
 };
 
 /// Where a stage would end if nothing held the bodies back.
@@ -29,6 +30,10 @@ Flight flight(const World& world, std::span<const std::uint8_t> is_fixed, const 
 struct StageReport {
   NewtonReport newton;  ///< counts of all searches
   bool flew = false;    ///< the search began at the flight
+  /// Of a search that converged: how far forces are out of balance, beside those that act, once friction is
+  /// that of the place where it ended. 0: no farther than the tolerance.
+  double friction_mismatch = 0;
+  int friction_rounds = 0;  ///< searches that went on with friction formed anew
 };
 
 /// Newton's method on one stage of a step, for runs and for scenes that are played with.
@@ -39,6 +44,9 @@ struct StageReport {
 /// what moves by itself (colliders), this goes as far as it can without touching them, a few iterations let
 /// the bodies give way, and so on: `potential.conditions().collider_delay` is how far it is behind at first,
 /// and becomes how far it still is.
+///
+/// The normal forces of friction are at first those at x; then they are formed where a search ended, and it
+/// goes on from there, until that leaves the forces in balance. The potential keeps those of the place found.
 ///
 /// @param targets  places of the fixed unknowns
 /// @param x        the start, and what is found

@@ -1,6 +1,9 @@
 #include "resilin/simulation/step.hpp"
 
+#include <algorithm>
 #include <cmath>
+
+#include "resilin/simulation/stage_solver.hpp"
 
 namespace resilin {
 
@@ -15,6 +18,19 @@ void add_to(NewtonReport& sum, const NewtonReport& part) {
   total.assembly_seconds += sum.assembly_seconds;
   total.solve_seconds += sum.solve_seconds;
   sum = total;
+}
+
+void FrictionReport::add(const StageReport& stage) {
+  rounds += stage.friction_rounds;
+  if (stage.friction_mismatch == 0) return;
+  ++unsettled_stages;
+  mismatch = std::max(mismatch, stage.friction_mismatch);
+}
+
+void FrictionReport::add(const FrictionReport& part) {
+  rounds += part.rounds;
+  unsettled_stages += part.unsettled_stages;
+  mismatch = std::max(mismatch, part.mismatch);
 }
 
 NewtonSettings newton_settings(const World& world) {

@@ -11,6 +11,18 @@
 /// What steps in time and in load have in common.
 namespace resilin {
 
+struct StageReport;
+
+/// How friction settled in the stages of a step.
+struct FrictionReport {
+  int rounds = 0;            ///< searches that went on with normal forces formed anew
+  int unsettled_stages = 0;  ///< whose forces are not in balance with the friction of where they ended
+  double mismatch = 0;       ///< the most that is out of balance, beside the forces that act
+
+  void add(const StageReport& stage);
+  void add(const FrictionReport& part);
+};
+
 /// What became of one time step or load step.
 struct StepReport {
   enum class Status {
@@ -26,6 +38,7 @@ struct StepReport {
   double time_step = 0;            ///< motion: length of the step [s]
   bool by_backward_euler = false;  ///< motion: in place of another scheme, which would have added energy
   double removed_energy = 0;       ///< motion: taken out of the velocities, lest the step add it [J]
+  FrictionReport friction;
   double time_error = 0;  ///< motion with adaptive steps: about how far the step misplaced a vertex [m]
   std::optional<Index> unstable_modes;  ///< statics: negative eigenvalues of the stiffness, where counted
   std::optional<Inversion> inversion;   ///< linear statics: where a cell is first turned inside out
@@ -47,6 +60,9 @@ bool choose_lower_start(Objective& objective, std::span<const std::uint8_t> is_f
 /// Why a search ended: with the place of the largest residual, where the material of that body suffers most,
 /// and cells of other bodies that are all but flat. Places are those of the rest shapes.
 std::string describe_failure(const World& world, const NewtonReport& report, const VectorX& positions);
+
+/// Why a stage is not solved whose friction has not settled.
+std::string describe_unsettled_friction(const StageReport& stage);
 
 /// "; gent ends where ...", for a body of a law whose energy ends at a stretch; else empty.
 std::string describe_limit(const Body& body);

@@ -58,19 +58,22 @@ bool TimeStepper::Attempt::keeps_energy(const World& world, const State& start, 
   return true;
 }
 
-void TimeStepper::Attempt::move(const World& world, State& state, double time_step) && {
+void TimeStepper::Attempt::move(const World& world, State& state, double time_step, double time) && {
   state.dissipated_energy += dissipation(world, state, end, time_step);
   state.previous_positions = std::move(state.positions);
   state.previous_velocities = std::move(state.velocities);
-  if (jump.size() > 0)
-    follow_jump(jump, time_step, jump_effect, state.previous_positions, state.previous_velocities);
-  if (slowing.size() > 0)
-    follow_jump(slowing, time_step, 0, state.previous_positions, state.previous_velocities);
   state.previous_time_step = time_step;
+  state.time = time;
   state.positions = std::move(end.positions);
   state.velocities = std::move(end.velocities);
   state.accelerations = std::move(end.accelerations);
   state.collider_delay = collider_delay;
+  state.friction_work += friction_work;
+  state.dissipated_energy += friction_work;
+  if (jump.size() > 0)
+    follow_jump(jump, time_step, jump_effect, state.previous_positions, state.previous_velocities);
+  if (slowing.size() > 0)
+    follow_jump(slowing, time_step, 0, state.previous_positions, state.previous_velocities);
   state.energy_excess = energy_excess;
   state.largest_kinetic_energy = largest_kinetic_energy;
   if (is_guarded()) ++state.guarded_steps;

@@ -16,6 +16,7 @@ struct TimeStepper::Attempt {
   VectorX gradient{};
   double collider_delay = 0;  ///< [s]
   Stage last_stage{};
+  double friction_work = 0;  ///< [J]
   /// Not found on a way that began in flight: near contact, other schemes than backward Euler then turn
   /// velocities around far from any collider.
   bool may_be_turned = false;
@@ -34,7 +35,8 @@ struct TimeStepper::Attempt {
   /// @param round_off  [J]
   bool keeps_energy(const World& world, const State& start, double time_step, double round_off,
                     bool is_last_resort);
-  void move(const World& world, State& state, double time_step) &&;
+  /// @param time  at the end [s]
+  void move(const World& world, State& state, double time_step, double time) &&;
 };
 
 /// What a step starts from.

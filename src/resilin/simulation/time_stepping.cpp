@@ -78,9 +78,11 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
     Potential potential(world, conditions, stage);
     VectorX x = before;
     const Flight flying = flight(world, world.is_fixed, potential, stage, world.gravity, x);
-    const StageReport searched = solve_stage(potential, world.is_fixed, prescribed.positions, flying,
-                                             newton_settings(world), {}, newton, x, observer);
+    const StageReport searched =
+        solve_stage(potential, world.is_fixed, prescribed.positions, flying, newton_settings(world),
+                    {.friction_rounds = world.friction_iterations}, newton, x, observer);
     const NewtonReport& search = searched.newton;
+    report.friction.add(searched);
     conditions = potential.conditions();
     add_to(report.newton, search);
     if (search.status == NewtonReport::Status::interrupted) {
@@ -102,7 +104,7 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
     const bool is_last = state.time + time_step >= world.end_time - time_slack(world.end_time);
     const VectorX displacement = is_last ? VectorX(x - start.now.positions) : VectorX();
     if (const std::string imbalance =
-            search.converged()
+            search.converged() && searched.friction_mismatch <= largest_balance_error
                 ? describe_imbalance(world, potential, x, attempt.gradient, search, displacement)
                 : "";
         !imbalance.empty()) {
@@ -110,6 +112,11 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
       report.reason = imbalance;
       attempt.is_usable = false;
       attempt.may_be_turned = true;
+    }
+    if (searched.friction_mismatch > largest_balance_error) {
+      report.status = StepReport::Status::not_converged;
+      report.reason = describe_unsettled_friction(searched);
+      attempt.is_usable = false;
     }
     if (conditions.collider_delay > 0) {
       attempt.is_usable &= !search.converged();  // else a shorter step may let it pass
@@ -121,7 +128,8 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
     }
     colliders_reached = end - conditions.collider_delay;
     attempt.collider_delay = conditions.collider_delay;
-    const VectorX contact = potential.gradient_of(EnergyCategory::contact, x);
+    attempt.friction_work += potential.heat_of_friction(before, x, stage.length());
+    const VectorX contact = potential.impulses(x);
     Motion found = stage.motion(std::move(x));
     attempt.jump.resize(0);
     attempt.contact_accelerations.resize(0);
@@ -196,6 +204,7 @@ StepReport TimeStepper::step_in_parts(const World& world, Newton& newton, State&
   for (int part = 1; part <= num_parts; ++part) {
     Attempt found = safe_attempt(even ? *even : world, newton, now, length, observer);
     add_to(report.newton, found.report.newton);
+    report.friction.add(found.report.friction);
     report.by_backward_euler |= found.report.by_backward_euler;
     report.removed_energy += found.report.removed_energy;
     report.has_solution &= found.report.has_solution;
@@ -205,8 +214,7 @@ StepReport TimeStepper::step_in_parts(const World& world, Newton& newton, State&
     }
     if (found.is_interrupted()) return report;
     gradient = std::move(found.gradient);
-    std::move(found).move(world, now, length);
-    now.time = state.time + part * length;
+    std::move(found).move(world, now, length, state.time + part * length);
   }
   now.step = state.step + 1;
   now.guarded_steps = std::min(now.guarded_steps, state.guarded_steps + 1);

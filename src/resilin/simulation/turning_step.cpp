@@ -7,7 +7,7 @@ namespace resilin {
 
 double turn_of_step(const World& world, const State& state, double time_step) {
   const Conditions begin{.time = state.time}, end{.time = state.time + time_step};
-  double turn = largest_turn(world.supports, begin, end);
+  double turn = largest_turn(world, begin, end);
   if (state.step > 0) return turn;
   for (const Support& support : world.supports) {
     if (support.rotate)
@@ -21,7 +21,7 @@ bool turns_evenly(const World& world, const State& state, double length, int num
   double turn = turn_of_step(world, state, length);
   for (int part = 1; part < num_parts; ++part) {
     const double begin = state.time + part * length;
-    turn = std::max(turn, largest_turn(world.supports, {.time = begin}, {.time = begin + length}));
+    turn = std::max(turn, largest_turn(world, {.time = begin}, {.time = begin + length}));
   }
   return turn <= largest_turn_of_step * (1 + 1e-9);
 }

@@ -7,6 +7,8 @@
 #include "resilin/core/text.hpp"
 #include "resilin/material/rest_tangents.hpp"
 #include "resilin/mesh/topology.hpp"
+#include "resilin/world/friction.hpp"
+#include "resilin/world/mesh_collider.hpp"
 
 namespace resilin {
 namespace {
@@ -25,56 +27,93 @@ double youngs_modulus(const Body& body) {
   return E;
 }
 
-}  // namespace
-
 double barrier_stiffness(const Body& body, std::optional<double> asked) {
   return asked ? *asked : stiffness_share * youngs_modulus(body);
 }
 
-std::vector<ContactNode> contact_nodes(const World& world, std::optional<double> stiffness) {
+CellBlock surface_facets(const Body& body) {
+  return boundary({.kind = body.cell_kind, .nodes = body.cells}).facets;
+}
+
+}  // namespace
+
+double smallest_extent(const World& world) {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const Body& body : world.bodies)
+    smallest = std::min(smallest, largest_extent(body, world.rest_positions, world.dimension));
+  return smallest;
+}
+
+std::vector<ContactBody> contact_bodies(const World& world, std::optional<double> stiffness) {
+  std::vector<ContactBody> bodies;
+  for (const Body& body : world.bodies)
+    bodies.push_back({surface_facets(body), barrier_stiffness(body, stiffness)});
+  return bodies;
+}
+
+std::vector<std::uint8_t> held_nodes(const World& world) {
   const int dim = world.dimension;
   const std::vector<std::int32_t> support_of = supports_of_unknowns(dim, world.num_nodes(), world.supports);
+  std::vector<std::uint8_t> is_held;
+  for (auto first = support_of.begin(); first != support_of.end(); first += dim)
+    is_held.push_back(std::all_of(first, first + dim, [](std::int32_t support) { return support >= 0; }));
+  return is_held;
+}
+
+std::vector<ContactNode> contact_nodes(const World& world, std::optional<double> stiffness) {
+  const int dim = world.dimension;
+  const std::vector<std::uint8_t> is_held = held_nodes(world);
   std::vector<ContactNode> all;
   for (const Body& body : world.bodies) {
-    const CellBlock facets = boundary({.kind = body.cell_kind, .nodes = body.cells}).facets;
     const double kappa = barrier_stiffness(body, stiffness);
-    for (const ContactNode& node : contact_nodes(dim, facets, world.rest_positions, kappa)) {
-      bool is_free = false;
-      for (int k = 0; k < dim; ++k) is_free |= support_of[static_cast<std::size_t>(node.node * dim + k)] < 0;
-      if (is_free) all.push_back(node);
-    }
+    for (const ContactNode& node : contact_nodes(dim, surface_facets(body), world.rest_positions, kappa))
+      if (is_held[static_cast<std::size_t>(node.node)] == 0) all.push_back(node);
   }
   return all;
 }
 
-double default_activation_distance(const World& world) {
-  double smallest = std::numeric_limits<double>::infinity();
-  for (const Body& body : world.bodies)
-    smallest = std::min(smallest, largest_extent(body, world.rest_positions, world.dimension));
-  return activation_share * smallest;
+double default_activation_distance(const World& world) { return activation_share * smallest_extent(world); }
+
+ColliderMotion motion_of(const ColliderDescription& description, double end_time) {
+  ColliderMotion motion{.velocity = description.velocity,
+                        .until = description.until.value_or(std::numeric_limits<double>::infinity()),
+                        .displacement = description.displacement,
+                        .time_function = description.time_function,
+                        .turn = description.rotate};
+  if (motion.time_function.is_constant())
+    motion.time_function.form = TimeFunction::Ramp{.from = 0, .until = end_time};
+  return motion;
 }
 
-std::shared_ptr<const ColliderBarrier> make_collider(const ColliderDescription& description,
-                                                     const World& world) {
+void add_collider(const ColliderDescription& description, World& world) {
   const ShapeKind* kind = find_shape_kind(description.kind);
   if (kind == nullptr) {
     std::vector<std::string> names;
     for (const ShapeKind& each : shape_kinds()) names.emplace_back(each.name);
     throw InputError(description.place + ".kind", "one of " + join(names), '"' + description.kind + '"');
   }
+  if (world.dimension == 2 && !kind->is_flat_too) {
+    throw InputError(description.place + ".kind", "a kind that there is in 2D", '"' + description.kind + '"',
+                     "take a sphere, a box or a capsule");
+  }
   if (world.modes) {
     throw InputError(description.place, "no [[collider]] where free vibrations are sought", "one",
                      "what only touches does not vibrate along: hold it with [[fix]] instead");
   }
+  check_friction(description.friction, description.place + ".friction", world);
   const double activation_distance =
       description.activation_distance.value_or(default_activation_distance(world));
-  auto collider = std::make_shared<ColliderBarrier>(
-      description.name, world.dimension, kind->make(description.shape),
-      contact_nodes(world, description.stiffness), activation_distance,
-      ColliderMotion{.velocity = description.velocity,
-                     .until = description.until.value_or(std::numeric_limits<double>::infinity())});
-  check_is_outside(*collider, world, world.start_positions, {}, description.place);
-  return collider;
+  if (kind->make_mesh != nullptr) {
+    world.mesh_colliders.push_back(make_mesh_collider(description, *kind, activation_distance, world));
+    world.terms.push_back(world.mesh_colliders.back());
+    return;
+  }
+  world.colliders.push_back(
+      std::make_shared<ColliderBarrier>(description.name, world.dimension, kind->make(description.shape),
+                                        contact_nodes(world, description.stiffness), activation_distance,
+                                        motion_of(description, world.end_time), description.friction));
+  world.terms.push_back(world.colliders.back());
+  check_is_outside(*world.colliders.back(), world, world.start_positions, {}, description.place);
 }
 
 void check_is_outside(const ColliderBarrier& collider, const World& world, const VectorX& positions,

@@ -7,9 +7,9 @@
 #include "resilin/contact/crossing.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
-#include "resilin/mesh/topology.hpp"
 #include "resilin/world/body_overlap.hpp"
 #include "resilin/world/colliders.hpp"
+#include "resilin/world/friction.hpp"
 
 namespace resilin {
 namespace {
@@ -45,12 +45,20 @@ bool any_meets_itself(const BodyMeetings& meetings) {
   return false;
 }
 
-ContactSurface surface_of(const ContactDescription& description, const World& world) {
-  std::vector<ContactBody> bodies;
-  for (const Body& body : world.bodies)
-    bodies.push_back({boundary({.kind = body.cell_kind, .nodes = body.cells}).facets,
-                      barrier_stiffness(body, description.stiffness)});
-  return make_contact_surface(world.dimension, bodies, world.rest_positions);
+/// Coefficients of each body with each, row by row; empty where all are zero.
+std::vector<double> friction_of(const ContactDescription& description, World& world) {
+  const std::size_t n = world.bodies.size();
+  check_friction(description.friction, description.place + ".friction", world);
+  std::vector<double> table(n * n, description.friction);
+  for (const ContactPairDescription& pair : description.pairs) {
+    if (!pair.friction) continue;
+    check_friction(*pair.friction, pair.place + ".friction", world);
+    const auto a = static_cast<std::size_t>(body_called(world, pair.bodies[0], pair.place));
+    const auto b = static_cast<std::size_t>(body_called(world, pair.bodies[1], pair.place));
+    table[a * n + b] = table[b * n + a] = *pair.friction;
+  }
+  if (std::ranges::all_of(table, [](double coefficient) { return coefficient == 0; })) table.clear();
+  return table;
 }
 
 void require_positive(const std::optional<double>& value, const std::string& place) {
@@ -172,8 +180,10 @@ std::shared_ptr<const SurfaceContact> make_contact(const ContactDescription& des
   require_positive(description.activation_distance, description.place + ".activation_distance");
   require_positive(description.stiffness, description.place + ".stiffness");
   const BodyMeetings meetings = meetings_of(description, world);
+  std::vector<double> friction = friction_of(description, world);
   if (!description.is_enabled || !any_meet(meetings) || world.modes) return nullptr;
-  const ContactSurface surface = surface_of(description, world);
+  const ContactSurface surface = make_contact_surface(
+      world.dimension, contact_bodies(world, description.stiffness), world.rest_positions);
   double distance = description.activation_distance.value_or(default_activation_distance(world));
   check_fits_bodies(distance, world, description.place);
   if (any_meets_itself(meetings)) {
@@ -190,6 +200,7 @@ std::shared_ptr<const SurfaceContact> make_contact(const ContactDescription& des
   }
   auto contact =
       std::make_shared<SurfaceContact>("contact", surface, meetings, distance, world.start_positions);
+  contact->set_friction(std::move(friction));
   const StartCheck start(*contact, world, description.place);
   start.check_overlaps();
   start.check_crossings();

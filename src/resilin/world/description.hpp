@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "resilin/contact/catalog.hpp"
+#include "resilin/contact/collider_motion.hpp"
 #include "resilin/core/spelling.hpp"
 #include "resilin/core/types.hpp"
 #include "resilin/energy/time_function.hpp"
@@ -154,7 +155,7 @@ struct LoadDescription {
   TimeFunction time_function;  ///< on the load, of a spring on its displacement, in place of the load factor
 };
 
-/// A solid that bodies cannot enter and slide along without friction.
+/// A rigid thing that bodies cannot enter or pass.
 struct ColliderDescription {
   std::string place = "collider";
   std::string name;                 ///< the force on the bodies is reported under it
@@ -162,8 +163,12 @@ struct ColliderDescription {
   ShapeDescription shape;
   Vector3 velocity = Vector3::Zero();         ///< [m/s] ...
   std::optional<double> until;                ///< ... until this time [s]
+  Vector3 displacement = Vector3::Zero();     ///< at load factor 1 [m]
+  TimeFunction time_function;                 ///< on displacement, in place of the load factor
+  std::optional<ColliderTurn> rotate;         ///< until the same time
   std::optional<double> activation_distance;  ///< [m]; default: see default_activation_distance
   std::optional<double> stiffness;  ///< of the barrier [Pa]; default 0.1 of each body's Young's modulus
+  double friction = 0;              ///< Coulomb's coefficient
 };
 
 /// Two bodies, or one and itself, that meet in another way than all others.
@@ -171,6 +176,7 @@ struct ContactPairDescription {
   std::string place = "contact.pair";
   std::array<std::string, 2> bodies;
   bool is_enabled = true;
+  std::optional<double> friction;  ///< Coulomb's coefficient; default that of all bodies
 };
 
 /// How bodies meet each other and themselves.
@@ -179,7 +185,10 @@ struct ContactDescription {
   bool is_enabled = true;                     ///< false: bodies pass through each other
   bool with_themselves = false;               ///< each body meets itself, too
   std::optional<double> activation_distance;  ///< [m]; default: see default_activation_distance
-  std::optional<double> stiffness;  ///< of the barrier [Pa]; default 0.1 of each body's Young's modulus
+  std::optional<double> stiffness;       ///< of the barrier [Pa]; default 0.1 of each body's Young's modulus
+  double friction = 0;                   ///< Coulomb's coefficient of bodies on each other and on themselves
+  std::optional<double> friction_speed;  ///< [m/s]; default: see default_friction_speed
+  int friction_iterations = 20;          ///< so often at most a stage of a step forms normal forces anew
   std::vector<ContactPairDescription> pairs;
 };
 

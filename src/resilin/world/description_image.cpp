@@ -24,10 +24,13 @@ Description deserialize_description(std::string_view image, const std::string& p
   Description description;
   reader(description);
   reader.end();
-  const bool is_sound = std::ranges::all_of(description.bodies, [](const BodyDescription& body) {
+  const bool are_bodies_sound = std::ranges::all_of(description.bodies, [](const BodyDescription& body) {
     return body.mesh.is_whole() && (!body.skin || body.skin->surface.is_whole());
   });
-  if (!is_sound) reader.fail();
+  const bool are_colliders_sound =
+      std::ranges::all_of(description.colliders,
+                          [](const ColliderDescription& collider) { return collider.shape.mesh.is_whole(); });
+  if (!are_bodies_sound || !are_colliders_sound) reader.fail();
   return description;
 }
 

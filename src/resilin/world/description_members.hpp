@@ -26,11 +26,14 @@ RESILIN_MEMBERS(FixDescription, place, name, body, where, components, displaceme
                 velocity, until, time_function)
 RESILIN_MEMBERS(LoadDescription, place, name, body, kind, where, value, pressure, stiffness, displacement,
                 velocity, from, until, time_function)
-RESILIN_MEMBERS(ShapeDescription, point, normal, center, radius)
-RESILIN_MEMBERS(ColliderDescription, place, name, kind, shape, velocity, until, activation_distance,
-                stiffness)
-RESILIN_MEMBERS(ContactPairDescription, place, bodies, is_enabled)
-RESILIN_MEMBERS(ContactDescription, place, is_enabled, with_themselves, activation_distance, stiffness, pairs)
+RESILIN_MEMBERS(ShapeDescription, point, normal, center, radius, size, start, end, mesh, mesh_name, scale,
+                translate)
+RESILIN_MEMBERS(ColliderTurn, axis, center, degrees, degrees_per_second)
+RESILIN_MEMBERS(ColliderDescription, place, name, kind, shape, velocity, until, displacement, time_function,
+                rotate, activation_distance, stiffness, friction)
+RESILIN_MEMBERS(ContactPairDescription, place, bodies, is_enabled, friction)
+RESILIN_MEMBERS(ContactDescription, place, is_enabled, with_themselves, activation_distance, stiffness,
+                friction, friction_speed, friction_iterations, pairs)
 RESILIN_MEMBERS(ProbeDescription, place, name, body, at)
 RESILIN_MEMBERS(SectionDescription, place, name, body, axis, at)
 RESILIN_MEMBERS(NewtonOptions, tolerance, max_iterations, max_failures, projection, inversion_bound)

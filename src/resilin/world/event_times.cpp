@@ -4,12 +4,17 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/world/colliders.hpp"
 
 namespace resilin {
 
 bool follows_time(const Description& description) {
-  const auto moves = [](const auto& entry) { return !entry.velocity.isZero(0); };
-  const auto varies = [&](const auto& entry) { return moves(entry) || !entry.time_function.is_constant(); };
+  const auto moves = [](const ColliderDescription& collider) {
+    return !motion_of(collider, /*end_time=*/1).is_at_rest();
+  };
+  const auto varies = [](const auto& entry) {
+    return !entry.velocity.isZero(0) || !entry.time_function.is_constant();
+  };
   const auto is_windowed = [](const LoadDescription& load) { return load.from > 0 || load.until; };
   return std::ranges::any_of(description.fixes, varies) || std::ranges::any_of(description.loads, varies) ||
          std::ranges::any_of(description.loads, is_windowed) ||
@@ -24,8 +29,7 @@ std::vector<double> event_times(const Description& description) {
     if (entry.until) times.push_back(*entry.until);
   };
   for (const FixDescription& fix : description.fixes) add(fix);
-  for (const ColliderDescription& collider : description.colliders)
-    if (collider.until) times.push_back(*collider.until);
+  for (const ColliderDescription& collider : description.colliders) add(collider);
   for (const LoadDescription& load : description.loads) {
     add(load);
     times.push_back(load.from);

@@ -89,6 +89,12 @@ std::string text(const Rotation& rotation) {
   return text(degrees) + " degrees about " + text(axis) + " through " + text(center);
 }
 
+std::string text(const ColliderTurn& turn) {
+  const auto& [axis, center, degrees, degrees_per_second] = turn;
+  return text(degrees) + " degrees and " + text(degrees_per_second) + " in a second about " + text(axis) +
+         " through " + text(center);
+}
+
 template <class T>
   requires requires(const T& value) { text(value); }
 std::string text(const std::optional<T>& value) {
@@ -133,8 +139,9 @@ std::string text(const Where& where) {
 }
 
 std::string text(const ContactPairDescription& pair) {
-  const auto& [place, bodies, is_enabled] = pair;
-  return text(bodies[0]) + " and " + text(bodies[1]) + (is_enabled ? " meet" : " pass");
+  const auto& [place, bodies, is_enabled, friction] = pair;
+  return text(bodies[0]) + " and " + text(bodies[1]) + (is_enabled ? " meet" : " pass") +
+         (friction ? ", friction " + text(*friction) : "");
 }
 
 template <class T>
@@ -155,6 +162,8 @@ bool is_seen(const BodyDescription&, std::string_view member) {
   return !is_one_of(member, {"place", "name", "mesh_name", "skin"});
 }
 
+bool is_seen(const ShapeDescription&, std::string_view member) { return member != "mesh_name"; }
+
 bool is_seen(const NewtonOptions&, std::string_view member) {
   return member != "max_failures";  // when to give up, not what is computed
 }
@@ -173,11 +182,16 @@ bool is_seen(const Description& description, std::string_view member) {
   return true;
 }
 
-/// Adaptive steps meet the end, a turn at once is over before it, and the path of a static run ends with it;
+/// Adaptive steps meet the end, a turn at once is over before it, a collider without a function of time is at
+/// its displacement then, and the path of a static run ends with it;
 /// equal steps do not see it coming.
 bool is_end_seen(const Description& description) {
   if (!description.is_dynamic) return follows_time(description);
-  return description.adaptive.has_value() || std::ranges::any_of(description.fixes, turns_at_once);
+  const auto goes_evenly = [](const ColliderDescription& collider) {
+    return !collider.displacement.isZero(0) && collider.time_function.is_constant();
+  };
+  return description.adaptive.has_value() || std::ranges::any_of(description.fixes, turns_at_once) ||
+         std::ranges::any_of(description.colliders, goes_evenly);
 }
 
 /// How a scene calls a member; empty when its parts stand beside the other members.

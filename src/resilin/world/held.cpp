@@ -22,7 +22,7 @@ namespace {
 
 constexpr const char* about_contact =
     "; what touches a body (a collider, a body that is held itself) holds only what is within its activation "
-    "distance at the start, and nothing sideways";
+    "distance at the start, and sideways only by friction";
 constexpr double round_off = 1e-6;  ///< of a direction: the square root of what the Gram matrix leaves
 
 struct Part {

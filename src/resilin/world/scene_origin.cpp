@@ -81,8 +81,10 @@ Description with_origin(const Description& description, const Vector3& origin) {
   for (FixDescription& fix : moved.fixes) move(fix, by);
   for (LoadDescription& load : moved.loads) move(load.where, by);
   for (ColliderDescription& collider : moved.colliders) {
-    collider.shape.point += by;
-    collider.shape.center += by;
+    ShapeDescription& shape = collider.shape;
+    for (Vector3* place : {&shape.point, &shape.center, &shape.start, &shape.end, &shape.translate})
+      *place += by;
+    if (collider.rotate) collider.rotate->center += by;
   }
   for (ProbeDescription& probe : moved.probes) probe.at += by;
   for (SectionDescription& section : moved.sections) section.at += along(section.axis, by);

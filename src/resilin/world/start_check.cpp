@@ -84,11 +84,10 @@ struct Intrusion {
 Intrusion deepest(const World& world, const Support& support, const ColliderBarrier& collider) {
   Intrusion worst;
   for (const Conditions& conditions : conditions_to_look_at(world)) {
-    const Vector3 moved = collider.place(conditions) - collider.shape().reference_point();
     for (const Index node : support.nodes) {
       const Vector3 x =
           support.target(node_position(world.dimension, node, world.rest_positions), conditions);
-      const double depth = -collider.shape().distance(x - moved);
+      const double depth = -collider.distance(x, conditions);
       if (depth > worst.depth) worst = {.depth = depth, .node = node, .time = conditions.time};
     }
   }

@@ -10,7 +10,7 @@
 namespace resilin {
 namespace {
 
-constexpr std::string_view magic = "resilin state 8\n";
+constexpr std::string_view magic = "resilin state 9\n";
 constexpr const char* begin_again = "run again without --resume";
 constexpr int largest_step = 1000000000;           ///< so that the counter never overflows in what follows
 constexpr double smallest_load_increment = 1e-10;  ///< far below what load control ever tries
@@ -38,6 +38,9 @@ void visit_members(AnyState& state, Visitor&& visitor) {
   visitor.number("time_step", state.time_step, Sign::not_negative);
   visitor.number("collider_delay", state.collider_delay, Sign::not_negative);
   visitor.number("dissipated_energy", state.dissipated_energy, Sign::any);
+  visitor.number("friction_work", state.friction_work, Sign::any);
+  visitor.count("unsettled_steps", state.unsettled_steps);
+  visitor.number("friction_mismatch", state.friction_mismatch, Sign::not_negative);
   visitor.number("energy_excess", state.energy_excess, Sign::any);
   visitor.number("largest_kinetic_energy", state.largest_kinetic_energy, Sign::not_negative);
   visitor.count("guarded_steps", state.guarded_steps);

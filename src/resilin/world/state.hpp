@@ -26,12 +26,16 @@ struct State {
   double arc_length = 0;   ///< [m] of the next step along a path of equilibria
   double load_weight = 0;  ///< [m]: how far a unit of load counts in it; 0 before the first step
 
+  double friction_work = 0;      ///< heat by friction, since the start [J]
+  int unsettled_steps = 0;       ///< whose forces were not in balance with the friction of their end ...
+  double friction_mismatch = 0;  ///< ... by so much at most, beside the forces that act
+
   // Motion: what integrators need besides.
   VectorX accelerations;              ///< but those by contact [m/s^2]; empty: not known yet
   VectorX previous_velocities;        ///< one step before [m/s]
   double previous_time_step = 0;      ///< length of that step [s]; 0: there was none
   double time_step = 0;               ///< length of the next step, where steps adapt [s]
-  double dissipated_energy = 0;       ///< by damping, since the start [J]
+  double dissipated_energy = 0;       ///< by damping and friction, since the start [J]
   double collider_delay = 0;          ///< how far moving colliders are behind; bodies were in their way [s]
   double energy_excess = 0;           ///< how far the energy, less work done, has risen: see TimeStepper [J]
   double largest_kinetic_energy = 0;  ///< so far [J]

@@ -16,6 +16,7 @@
 #include "resilin/world/damping.hpp"
 #include "resilin/world/description_check.hpp"
 #include "resilin/world/event_times.hpp"
+#include "resilin/world/friction.hpp"
 #include "resilin/world/loads.hpp"
 #include "resilin/world/plausibility.hpp"
 #include "resilin/world/scene_origin.hpp"
@@ -131,12 +132,11 @@ void Builder::build() {
   world_.terms.assign(coupling_.begin(), coupling_.end());
   if (description_.gravity.head(world_.dimension).norm() > 0)
     world_.terms.push_back(make_gravity(description_.gravity, world_, world_.is_dynamic));
-  for (const ColliderDescription& collider : description_.colliders) {
-    world_.colliders.push_back(make_collider(collider, world_));
-    world_.terms.push_back(world_.colliders.back());
-  }
+  for (const ColliderDescription& collider : description_.colliders) add_collider(collider, world_);
   world_.contact = make_contact(description_.contact, world_);
   if (world_.contact) world_.terms.push_back(world_.contact);
+  world_.friction = make_friction(description_.contact, world_);
+  if (world_.friction) world_.terms.push_back(world_.friction);
   if (world_.is_dynamic) {
     world_.terms.push_back(std::make_shared<Inertia>(world_.mass));
     for (const auto& term : damping_terms(description_, world_)) world_.terms.push_back(term);
@@ -322,6 +322,15 @@ World::World(const Description& description)
     Builder(with_origin(description, origin), *this).build();
   }
   fingerprint = fingerprint_of(description);
+}
+
+double largest_turn(const World& world, const Conditions& from, const Conditions& to) {
+  double turn = largest_turn(world.supports, from, to);
+  for (const auto& collider : world.colliders)
+    turn = std::max(turn, collider->motion().degrees_between(from.time, to.time));
+  for (const auto& collider : world.mesh_colliders)
+    turn = std::max(turn, collider->obstacle().motion.degrees_between(from.time, to.time));
+  return turn;
 }
 
 std::vector<std::string> all_warnings(const World& world) {

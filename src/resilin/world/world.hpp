@@ -5,7 +5,8 @@
 #include <vector>
 
 #include "resilin/contact/collider_barrier.hpp"
-#include "resilin/contact/surface_contact.hpp"
+#include "resilin/contact/friction.hpp"
+#include "resilin/contact/obstacle_contact.hpp"
 #include "resilin/energy/elastic.hpp"
 #include "resilin/energy/mass.hpp"
 #include "resilin/world/description.hpp"
@@ -74,6 +75,7 @@ class World {
   std::optional<AdaptiveSteps> adaptive;
   std::optional<ModesOptions> modes;  ///< set when free vibrations are asked for
   std::vector<double> event_times;    ///< where loads and prescribed motions are not smooth, rising [s]
+  int friction_iterations = 0;        ///< of ContactDescription
   NewtonOptions newton;
   SolverOptions solver;
   OutputOptions output;
@@ -97,8 +99,11 @@ class World {
   /// damping. A caller may add terms of its own.
   Terms terms;
   std::shared_ptr<const MassMatrix> mass;
-  std::vector<std::shared_ptr<const ColliderBarrier>> colliders;  ///< those of `terms`, for who draws them
+  // Colliders are among the terms; here they are for who draws them.
+  std::vector<std::shared_ptr<const ColliderBarrier>> colliders;       ///< whose distance is exact
+  std::vector<std::shared_ptr<const ObstacleContact>> mesh_colliders;  ///< those of facets
   std::shared_ptr<const SurfaceContact> contact;  ///< one of `terms`; null where no bodies meet
+  std::shared_ptr<const Friction> friction;       ///< likewise; null where nothing rubs
   std::shared_ptr<const BlockPattern> pattern;
   std::vector<std::uint8_t> is_fixed;    ///< per unknown: prescribed, or of a vertex that no cell uses
   std::vector<std::int32_t> support_of;  ///< per unknown: which support prescribes it; -1: none
@@ -116,6 +121,9 @@ class World {
   /// Whether two bodies, by their numbers, keep each other apart.
   bool meet(std::size_t a, std::size_t b) const;
 };
+
+/// The angle by which any support or collider turns on the way between two conditions [degrees].
+double largest_turn(const World& world, const Conditions& from, const Conditions& to);
 
 /// Everything that is odd about running a world as it stands, one line each.
 std::vector<std::string> all_warnings(const World& world);

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+
+#include "resilin/core/types.hpp"
+#include "resilin/energy/time_function.hpp"
+
+namespace resilin {
+
+/// Where a rigid thing is that was made elsewhere: x = turn X + shift.
+struct RigidPlace {
+  std::optional<Eigen::Matrix3d> turn;  ///< none: as it was made
+  Vector3 shift = Vector3::Zero();      ///< [m]
+
+  Vector3 operator()(const Vector3& X) const { return turned(X) + shift; }
+  Vector3 inverse(const Vector3& x) const { return turned_back(x - shift); }
+  Vector3 turned(const Vector3& direction) const { return turn ? Vector3(*turn * direction) : direction; }
+  Vector3 turned_back(const Vector3& direction) const {
+    return turn ? Vector3(turn->transpose() * direction) : direction;
+  }
+};
+
+/// A turn about an axis, which moves along with what is turned.
+struct ColliderTurn {
+  Vector3 axis = Vector3::UnitZ();   ///< its length does not matter
+  Vector3 center = Vector3::Zero();  ///< a point of the axis at the start [m]
+  double degrees = 0;                ///< at the start
+  double degrees_per_second = 0;
+};
+
+/// How a collider moves as time passes: at a velocity and turning until a time, and besides by a displacement
+/// times a function of time.
+struct ColliderMotion {
+  Vector3 velocity = Vector3::Zero();                      ///< [m/s]
+  double until = std::numeric_limits<double>::infinity();  ///< of velocity and turn [s]
+  Vector3 displacement = Vector3::Zero();                  ///< [m]
+  TimeFunction time_function{};
+  std::optional<ColliderTurn> turn{};
+
+  bool is_at_rest() const { return is_straight() && velocity.isZero(0); }
+  /// Whether it moves on one line, evenly up to `until`.
+  bool is_straight() const { return displacement.isZero(0) && (!turn || turn->degrees_per_second == 0); }
+  RigidPlace place(double time) const;
+  /// With which what is at x came there: where rates jump, that from before [m/s].
+  Vector3 velocity_at(const Vector3& x, double time) const;
+  double degrees_between(double from, double to) const;
+};
+
+}  // namespace resilin

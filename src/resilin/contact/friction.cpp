@@ -1,0 +1,228 @@
+#include "resilin/contact/friction.hpp"
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cmath>
+
+#include "resilin/mesh/facet.hpp"
+
+namespace resilin {
+namespace {
+
+using Slip = Eigen::Vector2d;
+/// Along a surface, of length 1 and at right angles; in 2D the second is zero.
+using Tangents = Eigen::Matrix<double, 3, 2>;
+
+Tangents tangents(int dim, const Vector3& normal) {
+  Tangents T = Tangents::Zero();
+  if (dim == 2) {
+    T.col(0) = Vector3(-normal.y(), normal.x(), 0);
+    return T;
+  }
+  Eigen::Index axis = 0;
+  normal.cwiseAbs().minCoeff(&axis);
+  T.col(0) = normal.cross(Vector3::Unit(axis)).normalized();
+  T.col(1) = normal.cross(Vector3(T.col(0)));
+  return T;
+}
+
+/// f0(y) with f0(0) = 0 [m].
+double mollified_length(double y, double eps) {
+  return y < eps ? y * y / eps * (1 - y / (3 * eps)) : y - eps / 3;
+}
+
+/// f0(end) - f0(y), with its digits where `change` = end - y is small.
+double mollified_length_change(double y, double end, double change, double eps) {
+  if (end < y) return -mollified_length_change(end, y, -change, eps);
+  const auto below = [eps](double from, double to, double way) {
+    return way / eps * (from + to - (from * from + from * to + to * to) / (3 * eps));
+  };
+  if (y >= eps) return change;
+  return end >= eps ? end - eps + below(y, eps, eps - y) : below(y, end, change);
+}
+
+FrictionContacts contacts_of(std::span<const FrictionSource* const> sources, const VectorX& x,
+                             const Conditions& c) {
+  FrictionContacts all;
+  for (std::size_t s = 0; s < sources.size(); ++s) {
+    all.begin_source(s);
+    sources[s]->add_friction_contacts(x, c, all);
+  }
+  return all;
+}
+
+Vector3 tangential(const Vector3& vector, const Vector3& normal) {
+  return vector - vector.dot(normal) * normal;
+}
+
+}  // namespace
+
+std::unique_ptr<Energy> Friction::begin_stage(const Stage& stage) const {
+  if (!(stage.time_of_slip() > 0)) return nullptr;
+  return std::make_unique<LaggedFriction>(*this, stage);
+}
+
+FrictionContacts Friction::contacts(const VectorX& x, const Conditions& c) const {
+  std::vector<const FrictionSource*> sources;
+  for (const auto& source : sources_) sources.push_back(source.get());
+  return contacts_of(sources, x, c);
+}
+
+std::optional<double> Friction::driven_work(const VectorX& from, const Conditions& before, const VectorX& to,
+                                            const Conditions& after) const {
+  const double duration = (after.time - after.collider_delay) - (before.time - before.collider_delay);
+  const auto most = [&](const VectorX& x, const Conditions& c) {
+    const FrictionContacts all = contacts(x, c);
+    double work = 0;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const FrictionContact& contact = all[i].contact;
+      work += contact.limit * duration * tangential(contact.velocity, contact.normal).norm();
+    }
+    return work;
+  };
+  const double work = std::max(most(from, before), most(to, after));
+  return work > 0 ? std::optional(work) : std::nullopt;
+}
+
+void Friction::add_held_directions(const VectorX& x, std::vector<HeldDirection>& held) const {
+  const FrictionContacts all = contacts(x, {});
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const FrictionContacts::Entry entry = all[i];
+    const Tangents T = tangents(dim_, entry.contact.normal);
+    for (const auto& [node, weight] : entry.nodes) {
+      const double sign = weight;
+      const auto other = std::ranges::find_if(
+          entry.nodes, [sign](const WeightedNode& each) { return each.weight * sign < 0; });
+      const Index by_node = other == entry.nodes.end() ? -1 : other->node;
+      for (int k = 0; k < dim_ - 1; ++k) held.push_back({node, T.col(k), by_node});
+    }
+  }
+}
+
+LaggedFriction::LaggedFriction(const Friction& friction, const Stage& stage)
+    : friction_(friction),
+      still_(stage.still_end()),
+      time_(stage.time_of_slip()),
+      eps_(friction.speed() * stage.time_of_slip()) {
+  for (const auto& source : friction.sources()) sources_.push_back(source.get());
+}
+
+void LaggedFriction::see(std::span<const Energy* const> terms) {
+  for (const Energy* term : terms)
+    if (const FrictionSource* own = term->friction_source())
+      for (const FrictionSource*& source : sources_)
+        if (own->is_copy_of(*source)) source = own;
+}
+
+bool LaggedFriction::form_lag(const VectorX& x, const Conditions& c) {
+  const bool had_contacts = contacts_.size() > 0;
+  contacts_ = contacts_of(sources_, x, c);
+  return had_contacts || contacts_.size() > 0;
+}
+
+Vector3 LaggedFriction::way(const FrictionContacts::Entry& entry, const VectorX& from,
+                            const VectorX& to) const {
+  const int dim = friction_.dim();
+  Vector3 sum = Vector3::Zero();
+  for (const auto& [node, weight] : entry.nodes)
+    sum += weight * (node_position(dim, node, to) - node_position(dim, node, from));
+  return sum;
+}
+
+Eigen::Vector2d LaggedFriction::slip(const FrictionContacts::Entry& entry, const Tangents& T,
+                                     const VectorX& x) const {
+  return T.transpose() * (way(entry, still_, x) - time_ * entry.contact.velocity);
+}
+
+double LaggedFriction::slope_over_slip(double y) const { return y < eps_ ? (2 - y / eps_) / eps_ : 1 / y; }
+
+Vector3 LaggedFriction::force(const FrictionContacts::Entry& entry, const VectorX& x) const {
+  const Tangents T = tangents(friction_.dim(), entry.contact.normal);
+  const Slip u = slip(entry, T, x);
+  return -entry.contact.limit * slope_over_slip(u.norm()) * (T * u);
+}
+
+double LaggedFriction::value(const VectorX& x, const Conditions& c) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    const FrictionContacts::Entry entry = contacts_[i];
+    const Slip u = slip(entry, tangents(friction_.dim(), entry.contact.normal), x);
+    sum += entry.contact.limit * mollified_length(u.norm(), eps_);
+  }
+  return c.contact_weight * sum;
+}
+
+// |u + du| - |u| = du.(2 u + du) / (|u + du| + |u|)
+double LaggedFriction::difference(const VectorX& from, const VectorX& to, const Conditions& c) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    const FrictionContacts::Entry entry = contacts_[i];
+    const Tangents T = tangents(friction_.dim(), entry.contact.normal);
+    const Slip u = slip(entry, T, from), du = T.transpose() * way(entry, from, to);
+    const double y = u.norm(), end = (u + du).norm();
+    if (!(y + end > 0)) {
+      if (std::isnan(y + end)) return y + end;
+      continue;
+    }
+    const double change = du.dot(2 * u + du) / (y + end);
+    sum += entry.contact.limit * mollified_length_change(y, end, change, eps_);
+  }
+  return c.contact_weight * sum;
+}
+
+void LaggedFriction::add_gradient(const VectorX& x, const Conditions& c, VectorX& gradient) const {
+  const int dim = friction_.dim();
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    const FrictionContacts::Entry entry = contacts_[i];
+    const Vector3 slope = -c.contact_weight * force(entry, x);
+    for (const auto& [node, weight] : entry.nodes)
+      gradient.segment(Eigen::Index{node} * dim, dim) += weight * slope.head(dim);
+  }
+}
+
+void LaggedFriction::add_gradient_magnitude(const VectorX& x, const Conditions& c, VectorX& magnitude) const {
+  const int dim = friction_.dim();
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    const FrictionContacts::Entry entry = contacts_[i];
+    const Vector3 slope = c.contact_weight * force(entry, x).cwiseAbs();
+    for (const auto& [node, weight] : entry.nodes)
+      magnitude.segment(Eigen::Index{node} * dim, dim) += std::abs(weight) * slope.head(dim);
+  }
+}
+
+// mu lambda T ((f1/y) (I - e e^T) + f1' e e^T) T^T, e = u / y: both factors are never negative.
+void LaggedFriction::add_hessian(const VectorX& x, const Conditions& c, Projection,
+                                 BlockMatrix& hessian) const {
+  const int dim = friction_.dim();
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    const FrictionContacts::Entry entry = contacts_[i];
+    const Tangents T = tangents(dim, entry.contact.normal);
+    const Slip u = slip(entry, T, x);
+    const double y = u.norm();
+    const Slip e = y > 0 ? Slip(u / y) : Slip::Zero();
+    const double across = slope_over_slip(y);
+    const double along = y < eps_ ? 2 * (1 - y / eps_) / eps_ : 0;
+    const Eigen::Matrix2d inner =
+        across * (Eigen::Matrix2d::Identity() - e * e.transpose()) + along * e * e.transpose();
+    const Eigen::Matrix3d block = c.contact_weight * entry.contact.limit * (T * inner * T.transpose());
+    std::array<double, 9> values{};
+    for (std::size_t k = 0; k < entry.nodes.size(); ++k)
+      for (std::size_t l = k; l < entry.nodes.size(); ++l) {
+        const double weight = entry.nodes[k].weight * entry.nodes[l].weight;
+        for (int r = 0; r < dim; ++r)
+          for (int s = 0; s < dim; ++s) values[static_cast<std::size_t>(r * dim + s)] = weight * block(r, s);
+        hessian.add_block(entry.nodes[k].node, entry.nodes[l].node, values.data());
+      }
+  }
+}
+
+double LaggedFriction::dissipation(const VectorX& from, const VectorX& to, double duration) const {
+  double work = 0;
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    const FrictionContacts::Entry entry = contacts_[i];
+    work -= force(entry, to).dot(way(entry, from, to) - duration * entry.contact.velocity);
+  }
+  return work;
+}
+
+}  // namespace resilin

@@ -1,0 +1,96 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "resilin/contact/friction_contact.hpp"
+#include "resilin/energy/stage_term.hpp"
+
+namespace resilin {
+
+/// Coulomb's friction at all contacts of a scene, as an energy of the slip u in a stage of a step:
+///
+///   D = sum mu lambda f0(|u|),   f0' = f1(y) = 2 y/eps - (y/eps)^2 for y < eps, 1 beyond
+///
+/// with f0(0) = 0, normal forces lambda and normals of a shape that is known (`form_lag`), and eps the way in
+/// the stage at the speed below which contacts stick. In motion the slip is the velocity at the end of the
+/// stage times its duration, so that the force follows from how bodies then move; in statics it is the way
+/// since the equilibrium before. Source: Li et al. 2020, "Incremental Potential Contact", 3.4 and 5.4.
+/// Theory: docs/theory/friction.md.
+class Friction final : public StageTerm {
+ public:
+  /// @param speed  below which contacts stick [m/s]
+  Friction(int dim, std::vector<std::shared_ptr<const FrictionSource>> sources, double speed)
+      : dim_(dim), sources_(std::move(sources)), speed_(speed) {}
+
+  std::string_view name() const override { return "friction"; }
+  EnergyProperties properties() const override { return {.category = EnergyCategory::friction}; }
+  /// Null where no time passes.
+  std::unique_ptr<Energy> begin_stage(const Stage& stage) const override;
+
+  /// What obstacles that move along their surfaces may take bodies along with: the limits of the friction
+  /// times their way, at the one end or the other.
+  std::optional<double> driven_work(const VectorX& from, const Conditions& before, const VectorX& to,
+                                    const Conditions& after) const override;
+
+  /// Along the surfaces, the nodes that something presses against.
+  void add_held_directions(const VectorX& x, std::vector<HeldDirection>& held) const override;
+
+  int dim() const { return dim_; }
+  double speed() const { return speed_; }
+  const std::vector<std::shared_ptr<const FrictionSource>>& sources() const { return sources_; }
+  FrictionContacts contacts(const VectorX& x, const Conditions& c) const;
+
+ private:
+  int dim_;
+  std::vector<std::shared_ptr<const FrictionSource>> sources_;
+  double speed_;
+};
+
+/// The friction of one stage.
+class LaggedFriction final : public Energy {
+ public:
+  /// @param friction  kept by reference
+  LaggedFriction(const Friction& friction, const Stage& stage);
+
+  std::string_view name() const override { return friction_.name(); }
+  EnergyProperties properties() const override { return friction_.properties(); }
+  double value(const VectorX& x, const Conditions& c) const override;
+  double difference(const VectorX& from, const VectorX& to, const Conditions& c) const override;
+  void add_gradient(const VectorX& x, const Conditions& c, VectorX& gradient) const override;
+  void add_gradient_magnitude(const VectorX& x, const Conditions& c, VectorX& magnitude) const override;
+  /// Never negative, whatever the projection.
+  void add_hessian(const VectorX& x, const Conditions& c, Projection projection,
+                   BlockMatrix& hessian) const override;
+
+  /// Takes the sources' own terms of the stage, which know what is near.
+  void see(std::span<const Energy* const> terms) override;
+  bool form_lag(const VectorX& x, const Conditions& c) override;
+
+  /// Calls `visit(entry, force)` for each contact when bodies stand at x, `force` on its nodes, each by its
+  /// weight, along its surface [N].
+  template <class Visit>
+  void for_each_force(const VectorX& x, const Visit& visit) const {
+    for (std::size_t i = 0; i < contacts_.size(); ++i) visit(contacts_[i], force(contacts_[i], x));
+  }
+  /// Of the forces at `to` along the way: less than nothing only where contacts turn back on it.
+  double dissipation(const VectorX& from, const VectorX& to, double duration) const override;
+
+ private:
+  /// sum_k weight_k (way of node_k) [m].
+  Vector3 way(const FrictionContacts::Entry& entry, const VectorX& from, const VectorX& to) const;
+  /// Along two tangents T of the surface [m].
+  Eigen::Vector2d slip(const FrictionContacts::Entry& entry, const Eigen::Matrix<double, 3, 2>& T,
+                       const VectorX& x) const;
+  Vector3 force(const FrictionContacts::Entry& entry, const VectorX& x) const;
+  double slope_over_slip(double y) const;  ///< f1(y) / y [1/m]
+
+  const Friction& friction_;
+  std::vector<const FrictionSource*> sources_{};
+  VectorX still_;  ///< where the stage would end that bodies end without velocity
+  double time_;    ///< that the slip takes [s]
+  double eps_;     ///< [m]
+  FrictionContacts contacts_{};
+};
+
+}  // namespace resilin

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <algorithm>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "resilin/energy/energy.hpp"
+
+namespace resilin {
+
+/// A node's part in the place of a point, or in the distance of two points.
+struct WeightedNode {
+  Index node;
+  double weight;
+};
+
+/// A place where something is pressed against a body and rubs, with the force that presses.
+struct FrictionContact {
+  Vector3 normal;                      ///< across the surfaces, of length 1
+  double limit;                        ///< mu lambda [N]: of the friction, which slip overcomes
+  Vector3 velocity = Vector3::Zero();  ///< of what presses, where it is no body [m/s]
+};
+
+/// Contacts one after the other. A contact slips by sum_k weight_k (way of node_k), less the way of what
+/// presses: of a node against an obstacle its own way, of points of two bodies what follows from their nodes.
+class FrictionContacts {
+ public:
+  struct Entry {
+    FrictionContact contact;
+    std::size_t source;  ///< which one it is of
+    std::span<const WeightedNode> nodes;
+  };
+
+  void clear() { *this = {}; }
+  /// Those that are added from now on are of this source.
+  void begin_source(std::size_t source) { source_ = source; }
+  /// @param nodes  each of them once
+  void add(const FrictionContact& contact, std::span<const WeightedNode> nodes) {
+    if (contact.limit <= 0) return;
+    contacts_.push_back(contact);
+    sources_.push_back(source_);
+    nodes_.insert(nodes_.end(), nodes.begin(), nodes.end());
+    ends_.push_back(nodes_.size());
+  }
+
+  std::size_t size() const { return contacts_.size(); }
+  Entry operator[](std::size_t i) const {
+    const std::size_t begin = i == 0 ? 0 : ends_[i - 1];
+    return {contacts_[i], sources_[i], std::span(nodes_).subspan(begin, ends_[i] - begin)};
+  }
+
+ private:
+  std::vector<FrictionContact> contacts_;
+  std::vector<std::size_t> sources_, ends_;
+  std::vector<WeightedNode> nodes_;
+  std::size_t source_ = 0;
+};
+
+/// Something that presses against bodies.
+class FrictionSource {
+ public:
+  virtual ~FrictionSource() = default;
+  /// Under which its force on the bodies is reported; empty where bodies rub against each other.
+  virtual std::string_view name_in_reports() const { return {}; }
+  /// Whether it is a stage's own copy of the other, which may know more of what is near.
+  virtual bool is_copy_of(const FrictionSource& /*other*/) const { return false; }
+  /// Its contacts when bodies stand at x, in an order that does not depend on the number of threads. Their
+  /// forces count once, whatever `c.contact_weight` is.
+  virtual void add_friction_contacts(const VectorX& x, const Conditions& c,
+                                     FrictionContacts& contacts) const = 0;
+};
+
+}  // namespace resilin

@@ -1,0 +1,42 @@
+#pragma once
+
+#include "resilin/contact/surface_contact.hpp"
+
+namespace resilin {
+
+/// Keeps the surfaces of bodies off an obstacle that moves by itself: neither bodies nor parts of the
+/// obstacle meet each other here.
+///
+/// Its vertices go from where they are `collider_delay` behind to where they should be on straight chords, on
+/// which bodies that stand must not be in the way: then it stays behind.
+class ObstacleContact final : public SurfaceContact {
+ public:
+  /// @param surface  whose last body is the obstacle
+  ObstacleContact(std::string name, ContactSurface surface, double activation_distance,
+                  const VectorX& positions);
+
+  std::unique_ptr<Energy> begin_stage(const Stage& stage) const override;
+
+  double least_delay(const VectorX& x, const Conditions& c) const override;
+
+  /// Of the bodies' forces on the obstacle along its way, at the one end or the other, or the change where
+  /// bodies stand at last.
+  std::optional<double> driven_work(const VectorX& from, const Conditions& before, const VectorX& to,
+                                    const Conditions& after) const override;
+
+  std::string_view name_in_reports() const override { return name(); }
+
+  /// What the obstacle does to the bodies.
+  std::optional<Reaction> reaction(const VectorX& x, const Conditions& c) const override;
+
+  /// Across the obstacle, the nodes that are near enough to feel it.
+  void add_held_directions(const VectorX& x, std::vector<HeldDirection>& held) const override;
+
+  const ContactObstacle& obstacle() const { return *surface().obstacle; }
+
+ private:
+  /// How much of the obstacle's way between two times is free where bodies stand.
+  double free_way(const VectorX& x, double from, double to) const;
+};
+
+}  // namespace resilin

@@ -1,0 +1,207 @@
+#include "resilin/contact/term_sums.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "resilin/collision/feature.hpp"
+#include "resilin/contact/pair_barrier.hpp"
+#include "resilin/core/parallel.hpp"
+
+namespace resilin {
+namespace {
+
+constexpr std::size_t terms_per_chunk = 64;
+/// Terms whose vectors or matrices wait at the same time to be added.
+constexpr std::size_t terms_at_once = 256;
+
+/// Where the vertices of a term are.
+template <int dim>
+class TermPlaces {
+ public:
+  TermPlaces(const ContactTerm& term, const VectorX& all) : count_(term.used_vertices().size()) {
+    std::size_t k = 0;
+    for (const Index v : term.used_vertices()) corners_[k++] = all.segment<dim>(Eigen::Index{v} * dim);
+  }
+  operator std::span<const Vector<dim>>() const { return std::span(corners_).first(count_); }
+
+ private:
+  std::array<Vector<dim>, most_pair_vertices> corners_;
+  std::size_t count_;
+};
+
+std::optional<EdgeMollifier> mollifier_of(const ContactTerm& term) {
+  if (term.mollifier_threshold > 0) return EdgeMollifier{term.mollifier_threshold};
+  return std::nullopt;
+}
+
+template <int dim>
+PairBarrier<dim> barrier_of(const ContactTerm& term, const VectorX& places) {
+  return {ClampedLogBarrier{term.activation_distance}, term.kind, TermPlaces<dim>(term, places),
+          term.stiffness, mollifier_of(term)};
+}
+
+template <class Visit>
+auto in_dimension(const TermSet& set, const Visit& visit) {
+  return set.surface.parts.dim == 3 ? visit(std::integral_constant<int, 3>())
+                                    : visit(std::integral_constant<int, 2>());
+}
+
+/// Evaluates terms in parallel and takes the results in their order.
+template <class Result, class Evaluate, class Take>
+void for_each_term(std::span<const ContactTerm> terms, const Evaluate& evaluate, const Take& take) {
+  std::vector<Result> results(std::min(terms.size(), terms_at_once));
+  for (std::size_t first = 0; first < terms.size(); first += terms_at_once) {
+    const std::span<const ContactTerm> some =
+        terms.subspan(first, std::min(terms_at_once, terms.size() - first));
+    parallel_for(some.size(), terms_per_chunk, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) evaluate(some[k], results[k]);
+    });
+    for (std::size_t k = 0; k < some.size(); ++k) take(some[k], results[k]);
+  }
+}
+
+/// Adds a term to those of one point.
+void add_merged(const Feature& feature, const ContactTerm& term, std::size_t first,
+                std::vector<ContactTerm>& merged) {
+  for (std::size_t k = first; k < merged.size(); ++k)
+    if (merged[k].kind == feature.kind && merged[k].vertices == feature.vertices) {
+      merged[k].stiffness += term.stiffness;
+      return;
+    }
+  merged.push_back({feature.kind, feature.vertices, term.stiffness, 0, term.activation_distance});
+}
+
+template <int dim>
+ContactTerms merged_in(const ContactTerms& all, const VectorX& places) {
+  ContactTerms merged;
+  std::size_t point = 0, next = 0;
+  const std::span<const ContactTerm> of_points = std::span(all.terms).first(all.point_begin.back());
+  for_each_term<std::optional<Feature>>(
+      of_points,
+      [&](const ContactTerm& term, std::optional<Feature>& feature) {
+        const PairDistance<dim> pair = pair_distance<dim>(term.kind, TermPlaces<dim>(term, places));
+        feature.reset();
+        if (!(pair.distance >= term.activation_distance))
+          feature = closest_feature(term.kind, term.used_vertices(), pair.weights);
+      },
+      [&](const ContactTerm& term, const std::optional<Feature>& feature) {
+        if (feature) add_merged(*feature, term, merged.point_begin.back(), merged.terms);
+        if (++next < all.point_begin[point + 1]) return;
+        const auto first = merged.terms.begin() + static_cast<std::ptrdiff_t>(merged.point_begin.back());
+        merged.terms.erase(std::remove_if(first, merged.terms.end(),
+                                          [](const ContactTerm& sum) { return sum.stiffness == 0; }),
+                           merged.terms.end());
+        merged.point_begin.push_back(merged.terms.size());
+        ++point;
+      });
+  const std::span<const ContactTerm> edges = all.of_edges();
+  merged.terms.insert(merged.terms.end(), edges.begin(), edges.end());
+  return merged;
+}
+
+/// Adds the matrix of a term to the nodes that its vertices follow.
+template <int dim>
+void add_to_nodes(const ContactSurface& surface, const ContactTerm& term, const PairMatrix<dim>& matrix,
+                  BlockMatrix& hessian) {
+  using Block = Eigen::Matrix<double, dim, dim, Eigen::RowMajor>;
+  const std::span<const Index> vertices = term.used_vertices();
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    for (std::size_t j = i; j < vertices.size(); ++j) {
+      const Block block = matrix.template block<dim, dim>(static_cast<Eigen::Index>(i) * dim,
+                                                          static_cast<Eigen::Index>(j) * dim);
+      surface.for_each_pair_of_nodes(vertices[i], vertices[j], [&](Index a, Index b, double share) {
+        if (i == j && a > b) return;  // the other half of the matrix
+        Block part = share * block;
+        if (i != j && a == b) part += part.transpose().eval();
+        hessian.add_block(a, b, part.data());
+      });
+    }
+}
+
+}  // namespace
+
+double sum_of_values(const TermSet& set, const VectorX& places) {
+  return in_dimension(set, [&](auto dim) {
+    return parallel_sum<double>(set.terms.size(), terms_per_chunk, [&](std::size_t begin, std::size_t end) {
+      double sum = 0;
+      for (std::size_t k = begin; k < end; ++k) sum += barrier_of<dim>(set.terms[k], places).value();
+      return sum;
+    });
+  });
+}
+
+double sum_of_differences(const TermSet& set, const VectorX& from, const VectorX& to) {
+  return in_dimension(set, [&](auto dim) {
+    return parallel_sum<double>(set.terms.size(), terms_per_chunk, [&](std::size_t begin, std::size_t end) {
+      double sum = 0;
+      for (std::size_t k = begin; k < end; ++k) {
+        const ContactTerm& term = set.terms[k];
+        sum += pair_barrier_difference<dim>(ClampedLogBarrier{term.activation_distance}, term.kind,
+                                            TermPlaces<dim>(term, from), TermPlaces<dim>(term, to),
+                                            term.stiffness, mollifier_of(term));
+      }
+      return sum;
+    });
+  });
+}
+
+VectorX sum_of_gradients(const TermSet& set, const VectorX& places, GradientParts parts) {
+  VectorX sum = VectorX::Zero(places.size());
+  in_dimension(set, [&](auto dim) {
+    for_each_term<PairVector<dim>>(
+        set.terms,
+        [&](const ContactTerm& term, PairVector<dim>& gradient) {
+          gradient = barrier_of<dim>(term, places).gradient();
+          if (parts == GradientParts::magnitudes) gradient = gradient.cwiseAbs().eval();
+        },
+        [&](const ContactTerm& term, const PairVector<dim>& gradient) {
+          Eigen::Index k = 0;
+          for (const Index v : term.used_vertices())
+            sum.segment<dim>(Eigen::Index{v} * dim) += gradient.template segment<dim>(dim * k++);
+        });
+  });
+  return sum;
+}
+
+void add_node_hessian(const TermSet& set, const VectorX& places, double weight, Projection projection,
+                      BlockMatrix& hessian) {
+  in_dimension(set, [&](auto dim) {
+    for_each_term<PairMatrix<dim>>(
+        set.terms,
+        [&](const ContactTerm& term, PairMatrix<dim>& matrix) {
+          matrix = weight * barrier_of<dim>(term, places).hessian(projection);
+        },
+        [&](const ContactTerm& term, const PairMatrix<dim>& matrix) {
+          add_to_nodes<dim>(set.surface, term, matrix, hessian);
+        });
+  });
+}
+
+std::vector<PartForce> part_forces(const TermSet& set, const VectorX& places) {
+  std::vector<PartForce> forces;
+  in_dimension(set, [&](auto dim) {
+    for_each_term<std::optional<PartForce>>(
+        set.terms,
+        [&](const ContactTerm& term, std::optional<PartForce>& force) {
+          force.reset();
+          const PairBarrier<dim> pair = barrier_of<dim>(term, places);
+          if (!pair.is_active()) return;
+          Vector3 normal = Vector3::Zero();
+          normal.head<dim>() = pair.distance().normal;
+          force = PartForce{
+              term.kind,          term.vertices, pair.distance().weights, normal, pair.distance().distance,
+              pair.normal_force()};
+        },
+        [&](const ContactTerm&, const std::optional<PartForce>& force) {
+          if (force) forces.push_back(*force);
+        });
+  });
+  return forces;
+}
+
+ContactTerms merged_terms(const ContactSurface& surface, const ContactTerms& terms, const VectorX& places) {
+  return surface.parts.dim == 3 ? merged_in<3>(terms, places) : merged_in<2>(terms, places);
+}
+
+}  // namespace resilin

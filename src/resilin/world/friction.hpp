@@ -1,0 +1,31 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "resilin/contact/friction.hpp"
+#include "resilin/world/state.hpp"
+#include "resilin/world/world.hpp"
+
+namespace resilin {
+
+/// Throws InputError at `place` for a coefficient of friction that is none; adds a warning for one that is
+/// beyond all materials.
+void check_friction(double coefficient, const std::string& place, World& world);
+
+/// Below which contacts stick: a thousandth of the largest extent of the smallest body in a second [m/s].
+double default_friction_speed(const World& world);
+
+/// The friction of all colliders, and of the bodies on each other, that have some; null where none has.
+/// Throws InputError where the path of equilibria is followed.
+std::shared_ptr<const Friction> make_friction(const ContactDescription& description, World& world);
+
+/// The stage that a state is the end of: its velocities, or in statics the way from the equilibrium before,
+/// are what lets things slip there.
+Stage stage_of(const World& world, const State& state);
+
+/// The friction of a state, by its own normal forces; null where there is none, and for a static state that
+/// does not know the one before. It must not outlive the world.
+std::unique_ptr<const LaggedFriction> friction_of(const World& world, const State& state);
+
+}  // namespace resilin
