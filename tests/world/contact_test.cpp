@@ -115,6 +115,20 @@ TEST(AnActivationDistance, IsRefusedWhereItReachesAcrossABody) {
   }
 }
 
+/// Thin sheets are felt from nearer by.
+TEST(AnActivationDistance, FitsThinBodiesByItself) {
+  for (const int dimension : {2, 3})
+    for (const double thickness : {0.1, 1e-2, 1e-3}) {
+      Description scene = two_bars(dimension, {0, 2 * thickness, 0});
+      for (BodyDescription& body : scene.bodies)
+        for (Vector3& vertex : body.mesh.vertices) vertex.y() *= thickness / 0.25;
+      scene.fixes.clear();
+      scene.probes.clear();
+      const World world(scene);
+      EXPECT_NEAR(world.contact->activation_distance(), std::min(5e-3, 0.1 * thickness), 1e-12);
+    }
+}
+
 /// A ring that is almost closed: its ends are `gap` apart.
 Description open_ring(double gap) {
   Description scene = small_bar(2, true);

@@ -13,8 +13,9 @@
 namespace resilin {
 namespace {
 
-constexpr double stiffness_share = 0.1;  ///< kappa / E: notes on "Convergent IPC", the authors' toolkit
-constexpr double activation_share = 5e-3;
+constexpr double stiffness_share = 0.1;    ///< kappa / E: notes on "Convergent IPC", the authors' toolkit
+constexpr double activation_share = 5e-3;  ///< of the smallest body's extent
+constexpr double thickness_share = 0.1;    ///< of the thinnest body's thickness
 
 double youngs_modulus(const Body& body) {
   const LawInfo& law = require_law(body.law, body.name);
@@ -72,7 +73,19 @@ std::vector<ContactNode> contact_nodes(const World& world, std::optional<double>
   return all;
 }
 
-double default_activation_distance(const World& world) { return activation_share * smallest_extent(world); }
+double thinnest_extent(const World& world, const Body& body) {
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < world.dimension; ++k)
+    least = std::min(least, reach_along(k, body, world.rest_positions, world.dimension).length());
+  return least;
+}
+
+double default_activation_distance(const World& world) {
+  double distance = activation_share * smallest_extent(world);
+  for (const Body& body : world.bodies)
+    distance = std::min(distance, thickness_share * thinnest_extent(world, body));
+  return distance;
+}
 
 ColliderMotion motion_of(const ColliderDescription& description, double end_time) {
   ColliderMotion motion{.velocity = description.velocity,

@@ -24,9 +24,12 @@ std::vector<ContactBody> contact_bodies(const World& world, std::optional<double
 /// The largest extent of the smallest body [m].
 double smallest_extent(const World& world);
 
-/// [m]: 0.005 of the largest extent of the smallest body. Smaller gaps look better and cost Newton
-/// iterations: a barrier is felt only so far away, and a step ends where a node has lost nine tenths of its
-/// distance.
+/// The least extent of a body along the axes [m]; no body is thicker than that.
+double thinnest_extent(const World& world, const Body& body);
+
+/// [m]: 0.005 of the largest extent of the smallest body, and at most a tenth of the thickness of any.
+/// Smaller gaps look better and cost Newton iterations: a barrier is felt only so far away, and a step ends
+/// where a node has lost nine tenths of its distance.
 double default_activation_distance(const World& world);
 
 /// @param end_time  when a displacement without a function of time is reached [s]

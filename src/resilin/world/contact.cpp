@@ -66,14 +66,6 @@ void require_positive(const std::optional<double>& value, const std::string& pla
   throw InputError(place, "a finite number > 0", format_number(*value));
 }
 
-/// The least extent of a body along the axes [m]; no body is thicker than that.
-double thinnest_extent(const World& world, const Body& body) {
-  double least = std::numeric_limits<double>::infinity();
-  for (int k = 0; k < world.dimension; ++k)
-    least = std::min(least, reach_along(k, body, world.rest_positions, world.dimension).length());
-  return least;
-}
-
 void check_fits_bodies(double activation_distance, const World& world, const std::string& place) {
   for (const Body& body : world.bodies) {
     const double half = 0.5 * thinnest_extent(world, body);
