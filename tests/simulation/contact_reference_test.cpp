@@ -44,6 +44,7 @@ Description pressed_disc(const nlohmann::json& reference, double depth, double d
     scene.bodies[1].mesh = mirrored(scene.bodies[0].mesh, -0.25 * distance);
     press_down(scene, "image", -depth);
     scene.contact.activation_distance = distance;
+    scene.contact.stiffness = 0.1;  // as the line's
   } else {
     ColliderDescription line;
     line.name = "line";

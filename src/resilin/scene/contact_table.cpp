@@ -46,7 +46,7 @@ Keys<ContactDescription> contact_keys() {
               "most half the thinnest gap",
               "From here on bodies feel each other; they rest at about half of it."},
              [](const SceneNode& node, C& c) { c.activation_distance = read_number(node, positive); }),
-      key<C>({"stiffness", "number > 0", "Pa", "0.1 of the softer body's Young's modulus",
+      key<C>({"stiffness", "number > 0", "Pa", "the softer body's Young's modulus",
               "Pressure at about half the activation distance; a stiffer one lets bodies come less near."},
              [](const SceneNode& node, C& c) { c.stiffness = read_number(node, positive); }),
       number_key("friction", &C::friction, "", not_negative,

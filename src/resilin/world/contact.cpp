@@ -14,6 +14,9 @@
 namespace resilin {
 namespace {
 
+/// Layers between bodies are so much stiffer than those on colliders: bodies hit each other with corners and
+/// ridges, by which soft layers are nearly used up, and Newton's method then needs many iterations.
+constexpr double between_bodies = 10;
 /// Of the thinnest gap of a body to itself at rest: where its own parts begin to feel each other.
 constexpr double share_of_gap = 0.5;
 
@@ -174,8 +177,10 @@ std::shared_ptr<const SurfaceContact> make_contact(const ContactDescription& des
   const BodyMeetings meetings = meetings_of(description, world);
   std::vector<double> friction = friction_of(description, world);
   if (!description.is_enabled || !any_meet(meetings) || world.modes) return nullptr;
-  const ContactSurface surface = make_contact_surface(
-      world.dimension, contact_bodies(world, description.stiffness), world.rest_positions);
+  std::vector<ContactBody> bodies = contact_bodies(world, description.stiffness);
+  if (!description.stiffness)
+    for (ContactBody& body : bodies) body.stiffness *= between_bodies;
+  const ContactSurface surface = make_contact_surface(world.dimension, bodies, world.rest_positions);
   double distance = description.activation_distance.value_or(default_activation_distance(world));
   check_fits_bodies(distance, world, description.place);
   if (any_meets_itself(meetings)) {
