@@ -31,7 +31,7 @@ class ObstacleContact final : public SurfaceContact {
 
   /// Across the obstacle, the nodes that are near enough to feel it.
   void add_held_directions(const VectorX& x, std::vector<HeldDirection>& held) const override;
-
+  // NOLINTNEXTLINE(bugprone-unchecked-optional-access): its surface was made with one
   const ContactObstacle& obstacle() const { return *surface().obstacle; }
 
  private:
