@@ -29,7 +29,8 @@ import test_programs
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 # Take half of the time there and run no line that others do not: further seeds and integrators, long motions.
 SLOW_WHEN_SANITIZED = (
-    r"(StormOfGrabs|LonelyBody|LimitedLaw).*/([3-9]|\d\d+)$|RayleighDamping.TakesItsPart|MaterialDamping.IsStiffnessDamping"
+    r"ContactReference"
+    r"|(StormOfGrabs|LonelyBody|LimitedLaw).*/([3-9]|\d\d+)$|RayleighDamping.TakesItsPart|MaterialDamping.IsStiffnessDamping"
     r"|(AdaptiveContact|AdaptiveSteps|DampedMotion|Energy)OfEveryIntegrator.*/(bdf2|midpoint|newmark)$"
 )
 TIME_LIMIT = 600  # [s] for one GoogleTest case that hangs; the longest takes seconds, more on a busy machine
