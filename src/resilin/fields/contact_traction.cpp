@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "resilin/contact/contact_node.hpp"
+#include "resilin/contact/facing_area.hpp"
 #include "resilin/mesh/facet.hpp"
 #include "resilin/mesh/topology.hpp"
 #include "resilin/world/friction.hpp"
@@ -12,13 +13,7 @@
 namespace resilin {
 namespace {
 
-/// A facet's share at a node.
-struct FaceShare {
-  Vector3 normal;  ///< out of the deformed body, of length 1
-  double area;     ///< at rest [m^2]
-};
-
-/// The faces around each node that is touched.
+/// The faces around each node that is touched: normals out of the deformed body, areas at rest.
 class TouchedFaces {
  public:
   TouchedFaces(const World& world, const VectorX& x, const VectorX& forces) {
@@ -45,18 +40,18 @@ class TouchedFaces {
       const Vector3 force = node_position(dim, node, forces);
       if (force.isZero(0)) continue;
       Vector3 normal = Vector3::Zero();
-      for (const FaceShare& face : faces)
+      for (const FacetShare& face : faces)
         normal += face.area * std::max(0.0, -face.normal.dot(force.normalized())) * face.normal;
       if (normal.isZero(0)) continue;
       normal.normalize();
       double area = 0;
-      for (const FaceShare& face : faces) area += face.area * std::max(0.0, face.normal.dot(normal));
+      for (const FacetShare& face : faces) area += face.area * std::max(0.0, face.normal.dot(normal));
       visit(node, normal, area);
     }
   }
 
  private:
-  std::map<Index, std::vector<FaceShare>> faces_;
+  std::map<Index, std::vector<FacetShare>> faces_;
 };
 
 VectorX contact_forces(const World& world, const State& state) {

@@ -9,6 +9,7 @@
 #include "resilin/core/text.hpp"
 #include "resilin/world/body_overlap.hpp"
 #include "resilin/world/colliders.hpp"
+#include "resilin/world/description_check.hpp"
 #include "resilin/world/friction.hpp"
 
 namespace resilin {
@@ -62,11 +63,6 @@ std::vector<double> friction_of(const ContactDescription& description, World& wo
   }
   if (std::ranges::all_of(table, [](double coefficient) { return coefficient == 0; })) table.clear();
   return table;
-}
-
-void require_positive(const std::optional<double>& value, const std::string& place) {
-  if (!value || (*value > 0 && std::isfinite(*value))) return;
-  throw InputError(place, "a finite number > 0", format_number(*value));
 }
 
 void check_fits_bodies(double activation_distance, const World& world, const std::string& place) {
@@ -172,8 +168,9 @@ double thinnest_gap(const ContactSurface& surface, const BodyMeetings& meetings,
 }  // namespace
 
 std::shared_ptr<const SurfaceContact> make_contact(const ContactDescription& description, World& world) {
-  require_positive(description.activation_distance, description.place + ".activation_distance");
-  require_positive(description.stiffness, description.place + ".stiffness");
+  if (description.activation_distance)
+    require_positive(*description.activation_distance, description.place + ".activation_distance");
+  if (description.stiffness) require_positive(*description.stiffness, description.place + ".stiffness");
   const BodyMeetings meetings = meetings_of(description, world);
   std::vector<double> friction = friction_of(description, world);
   if (!description.is_enabled || !any_meet(meetings) || world.modes) return nullptr;

@@ -10,11 +10,6 @@
 namespace resilin {
 namespace {
 
-void require_positive(double value, const std::string& place) {
-  if (value > 0 && std::isfinite(value)) return;
-  throw InputError(place, "a finite number > 0", format_number(value));
-}
-
 void require_at_least_one(int value, const std::string& place) {
   if (value < 1) throw InputError(place, "a whole number >= 1", std::to_string(value));
 }
@@ -84,6 +79,11 @@ void check_numerics(const Description& d) {
 }
 
 }  // namespace
+
+void require_positive(double value, const std::string& place) {
+  if (value > 0 && std::isfinite(value)) return;
+  throw InputError(place, "a finite number > 0", format_number(value));
+}
 
 void require_axis(int axis, int dim, const std::string& place) {
   if (axis >= 0 && axis < dim) return;

@@ -6,6 +6,7 @@
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/world/colliders.hpp"
+#include "resilin/world/description_check.hpp"
 
 namespace resilin {
 namespace {
@@ -31,8 +32,7 @@ std::shared_ptr<const Friction> make_friction(const ContactDescription& descript
     if (collider->has_friction()) sources.push_back(collider);
   if (world.contact && world.contact->has_friction()) sources.push_back(world.contact);
   const double speed = description.friction_speed.value_or(default_friction_speed(world));
-  if (!(speed > 0 && std::isfinite(speed)))
-    throw InputError(description.place + ".friction_speed", "a finite number > 0", format_number(speed));
+  require_positive(speed, description.place + ".friction_speed");
   if (description.friction_iterations < 0)
     throw InputError(description.place + ".friction_iterations", "a whole number >= 0",
                      std::to_string(description.friction_iterations));
