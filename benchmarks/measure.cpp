@@ -131,9 +131,12 @@ void add_contact(const std::string& name, const Description& scene, std::vector<
 
 std::vector<Measurement> measure_contact(int n) {
   std::vector<Measurement> measurements;
-  add_contact("dropped cube", dropped_cube(n), measurements);
-  add_contact("two cubes", two_cubes(n, false), measurements);
-  add_contact("two cubes in line", two_cubes(n, true), measurements);
+  for (const double friction : {0.0, 0.3}) {
+    const std::string suffix = friction > 0 ? " with friction" : "";
+    add_contact("dropped cube" + suffix, with_friction(friction, dropped_cube(n)), measurements);
+    add_contact("two cubes" + suffix, with_friction(friction, two_cubes(n, false)), measurements);
+    add_contact("two cubes in line" + suffix, with_friction(friction, two_cubes(n, true)), measurements);
+  }
   return measurements;
 }
 

@@ -98,6 +98,12 @@ Description two_cubes(int n, bool is_aligned) {
   return scene;
 }
 
+Description with_friction(double coefficient, Description scene) {
+  scene.contact.friction = coefficient;
+  for (ColliderDescription& collider : scene.colliders) collider.friction = coefficient;
+  return scene;
+}
+
 Description seed001(const std::filesystem::path& mesh) {
   Description scene;
   scene.title = "seed 001";

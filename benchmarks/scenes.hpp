@@ -28,6 +28,8 @@ Description dropped_cube(int n);
 /// Two such cubes: the lower falls on the ground, the upper, 5 cm above it, on the lower; beside it by 5 and
 /// 3 cm or in line with it.
 Description two_cubes(int n, bool is_aligned);
+/// The same, everything rubbing on everything.
+Description with_friction(double coefficient, Description scene);
 
 /// The armadillo that its first author let people drag: 627 tetrahedra, springs of 1e5 N/m pull one ear aside
 /// for a second and let go; steps of 0.01 s, each converged. @param mesh  armadillo_coarse.node

@@ -180,6 +180,73 @@ TEST(TheEnergyOfFriction, IsNoNumberWhereTheSlipIsNone) {
 }
 
 /// Force times the way that things rub, whoever goes it.
+// Chan, Golub & Mulet's matrix: never negative wherever the search went, and once nothing moves that of x.
+TEST(TheHessianOfFriction, FollowsTheSearch) {
+  for (const int dim : {2, 3})
+    for (const double slip : {0.0, 0.3, 0.99, 5.0, 1000.0}) {
+      Sample sample(dim, slip);
+      const BlockMatrix at_x = sample.hessian(sample.x);
+      VectorX x = sample.x;
+      for (unsigned k = 0; k < 20; ++k) {
+        const VectorX p = sample.random(std::pow(10.0, int(k % 7) - 4) * eps, 10 + k);
+        const double t = k % 3 == 0 ? 0.3 : 1;
+        sample.term->follow(x, p, t);
+        x += t * p;
+        const BlockMatrix followed = sample.hessian(x);
+        VectorX product;
+        for (unsigned i = 0; i < 5; ++i) {
+          const VectorX q = sample.random(1, 100 + i);
+          multiply(followed, q, product);
+          EXPECT_GE(q.dot(product), -1e-12 * product.norm() * q.norm()) << dim << "D, slip " << slip;
+        }
+      }
+      VectorX expected, product;
+      const VectorX q = sample.random(1, 200);
+      multiply(at_x, q, expected);
+      sample.term->follow(sample.x, VectorX::Zero(x.size()), 1);
+      multiply(sample.hessian(sample.x), q, product);
+      EXPECT_LE((product - expected).norm(), 1e-14 * 3 / eps * q.norm()) << dim << "D, slip " << slip;
+    }
+}
+
+/// A node that is pressed by so much as it stands high, and not at all below 0.
+class PressedByHeight final : public FrictionSource {
+ public:
+  void add_friction_contacts(const VectorX& x, const Conditions&, FrictionContacts& contacts) const override {
+    for (Index node = 0; node < 2; ++node)
+      contacts.add({.normal = Vector3::UnitZ(), .limit = x[3 * node + 2]}, std::array{WeightedNode{node, 1}});
+  }
+};
+
+TEST(AShareOfLaggedForces, IsBetweenTheLastAndThoseBeforeOrBeyondThem) {
+  const Friction friction(3, {std::make_shared<PressedByHeight>()}, speed);
+  const VectorX start = VectorX::Zero(6);
+  VectorX x(6), before(6), after(6);
+  x << 1, 2, 0, 3, -1, 0;
+  before << 0, 0, 4, 0, 0, 1;
+  after << 0, 0, 2, 0, 0, -1;  // the second node is left
+  const auto gradient = [&](const Energy& term) {
+    VectorX sum = VectorX::Zero(6);
+    term.add_gradient(x, {}, sum);
+    return sum;
+  };
+  const auto term = friction.begin_stage({.base_positions = start, .duration = duration});
+  const auto form = [&](double share) {
+    term->form_lag(before, {});
+    const VectorX first = gradient(*term);
+    term->form_lag(after, {});
+    const VectorX last = gradient(*term);
+    term->mix_lag(share);
+    VectorX expected = share * last + (1 - share) * first;
+    if (share > 1) expected.tail(3).setZero();  // friction never pushes
+    return std::pair(gradient(*term), expected);
+  };
+  for (const double share : {0.05, 0.3, 0.9, 1.0, 1.2, 1.5}) {
+    const auto [mixed, expected] = form(share);
+    EXPECT_LE((mixed - expected).norm(), 1e-14 * expected.norm()) << share;
+  }
+}
+
 TEST(TheHeatOfFriction, IsTheForceTimesTheSlip) {
   const Sample sample(2, 30);
   const double heat = sample.term->dissipation(sample.start, sample.x, duration);

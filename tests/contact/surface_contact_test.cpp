@@ -8,6 +8,7 @@
 #include <numbers>
 #include <random>
 
+#include "resilin/contact/pressing_forces.hpp"
 #include "resilin/mesh/generators.hpp"
 #include "resilin/mesh/topology.hpp"
 
@@ -249,6 +250,90 @@ TEST(SurfaceContact, OfFlatFacesIsAPressure) {
     EXPECT_NEAR(area, 1, dim == 2 ? 1e-12 : 0.011);  // corners have the larger share of two faces cut in two
   }
 }
+
+/// A body with bumps and valleys and a point that goes over it.
+class Valleys {
+ public:
+  explicit Valleys(int dim, int seed) : generator_(static_cast<unsigned>(seed)) {
+    std::uniform_real_distribution<double> unit(-1, 1);
+    const int up = dim - 1;
+    const auto bump = [&] { return Vector3(0.004 * unit(generator_) * Vector3::Unit(up)); };
+    const Mesh ground = dim == 3 ? make_box({0.4, 0.4, 0.2}, {8, 8, 2}) : make_rectangle({0.4, 0.2}, {8, 2});
+    const Mesh small =
+        dim == 3 ? make_box({0.02, 0.02, 0.02}, {1, 1, 1}) : make_rectangle({0.02, 0.02}, {1, 1});
+    surfaces_.dim = dim;
+    surfaces_.add(ground, 1e4, [&](const Vector3& X) { return Vector3(X + bump()); });
+    surfaces_.add(small, 1e4, [&](const Vector3& X) {
+      Vector3 place = X + 0.1 * (Vector3::Ones() + 0.3 * Vector3(unit(generator_), unit(generator_), 0));
+      if (dim == 2) place.z() = 0;
+      place[up] = X[up] + 0.2 + 0.012;
+      return place;
+    });
+    way_ = VectorX::Zero(surfaces_.positions.size());
+    for (Eigen::Index i = Eigen::Index{surfaces_.first_nodes[1]} * dim; i < way_.size(); i += dim)
+      way_[i] = 0.15;
+  }
+  /// What presses when the point has gone so far.
+  std::vector<PartForce> forces(const SurfaceContact& contact, double t) const {
+    return contact.part_forces(surfaces_.positions + t * way_);
+  }
+  SurfaceContact contact() const { return surfaces_.contact(); }
+
+ private:
+  std::mt19937 generator_;
+  Surfaces surfaces_;
+  VectorX way_;
+};
+
+double sum_of(const std::vector<PartForce>& forces) {
+  double sum = 0;
+  for (const PartForce& force : forces) sum += force.force;
+  return sum;
+}
+
+/// What friction sees: the forces and their directions.
+Eigen::Matrix3d directions_of(const std::vector<PartForce>& forces) {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (const PartForce& force : forces) sum += force.force * force.normal * force.normal.transpose();
+  return sum;
+}
+
+class ForcesThatPress : public ::testing::TestWithParam<int> {};
+
+TEST_P(ForcesThatPress, SumUpToAllForces) {
+  const Valleys valleys(2 + GetParam() % 2, GetParam());
+  const SurfaceContact contact = valleys.contact();
+  for (int k = 0; k <= 100; ++k) {
+    const std::vector<PartForce> all = valleys.forces(contact, 0.01 * k), pressing = pressing_forces(all);
+    EXPECT_NEAR(sum_of(pressing), sum_of(all), 1e-12 * std::abs(sum_of(all)));
+    for (const PartForce& force : pressing) EXPECT_GT(force.force, 0);
+  }
+}
+
+// Over an edge in a valley a second side presses from one moment to the next: what it bears must begin at
+// nothing, or friction would jump. Only where many parts of a corner vanish at once may some of it turn.
+TEST_P(ForcesThatPress, FollowAPointWithoutAJump) {
+  const Valleys valleys(2 + GetParam() % 2, GetParam());
+  const SurfaceContact contact = valleys.contact();
+  constexpr int steps = 4000;
+  Eigen::Matrix3d last = directions_of(pressing_forces(valleys.forces(contact, 0)));
+  double largest = 0, largest_jump = 0, largest_turn = 0;
+  int taken_back = 0;
+  for (int k = 1; k <= steps; ++k) {
+    const std::vector<PartForce> all = valleys.forces(contact, double(k) / steps);
+    for (const PartForce& force : all) taken_back += force.force < 0;
+    const Eigen::Matrix3d now = directions_of(pressing_forces(all));
+    largest = std::max(largest, now.norm());
+    largest_jump = std::max(largest_jump, std::abs((now - last).trace()));
+    largest_turn = std::max(largest_turn, (now - last).norm());
+    last = now;
+  }
+  EXPECT_GT(taken_back, 0);
+  EXPECT_LT(largest_jump, 0.01 * largest);
+  EXPECT_LT(largest_turn, 0.05 * largest);
+}
+
+INSTANTIATE_TEST_SUITE_P(OverValleys, ForcesThatPress, ::testing::Range(0, 12));
 
 }  // namespace
 }  // namespace resilin

@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "resilin/mesh/facet.hpp"
 
@@ -24,6 +26,11 @@ Tangents tangents(int dim, const Vector3& normal) {
   T.col(0) = normal.cross(Vector3::Unit(axis)).normalized();
   T.col(1) = normal.cross(Vector3(T.col(0)));
   return T;
+}
+
+Slip unit(const Slip& u) {
+  const double y = u.norm();
+  return y > 0 ? Slip(u / y) : Slip::Zero();
 }
 
 /// f0(y) with f0(0) = 0 [m].
@@ -49,6 +56,28 @@ FrictionContacts contacts_of(std::span<const FrictionSource* const> sources, con
     sources[s]->add_friction_contacts(x, c, all);
   }
   return all;
+}
+
+/// Between whom.
+auto parties(const FrictionContacts::Entry& entry) {
+  std::vector<Index> nodes;
+  for (const WeightedNode& each : entry.nodes) nodes.push_back(each.node);
+  return std::pair(entry.source, nodes);
+}
+
+/// Which one of the contacts before each of the others is, if it is one of them.
+std::vector<std::optional<std::size_t>> same_contacts(const FrictionContacts& before,
+                                                      const FrictionContacts& now) {
+  std::vector<std::optional<std::size_t>> same(now.size());
+  std::map<std::pair<std::size_t, std::vector<Index>>, std::size_t> known;
+  for (std::size_t k = 0; k < before.size(); ++k) known.try_emplace(parties(before[k]), k);
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    const auto found = known.find(parties(now[i]));
+    if (found == known.end()) continue;
+    same[i] = found->second;
+    known.erase(found);
+  }
+  return same;
 }
 
 Vector3 tangential(const Vector3& vector, const Vector3& normal) {
@@ -115,9 +144,57 @@ void LaggedFriction::see(std::span<const Energy* const> terms) {
 }
 
 bool LaggedFriction::form_lag(const VectorX& x, const Conditions& c) {
-  const bool had_contacts = contacts_.size() > 0;
-  contacts_ = contacts_of(sources_, x, c);
-  return had_contacts || contacts_.size() > 0;
+  before_.contacts = std::exchange(contacts_, contacts_of(sources_, x, c));
+  before_.directions = std::exchange(directions_, {});
+  before_.of_contact = same_contacts(before_.contacts, contacts_);
+  if (!before_.directions.empty()) {
+    for (std::size_t i = 0; i < contacts_.size(); ++i) {
+      const auto known = before_.of_contact[i];
+      const Tangents T = tangents(friction_.dim(), contacts_[i].contact.normal);
+      const Slip u = slip(contacts_[i], T, x);
+      directions_.push_back(known ? before_.directions[*known]
+                                  : Vector3(slope_over_slip(u.norm()) * (T * u)));
+    }
+  }
+  return before_.contacts.size() > 0 || contacts_.size() > 0;
+}
+
+void LaggedFriction::mix_lag(double share) {
+  std::vector<bool> is_left(before_.contacts.size(), true);
+  for (std::size_t i = 0; i < before_.of_contact.size(); ++i) {
+    double limit = share * contacts_[i].contact.limit;
+    if (const auto known = before_.of_contact[i]) {
+      limit += (1 - share) * before_.contacts[*known].contact.limit;
+      is_left[*known] = false;
+    }
+    contacts_.set_limit(i, std::max(limit, 0.0));
+  }
+  for (std::size_t k = 0; k < is_left.size() && share < 1; ++k) {
+    if (!is_left[k]) continue;
+    FrictionContacts::Entry entry = before_.contacts[k];
+    entry.contact.limit *= 1 - share;
+    contacts_.begin_source(entry.source);
+    contacts_.add(entry.contact, entry.nodes);
+    if (!directions_.empty()) directions_.push_back(before_.directions[k]);
+  }
+}
+
+// With c = f1(y) / y the force over its limit is w = c u. Of w / c = u, linear in w and in u, a step du makes
+// w + dw = c (u + du) + c'/c (u.du / y) w.
+void LaggedFriction::follow(const VectorX& x, const VectorX& p, double t) {
+  std::vector<Vector3> followed(contacts_.size());
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    const FrictionContacts::Entry entry = contacts_[i];
+    const Tangents T = tangents(friction_.dim(), entry.contact.normal);
+    const Slip u = slip(entry, T, x), du = T.transpose() * way(entry, VectorX::Zero(x.size()), p);
+    const Slip w = direction(i, T, u);
+    const double y = u.norm();
+    const Slip end = slope_over_slip(y) * (u + du) - fall_of_slope(y) * unit(u).dot(du) * w;
+    followed[i] = T * (w + t * (end - w));
+    const double length = followed[i].norm();
+    if (length > 1) followed[i] /= length;
+  }
+  directions_ = std::move(followed);
 }
 
 Vector3 LaggedFriction::way(const FrictionContacts::Entry& entry, const VectorX& from,
@@ -135,6 +212,13 @@ Eigen::Vector2d LaggedFriction::slip(const FrictionContacts::Entry& entry, const
 }
 
 double LaggedFriction::slope_over_slip(double y) const { return y < eps_ ? (2 - y / eps_) / eps_ : 1 / y; }
+
+double LaggedFriction::fall_of_slope(double y) const { return y < eps_ ? 1 / (2 * eps_ - y) : 1 / y; }
+
+Slip LaggedFriction::direction(std::size_t contact, const Tangents& T, const Slip& slip) const {
+  if (directions_.empty()) return slope_over_slip(slip.norm()) * slip;
+  return T.transpose() * directions_[contact];
+}
 
 Vector3 LaggedFriction::force(const FrictionContacts::Entry& entry, const VectorX& x) const {
   const Tangents T = tangents(friction_.dim(), entry.contact.normal);
@@ -190,20 +274,20 @@ void LaggedFriction::add_gradient_magnitude(const VectorX& x, const Conditions& 
   }
 }
 
-// mu lambda T ((f1/y) (I - e e^T) + f1' e e^T) T^T, e = u / y: both factors are never negative.
+// mu lambda T (c I + c'/(c y) (w u^T + u w^T) / 2) T^T, never negative for |w| <= 1: that of F.1 where w = c
+// u. A contact whose w is shorter than 1 is not done with sticking, however far the search moved it: so kinks
+// at u = 0 are seen from afar. Source: Chan, Golub & Mulet 1999, for the total variation.
 void LaggedFriction::add_hessian(const VectorX& x, const Conditions& c, Projection,
                                  BlockMatrix& hessian) const {
   const int dim = friction_.dim();
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     const FrictionContacts::Entry entry = contacts_[i];
     const Tangents T = tangents(dim, entry.contact.normal);
-    const Slip u = slip(entry, T, x);
+    const Slip u = slip(entry, T, x), w = direction(i, T, u);
     const double y = u.norm();
-    const Slip e = y > 0 ? Slip(u / y) : Slip::Zero();
-    const double across = slope_over_slip(y);
-    const double along = y < eps_ ? 2 * (1 - y / eps_) / eps_ : 0;
-    const Eigen::Matrix2d inner =
-        across * (Eigen::Matrix2d::Identity() - e * e.transpose()) + along * e * e.transpose();
+    const Eigen::Matrix2d turned = w * unit(u).transpose();
+    const Eigen::Matrix2d inner = slope_over_slip(y) * Eigen::Matrix2d::Identity() -
+                                  0.5 * fall_of_slope(y) * (turned + turned.transpose());
     const Eigen::Matrix3d block = c.contact_weight * entry.contact.limit * (T * inner * T.transpose());
     std::array<double, 9> values{};
     for (std::size_t k = 0; k < entry.nodes.size(); ++k)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "resilin/contact/friction_contact.hpp"
@@ -66,6 +67,8 @@ class LaggedFriction final : public Energy {
   /// Takes the sources' own terms of the stage, which know what is near.
   void see(std::span<const Energy* const> terms) override;
   bool form_lag(const VectorX& x, const Conditions& c) override;
+  void mix_lag(double share) override;
+  void follow(const VectorX& x, const VectorX& p, double t) override;
 
   /// Calls `visit(entry, force)` for each contact when bodies stand at x, `force` on its nodes, each by its
   /// weight, along its surface [N].
@@ -84,6 +87,19 @@ class LaggedFriction final : public Energy {
                        const VectorX& x) const;
   Vector3 force(const FrictionContacts::Entry& entry, const VectorX& x) const;
   double slope_over_slip(double y) const;  ///< f1(y) / y [1/m]
+  /// The derivative of that over it, times -1 [1/m].
+  double fall_of_slope(double y) const;
+  /// Of one contact, along T.
+  Eigen::Vector2d direction(std::size_t contact, const Eigen::Matrix<double, 3, 2>& T,
+                            const Eigen::Vector2d& slip) const;
+
+  /// What was in use before contacts were formed the last time.
+  struct Before {
+    FrictionContacts contacts{};
+    std::vector<Vector3> directions{};
+    std::vector<std::optional<std::size_t>>
+        of_contact{};  ///< which of them each contact was, if it was there
+  };
 
   const Friction& friction_;
   std::vector<const FrictionSource*> sources_{};
@@ -91,6 +107,10 @@ class LaggedFriction final : public Energy {
   double time_;    ///< that the slip takes [s]
   double eps_;     ///< [m]
   FrictionContacts contacts_{};
+  /// Of each contact the force over its limit, less its sign, as the Hessian sees it: as it followed the
+  /// search. Empty: those of x.
+  std::vector<Vector3> directions_{};
+  Before before_{};
 };
 
 }  // namespace resilin

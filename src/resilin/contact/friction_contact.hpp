@@ -32,7 +32,6 @@ class FrictionContacts {
     std::span<const WeightedNode> nodes;
   };
 
-  void clear() { *this = {}; }
   /// Those that are added from now on are of this source.
   void begin_source(std::size_t source) { source_ = source; }
   /// @param nodes  each of them once
@@ -45,6 +44,7 @@ class FrictionContacts {
   }
 
   std::size_t size() const { return contacts_.size(); }
+  void set_limit(std::size_t i, double limit) { contacts_[i].limit = limit; }
   Entry operator[](std::size_t i) const {
     const std::size_t begin = i == 0 ? 0 : ends_[i - 1];
     return {contacts_[i], sources_[i], std::span(nodes_).subspan(begin, ends_[i] - begin)};

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "resilin/collision/collision_time.hpp"
+#include "resilin/contact/pressing_forces.hpp"
 #include "resilin/core/stopwatch.hpp"
 #include "resilin/integrator/stage.hpp"
 #include "resilin/mesh/facet.hpp"
@@ -240,7 +241,7 @@ void SurfaceContact::add_friction_contacts(const VectorX& x, const Conditions& c
   const auto body_of = [&](Index v) { return parts.bodies[static_cast<std::size_t>(v)]; };
   const VectorX places = surface_->places(x, c);
   std::vector<WeightedNode> nodes;
-  for (const PartForce& force : part_forces(x, c)) {
+  for (const PartForce& force : pressing_forces(part_forces(x, c))) {
     const auto split = static_cast<std::size_t>(num_first(force.kind));
     const double coefficient = friction_[static_cast<std::size_t>(
         body_of(force.vertices[0]) * meetings().num_bodies() + body_of(force.vertices[split]))];
@@ -252,7 +253,7 @@ void SurfaceContact::add_friction_contacts(const VectorX& x, const Conditions& c
       if (weight == 0) continue;
       surface_->for_each_node(vertex,
                               [&](Index node, double share) { add_weight(node, share * weight, nodes); });
-      if (surface_->is_obstacle(vertex))  // its own part of the slip
+      if (surface_->obstacle && surface_->is_obstacle(vertex))  // its own part of the slip
         contact.velocity -= weight * surface_->obstacle->motion.velocity_at(
                                          node_position(parts.dim, vertex, places), c.time - c.collider_delay);
     }

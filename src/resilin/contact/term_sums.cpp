@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "resilin/collision/feature.hpp"
 #include "resilin/contact/pair_barrier.hpp"
@@ -62,8 +63,9 @@ void for_each_term(std::span<const ContactTerm> terms, const Evaluate& evaluate,
 }
 
 /// Adds a term to those of one point.
-void add_merged(const Feature& feature, const ContactTerm& term, std::size_t first,
+void add_merged(Feature feature, const ContactTerm& term, std::size_t first,
                 std::vector<ContactTerm>& merged) {
+  if (feature.vertices[0] != term.vertices[0]) std::swap(feature.vertices[0], feature.vertices[1]);
   for (std::size_t k = first; k < merged.size(); ++k)
     if (merged[k].kind == feature.kind && merged[k].vertices == feature.vertices) {
       merged[k].stiffness += term.stiffness;

@@ -147,6 +147,11 @@ class Energy {
   /// here as it is at x, by which its energy becomes another one. Before the first time there is none of it.
   /// @return whether that may have changed forces
   virtual bool form_lag(const VectorX& /*x*/, const Conditions& /*c*/) { return false; }
+  /// Takes only a share of what was formed the last time; the rest is what was in use before.
+  virtual void mix_lag(double /*share*/) {}
+  /// Tells a stage's own term that the search goes from x to x + t p: what it keeps to form its Hessian on
+  /// may follow.
+  virtual void follow(const VectorX& /*x*/, const VectorX& /*p*/, double /*t*/) {}
 
   /// The work [J] of what drives the term by itself, a function of time or a motion of its own, while bodies
   /// go from `from` to `to`: where a scheme decides at which of the two the term's forces are taken, the

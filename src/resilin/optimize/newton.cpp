@@ -9,15 +9,98 @@ namespace {
 
 constexpr const char* blocked_motion =
     "the prescribed motion would invert an element or lead surfaces through each other";
+/// A step towards the targets that the domain cut to less than this is followed by some at rest, in which
+/// what is in the way gives way.
+constexpr double short_boundary_step = 0.5;
+constexpr int iterations_to_give_way = 3;
+/// So many steps may be cut to less than a twentieth in one search.
+constexpr int most_blocked_steps = 20;
 
 }  // namespace
+
+NewtonReport Newton::Search::finish(NewtonReport::Status status, std::string reason) {
+  if (status != NewtonReport::Status::converged && watchdog.steps > 0) go_back();
+  report.status = status;
+  report.reason = std::move(reason);
+  return report;
+}
+
+NewtonReport Newton::Search::finish_out_of_digits() {
+  return finish(
+      NewtonReport::Status::out_of_digits,
+      "only rounding is left of the forces, but too much of it: the positions have too few digits for "
+      "a body this far from the origin, this stiff under its loads or moved in steps this short");
+}
+
+/// One step, over whatever projections it takes.
+/// @param gap     what is missing at the boundary
+/// @param length  of the step, relative to Newton's
+Newton::Search::Outcome Newton::Search::move(const VectorX& gap, bool boundary_moves, double& length) {
+  using Verdict = Convergence::Verdict;
+  Projection projection = chooser.first_choice();
+  while (true) {
+    const Direction direction = find_direction(gap, boundary_moves, projection);
+    newton.keep_measure(direction.found, parts, convergence.weights());
+    if (!direction.found) return Outcome::singular;
+    // The Hessian tells what rounding of the positions leaves: with it the residual may already be small
+    // enough.
+    if (!boundary_moves && verdict() == Verdict::yes) return Outcome::balanced;
+    bool is_exact = direction.is_exact;
+    if (!boundary_moves && !has_potential) is_exact |= use_true_tangent();
+    const LineSearch line = boundary_moves ? follow_boundary() : search_line(is_exact);
+    if (line.accepted) {
+      accept_trial(line.length);
+      if (watchdog.steps == 0) watchdog.is_strict = false;
+      report.last_step_was_exact = is_exact && line.length == 1;
+      chooser.step_was_taken(line.ratio, line.length);
+      length = line.length;
+      return Outcome::moved;
+    }
+    if (watchdog.steps > 0) {
+      go_back();
+      projection = chooser.next_choice(Projection::none);
+      continue;
+    }
+    if (internal_is_old) {
+      renew_internal_values();
+      projection = chooser.next_choice(Projection::none);
+      continue;
+    }
+    const Projection used = is_exact ? Projection::none : projection;
+    const Projection next = chooser.next_choice(used);
+    if (next == used || next == projection) {
+      const Verdict closer = boundary_moves ? Verdict::no : verdict(/*look_closer=*/true);
+      if (closer == Verdict::yes) return Outcome::balanced;
+      return closer == Verdict::out_of_digits ? Outcome::out_of_digits : Outcome::stalled;
+    }
+    projection = next;
+  }
+}
+
+/// What lags becomes that of x, where it is time. @return whether the search has to go on with it
+bool Newton::Search::renew_lag(bool is_balanced) {
+  const double relative = weighted_residual / convergence.weighted_scale();
+  if (watchdog.steps > 0 || !(is_balanced || lag.is_due(weighted_residual, relative))) return false;
+  if (!lag.form(x, gradient)) return false;
+  measure_residual();
+  last_residual = 0;
+  if (verdict() == Convergence::Verdict::yes) return false;
+  if (lag.is_over()) {
+    report.lag_mismatch = report.relative_residual();
+    return false;
+  }
+  if (lag.begin_round(x, gradient)) measure_residual();
+  lag.set_first_residual(weighted_residual);
+  report.lag_rounds = lag.rounds();
+  return true;
+}
 
 NewtonReport Newton::Search::run(const NewtonObserver& observer) {
   using Status = NewtonReport::Status;
   using Verdict = Convergence::Verdict;
   newton.solver_->begin_search();
   newton.last_measure_.reset();  // there is no matrix yet
-  int short_boundary_steps = 0;
+  int blocked_steps = 0, giving_way = 0;
   VectorX gap = boundary_gap();
   bool boundary_moves = (gap.array() != 0).any();
   objective.prepare(x, VectorX::Zero(x.size()));
@@ -27,72 +110,63 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
   while (true) {
     if (!convergence.is_finite()) return finish(Status::not_finite, "the forces are not finite numbers");
     if (!boundary_moves) {
-      const Verdict now = verdict();
-      if (now == Verdict::yes) return finish(Status::converged, "converged");
+      renew_lag(/*is_balanced=*/false);
+      Verdict now = verdict();
+      if (now == Verdict::yes) {
+        if (!renew_lag(/*is_balanced=*/true)) return finish(Status::converged, "converged");
+        now = verdict();
+      }
       if (now == Verdict::out_of_digits && last_residual > 0 && weighted_residual > 0.5 * last_residual)
         return finish_out_of_digits();
     }
     if (report.iterations >= settings.max_iterations) {
       return finish(Status::max_iterations, "the limit of Newton iterations was reached");
     }
-    Projection projection = chooser.first_choice();
-    LineSearch line;
-    bool was_exact = true;
-    while (!line.accepted) {
-      Direction direction = find_direction(gap, boundary_moves, projection);
-      newton.keep_measure(direction.found, parts, convergence.weights());
-      if (!direction.found) {
+    double length = 0;
+    const bool pushes = boundary_moves && giving_way == 0;
+    const Outcome outcome = move(gap, pushes, length);
+    if (boundary_moves && !pushes) {
+      --giving_way;
+      if (outcome != Outcome::moved) giving_way = 0;
+    }
+    switch (outcome) {
+      case Outcome::moved:
+        break;
+      case Outcome::balanced:
+        if (boundary_moves) continue;
+        if (renew_lag(/*is_balanced=*/true)) continue;
+        return finish(Status::converged, "converged");
+      case Outcome::out_of_digits:
+        if (boundary_moves) continue;
+        return finish_out_of_digits();
+      case Outcome::singular:
         return finish(Status::singular,
                       settings.projection == ProjectionPolicy::none
                           ? "the stiffness matrix is indefinite; let newton.projection be \"auto\""
                           : "the stiffness matrix is singular: a part of the body can move freely");
-      }
-      // The Hessian tells what rounding of the positions leaves: with it the residual may already be small
-      // enough.
-      if (!boundary_moves && verdict() == Verdict::yes) return finish(Status::converged, "converged");
-      if (!boundary_moves && !has_potential) use_true_tangent(direction);
-      was_exact = direction.is_exact;
-      line = boundary_moves ? follow_boundary() : search_line(direction.is_exact);
-      if (line.accepted) break;
-      if (watchdog.steps > 0) {
-        go_back();
-        projection = chooser.next_choice(Projection::none);
-        continue;
-      }
-      if (internal_is_old) {
-        renew_internal_values();
-        projection = chooser.next_choice(Projection::none);
-        continue;
-      }
-      const Projection used = was_exact ? Projection::none : projection;
-      const Projection next = chooser.next_choice(used);
-      if (next == used || next == projection) {
-        const Verdict closer = boundary_moves ? Verdict::no : verdict(/*look_closer=*/true);
-        if (closer == Verdict::yes) return finish(Status::converged, "converged");
-        if (closer == Verdict::out_of_digits) return finish_out_of_digits();
+      case Outcome::stalled:
+        if (boundary_moves && !pushes) continue;
         return finish(Status::stalled,
                       boundary_moves ? blocked_motion
                                      : "the line search found no lower energy along the Newton direction");
-      }
-      projection = next;
     }
-    if (boundary_moves && line.length < 0.05 && ++short_boundary_steps > 5) {
-      return finish(Status::stalled, blocked_motion);
-    }
-    accept_trial(line.length);
-    if (watchdog.steps == 0) watchdog.is_strict = false;
-    if (!boundary_moves) ask_for_potential();
-    report.last_step_was_exact = was_exact && line.length == 1;
-    chooser.step_was_taken(line.ratio, line.length);
-    if (boundary_moves) {
-      if (line.length == 1) {  // land on the targets exactly, whatever the rounding
+    if (pushes) {
+      if (length < 0.05 && ++blocked_steps > most_blocked_steps)
+        return finish(Status::stalled, blocked_motion);
+      if (length < short_boundary_step) giving_way = iterations_to_give_way;
+      if (length == 1) {  // land on the targets exactly, whatever the rounding
         for (Eigen::Index i = 0; i < x.size(); ++i) {
           if (!is_free(i)) x[i] = targets[i];
         }
       }
       gap = boundary_gap();
       boundary_moves = (gap.array() != 0).any();
-      if (!boundary_moves) last_residual = 0;
+      if (!boundary_moves) {
+        last_residual = 0;
+        giving_way = 0;
+      }
+    } else {
+      ask_for_potential();
     }
     if (observer && !observer(report)) return finish(Status::interrupted, "interrupted");
   }

@@ -22,6 +22,7 @@ struct NewtonSettings {
   bool is_quadratic = false;  ///< the objective is: one step, whose linear system is solved to the end
   double armijo = 1e-4;       ///< share of the predicted decrease that a step must reach
   int max_halvings = 40;      ///< of one line search
+  int lag_rounds = 0;         ///< so often what lags may be formed anew before the search ends
   /// With carried internal values: so many steps in a row may leave the energy above its lowest value, before
   /// the search goes back there. 0: every step lowers the energy.
   int relaxed_steps = 0;
@@ -51,6 +52,10 @@ struct NewtonReport {
   double force_scale = 0;    ///< [N]; converged means residual <= tolerance * force_scale
   Index worst_unknown = -1;  ///< its free unknown with the largest residual
   double rounding = 0;       ///< what rounding may leave of all residuals, where that was asked for [N]
+  int lag_rounds = 0;        ///< so often what lags was formed anew and the search went on
+  /// Of a search that converged: `relative_residual` once what lags is that of the place where it ended, if
+  /// that is out of balance; else 0.
+  double lag_mismatch = 0;
   double assembly_seconds = 0, solve_seconds = 0;
 
   bool converged() const { return status == Status::converged; }

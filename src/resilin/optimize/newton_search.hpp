@@ -4,10 +4,10 @@
 #include <cmath>
 #include <limits>
 #include <string>
-#include <utility>
 
 #include "resilin/core/stopwatch.hpp"
 #include "resilin/optimize/convergence.hpp"
+#include "resilin/optimize/lag.hpp"
 #include "resilin/optimize/newton.hpp"
 #include "resilin/optimize/residual.hpp"
 #include "resilin/optimize/true_tangent.hpp"
@@ -36,6 +36,7 @@ struct Newton::Search {
   Convergence convergence{objective, is_fixed, parts, settings.tolerance};
   NewtonReport report{};
   ProjectionChooser chooser{settings.projection};
+  Lag lag{objective, is_fixed, settings.lag_rounds};
   VectorX gradient{}, step{}, trial{}, trial_gradient{}, right_side{};
   bool gradient_at_trial_is_known = false;
   VectorX internal{};  ///< where the Hessian is formed besides x ...
@@ -89,14 +90,15 @@ struct Newton::Search {
   double forcing_term() const {
     const double goal = 0.3 * settings.tolerance * convergence.weighted_scale() / weighted_residual;
     if (settings.is_quadratic) return std::min(goal, settings.tolerance);
-    double forcing = 1e-2;
+    const double most = lag.rounds() > 0 ? Lag::forcing : 1e-2;
+    double forcing = most;
     if (last_residual > 0) {
       const double ratio = weighted_residual / last_residual;
       forcing = std::min(forcing, 0.9 * ratio * ratio);
       const double safeguard = 0.9 * last_forcing * last_forcing;
       if (safeguard > 0.1) forcing = std::max(forcing, safeguard);
     }
-    return std::clamp(forcing, std::min(goal, 1e-2), 1e-2);
+    return std::clamp(forcing, std::min(goal, most), most);
   }
 
   struct Direction {
@@ -147,8 +149,8 @@ struct Newton::Search {
   }
 
   /// Forces without a potential: the step of the symmetric part is only the start of the one of the true
-  /// tangent, which takes its place when GMRES finds it.
-  void use_true_tangent(Direction& direction) {
+  /// tangent, which takes its place when GMRES finds it. @return whether it did
+  bool use_true_tangent() {
     const Stopwatch watch(report.solve_seconds);
     const NearSolve near = [&](const VectorX& b, VectorX& p) {
       p.setZero(b.size());
@@ -161,9 +163,9 @@ struct Newton::Search {
     const TangentReport tangent =
         solve_with_true_tangent(objective, is_fixed, x, right_side, near, tolerance, p);
     report.tangent_iterations += tangent.iterations;
-    if (!(tangent.relative_residual < 0.3)) return;
+    if (!(tangent.relative_residual < 0.3)) return false;
     step.swap(p);
-    direction.is_exact = true;
+    return true;
   }
 
   /// A residual that falls slowly may come of forces without a potential: asked once, for it costs some
@@ -372,27 +374,20 @@ struct Newton::Search {
       internal_is_old = true;
     }
     knows_finite_forces();
+    objective.follow(x, step, length);
     x.swap(trial);
     gradient.swap(trial_gradient);
     ++report.iterations;
+    lag.leave();
     last_residual = weighted_residual;
     measure_residual();
   }
 
-  NewtonReport finish_out_of_digits() {
-    return finish(
-        NewtonReport::Status::out_of_digits,
-        "only rounding is left of the forces, but too much of it: the positions have too few digits for "
-        "a body this far from the origin, this stiff under its loads or moved in steps this short");
-  }
-
-  NewtonReport finish(NewtonReport::Status status, std::string reason) {
-    if (status != NewtonReport::Status::converged && watchdog.steps > 0) go_back();
-    report.status = status;
-    report.reason = std::move(reason);
-    return report;
-  }
-
+  NewtonReport finish(NewtonReport::Status status, std::string reason);
+  NewtonReport finish_out_of_digits();
+  enum class Outcome { moved, balanced, out_of_digits, singular, stalled };
+  Outcome move(const VectorX& gap, bool boundary_moves, double& length);
+  bool renew_lag(bool is_balanced);
   NewtonReport run(const NewtonObserver& observer);
 };
 

@@ -10,6 +10,13 @@ namespace resilin {
 class Objective {
  public:
   virtual ~Objective() = default;
+  /// What the objective keeps of a shape that is known, such as the normal forces of friction, becomes what
+  /// it is at x: by that it becomes another function. @return whether that may have changed the gradient
+  virtual bool form_lag(const VectorX& /*x*/) { return false; }
+  /// Takes only a share of what was formed the last time; the rest is what was in use before.
+  virtual void mix_lag(double /*share*/) {}
+  /// Called once the search goes from x to x + t p.
+  virtual void follow(const VectorX& /*x*/, const VectorX& /*p*/, double /*t*/) {}
   /// Called once in each iteration, before the objective is asked about points between x and x + p: what all
   /// of these need may be found here.
   virtual void prepare(const VectorX& /*x*/, const VectorX& /*p*/) {}

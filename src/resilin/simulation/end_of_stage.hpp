@@ -65,6 +65,13 @@ class EndOfStage final : public Energy {
     VectorX room;
     return own_ && own_->form_lag(end_of(x, room), at_end(c, weight_));
   }
+  void mix_lag(double share) override {
+    if (own_) own_->mix_lag(share);
+  }
+  void follow(const VectorX& x, const VectorX& p, double t) override {
+    VectorX room;
+    if (own_) own_->follow(end_of(x, room), slope_ * p, t);
+  }
   /// @param from  where the stage before ended
   double dissipation(const VectorX& from, const VectorX& x, double duration) const override {
     VectorX room;

@@ -43,6 +43,14 @@ bool Potential::form_lag(const VectorX& x) {
   return is_changed;
 }
 
+void Potential::mix_lag(double share) {
+  for (const auto& term : own_) term->mix_lag(share);
+}
+
+void Potential::follow(const VectorX& x, const VectorX& p, double t) {
+  for (const auto& term : own_) term->follow(x, p, t);
+}
+
 void Potential::prepare(const VectorX& x, const VectorX& p) {
   for (const auto& term : own_) term->prepare(x, p, conditions_);
 }

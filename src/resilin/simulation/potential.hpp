@@ -26,7 +26,9 @@ class Potential final : public Objective {
 
   /// What terms keep of a shape that is known, the normal forces of friction, becomes what it is at x. Before
   /// the first time there is none of it. @return whether that may have changed forces
-  bool form_lag(const VectorX& x);
+  bool form_lag(const VectorX& x) override;
+  void mix_lag(double share) override;
+  void follow(const VectorX& x, const VectorX& p, double t) override;
 
   void prepare(const VectorX& x, const VectorX& p) override;
   double difference(const VectorX& from, const VectorX& to) const override;

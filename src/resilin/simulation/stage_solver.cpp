@@ -54,19 +54,16 @@ bool fit_to_flight(Potential& potential, std::span<const std::uint8_t> is_fixed,
   return choose_lower_start(potential, is_fixed, held, fitted, x);
 }
 
-/// The residual of a search at another place than where it ended, or with other forces. @return the verdict
-Convergence::Verdict measure_again(const Potential& potential, std::span<const std::uint8_t> is_fixed,
-                                   const Newton& newton, double tolerance, const VectorX& x,
-                                   NewtonReport& report) {
+/// The residual of a search at another place than where it ended.
+void measure_again(const Potential& potential, std::span<const std::uint8_t> is_fixed, const Newton& newton,
+                   const VectorX& x, NewtonReport& report) {
   VectorX gradient;
   potential.gradient(x, gradient);
-  Convergence balance(potential, is_fixed, newton.parts(), tolerance);
+  Convergence balance(potential, is_fixed, newton.parts(), /*tolerance=*/0);
   balance.measure(x, gradient);
-  const Convergence::Verdict verdict = balance.verdict({}, /*look_closer=*/tolerance > 0);
   report.residual = balance.residual();
   report.force_scale = balance.force_scale();
   report.worst_unknown = balance.worst_unknown();
-  return verdict;
 }
 
 }  // namespace
@@ -113,24 +110,16 @@ StageReport solve_stage(Potential& potential, std::span<const std::uint8_t> is_f
     const bool is_last = conditions.collider_delay == 0 || advance == most_advances;
     if (advance == 0) report.flew = choose_lower_start(potential, is_fixed, held, flight.places, x);
     NewtonSettings allowed = settings;
+    allowed.lag_rounds = is_last ? budget.friction_rounds : 0;
     if (!is_last) allowed.max_iterations = std::min(allowed.max_iterations, iterations_to_give_way);
     search(allowed);
     if (!is_last && !is_over() && total.status != NewtonReport::Status::interrupted) continue;
-    for (int round = 0; total.converged() && potential.form_lag(x); ++round) {
-      if (round >= budget.friction_rounds || is_over()) {
-        const auto verdict = measure_again(potential, is_fixed, newton, settings.tolerance, x, total);
-        if (verdict != Convergence::Verdict::yes) report.friction_mismatch = total.relative_residual();
-        break;
-      }
-      const int before = total.iterations;
-      search(settings);
-      if (total.iterations == before) break;
-      ++report.friction_rounds;
-    }
+    report.friction_rounds = total.lag_rounds;
+    report.friction_mismatch = total.lag_mismatch;
     if (total.converged()) return report;
     bool is_moved = fit_to_flight(potential, is_fixed, flight, x, x);
     is_moved |= fit_to_flight(potential, is_fixed, flight, held, x);
-    if (is_moved) measure_again(potential, is_fixed, newton, /*tolerance=*/0, x, total);
+    if (is_moved) measure_again(potential, is_fixed, newton, x, total);
     return report;
   }
 }

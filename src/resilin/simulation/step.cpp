@@ -15,6 +15,7 @@ void add_to(NewtonReport& sum, const NewtonReport& part) {
   total.line_search_halvings += sum.line_search_halvings;
   total.tangent_iterations += sum.tangent_iterations;
   total.projected_solves += sum.projected_solves;
+  total.lag_rounds += sum.lag_rounds;
   total.assembly_seconds += sum.assembly_seconds;
   total.solve_seconds += sum.solve_seconds;
   sum = total;

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+
+#include "resilin/optimize/objective.hpp"
+#include "resilin/optimize/residual.hpp"
+
+namespace resilin {
+
+/// What an objective keeps of a shape that is known, formed anew along a search until that leaves the forces
+/// in balance: a fixed-point iteration around Newton's method.
+///
+/// It is not worth more digits of a search than the next round keeps: the search goes on with it until a
+/// tenth of the residual is left. Rounds that throw the forces to and fro take only a share of what was
+/// formed, and rounds that creep on take more than the whole: Aitken's rule (Irons & Tuck 1969).
+class Lag {
+ public:
+  /// How exactly linear systems between rounds are worth solving.
+  static constexpr double forcing = 5e-2;
+
+  /// @param most_rounds  so often it may be formed before the search ends
+  Lag(Objective& objective, std::span<const std::uint8_t> is_fixed, int most_rounds)
+      : objective_(objective), is_fixed_(is_fixed), most_rounds_(most_rounds) {}
+
+  int rounds() const { return rounds_; }
+  bool is_over() const { return rounds_ >= most_rounds_; }
+  /// It is not that of x any more.
+  void leave() { is_here_ = false; }
+
+  /// Whether the search has done with it as it is what is worth doing.
+  /// @param relative_residual  beside the forces that act
+  bool is_due(double residual, double relative_residual) const {
+    if (is_over() || is_here_) return false;
+    return rounds_ == 0 ? relative_residual <= first_goal : residual <= goal_of_round * first_residual_;
+  }
+
+  /// Makes it and the gradient those at x. @return whether that changed forces
+  bool form(const VectorX& x, VectorX& gradient) {
+    if (is_here_) return false;
+    is_here_ = true;
+    if (!objective_.form_lag(x)) return false;
+    last_change_.swap(change_);
+    change_ = -gradient;
+    objective_.gradient(x, gradient);
+    change_ += gradient;
+    set_fixed_to_zero(is_fixed_, change_);
+    return true;
+  }
+
+  /// Begins a round with what was formed last, or with a share of it. @return whether that changed forces
+  bool begin_round(const VectorX& x, VectorX& gradient) {
+    ++rounds_;
+    if (last_change_.size() == 0) return false;
+    const VectorX turn = last_change_ - change_;
+    share_ = std::clamp(share_ * last_change_.dot(turn) / turn.squaredNorm(), least_share, most_share);
+    if (!(share_ < 1 || share_ > 1)) {
+      share_ = 1;
+      return false;
+    }
+    objective_.mix_lag(share_);
+    is_here_ = false;
+    objective_.gradient(x, gradient);
+    return true;
+  }
+  /// From this residual.
+  void set_first_residual(double residual) { first_residual_ = residual; }
+
+ private:
+  static constexpr double first_goal = 3e-2, goal_of_round = 0.1;
+  static constexpr double least_share = 0.05, most_share = 1.5;
+
+  Objective& objective_;
+  std::span<const std::uint8_t> is_fixed_;
+  int most_rounds_;
+
+  int rounds_ = 0;
+  double share_ = 1;
+  bool is_here_ = false;
+  double first_residual_ = 0;
+  VectorX change_{}, last_change_{};  ///< of the gradient, by the last two times
+};
+
+}  // namespace resilin
