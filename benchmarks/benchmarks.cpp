@@ -2,6 +2,7 @@
 
 #include "collision.hpp"
 #include "damping.hpp"
+#include "heap.hpp"
 #include "kernel_benchmark.hpp"
 #include "latency.hpp"
 #include "live.hpp"
@@ -65,6 +66,8 @@ std::vector<Measurement> bench_seed001(const BenchOptions&) { return measure_see
 
 std::vector<Measurement> bench_view(const BenchOptions&) { return measure_view(); }
 
+std::vector<Measurement> bench_heap(const BenchOptions&) { return measure_heap(); }
+
 std::vector<Measurement> bench_latency(const BenchOptions&) { return measure_latency(); }
 
 /// Milliseconds of a frame, by body.
@@ -106,6 +109,8 @@ const std::vector<Benchmark>& benchmarks() {
       {"seed001", "627 tetrahedra dragged and let go, every step converged; needs RESILIN_SHARED",
        bench_seed001},
       {"view", "Dragging in real time: time of a step, and its distance to the solved step", bench_view},
+      {"heap", "Three soft creatures fall into a heap on the page: time of a step, and its parts",
+       bench_heap},
       {"latency", "From moving the hand in the browser to the frame that shows it, through the page server",
        bench_latency},
       {"skin",

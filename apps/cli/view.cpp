@@ -88,7 +88,7 @@ void add_view(CommandLine& line, Action& action) {
   command.option("--threads", options->threads, "Number of threads; default all cores").between(1, 1024);
   command.flag("--no-browser", options->has_no_browser, "Print the address and open nothing");
   command.footer(
-      "Examples:\n  resilin view examples/spot.toml\n  resilin view out/spot --port 8000 --no-browser\n\nThe "
+      "Examples:\n  resilin view examples/heap.toml\n  resilin view out/spot --port 8000 --no-browser\n\nThe "
       "page is "
       "for this machine alone. Its address holds a token that is made anew at every start: whoever\nhas it "
       "can play "
