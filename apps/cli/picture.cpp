@@ -17,7 +17,7 @@ struct PictureCommand {
   int frame = -1;
   std::vector<int> size;
   std::vector<double> range;
-  bool edges = false, no_edges = false;
+  bool edges = false, no_edges = false, no_colliders = false;
   PictureOptions picture;
 };
 
@@ -30,6 +30,7 @@ int draw(const PictureCommand& command) {
   if (!command.range.empty()) options.range = {command.range[0], command.range[1]};
   if (command.edges) options.edges = "on";
   if (command.no_edges) options.edges = "off";
+  options.shows_colliders = !command.no_colliders;
   const Image image = draw_result(command.folder, command.frame, options);
   write_png(command.out, image);
   print_line(command.out + ": " + std::to_string(image.width) + " x " + std::to_string(image.height) +
@@ -69,6 +70,7 @@ void add_picture(CommandLine& line, Action& action) {
   const Option edges = command.flag("--edges", options->edges, "Edges of cells; default where there is room");
   command.flag("--no-edges", options->no_edges, "No edges").excludes(edges);
   command.flag("--rest", picture.shows_rest, "Outline of the rest shape");
+  command.flag("--no-colliders", options->no_colliders, "No colliders");
   command.flag("--dark", picture.is_dark, "Dark background");
   command.footer(
       "Example:\n  resilin picture out/beam --field von_mises --out stress.png\n\nThe fields that frames "

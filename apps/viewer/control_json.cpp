@@ -28,8 +28,10 @@ Json form_json(const LiveControl& control, const LiveControls& initial, double e
                     {"greatest", slider.shown.greatest},
                     {"step", slider.step}};
           },
-          [](const LogSlider& form) -> Json {
-            return {{"kind", "log_slider"}, {"least", form.shown.least}, {"greatest", form.shown.greatest}};
+          [&](const LogSlider& form) -> Json {
+            const LogSlider slider = in_scene(form, extent);
+            return {
+                {"kind", "log_slider"}, {"least", slider.shown.least}, {"greatest", slider.shown.greatest}};
           },
           [](const WholeSlider& form) -> Json {
             return {{"kind", "slider"},
@@ -56,9 +58,10 @@ Json form_json(const LiveControl& control, const LiveControls& initial, double e
 
 }  // namespace
 
-Json control_entries(const LiveControls& initial, double extent) {
+Json control_entries(const LiveControls& initial, double extent, bool has_contact) {
   Json entries = Json::array();
   for (const LiveControl& control : live_control_table()) {
+    if (control.is_of_contact && !has_contact) continue;
     Json entry = form_json(control, initial, extent);
     entry["key"] = control.key;
     entry["folder"] = control.folder;
@@ -70,10 +73,11 @@ Json control_entries(const LiveControls& initial, double extent) {
   return entries;
 }
 
-Json control_values(const LiveControls& controls) {
+Json control_values(const LiveControls& controls, bool has_contact) {
   Json values;
   for (const LiveControl& control : live_control_table())
-    values[std::string(control.key)] = value_json(control, controls);
+    if (has_contact || !control.is_of_contact)
+      values[std::string(control.key)] = value_json(control, controls);
   return values;
 }
 

@@ -7,11 +7,12 @@
 /// The table of controls as the page reads it: docs/view_protocol.md, "Controls".
 namespace resilin::viewer {
 
-/// @param initial  the controls that the scene begins with
-/// @param extent   of the scene [m]
-nlohmann::json control_entries(const LiveControls& initial, double extent);
+/// @param initial      the controls that the scene begins with
+/// @param extent       of the scene [m]
+/// @param has_contact  whether bodies meet in it
+nlohmann::json control_entries(const LiveControls& initial, double extent, bool has_contact);
 
-/// The value of each control, by its key.
-nlohmann::json control_values(const LiveControls& controls);
+/// The value of each of these controls, by its key.
+nlohmann::json control_values(const LiveControls& controls, bool has_contact);
 
 }  // namespace resilin::viewer

@@ -27,6 +27,7 @@ ServedLiveScene::Loaded::Loaded(Scene scene)
     : warnings(std::move(scene.warnings)),
       live(scene.description),
       surface(live.world()),
+      colliders(shown_colliders(live.world())),
       fields(live.world(), surface),
       field_choices(SurfaceFields::quick(live.world().dimension)) {
   const std::vector<std::string>& more = live.world().warnings;
@@ -45,13 +46,17 @@ Json ServedLiveScene::header() const {
                                            .version = std::string(version()),
                                            .up = loaded_->live.up(),
                                            .gravity = loaded_->live.controls().gravity,
-                                           .fields = loaded_->field_choices},
+                                           .fields = loaded_->field_choices,
+                                           .colliders = loaded_->colliders},
                                           world(), loaded_->surface));
-  header["controls"] = control_entries(loaded_->live.controls(), world().largest_extent());
+  header["controls"] =
+      control_entries(loaded_->live.controls(), world().largest_extent(), world().contact != nullptr);
   return header;
 }
 
-std::string ServedLiveScene::topology() const { return encode_topology(loaded_->surface); }
+std::string ServedLiveScene::topology() const {
+  return encode_topology(loaded_->surface, loaded_->colliders);
+}
 
 std::vector<std::string> ServedLiveScene::field_names() const {
   std::vector<std::string> names;
@@ -63,7 +68,7 @@ Json ServedLiveScene::state() const {
   const LiveControls& controls = loaded_->live.controls();
   Json pinned = Json::array();
   for (const Index node : loaded_->live.pinned()) pinned.push_back(loaded_->vertex_of_node.at(node));
-  return {{"values", control_values(controls)},
+  return {{"values", control_values(controls, world().contact != nullptr)},
           {"ground", controls.has_ground ? Json(controls.ground_height) : Json()},
           {"pinned", std::move(pinned)},
           {"poking", is_poking()},
@@ -72,6 +77,7 @@ Json ServedLiveScene::state() const {
 
 Json ServedLiveScene::status() const {
   const LiveReport& report = loaded_->live.report();
+  const std::optional<LiveContact> contact = loaded_->live.contact();
   return {{"time", time()},
           {"step_ms", report.step_ms},
           {"assembly_ms", report.assembly_ms},
@@ -85,6 +91,8 @@ Json ServedLiveScene::status() const {
           {"inverted_cells", report.inverted_cells},
           {"converged", report.converged},
           {"at_rest", report.at_rest},
+          {"smallest_gap", contact ? Json(contact->smallest_gap) : Json()},
+          {"active_pairs", contact ? Json(contact->active_pairs) : Json()},
           {"elastic_energy", report.elastic_energy},
           {"kinetic_energy", report.kinetic_energy},
           {"words", report.words}};
@@ -94,12 +102,14 @@ void ServedLiveScene::step(double seconds) {
   const State& state = loaded_->live.state();
   loaded_->previous_positions = state.positions;
   loaded_->previous_time = state.time;
+  loaded_->previous_conditions = loaded_->live.conditions();
   loaded_->live.step({seconds});
 }
 
 void ServedLiveScene::forget_previous_state() {
   loaded_->previous_positions.resize(0);
   loaded_->previous_time = loaded_->live.state().time;
+  loaded_->previous_conditions = loaded_->live.conditions();
 }
 
 void ServedLiveScene::apply(const SceneMessage& message) {
@@ -188,11 +198,21 @@ std::string ServedLiveScene::frame(std::uint32_t number, std::uint32_t answered_
     if (!loaded.normals.empty()) loaded.surface.normals(loaded.positions, loaded.normals);
     loaded.shown_frame = number;
   }
+  // Colliders turn and move between the two steps as they do in the scene, not on straight lines.
+  const Conditions now = loaded.live.conditions();
+  const auto blended = [&](double before, double after) {
+    return before + std::min(blend, 1.0) * (after - before);
+  };
+  const std::vector<float> places = collider_places(
+      loaded.colliders,
+      {.time = blended(loaded.previous_conditions.time, now.time),
+       .collider_delay = blended(loaded.previous_conditions.collider_delay, now.collider_delay)});
   LiveFrame frame{.number = number,
-                  .time = loaded.previous_time + std::min(blend, 1.0) * (state.time - loaded.previous_time),
+                  .time = blended(loaded.previous_time, state.time),
                   .answers = answered_drag,
                   .positions = loaded.positions,
-                  .normals = loaded.normals};
+                  .normals = loaded.normals,
+                  .colliders = places};
   if (field) {
     loaded.fields.evaluate(world(), state, loaded.field_choices[*field].name, loaded.field);
     frame.field_number = static_cast<std::uint32_t>(*field);

@@ -10,6 +10,7 @@
 #include "resilin/scene/scene.hpp"
 #include "resilin/view/shown_surface.hpp"
 #include "resilin/view/surface_fields.hpp"
+#include "resilin/world/shown_colliders.hpp"
 #include "served_scene.hpp"
 
 namespace resilin::viewer {
@@ -49,13 +50,15 @@ class ServedLiveScene : public ServedScene {
     std::vector<std::string> warnings;
     LiveScene live;
     ShownSurface surface;
+    std::vector<ShownCollider> colliders;
     SurfaceFields fields;
     std::vector<ScalarField> field_choices;         ///< of which pages choose, in the order of the header
     Vector3 grab_offset = Vector3::Zero();          ///< from the pointer to the place that is held [m]
     std::map<Index, std::uint32_t> vertex_of_node;  ///< which vertex of the page a pinned node was pinned by
     VectorX previous_positions;                     ///< one step before [m]
     double previous_time = 0;                       ///< [s]
-    std::uint32_t shown_frame = 0;                  ///< whose places and normals the buffers hold
+    Conditions previous_conditions{};
+    std::uint32_t shown_frame = 0;  ///< whose places and normals the buffers hold
     std::vector<float> positions, normals, field;
   };
 

@@ -80,6 +80,7 @@ def picture_options(
     scale: float = 1,
     edges: bool | None = None,
     rest: bool = False,
+    colliders: bool = True,
     dark: bool = False,
 ) -> _core.PictureOptions:
     """What `Result.plot` takes, as the core wants it."""
@@ -98,5 +99,5 @@ def picture_options(
     options.view = plain_text(direction, "view")
     options.up, options.map, options.scale = plain_text(up, "up"), plain_text(map, "map"), float(scale)
     options.edges = "auto" if edges is None else "on" if edges else "off"
-    options.rest, options.dark = bool(rest), bool(dark)
+    options.rest, options.colliders, options.dark = bool(rest), bool(colliders), bool(dark)
     return options

@@ -134,6 +134,8 @@ class Result:
             Edges of the cells; by default where there is room.
         rest : bool
             The outline of the rest shape.
+        colliders : bool
+            What of the colliders is near the bodies; True.
         dark : bool
             A dark background.
 

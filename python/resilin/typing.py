@@ -65,6 +65,7 @@ class PictureOptions(TypedDict, total=False):
     scale: float
     edges: bool | None
     rest: bool
+    colliders: bool
     dark: bool
 
 

@@ -40,6 +40,7 @@ void bind_picture(nb::module_& module) {
       .def_rw("scale", &PictureOptions::scale)
       .def_rw("edges", &PictureOptions::edges)
       .def_rw("rest", &PictureOptions::shows_rest)
+      .def_rw("colliders", &PictureOptions::shows_colliders)
       .def_rw("dark", &PictureOptions::is_dark);
   nb::class_<Image>(module, "Image")
       .def("pixels", &pixels)

@@ -90,3 +90,12 @@ def test_the_report_has_extremes_and_sections(result):
     assert largest["body"] == "beam"
     # Half of the beam hangs on the section: 0.02 m^3 of 1000 kg/m^3.
     np.testing.assert_allclose(frame["sections"]["middle"]["force"], [0, 0, -20 * 9.81], atol=1e-4)
+
+
+def test_colliders_are_drawn_unless_they_are_not_wanted(tmp_path):
+    ball = {"name": "ball", "kind": "sphere", "center": [0.5, 0.1, 0.5], "radius": 0.1}
+    result = resilin.run({**SCENE, "collider": [ball]})
+    shown = result.plot(size=(200, 150))
+    assert (shown.pixels != result.plot(size=(200, 150), colliders=False).pixels).any()
+    result.save(tmp_path / "beam")
+    assert (resilin.picture(tmp_path / "beam", size=(200, 150)).pixels == shown.pixels).all()

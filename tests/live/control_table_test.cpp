@@ -120,5 +120,15 @@ TEST(Slider, InExtentsHasRoundStepsInEveryScene) {
   }
 }
 
+TEST(LogSlider, InExtentsEndsAtPowersOfTen) {
+  const LogSlider form = std::get<LogSlider>(find_live_control("contact_distance")->form);
+  for (const auto& [extent, least, greatest] :
+       {std::tuple(1.0, 1e-4, 1e-1), std::tuple(0.034, 1e-5, 1e-2), std::tuple(250.0, 1e-2, 1e1)}) {
+    const LogSlider slider = in_scene(form, extent);
+    EXPECT_NEAR(slider.shown.least, least, 1e-12 * least) << extent;
+    EXPECT_NEAR(slider.shown.greatest, greatest, 1e-12 * greatest) << extent;
+  }
+}
+
 }  // namespace
 }  // namespace resilin

@@ -227,6 +227,66 @@ TEST(LiveScene, FloorRisesUnderABodyAsFastAsItGetsOutOfTheWay) {
   EXPECT_NEAR(*scene.ground(), 0.5, 1e-3);
 }
 
+/// Two blocks, one above the other, that fall on the floor.
+Description two_blocks() {
+  Description scene = standing_block(2);
+  scene.fixes.clear();
+  BodyDescription upper = scene.bodies[0];
+  upper.name = "upper";
+  upper.translate = {0.1, 0, 1.02};
+  scene.bodies.push_back(upper);
+  ColliderDescription floor;
+  floor.name = "floor";
+  floor.shape.point = {0, 0, -0.02};
+  floor.shape.normal = Vector3::UnitZ();
+  scene.colliders = {floor};
+  return scene;
+}
+
+TEST(LiveScene, TellsWhatTouches) {
+  LiveScene scene(two_blocks());
+  ASSERT_TRUE(scene.contact());
+  EXPECT_EQ(scene.contact()->active_pairs, 0);
+  EXPECT_EQ(scene.contact()->smallest_gap, std::numeric_limits<double>::infinity());
+  for (int i = 0; i < 60; ++i) scene.step(unhurried);
+  const LiveContact contact = *scene.contact();
+  EXPECT_GE(contact.active_pairs, 4) << "what bears on the floor, and what between";
+  EXPECT_GT(contact.smallest_gap, 0);
+  EXPECT_LT(contact.smallest_gap, scene.controls().contact_distance);
+  EXPECT_FALSE(LiveScene(standing_block(2)).contact());
+}
+
+TEST(LiveScene, ChangesHowBodiesTouch) {
+  LiveScene scene(two_blocks());
+  LiveControls controls = scene.controls();
+  EXPECT_EQ(controls.contact_friction, 0);
+  EXPECT_NEAR(controls.contact_stiffness, 1e5, 1e-6) << "Young's modulus";
+  const double reach_before = controls.contact_distance;
+  controls.contact_friction = 0.4;
+  controls.contact_distance = 0.02;
+  scene.set_controls(controls);
+  EXPECT_TRUE(scene.world().contact->has_friction());
+  EXPECT_EQ(scene.world().contact->activation_distance(), 0.02);
+  for (int i = 0; i < 120; ++i) scene.step(unhurried);
+  EXPECT_GT(scene.world().contact->smallest_gap(scene.state().positions).distance, reach_before)
+      << "they keep farther apart";
+  controls = scene.controls();
+  controls.youngs_modulus = 3e5;
+  scene.set_controls(controls);
+  EXPECT_NEAR(scene.controls().contact_stiffness, 3e5, 1e-6)
+      << "it follows the bodies until somebody chooses";
+  EXPECT_EQ(scene.controls().contact_distance, 0.02);
+  controls = scene.controls();
+  controls.youngs_modulus = 1e6;
+  controls.contact_distance = 0.3;  // beyond half the thickness
+  const auto constants = scene.world().bodies[0].constants;
+  EXPECT_THROW(scene.set_controls(controls), InputError);
+  EXPECT_EQ(scene.controls().youngs_modulus, 3e5);
+  EXPECT_EQ(scene.world().contact->activation_distance(), 0.02);
+  EXPECT_EQ(scene.world().bodies[0].constants, constants) << "all or nothing";
+  scene.step(unhurried);
+}
+
 TEST(LiveScene, BallPushesAndNeverEnters) {
   LiveScene scene(standing_block(3, 0));
   const double radius = 0.15;

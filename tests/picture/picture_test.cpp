@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "resilin/core/error.hpp"
@@ -128,6 +130,39 @@ TEST(Picture, ScalesDisplacementsAndShowsTheRestShape) {
   EXPECT_NE(encode_png(draw_picture(frame, options)), encode_png(draw_picture(frame, small("x"))));
   frame.point_data.pop_back();
   EXPECT_THAT(error_of(frame, options), HasSubstr("add \"displacement\" to `output.fields`"));
+}
+
+/// Two walls across the line of sight, one before the bar and one behind it.
+Mesh walls() {
+  Mesh mesh;
+  for (const double y : {-1.0, 2.0})
+    for (const auto& [x, z] : {std::pair(-0.2, -0.2), {1.0, -0.2}, {1.0, 1.2}, {-0.2, 1.2}})
+      mesh.vertices.emplace_back(x, y, z);
+  mesh.block(CellKind::triangle).nodes = {0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 7};
+  return mesh;
+}
+
+TEST(Picture, ShowsBodiesThroughColliders) {
+  PictureOptions options = small("");
+  const Image bare = draw_picture(bar(), options);
+  const Image veiled = draw_picture(bar(), options, walls());
+  options.shows_colliders = false;
+  EXPECT_EQ(draw_picture(bar(), options, walls()).pixels, bare.pixels);
+  // The body as it was, the nearer wall before it, both walls beside it: each a tone of many pixels.
+  const auto common_tones = [](const Image& image) {
+    std::map<std::array<std::uint8_t, 3>, int> counts;
+    for (const Color& c : image.pixels) ++counts[{c.red, c.green, c.blue}];
+    return std::ranges::count_if(counts, [](const auto& tone) { return tone.second > 300; });
+  };
+  EXPECT_EQ(common_tones(bare), 2) << "the body and the white around it";
+  EXPECT_EQ(common_tones(veiled), 4);
+}
+
+TEST(Picture, ComesNearerToBodiesThanToCollidersFarAway) {
+  const Image bare = draw_picture(bar(), small(""));
+  Mesh far = walls();
+  for (Vector3& vertex : far.vertices) vertex.x() += 100;
+  EXPECT_EQ(draw_picture(bar(), small(""), far).pixels, bare.pixels);
 }
 
 TEST(Picture, ShowsEdgesOnADarkGround) {

@@ -106,6 +106,59 @@ TEST_P(FramesOfARun, AreDrawnAsTheStates) {
   }
 }
 
+/// A run with a ball beside its bar that comes nearer at this speed [m/s].
+Simulation run_with_ball(double speed, const std::filesystem::path& folder) {
+  Description scene = scene_of({3, true, 0});
+  ColliderDescription ball;
+  ball.name = "ball";
+  ball.kind = "sphere";
+  ball.shape.center = {0.5, 0, 3};
+  ball.shape.radius = 0.3;
+  ball.velocity = {0, 0, -speed};
+  scene.colliders = {ball};
+  Simulation simulation(scene);
+  ResultFolder results(folder);
+  results.record(simulation, false);
+  const RunOutcome outcome =
+      run_to_end(simulation, {.after_step = [&](const StepReport&) { results.record(simulation, false); }});
+  results.record(simulation, true);
+  results.finish(simulation, outcome);
+  return simulation;
+}
+
+TEST(CollidersOfARun, LieBesideItsFrames) {
+  const TemporaryFolder folder;
+  const Simulation moving = run_with_ball(2, folder / "moving"), still = run_with_ball(0, folder / "still");
+  const std::size_t num_frames = frame_files(folder / "moving").size();
+  const auto files_in = [](const std::filesystem::path& place) {
+    return std::distance(std::filesystem::directory_iterator(place), std::filesystem::directory_iterator{});
+  };
+  EXPECT_EQ(files_in(folder / "moving" / "colliders"), static_cast<std::ptrdiff_t>(num_frames));
+  EXPECT_EQ(files_in(folder / "still" / "colliders"), 1);
+  for (const char* run : {"moving", "still"}) EXPECT_TRUE(exists(folder / run / "colliders.pvd"));
+  const std::filesystem::path last = frame_files(folder / "moving").back();
+  const VtuContent content = read_vtu(folder / "moving" / "colliders" / last.filename());
+  Vector3 middle = Vector3::Zero();
+  for (const Vector3& x : content.file.mesh.vertices)
+    middle += x / static_cast<double>(content.file.mesh.vertices.size());
+  EXPECT_LT((middle - Vector3(0.5, 0, 3 - 2 * moving.state().time)).norm(), 1e-12);
+  for (const Simulation* simulation : {&moving, &still}) {
+    const std::filesystem::path place = folder / (simulation == &moving ? "moving" : "still");
+    EXPECT_EQ(draw_result(place, -1, small_picture("von_mises")).pixels,
+              draw_state(simulation->world(), simulation->state(), small_picture("von_mises")).pixels);
+  }
+}
+
+TEST(CollidersOfARun, GoWithTheSceneThatHadThem) {
+  const TemporaryFolder folder;
+  run_with_ball(2, folder / "out");
+  run_with_ball(0, folder / "out");
+  EXPECT_FALSE(exists(folder / "out" / "colliders" / "0001.vtu"));
+  const SavedRun bare({3, true, 0}, folder / "out");
+  EXPECT_FALSE(exists(folder / "out" / "colliders"));
+  EXPECT_FALSE(exists(folder / "out" / "colliders.pvd"));
+}
+
 /// The last picture of a run somewhere.
 Image picture_at(double distance, const std::filesystem::path& folder) {
   const SavedRun run({3, false, distance}, folder);

@@ -140,5 +140,67 @@ TEST(Topology, HoldsTrianglesAndEdgesOfEachPartAndRestPlaces) {
   EXPECT_EQ(first_place, surface.rest_positions()[0]);
 }
 
+/// A bar under a ball that comes down and a paddle that turns beside it.
+Description bar_with_colliders(int dim) {
+  Description scene = small_bar(dim, true);
+  ColliderDescription ball;
+  ball.name = "ball";
+  ball.kind = "sphere";
+  ball.shape.center = {0.5, 5, 0};
+  ball.shape.radius = 0.25;
+  ball.velocity = {0, -1, 0};
+  ball.until = 2;
+  ColliderDescription paddle;
+  paddle.name = "paddle";
+  paddle.kind = "box";
+  paddle.shape.center = {-5, 0, 0};
+  paddle.shape.size = {2, 0.5, 1};
+  paddle.rotate = ColliderTurn{.axis = Vector3::UnitZ(), .center = {-5, 0, 0}, .degrees_per_second = 45};
+  scene.colliders = {ball, paddle};
+  return scene;
+}
+
+TEST(FrameCodec, SaysWhereCollidersAre) {
+  const World world(bar_with_colliders(3));
+  const std::vector<ShownCollider> colliders = shown_colliders(world);
+  for (const double time : {0.0, 1.0, 3.0}) {
+    const std::vector<float> places = collider_places(colliders, {.time = time});
+    for (const std::size_t n :
+         {4U, 5U}) {  // with a field that is a multiple of four bytes, and one that is not
+      const SampleFrame sample(n);
+      LiveFrame frame = sample.frame();
+      frame.colliders = places;
+      const DecodedFrame read = decode_frame(encoded(frame));
+      EXPECT_EQ(read.colliders, places);
+      EXPECT_EQ(read.field.size(), n);
+      EXPECT_EQ(encoded(frame).size() % 4, 0U);
+    }
+    ASSERT_EQ(places.size(), 2 * numbers_per_collider);
+    for (std::size_t c = 0; c < 2; ++c) {
+      const Eigen::Map<const Eigen::Matrix<float, 3, 4, Eigen::RowMajor>> place(places.data() + 12 * c);
+      const Vector3 X(0.3, -0.2, 0.1);
+      const Vector3 x = (place.leftCols<3>() * X.cast<float>() + place.col(3)).cast<double>();
+      EXPECT_LT((x - colliders[c].place({.time = time})(X)).norm(), 1e-5) << colliders[c].name << time;
+    }
+  }
+}
+
+TEST(Topology, EndsWithTheFacetsOfColliders) {
+  for (const int dim : {2, 3}) {
+    const World world(bar_with_colliders(dim));
+    const ShownSurface surface(world);
+    const std::vector<ShownCollider> colliders = shown_colliders(world);
+    const std::string bodies = encode_topology(surface), all = encode_topology(surface, colliders);
+    EXPECT_EQ(all.substr(0, bodies.size()), bodies);
+    std::size_t size = 0;
+    for (const ShownCollider& collider : colliders)
+      size += 12 * collider.mesh.vertices.size() + 4 * collider.mesh.facets.size();
+    EXPECT_EQ(all.size(), bodies.size() + size);
+    Index last = -1;
+    std::memcpy(&last, all.data() + all.size() - 4, 4);
+    EXPECT_EQ(last, colliders.back().mesh.facets.back());
+  }
+}
+
 }  // namespace
 }  // namespace resilin::testing

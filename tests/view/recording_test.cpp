@@ -75,6 +75,20 @@ TEST(RecordingCodec, GivesBackWhatWasRecordedToItsQuanta) {
   }
 }
 
+TEST(RecordingCodec, SaysWhereCollidersAre) {
+  const World world(small_bar(2, true));
+  const ShownSurface surface(world);
+  RecordingCodec writer(surface, 2, world.largest_extent(), 2), reader = writer;
+  RecordedFrame frame = frame_at(surface, 1, 0.1);
+  for (std::size_t i = 0; i < 2 * numbers_per_collider; ++i)
+    frame.colliders.push_back(0.1F * static_cast<float>(i));
+  const std::string payload = writer.encode(frame);
+  const RecordedFrame read = reader.decode(payload);
+  EXPECT_EQ(read.colliders, frame.colliders);
+  EXPECT_EQ(read.fields[1].size(), frame.fields[1].size());
+  EXPECT_THROW(RecordingCodec(surface, 2, world.largest_extent()).decode(payload), InputError);
+}
+
 TEST(RecordingCodec, SurvivesWhatIsNoNumberAndWhatFliesAway) {
   const World world(small_bar(3, true));
   const ShownSurface surface(world);

@@ -15,7 +15,7 @@ nlohmann::json FakeServedScene::header() const {
 }
 
 nlohmann::json FakeServedScene::state() const {
-  return {{"values", control_values(controls_)}, {"poking", is_poking_}};
+  return {{"values", control_values(controls_, true)}, {"poking", is_poking_}};
 }
 
 void FakeServedScene::apply(const SceneMessage& message) {

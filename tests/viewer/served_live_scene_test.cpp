@@ -89,7 +89,9 @@ TEST_F(ServedLiveSceneTest, ListsItsControlsForThePanel) {
   const json header = scene.header();
   std::map<std::string, json> controls;
   for (const json& control : header["controls"]) controls[control["key"]] = control;
-  EXPECT_EQ(controls.size(), live_control_table().size());
+  const auto num_of_contact = std::ranges::count_if(live_control_table(), &LiveControl::is_of_contact);
+  EXPECT_EQ(controls.size() + static_cast<std::size_t>(num_of_contact), live_control_table().size());
+  EXPECT_FALSE(controls.contains("contact_friction")) << "of one body, which nothing meets";
   EXPECT_EQ(controls["youngs_modulus"]["kind"], "log_slider");
   EXPECT_EQ(controls["youngs_modulus"]["unit"], "Pa");
   EXPECT_EQ(controls["newton_limit"]["step"], 1);
@@ -210,6 +212,30 @@ TEST_F(ServedLiveSceneTest, FramesBetweenTwoStepsGoEvenlyFromOneToTheOther) {
   }
   scene.apply(Reset{});
   EXPECT_EQ(frame(std::nullopt, 0.25).time, 0);
+}
+
+TEST_F(ServedLiveSceneTest, ShowsCollidersWhereTheyAreBetweenTwoSteps) {
+  text = std::string(jelly) + R"(
+[[collider]]
+name = "paddle"
+kind = "box"
+center = [5, 0, 0]
+size = [1, 1, 1]
+velocity = [0, 2, 0]
+)";
+  scene.apply(Reload{});
+  const json header = scene.header();
+  ASSERT_EQ(header["colliders"].size(), 1U);
+  EXPECT_EQ(header["colliders"][0]["num_vertices"], 8);
+  EXPECT_EQ(header["colliders"][0]["closed"], true);
+  const auto height = [this](double blend) { return frame(std::nullopt, blend).colliders.at(7); };
+  EXPECT_EQ(height(1), 0);
+  scene.step(1);
+  const auto moved = static_cast<float>(2 * scene.time_step());
+  EXPECT_FLOAT_EQ(height(1), moved);
+  EXPECT_FLOAT_EQ(height(0.25), 0.25F * moved);
+  EXPECT_EQ(scene.status()["active_pairs"], 0);
+  EXPECT_TRUE(scene.status()["smallest_gap"].is_number_float() || scene.status()["smallest_gap"].is_null());
 }
 
 TEST_F(ServedLiveSceneTest, ReloadsAndKeepsTheSceneWhenTheFileIsBroken) {

@@ -168,6 +168,39 @@ ColliderMesh box_mesh(const Vector3& center, const Vector3& size, int dim) {
                                                       1, 2, 6, 1, 6, 5, 2, 3, 7, 2, 7, 6, 3, 0, 4, 3, 4, 7}};
 }
 
+ColliderMesh plate_mesh(const Vector3& center, const Vector3& normal, double side, int dim) {
+  const double half = 0.5 * side;
+  if (dim == 2) {
+    const Vector3 along = half * Vector3(-normal.y(), normal.x(), 0).normalized();
+    return {.vertices = {center + along, center - along}, .facets = {0, 1}};
+  }
+  const Vector3 first = normal.unitOrthogonal(), second = normal.normalized().cross(first);
+  ColliderMesh mesh{.vertices = {}, .facets = {0, 1, 2, 0, 2, 3}};
+  for (const auto& [x, y] : corners_of_square)
+    mesh.vertices.push_back(center + half * (x * first + y * second));
+  return mesh;
+}
+
+ColliderMesh ball_mesh(const Vector3& center, double radius, int dim) {
+  if (dim == 2) {
+    std::vector<Vector3> vertices;
+    for (Index i = 0; i < sides_around; ++i) {
+      const double angle = 2 * std::numbers::pi * i / sides_around;
+      vertices.push_back(center + radius * Vector3(std::cos(angle), std::sin(angle), 0));
+    }
+    return loop(std::move(vertices));
+  }
+  Lathe lathe(Vector3::UnitZ());
+  constexpr Index rings = sides_around / 2;
+  lathe.add_tip(center - radius * Vector3::UnitZ());
+  for (Index i = 1; i < rings; ++i) {
+    const double angle = std::numbers::pi * i / rings;
+    lathe.add_ring(center - radius * std::cos(angle) * Vector3::UnitZ(), radius * std::sin(angle));
+  }
+  lathe.add_tip(center + radius * Vector3::UnitZ());
+  return lathe.take();
+}
+
 ColliderMesh capsule_mesh(const Vector3& start, const Vector3& end, double radius, int dim) {
   if (dim == 2) return flat_capsule(start, end, radius);
   const Vector3 along = (end - start).normalized();

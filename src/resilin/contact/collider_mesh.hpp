@@ -25,6 +25,10 @@ bool is_closed(const ColliderMesh& mesh, int dim);
 
 /// A box along the axes, in 2D a rectangle.
 ColliderMesh box_mesh(const Vector3& center, const Vector3& size, int dim);
+/// A square of two triangles, in 2D a line of that length, across a normal.
+ColliderMesh plate_mesh(const Vector3& center, const Vector3& normal, double side, int dim);
+/// A ball, in 2D a disc, with facets as those of the ends of a capsule.
+ColliderMesh ball_mesh(const Vector3& center, double radius, int dim);
 /// All points within a radius of a segment. Vertices lie on it: flat facets are up to 0.0012 radii inside in
 /// 2D and along the segment, and 0.0024 on the ends.
 ColliderMesh capsule_mesh(const Vector3& start, const Vector3& end, double radius, int dim);

@@ -3,6 +3,7 @@
 #include <limits>
 #include <string_view>
 
+#include "resilin/contact/collider_mesh.hpp"
 #include "resilin/core/types.hpp"
 
 namespace resilin {
@@ -20,6 +21,10 @@ class ColliderShape {
 
   /// The point that a motion of the shape is told by [m].
   virtual Vector3 reference_point() const = 0;
+
+  /// Its surface for whoever draws it. Of one without end a square, in 2D a line, that reaches so far around
+  /// the place below `middle` [m].
+  virtual ColliderMesh facets(int dim, const Vector3& middle, double reach) const = 0;
 
   /// Signed distance d [m], also inside.
   virtual double distance(const Vector3& x) const = 0;

@@ -13,6 +13,9 @@ class HalfSpace final : public ColliderShape {
   std::string_view kind() const override { return "half_space"; }
   bool is_flat() const override { return true; }
   Vector3 reference_point() const override { return point_; }
+  ColliderMesh facets(int dim, const Vector3& middle, double reach) const override {
+    return plate_mesh(middle - distance(middle) * normal_, normal_, 2 * reach, dim);
+  }
   double distance(const Vector3& x) const override { return normal_.dot(x - point_); }
   double distance_change(const Vector3& from, const Vector3& to) const override {
     return normal_.dot(to - from);

@@ -14,6 +14,9 @@ class Sphere final : public ColliderShape {
   std::string_view kind() const override { return "sphere"; }
   Vector3 reference_point() const override { return center_; }
   double radius() const { return radius_; }
+  ColliderMesh facets(int dim, const Vector3&, double) const override {
+    return ball_mesh(center_, radius_, dim);
+  }
   double distance(const Vector3& x) const override { return (x - center_).norm() - radius_; }
   /// |b| - |a| = (b - a).(b + a) / (|b| + |a|)
   double distance_change(const Vector3& from, const Vector3& to) const override {

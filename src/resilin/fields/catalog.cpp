@@ -5,6 +5,7 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/fields/contact_gap.hpp"
 #include "resilin/fields/contact_traction.hpp"
 #include "resilin/fields/quantities.hpp"
 #include "resilin/fields/tensors.hpp"
@@ -126,6 +127,9 @@ constexpr NodeQuantity of_nodes[] = {
      contact_traction},
     {"contact_pressure", "contact pressure", "how much of it presses upon the surface", "Pa", scalar,
      contact_pressure},
+    {"contact_gap", "contact gap",
+     "distance to what is felt of bodies and colliders; the activation distance where nothing is near", "m",
+     scalar, contact_gap},
 };
 
 std::vector<FieldInfo> all_fields() {

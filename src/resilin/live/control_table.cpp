@@ -39,6 +39,17 @@ constexpr std::array table = {
     LiveControl{"ground_friction", "World", "Ground friction", "",
                 "Force along the floor at which bodies slip, over the one across",
                 Slider{&LiveControls::ground_friction, {0, 10}, {0, 1.5}, 0.01}},
+    LiveControl{"contact_friction", "Contact", "Friction", "",
+                "Force along bodies on each other at which they slip, over the one across",
+                Slider{&LiveControls::contact_friction, {0, 10}, {0, 1.5}, 0.01}, /*is_of_contact=*/true},
+    LiveControl{"contact_stiffness", "Contact", "Stiffness", "Pa",
+                "Of the layer that keeps bodies apart: softer ones are quicker to solve, and thinner",
+                LogSlider{&LiveControls::contact_stiffness, {1e-3, 1e15}, {1e2, 1e8}},
+                /*is_of_contact=*/true},
+    LiveControl{
+        "contact_distance", "Contact", "Distance", "m", "From which on bodies feel each other",
+        LogSlider{&LiveControls::contact_distance, {1e-12, 1e12}, {1e-4, 1e-1}, /*is_in_extents=*/true},
+        /*is_of_contact=*/true},
     LiveControl{"speed", "Time", "Speed", "", "Simulated time over real time",
                 LogSlider{&LiveControls::speed, {0.01, 10}, {0.01, 1}}},
     LiveControl{"time_step", "Time", "Time step", "s", "Shorter steps lose less of the motion's energy",
@@ -124,6 +135,14 @@ void set_value(const LiveControl& control, const ControlValue& value, LiveContro
 
 void check_controls(const LiveControls& controls) {
   for (const LiveControl& control : table) check(control, value_of(control, controls));
+}
+
+LogSlider in_scene(const LogSlider& slider, double extent) {
+  if (!slider.is_in_extents) return slider;
+  LogSlider scaled = slider;
+  for (double* end : {&scaled.shown.least, &scaled.shown.greatest})
+    *end = std::pow(10, std::round(std::log10(*end * extent)));
+  return scaled;
 }
 
 Slider in_scene(const Slider& slider, double extent) {

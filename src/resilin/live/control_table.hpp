@@ -30,7 +30,9 @@ struct Slider {
 struct LogSlider {
   using Value = double;
   double LiveControls::* value;
-  Interval allowed, shown;
+  Interval allowed;
+  Interval shown;
+  bool is_in_extents = false;  ///< `shown` are shares of the scene's extent
 };
 
 /// A whole number on a slider.
@@ -73,6 +75,7 @@ struct LiveControl {
   std::string_view unit;  ///< empty for a pure number
   std::string_view help;  ///< one line
   std::variant<Slider, LogSlider, WholeSlider, Switch, Choice, Arrow> form;
+  bool is_of_contact = false;  ///< of effect, and shown, where bodies meet
 };
 
 /// In the order of the panel.
@@ -89,7 +92,8 @@ ControlValue value_of(const LiveControl& control, const LiveControls& controls);
 /// @throws InputError  for a value that cannot be; the controls are then as before
 void set_value(const LiveControl& control, const ControlValue& value, LiveControls& controls);
 
-/// `slider` with `shown` and `step` in the unit of its value, in a scene of this extent [m].
+/// A slider with what it shows in the unit of its value, in a scene of this extent [m].
 Slider in_scene(const Slider& slider, double extent);
+LogSlider in_scene(const LogSlider& slider, double extent);
 
 }  // namespace resilin

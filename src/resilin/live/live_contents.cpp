@@ -10,6 +10,7 @@
 #include "resilin/energy/damping.hpp"
 #include "resilin/world/body_material.hpp"
 #include "resilin/world/colliders.hpp"
+#include "resilin/world/contact.hpp"
 #include "resilin/world/event_times.hpp"
 #include "resilin/world/friction.hpp"
 #include "resilin/world/loads.hpp"
@@ -183,6 +184,34 @@ void LiveScene::Contents::change_materials(const LiveControls& wanted) {
   description.bodies = std::move(bodies);
 }
 
+/// Materials, and with them the contact of bodies; all or nothing.
+void LiveScene::Contents::change_world(LiveControls& wanted, bool changes_material) {
+  const World world_before = world;
+  const Description description_before = description;
+  try {
+    if (changes_material) change_materials(wanted);
+    if (!world.contact) return;
+    change_contact(wanted);
+  } catch (...) {
+    world = world_before;
+    description = description_before;
+    throw;
+  }
+  wanted.contact_stiffness = std::ranges::min(world.contact->surface().stiffness);
+  wanted.contact_distance = world.contact->activation_distance();
+}
+
+void LiveScene::Contents::change_contact(const LiveControls& wanted) {
+  ContactDescription changed = description.contact;
+  changed.friction = wanted.contact_friction;
+  // What the scene leaves to be chosen follows the bodies until somebody chooses.
+  if (wanted.contact_stiffness != controls.contact_stiffness) changed.stiffness = wanted.contact_stiffness;
+  if (wanted.contact_distance != controls.contact_distance)
+    changed.activation_distance = wanted.contact_distance;
+  resilin::change_contact(world, changed);
+  description.contact = std::move(changed);
+}
+
 void LiveScene::Contents::set_controls(const LiveControls& asked) {
   LiveControls wanted = asked;
   // The hand grows with the stiffness, unless both are set.
@@ -192,7 +221,10 @@ void LiveScene::Contents::set_controls(const LiveControls& asked) {
   const bool changes_material = wanted.law != controls.law ||
                                 wanted.youngs_modulus != controls.youngs_modulus ||
                                 wanted.poissons_ratio != controls.poissons_ratio;
-  if (changes_material) change_materials(wanted);
+  const bool changes_contact = wanted.contact_friction != controls.contact_friction ||
+                               wanted.contact_stiffness != controls.contact_stiffness ||
+                               wanted.contact_distance != controls.contact_distance;
+  if (changes_material || changes_contact) change_world(wanted, changes_material);
   const bool changes_floor =
       wanted.has_ground != controls.has_ground || wanted.ground_height != controls.ground_height ||
       wanted.ground_friction != controls.ground_friction || wanted.youngs_modulus != controls.youngs_modulus;

@@ -35,11 +35,16 @@ struct LiveScene::Contents {
   void renew_floor();
   void advance_obstacles();
   void set_controls(const LiveControls& asked);
-  void change_materials(const LiveControls& wanted);  ///< the terms are then to be renewed
+  void change_world(LiveControls& wanted, bool changes_material);  ///< the terms are then to be renewed
+  void change_materials(const LiveControls& wanted);
+  void change_contact(const LiveControls& wanted);
 
   bool is_seeking() const;
   /// What loads and supports take for the time: that of a static scene ends with its path.
   double scene_time(double time) const { return std::min(time, path_time); }
+  Conditions conditions() const {
+    return {.time = scene_time(state.time), .load = 1, .collider_delay = state.collider_delay};
+  }
   void step(const StepBudget& budget);
   NewtonReport minimize(Potential& potential, const Flight& guess, const VectorX& targets, double tolerance,
                         const StepBudget& budget, VectorX& x);
@@ -51,6 +56,7 @@ struct LiveScene::Contents {
   double min_volume_ratio(const VectorX& x) const;
   bool stay_upright(Potential& potential, VectorX& x) const;
   void measure(const NewtonReport& newton_report);
+  std::optional<LiveContact> contact() const;
   void note_calm(double dt);
   void estimate_now_and_then();
   std::string words() const;
@@ -71,6 +77,7 @@ struct LiveScene::Contents {
   Vector3 up = Vector3::UnitZ();  ///< what the floor faces, whatever gravity becomes
   std::vector<Index> pinned;
   Calm calm;
+  double overrun = 0;     ///< what steps take after their last iteration should have begun [s]
   int mending_steps = 0;  ///< in a row that started with cells inside out
   double extent = 1;
   double end_of_changes = 0;  ///< [s]

@@ -65,6 +65,11 @@ LiveControls starting_controls(const Description& description, const World& worl
   controls.max_force = std::max(0.02 * controls.youngs_modulus * area, 0.5 * weight);
   controls.max_force = std::stod(format_short(controls.max_force));
   controls.ground_height = height_under(world, up);
+  if (world.contact) {
+    controls.contact_friction = description.contact.friction;
+    controls.contact_stiffness = std::ranges::min(world.contact->surface().stiffness);
+    controls.contact_distance = world.contact->activation_distance();
+  }
   return controls;
 }
 

@@ -20,6 +20,9 @@ struct LiveControls {
   bool has_ground = false;            ///< a floor
   double ground_height = 0;           ///< of the floor, against gravity [m]
   double ground_friction = 0;         ///< Coulomb's coefficient of bodies on it
+  double contact_friction = 0;        ///< Coulomb's coefficient of bodies on each other
+  double contact_stiffness = 1e5;     ///< of the layer between bodies [Pa]
+  double contact_distance = 1e-3;     ///< from which on bodies feel each other [m]
   int newton_limit = 0;               ///< Newton iterations of a step; 0: as many as its time allows
   double tolerance = 1e-4;            ///< force residual relative to the load at which a step is solved
   double speed = 1;                   ///< simulated over real time, for whoever calls the steps
@@ -27,7 +30,7 @@ struct LiveControls {
 
 /// The controls that a scene begins with: its first body's material, its gravity and time step, and a hand
 /// that can stretch a body of its size and stiffness visibly. The ground is off, under the lowest node along
-/// `up`.
+/// `up`. Contact is that of the world, where its bodies meet.
 LiveControls starting_controls(const Description& description, const World& world, const Vector3& up);
 
 /// Throws InputError for the first value that cannot be.

@@ -31,6 +31,34 @@ void LiveScene::Contents::measure(const NewtonReport& newton_report) {
   report.words = words();
 }
 
+std::optional<LiveContact> LiveScene::Contents::contact() const {
+  LiveContact sum;
+  bool can_touch = false;
+  const auto add_surfaces = [&](const SurfaceContact& contact) {
+    can_touch = true;
+    for (const PartForce& part : contact.part_forces(state.positions, conditions())) {
+      sum.smallest_gap = std::min(sum.smallest_gap, part.distance);
+      ++sum.active_pairs;
+    }
+  };
+  const auto add_nodes = [&](const ColliderBarrier& collider) {
+    can_touch = true;
+    for (const ContactNode& each : collider.nodes()) {
+      const double gap =
+          collider.distance(node_position(world.dimension, each.node, state.positions), conditions());
+      if (!(gap < collider.activation_distance())) continue;
+      sum.smallest_gap = std::min(sum.smallest_gap, gap);
+      ++sum.active_pairs;
+    }
+  };
+  if (world.contact) add_surfaces(*world.contact);
+  for (const auto& collider : world.mesh_colliders) add_surfaces(*collider);
+  for (const auto& collider : world.colliders) add_nodes(*collider);
+  if (floor) add_nodes(*floor->barrier());
+  if (ball) add_nodes(*ball->barrier());
+  return can_touch ? std::optional(sum) : std::nullopt;
+}
+
 std::string LiveScene::Contents::words() const {
   std::string text;
   const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };

@@ -16,6 +16,8 @@ LiveScene& LiveScene::operator=(LiveScene&&) noexcept = default;
 
 const World& LiveScene::world() const { return contents_->world; }
 const State& LiveScene::state() const { return contents_->state; }
+Conditions LiveScene::conditions() const { return contents_->conditions(); }
+std::optional<LiveContact> LiveScene::contact() const { return contents_->contact(); }
 const LiveControls& LiveScene::controls() const { return contents_->controls; }
 const LiveReport& LiveScene::report() const { return contents_->report; }
 void LiveScene::set_controls(const LiveControls& controls) { contents_->set_controls(controls); }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -30,9 +31,16 @@ struct LiveReport {
   std::string words;  ///< what is not solved, or that it is at rest; whose cells are too coarse
 };
 
+/// What touches in a live scene.
+struct LiveContact {
+  double smallest_gap = std::numeric_limits<double>::infinity();  ///< [m], of what is felt
+  Index active_pairs = 0;  ///< parts of surfaces, and nodes near a floor or a ball, that feel each other
+};
+
 /// How long a step may take.
 struct StepBudget {
-  double seconds = 0.012;  ///< after this no further Newton iteration begins; at least one is done
+  /// No Newton iteration begins that would end later, as far as the steps before tell; at least one is done.
+  double seconds = 0.012;
 };
 
 /// A world that answers a hand.
@@ -54,8 +62,11 @@ class LiveScene {
 
   const World& world() const;
   const State& state() const;
+  Conditions conditions() const;  ///< under which the state's forces are taken: where colliders are
   const LiveControls& controls() const;
   const LiveReport& report() const;  ///< of the last step
+  /// Searched for at each call; none where nothing can touch.
+  std::optional<LiveContact> contact() const;
 
   /// Takes over all controls that differ from the present ones.
   void set_controls(const LiveControls& controls);

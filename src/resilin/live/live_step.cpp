@@ -14,6 +14,7 @@
 namespace resilin {
 namespace {
 
+constexpr double overrun_weight = 0.1;  ///< of the last step in the mean of what steps take too long
 constexpr int quiet_steps_before_seeking = 10;
 constexpr int steps_to_first_estimate = 30;  ///< of the error by the size of the cells
 constexpr int steps_between_estimates = 120;
@@ -36,12 +37,15 @@ bool LiveScene::Contents::is_seeking() const {
 
 void LiveScene::Contents::step(const StepBudget& budget) {
   if (report.at_rest) return;
+  const StepBudget for_iterations{budget.seconds - overrun};
   double seconds = 0;
   {
     const Stopwatch watch(seconds);
     advance_obstacles();
-    is_seeking() ? move_to_equilibrium(budget) : move_in_parts(budget);
+    is_seeking() ? move_to_equilibrium(for_iterations) : move_in_parts(for_iterations);
   }
+  const double over = seconds - for_iterations.seconds;
+  if (over > 0) overrun = std::min(overrun + overrun_weight * (over - overrun), budget.seconds);
   report.step_ms = 1e3 * seconds;
 }
 

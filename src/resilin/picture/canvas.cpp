@@ -25,7 +25,8 @@ Canvas::Canvas(int width, int height, Color background) : columns_(samples * wid
   last_line_.assign(count, 0);
 }
 
-void Canvas::triangle(const std::array<CanvasVertex, 3>& corners, const Shader& shader) {
+template <class Visit>
+void Canvas::for_each_sample(const std::array<CanvasVertex, 3>& corners, const Visit& visit) const {
   std::array<Vector3, 3> p;
   for (std::size_t i = 0; i < 3; ++i) p[i] = samples * corners[i].place;
   const double area = cross(p[1] - p[0], p[2] - p[0]);
@@ -43,11 +44,22 @@ void Canvas::triangle(const std::array<CanvasVertex, 3>& corners, const Shader& 
       if (a < slack || b < slack || c < slack) continue;
       const auto depth = static_cast<float>(a * p[0].z() + b * p[1].z() + c * p[2].z());
       if (!(depth > depths_[offset(column, row)])) continue;
-      depths_[offset(column, row)] = depth;
-      colors_[offset(column, row)] =
-          shader(a * corners[0].value + b * corners[1].value + c * corners[2].value,
-                 a * corners[0].light + b * corners[1].light + c * corners[2].light);
+      visit(offset(column, row), depth, a * corners[0].value + b * corners[1].value + c * corners[2].value,
+            a * corners[0].light + b * corners[1].light + c * corners[2].light);
     }
+}
+
+void Canvas::triangle(const std::array<CanvasVertex, 3>& corners, const Shader& shader) {
+  for_each_sample(corners, [&](std::size_t sample, float depth, double value, double light) {
+    depths_[sample] = depth;
+    colors_[sample] = shader(value, light);
+  });
+}
+
+void Canvas::veil(const std::array<CanvasVertex, 3>& corners, const Shader& shader, double opacity) {
+  for_each_sample(corners, [&](std::size_t sample, float, double value, double light) {
+    colors_[sample] = mix(colors_[sample], shader(value, light), opacity);
+  });
 }
 
 void Canvas::line(const Vector3& from, const Vector3& to, double width, double lift, const Ink& ink) {

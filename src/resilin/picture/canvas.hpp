@@ -34,6 +34,9 @@ class Canvas {
 
   void triangle(const std::array<CanvasVertex, 3>& corners, const Shader& shader);
 
+  /// A triangle through which what lies behind it is seen; it hides nothing.
+  void veil(const std::array<CanvasVertex, 3>& corners, const Shader& shader, double opacity);
+
   /// @param lift  how far towards the eye the line is thought, so that it shows on its own surface [pixels]
   void line(const Vector3& from, const Vector3& to, double width, double lift, const Ink& ink);
 
@@ -46,6 +49,9 @@ class Canvas {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
            static_cast<std::size_t>(column);
   }
+  /// Calls `visit(sample, depth, value, light)` where nothing nearer is.
+  template <class Visit>
+  void for_each_sample(const std::array<CanvasVertex, 3>& corners, const Visit& visit) const;
   void stamp(const Vector3& middle, double radius, double depth, const Ink& ink);
 
   int columns_, rows_;  ///< of samples

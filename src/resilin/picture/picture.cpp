@@ -17,6 +17,9 @@ namespace resilin {
 namespace {
 
 constexpr Color plain_body = {176, 186, 198};
+constexpr Color plain_collider = {128, 136, 146};
+constexpr double veil_opacity = 0.3;
+constexpr double view_around = 0.25;  ///< of the extent of the bodies, that colliders are seen in
 constexpr Color not_a_number = {214, 64, 200};
 
 /// Points of the shape at `factor` times the displacement, 0 for the rest shape.
@@ -89,8 +92,9 @@ Color shaded(Color color, double brightness) { return mix({0, 0, 0}, color, 0.35
 /// The parts of one picture.
 class Picture {
  public:
-  Picture(const VtuContent& frame, const PictureOptions& options)
+  Picture(const VtuContent& frame, const PictureOptions& options, const Mesh& colliders)
       : frame_(frame),
+        colliders_(colliders),
         options_(options),
         background_(options.is_dark ? Color{27, 30, 36} : Color{255, 255, 255}),
         ink_(options.is_dark ? Color{226, 228, 232} : Color{30, 32, 36}),
@@ -109,6 +113,7 @@ class Picture {
     draw_surface();
     draw_edges();
     if (options_.shows_rest) draw_rest();
+    if (options_.shows_colliders) draw_colliders();
     draw_axes();
     Image image = canvas_.image();
     name_axes(image);
@@ -144,12 +149,64 @@ class Picture {
         shown.push_back(position(corner, points_));
         if (!rest_.empty()) shown.push_back(position(corner, rest_));
       }
+    if (options_.shows_colliders) add_near_colliders(shown);
     const double margin = 0.06 * std::min(options_.width, options_.height);
     const double right = options_.field.empty() ? margin : margin / 2 + color_bar_width(text_, pen_);
     const Camera camera = make_camera(surface_.dimension, options_.view, options_.up);
     projection_ = fit(
         camera, shown,
         {margin, margin, options_.width - right, options_.height - std::max(margin, 0.09 * options_.height)});
+  }
+
+  /// What of the colliders is seen around the bodies.
+  void add_near_colliders(std::vector<Vector3>& shown) const {
+    Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    for (const Vector3& point : shown) {
+      low = low.cwiseMin(point);
+      high = high.cwiseMax(point);
+    }
+    const Vector3 margin = Vector3::Constant(view_around * (high - low).maxCoeff());
+    low -= margin;
+    high += margin;
+    for (const CellBlock& block : colliders_.blocks)
+      for (Index cell = 0; cell < block.num_cells(); ++cell) {
+        // Of the part of the cell's box that is in ours.
+        Vector3 least = Vector3::Constant(std::numeric_limits<double>::infinity()), greatest = -least;
+        for (const Index node : block.cell(cell)) {
+          const Vector3& point = colliders_.vertices[static_cast<std::size_t>(node)];
+          least = least.cwiseMin(point);
+          greatest = greatest.cwiseMax(point);
+        }
+        least = least.cwiseMax(low);
+        greatest = greatest.cwiseMin(high);
+        if ((least.array() <= greatest.array()).all()) shown.insert(shown.end(), {least, greatest});
+      }
+  }
+
+  void draw_colliders() {
+    const double unit = options_.height / 900.0;
+    const auto shader = [](double, double brightness) { return shaded(plain_collider, brightness); };
+    for (const CellBlock& block : colliders_.blocks) {
+      if (block.kind != CellKind::triangle) {
+        const bool is_point = block.kind == CellKind::point;
+        for (Index cell = 0; cell < block.num_cells(); ++cell)
+          canvas_.line(projection_(colliders_.vertices[static_cast<std::size_t>(block.cell(cell).front())]),
+                       projection_(colliders_.vertices[static_cast<std::size_t>(block.cell(cell).back())]),
+                       (is_point ? 6 : 3) * unit, 0, {plain_collider, 1});
+        continue;
+      }
+      const DrawnSurface facets = find_surface({block}, colliders_.vertices);
+      for (const auto& triangle : facets.triangles) {
+        std::array<CanvasVertex, 3> corners;
+        for (std::size_t i = 0; i < 3; ++i)
+          corners[i] = {.place = projection_(position(triangle[i], colliders_.vertices)),
+                        .value = 0,
+                        .light = light(projection_.camera.turned(triangle[i].normal))};
+        canvas_.veil(corners, shader, veil_opacity);
+      }
+      for (const DrawnSurface::Line& edge : facets.edges)
+        if (edge.is_feature) draw_line(edge, colliders_.vertices, 1.2 * unit, unit, {plain_collider, 0.9});
+    }
   }
 
   void draw_surface() {
@@ -243,6 +300,7 @@ class Picture {
   }
 
   const VtuContent& frame_;
+  const Mesh& colliders_;
   const PictureOptions& options_;
   Color background_, ink_;
   TextPen pen_;
@@ -257,9 +315,9 @@ class Picture {
 
 }  // namespace
 
-Image draw_picture(const VtuContent& frame, const PictureOptions& options) {
+Image draw_picture(const VtuContent& frame, const PictureOptions& options, const Mesh& colliders) {
   check(options);
-  return Picture(frame, options).draw();
+  return Picture(frame, options, colliders).draw();
 }
 
 }  // namespace resilin

@@ -23,13 +23,16 @@ struct PictureOptions {
   double scale = 1;                            ///< factor on displacements
   std::string edges = "auto";                  ///< of cells: "auto" (where there is room), "on", "off"
   bool shows_rest = false;                     ///< outline of the rest shape
+  bool shows_colliders = true;                 ///< what of them is near the bodies
   bool is_dark = false;                        ///< background
 };
 
-/// Draws a frame: the deformed body, shaded and coloured, with a colour bar and the axes.
+/// Draws a frame: the deformed body, shaded and coloured, with a colour bar and the axes. Colliders are
+/// drawn as veils through which bodies are seen, in 2D as lines.
 ///
 /// The points of the frame are at their deformed places; `scale` and the rest shape need its `displacement`.
+/// @param colliders  triangles, lines and points
 /// @throws InputError  for a field that the frame has not, a size out of bounds, a frame without cells
-Image draw_picture(const VtuContent& frame, const PictureOptions& options);
+Image draw_picture(const VtuContent& frame, const PictureOptions& options, const Mesh& colliders = {});
 
 }  // namespace resilin

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <numeric>
 
+#include "resilin/core/error.hpp"
+#include "resilin/core/output_file.hpp"
+
 namespace resilin {
 namespace {
 
@@ -55,11 +58,20 @@ VtuContent frame_content(const World& world, const State& state, std::span<const
       content.cell_data.push_back(
           {field->name, field->components(), reordered(values, field->components(), world, order)});
   }
-  content.time = world.modes ? state.step : world.is_dynamic ? state.time : state.load;
+  content.time = shown_time(world, state);
   return content;
 }
 
-void write_frame(std::ostream& stream, const VtuContent& content) {
+std::string numbered_vtu(std::size_t number) {
+  const std::string digits = std::to_string(number);
+  return std::string(digits.size() < 4 ? 4 - digits.size() : 0, '0') + digits + ".vtu";
+}
+
+double shown_time(const World& world, const State& state) {
+  return world.modes ? state.step : world.is_dynamic ? state.time : state.load;
+}
+
+void write_frame(const std::filesystem::path& path, const VtuContent& content) {
   VtuData data{.points = content.file.mesh.vertices,
                .blocks = content.file.mesh.blocks,
                .point_data = {},
@@ -69,7 +81,20 @@ void write_frame(std::ostream& stream, const VtuContent& content) {
     data.point_data.push_back({array.name, array.components, array.values});
   for (const VtuValues& array : content.cell_data)
     data.cell_data.push_back({array.name, array.components, array.values});
-  write_vtu(stream, data);
+  std::filesystem::path partial = path;
+  partial += partial_ending;
+  try {
+    OutputFile file(partial, OutputFile::Mode::truncate, path);
+    write_vtu(file.stream(), data);
+    file.close();
+    std::error_code error;
+    std::filesystem::rename(partial, path, error);
+    if (error) throw FileError(path.string(), "cannot be written: " + reason_of_failed_write(error.value()));
+  } catch (...) {
+    std::error_code ignored;
+    std::filesystem::remove(partial, ignored);
+    throw;
+  }
 }
 
 }  // namespace resilin

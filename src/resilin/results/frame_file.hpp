@@ -1,7 +1,9 @@
 #pragma once
 
-#include <iosfwd>
+#include <filesystem>
 #include <span>
+#include <string>
+#include <string_view>
 
 #include "resilin/fields/evaluator.hpp"
 #include "resilin/io/vtu.hpp"
@@ -12,6 +14,18 @@ namespace resilin {
 /// number of the body on each cell. Bodies of one kind of cell stand together, else in their order.
 VtuContent frame_content(const World& world, const State& state, std::span<const FieldValues> fields);
 
-void write_frame(std::ostream& stream, const VtuContent& content);
+/// "0007.vtu".
+std::string numbered_vtu(std::size_t number);
+
+/// What ParaView shows as the time of a state: seconds, in statics the load factor, of vibrations their
+/// number.
+double shown_time(const World& world, const State& state);
+
+/// Beside and renamed, so that the file is whole even when the program is killed. It does not wait for the
+/// disk, which takes longer than a step of a small body: a power cut may take the last frames.
+void write_frame(const std::filesystem::path& path, const VtuContent& content);
+
+/// The ending of a file's name that is not whole yet.
+inline constexpr std::string_view partial_ending = ".partial";
 
 }  // namespace resilin

@@ -5,8 +5,10 @@
 #include "resilin/core/error.hpp"
 #include "resilin/fields/evaluator.hpp"
 #include "resilin/picture/picture_field.hpp"
+#include "resilin/results/collider_file.hpp"
 #include "resilin/results/frame_file.hpp"
 #include "resilin/results/saved_run.hpp"
+#include "resilin/world/shown_colliders.hpp"
 
 namespace resilin {
 namespace {
@@ -47,6 +49,16 @@ bool holds(const VtuContent& content, const std::string& field) {
          std::ranges::find(names, base_name(field)) != names.end();
 }
 
+Image draw_state(const World& world, const State& state, const Mesh& colliders, PictureOptions options) {
+  if (options.field.empty()) options.field = "von_mises";
+  std::vector<std::string> names = {displacement};
+  if (base_name(options.field) != names[0]) names.push_back(base_name(options.field));
+  require_field(names.back(), "field");
+  describe_field(options);
+  return draw_picture(frame_content(world, state, FieldEvaluator(world).evaluate(state, names)), options,
+                      colliders);
+}
+
 }  // namespace
 
 Image draw_result(const std::filesystem::path& place, int frame, PictureOptions options) {
@@ -58,20 +70,16 @@ Image draw_result(const std::filesystem::path& place, int frame, PictureOptions 
                          (!needs_rest_shape || holds(content, displacement));
   if (!holds_all) {
     if (const std::shared_ptr<const World> world = saved_world_of_frame(file))
-      return draw_state(*world, state_of_frame(*world, content, file), std::move(options));
+      return draw_state(*world, state_of_frame(*world, content, file), saved_colliders(file),
+                        std::move(options));
   }
   if (options.field.empty() && holds(content, displacement)) options.field = displacement;
   describe_field(options);
-  return draw_picture(content, options);
+  return draw_picture(content, options, saved_colliders(file));
 }
 
 Image draw_state(const World& world, const State& state, PictureOptions options) {
-  if (options.field.empty()) options.field = "von_mises";
-  std::vector<std::string> names = {displacement};
-  if (base_name(options.field) != names[0]) names.push_back(base_name(options.field));
-  require_field(names.back(), "field");
-  describe_field(options);
-  return draw_picture(frame_content(world, state, FieldEvaluator(world).evaluate(state, names)), options);
+  return draw_state(world, state, collider_facets(world, conditions_of(state)).mesh, std::move(options));
 }
 
 }  // namespace resilin

@@ -6,16 +6,17 @@
 #include <vector>
 
 #include "resilin/core/error.hpp"
-#include "resilin/core/output_file.hpp"
 #include "resilin/io/atomic_file.hpp"
 #include "resilin/io/vtu.hpp"
 #include "resilin/results/build_info.hpp"
+#include "resilin/results/collider_file.hpp"
 #include "resilin/results/folder_lock.hpp"
 #include "resilin/results/frame_file.hpp"
 #include "resilin/results/report.hpp"
 #include "resilin/results/saved_report.hpp"
 #include "resilin/results/saved_run.hpp"
 #include "resilin/results/shown_results.hpp"
+#include "resilin/world/shown_colliders.hpp"
 
 namespace resilin {
 namespace {
@@ -28,7 +29,7 @@ double seconds_since(Clock::time_point start) {
 
 constexpr const char* checkpoint_name = "checkpoint.bin";
 constexpr const char* report_name = "report.json";
-constexpr std::string_view partial_ending = ".partial";  ///< of a file that is not whole yet
+constexpr const char* collider_list_name = "colliders.pvd";
 
 void write_text(const std::filesystem::path& path, const std::string& text) {
   write_atomically(path, [&text](std::ostream& stream) { stream << text; });
@@ -49,22 +50,23 @@ void sweep_partial_files(const std::filesystem::path& folder) {
   }
 }
 
-std::string frame_name(std::size_t number) {
-  const std::string digits = std::to_string(number);
-  return "frames/" + std::string(digits.size() < 4 ? 4 - digits.size() : 0, '0') + digits + ".vtu";
-}
+std::string frame_name(std::size_t number) { return "frames/" + numbered_vtu(number); }
 
-/// The list of frames that ParaView opens; statics count in load factors, or in steps where the load falls
-/// or where they show vibrations.
-void write_frame_list(const std::filesystem::path& path, const Json& frames, bool is_dynamic) {
-  const char* counter = is_dynamic ? "time" : "load";
+/// The lists of frames that ParaView opens, of bodies and of colliders; statics count in load factors, or in
+/// steps where the load falls or where they show vibrations.
+void write_frame_lists(const std::filesystem::path& folder, const Json& frames, const World& world) {
+  const char* counter = world.is_dynamic ? "time" : "load";
   const auto is_behind = [](const Json& a, const Json& b) { return b["load"] <= a["load"]; };
-  if (!is_dynamic && std::adjacent_find(frames.begin(), frames.end(), is_behind) != frames.end())
+  if (!world.is_dynamic && std::adjacent_find(frames.begin(), frames.end(), is_behind) != frames.end())
     counter = "step";
-  std::vector<PvdEntry> entries;
-  for (std::size_t i = 0; i < frames.size(); ++i)
-    entries.push_back({frames[i][counter].get<double>(), frame_name(i)});
-  write_pvd(path, entries);
+  std::vector<PvdEntry> bodies, colliders;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const auto time = frames[i][counter].get<double>();
+    bodies.push_back({time, frame_name(i)});
+    colliders.push_back({time, collider_file_name(world, i)});
+  }
+  write_pvd(folder / "frames.pvd", bodies);
+  if (has_colliders(world)) write_pvd(folder / collider_list_name, colliders);
 }
 
 }  // namespace
@@ -81,38 +83,17 @@ struct ResultFolder::Contents {
   std::optional<FieldEvaluator> evaluator;  ///< of the world whose states are recorded
   std::optional<ShownResults> shown;        ///< of the same
   std::vector<std::pair<std::string, std::uintmax_t>> shown_files;
+  bool has_written_colliders = false;  ///< one file is enough where none moves
   double output_seconds = 0;
   double seconds_before;  ///< until the folder was made, and of the run that this one resumes
   int resumed_step = -1;  ///< whose frame was measured anew, without the numbers of the step that led to it
-
-  /// Beside and renamed, so that the file is whole even when the program is killed. Report and checkpoint
-  /// also wait for the disk; a frame does not, for that takes longer than a step of a small body: a power cut
-  /// may take the last frames, never the way to go on.
-  void write_frame(std::size_t number, const World& world, const State& state,
-                   std::span<const FieldValues> fields) {
-    const std::filesystem::path path = folder / frame_name(number);
-    std::filesystem::path partial = path;
-    partial += partial_ending;
-    try {
-      OutputFile file(partial, OutputFile::Mode::truncate, path);
-      resilin::write_frame(file.stream(), frame_content(world, state, fields));
-      file.close();
-      std::error_code error;
-      std::filesystem::rename(partial, path, error);
-      if (error)
-        throw FileError(path.string(), "cannot be written: " + reason_of_failed_write(error.value()));
-    } catch (...) {
-      std::error_code ignored;
-      std::filesystem::remove(partial, ignored);
-      throw;
-    }
-  }
 
   /// Writes a state as the next frame of all formats; gives the fields that the scene asks for.
   std::vector<FieldValues> write(const World& world, const State& state) {
     if (!evaluator) {
       evaluator.emplace(world);
       if (writes_vtu(world)) save_scene(folder, world);
+      begin_colliders(world);
     }
     std::vector<std::string> names = world.output.fields;
     const std::size_t num_asked = names.size();
@@ -123,10 +104,31 @@ struct ResultFolder::Contents {
     if (world.is_dynamic) keep("velocity");
     if (!world.origin.isZero(0)) keep("displacement");  // which has digits that far places lose
     std::vector<FieldValues> fields = evaluator->evaluate(state, names);
-    if (writes_vtu(world)) write_frame(frames.size(), world, state, fields);
+    if (writes_vtu(world)) {
+      write_frame(folder / frame_name(frames.size()), frame_content(world, state, fields));
+      write_colliders(world, state);
+    }
     shown_of(world).record(frames.size(), state);
     fields.erase(fields.begin() + static_cast<std::ptrdiff_t>(num_asked), fields.end());
     return fields;
+  }
+
+  /// What an earlier run has left of colliders that there are no more goes.
+  void begin_colliders(const World& world) const {
+    std::error_code error;
+    if (writes_vtu(world) && has_colliders(world)) {
+      std::filesystem::create_directories(folder / "colliders", error);
+      return;
+    }
+    remove_collider_files(folder, 0);
+    std::filesystem::remove(folder / "colliders", error);  // where nothing else is in it
+    std::filesystem::remove(folder / collider_list_name, error);
+  }
+
+  void write_colliders(const World& world, const State& state) {
+    if (!has_colliders(world) || (has_written_colliders && !any_collider_moves(world))) return;
+    write_frame(folder / collider_file_name(world, frames.size()), collider_content(world, state));
+    has_written_colliders = true;
   }
 
   RunSummary summary(const Simulation& simulation, const RunOutcome& outcome) const {
@@ -142,8 +144,7 @@ struct ResultFolder::Contents {
   /// @param is_end  the run has ended for now: what is made of all frames is made, too
   void save(const World& world, const State& state, const RunSummary& summary, bool is_end) {
     const Clock::time_point begin = Clock::now();
-    if (!frames.empty() && writes_vtu(world))
-      write_frame_list(folder / "frames.pvd", frames, world.is_dynamic);
+    if (!frames.empty() && writes_vtu(world)) write_frame_lists(folder, frames, world);
     Json report = report_json(world, std::move(frames), summary);
     // The report first: a checkpoint never runs ahead of the frames that go with it.
     if (is_end) {
@@ -180,7 +181,7 @@ ResultFolder::ResultFolder(std::filesystem::path folder, double seconds_before) 
   if (error)
     throw FileError(folder.string(), "the folder for the results cannot be made (" + error.message() + ")");
   contents_ = std::make_unique<Contents>(std::move(folder), seconds_before);
-  for (const char* part : {".", "frames"}) sweep_partial_files(contents_->folder / part);
+  for (const char* part : {".", "frames", "colliders"}) sweep_partial_files(contents_->folder / part);
   write_text(contents_->folder / "frames" / ".probe", "");
   std::filesystem::remove(contents_->folder / "frames" / ".probe", error);
 }
@@ -257,6 +258,8 @@ void ResultFolder::finish(const World& world, const State& state, const RunSumma
   for (std::size_t i = contents_->frames.size();
        std::filesystem::remove(contents_->folder / frame_name(i), error);)
     ++i;
+  if (has_colliders(world))
+    remove_collider_files(contents_->folder, any_collider_moves(world) ? contents_->frames.size() : 1);
 }
 
 }  // namespace resilin

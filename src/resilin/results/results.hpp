@@ -13,9 +13,9 @@
 
 namespace resilin {
 
-/// The folder that a run leaves: report.json, frames/NNNN.vtu, frames.pvd, checkpoint.bin and, as
-/// output.formats asks, recording.bin and result.html, result.usda. It records one world, which must outlive
-/// it.
+/// The folder that a run leaves: report.json, frames/NNNN.vtu, frames.pvd, where there are colliders
+/// colliders/NNNN.vtu and colliders.pvd, checkpoint.bin and, as output.formats asks, recording.bin and
+/// result.html, result.usda. It records one world, which must outlive it.
 ///
 /// Every file is written beside and renamed, so that a folder always holds whole files. Frames are written at
 /// once; report and checkpoint at most about once a second, and by `finish`. As long as this lives no other

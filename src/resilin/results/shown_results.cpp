@@ -24,16 +24,34 @@ Vector3 up_of(const World& world) {
   return world.gravity.norm() > 0 ? Vector3(-world.gravity.normalized()) : Vector3(Vector3::UnitZ());
 }
 
-/// Height of a ground that stands still and lies flat.
-std::optional<double> ground_of(const World& world) {
+/// A ground that stands still and lies flat.
+struct Ground {
+  std::size_t number;  ///< of the collider
+  double height;       ///< along up [m]
+};
+std::optional<Ground> ground_of(const World& world) {
   const Vector3 up = up_of(world);
-  for (const auto& collider : world.colliders) {
-    const ColliderShape& shape = collider->shape();
-    const Vector3 point = shape.reference_point();
-    if (shape.is_flat() && collider->motion().velocity.isZero(0) && shape.normal(point).dot(up) > 0.9999)
-      return point.dot(up);
+  for (std::size_t i = 0; i < world.colliders.size(); ++i) {
+    const ColliderBarrier& collider = *world.colliders[i];
+    const Vector3 point = collider.place({});
+    const Vector3 normal = collider.motion().place(0).turned(collider.shape().normal(point));
+    if (collider.shape().is_flat() && collider.motion().is_at_rest() && normal.dot(up) > 0.9999)
+      return Ground{i, point.dot(up)};
   }
   return std::nullopt;
+}
+
+ViewHeader header_of(const World& world) {
+  ViewHeader header{.title = world.title,
+                    .version = std::string(version()),
+                    .up = up_of(world),
+                    .gravity = world.gravity,
+                    .colliders = shown_colliders(world)};
+  if (const std::optional<Ground> ground = ground_of(world)) {
+    header.ground = ground->height;
+    header.colliders.erase(header.colliders.begin() + static_cast<std::ptrdiff_t>(ground->number));
+  }
+  return header;
 }
 
 void remove_file(const std::filesystem::path& path) {
@@ -89,13 +107,7 @@ std::string page_with_recording(std::string_view recording, std::string_view rep
 ShownResults::ShownResults(std::filesystem::path folder, const World& world)
     : folder_(std::move(folder)), world_(world), title_(world.title), counts_frames_(!world.is_dynamic) {
   if (world.output.writes(OutputFormat::html)) {
-    const ViewHeader header{.title = world.title,
-                            .version = std::string(version()),
-                            .up = up_of(world),
-                            .gravity = world.gravity,
-                            .ground = ground_of(world),
-                            .fields = {}};
-    recorder_ = std::make_unique<Recorder>(folder_ / recording_name, world, header);
+    recorder_ = std::make_unique<Recorder>(folder_ / recording_name, world, header_of(world));
   } else {
     remove_file(folder_ / recording_name);
     remove_file(folder_ / page_name);

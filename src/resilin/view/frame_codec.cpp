@@ -16,7 +16,7 @@ static_assert(std::endian::native == std::endian::little, "frames are written as
 constexpr std::uint32_t frame_mark = 0x31465352;     // "RSF1"
 constexpr std::uint32_t topology_mark = 0x31545352;  // "RST1"
 constexpr std::size_t header_size = 64;
-constexpr std::uint32_t has_normals = 1, has_field = 2;
+constexpr std::uint32_t has_normals = 1, has_field = 2, has_colliders = 4;
 constexpr float steps = 65535;  // of a place in its box
 
 /// The fixed part of a frame, in the order of docs/view_protocol.md.
@@ -31,14 +31,14 @@ static_assert(sizeof(Header) == header_size);
 
 constexpr std::size_t padded(std::size_t size) { return (size + 3) / 4 * 4; }
 
-/// Where the parts of a frame begin.
+/// Where the parts of a frame begin; those of colliders go on to its end.
 struct Layout {
-  std::size_t normals, field, end;
+  std::size_t normals, field, colliders;
 
   Layout(std::size_t n, std::uint32_t parts)
       : normals(header_size + padded(6 * n)),
         field(normals + (parts & has_normals ? padded(2 * n) : 0)),
-        end(field + (parts & has_field ? 2 * n : 0)) {}
+        colliders(field + (parts & has_field ? (parts & has_colliders ? padded(2 * n) : 2 * n) : 0)) {}
 };
 
 template <class T>
@@ -134,10 +134,11 @@ float decode_field(std::uint16_t step, FieldRange range) {
 
 void encode_frame(const LiveFrame& frame, std::string& bytes) {
   const std::size_t n = frame.positions.size() / 3;
-  const std::uint32_t parts =
-      (frame.normals.empty() ? 0 : has_normals) | (frame.field.empty() ? 0 : has_field);
+  const std::uint32_t parts = (frame.normals.empty() ? 0 : has_normals) |
+                              (frame.field.empty() ? 0 : has_field) |
+                              (frame.colliders.empty() ? 0 : has_colliders);
   const Layout layout(n, parts);
-  bytes.resize(layout.end);
+  bytes.assign(layout.colliders + frame.colliders.size_bytes(), '\0');
   const FloatBox box = box_of(frame.positions);
   const FieldRange range = finite_range(frame.field);
   const Header header{.mark = frame_mark,
@@ -153,18 +154,29 @@ void encode_frame(const LiveFrame& frame, std::string& bytes) {
   std::memcpy(bytes.data(), &header, header_size);
   // The memory of a string is aligned for any number, and so is every part in it.
   encode_positions(frame.positions, box, reinterpret_cast<std::uint16_t*>(bytes.data() + header_size));
-  std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(header_size + 6 * n),
-            bytes.begin() + static_cast<std::ptrdiff_t>(layout.normals), '\0');
-  if (parts & has_normals) {
+  if (parts & has_normals)
     encode_normals(frame.normals, reinterpret_cast<std::int8_t*>(bytes.data() + layout.normals));
-    std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(layout.normals + 2 * n),
-              bytes.begin() + static_cast<std::ptrdiff_t>(layout.field), '\0');
-  }
   if (parts & has_field)
     encode_field(frame.field, range, reinterpret_cast<std::uint16_t*>(bytes.data() + layout.field));
+  if (parts & has_colliders)
+    std::memcpy(bytes.data() + layout.colliders, frame.colliders.data(), frame.colliders.size_bytes());
 }
 
-std::string encode_topology(const ShownSurface& surface) {
+std::vector<float> collider_places(std::span<const ShownCollider> colliders, const Conditions& c) {
+  std::vector<float> numbers;
+  numbers.reserve(numbers_per_collider * colliders.size());
+  for (const ShownCollider& collider : colliders) {
+    const RigidPlace place = collider.place(c);
+    for (int row = 0; row < 3; ++row) {
+      const Vector3 turned = place.turned_back(Vector3::Unit(row));  // row of A: its inverse is its transpose
+      for (int column = 0; column < 3; ++column) numbers.push_back(static_cast<float>(turned[column]));
+      numbers.push_back(static_cast<float>(place.shift[row]));
+    }
+  }
+  return numbers;
+}
+
+std::string encode_topology(const ShownSurface& surface, std::span<const ShownCollider> colliders) {
   std::string bytes;
   const auto add = [&](const void* data, std::size_t size) {
     bytes.append(static_cast<const char*>(data), size);
@@ -181,6 +193,13 @@ std::string encode_topology(const ShownSurface& surface) {
     add(edges.data(), edges.size_bytes());
   }
   add(surface.rest_positions().data(), surface.rest_positions().size_bytes());
+  for (const ShownCollider& collider : colliders) {
+    for (const Vector3& X : collider.mesh.vertices) {
+      const Eigen::Vector3f place = X.cast<float>();
+      add(place.data(), 3 * sizeof(float));
+    }
+    add(collider.mesh.facets.data(), collider.mesh.facets.size() * sizeof(Index));
+  }
   return bytes;
 }
 
@@ -193,8 +212,12 @@ DecodedFrame decode_frame(std::string_view bytes) {
   if (header.mark != frame_mark) throw InputError(place, "the mark RSF1", "another one");
   const std::size_t n = header.num_vertices;
   const Layout layout(n, header.parts);
-  if (bytes.size() != layout.end)
-    throw InputError(place, std::to_string(layout.end) + " bytes for " + std::to_string(n) + " vertices",
+  const bool is_whole = header.parts & has_colliders
+                            ? bytes.size() > layout.colliders && bytes.size() % sizeof(float) == 0
+                            : bytes.size() == layout.colliders;
+  if (!is_whole)
+    throw InputError(place,
+                     std::to_string(layout.colliders) + " bytes for " + std::to_string(n) + " vertices",
                      std::to_string(bytes.size()));
   DecodedFrame frame{.number = header.number,
                      .time = header.time,
@@ -216,6 +239,8 @@ DecodedFrame decode_frame(std::string_view bytes) {
   if (header.parts & has_field)
     for (std::size_t v = 0; v < n; ++v)
       frame.field.push_back(decode_field(read_at<std::uint16_t>(bytes, layout.field + 2 * v), frame.range));
+  for (std::size_t at = layout.colliders; at < bytes.size(); at += sizeof(float))
+    frame.colliders.push_back(read_at<float>(bytes, at));
   return frame;
 }
 

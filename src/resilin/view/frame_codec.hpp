@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "resilin/view/shown_surface.hpp"
+#include "resilin/world/shown_colliders.hpp"
 
 /// Topology and live frames as the page reads them (docs/view_protocol.md): little-endian, places in
 /// 1/65535 of their box, normals octahedral in two bytes, a field in 65,535 steps.
@@ -32,13 +33,18 @@ struct LiveFrame {
   std::span<const float> normals{};    ///< 3 per vertex; empty: none are sent
   std::uint32_t field_number = 0;      ///< in the header's list
   std::span<const float> field{};      ///< 1 per vertex; empty: none is sent
+  std::span<const float> colliders{};  ///< where they are: see collider_places
 };
+
+/// Numbers that say where a collider is: x = A X + b as the rows of (A b).
+inline constexpr std::size_t numbers_per_collider = 12;
+std::vector<float> collider_places(std::span<const ShownCollider> colliders, const Conditions& c);
 
 /// Writes the frame into `bytes`, whose memory is used again. A place that is not a number stands at the
 /// lower corner of the box, a field's at 0.
 void encode_frame(const LiveFrame& frame, std::string& bytes);
 
-std::string encode_topology(const ShownSurface& surface);
+std::string encode_topology(const ShownSurface& surface, std::span<const ShownCollider> colliders = {});
 
 /// A frame as it comes out.
 struct DecodedFrame {
@@ -50,6 +56,7 @@ struct DecodedFrame {
   FieldRange range;                       ///< of the field
   std::vector<float> positions{}, normals{};
   std::vector<float> field{};  ///< nan where there was no number
+  std::vector<float> colliders{};
 };
 
 /// @throws InputError  when `bytes` is no whole frame

@@ -19,6 +19,15 @@ Json part(const ShownSurface::Part& part) {
           {"num_edges", part.num_edges}};
 }
 
+Json collider_json(const ShownCollider& collider, int dimension) {
+  const auto num_facets = collider.mesh.facets.size() / static_cast<std::size_t>(dimension);
+  return {{"name", collider.name},
+          {"num_vertices", collider.mesh.vertices.size()},
+          {"num_facets", num_facets},
+          {"closed", collider.is_closed},
+          {"endless", collider.is_endless}};
+}
+
 Json field_json(const ScalarField& field) {
   return {{"name", field.name}, {"label", field.label}, {"unit", field.field->unit}, {"group", field.group}};
 }
@@ -44,6 +53,9 @@ std::string encode_header(const ViewHeader& header, const World& world, const Sh
                {"gravity", numbers(header.gravity)},
                {"parts", Json::array()}};
   for (const ShownSurface::Part& shown : surface.parts()) json["parts"].push_back(part(shown));
+  json["colliders"] = Json::array();
+  for (const ShownCollider& collider : header.colliders)
+    json["colliders"].push_back(collider_json(collider, world.dimension));
   if (header.ground) json["ground"] = *header.ground;
   json["fields"] = fields_json(header.fields);
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);

@@ -7,17 +7,19 @@
 
 #include "resilin/fields/scalar_field.hpp"
 #include "resilin/view/shown_surface.hpp"
+#include "resilin/world/shown_colliders.hpp"
 
 namespace resilin {
 
 /// What a page is told before the first frame, besides the world and its surface.
 struct ViewHeader {
   std::string title;
-  std::string version;                ///< of the program
-  Vector3 up = Vector3::UnitZ();      ///< in 2D always y
-  Vector3 gravity = Vector3::Zero();  ///< [m/s^2]
-  std::optional<double> ground{};     ///< height of a ground plane along `up`, to be drawn [m]
-  std::vector<ScalarField> fields{};  ///< that frames may carry, in their order
+  std::string version;                     ///< of the program
+  Vector3 up = Vector3::UnitZ();           ///< in 2D always y
+  Vector3 gravity = Vector3::Zero();       ///< [m/s^2]
+  std::optional<double> ground{};          ///< height of a ground plane along `up`, to be drawn [m]
+  std::vector<ScalarField> fields{};       ///< that frames may carry, in their order
+  std::vector<ShownCollider> colliders{};  ///< to be drawn, but for that ground
 };
 
 /// Fields as the page reads them, a list of objects (docs/view_protocol.md, "Header").

@@ -61,18 +61,23 @@ Recorder::Recorder(std::filesystem::path path, const World& world, ViewHeader he
     : path_(std::move(path)),
       world_(world),
       surface_(world),
+      colliders_(header.colliders),
       recorded_(recorded_fields(world)),
       fields_(world, surface_),
       evaluator_(world),
       header_(encoded(std::move(header), world, surface_, recorded_)),
-      codec_(surface_, recorded_.size(), world.largest_extent()) {}
+      codec_(new_codec()) {}
+
+RecordingCodec Recorder::new_codec() const {
+  return {surface_, recorded_.size(), world_.largest_extent(), colliders_.size()};
+}
 
 void Recorder::begin() {
-  const std::string topology = encode_topology(surface_);
+  const std::string topology = encode_topology(surface_, colliders_);
   std::error_code ignored;
   std::filesystem::remove(path_, ignored);
   next_number_ = 0;
-  codec_ = RecordingCodec(surface_, recorded_.size(), world_.largest_extent());
+  codec_ = new_codec();
   append(std::string(mark) + number_bytes(header_.size()) + header_ + number_bytes(topology.size()) +
          topology);
 }
@@ -84,8 +89,9 @@ void Recorder::keep(std::uint32_t end) {
   stream.close();
   try {
     const Recording recording = parse_recording(bytes, path_.string());
-    if (recording.header != header_ || recording.topology != encode_topology(surface_)) return begin();
-    codec_ = RecordingCodec(surface_, recorded_.size(), world_.largest_extent());
+    if (recording.header != header_ || recording.topology != encode_topology(surface_, colliders_))
+      return begin();
+    codec_ = new_codec();
     next_number_ = 0;
     std::size_t kept = recording.records.empty() ? recording.end : recording.records.front().begin - 8;
     for (const auto& [at, payload] : recording.records) {
@@ -112,6 +118,7 @@ void Recorder::record(std::uint32_t number, const State& state) {
   surface_.positions(state.positions - world_.rest_positions, frame.displacements);
   frame.fields.resize(recorded_.size());
   fields_.evaluate(evaluator_, state, recorded_, frame.fields);
+  frame.colliders = collider_places(colliders_, conditions_of(state));
   const std::string payload = codec_.encode(frame);
   append(number_bytes(payload.size()) + number_bytes(checksum(payload)) + payload);
   next_number_ = number + 1;

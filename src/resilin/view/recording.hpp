@@ -37,11 +37,13 @@ class Recorder {
 
  private:
   void begin();
+  RecordingCodec new_codec() const;
   void append(std::string_view bytes);
 
   std::filesystem::path path_;
   const World& world_;
   ShownSurface surface_;
+  std::vector<ShownCollider> colliders_;
   std::vector<ScalarField> recorded_;
   SurfaceFields fields_;
   FieldEvaluator evaluator_;

@@ -129,8 +129,10 @@ std::string deflated(std::string_view stream) {
   return bytes;
 }
 
-RecordingCodec::RecordingCodec(const ShownSurface& surface, std::size_t num_fields, double extent)
+RecordingCodec::RecordingCodec(const ShownSurface& surface, std::size_t num_fields, double extent,
+                               std::size_t num_colliders)
     : num_fields_(num_fields),
+      num_colliders_(num_colliders),
       smallest_quantum_(power_of_two_up_to(1e-12 * extent)),
       largest_quantum_(power_of_two_up_to(1e-5 * extent)),
       quantum_(smallest_quantum_),
@@ -175,13 +177,15 @@ std::string RecordingCodec::encode(const RecordedFrame& frame) {
     subtract_parents(parents_, steps);
     put_planes(steps, 2, stream);
   }
+  for (const float number : frame.colliders) put(payload, number);
   return payload + deflated(stream);
 }
 
 RecordedFrame RecordingCodec::decode(std::string_view payload) {
   const std::string place = "recording";
   const std::size_t n = parents_.size();
-  if (payload.size() < head_size + num_fields_ * sizeof(FieldRange))
+  const std::size_t num_places = numbers_per_collider * num_colliders_;
+  if (payload.size() < head_size + num_fields_ * sizeof(FieldRange) + num_places * sizeof(float))
     throw InputError(place, "a record of a frame", std::to_string(payload.size()) + " bytes");
   RecordedFrame frame{.number = take<std::uint32_t>(payload),
                       .step = take<std::uint32_t>(payload),
@@ -190,6 +194,7 @@ RecordedFrame RecordingCodec::decode(std::string_view payload) {
   const auto quantum = take<double>(payload);
   std::vector<FieldRange> ranges;
   for (std::size_t f = 0; f < num_fields_; ++f) ranges.push_back(take<FieldRange>(payload));
+  for (std::size_t i = 0; i < num_places; ++i) frame.colliders.push_back(take<float>(payload));
   const std::string bytes = inflated(payload, stream_size());
   if (bytes.size() != stream_size() || !(quantum >= quantum_) || !(quantum <= largest_quantum_))
     throw InputError(place, "a record of " + std::to_string(n) + " vertices", "one of something else");

@@ -21,6 +21,7 @@ struct RecordedFrame {
   double load = 0;                           ///< load factor
   std::vector<float> displacements{};        ///< 3 per vertex, from the rest places [m]
   std::vector<std::vector<float>> fields{};  ///< of each field 1 per vertex; nan where there is none
+  std::vector<float> colliders{};            ///< where they are: see collider_places
 };
 
 /// Frames of a recording as differences (docs/view_protocol.md, "Recording"): each vertex moves about as one
@@ -33,10 +34,12 @@ class RecordingCodec {
   /// The steps that a field is recorded in.
   static constexpr int field_levels = 4095;
 
-  /// @param num_fields  of each frame
-  /// @param extent      of the scene: places are kept to about 1e-5 of it, or of 1/16,000 of what has moved
-  ///                    where that is less [m]
-  RecordingCodec(const ShownSurface& surface, std::size_t num_fields, double extent);
+  /// @param num_fields     of each frame
+  /// @param extent         of the scene: places are kept to about 1e-5 of it, or of 1/16,000 of what has
+  ///                       moved where that is less [m]
+  /// @param num_colliders  of each frame
+  RecordingCodec(const ShownSurface& surface, std::size_t num_fields, double extent,
+                 std::size_t num_colliders = 0);
 
   /// The payload of the next record. A place that is no number stays where it was.
   std::string encode(const RecordedFrame& frame);
@@ -48,7 +51,7 @@ class RecordingCodec {
   double quantum_for(std::span<const float> displacements) const;
   std::size_t stream_size() const { return (12 + 2 * num_fields_) * parents_.size(); }
 
-  std::size_t num_fields_;
+  std::size_t num_fields_, num_colliders_;
   double smallest_quantum_, largest_quantum_;
   double quantum_;                      ///< of the last frame [m]
   std::vector<std::uint32_t> parents_;  ///< a neighbour with a lower number; itself where there is none

@@ -202,4 +202,18 @@ std::shared_ptr<const SurfaceContact> make_contact(const ContactDescription& des
   return contact;
 }
 
+void change_contact(World& world, const ContactDescription& description) {
+  World changed = world;
+  std::erase_if(changed.terms, [&world](const auto& term) {
+    return term && (term == world.contact || term == world.friction);
+  });
+  changed.contact = make_contact(description, changed);
+  if (changed.contact) changed.terms.push_back(changed.contact);
+  changed.friction = make_friction(description, changed);
+  if (changed.friction) changed.terms.push_back(changed.friction);
+  changed.warnings = world.warnings;
+  changed.made_from.reset();
+  world = std::move(changed);
+}
+
 }  // namespace resilin

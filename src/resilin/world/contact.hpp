@@ -12,4 +12,8 @@ namespace resilin {
 /// start, and for an activation distance that reaches across a body.
 std::shared_ptr<const SurfaceContact> make_contact(const ContactDescription& description, World& world);
 
+/// Gives a world other contact between its bodies, and with it other friction.
+/// Throws InputError as `make_contact` does; the world is then as before.
+void change_contact(World& world, const ContactDescription& description);
+
 }  // namespace resilin

@@ -62,7 +62,7 @@ class World {
   bool is_dynamic = false;
   std::string title;
   std::string place;
-  std::shared_ptr<const Description> made_from;  ///< null once a material was changed
+  std::shared_ptr<const Description> made_from;  ///< null once a material or contact was changed
   Vector3 gravity = Vector3::Zero();             ///< [m/s^2]
   double time_step = 0;
   double end_time = 0;

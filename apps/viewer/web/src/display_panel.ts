@@ -58,7 +58,7 @@ export class DisplayPanel {
       viewport.setLook(this.look());
       events.look();
     };
-    const { fields, parts } = viewport.header;
+    const { fields, parts, colliders = [] } = viewport.header;
     const groups = groupsOf(fields);
     const sorted = groups.flatMap((group) => group.fields);
     const options = Object.fromEntries([["body colour", ""], ...sorted.map((field) => [field.label, field.name])]);
@@ -77,6 +77,7 @@ export class DisplayPanel {
     if (!viewport.flat) {
       named(folder.add(choices, "ground"), "ground", "Show ground");
     }
+    if (colliders.length > 0) named(folder.add(choices, "colliders"), "colliders", "Show colliders");
     named(folder.add(choices, "theme", ["auto", "light", "dark"]), "theme", "Theme").onChange((choice: ThemeChoice) =>
       theme.choose(choice),
     );

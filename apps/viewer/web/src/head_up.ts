@@ -1,7 +1,7 @@
 /** The head-up line of a live scene: how fast, how far from the exact solution, and in words. */
 
 import { element, setText } from "./dom";
-import { fixed, power } from "./numbers";
+import { fixed, power, withUnit } from "./numbers";
 import type { Status } from "./protocol";
 
 const PHASES: [keyof Status, string][] = [
@@ -15,6 +15,7 @@ export class HeadUp {
   readonly root = element("footer", { class: "head-up", data: "head-up" });
   private readonly values = new Map<string, HTMLElement>();
   private readonly phases: HTMLElement[] = [];
+  private readonly contact: HTMLElement;
   private readonly words = element("div", { class: "words", data: "words", role: "status" });
 
   constructor() {
@@ -31,6 +32,13 @@ export class HeadUp {
     this.add("residual", "force residual", "the greatest force that is out of balance, and its share of the load", 17);
     this.add("volume", "smallest volume", "smallest ratio of deformed to rest volume", 6);
     this.add("inverted", "inverted", "cells turned inside out", 5, "wide");
+    this.contact = this.add(
+      "contact",
+      "smallest gap · pairs",
+      "what touches: the smallest gap, and how many parts feel each other",
+      15,
+    );
+    this.contact.hidden = true;
     this.root.prepend(this.words);
   }
 
@@ -53,6 +61,9 @@ export class HeadUp {
     text("residual", `${power(status.residual)} N (${share < 1e-4 ? power(100 * share) : fixed(100 * share, 2)} %)`);
     text("volume", fixed(status.min_volume_ratio, 3));
     text("inverted", String(status.inverted_cells));
+    this.contact.hidden = status.active_pairs === null;
+    const gap = status.smallest_gap === null ? "–" : withUnit(status.smallest_gap, "m", 2);
+    text("contact", `${gap} · ${status.active_pairs ?? 0}`);
     this.values.get("inverted")!.classList.toggle("bad", status.inverted_cells > 0);
     this.values.get("volume")!.classList.toggle("bad", status.min_volume_ratio <= 0);
     const whole = Math.max(status.step_ms, 1e-9);

@@ -113,7 +113,7 @@ export class LiveConnection {
   private receiveBinary(buffer: ArrayBuffer): void {
     if (this.waitingForTopology && this.hello) {
       this.waitingForTopology = false;
-      const topology = decodeTopology(buffer, this.hello.parts);
+      const topology = decodeTopology(buffer, this.hello);
       this.positions = new Float32Array(3 * vertexCount(this.hello.parts));
       this.connected = true;
       this.sentAt.clear();

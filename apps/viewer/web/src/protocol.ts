@@ -39,6 +39,15 @@ export type Part = Read<typeof part>;
 export const readField = object({ name: text, label: text, unit: text, group: optional(text) });
 export type Field = Read<typeof readField>;
 
+const collider = object({
+  name: text,
+  num_vertices: number,
+  num_facets: number,
+  closed: flag, // has an inside
+  endless: flag, // a half-space
+});
+export type Collider = Read<typeof collider>;
+
 /** What is drawn: of a live scene and of a recording. */
 const headerShape = {
   title: text,
@@ -50,6 +59,7 @@ const headerShape = {
   gravity: vector,
   parts: list(part),
   fields: list(readField),
+  colliders: optional(list(collider)),
 };
 
 export const readHeader = object({
@@ -101,6 +111,8 @@ const status = object({
   relative_residual: measurement,
   min_volume_ratio: measurement,
   inverted_cells: number,
+  smallest_gap: nullable(number), // [m]; null: nothing is near
+  active_pairs: nullable(number), // null: nothing can touch
   converged: flag,
   at_rest: flag,
   elastic_energy: measurement, // [J]
@@ -128,6 +140,13 @@ export interface Topology {
   triangles: Uint32Array[]; // by part, vertices numbered over all parts
   edges: Uint32Array[];
   restPositions: Float32Array;
+  colliders: ColliderShape[];
+}
+
+/** A collider as it was made; each facet has as many corners as the scene has dimensions, and may repeat one. */
+export interface ColliderShape {
+  vertices: Float32Array; // [m]
+  facets: Uint32Array;
 }
 
 /** One state of the surface as it is drawn. */
@@ -141,6 +160,7 @@ export interface Frame {
   positions: Float32Array;
   normals: Int8Array | null; // octahedral
   fieldValues: Uint16Array | null;
+  colliders: Float32Array | null; // where they are, 12 numbers each
 }
 
 const TOPOLOGY = 0x31545352; // "RST1"
@@ -148,7 +168,9 @@ const FRAME = 0x31465352; // "RSF1"
 
 const aligned = (offset: number) => (offset + 3) & ~3;
 
-export function decodeTopology(buffer: ArrayBuffer, parts: Part[]): Topology {
+type Drawn = Pick<Header, "parts" | "colliders" | "dimension">;
+
+export function decodeTopology(buffer: ArrayBuffer, { parts, colliders = [], dimension }: Drawn): Topology {
   const view = new DataView(buffer);
   if (view.getUint32(0, true) !== TOPOLOGY) throw new Error("The topology does not begin with RST1.");
   if (view.getUint32(4, true) !== parts.length) throw new Error("The topology has other parts than the header.");
@@ -164,7 +186,17 @@ export function decodeTopology(buffer: ArrayBuffer, parts: Part[]): Topology {
     triangles.push(take(3 * part.num_triangles));
     edges.push(take(2 * part.num_edges));
   }
-  return { triangles, edges, restPositions: new Float32Array(buffer, offset, 3 * vertexCount(parts)) };
+  const takePlaces = (count: number) => {
+    const places = new Float32Array(buffer, offset, 3 * count);
+    offset += 12 * count;
+    return places;
+  };
+  const restPositions = takePlaces(vertexCount(parts));
+  const shapes = colliders.map(({ num_vertices, num_facets }) => ({
+    vertices: takePlaces(num_vertices),
+    facets: take(dimension * num_facets),
+  }));
+  return { triangles, edges, restPositions, colliders: shapes };
 }
 
 export function vertexCount(parts: Part[]): number {
@@ -197,6 +229,8 @@ export function decodeFrame(buffer: ArrayBuffer, positions: Float32Array): Frame
     offset = aligned(offset + 2 * vertices);
   }
   const fieldValues = flags & 2 ? new Uint16Array(buffer, offset, vertices) : null;
+  if (fieldValues) offset = aligned(offset + 2 * vertices);
+  const colliders = flags & 4 ? new Float32Array(buffer, offset) : null;
   return {
     number: view.getUint32(4, true),
     time: view.getFloat64(8, true),
@@ -207,6 +241,7 @@ export function decodeFrame(buffer: ArrayBuffer, positions: Float32Array): Frame
     positions,
     normals,
     fieldValues,
+    colliders,
   };
 }
 

@@ -145,6 +145,7 @@ export class RecordedValues {
       positions: this.positions,
       normals: null,
       fieldValues: field < 0 ? null : this.of(field).codes[index],
+      colliders: recorded.colliders,
     };
   }
 

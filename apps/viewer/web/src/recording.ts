@@ -3,6 +3,7 @@
  * format.
  */
 
+import { NUMBERS } from "./colliders";
 import { decodeTopology, type Header, readHeader, type Topology, vertexCount } from "./protocol";
 
 /** A recorded state. */
@@ -13,6 +14,7 @@ export interface RecordedFrame {
   load: number;
   ranges: [number, number][]; // least and greatest value of each recorded field
   displacements: Float32Array; // from the rest places [m]
+  colliders: Float32Array; // where they are, 12 numbers each
   fields: Uint16Array[]; // 0: not a number; 1 to 65535: from the least to the greatest value
 }
 
@@ -41,7 +43,7 @@ export async function readRecording(buffer: ArrayBuffer, progress: (share: numbe
     return bytes;
   };
   const header = readHeader(JSON.parse(new TextDecoder().decode(take("header"))), "header of the recording");
-  const topology = decodeTopology(take("topology"), header.parts);
+  const topology = decodeTopology(take("topology"), header);
 
   const records = recordsFrom(view, offset);
   const numVertices = vertexCount(header.parts);
@@ -99,6 +101,7 @@ class Decoder {
   private readonly displacements: Float64Array; // of the last frame, x of all vertices, then y, then z [m]
   private readonly neighbours: Int32Array;
   private readonly numFields: number;
+  private readonly numNumbers: number; // of colliders
 
   constructor(
     header: Header,
@@ -106,6 +109,7 @@ class Decoder {
     private readonly numVertices: number,
   ) {
     this.numFields = header.fields.length;
+    this.numNumbers = NUMBERS * topology.colliders.length;
     this.displacements = new Float64Array(3 * numVertices);
     this.neighbours = lowerNeighbours(topology, numVertices);
   }
@@ -116,7 +120,9 @@ class Decoder {
     const ranges: [number, number][] = [];
     for (let i = 0; i < this.numFields; ++i)
       ranges.push([view.getFloat32(32 + 8 * i, true), view.getFloat32(36 + 8 * i, true)]);
-    const bytes = await inflated(payload.subarray(32 + 8 * this.numFields));
+    const begin = 32 + 8 * this.numFields;
+    const colliders = Float32Array.from({ length: this.numNumbers }, (_, i) => view.getFloat32(begin + 4 * i, true));
+    const bytes = await inflated(payload.subarray(begin + 4 * this.numNumbers));
     const n = this.numVertices;
     const expected = n * (12 + 2 * this.numFields);
     if (bytes.length !== expected) throw new Error(`A frame holds ${bytes.length} bytes, expected ${expected}.`);
@@ -148,6 +154,7 @@ class Decoder {
       load: view.getFloat64(16, true),
       ranges,
       displacements,
+      colliders,
       fields,
     };
   }

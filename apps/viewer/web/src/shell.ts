@@ -74,6 +74,7 @@ export class Shell {
         Array.from(this.viewport?.frame?.positions.subarray(3 * vertex, 3 * vertex + 3) ?? []),
       restPosition: (vertex: number) => Array.from(this.restPositions.subarray(3 * vertex, 3 * vertex + 3)),
       pickAt: (x: number, y: number) => this.viewport?.pickAt(x, y),
+      colliderPlaces: () => this.viewport?.colliders.firstPlaces ?? [],
       seenAt: (vertex: number) => this.seenAt(vertex),
     });
     requestAnimationFrame(this.loop);

@@ -56,7 +56,7 @@ export class Surface {
     this.mesh.frustumCulled = false; // its places change with each frame
   }
 
-  update(frame: Frame): void {
+  update(frame: Pick<Frame, "positions" | "normals" | "fieldValues">): void {
     const places = this.positions.array as Float32Array;
     const fields = this.field.array as Uint16Array;
     const { first_vertex: first, num_vertices: count } = this.part;

@@ -2,6 +2,7 @@
 
 import * as THREE from "three";
 import { sceneUniforms } from "./body_shader";
+import { Colliders } from "./colliders";
 import { Ground } from "./ground";
 import { Marks } from "./marks";
 import { Orbit } from "./orbit";
@@ -16,6 +17,7 @@ export interface Look {
   wireframe: boolean;
   cells: boolean;
   ground: boolean;
+  colliders: boolean;
   cut: boolean;
   cutAxis: "x" | "y" | "z";
   cutAt: number; // share of the box, 0 to 1
@@ -26,6 +28,7 @@ export const defaultLook = (): Look => ({
   wireframe: false,
   cells: false,
   ground: true,
+  colliders: true,
   cut: false,
   cutAxis: "x",
   cutAt: 0.5,
@@ -36,6 +39,7 @@ export class Viewport {
   readonly renderer: THREE.WebGLRenderer;
   readonly orbit: Orbit;
   readonly marks: Marks;
+  readonly colliders: Colliders;
   readonly uniforms = sceneUniforms();
   readonly restBox = new THREE.Box3();
   readonly flat: boolean;
@@ -70,6 +74,9 @@ export class Viewport {
     this.uniforms.lit.value = !this.flat;
     this.uniforms.hatch.value = 0.03 * this.extent;
     this.buildSurfaces(topology, normals);
+    this.colliders = new Colliders(header.colliders ?? [], topology.colliders, this.uniforms, this.flat);
+    this.bodies.add(this.colliders.solids);
+    this.extras.add(this.colliders.panes);
     this.resize();
     this.orbit.fit(this.restBox);
     if (header.eye) this.orbit.lookFrom(header.eye);
@@ -111,6 +118,7 @@ export class Viewport {
     this.surfaces.forEach((surface, i) => {
       if (this.isShown(i) || this.look.cells) surface.update(frame);
     });
+    if (frame.colliders) this.colliders.move(frame.colliders);
     if (frame.fieldValues) this.uniforms.fieldRange.value.set(frame.least, frame.greatest);
     this.changed = this.shadeIsOld = true;
   }
@@ -131,6 +139,7 @@ export class Viewport {
       else surface.showLines(shown && (look.wireframe || this.flat), false, look.wireframe ? 0.55 : 0.22);
     });
     if (this.frame) this.setFrame(this.frame);
+    this.colliders.setVisible(look.colliders);
     this.applyCut();
     this.applyGround();
     this.changed = true;
@@ -178,6 +187,7 @@ export class Viewport {
   seeAll(): void {
     const box = this.restBox.clone();
     if (this.frame) box.setFromArray(this.frame.positions);
+    if (this.look.colliders) this.colliders.widen(box, 2 * this.extent);
     if (this.groundHeight !== null) {
       const up = new THREE.Vector3(...this.header.up);
       const low = box.getCenter(new THREE.Vector3());
@@ -239,6 +249,7 @@ export class Viewport {
 
   dispose(): void {
     this.surfaces.forEach((surface) => surface.dispose());
+    this.colliders.dispose();
   }
 }
 

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import path from "node:path";
 import { after, before, test } from "node:test";
-import { difference, Program, repository, TestBrowser } from "./harness";
+import { difference, Program, repository, TestBrowser, webFolder } from "./harness";
 import { distance, distanceFrom, grip, jelly, position, reset, strip, withPage } from "./live_pages";
 
 let browser: TestBrowser;
@@ -222,5 +222,47 @@ test("coarse cells show through a skin", async () => {
     });
   } finally {
     await spot.stop();
+  }
+});
+
+test("one body is dragged against another, beside a collider that turns", async () => {
+  const pair = await Program.start(path.join(webFolder, "tests/scenes/pair.toml"), "--port", "0");
+  try {
+    await withPage(browser, pair.address, async (watched) => {
+      const { page } = watched;
+      const first = await watched.value<number[][]>("resilin.colliderPlaces()");
+      assert.equal(first.length, 1, "the ground is not among them");
+      await watched.until(`Math.abs(resilin.colliderPlaces()[0][0] - ${first[0][0]}) > 0.02`);
+      // The left block is led through the place of the right one, which gives way.
+      const [left, right] =
+        await watched.value<{ first_vertex: number; num_vertices: number }[]>("resilin.header.parts");
+      const middle = (part: { first_vertex: number; num_vertices: number }, axis: number) =>
+        `Array.from({ length: ${part.num_vertices} }, (_, i) => resilin.position(${part.first_vertex} + i)[${axis}])
+           .reduce((sum, value) => sum + value / ${part.num_vertices}, 0)`;
+      const start = await watched.value<number>(middle(right, 0));
+      const seenMiddle = (part: { first_vertex: number; num_vertices: number }) =>
+        watched.value<{ x: number; y: number }>(`(() => {
+          const seen = Array.from({ length: ${part.num_vertices} }, (_, i) => resilin.seenAt(${part.first_vertex} + i));
+          const mean = (of) => seen.reduce((sum, place) => sum + of(place) / seen.length, 0);
+          return { x: mean((place) => place.x), y: mean((place) => place.y) };
+        })()`);
+      const [from, to] = [await seenMiddle(left), await seenMiddle(right)];
+      await page.mouse.move(from.x, from.y);
+      await page.mouse.down();
+      await watched.until("resilin.state.grabbed_by === resilin.header.client");
+      await page.mouse.move(2 * to.x - from.x, 2 * to.y - from.y, { steps: 12 });
+      await watched.until(`${middle(right, 0)} > ${start} + 0.05`);
+      assert.ok((await watched.value<number>(middle(left, 0))) < (await watched.value<number>(middle(right, 0))));
+      await watched.until("resilin.status.active_pairs > 0 && resilin.status.smallest_gap > 0");
+      assert.match(await page.getByTestId("contact").innerText(), /^\d.* m · \d+$|^\d.* [mµn]m · \d+$/);
+      await page.mouse.up();
+      await watched.value("resilin.send({ type: 'set', key: 'contact_friction', value: 0.7 })");
+      await watched.until("resilin.state.values.contact_friction === 0.7");
+      const colliders = await watched.picture();
+      await page.getByTestId("show-colliders").locator("input").click();
+      assert.ok(difference(colliders, await watched.picture()) > 0.1, "they can be hidden");
+    });
+  } finally {
+    await pair.stop();
   }
 });

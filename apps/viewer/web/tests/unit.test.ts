@@ -6,12 +6,14 @@ import path from "node:path";
 import { test } from "node:test";
 import * as THREE from "three";
 import { readAddress, writeAddress } from "../src/address";
+import type { SceneUniforms } from "../src/body_shader";
 import { color, viridis } from "../src/color_map";
+import { Colliders } from "../src/colliders";
 import { splitAtCreases, uniqueEdges, vertexNormals } from "../src/creases";
 import { readNumber } from "../src/log_slider";
 import { fixed, plain, scaledUnit, withUnit } from "../src/numbers";
 import { pick } from "../src/picking";
-import { decodeFrame, decodeMessage, encodeMessage } from "../src/protocol";
+import { decodeFrame, decodeMessage, decodeTopology, encodeMessage } from "../src/protocol";
 import { curvesOf, timeAxis } from "../src/report";
 import { repository } from "./harness";
 
@@ -127,6 +129,67 @@ test("a frame is decoded as docs/view_protocol.md says", () => {
   assert.throws(() => decodeFrame(buffer, new Float32Array(9)), /another number of vertices/);
 });
 
+test("colliders follow the bodies in topology and frames", () => {
+  const part = { name: "a", body: "a", kind: "cells" as const, first_vertex: 0, num_vertices: 3 };
+  const collider = { name: "wing", num_vertices: 2, num_facets: 1, closed: false, endless: false };
+  const header = {
+    dimension: 2 as const,
+    parts: [{ ...part, num_triangles: 1, num_edges: 0 }],
+    colliders: [collider],
+  };
+  const numbers = [0x31545352, 1, 0, 1, 2];
+  const places = [0, 0, 0, 1, 0, 0, 0, 1, 0, 5, 6, 0, 7, 8, 0];
+  const buffer = new ArrayBuffer(4 * (numbers.length + places.length + 2));
+  new Uint32Array(buffer).set(numbers);
+  new Float32Array(buffer).set(places, numbers.length);
+  new Uint32Array(buffer).set([0, 1], numbers.length + places.length);
+  const { colliders, restPositions } = decodeTopology(buffer, header);
+  assert.deepEqual([...restPositions], places.slice(0, 9));
+  assert.deepEqual([...colliders[0].vertices], places.slice(9));
+  assert.deepEqual([...colliders[0].facets], [0, 1]);
+  assert.deepEqual(decodeTopology(buffer, { ...header, colliders: undefined }).colliders, []);
+
+  const frame = new ArrayBuffer(64 + 8 + 4 + 48); // one vertex with a field, each padded
+  const view = new DataView(frame);
+  view.setUint32(0, 0x31465352, true);
+  view.setUint32(20, 1, true);
+  view.setUint32(24, 2 + 4, true);
+  for (let i = 0; i < 12; ++i) view.setFloat32(76 + 4 * i, i, true);
+  assert.deepEqual([...decodeFrame(frame, new Float32Array(3)).colliders!], [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11]);
+});
+
+test("a collider is drawn where its numbers put it, solid where it has an inside", () => {
+  const square = {
+    vertices: Float32Array.from([0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0]),
+    facets: Uint32Array.from([0, 1, 1, 2, 2, 3, 3, 0]),
+  };
+  const shape = { name: "", num_vertices: 4, num_facets: 4, endless: false };
+  const wall = { vertices: Float32Array.from([0, 0, 0, 1, 0, 0]), facets: Uint32Array.from([0, 1]) };
+  const uniforms = {} as SceneUniforms;
+  const colliders = new Colliders(
+    [
+      { ...shape, closed: true },
+      { ...shape, num_vertices: 2, num_facets: 1, closed: false, endless: true },
+    ],
+    [square, wall],
+    uniforms,
+    true,
+  );
+  const quarterTurn = [0, -1, 0, 2, 1, 0, 0, 3, 0, 0, 1, 0];
+  const still = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0];
+  colliders.move(Float32Array.from([...quarterTurn, ...still]));
+  assert.deepEqual(colliders.firstPlaces[0], [2, 3, 0]);
+  const box = new THREE.Box3(new THREE.Vector3(0, 2, 0), new THREE.Vector3(1.5, 3, 0));
+  colliders.widen(box, 0.25);
+  assert.deepEqual(box.min.toArray(), [0, 2, 0]);
+  assert.deepEqual(box.max.toArray(), [1.75, 3.25, 0], "no further than it may, and a line without end counts not");
+  const meshes = colliders.solids.children.filter((child) => child instanceof THREE.Mesh);
+  assert.ok(
+    meshes.some(({ geometry }) => geometry.index!.count === 6),
+    "the square is filled with two triangles",
+  );
+});
+
 /** What `hello` must hold, of a scene with one control of each kind. */
 function hello(): Record<string, unknown> {
   const shared = { folder: "Material", help: "What it does" };
@@ -185,7 +248,7 @@ test("a message of the program has its type, or is refused in a line that says w
 test("a number that the program could not write is not a number", () => {
   const numbers = ["time", "real_time_ratio", "step_ms", "assembly_ms", "solve_ms", "surface_ms", "other_ms"].concat(
     ["newton_iterations", "linear_iterations", "residual", "relative_residual", "min_volume_ratio"],
-    ["inverted_cells", "elastic_energy", "kinetic_energy"],
+    ["inverted_cells", "smallest_gap", "active_pairs", "elastic_energy", "kinetic_energy"],
   );
   const status = { type: "status", ...Object.fromEntries(numbers.map((name) => [name, 1])) };
   const flags = { converged: true, at_rest: false, words: "" };

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <filesystem>
+
+#include "resilin/io/vtu.hpp"
+#include "resilin/world/state.hpp"
+#include "resilin/world/world.hpp"
+
+/// The colliders of a run as files beside its frames, for ParaView and for pictures: colliders/NNNN.vtu with
+/// the number of the frame; where none moves colliders/0000.vtu is that of all.
+namespace resilin {
+
+/// The name of a frame's file in the folder of a run.
+std::string collider_file_name(const World& world, std::size_t frame);
+
+bool has_colliders(const World& world);
+
+/// Triangles, lines and points with the number of the collider.
+VtuContent collider_content(const World& world, const State& state);
+
+/// What the file of a frame, frames/NNNN.vtu, has beside it; empty where there is nothing.
+Mesh saved_colliders(const std::filesystem::path& frame_file);
+
+/// Takes away those of frames from `end` on.
+void remove_collider_files(const std::filesystem::path& folder, std::size_t end);
+
+}  // namespace resilin
