@@ -90,6 +90,35 @@ TEST(BodiesOfEveryElement, KeepApart) {
   }
 }
 
+/// A press that cannot be where it is led to stays behind, as colliders do.
+TEST_P(BodiesInMotion, AreNotLedThroughEachOtherByTheirSupports) {
+  for (const int dimension : {2, 3}) {
+    const int up = dimension - 1;
+    Description scene = small_bar(dimension, true);
+    scene.integrator = integrator;
+    scene.time_step = 0.05;
+    scene.bodies[0].name = "lower";
+    scene.bodies[0].material.law = "neo_hookean";
+    scene.bodies.push_back(scene.bodies[0]);
+    scene.bodies[1].name = "upper";
+    scene.bodies[1].translate[up] = 0.27;
+    scene.fixes[0].body = "lower";
+    scene.fixes[0].where.axis = up;
+    scene.fixes.push_back(scene.fixes[0]);
+    FixDescription& press = scene.fixes[1];
+    press.name = press.body = "upper";
+    press.where.at = 0.52;
+    press.velocity[up] = -16;  // in one step as far as both are high, and on
+    scene.probes[0].body = "lower";
+    Simulation simulation(scene);
+    for (int step = 0; step < 3; ++step) {
+      EXPECT_NE(simulation.step().status, StepReport::Status::converged) << dimension;
+      EXPECT_FALSE(has_crossing(simulation)) << dimension << ", step " << step;
+      EXPECT_GT(simulation.frame().min_volume_ratio, 0) << dimension << ", step " << step;
+    }
+  }
+}
+
 /// Held sideways everywhere, two cubes of one hexahedron are columns upon each other: each layer carries
 /// what is above it.
 TEST(ACubeOnACube, PressesItWithItsWeight) {

@@ -249,6 +249,31 @@ TEST(ABallBetweenRollers, IsSqueezed) {
   EXPECT_GT(simulation.frame().min_volume_ratio, 0);
 }
 
+/// Shafts that turn about their own axes carry what lies on them, their facets in its way or not.
+TEST(ABlockOnRollers, IsCarriedAtTheirSpeed) {
+  Description scene = soft_body_in_motion(make_box({0.4, 0.2, 0.04}, {8, 2, 1}, {-0.2, -0.1, 0.0003}), 0.4);
+  for (const double x : {-0.15, 0.15, 0.45}) {
+    ColliderDescription roller;
+    roller.name = "at " + std::to_string(x);
+    roller.kind = "cylinder";
+    roller.shape.start = {x, -0.2, -0.1};
+    roller.shape.end = {x, 0.2, -0.1};
+    roller.shape.radius = 0.1;
+    roller.friction = 0.5;
+    roller.rotate = ColliderTurn{.axis = {0, 1, 0}, .center = {x, 0, -0.1}, .degrees_per_second = 180};
+    scene.colliders.push_back(roller);
+  }
+  const Simulation simulation = converged_end_of(scene);
+  EXPECT_EQ(simulation.state().collider_delay, 0);
+  const double speed = 0.1 * std::acos(-1.0);
+  VectorX momentum;
+  simulation.world().mass->multiply(simulation.state().velocities, momentum);
+  double along = 0;
+  for (Index node = 0; node < simulation.world().num_nodes(); ++node)
+    along += node_position(3, node, momentum).x();
+  EXPECT_NEAR(along / simulation.world().bodies[0].mass, speed, 0.02 * speed);
+}
+
 /// A hopper of two lines and a pin of one point, in the plane.
 TEST(ABodyInThePlane, SlidesAlongPolylinesAndRoundAPoint) {
   Description scene = soft_body_in_motion(make_rectangle({0.2, 0.2}, {4, 4}, {-0.1, 0.3}), 1);

@@ -16,6 +16,25 @@ std::shared_ptr<const ColliderShape> make_sphere(const ShapeDescription& d) {
   return std::make_shared<Sphere>(d.center, d.radius);
 }
 
+/// Whether a line goes through a point along a direction; rounding of what users write does not count.
+bool goes_along(const ColliderTurn& line, const Vector3& point, const Vector3& direction, double size) {
+  const Vector3 axis = line.axis.normalized();
+  return direction.cross(axis).norm() <= 1e-9 * direction.norm() &&
+         (point - line.center).cross(axis).norm() <= 1e-9 * size;
+}
+
+bool half_space_is_round(const ShapeDescription& d, const ColliderTurn& turn) {
+  return goes_along({.axis = turn.axis, .center = d.point}, d.point, d.normal, 1);
+}
+
+bool sphere_is_round(const ShapeDescription& d, const ColliderTurn& turn) {
+  return goes_along(turn, d.center, turn.axis, d.radius);
+}
+
+bool shaft_is_round(const ShapeDescription& d, const ColliderTurn& turn) {
+  return goes_along(turn, d.start, d.end - d.start, d.radius);
+}
+
 ColliderMesh make_box_mesh(const ShapeDescription& d, int dim) { return box_mesh(d.center, d.size, dim); }
 
 ColliderMesh make_capsule(const ShapeDescription& d, int dim) {
@@ -34,14 +53,24 @@ ColliderMesh make_mesh(const ShapeDescription& d, int dim) {
 
 const std::vector<ShapeKind>& shape_kinds() {
   static const std::vector<ShapeKind> kinds = {
-      {.name = "half_space", .keys = {"point", "normal"}, .make = make_half_space},
-      {.name = "sphere", .keys = {"center", "radius"}, .make = make_sphere},
+      {.name = "half_space",
+       .keys = {"point", "normal"},
+       .make = make_half_space,
+       .is_round_about = half_space_is_round},
+      {.name = "sphere",
+       .keys = {"center", "radius"},
+       .make = make_sphere,
+       .is_round_about = sphere_is_round},
       {.name = "box", .keys = {"center", "size"}, .make_mesh = make_box_mesh},
-      {.name = "capsule", .keys = {"start", "end", "radius"}, .make_mesh = make_capsule},
+      {.name = "capsule",
+       .keys = {"start", "end", "radius"},
+       .make_mesh = make_capsule,
+       .is_round_about = shaft_is_round},
       {.name = "cylinder",
        .keys = {"start", "end", "radius"},
        .make_mesh = make_cylinder,
-       .is_flat_too = false},
+       .is_flat_too = false,
+       .is_round_about = shaft_is_round},
       {.name = "mesh", .keys = {"mesh"}, .make_mesh = make_mesh, .more_keys = {"scale", "translate"}},
   };
   return kinds;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "resilin/contact/collider_mesh.hpp"
+#include "resilin/contact/collider_motion.hpp"
 #include "resilin/contact/collider_shape.hpp"
 
 namespace resilin {
@@ -32,6 +33,8 @@ struct ShapeKind {
   ColliderMesh (*make_mesh)(const ShapeDescription&, int dim) = nullptr;  ///< or of facets: its surface
   std::vector<std::string> more_keys{};                                   ///< that it may have
   bool is_flat_too = true;                                                ///< there is such a thing in 2D
+  /// Whether a turn leaves all its points within it; none: no turn does.
+  bool (*is_round_about)(const ShapeDescription&, const ColliderTurn&) = nullptr;
 };
 
 /// Every kind of collider. The scene reader, the documentation and the property tests walk this list.

@@ -219,7 +219,7 @@ bool ColliderBarrier::may_go(const VectorX& x, double from, double to) const {
 }
 
 double ColliderBarrier::least_delay(const VectorX& x, const Conditions& c) const {
-  if (motion_.is_at_rest() || !is_active_) return 0;
+  if (motion_.keeps_place() || !is_active_) return 0;
   if (motion_.is_straight()) {
     const double reached = std::min(c.time - c.collider_delay, motion_.until);
     const double wanted = std::min(c.time, motion_.until);

@@ -12,7 +12,7 @@ RigidPlace ColliderMotion::place(double time) const {
   RigidPlace place{.turn = std::nullopt, .shift = moved * velocity};
   if (!displacement.isZero(0)) place.shift += time_function.value(time) * displacement;
   if (!turn) return place;
-  const double degrees = turn->degrees + moved * turn->degrees_per_second;
+  const double degrees = turn->degrees + moved * turning_speed();
   if (degrees == 0) return place;
   place.turn =
       Eigen::AngleAxisd(degrees * std::numbers::pi / 180, turn->axis.normalized()).toRotationMatrix();
@@ -31,7 +31,7 @@ Vector3 ColliderMotion::velocity_at(const Vector3& x, double time) const {
 }
 
 double ColliderMotion::degrees_between(double from, double to) const {
-  return turn ? std::abs((std::min(to, until) - std::min(from, until)) * turn->degrees_per_second) : 0;
+  return std::abs((std::min(to, until) - std::min(from, until)) * turning_speed());
 }
 
 }  // namespace resilin

@@ -37,14 +37,22 @@ struct ColliderMotion {
   Vector3 displacement = Vector3::Zero();                  ///< [m]
   TimeFunction time_function{};
   std::optional<ColliderTurn> turn{};
+  /// It is round about the axis that it turns about: as time passes the turn changes velocities alone, not
+  /// places, so that facets which stand for something round do not plough through what they carry along.
+  bool turns_in_place = false;
 
-  bool is_at_rest() const { return is_straight() && velocity.isZero(0); }
-  /// Whether it moves on one line, evenly up to `until`.
-  bool is_straight() const { return displacement.isZero(0) && (!turn || turn->degrees_per_second == 0); }
+  bool is_at_rest() const { return keeps_place() && !(turn && turn->degrees_per_second != 0); }
+  bool keeps_place() const { return is_straight() && velocity.isZero(0); }
+  /// Whether its points move on lines, evenly up to `until`.
+  bool is_straight() const { return displacement.isZero(0) && turning_speed() == 0; }
   RigidPlace place(double time) const;
   /// With which what is at x came there: where rates jump, that from before [m/s].
   Vector3 velocity_at(const Vector3& x, double time) const;
   double degrees_between(double from, double to) const;
+
+ private:
+  /// Of its places [degrees/s].
+  double turning_speed() const { return turn && !turns_in_place ? turn->degrees_per_second : 0; }
 };
 
 }  // namespace resilin

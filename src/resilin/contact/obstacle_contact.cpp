@@ -44,7 +44,7 @@ double ObstacleContact::free_way(const VectorX& x, double from, double to) const
 
 double ObstacleContact::least_delay(const VectorX& x, const Conditions& c) const {
   const ColliderMotion& motion = obstacle().motion;
-  if (motion.is_at_rest() || !(c.collider_delay > 0)) return 0;
+  if (motion.keeps_place() || !(c.collider_delay > 0)) return 0;
   const double last = motion.is_straight() ? motion.until : std::numeric_limits<double>::infinity();
   const double wanted = std::min(c.time, last);
   double reached = std::min(c.time - c.collider_delay, last);
@@ -63,7 +63,7 @@ double ObstacleContact::least_delay(const VectorX& x, const Conditions& c) const
 
 std::optional<double> ObstacleContact::driven_work(const VectorX& from, const Conditions& before,
                                                    const VectorX& to, const Conditions& after) const {
-  if (obstacle().motion.is_at_rest()) return std::nullopt;
+  if (obstacle().motion.keeps_place()) return std::nullopt;
   const Eigen::Index first = Eigen::Index{surface().num_body_vertices()} * surface().parts.dim;
   const VectorX start = surface().places(from, before), end = surface().places(to, after);
   const VectorX way = (end - start).tail(end.size() - first);

@@ -32,6 +32,13 @@ VectorX accelerations_from(const World& world, State state, double time_step) {
   return accelerations_at(world, state, prescribed.accelerations);
 }
 
+/// Whether supports are where they should be.
+bool follows(const World& world, const VectorX& positions, const VectorX& prescribed) {
+  for (Eigen::Index i = 0; i < positions.size(); ++i)
+    if (world.is_fixed[static_cast<std::size_t>(i)] != 0 && positions[i] != prescribed[i]) return false;
+  return true;
+}
+
 }  // namespace
 
 TimeStepper::TimeStepper(const World& world)
@@ -65,6 +72,7 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
   History seen = start;  // without the impulses of contact in the stages
   std::vector<Motion> solutions;
   double colliders_reached = state.time - state.collider_delay;
+  bool supports_are_reached = true;
   for (int i = 0; i < integrator.num_stages(); ++i) {
     Stage stage = integrator.begin_stage(i, seen, solutions, time_step);
     const VectorX& before = solutions.empty() ? start.now.positions : solutions.back().positions;
@@ -83,6 +91,7 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
                     {.friction_rounds = world.friction_iterations}, newton, x, observer);
     const NewtonReport& search = searched.newton;
     report.friction.add(searched);
+    supports_are_reached &= follows(world, x, prescribed.positions);
     conditions = potential.conditions();
     add_to(report.newton, search);
     if (search.status == NewtonReport::Status::interrupted) {
@@ -151,7 +160,9 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
     attempt.last_stage = std::move(stage);
   }
   attempt.end = integrator.finish(start, std::move(solutions), time_step);
-  prescribe_motion_at(world, state.time + time_step, attempt.end);
+  // Supports whose motion was in the way of something stay where the search has led them: beyond, surfaces
+  // may go through each other and cells be inside out. The next step leads them on from there.
+  if (supports_are_reached) prescribe_motion_at(world, state.time + time_step, attempt.end);
   return attempt;
 }
 

@@ -95,6 +95,9 @@ ColliderMotion motion_of(const ColliderDescription& description, double end_time
                         .turn = description.rotate};
   if (motion.time_function.is_constant())
     motion.time_function.form = TimeFunction::Ramp{.from = 0, .until = end_time};
+  const ShapeKind* kind = find_shape_kind(description.kind);
+  motion.turns_in_place = motion.turn && kind != nullptr && kind->is_round_about != nullptr &&
+                          kind->is_round_about(description.shape, *motion.turn);
   return motion;
 }
 
