@@ -2,7 +2,9 @@
 
 `expected.json` of a case holds its title, source and what is measured, and `rows`. A row has
     name, quick (./test runs it), scene (default scene.toml), set (values of the scene, as for `resilin run --set`)
+    or, in place of scene, generate: the name of a function of contact_scenes with its arguments
     or, in place of scene and set, commands: lists of arguments for `resilin`, each of which prints JSON
+    may_end_unsolved: steps without a solution (exit code 2) are no reason against the row; an expectation counts them
     remark (what to know about a row that fails)
     expect: a list of
         what        in words
@@ -14,6 +16,7 @@
         absolute    tolerance in the value's unit; or
         at_least, at_most    bounds, in place of value
         plus        [number, why]: stands in the expected value, but not in ours
+What `every_row` holds is part of every row; its `expect` comes after the row's own.
 """
 
 import dataclasses
@@ -23,7 +26,9 @@ import pathlib
 import subprocess
 import tempfile
 
+from contact_scenes import scenes
 from measures import MEASURES
+from toml_text import toml
 
 FOLDER = pathlib.Path(__file__).resolve().parent
 TIME_LIMIT = 1800  # [s] for one run
@@ -60,7 +65,15 @@ class Result:
 def cases():
     """Name of folder -> contents of its expected.json."""
     files = sorted(FOLDER.glob("*/expected.json"))
-    return {file.parent.name: json.loads(file.read_text(encoding="utf-8")) for file in files}
+    return {file.parent.name: with_common(json.loads(file.read_text(encoding="utf-8"))) for file in files}
+
+
+def with_common(case):
+    common = case.get("every_row", {})
+    case["rows"] = [
+        {**common, **row, "expect": row.get("expect", []) + common.get("expect", [])} for row in case["rows"]
+    ]
+    return case
 
 
 def run_row(program, case_name, row, out=None):
@@ -80,12 +93,15 @@ def run_row(program, case_name, row, out=None):
 
 def run(program, case_name, row, out):
     """The report of a scene; raises RuntimeError when the run does not come to its end."""
-    command = [program, "run", FOLDER / case_name / row.get("scene", "scene.toml"), "--out", out, "--quiet"]
-    command += ["--threads", "1"]
+    scene = FOLDER / case_name / row.get("scene", "scene.toml")
+    if "generate" in row:
+        arguments = dict(row["generate"])
+        scene = scenes.write(arguments.pop("name"), out / "scene", **arguments)
+    command = [program, "run", scene, "--out", out, "--quiet", "--threads", "1"]
     for key, value in row.get("set", {}).items():
         command += ["--set", f"{key}={toml(value)}"]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=TIME_LIMIT)
-    if done.returncode == 0:
+    if done.returncode == 0 or (done.returncode == 2 and row.get("may_end_unsolved")):
         return json.loads((out / "report.json").read_text(encoding="utf-8"))
     reason = done.stderr.strip()
     if done.returncode == 2:
@@ -101,15 +117,6 @@ def reports_of_commands(program, row):
             raise RuntimeError(f"exit code {done.returncode}: {done.stderr.strip()}")
         reports.append(json.loads(done.stdout))
     return reports
-
-
-def toml(value):
-    """A value of a scene as `resilin run --set` reads it."""
-    if isinstance(value, dict):
-        return "{ " + ", ".join(f"{key} = {toml(entry)}" for key, entry in value.items()) + " }"
-    if isinstance(value, list):
-        return "[" + ", ".join(map(toml, value)) + "]"
-    return json.dumps(value)
 
 
 def find(report, path):

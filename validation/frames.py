@@ -11,7 +11,13 @@ DTYPES = {b"Float64": "d", b"Int64": "q"}
 class Frame:
     rest: list  # positions of the nodes at rest, three numbers each [m]
     displacements: list  # of the nodes, three numbers each [m]
+    positions: list  # of the nodes, three numbers each, to the last bit [m]
     cells: list  # node numbers of each cell, in VTK's order
+    bodies: list  # number of the body that each cell is of
+
+    def nodes_of(self, body):
+        """Node numbers of a body."""
+        return {i for cell, number in zip(self.cells, self.bodies, strict=True) if number == body for i in cell}
 
 
 def read_frame(folder, step):
@@ -28,9 +34,9 @@ def read_frame(folder, step):
         flat = numbers(name)
         return [flat[i : i + 3] for i in range(0, len(flat), 3)]
 
-    displacements = vectors(b"displacement")
-    rest = [[x - u for x, u in zip(*pair, strict=True)] for pair in zip(vectors(b"Points"), displacements, strict=True)]
+    displacements, positions = vectors(b"displacement"), vectors(b"Points")
+    rest = [[x - u for x, u in zip(*pair, strict=True)] for pair in zip(positions, displacements, strict=True)]
     connectivity = numbers(b"connectivity")
     ends = numbers(b"offsets")
     cells = [connectivity[begin:end] for begin, end in zip([0, *ends], ends, strict=False)]
-    return Frame(rest, displacements, cells)
+    return Frame(rest, displacements, positions, cells, numbers(b"body"))

@@ -4,8 +4,10 @@ A measure is a function of the report and the folder of results; `expected.json`
 """
 
 import math
+import re
 
 from frames import read_frame
+from intersections import intersections, inverted_cells
 from norms import error_norms
 
 
@@ -121,6 +123,41 @@ def manufactured_error(report, folder, norm, dim, coarser=None):
     return error if coarser is None else math.log2(coarser / error)
 
 
+def unsolved_steps(report, _folder):
+    """Steps that found no solution, as the report says; what a run that gave up did not get to counts as one."""
+    if report["status"] == "done":
+        return 0
+    found = re.match(r"(\d+) of \d+ steps were cut short", report["reason"])
+    return int(found[1]) if found else math.inf
+
+
+def coordinate(report, folder, axis, which, body=None, time=None):
+    """The lowest or the highest coordinate of all nodes, or of those of a body, at the end or at a time."""
+    numbers = [n for n, frame in enumerate(report["frames"]) if time is None or frame["time"] <= time * (1 + 1e-9)]
+    frame = read_frame(folder, numbers[-1])
+    of_body = frame.nodes_of(body) if body is not None else range(len(frame.positions))
+    return {"lowest": min, "highest": max}[which](frame.positions[i][axis] for i in of_body)
+
+
+def energy_growth(report, _folder):
+    """Most of the total energy over that at the start, in parts of the kinetic energy at the start."""
+    energies = [frame["energy"] for frame in report["frames"]]
+    return max(energy["total"] - energies[0]["total"] for energy in energies) / energies[0]["kinetic"]
+
+
+def restitution(report, _folder, axis):
+    """Speed of the centre of mass at the end over that at the start, back again."""
+    momenta = [frame["momentum"]["linear"][axis] for frame in report["frames"]]
+    return -momenta[-1] / momenta[0]
+
+
+def probe_speed(report, _folder, probe, axis, which):
+    """The lowest or highest speed of a probe along an axis in the second half of the time."""
+    late = report["frames"][len(report["frames"]) // 2 :]
+    speeds = [abs(frame["probes"][probe]["velocity"][axis]) for frame in late]
+    return {"lowest": min, "highest": max}[which](speeds)
+
+
 MEASURES = {
     function.__name__: function
     for function in (
@@ -136,5 +173,12 @@ MEASURES = {
         mean_contact_force,
         manufactured_error,
         newton_iterations,
+        intersections,
+        inverted_cells,
+        unsolved_steps,
+        coordinate,
+        energy_growth,
+        restitution,
+        probe_speed,
     )
 }
