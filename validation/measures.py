@@ -87,6 +87,28 @@ def time_to_stop(report, _folder, axis):
     return t0 + (t1 - t0) * p0 / (p0 - p1)
 
 
+def sum_of_reactions(report, _folder, load, names, axis):
+    """What supports and colliders exert together along an axis, at a load factor."""
+    frame = next(frame for frame in report["frames"] if math.isclose(frame["load"], load, rel_tol=1e-9))
+    return math.fsum(frame["reactions"][name][axis] for name in names)
+
+
+def places(folder, step):
+    """Where all nodes are in a frame, two or three numbers each."""
+    return [[a + b for a, b in zip(rest, u, strict=True)] for rest, u in nodes(folder, step)]
+
+
+def mean_place(_report, folder, step, axis):
+    """Of all nodes, each counted once, along an axis."""
+    along = [place[axis] for place in places(folder, step)]
+    return math.fsum(along) / len(along)
+
+
+def lowest_place(_report, folder, step, axis):
+    """The smallest coordinate of any node along an axis."""
+    return min(place[axis] for place in places(folder, step))
+
+
 def touching_times(report, name_of_collider):
     """Times of the frames in which a collider pushes by more than a tenth of the most that it does."""
     sizes = [(frame["time"], math.hypot(*frame["reactions"][name_of_collider])) for frame in report["frames"]]
@@ -166,6 +188,9 @@ MEASURES = {
         energy_slope,
         largest_energy_change,
         largest_energy_growth,
+        sum_of_reactions,
+        mean_place,
+        lowest_place,
         mean_velocity,
         mean_acceleration,
         time_to_stop,
