@@ -12,6 +12,9 @@ namespace resilin {
 namespace {
 
 using Slip = Eigen::Vector2d;
+
+constexpr double not_turned =
+    0.9;  ///< the cosine of the angle between normals of what is taken for one contact
 /// Along a surface, of length 1 and at right angles; in 2D the second is zero.
 using Tangents = Eigen::Matrix<double, 3, 2>;
 
@@ -65,16 +68,18 @@ auto parties(const FrictionContacts::Entry& entry) {
   return std::pair(entry.source, nodes);
 }
 
-/// Which one of the contacts before each of the others is, if it is one of them.
+/// Which one of the contacts before each of the others is, if it is one of them and has not turned: of
+/// several between the same, such as a body's edge and edges of an obstacle, the first is the first.
 std::vector<std::optional<std::size_t>> same_contacts(const FrictionContacts& before,
                                                       const FrictionContacts& now) {
   std::vector<std::optional<std::size_t>> same(now.size());
-  std::map<std::pair<std::size_t, std::vector<Index>>, std::size_t> known;
-  for (std::size_t k = 0; k < before.size(); ++k) known.try_emplace(parties(before[k]), k);
+  std::multimap<std::pair<std::size_t, std::vector<Index>>, std::size_t> known;
+  for (std::size_t k = 0; k < before.size(); ++k) known.emplace(parties(before[k]), k);
   for (std::size_t i = 0; i < now.size(); ++i) {
-    const auto found = known.find(parties(now[i]));
-    if (found == known.end()) continue;
-    same[i] = found->second;
+    const auto key = parties(now[i]);
+    const auto found = known.lower_bound(key);
+    if (found == known.end() || found->first != key) continue;
+    if (before[found->second].contact.normal.dot(now[i].contact.normal) > not_turned) same[i] = found->second;
     known.erase(found);
   }
   return same;
@@ -162,12 +167,12 @@ bool LaggedFriction::form_lag(const VectorX& x, const Conditions& c) {
 void LaggedFriction::mix_lag(double share) {
   std::vector<bool> is_left(before_.contacts.size(), true);
   for (std::size_t i = 0; i < before_.of_contact.size(); ++i) {
-    double limit = share * contacts_[i].contact.limit;
     if (const auto known = before_.of_contact[i]) {
-      limit += (1 - share) * before_.contacts[*known].contact.limit;
+      contacts_.mix(i, share, before_.contacts[*known]);
       is_left[*known] = false;
+    } else {
+      contacts_.scale_limit(i, share);
     }
-    contacts_.set_limit(i, std::max(limit, 0.0));
   }
   for (std::size_t k = 0; k < is_left.size() && share < 1; ++k) {
     if (!is_left[k]) continue;

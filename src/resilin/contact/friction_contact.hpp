@@ -44,7 +44,19 @@ class FrictionContacts {
   }
 
   std::size_t size() const { return contacts_.size(); }
-  void set_limit(std::size_t i, double limit) { contacts_[i].limit = limit; }
+  /// Takes only a share of a contact, the rest from what it was before, between the same nodes.
+  void mix(std::size_t i, double share, const Entry& before) {
+    FrictionContact& contact = contacts_[i];
+    contact.normal = (share * contact.normal + (1 - share) * before.contact.normal).normalized();
+    contact.limit = std::max(share * contact.limit + (1 - share) * before.contact.limit, 0.0);
+    contact.velocity = share * contact.velocity + (1 - share) * before.contact.velocity;
+    const std::size_t begin = i == 0 ? 0 : ends_[i - 1];
+    for (std::size_t k = 0; k < before.nodes.size(); ++k) {
+      double& weight = nodes_[begin + k].weight;
+      weight = share * weight + (1 - share) * before.nodes[k].weight;
+    }
+  }
+  void scale_limit(std::size_t i, double share) { contacts_[i].limit *= share; }
   Entry operator[](std::size_t i) const {
     const std::size_t begin = i == 0 ? 0 : ends_[i - 1];
     return {contacts_[i], sources_[i], std::span(nodes_).subspan(begin, ends_[i] - begin)};

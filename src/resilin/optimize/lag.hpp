@@ -69,7 +69,7 @@ class Lag {
 
  private:
   static constexpr double first_goal = 3e-2, goal_of_round = 0.1;
-  static constexpr double least_share = 0.05, most_share = 1.5;
+  static constexpr double least_share = 2e-3, most_share = 1.5;
 
   Objective& objective_;
   std::span<const std::uint8_t> is_fixed_;

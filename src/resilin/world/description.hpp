@@ -188,7 +188,7 @@ struct ContactDescription {
   std::optional<double> stiffness;       ///< of the barrier [Pa]; default 0.1 of each body's Young's modulus
   double friction = 0;                   ///< Coulomb's coefficient of bodies on each other and on themselves
   std::optional<double> friction_speed;  ///< [m/s]; default: see default_friction_speed
-  int friction_iterations = 20;          ///< so often at most a stage of a step forms normal forces anew
+  int friction_iterations = 50;          ///< so often at most a stage of a step forms normal forces anew
   std::vector<ContactPairDescription> pairs;
 };
 
