@@ -54,11 +54,9 @@ class Lag {
     ++rounds_;
     if (last_change_.size() == 0) return false;
     const VectorX turn = last_change_ - change_;
-    share_ = std::clamp(share_ * last_change_.dot(turn) / turn.squaredNorm(), least_share, most_share);
-    if (!(share_ < 1 || share_ > 1)) {
-      share_ = 1;
-      return false;
-    }
+    const double share = share_ * last_change_.dot(turn) / turn.squaredNorm();
+    share_ = share > 0 ? std::clamp(share, least_share, 1.0) : std::max(grown_share * share_, least_share);
+    if (share_ == 1) return false;
     objective_.mix_lag(share_);
     is_here_ = false;
     objective_.gradient(x, gradient);
@@ -69,7 +67,8 @@ class Lag {
 
  private:
   static constexpr double first_goal = 3e-2, goal_of_round = 0.1;
-  static constexpr double least_share = 2e-3, most_share = 1.5;
+  static constexpr double least_share = 2e-3;
+  static constexpr double grown_share = 0.3;  ///< of the last one, where changes grew in their own direction
 
   Objective& objective_;
   std::span<const std::uint8_t> is_fixed_;
