@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -113,6 +114,56 @@ TEST(ClosestPoints, KnowEachRegionOfTwoEdgesExactly) {
   EXPECT_EQ(weights({0, 0, 1}, {2, 0, 1}), weights({0, 0, 1}, {2, 0, 1}));
   EXPECT_DOUBLE_EQ(
       pair_distance<3>(PairKind::edge_edge, std::array<Vector3, 4>{a, b, {0, 0, 1}, {2, 0, 1}}).distance, 1);
+}
+
+/// Feet that are closer to an edge or to a vertex than the root of what distances round to: their shares are
+/// as exact as all others, so that forces turn continuously from part to part.
+TEST(ClosestPoints, FindFeetNextToEdgesAndVertices) {
+  using W = std::array<double, 4>;
+  const auto are_the_weights = [](PairKind kind, const std::array<Vector3, 4>& x, const W& expected) {
+    const W weights = pair_distance<3>(kind, x).weights;
+    for (std::size_t i = 0; i < 4; ++i) {
+      EXPECT_NEAR(weights[i], expected[i], 1e-14);
+      EXPECT_EQ(weights[i] == 0, expected[i] == 0);
+    }
+  };
+  SamplePairs<3> samples(PairKind::point_triangle, 7);
+  for (int i = 0; i < 20000 && !HasFailure(); ++i) {
+    const Vector3 p = samples.place(), e = samples.place(), f = samples.place();
+    if (e.cross(f).norm() < 0.3) continue;
+    const Vector3 n = e.cross(f).normalized(), out = e.cross(n).normalized();
+    const double o = std::pow(10, samples.uniform(-13, -7)), s = samples.uniform(0.1, 0.9),
+                 gap = std::pow(10, samples.uniform(-4, 0));
+    const auto above_triangle = [&](double u, double v) {
+      const std::array x{Vector3(p + u * e + v * f + gap * n), p, Vector3(p + e), Vector3(p + f)};
+      are_the_weights(PairKind::point_triangle, x, {1, u + v - 1, -u, -v});
+    };
+    above_triangle(s, o);
+    above_triangle(o, s);
+    above_triangle(1 - s - o, s);
+    above_triangle(o, 0.3 * o);
+    above_triangle(1 - 2 * o, o);
+    above_triangle(o, 1 - 2 * o);
+    // Beside the triangle, at its edge e and next to both ends.
+    for (const double u : {o, 1 - o}) {
+      const Vector3 place = p + u * e + gap * (0.8 * out + 0.6 * n);
+      are_the_weights(PairKind::point_triangle, {place, p, p + e, p + f}, {1, u - 1, -u, 0});
+      are_the_weights(PairKind::point_triangle, {place, p + f, p, p + e}, {1, 0, u - 1, -u});
+      are_the_weights(PairKind::point_triangle, {place, p + e, p + f, p}, {1, -u, 0, u - 1});
+    }
+    // Edges that cross next to an end of one of them or of both, and an end beside the other edge.
+    for (const double u : {o, 1 - o})
+      for (const double v : {s, o, 1 - o}) {
+        const Vector3 q = p + u * e + gap * n - v * f;
+        are_the_weights(PairKind::edge_edge, {p, p + e, q, q + f}, {1 - u, u, v - 1, -v});
+        are_the_weights(PairKind::edge_edge, {q, q + f, p, p + e}, {1 - v, v, u - 1, -u});
+      }
+    const Vector3 end = p + o * e + gap * out, away = end + samples.uniform(0.1, 2) * out + s * n;
+    are_the_weights(PairKind::edge_edge, {end, away, p, p + e}, {1, 0, o - 1, -o});
+    are_the_weights(PairKind::edge_edge, {away, end, p, p + e}, {0, 1, o - 1, -o});
+    are_the_weights(PairKind::edge_edge, {p, p + e, end, away}, {1 - o, o, -1, 0});
+    are_the_weights(PairKind::edge_edge, {p, p + e, away, end}, {1 - o, o, 0, -1});
+  }
 }
 
 /// Edges that cross in their middles at a small angle: the parameters follow from triple products to
