@@ -6,6 +6,7 @@
 
 #include "resilin/collision/collision_time.hpp"
 #include "resilin/contact/pressing_forces.hpp"
+#include "resilin/contact/second_order_forces.hpp"
 #include "resilin/core/stopwatch.hpp"
 #include "resilin/integrator/stage.hpp"
 #include "resilin/mesh/facet.hpp"
@@ -174,6 +175,19 @@ double SurfaceContact::max_step(const VectorX& x, const VectorX& p, const Condit
   return with_memory([&](Memory& memory) {
     return free_share(memory, surface_->places(x, c), surface_->displacements(p),
                       CollisionTimeOptions().share_left);
+  });
+}
+
+bool SurfaceContact::add_second_order_forces(const VectorX& x, const VectorX& p, const Conditions& c,
+                                             VectorX& forces) const {
+  return with_memory([&](Memory& memory) {
+    const State& state = state_at(memory, x, c);
+    const Stopwatch watch(timing_->detection);
+    const VectorX of_vertices =
+        second_order_forces({*surface_, state.all.terms}, state.places, surface_->displacements(p));
+    if (of_vertices.size() == 0) return false;
+    surface_->add_to_nodes(c.contact_weight * of_vertices, forces);
+    return true;
   });
 }
 

@@ -37,6 +37,8 @@ class SurfaceContact : public Energy, public FrictionSource {
   void add_hessian(const VectorX& x, const Conditions& c, Projection projection,
                    BlockMatrix& hessian) const override;
   double max_step(const VectorX& x, const VectorX& p, const Conditions& c) const override;
+  bool add_second_order_forces(const VectorX& x, const VectorX& p, const Conditions& c,
+                               VectorX& forces) const override;
 
   std::unique_ptr<Energy> begin_stage(const Stage& stage) const override;
   void prepare(const VectorX& x, const VectorX& p, const Conditions& c) override;

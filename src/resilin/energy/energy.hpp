@@ -127,6 +127,13 @@ class Energy {
     return 1;
   }
 
+  /// Adds forces [N] that times the inverse of the Hessian at x lead a Newton step p around what it would run
+  /// into although to first order it does not. @return whether there are any
+  virtual bool add_second_order_forces(const VectorX& /*x*/, const VectorX& /*p*/, const Conditions& /*c*/,
+                                       VectorX& /*forces*/) const {
+    return false;
+  }
+
   // ---- one stage of a step, in motion and in statics
 
   /// The term for one stage, which then belongs to the stage alone: terms that follow velocities, that lag

@@ -25,6 +25,11 @@ struct Newton::Search {
   /// the ratio of the moduli; from where stiffening fibres raise it by more there is no way back.
   static constexpr double most_growth_of_residual = 1e6;
 
+  /// Shorter steps are corrected to second order, so many times.
+  static constexpr double short_step = 0.3;
+  static constexpr int most_corrections = 3;
+  static constexpr double forcing_of_corrections = 1e-2;
+
   Newton& newton;
   Objective& objective;
   std::span<const std::uint8_t> is_fixed;
@@ -230,6 +235,32 @@ struct Newton::Search {
     }
   }
 
+  /// How far the step may go. Where that is not far, because surfaces turn on the way, the step is corrected
+  /// to second order first.
+  double longest_step(bool boundary_moves) {
+    objective.prepare(x, step);
+    double length = objective.max_step(x, step);
+    VectorX forces, correction;
+    for (int k = 0; k < most_corrections && length < short_step; ++k) {
+      forces.setZero(x.size());
+      if (!objective.add_second_order_forces(x, step, forces)) break;
+      set_fixed_to_zero(is_fixed, forces);
+      correction.setZero(x.size());
+      const Stopwatch watch(report.solve_seconds);
+      const LinearReport linear =
+          newton.solver_->solve(newton.hessian_, scaled(forces), correction, forcing_of_corrections);
+      report.linear_iterations += linear.iterations;
+      if (linear.status == LinearReport::Status::indefinite || !correction.allFinite()) break;
+      correction += step;
+      objective.prepare(x, correction);
+      const double longer = objective.max_step(x, correction);
+      if (!(longer > 2 * length) || !(boundary_moves || correction.dot(right_side) > 0)) break;
+      step.swap(correction);
+      length = longer;
+    }
+    return length;
+  }
+
   struct LineSearch {
     bool accepted = false;
     double length = 0;
@@ -306,10 +337,9 @@ struct Newton::Search {
   /// Armijo's rule on the sum of small differences; near round-off on the slope (Hager & Zhang 2005).
   LineSearch search_line(bool is_exact) {
     LineSearch result;
-    const double slope = -step.dot(right_side);  // right side is minus the gradient, zero at fixed unknowns
     double magnitude = -1;
-    objective.prepare(x, step);
-    result.length = objective.max_step(x, step);
+    result.length = longest_step(/*boundary_moves=*/false);
+    const double slope = -step.dot(right_side);  // right side is minus the gradient, zero at fixed unknowns
     if (passes_whole(slope, result) || watchdog.steps > 0) return result;
     const int max_halvings = internal_is_old ? max_halvings_of_carried_values : settings.max_halvings;
     for (int halving = 0; halving <= max_halvings; ++halving) {
@@ -348,8 +378,7 @@ struct Newton::Search {
   /// While the boundary moves there is no energy to compare with: the step goes as far as the domain allows.
   LineSearch follow_boundary() {
     LineSearch result;
-    objective.prepare(x, step);
-    result.length = objective.max_step(x, step);
+    result.length = longest_step(/*boundary_moves=*/true);
     for (int halving = 0; halving < 12; ++halving) {
       trial = x + result.length * step;
       gradient_at_trial_is_known = false;

@@ -47,6 +47,12 @@ class Objective {
   virtual bool has_potential(const VectorX& /*x*/) const { return true; }
   /// The largest step t in (0, 1] that keeps x + t p inside the domain.
   virtual double max_step(const VectorX& x, const VectorX& p) const = 0;
+  /// Adds forces [N] that times the inverse of the Hessian lead the step p around what cuts it short although
+  /// to first order it does not. @return whether there are any
+  virtual bool add_second_order_forces(const VectorX& /*x*/, const VectorX& /*p*/,
+                                       VectorX& /*forces*/) const {
+    return false;
+  }
   /// The forces that must balance in each part [N]: a residual is small when it is small against this number.
   virtual VectorX force_scales(const VectorX& x, const VectorX& gradient, const Parts& parts) const = 0;
   /// The same of what acts from outside, momentum over a step among it, without reactions and without forces

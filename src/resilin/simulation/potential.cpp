@@ -149,6 +149,12 @@ double Potential::max_step(const VectorX& x, const VectorX& p) const {
   return step;
 }
 
+bool Potential::add_second_order_forces(const VectorX& x, const VectorX& p, VectorX& forces) const {
+  bool are_any = false;
+  for (const Energy* term : terms_) are_any |= term->add_second_order_forces(x, p, conditions_, forces);
+  return are_any;
+}
+
 VectorX Potential::force_scales(const VectorX& x, const VectorX& gradient, const Parts& parts) const {
   VectorX scales = parts.norms(gradient, is_fixed_, Unknowns::fixed);
   VectorX force;

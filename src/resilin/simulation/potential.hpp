@@ -43,6 +43,7 @@ class Potential final : public Objective {
   /// No where a pressure follows an open surface whose edge is free: its tangent is then not symmetric.
   bool has_potential(const VectorX& x) const override;
   double max_step(const VectorX& x, const VectorX& p) const override;
+  bool add_second_order_forces(const VectorX& x, const VectorX& p, VectorX& forces) const override;
 
   /// The largest of: each term but the elastic ones, the reactions; each as the norm over a part [N].
   VectorX force_scales(const VectorX& x, const VectorX& gradient, const Parts& parts) const override;

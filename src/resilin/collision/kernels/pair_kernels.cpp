@@ -80,6 +80,28 @@ RESILIN_INLINE Lanes round_off(const PairGroup<kind>& pair) {
   return 7e-15 * sqrt(sum);
 }
 
+/// The least t in (0, 1) with a + b t + c t^2 = 0, for a > 0; 1 without one.
+RESILIN_INLINE Lanes first_root(const Lanes& a, const Lanes& b, const Lanes& c) {
+  const Lanes discriminant = b * b - 4.0 * (a * c), root = sqrt(max(discriminant, 0.0));
+  const Mask falls = b < Lanes(0.0), turns = c < Lanes(0.0);
+  const Lanes t = select(falls, 2.0 * a / (root - b), (b + root) / (-2.0 * c));
+  const Mask is_one = (falls | turns) & (discriminant > Lanes(0.0)) & (t < Lanes(1.0));
+  return select(is_one, t, 1.0);
+}
+
+/// What share of the way by V[k] the differences stay above a plane that turns on it at even speed from one
+/// normal to the other: (n + t (m - n)) . (D + t V) >= kept, where the normal is no longer than 1.
+template <int count>
+RESILIN_INLINE Lanes free_share_of_turning(const Triple<Lanes>& n, const Triple<Lanes>& m,
+                                           const Triple<Lanes> D[count], const Triple<Lanes> V[count],
+                                           const Lanes& kept) {
+  const Triple<Lanes> turn = m - n;
+  Lanes share = 1.0;
+  for (int k = 0; k < count; ++k)
+    share = min(share, first_root(dot(n, D[k]) - kept, dot(n, V[k]) + dot(turn, D[k]), dot(turn, V[k])));
+  return share;
+}
+
 /// Until when, at most `end`, the pairs are free: see collision/collision_time.hpp.
 template <PairKind kind>
 RESILIN_INLINE Lanes free_time(const PairGroup<kind>& pair, const AdvancementLimits& limits, Lanes end) {
@@ -97,7 +119,7 @@ RESILIN_INLINE Lanes free_time(const PairGroup<kind>& pair, const AdvancementLim
   const Mask is_apart = start > Lanes(0.0);  // false also for what is no number
   const Lanes kept = limits.share_left * start + error, enough = kept + limits.tolerance * start;
   Mask is_open = is_apart;
-  Lanes t = 0.0;
+  Lanes t = 0.0, ahead = 1.0;
   for (int iteration = 0; iteration < limits.max_iterations; ++iteration) {
     Lanes room[count], rate[count], at_end = 0.0;
     for (int k = 0; k < count; ++k) {
@@ -105,19 +127,33 @@ RESILIN_INLINE Lanes free_time(const PairGroup<kind>& pair, const AdvancementLim
       rate[k] = dot(slab.normal, V[k]);
       at_end = min(at_end, room[k] + (end - t) * rate[k]);
     }
-    const Mask meets = at_end < Lanes(0.0);
+    const Mask meets = (at_end < Lanes(0.0)) & (t < end);
     t = select(is_open & ~meets, end, t);
     is_open &= meets;
     if (!any(is_open)) break;
-    Lanes step = end - t;
+    Lanes step = 1.0 - t;
     for (int k = 0; k < count; ++k) step = select(rate[k] < Lanes(0.0), min(step, room[k] / -rate[k]), step);
-    t += select(is_open, max(step, Lanes(0.0)), 0.0);
+    // Parts that turn leave a slab that does not long before they meet: so one that turns with them.
+    // The steps do not depend on `end`, so that the earliest of all is the same whatever is known before.
+    ahead = min(ahead, 1.0 - t);
+    Triple<Lanes> way[count], there[count];
+    for (int k = 0; k < count; ++k) {
+      way[k] = ahead * V[k];
+      there[k] = D[k] + way[k];
+    }
+    const Slab later = separate<kind>(there);
+    const Triple<Lanes> normal =
+        select(dot(later.normal, slab.normal) < Lanes(0.0), Lanes(-1.0) * later.normal, later.normal);
+    const Lanes share = free_share_of_turning<count>(slab.normal, normal, D, way, kept);
+    step = max(max(step, share * ahead), 0.0);
+    t += select(is_open, step, 0.0);
+    ahead = select(share < Lanes(1.0), max(2.0 * step, 0.25 * ahead), 2.0 * ahead);
     for (int k = 0; k < count; ++k) D[k] = D0[k] + t * V[k];
     slab = separate<kind>(D);
     is_open &= slab.width > enough;
     if (!any(is_open)) break;
   }
-  return select(is_apart, t, 0.0);
+  return select(is_apart, min(t, end), 0.0);
 }
 
 template <PairKind kind>
