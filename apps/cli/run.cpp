@@ -131,8 +131,12 @@ void print_end(const Simulation& simulation, const ResultFolder& results, const 
     const auto name_of = [&](Index body) {
       return one_line(simulation.world().bodies[static_cast<std::size_t>(body)].name);
     };
-    print_line("contact of " + name_of(contact.body) + " with " + name_of(contact.other) + ": " +
-               vector_text(contact.force, dim) + " N on the latter, gap " + format_short(contact.gap) + " m");
+    const std::string gap = "gap " + format_short(contact.gap) + " m";
+    print_line(
+        "contact of " + name_of(contact.body) + " with " +
+        (contact.body == contact.other
+             ? "itself: " + gap  // its forces on itself have no sum
+             : name_of(contact.other) + ": " + vector_text(contact.force, dim) + " N on the latter, " + gap));
   }
   print_line("smallest volume ratio " + format_short(frame.min_volume_ratio));
   print_discretisation_errors(simulation.world(), outcome.discretisation_errors);

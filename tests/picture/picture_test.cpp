@@ -216,6 +216,46 @@ TEST(Surface, OfQuadraticCellsIsCurved) {
   EXPECT_EQ(surface.edges.size(), 3u);
 }
 
+/// What is 1 at one node and 0 at the others stays between, reaches 0 half-way, and all nodes make 1.
+TEST(Surface, OfQuadraticCellsHasPartsOnWhichValuesAreLinear) {
+  const std::vector<Vector3> points = {{0, 0, 0},   {1, 0, 0},     {0, 1, 0},
+                                       {0.5, 0, 0}, {0.5, 0.5, 0}, {0, 0.5, 0}};
+  const DrawnSurface surface = find_surface({{CellKind::triangle6, {0, 1, 2, 3, 4, 5}}}, points);
+  for (const auto& triangle : surface.triangles)
+    for (const DrawnSurface::Corner& corner : triangle) {
+      const auto place = [&](Index n) -> Vector3 { return points[static_cast<std::size_t>(n)]; };
+      const Vector3 x = DrawnSurface::at(corner, place);
+      // The nodes reproduce places, and each is heard of where it is, never below zero.
+      EXPECT_LT((DrawnSurface::at(corner, place, true) - x).norm(), 1e-14);
+      double sum = 0;
+      for (Index node = 0; node < 6; ++node) {
+        const double share = DrawnSurface::at(corner, [&](Index n) { return n == node ? 1.0 : 0.0; }, true);
+        EXPECT_GE(share, -1e-15);
+        EXPECT_EQ(share > 1 - 1e-12, (place(node) - x).norm() < 1e-12);
+        sum += share;
+      }
+      EXPECT_NEAR(sum, 1, 1e-15);
+    }
+}
+
+/// Beside a node that is pressed and others that are not, contact's fields do not turn negative as others do.
+TEST(Picture, OfContactStaysBetweenTheValuesOfItsNodes) {
+  VtuContent frame;
+  frame.file.mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.5, 0, 0}, {0.5, 0.5, 0}, {0, 0.5, 0}};
+  frame.file.mesh.blocks = {{CellKind::triangle6, {0, 1, 2, 3, 4, 5}}};
+  frame.point_data = {{"contact_pressure", 1, {1, 0, 0, 0, 0, 0}},
+                      {"heat", 1, {1, 0, 0, 0, 0, 0}},
+                      {"zero", 1, {0, 0, 0, 0, 0, 0}}};
+  const auto num_blue = [&](const std::string& field) {
+    PictureOptions options = small(field);
+    options.map = "diverging";
+    options.range = {-0.2, 0.2};
+    return count(draw_picture(frame, options), [](Color pixel) { return pixel.blue > pixel.red + 10; });
+  };
+  EXPECT_LE(num_blue("contact_pressure"), num_blue("zero"));  // the colour bar and an axis are blue, too
+  EXPECT_GT(num_blue("heat"), num_blue("zero") + 200);
+}
+
 TEST(Surface, OfHexahedraHasTheirOuterSides) {
   std::vector<Vector3> points;
   const std::array<Vector3, 4> square = {Vector3(0, 0, 0), {0, 1, 0}, {0, 1, 1}, {0, 0, 1}};

@@ -135,7 +135,9 @@ class Picture {
 
   double value(const DrawnSurface::Corner& corner) const {
     const auto number = [&](Index i) { return field_.values[static_cast<std::size_t>(i)]; };
-    return field_.is_on_points ? DrawnSurface::at(corner, number) : number(corner.cell);
+    // Contact acts on the flat parts between nodes; a parabola through its values would go below zero.
+    const bool is_by_parts = field_.name.starts_with("contact_");
+    return field_.is_on_points ? DrawnSurface::at(corner, number, is_by_parts) : number(corner.cell);
   }
 
   static Vector3 position(const DrawnSurface::Corner& corner, const std::vector<Vector3>& points) {

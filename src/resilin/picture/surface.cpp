@@ -32,6 +32,21 @@ Vector3 normal_of(std::span<const Index> corners, const std::vector<Vector3>& po
   return size > 0 ? Vector3(area / size) : Vector3(Vector3::UnitZ());
 }
 
+/// Of a quadratic triangle (corners 0, 1, 2; middles 3 of 0-1, 4 of 1-2, 5 of 2-0), which its middles cut
+/// into four; `L` are barycentric coordinates.
+std::array<double, max_facet_nodes> shares_of_parts(const std::array<double, 3>& L) {
+  std::array<double, max_facet_nodes> shares{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (L[a] < 0.5) continue;
+    shares[a] = 2 * L[a] - 1;
+    shares[3 + a] = 2 * L[(a + 1) % 3];
+    shares[3 + (a + 2) % 3] = 2 * L[(a + 2) % 3];
+    return shares;
+  }
+  for (std::size_t a = 0; a < 3; ++a) shares[3 + a] = 1 - 2 * L[(a + 2) % 3];
+  return shares;
+}
+
 /// Collects facets and cuts them up.
 class SurfaceBuilder {
  public:
@@ -98,6 +113,8 @@ class SurfaceBuilder {
     std::ranges::copy(facet.nodes, corner.nodes.begin());
     element_of_cells(facet.kind)
         ->shape_values({xi, eta, 0}, std::span(corner.shares).first(facet.nodes.size()));
+    corner.part_shares =
+        facet.kind == CellKind::triangle6 ? shares_of_parts({1 - xi - eta, xi, eta}) : corner.shares;
     std::array<double, max_facet_nodes> N{};
     element_of_cells(first_order(facet.kind))->shape_values({xi, eta, 0}, std::span(N).first(normals.size()));
     for (std::size_t a = 0; a < normals.size(); ++a) corner.normal += N[a] * normals[a];

@@ -15,6 +15,8 @@ struct DrawnSurface {
     Index cell;                                    ///< of the frame
     std::array<Index, max_facet_nodes> nodes{};    ///< of the frame; `num_nodes` of them
     std::array<double, max_facet_nodes> shares{};  ///< values of the facet's shape functions
+    /// The same, of functions that are linear on the parts that nodes cut the sides into: never negative.
+    std::array<double, max_facet_nodes> part_shares{};
     int num_nodes = 0;
     Vector3 normal = Vector3::Zero();  ///< of length 1, smooth across facets but not across creases
   };
@@ -26,12 +28,13 @@ struct DrawnSurface {
   std::vector<std::array<Corner, 3>> triangles;
   std::vector<Line> edges;  ///< of the cells' facets, each once
 
-  /// Weighs what `values` has at the nodes.
+  /// Weighs what `values` has at the nodes, by the facet's shape functions or linearly on its parts.
   template <class Values>
-  static auto at(const Corner& corner, const Values& values) {
-    std::decay_t<decltype(values(Index{}))> sum = corner.shares[0] * values(corner.nodes[0]);
+  static auto at(const Corner& corner, const Values& values, bool is_by_parts = false) {
+    const auto& shares = is_by_parts ? corner.part_shares : corner.shares;
+    std::decay_t<decltype(values(Index{}))> sum = shares[0] * values(corner.nodes[0]);
     for (std::size_t a = 1; a < static_cast<std::size_t>(corner.num_nodes); ++a)
-      sum += corner.shares[a] * values(corner.nodes[a]);
+      sum += shares[a] * values(corner.nodes[a]);
     return sum;
   }
 };

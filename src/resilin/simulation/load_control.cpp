@@ -153,13 +153,14 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
     state.load_increment = 0.5 * (load - state.load);
     // Smaller steps give no digits.
     const bool is_out_of_digits = search.status == NewtonReport::Status::out_of_digits;
+    const bool has_path = !world.friction && world.path_time == 0;  // what arc length can follow
     if (state.load_increment < smallest_load_increment || is_out_of_digits) {
       report.status = StepReport::Status::not_converged;
       report.reason =
           "no equilibrium was found beyond load factor " + format_number(state.load) + ": " +
           (delay > 0 ? "bodies are in the way of a moving collider; " : "") +
           (imbalance.empty() ? describe_failure(world, search, x) : imbalance) +
-          (is_out_of_digits
+          (is_out_of_digits || !has_path
                ? ""
                : "; if the body snaps through here, simulation.load_control = \"arc_length\" follows it");
       return report;

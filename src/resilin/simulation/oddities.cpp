@@ -26,8 +26,11 @@ std::string folding_text(const World& world, const Body& body, const InvertedCel
          " cells of \"" + body.name + "\" " + (folded.count == 1 ? "is" : "are") +
          " folded between the points where energy is taken, cell " + std::to_string(folded.worst) +
          " with volume ratio " + format_short(folded.ratio) + (folded.count == 1 ? "" : " among them") +
-         ": newton.inversion_bound = \"everywhere\" keeps them right with laws that need J > 0, finer cells "
-         "need not fold";
+         (world.newton.inversion_bound == InversionBound::everywhere
+              ? ", although newton.inversion_bound = \"everywhere\" holds them back: finer cells need not "
+                "fold"
+              : ": newton.inversion_bound = \"everywhere\" keeps them right with laws that need J > 0, finer "
+                "cells need not fold");
 }
 
 }  // namespace

@@ -48,6 +48,15 @@ std::vector<double> times_to_look_at(const World& world) {
   return times;
 }
 
+/// Conditions of the whole motion, or of a static run as far as it follows time; else those at the full load.
+std::vector<Conditions> conditions_to_look_at(const World& world) {
+  if (!world.is_dynamic && world.path_time == 0) return {{.load = 1}};
+  std::vector<Conditions> all;
+  for (const double time : times_to_look_at(world))
+    all.push_back({.time = time, .load = world.is_dynamic ? 1 : time / world.path_time});
+  return all;
+}
+
 bool acts(const World& world, const Conditions& conditions) {
   const VectorX& x = world.start_positions;
   VectorX placed = x;
@@ -66,19 +75,11 @@ bool acts(const World& world, const Conditions& conditions) {
   return false;
 }
 
-/// Conditions under which supports and colliders are looked at.
-std::vector<Conditions> conditions_to_look_at(const World& world) {
-  if (!world.is_dynamic) return {{.load = 1}};
-  std::vector<Conditions> all;
-  for (const double time : times_to_look_at(world)) all.push_back({.time = time, .load = 1});
-  return all;
-}
-
 /// How deep a held vertex gets into a collider.
 struct Intrusion {
   double depth = 0;  ///< [m]
   Index node = -1;
-  double time = 0;  ///< [s]
+  Conditions when;
 };
 
 Intrusion deepest(const World& world, const Support& support, const ColliderBarrier& collider) {
@@ -88,7 +89,7 @@ Intrusion deepest(const World& world, const Support& support, const ColliderBarr
       const Vector3 x =
           support.target(node_position(world.dimension, node, world.rest_positions), conditions);
       const double depth = -collider.distance(x, conditions);
-      if (depth > worst.depth) worst = {.depth = depth, .node = node, .time = conditions.time};
+      if (depth > worst.depth) worst = {.depth = depth, .node = node, .when = conditions};
     }
   }
   return worst;
@@ -109,7 +110,9 @@ std::vector<std::string> supports_in_colliders(const World& world) {
       found.push_back(support.place + ": takes vertex " + std::to_string(worst.node - body.first_node) +
                       " of \"" + body.name + "\" " + format_short(worst.depth) + " m into the collider \"" +
                       std::string(collider->name()) + "\"" +
-                      (world.is_dynamic ? " at t = " + format_short(worst.time) + " s" : "") +
+                      (world.is_dynamic      ? " at t = " + format_short(worst.when.time) + " s"
+                       : worst.when.load < 1 ? " at load factor " + format_short(worst.when.load)
+                                             : "") +
                       ": vertices that are held do not feel it");
     }
   return found;
@@ -124,11 +127,10 @@ void check_start(const Description& description, const World& world) {
 }
 
 bool is_idle(const World& world) {
-  if (!world.is_dynamic) return !acts(world, {.load = 1});
-  for (std::size_t i = 0; i < world.is_fixed.size(); ++i)
+  for (std::size_t i = 0; world.is_dynamic && i < world.is_fixed.size(); ++i)
     if (world.is_fixed[i] == 0 && world.start_velocities[static_cast<Eigen::Index>(i)] != 0) return false;
-  return std::ranges::none_of(times_to_look_at(world),
-                              [&](double time) { return acts(world, {.time = time, .load = 1}); });
+  return std::ranges::none_of(conditions_to_look_at(world),
+                              [&](const Conditions& conditions) { return acts(world, conditions); });
 }
 
 }  // namespace resilin
