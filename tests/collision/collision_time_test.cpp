@@ -280,6 +280,30 @@ TEST(CollisionTime, IsOneForSlidingAlongAFace) {
   EXPECT_EQ(all.times(preferred_instruction_set())[0], 1);
 }
 
+/// Parts that turn together, as edges do that roll about each other, do not meet, however near they are: by
+/// slabs that stand still each would need as many of them as what it turns by is times the distance.
+TEST(CollisionTime, IsOneForPartsThatTurnTogether) {
+  for (const PairKind kind : {PairKind::point_edge, PairKind::point_triangle, PairKind::edge_edge}) {
+    SamplePairs<3> samples(kind, 41);
+    for (const double gap : {1e-2, 1e-3, 1e-4, 1e-5}) {
+      MovingPairs all(kind);
+      for (int i = 0; i < 500; ++i) {
+        std::vector<Vector3> places = samples.plain(), ways;
+        const PairDistance<3> pair = pair_distance<3>(kind, places);
+        for (std::size_t k = 0; k < places.size(); ++k)
+          if (k < static_cast<std::size_t>(num_first(kind))) places[k] += (gap - pair.distance) * pair.normal;
+        const double angle = samples.uniform(-0.05, 0.05);
+        const Eigen::AngleAxisd turn(angle, samples.place().normalized());
+        for (const Vector3& x : places) ways.emplace_back(turn * x - x);
+        all.add(places, ways);
+      }
+      const std::vector<double> times = all.times(preferred_instruction_set());
+      expect_no_lateness(all, times);
+      EXPECT_EQ(std::ranges::count(times, 1.0), std::ssize(times)) << testing::name_of(kind) << " " << gap;
+    }
+  }
+}
+
 TEST(CollisionTime, IsMetInThePlaneToo) {
   const std::vector<double> x = {0, 1, -1, 0, 1, 0}, p = {0.2, -4, 0, 0, 0, 0};
   const std::vector<Candidate> pairs = {{0, 0}};
