@@ -107,7 +107,9 @@ void print_scene(const Scene& scene, const World& world) {
     for (const auto& [constant, value] : body.constants)
       rows.push_back({"  " + constant, format_short(value)});
     for (auto& row : mesh_rows(description.mesh)) rows.push_back(std::move(row));
-    if (body.skin) rows.push_back({"  skin", skin_text(*body.skin)});
+    if (body.skin)
+      rows.push_back({"  skin", skin_text(*body.skin) +
+                                    (body.meets_with_skin() ? "; the body meets others with it" : "")});
     print_text(format_table(rows));
   }
   for (const Support& support : world.supports) {
@@ -120,9 +122,8 @@ void print_scene(const Scene& scene, const World& world) {
                ", felt from " + format_short(collider->activation_distance()) + " m");
   }
   for (const auto& collider : world.mesh_colliders) {
-    const ContactSurface& surface = collider->surface();
     print_line("collider " + one_line(collider->name()) + ": " +
-               std::to_string(surface.obstacle->mesh.vertices.size()) + " vertices, felt from " +
+               std::to_string(collider->obstacle().mesh.vertices.size()) + " vertices, felt from " +
                format_short(collider->activation_distance()) + " m");
   }
   if (world.contact)

@@ -172,11 +172,10 @@ TEST_P(EveryCollider, IsPositiveSemidefiniteOnceProjected) {
   // Projection leaves the push along the normal alone.
   const Eigen::MatrixXd change =
       hessian(barrier, dim, x, Projection::clamp) - hessian(barrier, dim, x, Projection::none);
-  for (const ContactNode& node : barrier.nodes()) {
-    const Vector3 y = node_position(dim, node.node, x);
+  for (const Index node : barrier.points().numbers) {
+    const Vector3 y = node_position(dim, node, x);
     const VectorX n = barrier.shape().normal(y).head(dim);
-    EXPECT_LT((change.block(node.node * dim, node.node * dim, dim, dim) * n).norm(),
-              1e-12 * (1 + change.norm()));
+    EXPECT_LT((change.block(node * dim, node * dim, dim, dim) * n).norm(), 1e-12 * (1 + change.norm()));
   }
 }
 
@@ -186,9 +185,9 @@ TEST_P(EveryCollider, StepsAtMostNineTenthsOfTheWayIn) {
     const double t = barrier.max_step(x, p, {});
     ASSERT_GT(t, 0);
     ASSERT_LE(t, 1);
-    for (const ContactNode& node : barrier.nodes()) {
-      const double before = barrier.shape().distance(node_position(dim, node.node, x));
-      const double after = barrier.shape().distance(node_position(dim, node.node, x + t * p));
+    for (const Index node : barrier.points().numbers) {
+      const double before = barrier.shape().distance(node_position(dim, node, x));
+      const double after = barrier.shape().distance(node_position(dim, node, x + t * p));
       EXPECT_GE(after, 0.1 * before - 1e-9 * before);
     }
     EXPECT_TRUE(std::isfinite(barrier.value(x + t * p, {})));

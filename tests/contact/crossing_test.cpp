@@ -107,10 +107,10 @@ TEST(ABodyInAnother, IsFoundWhereSurfacesDoNotCross) {
     add_box(parts, {0.3, 0.2, dim == 3 ? -0.4 : 0}, 0.1);
     add_box(parts, {1.2, 0.2, 0}, 0.1);
     EXPECT_FALSE(first_crossing(parts.surface, BodyMeetings(3), parts.places));
-    EXPECT_TRUE(is_one_inside(parts.surface, 0, 1, parts.places)) << dim;
-    EXPECT_TRUE(is_one_inside(parts.surface, 1, 0, parts.places)) << dim;
-    EXPECT_FALSE(is_one_inside(parts.surface, 0, 2, parts.places)) << dim;
-    EXPECT_FALSE(is_one_inside(parts.surface, 1, 2, parts.places)) << dim;
+    EXPECT_FALSE(has_piece_inside(parts.surface, 0, 1, parts.places)) << dim;
+    EXPECT_TRUE(has_piece_inside(parts.surface, 1, 0, parts.places)) << dim;
+    EXPECT_FALSE(has_piece_inside(parts.surface, 2, 0, parts.places)) << dim;
+    EXPECT_FALSE(has_piece_inside(parts.surface, 2, 1, parts.places)) << dim;
   }
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "resilin/fields/evaluator.hpp"
+#include "resilin/mesh/edit.hpp"
 #include "resting_block.hpp"
 
 namespace resilin::testing {
@@ -37,6 +38,32 @@ TEST(ContactPressure, CarriesTheWeight) {
         EXPECT_NEAR(traction.segment(0, world.bodies[0].num_nodes * dimension).cwiseAbs().maxCoeff(), most,
                     0.02 * most);
       }
+}
+
+/// Of a skin, too, at all nodes that carry it; its facets may be wound either way.
+TEST(ContactPressure, OfASkinIsThatOfItsFacets) {
+  for (const std::string element : {"P1", "P2"})
+    for (const bool is_wound_inwards : {false, true}) {
+      Description scene = resting_block(3, element, false);
+      BodyDescription& body = scene.bodies[0];
+      body.skin = SkinDescription{.place = "skin",
+                                  .surface = extract_surface(make_box({0.6, 0.6, 0.3}, {7, 7, 4})).mesh,
+                                  .surface_name = "fine.obj"};
+      std::vector<Index>& corners = body.skin->surface.block(CellKind::triangle).nodes;
+      for (std::size_t t = 0; is_wound_inwards && t < corners.size(); t += 3)
+        std::swap(corners[t], corners[t + 1]);
+      body.contact_surface = MeetingSurface::skin;
+      const Simulation simulation = converged_end_of(scene);
+      const World& world = simulation.world();
+      const VectorX pressure = contact_pressure(world, simulation.state());
+      const double weight_over_area = 1000 * 9.81 * 0.3;
+      for (Index node = 0; node < world.num_nodes(); ++node) {
+        const double height = node_position(3, node, world.rest_positions)[2];
+        // The vertices of the skin sample shape functions that bend between them.
+        if (height > 0.01) continue;
+        EXPECT_NEAR(pressure[node], weight_over_area, 0.2 * weight_over_area) << element;
+      }
+    }
 }
 
 }  // namespace

@@ -126,7 +126,7 @@ class BodyStorm {
   void pull() {
     const ContactSurface& surface = scene_.world().contact->surface();
     const Index vertex = chance_.below(surface.num_body_vertices());
-    const MaterialPoint place = at_node(surface.nodes[surface.row_begin[static_cast<std::size_t>(vertex)]]);
+    const MaterialPoint place = at_node(surface.vertices.nodes_of(vertex)[0]);
     const Vector3 start = place.position(3, scene_.state().positions);
     const Vector3 way = 10 * room * chance_.between(0, 1) * chance_.direction();
     const int frames = 1 + chance_.below(10);

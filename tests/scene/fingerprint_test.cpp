@@ -69,7 +69,8 @@ std::vector<SceneValue> others(const SceneValue& leaf) {
                              "traction", "body_force",
                              "sphere",   "half_space",
                              "capsule",  "cylinder",
-                             "chains",   "another"})
+                             "chains",   "another",
+                             "skin",     "boundary"})
       if (std::get<std::string>(leaf.data) != word) add(std::string(word));
   }
   return list;
@@ -78,8 +79,8 @@ std::vector<SceneValue> others(const SceneValue& leaf) {
 /// What is only watched or written, what this scene's kind does not use, and files, which others change.
 bool is_seen_by_no_step(const Path& path) {
   static const std::set<std::string> tables = {"title", "probe", "section", "output"};
-  static const std::set<std::string> keys = {"load_steps",   "load_control", "max_steps", "unstable_modes",
-                                             "max_failures", "skin",         "surface",   "smooth"};
+  static const std::set<std::string> keys = {"load_steps", "load_control", "max_steps", "unstable_modes",
+                                             "max_failures"};
   return tables.contains(path[0]) ||
          std::ranges::any_of(path, [](const std::string& key) { return keys.contains(key); });
 }

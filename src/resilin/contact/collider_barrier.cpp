@@ -29,12 +29,12 @@ Eigen::Matrix3d projected(const Eigen::Matrix3d& matrix, Projection projection) 
 }  // namespace
 
 ColliderBarrier::ColliderBarrier(std::string name, int dim, std::shared_ptr<const ColliderShape> shape,
-                                 std::vector<ContactNode> nodes, double activation_distance,
-                                 ColliderMotion motion, double friction)
+                                 ContactPoints points, double activation_distance, ColliderMotion motion,
+                                 double friction)
     : name_(std::move(name)),
       dim_(dim),
       shape_(std::move(shape)),
-      nodes_(std::move(nodes)),
+      points_(std::move(points)),
       barrier_{activation_distance},
       motion_(std::move(motion)),
       friction_(friction) {}
@@ -54,18 +54,17 @@ template <class Visit>
 void ColliderBarrier::for_each_near(const VectorX& x, const Conditions& c, const Visit& visit) const {
   if (!is_active_) return;
   const RigidPlace place = rigid_place(c);
-  for (const ContactNode& node : nodes_) {
-    const Vector3 y = place.inverse(node_position(dim_, node.node, x));
+  for (Index point = 0; point < points_.size(); ++point) {
+    const Vector3 y = place.inverse(at(point, x));
     const double d = shape_->distance(y);
-    if (!(d >= barrier_.activation_distance)) visit(node, y, d);
+    if (!(d >= barrier_.activation_distance)) visit(point, y, d);
   }
 }
 
 double ColliderBarrier::value(const VectorX& x, const Conditions& c) const {
   double sum = 0;
-  for_each_near(x, c, [&](const ContactNode& node, const Vector3&, double d) {
-    sum += node.stiffness * barrier_.value(d);
-  });
+  for_each_near(x, c,
+                [&](Index point, const Vector3&, double d) { sum += stiffness(point) * barrier_.value(d); });
   return c.contact_weight * sum;
 }
 
@@ -73,31 +72,32 @@ double ColliderBarrier::difference(const VectorX& from, const VectorX& to, const
   if (!is_active_) return 0;
   const RigidPlace place = rigid_place(c);
   double sum = 0;
-  for (const ContactNode& node : nodes_) {
-    const Vector3 y = place.inverse(node_position(dim_, node.node, from));
-    const Vector3 end = place.inverse(node_position(dim_, node.node, to));
+  for (Index point = 0; point < points_.size(); ++point) {
+    const Vector3 y = place.inverse(at(point, from));
+    const Vector3 end = place.inverse(at(point, to));
     const double d = shape_->distance(y), change = shape_->distance_change(y, end);
     if (d >= activation_distance() && d + change >= activation_distance()) continue;
-    sum += node.stiffness * barrier_.difference(d, change);
+    sum += stiffness(point) * barrier_.difference(d, change);
   }
   return c.contact_weight * sum;
 }
 
 void ColliderBarrier::add_gradient(const VectorX& x, const Conditions& c, VectorX& gradient) const {
   const RigidPlace place = rigid_place(c);
-  for_each_near(x, c, [&](const ContactNode& node, const Vector3& y, double d) {
-    gradient.segment(Eigen::Index{node.node} * dim_, dim_) +=
-        c.contact_weight * node.stiffness * barrier_.slope(d) * place.turned(shape_->normal(y)).head(dim_);
+  for_each_near(x, c, [&](Index point, const Vector3& y, double d) {
+    const Vector3 slope =
+        c.contact_weight * stiffness(point) * barrier_.slope(d) * place.turned(shape_->normal(y));
+    points_.places.add_to_nodes(dim_, point, slope, gradient);
   });
 }
 
 void ColliderBarrier::add_gradient_magnitude(const VectorX& x, const Conditions& c,
                                              VectorX& magnitude) const {
   const RigidPlace place = rigid_place(c);
-  for_each_near(x, c, [&](const ContactNode& node, const Vector3& y, double d) {
-    magnitude.segment(Eigen::Index{node.node} * dim_, dim_) -=
-        c.contact_weight * node.stiffness * barrier_.slope(d) *
-        place.turned(shape_->normal(y)).head(dim_).cwiseAbs();
+  for_each_near(x, c, [&](Index point, const Vector3& y, double d) {
+    const Vector3 slope =
+        c.contact_weight * stiffness(point) * barrier_.slope(d) * place.turned(shape_->normal(y));
+    points_.places.add_magnitude_to_nodes(dim_, point, slope.cwiseAbs(), magnitude);
   });
 }
 
@@ -105,16 +105,19 @@ void ColliderBarrier::add_gradient_magnitude(const VectorX& x, const Conditions&
 void ColliderBarrier::add_hessian(const VectorX& x, const Conditions& c, Projection projection,
                                   BlockMatrix& hessian) const {
   const RigidPlace place = rigid_place(c);
-  for_each_near(x, c, [&](const ContactNode& node, const Vector3& y, double d) {
+  for_each_near(x, c, [&](Index point, const Vector3& y, double d) {
     const Vector3 n = shape_->normal(y);
-    Eigen::Matrix3d block = c.contact_weight * node.stiffness *
+    Eigen::Matrix3d block = c.contact_weight * stiffness(point) *
                             (barrier_.curvature(d) * n * n.transpose() +
                              projected(barrier_.slope(d) * shape_->curvature(y), projection));
     if (place.turn) block = *place.turn * block * place.turn->transpose();
-    std::array<double, 9> values{};
-    for (int i = 0; i < dim_; ++i)
-      for (int j = 0; j < dim_; ++j) values[static_cast<std::size_t>(i * dim_ + j)] = block(i, j);
-    hessian.add_block(node.node, node.node, values.data());
+    points_.places.for_each_pair_of_nodes(point, point, [&](Index a, Index b, double share) {
+      if (a > b) return;  // the other half of the matrix
+      std::array<double, 9> values{};
+      for (int i = 0; i < dim_; ++i)
+        for (int j = 0; j < dim_; ++j) values[static_cast<std::size_t>(i * dim_ + j)] = share * block(i, j);
+      hessian.add_block(a, b, values.data());
+    });
   });
 }
 
@@ -122,9 +125,9 @@ double ColliderBarrier::max_step(const VectorX& x, const VectorX& p, const Condi
   if (!is_active_) return 1;
   const RigidPlace place = rigid_place(c);
   double step = 1;
-  for (const ContactNode& node : nodes_) {
-    const Vector3 y = place.inverse(node_position(dim_, node.node, x));
-    const Vector3 way = place.turned_back(node_position(dim_, node.node, p));
+  for (Index point = 0; point < points_.size(); ++point) {
+    const Vector3 y = place.inverse(at(point, x));
+    const Vector3 way = place.turned_back(at(point, p));
     const double left = (1 - largest_loss) * shape_->distance(y);
     step = std::min(step, shape_->time_of_approach(y, way, left));
   }
@@ -134,10 +137,10 @@ double ColliderBarrier::max_step(const VectorX& x, const VectorX& p, const Condi
 std::optional<Reaction> ColliderBarrier::reaction(const VectorX& x, const Conditions& c) const {
   const RigidPlace place = rigid_place(c);
   Reaction sum;
-  for_each_near(x, c, [&](const ContactNode& node, const Vector3& y, double d) {
-    const Vector3 force = -node.stiffness * barrier_.slope(d) * place.turned(shape_->normal(y));
+  for_each_near(x, c, [&](Index point, const Vector3& y, double d) {
+    const Vector3 force = -stiffness(point) * barrier_.slope(d) * place.turned(shape_->normal(y));
     sum.force += force;
-    sum.torque += node_position(dim_, node.node, x).cross(force);
+    sum.torque += at(point, x).cross(force);
   });
   return sum;
 }
@@ -146,30 +149,28 @@ void ColliderBarrier::add_friction_contacts(const VectorX& x, const Conditions& 
                                             FrictionContacts& contacts) const {
   if (!(friction_ > 0)) return;
   const RigidPlace place = rigid_place(c);
-  for_each_near(x, c, [&](const ContactNode& node, const Vector3& y, double d) {
+  for_each_near(x, c, [&](Index point, const Vector3& y, double d) {
     if (d <= 0) return;
-    const WeightedNode itself{node.node, 1};
-    contacts.add(
-        {.normal = place.turned(shape_->normal(y)),
-         .limit = -friction_ * node.stiffness * barrier_.slope(d),
-         .velocity = motion_.velocity_at(node_position(dim_, node.node, x), c.time - c.collider_delay)},
-        {&itself, 1});
+    contacts.add({.normal = place.turned(shape_->normal(y)),
+                  .limit = -friction_ * stiffness(point) * barrier_.slope(d),
+                  .velocity = motion_.velocity_at(at(point, x), c.time - c.collider_delay)},
+                 points_.places.weighted_nodes(point));
   });
 }
 
 void ColliderBarrier::add_held_directions(const VectorX& x, std::vector<HeldDirection>& held) const {
   const RigidPlace place = rigid_place({});
-  for_each_near(x, {}, [&](const ContactNode& node, const Vector3& y, double) {
-    held.push_back({node.node, place.turned(shape_->normal(y))});
+  for_each_near(x, {}, [&](Index point, const Vector3& y, double) {
+    held.push_back({points_.places.weighted_nodes(point), place.turned(shape_->normal(y))});
   });
 }
 
 ColliderBarrier::Nearest ColliderBarrier::nearest(const VectorX& x, const Conditions& c) const {
   const RigidPlace place = rigid_place(c);
   Nearest nearest;
-  for (const ContactNode& node : nodes_) {
-    const double d = shape_->distance(place.inverse(node_position(dim_, node.node, x)));
-    if (d < nearest.distance) nearest = {d, node.node};
+  for (Index point = 0; point < points_.size(); ++point) {
+    const double d = shape_->distance(place.inverse(at(point, x)));
+    if (d < nearest.distance) nearest = {d, point};
   }
   return nearest;
 }
@@ -184,14 +185,14 @@ double ColliderBarrier::largest_motion(const VectorX& x, const Vector3& motion, 
   const RigidPlace place = rigid_place(c);
   const Vector3 way = -place.turned_back(motion);
   double part = 1;
-  for (const ContactNode& node : nodes_) {
-    const Vector3 y = place.inverse(node_position(dim_, node.node, x));
+  for (Index point = 0; point < points_.size(); ++point) {
+    const Vector3 y = place.inverse(at(point, x));
     part = std::min(part, shape_->time_of_approach(y, way, distance_left(shape_->distance(y), share)));
   }
   return part;
 }
 
-// Each node's force times the way of what it touches.
+// Each point's force times the way of what it touches.
 std::optional<double> ColliderBarrier::driven_work(const VectorX& from, const Conditions& before,
                                                    const VectorX& to, const Conditions& after) const {
   const RigidPlace start = rigid_place(before), end = rigid_place(after);
@@ -199,8 +200,8 @@ std::optional<double> ColliderBarrier::driven_work(const VectorX& from, const Co
   const auto work = [&](const VectorX& x, const Conditions& c) {
     const RigidPlace place = rigid_place(c);
     double sum = 0;
-    for_each_near(x, c, [&](const ContactNode& node, const Vector3& y, double d) {
-      const Vector3 force = -node.stiffness * barrier_.slope(d) * place.turned(shape_->normal(y));
+    for_each_near(x, c, [&](Index point, const Vector3& y, double d) {
+      const Vector3 force = -stiffness(point) * barrier_.slope(d) * place.turned(shape_->normal(y));
       sum += force.dot(end(y) - start(y));
     });
     return sum;
@@ -208,14 +209,15 @@ std::optional<double> ColliderBarrier::driven_work(const VectorX& from, const Co
   return std::max({work(from, before), work(to, after), value(to, after) - value(to, before)});
 }
 
-// Seen from the collider the nodes go on chords.
+// Seen from the collider the points go on chords.
 bool ColliderBarrier::may_go(const VectorX& x, double from, double to) const {
   const RigidPlace start = rigid_place({.time = from}), end = rigid_place({.time = to});
-  return std::ranges::all_of(nodes_, [&](const ContactNode& node) {
-    const Vector3 place = node_position(dim_, node.node, x), y = start.inverse(place);
+  for (Index point = 0; point < points_.size(); ++point) {
+    const Vector3 place = at(point, x), y = start.inverse(place);
     const double left = distance_left(shape_->distance(y), share_left);
-    return shape_->time_of_approach(y, end.inverse(place) - y, left) >= 1;
-  });
+    if (!(shape_->time_of_approach(y, end.inverse(place) - y, left) >= 1)) return false;
+  }
+  return true;
 }
 
 double ColliderBarrier::least_delay(const VectorX& x, const Conditions& c) const {

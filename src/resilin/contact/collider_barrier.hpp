@@ -14,17 +14,16 @@
 
 namespace resilin {
 
-/// Keeps nodes of the bodies' surfaces out of a collider: E = sum_i kappa A_i b(d(x_i)). What rubs there is
+/// Keeps points of the bodies' surfaces out of a collider: E = sum_i kappa A_i b(d(x_i)). What rubs there is
 /// for `Friction` to tell.
 ///
-/// Only positions with d > 0 are in its domain, and `max_step` never lets a node lose more than nine tenths
-/// of its distance: nothing passes through. Between the steps of a simulation the caller may move the
+/// Only positions with d > 0 are in its domain, and `max_step` never lets a point lose more than nine
+/// tenths of its distance: nothing passes through. Between the steps of a simulation the caller may move the
 /// collider or give it another shape; `largest_motion` says how far it may go. Theory: docs/contact.md.
 class ColliderBarrier final : public Energy, public FrictionSource {
  public:
-  ColliderBarrier(std::string name, int dim, std::shared_ptr<const ColliderShape> shape,
-                  std::vector<ContactNode> nodes, double activation_distance, ColliderMotion motion = {},
-                  double friction = 0);
+  ColliderBarrier(std::string name, int dim, std::shared_ptr<const ColliderShape> shape, ContactPoints points,
+                  double activation_distance, ColliderMotion motion = {}, double friction = 0);
 
   std::string_view name() const override { return name_; }
   EnergyProperties properties() const override { return {.category = EnergyCategory::contact}; }
@@ -41,17 +40,17 @@ class ColliderBarrier final : public Energy, public FrictionSource {
 
   const FrictionSource* friction_source() const override { return this; }
   std::string_view name_in_reports() const override { return name_; }
-  /// Each node that is near enough to feel it.
+  /// Each point that is near enough to feel it.
   void add_friction_contacts(const VectorX& x, const Conditions& c,
                              FrictionContacts& contacts) const override;
   double friction() const { return friction_; }
 
-  /// Across its surface, the nodes that are near enough to feel it.
+  /// Across its surface, the points that are near enough to feel it.
   void add_held_directions(const VectorX& x, std::vector<HeldDirection>& held) const override;
 
   struct Nearest {
     double distance = std::numeric_limits<double>::infinity();  ///< [m]; negative inside the collider
-    Index node = -1;
+    Index point = -1;
   };
   Nearest nearest(const VectorX& x, const Conditions& c) const;
   /// Of a point from the collider [m].
@@ -59,7 +58,7 @@ class ColliderBarrier final : public Energy, public FrictionSource {
     return shape_->distance(rigid_place(c).inverse(point));
   }
 
-  /// How much of `motion` [m], from 0 to 1, the collider may be moved by at once: until some node that it
+  /// How much of `motion` [m], from 0 to 1, the collider may be moved by at once: until some point that it
   /// comes nearer to is left with `share` of the activation distance, or with half its distance where that is
   /// less. Even where the bodies are pressed hard this is never zero, and the bodies stay in the domain.
   double largest_motion(const VectorX& x, const Vector3& motion, const Conditions& c,
@@ -85,11 +84,15 @@ class ColliderBarrier final : public Energy, public FrictionSource {
   bool is_active() const { return is_active_; }
 
   double activation_distance() const { return barrier_.activation_distance; }
-  const std::vector<ContactNode>& nodes() const { return nodes_; }
+  const ContactPoints& points() const { return points_; }
   const ColliderMotion& motion() const { return motion_; }
 
  private:
   static constexpr double share_left = 0.1;  ///< of the activation distance
+
+  double stiffness(Index point) const { return points_.stiffness[static_cast<std::size_t>(point)]; }
+  /// Of a point, at positions or of displacements of nodes.
+  Vector3 at(Index point, const VectorX& x) const { return points_.places.at(dim_, point, x); }
 
   /// Of the shape from where it was made.
   RigidPlace rigid_place(const Conditions& c) const;
@@ -97,14 +100,14 @@ class ColliderBarrier final : public Energy, public FrictionSource {
   bool may_go(const VectorX& x, double from, double to) const;
   /// What is left of its distance when something comes nearer.
   double distance_left(double distance, double share) const;
-  /// Calls `visit(node, y, d)` for nodes nearer than the activation distance; y is relative to the shape.
+  /// Calls `visit(point, y, d)` for points nearer than the activation distance; y is relative to the shape.
   template <class Visit>
   void for_each_near(const VectorX& x, const Conditions& c, const Visit& visit) const;
 
   std::string name_;
   int dim_;
   std::shared_ptr<const ColliderShape> shape_;
-  std::vector<ContactNode> nodes_;
+  ContactPoints points_;
   ClampedLogBarrier barrier_;
   ColliderMotion motion_;
   double friction_;  ///< its coefficient

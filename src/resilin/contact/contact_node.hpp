@@ -1,7 +1,9 @@
 #pragma once
 
+#include <initializer_list>
 #include <vector>
 
+#include "resilin/contact/carried_points.hpp"
 #include "resilin/mesh/facet.hpp"
 
 namespace resilin {
@@ -10,6 +12,25 @@ namespace resilin {
 struct ContactNode {
   Index node;
   double stiffness;  ///< kappa A: barrier stiffness [Pa] times its share of the rest area [m^2]
+};
+
+/// Points of surfaces that may touch something: nodes, and such as nodes carry.
+struct ContactPoints {
+  CarriedPoints places;
+  std::vector<double> stiffness;  ///< of each, likewise
+  std::vector<Index> numbers;     ///< of each: its node, or its vertex of the surface that nodes carry
+
+  ContactPoints() = default;
+  ContactPoints(const std::vector<ContactNode>& nodes) {
+    for (const ContactNode& node : nodes) add(node);
+  }
+  ContactPoints(std::initializer_list<ContactNode> nodes) : ContactPoints(std::vector(nodes)) {}
+  Index size() const { return places.num_points(); }
+  void add(const ContactNode& node) {
+    places.add_node(node.node);
+    stiffness.push_back(node.stiffness);
+    numbers.push_back(node.node);
+  }
 };
 
 /// The nodes of a surface, ascending, with their shares of the rest area.

@@ -40,13 +40,14 @@ std::span<const Index> flat_parts(CellKind kind) {
 /// One body's flat parts, by its own vertices.
 class FlatBody {
  public:
-  FlatBody(ContactSurface& surface, const CellBlock& facets) : surface_(surface) {
-    for (Index facet = 0; facet < facets.num_cells(); ++facet) {
-      const std::span<const Index> nodes = facets.cell(facet);
-      const std::span<const Index> parts = flat_parts(facets.kind);
+  FlatBody(ContactSurface& surface, const ContactBody& body)
+      : surface_(surface), carrier_(body.carrier.get()) {
+    for (Index facet = 0; facet < body.facets.num_cells(); ++facet) {
+      const std::span<const Index> nodes = body.facets.cell(facet);
+      const std::span<const Index> parts = flat_parts(body.facets.kind);
       Index middle = -1;
       for (const Index corner : parts) {
-        if (corner < 0 && middle < 0) middle = add_vertex(nodes);
+        if (corner < 0 && middle < 0) middle = add_middle(nodes);
         corners_.push_back(corner < 0 ? middle : vertex_of(nodes[static_cast<std::size_t>(corner)]));
       }
     }
@@ -55,20 +56,36 @@ class FlatBody {
   std::span<const Index> corners() const { return corners_; }
 
  private:
-  Index vertex_of(const Index& node) {
-    const auto [place, is_new] = vertex_of_node_.try_emplace(node, num_vertices_);
-    if (is_new) add_vertex({&node, 1});
+  Index vertex_of(Index point) {
+    const auto [place, is_new] = vertex_of_point_.try_emplace(point, num_vertices_);
+    if (is_new) {
+      append(point, 1);
+      end_vertex(point);
+    }
     return place->second;
   }
-  Index add_vertex(std::span<const Index> nodes) {
-    surface_.nodes.insert(surface_.nodes.end(), nodes.begin(), nodes.end());
-    surface_.shares.insert(surface_.shares.end(), nodes.size(), 1.0 / static_cast<double>(nodes.size()));
-    surface_.row_begin.push_back(surface_.nodes.size());
+  Index add_middle(std::span<const Index> points) {
+    for (const Index point : points) append(point, 1.0 / static_cast<double>(points.size()));
+    return end_vertex(points[0]);
+  }
+  /// To the row of the vertex that is being made.
+  void append(Index point, double share) {
+    if (carrier_ != nullptr) {
+      carrier_->append_weights(point, surface_.vertices.nodes, surface_.vertices.shares);
+    } else {
+      surface_.vertices.nodes.push_back(point);
+      surface_.vertices.shares.push_back(share);
+    }
+  }
+  Index end_vertex(Index number) {
+    surface_.vertices.end_row();
+    surface_.numbers.push_back(number);
     return num_vertices_++;
   }
 
   ContactSurface& surface_;
-  std::map<Index, Index> vertex_of_node_;
+  const Embedding* carrier_;
+  std::map<Index, Index> vertex_of_point_;
   std::vector<Index> corners_;
   Index num_vertices_ = 0;
 };
@@ -154,33 +171,27 @@ VectorX ContactSurface::places(const VectorX& x, const Conditions& c) const {
 }
 
 VectorX ContactSurface::displacements(const VectorX& x) const {
-  const auto dim = static_cast<std::size_t>(parts.dim);
-  VectorX y = VectorX::Zero(static_cast<Eigen::Index>(parts.num_vertices() * dim));
-  double* to = y.data();
-  for (std::size_t v = 0; v < parts.num_vertices(); ++v, to += dim)
-    for (std::size_t k = row_begin[v]; k < row_begin[v + 1]; ++k) {
-      const double* from = x.data() + at(nodes[k]) * dim;
-      for (std::size_t i = 0; i < dim; ++i) to[i] += shares[k] * from[i];
-    }
+  VectorX y(static_cast<Eigen::Index>(parts.num_vertices()) * parts.dim);
+  for (Index v = 0; v < vertices.num_points(); ++v)
+    y.segment(Eigen::Index{v} * parts.dim, parts.dim) = vertices.at(parts.dim, v, x).head(parts.dim);
   return y;
 }
 
 void ContactSurface::add_to_nodes(const VectorX& of_vertices, VectorX& of_nodes) const {
-  const auto dim = static_cast<std::size_t>(parts.dim);
-  const double* from = of_vertices.data();
-  for (std::size_t v = 0; v < parts.num_vertices(); ++v, from += dim)
-    for (std::size_t k = row_begin[v]; k < row_begin[v + 1]; ++k) {
-      double* to = of_nodes.data() + at(nodes[k]) * dim;
-      for (std::size_t i = 0; i < dim; ++i) to[i] += shares[k] * from[i];
-    }
+  for (Index v = 0; v < vertices.num_points(); ++v)
+    vertices.add_to_nodes(parts.dim, v, node_position(parts.dim, v, of_vertices), of_nodes);
+}
+
+void ContactSurface::add_magnitudes_to_nodes(const VectorX& of_vertices, VectorX& of_nodes) const {
+  for (Index v = 0; v < vertices.num_points(); ++v)
+    vertices.add_magnitude_to_nodes(parts.dim, v, node_position(parts.dim, v, of_vertices), of_nodes);
 }
 
 void leave_held_out(ContactSurface& surface, std::span<const std::uint8_t> is_held) {
   CollisionSurface& parts = surface.parts;
   const auto is_out = [&](Index vertex) {
-    const auto begin = surface.nodes.begin() + static_cast<std::ptrdiff_t>(surface.row_begin[at(vertex)]);
-    const auto end = surface.nodes.begin() + static_cast<std::ptrdiff_t>(surface.row_begin[at(vertex + 1)]);
-    return begin != end && std::all_of(begin, end, [&](Index node) { return is_held[at(node)] != 0; });
+    const std::span<const Index> nodes = surface.vertices.nodes_of(vertex);
+    return !nodes.empty() && std::ranges::all_of(nodes, [&](Index node) { return is_held[at(node)] != 0; });
   };
   std::erase_if(parts.points, is_out);
   std::vector<Index> new_numbers(surface.edge_lengths.size(), -1);
@@ -225,12 +236,14 @@ ContactSurface make_contact_surface(int dim, std::span<const ContactBody> bodies
     surface.stiffness.push_back(stiffness);
   };
   for (const ContactBody& body : bodies) {
-    const FlatBody flat(surface, body.facets);
+    const FlatBody flat(surface, body);
     add(flat.num_vertices(), flat.corners(), body.stiffness);
   }
   if (obstacle) {
     const std::size_t count = obstacle->mesh.vertices.size();
-    surface.row_begin.insert(surface.row_begin.end(), count, surface.nodes.size());
+    surface.vertices.row_begin.insert(surface.vertices.row_begin.end(), count, surface.vertices.nodes.size());
+    for (std::size_t vertex = 0; vertex < count; ++vertex)
+      surface.numbers.push_back(static_cast<Index>(vertex));
     add(static_cast<Index>(count), obstacle->mesh.facets, std::numeric_limits<double>::infinity());
     surface.obstacle = std::move(obstacle);
   }

@@ -1,15 +1,18 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "resilin/collision/surface.hpp"
+#include "resilin/contact/carried_points.hpp"
 #include "resilin/contact/collider_mesh.hpp"
 #include "resilin/contact/collider_motion.hpp"
 #include "resilin/contact/sharpness.hpp"
 #include "resilin/energy/energy.hpp"
+#include "resilin/mesh/embedding.hpp"
 #include "resilin/mesh/mesh.hpp"
 
 namespace resilin {
@@ -18,6 +21,8 @@ namespace resilin {
 struct ContactBody {
   CellBlock facets;      ///< of its surface, by the nodes of the world: seen from outside anticlockwise
   double stiffness = 0;  ///< kappa of its layer [Pa]
+  /// Where set, the facets are by its points, which it carries by the nodes of the world.
+  std::shared_ptr<const Embedding> carrier = nullptr;
 };
 
 /// A rigid surface that bodies meet, which moves by itself.
@@ -31,12 +36,12 @@ struct ContactObstacle {
 /// obstacle, whose vertices follow no node.
 ///
 /// Lines and triangles are parts themselves; those of second order are cut at their nodes, quadrilaterals
-/// into four triangles around their middle.
+/// into four triangles around their middle. Those of a fine surface that the cells carry follow the nodes of
+/// their cells.
 struct ContactSurface {
   CollisionSurface parts;
-  std::vector<std::size_t> row_begin{0};  ///< of each vertex, in `nodes` and `shares`, and the end
-  std::vector<Index> nodes;
-  std::vector<double> shares;         ///< x_v = sum_k shares_k x_(nodes_k)
+  CarriedPoints vertices;             ///< those of the obstacle follow no node
+  std::vector<Index> numbers;         ///< of each vertex: its node or its point of the carrier
   std::vector<double> point_areas;    ///< at rest, what faces one thing (facing_area.hpp) [m^2], in 2D [m]
   std::vector<double> edge_areas;     ///< in 3D likewise: a third of each triangle beside the edge
   std::vector<double> edge_lengths;   ///< at rest [m]
@@ -60,20 +65,8 @@ struct ContactSurface {
   }
   /// Adds what acts on the vertices to what acts on the nodes.
   void add_to_nodes(const VectorX& of_vertices, VectorX& of_nodes) const;
-  /// Calls `visit(node, share)` for the nodes that a vertex follows.
-  template <class Visit>
-  void for_each_node(Index vertex, const Visit& visit) const {
-    for (std::size_t k = row_begin[static_cast<std::size_t>(vertex)];
-         k < row_begin[static_cast<std::size_t>(vertex) + 1]; ++k)
-      visit(nodes[k], shares[k]);
-  }
-  /// Calls `visit(a, b, share_a share_b)` for the nodes that two vertices follow.
-  template <class Visit>
-  void for_each_pair_of_nodes(Index v, Index w, const Visit& visit) const {
-    for_each_node(v, [&](Index a, double share_a) {
-      for_each_node(w, [&](Index b, double share_b) { visit(a, b, share_a * share_b); });
-    });
-  }
+  /// The same of magnitudes.
+  void add_magnitudes_to_nodes(const VectorX& of_vertices, VectorX& of_nodes) const;
 };
 
 /// @param rest_positions  of all nodes [m]

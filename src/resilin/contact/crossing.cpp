@@ -137,14 +137,17 @@ bool is_inside(const CollisionSurface& surface, Index body, const Vector3& point
                           : is_inside_2d(surface, body, point.head<2>(), places);
 }
 
-bool has_piece_inside(const CollisionSurface& surface, Index body, Index other, const VectorX& places) {
-  return std::ranges::any_of(piece_vertices(surface, body), [&](Index vertex) {
-    return is_inside(surface, other, node_position(surface.dim, vertex, places), places);
-  });
+std::optional<Vector3> place_of_piece_inside(const CollisionSurface& surface, Index body, Index other,
+                                             const VectorX& places) {
+  for (const Index vertex : piece_vertices(surface, body)) {
+    Vector3 place = node_position(surface.dim, vertex, places);
+    if (is_inside(surface, other, place, places)) return place;
+  }
+  return std::nullopt;
 }
 
-bool is_one_inside(const CollisionSurface& surface, Index body, Index other, const VectorX& places) {
-  return has_piece_inside(surface, body, other, places) || has_piece_inside(surface, other, body, places);
+bool has_piece_inside(const CollisionSurface& surface, Index body, Index other, const VectorX& places) {
+  return place_of_piece_inside(surface, body, other, places).has_value();
 }
 
 std::optional<Crossing> first_crossing(const CollisionSurface& surface, const BodyMeetings& meetings,

@@ -27,7 +27,8 @@ bool is_inside(const CollisionSurface& surface, Index body, const Vector3& point
 /// of that. Told for a vertex of each piece.
 bool has_piece_inside(const CollisionSurface& surface, Index body, Index other, const VectorX& places);
 
-/// Whether bodies whose surfaces do not cross share space.
-bool is_one_inside(const CollisionSurface& surface, Index body, Index other, const VectorX& places);
+/// The place of that vertex, if there is one [m].
+std::optional<Vector3> place_of_piece_inside(const CollisionSurface& surface, Index body, Index other,
+                                             const VectorX& places);
 
 }  // namespace resilin

@@ -123,13 +123,7 @@ void Friction::add_held_directions(const VectorX& x, std::vector<HeldDirection>&
   for (std::size_t i = 0; i < all.size(); ++i) {
     const FrictionContacts::Entry entry = all[i];
     const Tangents T = tangents(dim_, entry.contact.normal);
-    for (const auto& [node, weight] : entry.nodes) {
-      const double sign = weight;
-      const auto other = std::ranges::find_if(
-          entry.nodes, [sign](const WeightedNode& each) { return each.weight * sign < 0; });
-      const Index by_node = other == entry.nodes.end() ? -1 : other->node;
-      for (int k = 0; k < dim_ - 1; ++k) held.push_back({node, T.col(k), by_node});
-    }
+    for (int k = 0; k < dim_ - 1; ++k) held.push_back({{entry.nodes.begin(), entry.nodes.end()}, T.col(k)});
   }
 }
 

@@ -9,12 +9,6 @@
 
 namespace resilin {
 
-/// A node's part in the place of a point, or in the distance of two points.
-struct WeightedNode {
-  Index node;
-  double weight;
-};
-
 /// A place where something is pressed against a body and rubs, with the force that presses.
 struct FrictionContact {
   Vector3 normal;                      ///< across the surfaces, of length 1

@@ -25,7 +25,7 @@ BodyMeetings only_with_the_last(Index num_bodies) {
 
 }  // namespace
 
-ObstacleContact::ObstacleContact(std::string name, ContactSurface surface, double activation_distance,
+ObstacleContact::ObstacleContact(std::string name, const ContactSurface& surface, double activation_distance,
                                  const VectorX& positions)
     : SurfaceContact(std::move(name), surface,
                      only_with_the_last(static_cast<Index>(surface.stiffness.size())), activation_distance,
@@ -91,7 +91,7 @@ void ObstacleContact::add_held_directions(const VectorX& x, std::vector<HeldDire
   for (Index v = 0; v < surface().num_body_vertices(); ++v) {
     const Vector3 force = node_position(surface().parts.dim, v, gradient);
     if (force.isZero(0)) continue;
-    surface().for_each_node(v, [&](Index node, double) { held.push_back({node, force.normalized()}); });
+    held.push_back({surface().vertices.weighted_nodes(v), force.normalized()});
   }
 }
 

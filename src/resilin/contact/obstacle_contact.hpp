@@ -12,7 +12,7 @@ namespace resilin {
 class ObstacleContact final : public SurfaceContact {
  public:
   /// @param surface  whose last body is the obstacle
-  ObstacleContact(std::string name, ContactSurface surface, double activation_distance,
+  ObstacleContact(std::string name, const ContactSurface& surface, double activation_distance,
                   const VectorX& positions);
 
   std::unique_ptr<Energy> begin_stage(const Stage& stage) const override;

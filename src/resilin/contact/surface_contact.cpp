@@ -139,7 +139,7 @@ void SurfaceContact::add_gradient_magnitude(const VectorX& x, const Conditions& 
   with_memory([&](Memory& memory) {
     const State& state = state_at(memory, x, c);
     const VectorX of_vertices = sum_of_gradients(set_of(state), state.places, GradientParts::magnitudes);
-    surface_->add_to_nodes(c.contact_weight * of_vertices, magnitude);
+    surface_->add_magnitudes_to_nodes(c.contact_weight * of_vertices, magnitude);
   });
 }
 
@@ -203,21 +203,18 @@ void SurfaceContact::prepare(const VectorX& x, const VectorX& p, const Condition
   cover(*memory_, places, places + surface_->displacements(p));
 }
 
-void SurfaceContact::add_held_directions(const VectorX& x, std::vector<HeldDirection>& held) const {
-  const auto first_node = [&](Index v) {
-    return surface_->nodes[surface_->row_begin[static_cast<std::size_t>(v)]];
-  };
-  for (const PartForce& force : part_forces(x)) {
-    const auto count = static_cast<std::size_t>(num_vertices(force.kind)),
-               num_of_first = static_cast<std::size_t>(num_first(force.kind));
-    for (std::size_t i = 0; i < count; ++i) {
-      if (force.weights[i] == 0) continue;
-      const Index other = force.vertices[i < num_of_first ? num_of_first : 0];
-      surface_->for_each_node(force.vertices[i], [&](Index node, double) {
-        held.push_back({node, force.normal, first_node(other)});
+std::vector<WeightedNode> SurfaceContact::nodes_of(const PartForce& force) const {
+  std::vector<WeightedNode> nodes;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(num_vertices(force.kind)); ++i)
+    if (force.weights[i] != 0)
+      surface_->vertices.for_each_node(force.vertices[i], [&](Index node, double share) {
+        add_weight(node, share * force.weights[i], nodes);
       });
-    }
-  }
+  return nodes;
+}
+
+void SurfaceContact::add_held_directions(const VectorX& x, std::vector<HeldDirection>& held) const {
+  for (const PartForce& force : part_forces(x)) held.push_back({nodes_of(force), force.normal});
 }
 
 std::vector<PartForce> SurfaceContact::part_forces(const VectorX& x, const Conditions& c) const {
@@ -254,24 +251,20 @@ void SurfaceContact::add_friction_contacts(const VectorX& x, const Conditions& c
   const CollisionSurface& parts = surface_->parts;
   const auto body_of = [&](Index v) { return parts.bodies[static_cast<std::size_t>(v)]; };
   const VectorX places = surface_->places(x, c);
-  std::vector<WeightedNode> nodes;
+  const std::optional<ContactObstacle>& obstacle = surface_->obstacle;
   for (const PartForce& force : pressing_forces(part_forces(x, c))) {
     const auto split = static_cast<std::size_t>(num_first(force.kind));
     const double coefficient = friction_[static_cast<std::size_t>(
         body_of(force.vertices[0]) * meetings().num_bodies() + body_of(force.vertices[split]))];
     FrictionContact contact{.normal = force.normal, .limit = coefficient * force.force};
-    nodes.clear();
     for (std::size_t i = 0; i < static_cast<std::size_t>(num_vertices(force.kind)); ++i) {
       const Index vertex = force.vertices[i];
-      const double weight = force.weights[i];
-      if (weight == 0) continue;
-      surface_->for_each_node(vertex,
-                              [&](Index node, double share) { add_weight(node, share * weight, nodes); });
-      if (surface_->obstacle && surface_->is_obstacle(vertex))  // its own part of the slip
-        contact.velocity -= weight * surface_->obstacle->motion.velocity_at(
-                                         node_position(parts.dim, vertex, places), c.time - c.collider_delay);
+      if (obstacle && surface_->is_obstacle(vertex))  // its own part of the slip
+        contact.velocity -=
+            force.weights[i] *
+            obstacle->motion.velocity_at(node_position(parts.dim, vertex, places), c.time - c.collider_delay);
     }
-    contacts.add(contact, nodes);
+    contacts.add(contact, nodes_of(force));
   }
 }
 

@@ -112,7 +112,7 @@ void add_to_nodes(const ContactSurface& surface, const ContactTerm& term, const 
     for (std::size_t j = i; j < vertices.size(); ++j) {
       const Block block = matrix.template block<dim, dim>(static_cast<Eigen::Index>(i) * dim,
                                                           static_cast<Eigen::Index>(j) * dim);
-      surface.for_each_pair_of_nodes(vertices[i], vertices[j], [&](Index a, Index b, double share) {
+      surface.vertices.for_each_pair_of_nodes(vertices[i], vertices[j], [&](Index a, Index b, double share) {
         if (i == j && a > b) return;  // the other half of the matrix
         Block part = share * block;
         if (i != j && a == b) part += part.transpose().eval();

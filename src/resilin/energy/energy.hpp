@@ -45,11 +45,17 @@ struct Reaction {
   Vector3 torque = Vector3::Zero();  ///< about the origin [N m]
 };
 
-/// A direction in which something holds a node at the start of a static run.
-struct HeldDirection {
+/// A node's part in the place of a point, or in the distance of two points.
+struct WeightedNode {
   Index node;
-  Vector3 direction;   ///< of length 1
-  Index by_node = -1;  ///< of the body that holds it; -1: something that does not move
+  double weight;
+};
+
+/// A direction in which something holds a point of a body at the start of a static run, or points of two
+/// bodies hold each other: the sum of the nodes' ways by their weights has to stay zero along it.
+struct HeldDirection {
+  std::vector<WeightedNode> nodes;
+  Vector3 direction;  ///< of length 1
 };
 
 /// A number that a term was made with and that results may be differentiated by, such as a stiffness.

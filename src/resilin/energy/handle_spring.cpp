@@ -67,7 +67,7 @@ void HandleSpring::add_hessian(const VectorX&, const Conditions& c, Projection, 
 void HandleSpring::add_held_directions(const VectorX&, std::vector<HeldDirection>& held) const {
   if (!(stiffness_ > 0)) return;
   for (const Index node : nodes_)
-    for (int k = 0; k < dim_; ++k) held.push_back({node, Vector3::Unit(k)});
+    for (int k = 0; k < dim_; ++k) held.push_back({{{node, 1}}, Vector3::Unit(k)});
 }
 
 VectorX HandleSpring::parameter_slopes(const VectorX& x, const VectorX& weights, const Conditions& c) const {

@@ -20,7 +20,7 @@ void close_gaps(const SurfaceContact& contact, const State& state, VectorX& gaps
   for (const PartForce& part : contact.part_forces(state.positions, conditions_of(state)))
     for (std::size_t i = 0; i < static_cast<std::size_t>(num_vertices(part.kind)); ++i) {
       if (part.weights[i] == 0) continue;
-      contact.surface().for_each_node(part.vertices[i], [&](Index node, double share) {
+      contact.surface().vertices.for_each_node(part.vertices[i], [&](Index node, double share) {
         if (share != 0) gaps[node] = std::min(gaps[node], part.distance);
       });
     }
@@ -32,12 +32,15 @@ VectorX contact_gap(const World& world, const State& state) {
   VectorX gaps = VectorX::Constant(world.num_nodes(), largest_activation_distance(world));
   if (world.contact) close_gaps(*world.contact, state, gaps);
   for (const auto& collider : world.mesh_colliders) close_gaps(*collider, state, gaps);
-  for (const auto& collider : world.colliders)
-    for (const ContactNode& each : collider->nodes()) {
-      const double distance = collider->distance(node_position(world.dimension, each.node, state.positions),
-                                                 conditions_of(state));
-      if (distance < collider->activation_distance()) gaps[each.node] = std::min(gaps[each.node], distance);
+  for (const auto& collider : world.colliders) {
+    const CarriedPoints& points = collider->points().places;
+    for (Index point = 0; point < points.num_points(); ++point) {
+      const double distance =
+          collider->distance(points.at(world.dimension, point, state.positions), conditions_of(state));
+      if (!(distance < collider->activation_distance())) continue;
+      points.for_each_node(point, [&](Index node, double) { gaps[node] = std::min(gaps[node], distance); });
     }
+  }
   return gaps;
 }
 

@@ -1,17 +1,71 @@
 #include "resilin/fields/contact_traction.hpp"
 
 #include <algorithm>
+#include <array>
 #include <map>
+#include <span>
 #include <vector>
 
 #include "resilin/contact/contact_node.hpp"
 #include "resilin/contact/facing_area.hpp"
+#include "resilin/mesh/cell_kind.hpp"
 #include "resilin/mesh/facet.hpp"
 #include "resilin/mesh/topology.hpp"
 #include "resilin/world/friction.hpp"
+#include "resilin/world/meeting_surface.hpp"
 
 namespace resilin {
 namespace {
+
+/// Nodes in the middle of edges, where a skin is carried by quadratic cells: their forces go to the ends of
+/// the edges, half each, as those of the linear shape functions, which are never negative in a cell.
+class MiddleNodes {
+ public:
+  explicit MiddleNodes(const Body& body) {
+    const ElementInfo& element = body.elastic->element();
+    if (element.degree < 2) return;
+    const auto width = static_cast<std::size_t>(element.num_nodes);
+    for (std::size_t first = 0; first < body.cells.size(); first += width) {
+      auto middle = first + static_cast<std::size_t>(element.num_corners());
+      for (const auto& [i, j] : cell_edges(body.cell_kind))
+        ends_[body.cells[middle++]] = {body.cells[first + static_cast<std::size_t>(i)],
+                                       body.cells[first + static_cast<std::size_t>(j)]};
+    }
+  }
+
+  /// Calls `visit(corner, share)`: a corner is its own.
+  template <class Visit>
+  void for_each_corner(Index node, const Visit& visit) const {
+    const auto found = ends_.find(node);
+    if (found == ends_.end()) return visit(node, 1.0);
+    for (const Index end : found->second) visit(end, 0.5);
+  }
+  /// Of values of nodes, dim each.
+  void gather(VectorX& values, int dim) const {
+    for (const auto& [middle, ends] : ends_)
+      for (int k = 0; k < dim; ++k) {
+        double& value = values[Eigen::Index{middle} * dim + k];
+        for (const Index end : ends) values[Eigen::Index{end} * dim + k] += 0.5 * value;
+        value = 0;
+      }
+  }
+  void fill(VectorX& values, int dim) const {
+    for (const auto& [middle, ends] : ends_)
+      for (int k = 0; k < dim; ++k)
+        values[Eigen::Index{middle} * dim + k] =
+            0.5 * (values[Eigen::Index{ends[0]} * dim + k] + values[Eigen::Index{ends[1]} * dim + k]);
+  }
+
+ private:
+  std::map<Index, std::array<Index, 2>> ends_;
+};
+
+/// Calls `visit(middles)` for each body that meets others with its skin.
+template <class Visit>
+void for_each_skin(const World& world, const Visit& visit) {
+  for (const Body& body : world.bodies)
+    if (body.meets_with_skin()) visit(MiddleNodes(body));
+}
 
 /// The faces around each node that is touched: normals out of the deformed body, areas at rest.
 class TouchedFaces {
@@ -19,6 +73,10 @@ class TouchedFaces {
   TouchedFaces(const World& world, const VectorX& x, const VectorX& forces) {
     const int dim = world.dimension;
     for (const Body& body : world.bodies) {
+      if (body.meets_with_skin()) {
+        add_skin(world, body, x, forces);
+        continue;
+      }
       const CellBlock facets = boundary({.kind = body.cell_kind, .nodes = body.cells}).facets;
       for (Index facet = 0; facet < facets.num_cells(); ++facet) {
         const std::span<const Index> nodes = facets.cell(facet);
@@ -46,11 +104,57 @@ class TouchedFaces {
       normal.normalize();
       double area = 0;
       for (const FacetShare& face : faces) area += face.area * std::max(0.0, face.normal.dot(normal));
-      visit(node, normal, area);
+      if (area > 0) visit(node, normal, area);
     }
   }
 
  private:
+  /// Of a skin each node has as much of a facet as it carries of its vertices.
+  void add_skin(const World& world, const Body& body, const VectorX& x, const VectorX& forces) {
+    const auto own = forces.segment(Eigen::Index{body.first_node} * world.dimension,
+                                    Eigen::Index{body.num_nodes} * world.dimension);
+    if (own.isZero(0)) return;
+    const int dim = world.dimension;
+    const MiddleNodes middles(body);
+    const CellBlock facets = meeting_body(body, dim, 1.0).facets;
+    CarriedPoints vertices;
+    for (Index vertex = 0; vertex < body.skin->num_vertices(); ++vertex) {
+      body.skin->embedding.append_weights(vertex, vertices.nodes, vertices.shares);
+      vertices.end_row();
+    }
+    const auto places_at = [&](const VectorX& positions) {
+      VectorX places(Eigen::Index{vertices.num_points()} * dim);
+      for (Index v = 0; v < vertices.num_points(); ++v)
+        places.segment(Eigen::Index{v} * dim, dim) = vertices.at(dim, v, positions).head(dim);
+      return places;
+    };
+    const VectorX rest = places_at(world.rest_positions), now = places_at(x);
+    const double side = outward_side(dim, facets, rest);
+    for (Index facet = 0; facet < facets.num_cells(); ++facet) {
+      const std::span<const Index> corners = facets.cell(facet);
+      const double share = area_vector(dim, facets.kind, corners, rest).norm() / dim;
+      const Vector3 normal = side * area_vector(dim, facets.kind, corners, now).normalized();
+      for (const Index vertex : corners)
+        vertices.for_each_node(vertex, [&](Index node, double weight) {
+          middles.for_each_corner(node, [&](Index corner, double half) {
+            faces_[corner].push_back({normal, half * weight * share});
+          });
+        });
+    }
+  }
+
+  /// 1 for facets that are anticlockwise seen from outside, else -1: files have both.
+  static double outward_side(int dim, const CellBlock& facets, const VectorX& places) {
+    Vector3 center = Vector3::Zero();
+    for (const Index vertex : facets.nodes) center += node_position(dim, vertex, places);
+    center /= static_cast<double>(facets.nodes.size());
+    double volume = 0;
+    for (Index facet = 0; facet < facets.num_cells(); ++facet)
+      volume += area_vector(dim, facets.kind, facets.cell(facet), places)
+                    .dot(node_position(dim, facets.cell(facet)[0], places) - center);
+    return volume < 0 ? -1 : 1;
+  }
+
   std::map<Index, std::vector<FacetShare>> faces_;
 };
 
@@ -59,6 +163,7 @@ VectorX contact_forces(const World& world, const State& state) {
   for (const auto& term : world.terms)
     if (term->properties().category == EnergyCategory::contact)
       term->add_gradient(state.positions, conditions_of(state), gradient);
+  for_each_skin(world, [&](const MiddleNodes& middles) { middles.gather(gradient, world.dimension); });
   return -gradient;
 }
 
@@ -70,12 +175,14 @@ VectorX contact_traction(const World& world, const State& state) {
   VectorX along = VectorX::Zero(forces.size());  // minus friction
   if (const auto friction = friction_of(world, state))
     friction->add_gradient(state.positions, conditions_of(state), along);
+  for_each_skin(world, [&](const MiddleNodes& middles) { middles.gather(along, dim); });
   VectorX traction = VectorX::Zero(forces.size());
   TouchedFaces(world, state.positions, forces)
       .for_each_pressed(dim, forces, [&](Index node, const Vector3&, double area) {
         traction.segment(Eigen::Index{node} * dim, dim) =
             (forces - along).segment(Eigen::Index{node} * dim, dim) / area;
       });
+  for_each_skin(world, [&](const MiddleNodes& middles) { middles.fill(traction, dim); });
   return traction;
 }
 
@@ -87,6 +194,7 @@ VectorX contact_pressure(const World& world, const State& state) {
       .for_each_pressed(dim, forces, [&](Index node, const Vector3& normal, double area) {
         pressure[node] = -node_position(dim, node, forces).dot(normal) / area;
       });
+  for_each_skin(world, [&](const MiddleNodes& middles) { middles.fill(pressure, 1); });
   return pressure;
 }
 

@@ -43,9 +43,9 @@ std::optional<LiveContact> LiveScene::Contents::contact() const {
   };
   const auto add_nodes = [&](const ColliderBarrier& collider) {
     can_touch = true;
-    for (const ContactNode& each : collider.nodes()) {
-      const double gap =
-          collider.distance(node_position(world.dimension, each.node, state.positions), conditions());
+    const CarriedPoints& points = collider.points().places;
+    for (Index point = 0; point < points.num_points(); ++point) {
+      const double gap = collider.distance(points.at(world.dimension, point, state.positions), conditions());
       if (!(gap < collider.activation_distance())) continue;
       sum.smallest_gap = std::min(sum.smallest_gap, gap);
       ++sum.active_pairs;

@@ -1,6 +1,6 @@
 #include "resilin/live/obstacle.hpp"
 
-#include "resilin/world/colliders.hpp"
+#include "resilin/world/meeting_surface.hpp"
 
 namespace resilin {
 namespace {
@@ -13,7 +13,7 @@ Obstacle::Obstacle(const std::string& name, const World& world, const VectorX& p
                    const std::shared_ptr<const ColliderShape>& shape, const Vector3& way_out,
                    double friction) {
   const double reach = default_activation_distance(world);
-  barrier_ = std::make_shared<ColliderBarrier>(name, world.dimension, shape, contact_nodes(world), reach,
+  barrier_ = std::make_shared<ColliderBarrier>(name, world.dimension, shape, contact_points(world), reach,
                                                ColliderMotion{}, friction);
   goal_ = shape->reference_point();
   // A node that is d inside comes out by moving at least -d along the way.

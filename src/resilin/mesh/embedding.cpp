@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/parallel.hpp"
@@ -11,6 +12,7 @@ namespace resilin {
 namespace {
 
 constexpr std::size_t searches_per_chunk = 1024;
+constexpr double weight_rounding = 1e-12;  // of a point's largest weight
 constexpr double inside_tolerance = 1e-9;  // of a reference coordinate: a point on a side is inside
 
 BoxTree tree_of(const CellMap& map, double margin) {
@@ -124,6 +126,25 @@ void Embedding::number_used_nodes(Index num_nodes) {
   local_.reserve(nodes_.size());
   for (const Index node : nodes_)
     local_.push_back(static_cast<std::uint32_t>(number[static_cast<std::size_t>(node)]));
+}
+
+void Embedding::append_weights(Index point, std::vector<Index>& nodes, std::vector<double>& weights) const {
+  std::map<Index, double> of_nodes;
+  for (std::size_t i = first(point); i < first(point) + width(); ++i) {
+    of_nodes[nodes_[i]] += weights_[i];
+    if (gradients_)  // F_a arm = sum_b x_b (g_ab . arm)
+      gradients_->for_each_neighbor(
+          local_[i], [&](Index b, const Vector3& gradient) { of_nodes[b] += gradient.dot(arms_[i]); });
+  }
+  double largest = 0, sum = 0;
+  for (const auto& [node, weight] : of_nodes) largest = std::max(largest, std::abs(weight));
+  std::erase_if(of_nodes,
+                [&](const auto& entry) { return std::abs(entry.second) <= weight_rounding * largest; });
+  for (const auto& [node, weight] : of_nodes) sum += weight;
+  for (const auto& [node, weight] : of_nodes) {
+    nodes.push_back(node);
+    weights.push_back(weight / sum);
+  }
 }
 
 void Embedding::add_smoothing(const ElementInfo& element, std::span<const Index> cells,

@@ -47,6 +47,10 @@ class Embedding {
     return std::span(weights_).subspan(first(point), width());
   }
 
+  /// What the place of a point is of those of nodes, x = sum_k w_k x_(node_k), the smooth variant's part
+  /// included: appends each node once, but such whose weight is rounding, with weights that sum to one.
+  void append_weights(Index point, std::vector<Index>& nodes, std::vector<double>& weights) const;
+
   /// How far outside all cells the points stand.
   struct Outside {
     Index count = 0;              ///< of points that are farther off than rounding

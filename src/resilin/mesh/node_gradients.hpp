@@ -24,6 +24,12 @@ class NodeGradients {
   /// @param F  one for each of the nodes; in 2D with zeros in the third row and column
   void evaluate(const VectorX& x, std::span<Matrix<3>> F) const;
 
+  /// Calls `visit(b, g_ab)` for the nodes b that F at the a-th of the nodes depends on.
+  template <class Visit>
+  void for_each_neighbor(std::size_t a, const Visit& visit) const {
+    for (std::size_t i = first_[a]; i < first_[a + 1]; ++i) visit(neighbors_[i], gradients_[i]);
+  }
+
  private:
   int dim_;
   std::vector<std::size_t> first_;  ///< of the neighbours of each node

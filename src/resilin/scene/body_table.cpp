@@ -73,6 +73,10 @@ Keys<BodyDescription> body_keys() {
       key<B>({"skin", "text or [skin](#skin)", "", "none",
               "A fine surface that the cells carry, placed with the mesh; the page draws it."},
              [](const SceneNode& node, B& b) { read_skin(node, b.skin); }),
+      choice_key(
+          "contact_surface", &B::contact_surface,
+          "With which surface the body meets others, itself and colliders ([skin.md](skin.md#contact)): "
+          "that of its cells, or its skin."),
   };
 }
 

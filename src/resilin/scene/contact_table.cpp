@@ -42,8 +42,9 @@ Keys<ContactDescription> contact_keys() {
               "Each body keeps its own parts apart, too."},
              [](const SceneNode& node, C& c) { c.with_themselves = read_flag(node); }),
       key<C>({"activation_distance", "number > 0", "m",
-              "0.005 of the smallest body's extent, at most 0.1 of the thinnest's thickness; with `self` at "
-              "most half the thinnest gap",
+              "0.005 of the smallest body's extent, at most 0.1 of the thinnest's thickness and the mean "
+              "side of a "
+              "[skin](skin.md#contact) that meets; with `self` at most half the thinnest gap",
               "From here on bodies feel each other; they rest at about half of it."},
              [](const SceneNode& node, C& c) { c.activation_distance = read_number(node, positive); }),
       key<C>({"stiffness", "number > 0", "Pa", "the softer body's Young's modulus",

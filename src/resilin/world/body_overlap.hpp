@@ -9,14 +9,14 @@ namespace resilin {
 
 /// Two bodies that share space, and cells of them that do.
 struct BodyOverlap {
-  std::size_t body, other;  ///< in the world
-  Index cell, other_cell;   ///< of these
-  Vector3 place;            ///< about where [m]
+  std::size_t body, other;           ///< in the world
+  Index cell = -1, other_cell = -1;  ///< of these; -1: their surfaces alone decide
+  Vector3 place;                     ///< about where [m]
 };
 
 /// Bodies that share space when they stand at x; such as only touch do not. Of a pair the first cells are
 /// named. Sides of cells are taken as flat between their corners; where `contact` has the bodies' surfaces,
-/// its finer parts decide.
+/// its finer parts decide. Of bodies that meet with a skin only whether one is inside the other is told.
 std::vector<BodyOverlap> overlapping_bodies(const World& world, const VectorX& x,
                                             const SurfaceContact* contact);
 

@@ -8,9 +8,9 @@
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/world/body_overlap.hpp"
-#include "resilin/world/colliders.hpp"
 #include "resilin/world/description_check.hpp"
 #include "resilin/world/friction.hpp"
+#include "resilin/world/meeting_surface.hpp"
 
 namespace resilin {
 namespace {
@@ -65,6 +65,17 @@ std::vector<double> friction_of(const ContactDescription& description, World& wo
   return table;
 }
 
+/// Of the surface of a body.
+Reach reach_along(int axis, const CollisionSurface& parts, Index body, const VectorX& places) {
+  Reach reach{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  for (std::size_t v = 0; v < parts.num_vertices(); ++v) {
+    if (parts.bodies[v] != body) continue;
+    const double at = places[static_cast<Eigen::Index>(v) * parts.dim + axis];
+    reach = {std::min(reach.low, at), std::max(reach.high, at)};
+  }
+  return reach;
+}
+
 void check_fits_bodies(double activation_distance, const World& world, const std::string& place) {
   for (const Body& body : world.bodies) {
     const double half = 0.5 * thinnest_extent(world, body);
@@ -76,13 +87,15 @@ void check_fits_bodies(double activation_distance, const World& world, const std
   }
 }
 
-/// How far along one axis the second body has to go for its box to leave that of the first.
-Vector3 way_apart(const World& world, const Body& body, const Body& other, double gap) {
+/// How far along one axis the second body has to go for the box around its surface to leave that of the
+/// first.
+Vector3 way_apart(const SurfaceContact& contact, const World& world, Index body, Index other, double gap) {
+  const VectorX places = contact.surface().places(world.start_positions);
   Vector3 way = Vector3::Zero();
   double least = std::numeric_limits<double>::infinity();
   for (int k = 0; k < world.dimension; ++k) {
-    const Reach a = reach_along(k, body, world.start_positions, world.dimension);
-    const Reach b = reach_along(k, other, world.start_positions, world.dimension);
+    const Reach a = reach_along(k, contact.surface().parts, body, places);
+    const Reach b = reach_along(k, contact.surface().parts, other, places);
     for (const double along : {a.high - b.low + gap, a.low - b.high - gap}) {
       if (!(std::abs(along) < least)) continue;
       least = std::abs(along);
@@ -92,15 +105,16 @@ Vector3 way_apart(const World& world, const Body& body, const Body& other, doubl
   return way;
 }
 
-std::string cure(const World& world, const Body& body, const Body& other, double gap) {
-  if (&body == &other) return "give the body a shape whose parts are apart, or leave `self` out";
-  const Vector3 way = way_apart(world, body, other, gap);
-  return "move \"" + other.name + "\" by " + world.place_text(way) +
+std::string cure(const SurfaceContact& contact, const World& world, Index body, Index other) {
+  if (body == other) return "give the body a shape whose parts are apart, or leave `self` out";
+  const Vector3 way = way_apart(contact, world, body, other, 0.5 * contact.activation_distance());
+  return "move \"" + world.bodies[static_cast<std::size_t>(other)].name + "\" by " + world.place_text(way) +
          " (translate), or let them pass: [contact] enabled = false, or a [[contact.pair]] of these two";
 }
 
-std::string both(const Body& body, const Body& other) {
-  return &body == &other ? "parts of \"" + body.name + '"' : '"' + body.name + "\" and \"" + other.name + '"';
+std::string both(const World& world, Index body, Index other) {
+  const auto name = [&](Index b) { return '"' + world.bodies[static_cast<std::size_t>(b)].name + '"'; };
+  return body == other ? "parts of " + name(body) : name(body) + " and " + name(other);
 }
 
 /// What bodies do at the start that meet.
@@ -110,10 +124,12 @@ class StartCheck {
       : contact_(contact), world_(world), place_(std::move(place)), parts_(contact.surface().parts) {}
 
   void check_overlaps() const {
-    for (const BodyOverlap& overlap : overlapping_bodies(world_, world_.start_positions, &contact_))
-      if (contact_.meetings().meet(static_cast<Index>(overlap.body), static_cast<Index>(overlap.other)))
+    for (const BodyOverlap& overlap : overlapping_bodies(world_, world_.start_positions, &contact_)) {
+      const auto body = static_cast<Index>(overlap.body), other = static_cast<Index>(overlap.other);
+      if (contact_.meetings().meet(body, other))
         throw InputError(place_, "bodies that start apart", describe(world_, overlap),
-                         cure(world_, world_.bodies[overlap.body], world_.bodies[overlap.other], gap()));
+                         cure(contact_, world_, body, other));
+    }
   }
 
   void check_crossings() const {
@@ -123,10 +139,10 @@ class StartCheck {
     const Index vertex = parts_.edges[static_cast<std::size_t>(2 * crossing->edge)];
     const std::vector<Index>& others = parts_.dim == 3 ? parts_.triangles : parts_.edges;
     const Index other = others[static_cast<std::size_t>(parts_.dim * crossing->other)];
-    const Body &a = body_of(vertex), &b = body_of(other);
+    const Index a = body_of(vertex), b = body_of(other);
     throw InputError(place_, "surfaces that start apart",
-                     both(a, b) + " go through each other near " + place_text(vertex, places),
-                     cure(world_, a, b, gap()));
+                     both(world_, a, b) + " go through each other near " + place_text(vertex, places),
+                     cure(contact_, world_, a, b));
   }
 
   void check_gap() const {
@@ -135,18 +151,15 @@ class StartCheck {
     const VectorX places = contact_.surface().places(world_.start_positions);
     const Index vertex = nearest.vertices[0];
     const Index other = nearest.vertices[static_cast<std::size_t>(num_first(nearest.kind))];
-    const Body &a = body_of(vertex), &b = body_of(other);
-    throw InputError(
-        place_, "surfaces that start with a gap",
-        both(a, b) + " touch near " + place_text(vertex, places) + " and " + place_text(other, places),
-        cure(world_, a, b, gap()));
+    const Index a = body_of(vertex), b = body_of(other);
+    throw InputError(place_, "surfaces that start with a gap",
+                     both(world_, a, b) + " touch near " + place_text(vertex, places) + " and " +
+                         place_text(other, places),
+                     cure(contact_, world_, a, b));
   }
 
  private:
-  double gap() const { return 0.5 * contact_.activation_distance(); }
-  const Body& body_of(Index vertex) const {
-    return world_.bodies[static_cast<std::size_t>(parts_.bodies[static_cast<std::size_t>(vertex)])];
-  }
+  Index body_of(Index vertex) const { return parts_.bodies[static_cast<std::size_t>(vertex)]; }
   std::string place_text(Index vertex, const VectorX& places) const {
     return world_.place_text(world_.origin + node_position(parts_.dim, vertex, places));
   }
@@ -159,10 +172,18 @@ class StartCheck {
 
 /// How far apart a body's own parts are at rest, up to `distance`.
 double thinnest_gap(const ContactSurface& surface, const BodyMeetings& meetings, double distance,
-                    const VectorX& rest_positions) {
-  return SurfaceContact("gap", surface, meetings, distance, rest_positions)
-      .smallest_gap(rest_positions)
-      .distance;
+                    const World& world, const std::string& place) {
+  const VectorX& rest = world.rest_positions;
+  const SurfaceContact contact("gap", surface, meetings, distance, rest);
+  const SurfaceContact::Gap gap = contact.smallest_gap(rest);
+  if (!contact.touches(rest)) return gap.distance;
+  const Index vertex = gap.vertices[0];
+  const Index body = surface.parts.bodies[static_cast<std::size_t>(vertex)];
+  throw InputError(
+      place, "bodies whose own parts are apart at rest",
+      both(world, body, body) + " touch near " +
+          world.place_text(world.origin + node_position(world.dimension, vertex, surface.places(rest))),
+      "join vertices that are at one place, or leave `self` out");
 }
 
 }  // namespace
@@ -184,7 +205,7 @@ std::shared_ptr<const SurfaceContact> make_contact(const ContactDescription& des
     BodyMeetings alone(meetings.num_bodies());
     for (Index a = 0; a < alone.num_bodies(); ++a)
       for (Index b = 0; b < alone.num_bodies(); ++b) alone.set(a, b, a == b && meetings.meet(a, a));
-    const double gap = thinnest_gap(surface, alone, distance, world.rest_positions);
+    const double gap = thinnest_gap(surface, alone, distance, world, description.place);
     if (gap < distance && description.activation_distance)
       throw InputError(
           description.place + ".activation_distance",

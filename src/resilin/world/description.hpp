@@ -33,6 +33,10 @@ constexpr std::array<std::string_view, 4> spellings(ProjectionChoice) {
   return {"auto", "none", "clamp", "absolute"};
 }
 
+/// With which surface a body meets others, itself and colliders: that of its cells, or its skin.
+enum class MeetingSurface { boundary, skin };
+constexpr std::array<std::string_view, 2> spellings(MeetingSurface) { return {"boundary", "skin"}; }
+
 /// Where laws that need J > 0 keep it: at the quadrature points, or in the whole of every cell.
 enum class InversionBound { points, everywhere };
 constexpr std::array<std::string_view, 2> spellings(InversionBound) { return {"points", "everywhere"}; }
@@ -119,6 +123,7 @@ struct BodyDescription {
       initial_velocities;  ///< dim per vertex [m/s]; empty: from velocity and velocity_gradient
   MassKind mass = MassKind::lumped;
   DampingDescription damping;
+  MeetingSurface contact_surface = MeetingSurface::boundary;
   std::optional<SkinDescription> skin;
 };
 

@@ -98,6 +98,10 @@ void check_description(const Description& description) {
     require_known(format, description.place + ": output.formats");
   for (const BodyDescription& body : description.bodies) {
     require_known(body.mass, body.place + ".mass");
+    require_known(body.contact_surface, body.place + ".contact_surface");
+    if (body.contact_surface == MeetingSurface::skin && !body.skin)
+      throw InputError(body.place + ".contact_surface", "\"boundary\" for a body without a skin", "\"skin\"",
+                       "give the body a skin (skin = \"surface.obj\")");
     require_positive(body.scale, body.place + ".scale");
   }
 }

@@ -158,8 +158,13 @@ bool is_seen(const T&, std::string_view member) {
   return !is_one_of(member, {"place", "name"});
 }
 
-bool is_seen(const BodyDescription&, std::string_view member) {
-  return !is_one_of(member, {"place", "name", "mesh_name", "skin"});
+bool is_seen(const BodyDescription& body, std::string_view member) {
+  if (member == "skin") return body.contact_surface == MeetingSurface::skin;
+  return !is_one_of(member, {"place", "name", "mesh_name"});
+}
+
+bool is_seen(const SkinDescription&, std::string_view member) {
+  return !is_one_of(member, {"place", "surface_name"});
 }
 
 bool is_seen(const ShapeDescription&, std::string_view member) { return member != "mesh_name"; }
@@ -199,6 +204,7 @@ std::string key_of(std::string_view member) {
   if (member == "is_enabled") return "enabled";
   if (member == "with_themselves") return "self";
   if (member == "pairs") return "pair";
+  if (member == "is_smooth") return "smooth";
   if (is_one_of(member, {"constants", "cell_constants", "shape"})) return "";
   return std::string(member == "pressure" ? "value" : member);
 }

@@ -3,8 +3,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <iterator>
+#include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -186,7 +187,7 @@ std::string cure(int dim, bool shifts, bool turns) {
 
 /// One part for each connected component of the body, with what holds it.
 std::vector<Part> parts_of(const World& world, const Body& body, const std::vector<std::uint8_t>& is_held,
-                           const std::vector<HeldDirection>& held_directions) {
+                           const std::vector<const HeldDirection*>& held_directions) {
   const int dim = world.dimension;
   const int num_motions = dim == 3 ? 6 : 3;
   CellBlock block{.kind = body.cell_kind, .nodes = body.cells};
@@ -219,14 +220,22 @@ std::vector<Part> parts_of(const World& world, const Body& body, const std::vect
       part.gram += motions.row(k).transpose() * motions.row(k);
     }
   });
-  for (const auto& [node, direction, by_node] : held_directions) {
-    const Index v = node - body.first_node;
-    if (v < 0 || v >= body.num_nodes) continue;
-    const Index number = components.of_vertex[static_cast<std::size_t>(v)];
-    if (number < 0) continue;  // a vertex that no cell uses
-    Part& part = parts[static_cast<std::size_t>(number)];
-    const Eigen::RowVectorXd motion = direction.head(dim).transpose() * motions_of(part, node);
-    part.gram += motion.transpose() * motion;
+  for (const HeldDirection* held : held_directions) {
+    Index number = -1;
+    Eigen::RowVectorXd motion = Eigen::RowVectorXd::Zero(num_motions);
+    bool is_of_one_part = true;
+    for (const auto& [node, weight] : held->nodes) {
+      const Index v = node - body.first_node;
+      if (v < 0 || v >= body.num_nodes) continue;  // of another body, which is held
+      const Index own = components.of_vertex[static_cast<std::size_t>(v)];
+      if (own < 0) continue;  // a vertex that no cell uses
+      is_of_one_part = is_of_one_part && (number < 0 || own == number);
+      number = own;
+      motion += weight * held->direction.head(dim).transpose() *
+                motions_of(parts[static_cast<std::size_t>(own)], node);
+    }
+    if (number < 0 || !is_of_one_part) continue;
+    parts[static_cast<std::size_t>(number)].gram += motion.transpose() * motion;
   }
   return parts;
 }
@@ -247,13 +256,18 @@ std::vector<LooseBody> loose_bodies(const World& world, const std::vector<std::u
   std::vector<LooseBody> loose;
   for (const Body& body : world.bodies) loose.push_back({&body, {}});
   while (true) {
-    std::vector<HeldDirection> by_what_is_held;
-    std::ranges::copy_if(directions, std::back_inserter(by_what_is_held), [&](const HeldDirection& held) {
-      return held.by_node < 0 ||
-             std::ranges::find(loose, &world.body_of(held.by_node), &LooseBody::body) == loose.end();
-    });
+    const auto is_loose = [&](const Body& body) {
+      return std::ranges::find(loose, &body, &LooseBody::body) != loose.end();
+    };
+    std::map<const Body*, std::vector<const HeldDirection*>> by_what_is_held;
+    for (const HeldDirection& held : directions) {
+      std::set<const Body*> loose_of_it;
+      for (const WeightedNode& each : held.nodes)
+        if (const Body& body = world.body_of(each.node); is_loose(body)) loose_of_it.insert(&body);
+      if (loose_of_it.size() == 1) by_what_is_held[*loose_of_it.begin()].push_back(&held);
+    }
     const std::size_t before = loose.size();
-    for (LooseBody& one : loose) one.parts = parts_of(world, *one.body, is_held, by_what_is_held);
+    for (LooseBody& one : loose) one.parts = parts_of(world, *one.body, is_held, by_what_is_held[one.body]);
     std::erase_if(loose, [](const LooseBody& one) {
       return std::ranges::none_of(one.parts, [](const Part& part) {
         return num_free_motions(dense::symmetric_eigenpairs(part.gram)) > 0;

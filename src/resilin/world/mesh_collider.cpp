@@ -10,12 +10,10 @@
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/world/colliders.hpp"
+#include "resilin/world/meeting_surface.hpp"
 
 namespace resilin {
 namespace {
-
-/// Of the square of a facet's longest side: a smaller area is none.
-constexpr double flat_share = 1e-12;
 
 // ---- the collider by itself
 
@@ -29,20 +27,7 @@ void check_mesh(const ColliderMesh& mesh, const World& world, const std::string&
       throw InputError(place, "vertices in the plane z = 0", "one at " + format_point(X));
   }
   if (world.dimension == 2) return;
-  for (std::size_t f = 0; f + 3 <= mesh.facets.size(); f += 3) {
-    if (mesh.facets[f] == mesh.facets[f + 1] || mesh.facets[f + 1] == mesh.facets[f + 2]) continue;
-    const auto corner = [&](std::size_t k) {
-      return mesh.vertices[static_cast<std::size_t>(mesh.facets[f + k])];
-    };
-    const Vector3 a = corner(0), ab = corner(1) - a, ac = corner(2) - a;
-    const double longest = std::max({ab.squaredNorm(), ac.squaredNorm(), (ac - ab).squaredNorm()});
-    if (ab.cross(ac).norm() > flat_share * longest) continue;
-    throw InputError(place, "triangles with an area",
-                     "one without at " + world.place_text(world.origin + a) + ", " +
-                         world.place_text(world.origin + corner(1)) + ", " +
-                         world.place_text(world.origin + corner(2)),
-                     "leave it out, or join its vertices");
-  }
+  require_areas(mesh, world, place);
 }
 
 /// Triangles that lie upon each other along an edge.
@@ -106,7 +91,9 @@ class ObstacleStart {
   }
   std::optional<Index> body_around() const {
     for (Index body = 0; body < obstacle_number(); ++body)
-      if (has_piece_inside(surface_.parts, obstacle_number(), body, places_)) return body;
+      if (has_inside(world_, world_.bodies[static_cast<std::size_t>(body)]) &&
+          has_piece_inside(surface_.parts, obstacle_number(), body, places_))
+        return body;
     return std::nullopt;
   }
   double distance_to_obstacle(Index vertex) const {
@@ -170,10 +157,8 @@ class ObstacleStart {
     return world_.bodies[static_cast<std::size_t>(surface_.parts.bodies[static_cast<std::size_t>(vertex)])];
   }
   std::string vertex_text(Index vertex) const {
-    const Body& body = body_of(vertex);
-    const std::size_t row = surface_.row_begin[static_cast<std::size_t>(vertex)];
-    return "vertex " + std::to_string(surface_.nodes[row] - body.first_node) + " of \"" + body.name +
-           "\" at " + world_.place_text(world_.origin + corner(vertex));
+    return point_name(body_of(vertex), surface_.numbers[static_cast<std::size_t>(vertex)]) + " at " +
+           world_.place_text(world_.origin + corner(vertex));
   }
   std::string cure(double depth) const {
     return "move the body (translate) or the collider by " +
@@ -203,7 +188,7 @@ std::shared_ptr<const ObstacleContact> make_mesh_collider(const ColliderDescript
   if (world.dimension == 3) check_folds(surface, world, surface.places(world.rest_positions), mesh_place);
   leave_held_out(surface, held_nodes(world));
   const std::size_t num_bodies = surface.stiffness.size();
-  auto collider = std::make_shared<ObstacleContact>(description.name, std::move(surface), activation_distance,
+  auto collider = std::make_shared<ObstacleContact>(description.name, surface, activation_distance,
                                                     world.start_positions);
   if (description.friction > 0)
     collider->set_friction(std::vector<double>(num_bodies * num_bodies, description.friction));

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <set>
 #include <span>
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/mesh/facet.hpp"
+#include "resilin/world/meeting_surface.hpp"
 
 namespace resilin {
 namespace {
@@ -77,19 +79,48 @@ bool acts(const World& world, const Conditions& conditions) {
 
 /// How deep a held vertex gets into a collider.
 struct Intrusion {
-  double depth = 0;  ///< [m]
-  Index node = -1;
+  double depth = 0;    ///< [m]
+  std::string vertex;  ///< its name
   Conditions when;
 };
 
+/// Points of the surface that a body meets others with, or beneath it, where a support alone holds them.
+ContactPoints points_held_by(const Support& support, const World& world) {
+  ContactPoints points;
+  if (support.nodes.empty()) return points;
+  const Body& body = world.body_of(support.nodes[0]);
+  if (!body.meets_with_skin()) {
+    for (const Index node : support.nodes) points.add({node, 0});
+    return points;
+  }
+  const std::set<Index> held(support.nodes.begin(), support.nodes.end());
+  for (Index vertex = 0; vertex < body.skin->num_vertices(); ++vertex) {
+    std::vector<Index> nodes;
+    std::vector<double> shares;
+    body.skin->embedding.append_weights(vertex, nodes, shares);
+    if (!std::ranges::all_of(nodes, [&](Index node) { return held.contains(node); })) continue;
+    points.places.nodes.insert(points.places.nodes.end(), nodes.begin(), nodes.end());
+    points.places.shares.insert(points.places.shares.end(), shares.begin(), shares.end());
+    points.places.end_row();
+    points.numbers.push_back(vertex);
+  }
+  return points;
+}
+
 Intrusion deepest(const World& world, const Support& support, const ColliderBarrier& collider) {
+  const ContactPoints points = points_held_by(support, world);
   Intrusion worst;
   for (const Conditions& conditions : conditions_to_look_at(world)) {
-    for (const Index node : support.nodes) {
-      const Vector3 x =
-          support.target(node_position(world.dimension, node, world.rest_positions), conditions);
+    for (Index point = 0; point < points.places.num_points(); ++point) {
+      Vector3 x = Vector3::Zero();
+      points.places.for_each_node(point, [&](Index node, double share) {
+        x += share * support.target(node_position(world.dimension, node, world.rest_positions), conditions);
+      });
       const double depth = -collider.distance(x, conditions);
-      if (depth > worst.depth) worst = {.depth = depth, .node = node, .when = conditions};
+      if (!(depth > worst.depth)) continue;
+      const Index number = points.numbers[static_cast<std::size_t>(point)];
+      worst = {
+          .depth = depth, .vertex = point_name(world.body_of(support.nodes[0]), number), .when = conditions};
     }
   }
   return worst;
@@ -106,10 +137,8 @@ std::vector<std::string> supports_in_colliders(const World& world) {
       if (!std::ranges::all_of(held, std::identity())) continue;  // the other vertices feel the collider
       const Intrusion worst = deepest(world, support, *collider);
       if (!(worst.depth > touching)) continue;
-      const Body& body = world.body_of(worst.node);
-      found.push_back(support.place + ": takes vertex " + std::to_string(worst.node - body.first_node) +
-                      " of \"" + body.name + "\" " + format_short(worst.depth) + " m into the collider \"" +
-                      std::string(collider->name()) + "\"" +
+      found.push_back(support.place + ": takes " + worst.vertex + " " + format_short(worst.depth) +
+                      " m into the collider \"" + std::string(collider->name()) + "\"" +
                       (world.is_dynamic      ? " at t = " + format_short(worst.when.time) + " s"
                        : worst.when.load < 1 ? " at load factor " + format_short(worst.when.load)
                                              : "") +

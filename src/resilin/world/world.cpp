@@ -18,6 +18,7 @@
 #include "resilin/world/event_times.hpp"
 #include "resilin/world/friction.hpp"
 #include "resilin/world/loads.hpp"
+#include "resilin/world/meeting_surface.hpp"
 #include "resilin/world/plausibility.hpp"
 #include "resilin/world/scene_origin.hpp"
 #include "resilin/world/selection.hpp"
@@ -132,6 +133,8 @@ void Builder::build() {
   world_.terms.assign(coupling_.begin(), coupling_.end());
   if (description_.gravity.head(world_.dimension).norm() > 0)
     world_.terms.push_back(make_gravity(description_.gravity, world_, world_.is_dynamic));
+  for (std::size_t b = 0; b < world_.bodies.size(); ++b)
+    check_contact_skin(world_.bodies[b], world_, description_.bodies[b].place);
   for (const ColliderDescription& collider : description_.colliders) add_collider(collider, world_);
   world_.contact = make_contact(description_.contact, world_);
   if (world_.contact) world_.terms.push_back(world_.contact);
@@ -196,6 +199,7 @@ void Builder::add_body(const BodyDescription& description) {
   if (!made.reason.empty())
     world_.notes.push_back(description.place + ": element " + body.element + ": " + made.reason);
   body.mass_kind = description.mass;
+  body.contact_surface = description.contact_surface;
   body.first_node = world_.num_nodes();
   body.num_nodes = static_cast<Index>(made.mesh.vertices.size());
   body.num_vertices = static_cast<Index>(description.mesh.vertices.size());

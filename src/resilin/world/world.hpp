@@ -34,9 +34,11 @@ struct Body {
   std::vector<Index> cells;  ///< nodes of the cells, in the world's numbering
   std::shared_ptr<const ElasticEnergy> elastic;
   std::shared_ptr<const Skin> skin;  ///< null for a body without
-  double density = 0;                ///< [kg/m^3]
-  double mass = 0;                   ///< [kg]
+  MeetingSurface contact_surface = MeetingSurface::boundary;
+  double density = 0;  ///< [kg/m^3]
+  double mass = 0;     ///< [kg]
 
+  bool meets_with_skin() const { return contact_surface == MeetingSurface::skin; }
   Index num_cells() const { return static_cast<Index>(cells.size()) / resilin::num_nodes(cell_kind); }
 };
 

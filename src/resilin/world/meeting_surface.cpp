@@ -1,0 +1,182 @@
+#include "resilin/world/meeting_surface.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <limits>
+
+#include "resilin/core/error.hpp"
+#include "resilin/material/rest_tangents.hpp"
+#include "resilin/mesh/facet.hpp"
+#include "resilin/mesh/topology.hpp"
+
+namespace resilin {
+namespace {
+
+constexpr double stiffness_share = 0.1;    ///< kappa / E: notes on "Convergent IPC", the authors' toolkit
+constexpr double activation_share = 5e-3;  ///< of the smallest body's extent
+/// Of the square of a facet's longest side: a smaller area is none.
+constexpr double flat_share = 1e-12;
+constexpr double thickness_share = 0.1;  ///< of the thinnest body's thickness
+
+double youngs_modulus(const Body& body) {
+  const LawInfo& law = require_law(body.law, body.name);
+  std::vector<double> constants;
+  for (const auto& [name, value] : body.constants) constants.push_back(value);
+  double E = 0;
+  for_each_rest_tangent(law, constants, [&E](std::size_t, const double* A) {
+    E = Hooke{A[9 + 1], A[4]}.youngs_modulus();  // dP_01/dF_01, dP_00/dF_11
+  });
+  return E;
+}
+
+double barrier_stiffness(const Body& body, std::optional<double> asked) {
+  return asked ? *asked : stiffness_share * youngs_modulus(body);
+}
+
+/// Triangles, in 2D lines: those of a skin, by its vertices.
+CellBlock skin_facets(const Skin& skin, int dim) {
+  const bool fills_the_plane = dim == 2 && skin.facets.kind == CellKind::triangle;
+  return fills_the_plane ? boundary(skin.facets).facets : skin.facets;
+}
+
+ColliderMesh mesh_of(const Skin& skin, int dim) {
+  ColliderMesh mesh{.vertices = {}, .facets = skin_facets(skin, dim).nodes};
+  for (Index vertex = 0; vertex < skin.num_vertices(); ++vertex)
+    mesh.vertices.push_back(node_position(3, vertex, skin.rest_positions));
+  return mesh;
+}
+
+/// At rest, of the surface that a body meets others with.
+Reach contact_reach(const World& world, const Body& body, int axis) {
+  if (!body.meets_with_skin()) return reach_along(axis, body, world.rest_positions, world.dimension);
+  const auto coordinates = body.skin->rest_positions(Eigen::seqN(axis, body.skin->num_vertices(), 3));
+  return {coordinates.minCoeff(), coordinates.maxCoeff()};
+}
+
+double mean_side(const ColliderMesh& mesh, std::size_t num_corners) {
+  double sum = 0;
+  for (std::size_t k = 0; k < mesh.facets.size(); ++k) {
+    const std::size_t first = k - k % num_corners, next = first + (k + 1) % num_corners;
+    sum += (mesh.vertices[static_cast<std::size_t>(mesh.facets[next])] -
+            mesh.vertices[static_cast<std::size_t>(mesh.facets[k])])
+               .norm();
+  }
+  return sum / static_cast<double>(mesh.facets.size());
+}
+
+}  // namespace
+
+double smallest_extent(const World& world) {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const Body& body : world.bodies) {
+    double extent = 0;
+    for (int k = 0; k < world.dimension; ++k)
+      extent = std::max(extent, contact_reach(world, body, k).length());
+    smallest = std::min(smallest, extent);
+  }
+  return smallest;
+}
+
+ContactBody meeting_body(const Body& body, int dim, std::optional<double> stiffness) {
+  const double kappa = barrier_stiffness(body, stiffness);
+  if (!body.meets_with_skin()) return {boundary({.kind = body.cell_kind, .nodes = body.cells}).facets, kappa};
+  return {skin_facets(*body.skin, dim), kappa, {body.skin, &body.skin->embedding}};
+}
+
+std::vector<ContactBody> contact_bodies(const World& world, std::optional<double> stiffness) {
+  std::vector<ContactBody> bodies;
+  for (const Body& body : world.bodies) bodies.push_back(meeting_body(body, world.dimension, stiffness));
+  return bodies;
+}
+
+std::string point_name(const Body& body, Index number) {
+  const std::string of = " of \"" + body.name + '"';
+  if (!body.meets_with_skin()) return "vertex " + std::to_string(number - body.first_node) + of;
+  return "vertex " + std::to_string(number + 1) + " of " + body.skin->name + ", the skin" + of + ",";
+}
+
+bool has_inside(const World& world, const Body& body) {
+  return !body.meets_with_skin() || is_closed(mesh_of(*body.skin, world.dimension), world.dimension);
+}
+
+std::vector<std::uint8_t> held_nodes(const World& world) {
+  const int dim = world.dimension;
+  const std::vector<std::int32_t> support_of = supports_of_unknowns(dim, world.num_nodes(), world.supports);
+  std::vector<std::uint8_t> is_held;
+  for (auto first = support_of.begin(); first != support_of.end(); first += dim)
+    is_held.push_back(std::all_of(first, first + dim, [](std::int32_t support) { return support >= 0; }));
+  return is_held;
+}
+
+ContactPoints contact_points(const World& world, std::optional<double> stiffness) {
+  const int dim = world.dimension;
+  const std::vector<std::uint8_t> is_held = held_nodes(world);
+  ContactPoints all;
+  for (const Body& body : world.bodies) {
+    const ContactBody own = meeting_body(body, dim, stiffness);
+    if (own.carrier == nullptr) {
+      for (const ContactNode& node : contact_nodes(dim, own.facets, world.rest_positions, own.stiffness))
+        if (is_held[static_cast<std::size_t>(node.node)] == 0) all.add(node);
+      continue;
+    }
+    ContactSurface surface = make_contact_surface(dim, {&own, 1}, world.rest_positions);
+    leave_held_out(surface, is_held);
+    for (const Index vertex : surface.parts.points) {
+      const auto v = static_cast<std::size_t>(vertex);
+      surface.vertices.for_each_node(vertex, [&](Index node, double share) {
+        all.places.nodes.push_back(node);
+        all.places.shares.push_back(share);
+      });
+      all.places.end_row();
+      all.stiffness.push_back(own.stiffness * surface.point_areas[v]);
+      all.numbers.push_back(surface.numbers[v]);
+    }
+  }
+  return all;
+}
+
+double thinnest_extent(const World& world, const Body& body) {
+  const bool is_sheet = !has_inside(world, body);  // its cells are as thick as they are
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < world.dimension; ++k) {
+    const Reach reach = is_sheet ? reach_along(k, body, world.rest_positions, world.dimension)
+                                 : contact_reach(world, body, k);
+    least = std::min(least, reach.length());
+  }
+  return least;
+}
+
+double default_activation_distance(const World& world) {
+  double distance = activation_share * smallest_extent(world);
+  for (const Body& body : world.bodies)
+    distance = std::min(distance, thickness_share * thinnest_extent(world, body));
+  const auto dim = static_cast<std::size_t>(world.dimension);
+  for (const Body& body : world.bodies)
+    if (body.meets_with_skin())
+      distance = std::min(distance, mean_side(mesh_of(*body.skin, world.dimension), dim));
+  return distance;
+}
+
+void require_areas(const ColliderMesh& mesh, const World& world, const std::string& place) {
+  for (std::size_t f = 0; f + 3 <= mesh.facets.size(); f += 3) {
+    if (mesh.facets[f] == mesh.facets[f + 1] || mesh.facets[f + 1] == mesh.facets[f + 2]) continue;
+    const auto corner = [&](std::size_t k) {
+      return mesh.vertices[static_cast<std::size_t>(mesh.facets[f + k])];
+    };
+    const Vector3 a = corner(0), ab = corner(1) - a, ac = corner(2) - a;
+    const double longest = std::max({ab.squaredNorm(), ac.squaredNorm(), (ac - ab).squaredNorm()});
+    if (ab.cross(ac).norm() > flat_share * longest) continue;
+    throw InputError(place, "triangles with an area",
+                     "one without at " + world.place_text(world.origin + a) + ", " +
+                         world.place_text(world.origin + corner(1)) + ", " +
+                         world.place_text(world.origin + corner(2)),
+                     "leave it out, or join its vertices");
+  }
+}
+
+void check_contact_skin(const Body& body, const World& world, const std::string& place) {
+  if (body.meets_with_skin() && world.dimension == 3)
+    require_areas(mesh_of(*body.skin, world.dimension), world, place + ".skin: " + body.skin->name);
+}
+
+}  // namespace resilin
