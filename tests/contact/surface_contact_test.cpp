@@ -9,7 +9,6 @@
 #include <random>
 
 #include "resilin/contact/pressing_forces.hpp"
-#include "resilin/mesh/facet.hpp"
 #include "resilin/mesh/generators.hpp"
 #include "resilin/mesh/topology.hpp"
 
@@ -220,47 +219,6 @@ TEST_P(SurfaceContactCases, StepsLeaveAGap) {
     EXPECT_GT(after, 0);
     EXPECT_TRUE(std::isfinite(contact.value(y, {}))) << before;
   }
-}
-
-/// Newton steps under large forces along surfaces: to first order nothing meets, but what turns is cut short;
-/// the correction lets most go at least twice as far. Forces between bodies sum up to nothing.
-TEST(SurfaceContact, SecondOrderForcesLeadStepsAroundWhatTurnsInTheWay) {
-  int num_short = 0, num_longer = 0;
-  for (int seed = 0; seed < 48; ++seed) {
-    const Surfaces surfaces = case_of(seed).surfaces;
-    const VectorX& x = surfaces.positions;
-    const SurfaceContact contact = surfaces.contact();
-    const auto pattern = std::make_shared<const BlockPattern>(
-        BlockPatternBuilder(static_cast<Index>(x.size() / surfaces.dim)).build());
-    BlockMatrix hessian(surfaces.dim, pattern);
-    contact.add_hessian(x, {}, Projection::clamp, hessian);
-    Eigen::MatrixXd H(x.size(), x.size());
-    for (Eigen::Index k = 0; k < x.size(); ++k) {
-      VectorX column;
-      multiply(hessian, VectorX::Unit(x.size(), k), column);
-      H.col(k) = column;
-    }
-    H.diagonal().array() += 1e-6 * H.diagonal().maxCoeff();
-    const Eigen::LDLT<Eigen::MatrixXd> inverse(H);
-    std::mt19937 generator(static_cast<unsigned>(seed));
-    VectorX p = inverse.solve(random_vector(x.size(), generator));
-    p *= 0.1 / p.cwiseAbs().maxCoeff();
-    VectorX forces = VectorX::Zero(x.size());
-    const double length = contact.max_step(x, p, {});
-    const bool are_any = contact.add_second_order_forces(x, p, {}, forces);
-    EXPECT_EQ(are_any, !forces.isZero(0));
-    if (length == 1) EXPECT_FALSE(are_any);
-    Vector3 sum = Vector3::Zero();
-    for (Index node = 0; node < static_cast<Index>(x.size()) / surfaces.dim; ++node)
-      sum += node_position(surfaces.dim, node, forces);
-    EXPECT_LE(sum.norm(), 1e-12 * forces.norm());
-    if (length > 0.3 || !are_any) continue;
-    ++num_short;
-    const VectorX corrected = p + inverse.solve(forces);
-    if (contact.max_step(x, corrected, {}) > 2 * length) ++num_longer;
-  }
-  EXPECT_GE(num_short, 10);
-  EXPECT_GE(num_longer, 0.7 * num_short);
 }
 
 /// Two blocks whose faces do not match press each other with the pressure of two flat faces, their rims

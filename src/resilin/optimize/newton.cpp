@@ -32,6 +32,32 @@ NewtonReport Newton::Search::finish_out_of_digits() {
       "a body this far from the origin, this stiff under its loads or moved in steps this short");
 }
 
+/// How far the step may go. Where that is not far, because surfaces turn on the way, the step is corrected
+/// to second order first.
+double Newton::Search::longest_step(bool boundary_moves) {
+  objective.prepare(x, step);
+  double length = objective.max_step(x, step);
+  VectorX forces, correction;
+  for (int k = 0; k < most_corrections && length < short_step; ++k) {
+    forces.setZero(x.size());
+    if (!objective.add_second_order_forces(x, step, forces)) break;
+    set_fixed_to_zero(is_fixed, forces);
+    correction.setZero(x.size());
+    const Stopwatch watch(report.solve_seconds);
+    const LinearReport linear =
+        newton.solver_->solve(newton.hessian_, scaled(forces), correction, forcing_of_corrections);
+    report.linear_iterations += linear.iterations;
+    if (linear.status == LinearReport::Status::indefinite || !correction.allFinite()) break;
+    correction += step;
+    objective.prepare(x, correction);
+    const double longer = objective.max_step(x, correction);
+    if (!(longer > 2 * length) || !(boundary_moves || correction.dot(right_side) > 0)) break;
+    step.swap(correction);
+    length = longer;
+  }
+  return length;
+}
+
 /// One step, over whatever projections it takes.
 /// @param gap     what is missing at the boundary
 /// @param length  of the step, relative to Newton's
