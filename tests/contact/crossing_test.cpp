@@ -2,8 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
 #include <random>
 
+#include "resilin/core/orientation.hpp"
 #include "resilin/mesh/generators.hpp"
 #include "resilin/mesh/topology.hpp"
 
@@ -85,6 +89,53 @@ TEST_P(CrossingsOfRandomParts, AreThoseThatEquationsFind) {
 }
 
 INSTANTIATE_TEST_SUITE_P(InTwoAndThreeDimensions, CrossingsOfRandomParts, ::testing::Values(2, 3));
+
+/// Two slivers, nearly in one plane that is turned anyhow.
+VectorX nearly_flat_slivers(std::mt19937& generator) {
+  std::uniform_real_distribution<double> unit(-1, 1), exponent(-16, 0);
+  const Eigen::Quaterniond turn = Eigen::Quaterniond::UnitRandom();
+  const double width = std::pow(10, exponent(generator)), height = std::pow(10, exponent(generator));
+  VectorX places(18);
+  for (Eigen::Index i = 0; i < 6; ++i)
+    places.segment<3>(3 * i) =
+        turn * Vector3(unit(generator), width * unit(generator), height * unit(generator));
+  return places;
+}
+
+/// By signs of determinants alone, which are exact.
+bool goes_through_by_signs(const Parts& parts, Index edge, Index triangle) {
+  const auto place = [&](const std::vector<Index>& part, Index corner) -> Vector3 {
+    return parts.places.segment<3>(Eigen::Index{part[static_cast<std::size_t>(corner)]} * 3);
+  };
+  const Vector3 p = place(parts.surface.edges, 2 * edge), q = place(parts.surface.edges, 2 * edge + 1);
+  std::array<Vector3, 3> t;
+  for (Index k = 0; k < 3; ++k)
+    t[static_cast<std::size_t>(k)] = place(parts.surface.triangles, 3 * triangle + k);
+  if (orientation(t[0], t[1], t[2], p) * orientation(t[0], t[1], t[2], q) >= 0) return false;
+  const int a = orientation(p, q, t[0], t[1]), b = orientation(p, q, t[1], t[2]),
+            c = orientation(p, q, t[2], t[0]);
+  return std::min({a, b, c}) >= 0 || std::max({a, b, c}) <= 0;
+}
+
+TEST(CrossingsOfSlivers, AreThoseOfExactSigns) {
+  std::mt19937 generator(3);
+  std::srand(3);  // for Eigen
+  int crossed = 0;
+  Parts parts = random_parts(3, 2, 1);
+  for (int i = 0; i < 20000; ++i) {
+    parts.places = nearly_flat_slivers(generator);
+    std::optional<Index> expected;
+    for (Index edge = 0; edge < 6 && !expected; ++edge)
+      if (goes_through_by_signs(parts, edge, edge < 3 ? 1 : 0)) expected = edge;
+    const auto found = first_crossing(parts.surface, BodyMeetings(2), parts.places);
+    ASSERT_EQ(found.has_value(), expected.has_value()) << i;
+    if (!found) continue;
+    ASSERT_EQ(found->edge, *expected) << i;
+    ++crossed;
+  }
+  EXPECT_GT(crossed, 2000);
+  EXPECT_LT(crossed, 18000);
+}
 
 /// A box or a square of side 2 size around a place.
 void add_box(Parts& parts, const Vector3& middle, double size) {

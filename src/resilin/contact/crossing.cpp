@@ -19,10 +19,30 @@ namespace resilin {
 namespace {
 
 constexpr std::size_t edges_per_task = 256;
+constexpr double beside_bound = 1e-14;  // of a product's size: some tens of its roundings
 constexpr Index none = std::numeric_limits<Index>::max();
+
+/// Whether a segment lies beyond one side of a triangle by more than round-off: so do almost all of the pairs
+/// that share a plane, of which only exact sums would tell that they do not cross.
+bool is_beside(const Vector3& p, const Vector3& q, const std::array<Vector3, 3>& triangle) {
+  const Vector3 normal = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vector3& corner = triangle[k];
+    const Vector3 outwards = (triangle[(k + 1) % 3] - corner).cross(normal);
+    const std::array<Vector3, 4> to = {p - corner, q - corner, triangle[(k + 1) % 3] - corner,
+                                       triangle[(k + 2) % 3] - corner};
+    double reach = 0;
+    for (const Vector3& arrow : to) reach = std::max(reach, arrow.squaredNorm());
+    const double round_off = beside_bound * outwards.norm() * std::sqrt(reach);
+    const double nearest = std::min(outwards.dot(to[0]), outwards.dot(to[1]));
+    if (nearest > std::max({0.0, outwards.dot(to[2]), outwards.dot(to[3])}) + round_off) return true;
+  }
+  return false;
+}
 
 /// Whether a segment goes through a triangle's inside.
 bool goes_through(const Vector3& p, const Vector3& q, const std::array<Vector3, 3>& triangle) {
+  if (is_beside(p, q, triangle)) return false;
   const auto& [a, b, c] = triangle;
   if (orientation(a, b, c, p) * orientation(a, b, c, q) >= 0) return false;
   const std::array<int, 3> sides = {orientation(p, q, a, b), orientation(p, q, b, c),
