@@ -8,8 +8,8 @@
 #include <numbers>
 
 #include "resilin/contact/crossing.hpp"
-#include "resilin/core/parallel.hpp"
 #include "resilin/world/colliders.hpp"
+#include "same_bits.hpp"
 #include "small_scenes.hpp"
 
 namespace resilin::testing {
@@ -300,23 +300,7 @@ TEST(ACollidersRun, HasTheSameBitsHoweverItIsRun) {
   ColliderDescription paddle = box_collider({0.3, 0, 0}, {0.7, 0.4, 0.04});
   paddle.rotate = ColliderTurn{.axis = {0, -1, 0}, .center = {0, 0, 0}, .degrees_per_second = 180};
   scene.colliders = {paddle};
-  std::vector<VectorX> ends;
-  const int threads_before = num_threads();
-  for (const int threads : {1, 2}) {
-    set_num_threads(threads);
-    Simulation whole(scene);
-    while (!whole.is_finished()) whole.step();
-    ends.push_back(whole.state().positions);
-  }
-  set_num_threads(threads_before);
-  Simulation first(scene);
-  for (int step = 0; step < 9; ++step) first.step();
-  Simulation second(scene);
-  second.resume_from(first.state(), "here");
-  while (!second.is_finished()) second.step();
-  ends.push_back(second.state().positions);
-  EXPECT_EQ(ends[0], ends[1]);
-  EXPECT_EQ(ends[0], ends[2]);
+  expect_same_bits_however_it_is_run(scene, 9);
 }
 
 // ---- scenes that cannot be

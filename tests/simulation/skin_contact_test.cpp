@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "resilin/contact/crossing.hpp"
-#include "resilin/core/parallel.hpp"
 #include "resilin/mesh/edit.hpp"
 #include "round_skin.hpp"
+#include "same_bits.hpp"
 #include "small_scenes.hpp"
 
 namespace resilin::testing {
@@ -168,23 +168,7 @@ TEST(ARunOfSkins, HasTheSameBitsHoweverItIsRun) {
   Description scene = falling_balls("P1", 3);
   scene.end_time = 0.2;
   scene.contact.friction = 0.4;
-  std::vector<VectorX> ends;
-  const int before = num_threads();
-  for (const int threads : {1, 2}) {
-    set_num_threads(threads);
-    Simulation whole(scene);
-    while (!whole.is_finished()) whole.step();
-    ends.push_back(whole.state().positions);
-  }
-  set_num_threads(before);
-  Simulation first(scene);
-  for (int step = 0; step < 11; ++step) first.step();
-  Simulation second(scene);
-  second.resume_from(first.state(), "here");
-  while (!second.is_finished()) second.step();
-  ends.push_back(second.state().positions);
-  EXPECT_EQ(ends[0], ends[1]);
-  EXPECT_EQ(ends[0], ends[2]);
+  expect_same_bits_however_it_is_run(scene, 11);
 }
 
 }  // namespace

@@ -2,9 +2,11 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "resilin/collision/edge_mollifier.hpp"
 #include "resilin/contact/contact_surface.hpp"
 
 namespace resilin {
@@ -24,6 +26,10 @@ struct ContactTerm {
 
   bool operator==(const ContactTerm&) const = default;
 
+  std::optional<EdgeMollifier> mollifier() const {
+    if (mollifier_threshold > 0) return EdgeMollifier{mollifier_threshold};
+    return std::nullopt;
+  }
   std::span<const Index> used_vertices() const {
     return std::span(vertices).first(static_cast<std::size_t>(num_vertices(kind)));
   }

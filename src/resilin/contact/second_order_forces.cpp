@@ -65,10 +65,8 @@ void add_force(const CutTerm& cut, const VectorX& places, const VectorX& displac
   const auto used = [&](const Corners<dim>& all) {
     return std::span<const Vector<dim>>(all).first(vertices.size());
   };
-  std::optional<EdgeMollifier> mollifier;
-  if (term.mollifier_threshold > 0) mollifier = EdgeMollifier{term.mollifier_threshold};
   const ClampedLogBarrier barrier{term.activation_distance};
-  const PairBarrier<dim> pair(barrier, term.kind, used(corners), term.stiffness, mollifier);
+  const PairBarrier<dim> pair(barrier, term.kind, used(corners), term.stiffness, term.mollifier());
   if (!pair.is_active()) return;
   const double distance = pair.distance().distance;
   const PairDistance<dim> meeting = pair_distance<dim>(term.kind, used(there));

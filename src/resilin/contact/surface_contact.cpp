@@ -203,18 +203,20 @@ void SurfaceContact::prepare(const VectorX& x, const VectorX& p, const Condition
   cover(*memory_, places, places + surface_->displacements(p));
 }
 
-std::vector<WeightedNode> SurfaceContact::nodes_of(const PartForce& force) const {
-  std::vector<WeightedNode> nodes;
+void SurfaceContact::set_nodes_of(const PartForce& force, std::vector<WeightedNode>& nodes) const {
+  nodes.clear();
   for (std::size_t i = 0; i < static_cast<std::size_t>(num_vertices(force.kind)); ++i)
     if (force.weights[i] != 0)
       surface_->vertices.for_each_node(force.vertices[i], [&](Index node, double share) {
         add_weight(node, share * force.weights[i], nodes);
       });
-  return nodes;
 }
 
 void SurfaceContact::add_held_directions(const VectorX& x, std::vector<HeldDirection>& held) const {
-  for (const PartForce& force : part_forces(x)) held.push_back({nodes_of(force), force.normal});
+  for (const PartForce& force : part_forces(x)) {
+    held.push_back({.nodes = {}, .direction = force.normal});
+    set_nodes_of(force, held.back().nodes);
+  }
 }
 
 std::vector<PartForce> SurfaceContact::part_forces(const VectorX& x, const Conditions& c) const {
@@ -252,6 +254,7 @@ void SurfaceContact::add_friction_contacts(const VectorX& x, const Conditions& c
   const auto body_of = [&](Index v) { return parts.bodies[static_cast<std::size_t>(v)]; };
   const VectorX places = surface_->places(x, c);
   const std::optional<ContactObstacle>& obstacle = surface_->obstacle;
+  std::vector<WeightedNode> nodes;
   for (const PartForce& force : pressing_forces(part_forces(x, c))) {
     const auto split = static_cast<std::size_t>(num_first(force.kind));
     const double coefficient = friction_[static_cast<std::size_t>(
@@ -259,12 +262,13 @@ void SurfaceContact::add_friction_contacts(const VectorX& x, const Conditions& c
     FrictionContact contact{.normal = force.normal, .limit = coefficient * force.force};
     for (std::size_t i = 0; i < static_cast<std::size_t>(num_vertices(force.kind)); ++i) {
       const Index vertex = force.vertices[i];
-      if (obstacle && surface_->is_obstacle(vertex))  // its own part of the slip
+      if (force.weights[i] != 0 && obstacle && surface_->is_obstacle(vertex))  // its own part of the slip
         contact.velocity -=
             force.weights[i] *
             obstacle->motion.velocity_at(node_position(parts.dim, vertex, places), c.time - c.collider_delay);
     }
-    contacts.add(contact, nodes_of(force));
+    set_nodes_of(force, nodes);
+    contacts.add(contact, nodes);
   }
 }
 

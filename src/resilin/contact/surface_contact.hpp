@@ -123,7 +123,7 @@ class SurfaceContact : public Energy, public FrictionSource {
   auto with_memory(const Use& use) const;
   TermSet set_of(const State& state) const { return {*surface_, state.merged.terms}; }
   /// Each once, with its part in the distance.
-  std::vector<WeightedNode> nodes_of(const PartForce& force) const;
+  void set_nodes_of(const PartForce& force, std::vector<WeightedNode>& nodes) const;
   void cover(Memory& memory, const VectorX& from, const VectorX& to) const;
   void find_terms(Memory& memory, State& state) const;
   State& state_at(Memory& memory, const VectorX& x, const Conditions& c) const;

@@ -31,15 +31,10 @@ class TermPlaces {
   std::size_t count_;
 };
 
-std::optional<EdgeMollifier> mollifier_of(const ContactTerm& term) {
-  if (term.mollifier_threshold > 0) return EdgeMollifier{term.mollifier_threshold};
-  return std::nullopt;
-}
-
 template <int dim>
 PairBarrier<dim> barrier_of(const ContactTerm& term, const VectorX& places) {
   return {ClampedLogBarrier{term.activation_distance}, term.kind, TermPlaces<dim>(term, places),
-          term.stiffness, mollifier_of(term)};
+          term.stiffness, term.mollifier()};
 }
 
 template <class Visit>
@@ -141,7 +136,7 @@ double sum_of_differences(const TermSet& set, const VectorX& from, const VectorX
         const ContactTerm& term = set.terms[k];
         sum += pair_barrier_difference<dim>(ClampedLogBarrier{term.activation_distance}, term.kind,
                                             TermPlaces<dim>(term, from), TermPlaces<dim>(term, to),
-                                            term.stiffness, mollifier_of(term));
+                                            term.stiffness, term.mollifier());
       }
       return sum;
     });

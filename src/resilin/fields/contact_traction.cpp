@@ -117,11 +117,7 @@ class TouchedFaces {
     const int dim = world.dimension;
     const MiddleNodes middles(body);
     const CellBlock facets = meeting_body(body, dim, 1.0).facets;
-    CarriedPoints vertices;
-    for (Index vertex = 0; vertex < body.skin->num_vertices(); ++vertex) {
-      body.skin->embedding.append_weights(vertex, vertices.nodes, vertices.shares);
-      vertices.end_row();
-    }
+    const CarriedPoints vertices = skin_vertices(body);
     const auto places_at = [&](const VectorX& positions) {
       VectorX places(Eigen::Index{vertices.num_points()} * dim);
       for (Index v = 0; v < vertices.num_points(); ++v)

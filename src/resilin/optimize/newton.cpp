@@ -43,9 +43,11 @@ double Newton::Search::longest_step(bool boundary_moves) {
     if (!objective.add_second_order_forces(x, step, forces)) break;
     set_fixed_to_zero(is_fixed, forces);
     correction.setZero(x.size());
-    const Stopwatch watch(report.solve_seconds);
-    const LinearReport linear =
-        newton.solver_->solve(newton.hessian_, scaled(forces), correction, forcing_of_corrections);
+    LinearReport linear;
+    {
+      const Stopwatch watch(report.solve_seconds);
+      linear = newton.solver_->solve(newton.hessian_, scaled(forces), correction, forcing_of_corrections);
+    }
     report.linear_iterations += linear.iterations;
     if (linear.status == LinearReport::Status::indefinite || !correction.allFinite()) break;
     correction += step;

@@ -77,6 +77,15 @@ double smallest_extent(const World& world) {
   return smallest;
 }
 
+CarriedPoints skin_vertices(const Body& body) {
+  CarriedPoints vertices;
+  for (Index vertex = 0; vertex < body.skin->num_vertices(); ++vertex) {
+    body.skin->embedding.append_weights(vertex, vertices.nodes, vertices.shares);
+    vertices.end_row();
+  }
+  return vertices;
+}
+
 ContactBody meeting_body(const Body& body, int dim, std::optional<double> stiffness) {
   const double kappa = barrier_stiffness(body, stiffness);
   if (!body.meets_with_skin()) return {boundary({.kind = body.cell_kind, .nodes = body.cells}).facets, kappa};

@@ -21,6 +21,9 @@ std::vector<std::uint8_t> held_nodes(const World& world);
 /// @param stiffness  of the barrier [Pa]; none: a tenth of each body's Young's modulus at small strain
 ContactPoints contact_points(const World& world, std::optional<double> stiffness = {});
 
+/// The vertices of a body's skin, by the nodes that carry them.
+CarriedPoints skin_vertices(const Body& body);
+
 /// The surface of a body, by the nodes of the world or the vertices of its skin, likewise.
 ContactBody meeting_body(const Body& body, int dim, std::optional<double> stiffness);
 

@@ -94,13 +94,14 @@ ContactPoints points_held_by(const Support& support, const World& world) {
     return points;
   }
   const std::set<Index> held(support.nodes.begin(), support.nodes.end());
-  for (Index vertex = 0; vertex < body.skin->num_vertices(); ++vertex) {
-    std::vector<Index> nodes;
-    std::vector<double> shares;
-    body.skin->embedding.append_weights(vertex, nodes, shares);
-    if (!std::ranges::all_of(nodes, [&](Index node) { return held.contains(node); })) continue;
-    points.places.nodes.insert(points.places.nodes.end(), nodes.begin(), nodes.end());
-    points.places.shares.insert(points.places.shares.end(), shares.begin(), shares.end());
+  const CarriedPoints vertices = skin_vertices(body);
+  for (Index vertex = 0; vertex < vertices.num_points(); ++vertex) {
+    if (!std::ranges::all_of(vertices.nodes_of(vertex), [&](Index node) { return held.contains(node); }))
+      continue;
+    vertices.for_each_node(vertex, [&](Index node, double share) {
+      points.places.nodes.push_back(node);
+      points.places.shares.push_back(share);
+    });
     points.places.end_row();
     points.numbers.push_back(vertex);
   }
