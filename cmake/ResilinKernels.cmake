@@ -65,21 +65,13 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     -fno-tree-loop-distribute-patterns)
 endif()
 
-# In the lanes' straight-line code, which is inlined into very large functions, two checks take minutes of compilation
-# (all laws together: 88 s for scopes and 59 s for undefined behaviour, against 7 s) and have little to find. Reads and
-# writes out of bounds are checked here as everywhere.
-# Linked after resilin_options, whose sanitizers these flags take back.
-add_library(resilin_kernel_options INTERFACE)
-target_compile_options(resilin_kernel_options INTERFACE
-  $<$<BOOL:${RESILIN_SANITIZE}>:-fno-sanitize=undefined -fno-sanitize-address-use-after-scope>)
-
 function(resilin_kernels module)
   cmake_parse_arguments(ARG "" "DISPATCH" "SOURCES;OPTIONS;OPTIONS_avx512;PRECOMPILE" ${ARGN})
   foreach(set IN LISTS RESILIN_COMPILED_SETS)
     set(objects resilin_${module}_${set})
     add_library(${objects} OBJECT ${ARG_SOURCES})
     target_include_directories(${objects} PRIVATE ${PROJECT_SOURCE_DIR}/src)
-    target_link_libraries(${objects} PRIVATE resilin_options resilin_kernel_options)
+    target_link_libraries(${objects} PRIVATE resilin_options resilin_bounds_only)
     target_compile_definitions(${objects} PRIVATE
       RESILIN_SIMD_NAMESPACE=${set} RESILIN_SIMD_WIDTH=${RESILIN_WIDTH_${set}})
     target_compile_options(${objects} PRIVATE ${RESILIN_KERNEL_FLAGS} ${RESILIN_FLAGS_${set}}
