@@ -247,6 +247,30 @@ TEST(AShareOfLaggedForces, IsBetweenTheLastAndThoseBeforeOrBeyondThem) {
   }
 }
 
+TEST(CoupledForces, AreThoseWithNormalForcesOfTheVeryPlace) {
+  const Friction friction(3, {std::make_shared<PressedByHeight>()}, speed);
+  VectorX before(6), after(6);
+  before << 0, 0, 4, 0, 0, 1;
+  after << 1, 2, 2, 3, -1, 5;
+  const auto gradient = [](const Energy& term, const VectorX& x) {
+    VectorX sum = VectorX::Zero(6);
+    term.add_gradient(x, {}, sum);
+    return sum;
+  };
+  const auto term = friction.begin_stage({.base_positions = VectorX::Zero(6), .duration = duration});
+  term->form_lag(after, {});
+  const VectorX of_the_place = gradient(*term, after);
+  term->form_lag(before, {});
+  const VectorX lagged = gradient(*term, after);
+  EXPECT_GT((of_the_place - lagged).norm(), 0.1 * lagged.norm());
+  term->couple_lag(true);
+  EXPECT_EQ(gradient(*term, after), of_the_place);
+  term->form_lag(after, {});
+  EXPECT_EQ(gradient(*term, after), of_the_place);
+  term->couple_lag(false);
+  EXPECT_EQ(gradient(*term, after), lagged);
+}
+
 TEST(TheHeatOfFriction, IsTheForceTimesTheSlip) {
   const Sample sample(2, 30);
   const double heat = sample.term->dissipation(sample.start, sample.x, duration);

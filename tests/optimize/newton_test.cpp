@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "chain.hpp"
 
 namespace resilin {
@@ -157,6 +159,75 @@ TEST(Newton, GivesTheSameBitsWhenAskedAgain) {
   solve(straight_line(), straight_line(), {}, first);
   solve(straight_line(), straight_line(), {}, second);
   EXPECT_TRUE((first.array() == second.array()).all());
+}
+
+/// A chain that is pushed across where its middle was last known to be: forces without a potential, which
+/// throw it around the place of balance.
+class PushedAcross final : public Objective {
+ public:
+  /// @param ratio  of the push to the stiffness of springs: from 0.15 on rounds alone do not settle
+  explicit PushedAcross(double ratio) : push_(ratio * 2 * Chain::stiffness) {}
+
+  bool form_lag(const VectorX& x) override {
+    before_ = std::exchange(lag_, x);
+    return true;
+  }
+  void mix_lag(double share) override { lag_ = share * lag_ + (1 - share) * before_; }
+  void couple_lag(bool is_coupled) override { is_coupled_ = is_coupled; }
+  double difference(const VectorX& from, const VectorX& to) const override {
+    return chain.difference(from, to) - force(lag_).dot(to - from);
+  }
+  double magnitude(const VectorX& x) const override { return chain.magnitude(x); }
+  void gradient(const VectorX& x, VectorX& g) const override {
+    chain.gradient(x, g);
+    g -= force(is_coupled_ ? x : lag_);
+  }
+  void gradient_magnitude(const VectorX& x, VectorX& m) const override { chain.gradient_magnitude(x, m); }
+  void hessian(const VectorX& x, Projection projection, BlockMatrix& H) const override {
+    chain.hessian(x, projection, H);
+  }
+  double max_step(const VectorX&, const VectorX&) const override { return 1; }
+  VectorX force_scales(const VectorX& x, const VectorX& g, const Parts& parts) const override {
+    return chain.force_scales(x, g, parts);
+  }
+  VectorX distinct_acting_scales(const VectorX& x, const VectorX& r, const Parts& parts) const override {
+    return chain.distinct_acting_scales(x, r, parts);
+  }
+
+  Chain chain{num_nodes, weight()};
+
+ private:
+  VectorX force(const VectorX& x) const {
+    VectorX f = VectorX::Zero(2 * num_nodes);
+    const Eigen::Index middle = num_nodes / 2;
+    if (x.size() > 0)
+      f.segment<2>(2 * middle) = push_ * Eigen::Vector2d(-x[2 * middle + 1], x[2 * middle] - middle);
+    return f;
+  }
+
+  double push_;
+  VectorX lag_{}, before_{};
+  bool is_coupled_ = false;
+};
+
+TEST(Newton, SettlesWhatLagsWhereRoundsAloneDoNot) {
+  const std::vector<std::uint8_t> ends = both_ends_fixed();
+  for (const double ratio : {0.02, 0.05, 0.1, 0.15, 0.2}) {
+    PushedAcross objective(ratio);
+    Newton newton(2, objective.chain.pattern(), make_linear_solver({.kind = "ldlt"}, 2 * num_nodes));
+    VectorX x = 1.2 * straight_line();
+    const VectorX targets = x;
+    const NewtonReport report =
+        newton.minimize(objective, ends, targets, {.tolerance = 1e-10, .lag_rounds = 50}, x);
+    ASSERT_TRUE(report.converged()) << ratio << ": " << report.reason;
+    EXPECT_EQ(report.lag_mismatch, 0) << ratio;
+    VectorX g;
+    objective.couple_lag(true);
+    objective.gradient(x, g);
+    for (std::size_t i = 0; i < ends.size(); ++i)
+      if (ends[i] != 0) g[static_cast<Eigen::Index>(i)] = 0;
+    EXPECT_LE(g.norm(), 1e-9 * report.force_scale) << ratio;
+  }
 }
 
 }  // namespace

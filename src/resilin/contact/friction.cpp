@@ -143,6 +143,10 @@ void LaggedFriction::see(std::span<const Energy* const> terms) {
 }
 
 bool LaggedFriction::form_lag(const VectorX& x, const Conditions& c) {
+  if (coupled_) {
+    coupled_ = contacts_of(sources_, x, c);
+    return coupled_->size() > 0;
+  }
   before_.contacts = std::exchange(contacts_, contacts_of(sources_, x, c));
   before_.directions = std::exchange(directions_, {});
   before_.of_contact = same_contacts(before_.contacts, contacts_);
@@ -178,9 +182,15 @@ void LaggedFriction::mix_lag(double share) {
   }
 }
 
+void LaggedFriction::couple_lag(bool is_coupled) {
+  coupled_.reset();
+  if (is_coupled) coupled_.emplace();
+}
+
 // With c = f1(y) / y the force over its limit is w = c u. Of w / c = u, linear in w and in u, a step du makes
 // w + dw = c (u + du) + c'/c (u.du / y) w.
 void LaggedFriction::follow(const VectorX& x, const VectorX& p, double t) {
+  if (coupled_) return;
   std::vector<Vector3> followed(contacts_.size());
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     const FrictionContacts::Entry entry = contacts_[i];
@@ -215,7 +225,7 @@ double LaggedFriction::slope_over_slip(double y) const { return y < eps_ ? (2 - 
 double LaggedFriction::fall_of_slope(double y) const { return y < eps_ ? 1 / (2 * eps_ - y) : 1 / y; }
 
 Slip LaggedFriction::direction(std::size_t contact, const Tangents& T, const Slip& slip) const {
-  if (directions_.empty()) return slope_over_slip(slip.norm()) * slip;
+  if (coupled_ || directions_.empty()) return slope_over_slip(slip.norm()) * slip;
   return T.transpose() * directions_[contact];
 }
 
@@ -254,9 +264,18 @@ double LaggedFriction::difference(const VectorX& from, const VectorX& to, const 
 }
 
 void LaggedFriction::add_gradient(const VectorX& x, const Conditions& c, VectorX& gradient) const {
+  if (coupled_) {
+    add_gradient_of(contacts_of(sources_, x, c), x, c, gradient);
+  } else {
+    add_gradient_of(contacts_, x, c, gradient);
+  }
+}
+
+void LaggedFriction::add_gradient_of(const FrictionContacts& contacts, const VectorX& x, const Conditions& c,
+                                     VectorX& gradient) const {
   const int dim = friction_.dim();
-  for (std::size_t i = 0; i < contacts_.size(); ++i) {
-    const FrictionContacts::Entry entry = contacts_[i];
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const FrictionContacts::Entry entry = contacts[i];
     const Vector3 slope = -c.contact_weight * force(entry, x);
     for (const auto& [node, weight] : entry.nodes)
       gradient.segment(Eigen::Index{node} * dim, dim) += weight * slope.head(dim);
@@ -279,8 +298,9 @@ void LaggedFriction::add_gradient_magnitude(const VectorX& x, const Conditions& 
 void LaggedFriction::add_hessian(const VectorX& x, const Conditions& c, Projection,
                                  BlockMatrix& hessian) const {
   const int dim = friction_.dim();
-  for (std::size_t i = 0; i < contacts_.size(); ++i) {
-    const FrictionContacts::Entry entry = contacts_[i];
+  const FrictionContacts& contacts = coupled_ ? *coupled_ : contacts_;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const FrictionContacts::Entry entry = contacts[i];
     const Tangents T = tangents(dim, entry.contact.normal);
     const Slip u = slip(entry, T, x), w = direction(i, T, u);
     const double y = u.norm();

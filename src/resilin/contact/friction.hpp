@@ -68,6 +68,7 @@ class LaggedFriction final : public Energy {
   void see(std::span<const Energy* const> terms) override;
   bool form_lag(const VectorX& x, const Conditions& c) override;
   void mix_lag(double share) override;
+  void couple_lag(bool is_coupled) override;
   void follow(const VectorX& x, const VectorX& p, double t) override;
 
   /// Calls `visit(entry, force)` for each contact when bodies stand at x, `force` on its nodes, each by its
@@ -86,10 +87,12 @@ class LaggedFriction final : public Energy {
   Eigen::Vector2d slip(const FrictionContacts::Entry& entry, const Eigen::Matrix<double, 3, 2>& T,
                        const VectorX& x) const;
   Vector3 force(const FrictionContacts::Entry& entry, const VectorX& x) const;
+  void add_gradient_of(const FrictionContacts& contacts, const VectorX& x, const Conditions& c,
+                       VectorX& gradient) const;
   double slope_over_slip(double y) const;  ///< f1(y) / y [1/m]
   /// The derivative of that over it, times -1 [1/m].
   double fall_of_slope(double y) const;
-  /// Of one contact, along T.
+  /// Of one contact of the Hessian, along T.
   Eigen::Vector2d direction(std::size_t contact, const Eigen::Matrix<double, 3, 2>& T,
                             const Eigen::Vector2d& slip) const;
 
@@ -111,6 +114,7 @@ class LaggedFriction final : public Energy {
   /// search. Empty: those of x.
   std::vector<Vector3> directions_{};
   Before before_{};
+  std::optional<FrictionContacts> coupled_{};  ///< what the Hessian sees while the lag is coupled
 };
 
 }  // namespace resilin

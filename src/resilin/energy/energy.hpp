@@ -162,6 +162,9 @@ class Energy {
   virtual bool form_lag(const VectorX& /*x*/, const Conditions& /*c*/) { return false; }
   /// Takes only a share of what was formed the last time; the rest is what was in use before.
   virtual void mix_lag(double /*share*/) {}
+  /// From now on its forces at any x are those with what it keeps formed there, its Hessian is that with what
+  /// was formed last; or again all as before.
+  virtual void couple_lag(bool /*is_coupled*/) {}
   /// Tells a stage's own term that the search goes from x to x + t p: what it keeps to form its Hessian on
   /// may follow.
   virtual void follow(const VectorX& /*x*/, const VectorX& /*p*/, double /*t*/) {}

@@ -28,6 +28,8 @@ class Lag {
   bool is_over() const { return rounds_ >= most_rounds_; }
   /// It is not that of x any more.
   void leave() { is_here_ = false; }
+  /// The search is back where it was formed last.
+  void come_back() { is_here_ = true; }
 
   /// Whether the search has done with it as it is what is worth doing.
   /// @param relative_residual  beside the forces that act
@@ -79,6 +81,58 @@ class Lag {
   bool is_here_ = false;
   double first_residual_ = 0;
   VectorX change_{}, last_change_{};  ///< of the gradient, by the last two times
+};
+
+/// What lags and the shape as one system, which has no potential, by Newton's method with the true tangent:
+/// where rounds are slow to settle, from a place near enough to where they would.
+class CoupledLag {
+ public:
+  bool is_on() const { return is_on_; }
+  /// Whether it is worth trying.
+  /// @param relative_residual  with what lags as it is here, beside the forces that act
+  bool is_due(int rounds, double relative_residual) const {
+    return rounds >= next_rounds_ && relative_residual <= largest_residual;
+  }
+  /// @param has_potential  what to come back to
+  void begin(const VectorX& x, double residual, bool has_potential, int rounds) {
+    is_on_ = true;
+    start_ = x;
+    goal_ = residual;
+    steps_ = 0;
+    had_potential_ = has_potential;
+    next_rounds_ = rounds + rounds / 2;
+  }
+  /// After a step of this length that left this residual. @return whether it comes to nothing
+  bool fails(double length, double residual) {
+    ++steps_;
+    if (steps_ > free_steps) goal_ *= largest_left;
+    return !(length >= least_length && residual <= (steps_ > free_steps ? goal_ : most_growth * goal_));
+  }
+  void end() { is_on_ = false; }
+  void give_up() {
+    is_on_ = false;
+    lost_steps_ += steps_;
+  }
+  /// That came to nothing, and do not count.
+  int lost_steps() const { return lost_steps_; }
+
+  const VectorX& start() const { return start_; }
+  bool had_potential() const { return had_potential_; }
+
+ private:
+  static constexpr double largest_residual = 0.2;
+  static constexpr int first_rounds = 6;  ///< are left to themselves; then half as many again
+  /// Steps that need not lower the residual, nor raise it much; of those after them each is to leave no more.
+  static constexpr int free_steps = 3;
+  static constexpr double most_growth = 4, largest_left = 0.7;
+  static constexpr double least_length = 0.01;  ///< shorter ones are cut by what meets
+
+  bool is_on_ = false;
+  int next_rounds_ = first_rounds;
+  VectorX start_{};
+  double goal_ = 0;
+  int steps_ = 0, lost_steps_ = 0;
+  bool had_potential_ = true;
 };
 
 }  // namespace resilin

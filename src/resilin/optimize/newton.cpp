@@ -20,6 +20,11 @@ constexpr int most_blocked_steps = 20;
 
 NewtonReport Newton::Search::finish(NewtonReport::Status status, std::string reason) {
   if (status != NewtonReport::Status::converged && watchdog.steps > 0) go_back();
+  if (coupling.is_on()) {
+    coupling.end();
+    objective.couple_lag(false);
+    objective.form_lag(x);
+  }
   report.status = status;
   report.reason = std::move(reason);
   return report;
@@ -107,6 +112,7 @@ Newton::Search::Outcome Newton::Search::move(const VectorX& gap, bool boundary_m
 
 /// What lags becomes that of x, where it is time. @return whether the search has to go on with it
 bool Newton::Search::renew_lag(bool is_balanced) {
+  if (coupling.is_on()) return false;
   const double relative = weighted_residual / convergence.weighted_scale();
   if (watchdog.steps > 0 || !(is_balanced || lag.is_due(weighted_residual, relative))) return false;
   if (!lag.form(x, gradient)) return false;
@@ -117,10 +123,40 @@ bool Newton::Search::renew_lag(bool is_balanced) {
     report.lag_mismatch = report.relative_residual();
     return false;
   }
+  if (coupling.is_due(lag.rounds(), weighted_residual / convergence.weighted_scale())) {
+    couple_lag();
+    return true;
+  }
+  begin_round();
+  return true;
+}
+
+void Newton::Search::begin_round() {
   if (lag.begin_round(x, gradient)) measure_residual();
   lag.set_first_residual(weighted_residual);
   report.lag_rounds = lag.rounds();
-  return true;
+}
+
+/// From a place where what lags has been formed.
+void Newton::Search::couple_lag() {
+  coupling.begin(x, weighted_residual, has_potential, lag.rounds());
+  has_potential = false;
+  objective.couple_lag(true);
+  objective.form_lag(x);
+}
+
+/// Back to where it began, to go on with rounds.
+void Newton::Search::uncouple_lag() {
+  coupling.give_up();
+  has_potential = coupling.had_potential();
+  objective.couple_lag(false);
+  x = coupling.start();
+  lag.come_back();
+  objective.gradient(x, gradient);
+  measure_residual();
+  renew_internal_values();
+  last_residual = 0;
+  begin_round();
 }
 
 NewtonReport Newton::Search::run(const NewtonObserver& observer) {
@@ -147,7 +183,7 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
       if (now == Verdict::out_of_digits && last_residual > 0 && weighted_residual > 0.5 * last_residual)
         return finish_out_of_digits();
     }
-    if (report.iterations >= settings.max_iterations) {
+    if (report.iterations >= settings.max_iterations + coupling.lost_steps()) {
       return finish(Status::max_iterations, "the limit of Newton iterations was reached");
     }
     double length = 0;
@@ -156,6 +192,12 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
     if (boundary_moves && !pushes) {
       --giving_way;
       if (outcome != Outcome::moved) giving_way = 0;
+    }
+    if (coupling.is_on() && outcome != Outcome::balanced &&
+        (outcome != Outcome::moved || coupling.fails(length, weighted_residual)) &&
+        verdict() != Verdict::yes) {
+      uncouple_lag();
+      continue;
     }
     switch (outcome) {
       case Outcome::moved:

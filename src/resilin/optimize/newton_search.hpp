@@ -42,6 +42,7 @@ struct Newton::Search {
   NewtonReport report{};
   ProjectionChooser chooser{settings.projection};
   Lag lag{objective, is_fixed, settings.lag_rounds};
+  CoupledLag coupling{};
   VectorX gradient{}, step{}, trial{}, trial_gradient{}, right_side{};
   bool gradient_at_trial_is_known = false;
   VectorX internal{};  ///< where the Hessian is formed besides x ...
@@ -384,6 +385,7 @@ struct Newton::Search {
     gradient.swap(trial_gradient);
     ++report.iterations;
     lag.leave();
+    if (coupling.is_on()) objective.form_lag(x);
     last_residual = weighted_residual;
     measure_residual();
   }
@@ -393,6 +395,9 @@ struct Newton::Search {
   enum class Outcome { moved, balanced, out_of_digits, singular, stalled };
   Outcome move(const VectorX& gap, bool boundary_moves, double& length);
   bool renew_lag(bool is_balanced);
+  void begin_round();
+  void couple_lag();
+  void uncouple_lag();
   NewtonReport run(const NewtonObserver& observer);
 };
 

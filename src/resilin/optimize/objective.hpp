@@ -15,6 +15,9 @@ class Objective {
   virtual bool form_lag(const VectorX& /*x*/) { return false; }
   /// Takes only a share of what was formed the last time; the rest is what was in use before.
   virtual void mix_lag(double /*share*/) {}
+  /// From now on the gradient at any x is that with what lags formed there, and has no potential; the Hessian
+  /// is that with what was formed last while this holds. Or again all as before.
+  virtual void couple_lag(bool /*is_coupled*/) {}
   /// Called once the search goes from x to x + t p.
   virtual void follow(const VectorX& /*x*/, const VectorX& /*p*/, double /*t*/) {}
   /// Called once in each iteration, before the objective is asked about points between x and x + p: what all

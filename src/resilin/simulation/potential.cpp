@@ -47,6 +47,10 @@ void Potential::mix_lag(double share) {
   for (const auto& term : own_) term->mix_lag(share);
 }
 
+void Potential::couple_lag(bool is_coupled) {
+  for (const auto& term : own_) term->couple_lag(is_coupled);
+}
+
 void Potential::follow(const VectorX& x, const VectorX& p, double t) {
   for (const auto& term : own_) term->follow(x, p, t);
 }

@@ -28,6 +28,7 @@ class Potential final : public Objective {
   /// the first time there is none of it. @return whether that may have changed forces
   bool form_lag(const VectorX& x) override;
   void mix_lag(double share) override;
+  void couple_lag(bool is_coupled) override;
   void follow(const VectorX& x, const VectorX& p, double t) override;
 
   void prepare(const VectorX& x, const VectorX& p) override;
