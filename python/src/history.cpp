@@ -17,9 +17,7 @@
 namespace resilin {
 
 RESILIN_MEMBERS(RunOutcome, status, reason, warnings, discretisation_errors)
-RESILIN_MEMBERS(FailedSteps, count, in_a_row, first_step, first_time, first_reason)
 RESILIN_MEMBERS(Timing, assembly, solve, steps)
-RESILIN_MEMBERS(MostStrained, energy, positions)
 RESILIN_MEMBERS(RunSummary, outcome, solver, failed_steps, most_strained, timing, total_seconds,
                 output_seconds)
 
@@ -91,13 +89,7 @@ void History::record(const Simulation& simulation, bool is_last) {
 
 void History::finish(const Simulation& simulation, const RunOutcome& outcome, double total_seconds,
                      double output_seconds) {
-  summary_ = {.outcome = outcome,
-              .solver = std::string(simulation.solver_name()),
-              .failed_steps = simulation.failed_steps(),
-              .most_strained = simulation.most_strained(),
-              .timing = simulation.timing(),
-              .total_seconds = total_seconds,
-              .output_seconds = output_seconds};
+  summary_ = summary_of(simulation, outcome, total_seconds, output_seconds);
   Json frames = Json::array();
   FieldEvaluator evaluator(world());
   for (std::size_t i = 0; i < frames_.size(); ++i) {

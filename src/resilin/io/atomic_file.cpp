@@ -39,11 +39,9 @@ class Descriptor {
   int value_;
 };
 
-constexpr std::string_view partial_mark = ".partial.";
-
 /// The process that made a partial file beside `path`, from the file's name; 0 for any other name.
 pid_t maker_of(std::string_view file, const std::filesystem::path& path) {
-  const std::string start = path.filename().string() + std::string(partial_mark);
+  const std::string start = path.filename().string() + std::string(partial_ending) + ".";
   if (!file.starts_with(start)) return 0;
   file.remove_prefix(start.size());
   pid_t process = 0;
@@ -55,24 +53,32 @@ pid_t maker_of(std::string_view file, const std::filesystem::path& path) {
   return second.ec == std::errc{} && second.ptr == end ? process : 0;
 }
 
-/// Removes what processes that are gone have left half-written beside `path`.
-void sweep_partial_files(const std::filesystem::path& path) {
+/// Removes the files of a folder whose names `is_left` says are left over.
+template <class IsLeft>
+void sweep(const std::filesystem::path& folder, const IsLeft& is_left) {
   std::error_code error;
-  std::filesystem::directory_iterator entry(path.has_parent_path() ? path.parent_path() : ".", error), end;
+  std::filesystem::directory_iterator entry(folder, error), end;
   for (; !error && entry != end; entry.increment(error)) {
-    const pid_t process = maker_of(entry->path().filename().string(), path);
-    if (process <= 0 || process == ::getpid() || ::kill(process, 0) == 0 || errno != ESRCH) continue;
     std::error_code ignored;
-    std::filesystem::remove(entry->path(), ignored);
+    if (is_left(entry->path().filename().string()) && entry->is_regular_file(ignored))
+      std::filesystem::remove(entry->path(), ignored);
   }
+}
+
+/// Removes what processes that are gone have left half-written beside `path`.
+void remove_abandoned_files(const std::filesystem::path& path) {
+  sweep(path.has_parent_path() ? path.parent_path() : ".", [&path](const std::string& name) {
+    const pid_t process = maker_of(name, path);
+    return process > 0 && process != ::getpid() && ::kill(process, 0) != 0 && errno == ESRCH;
+  });
 }
 
 /// A new, empty file beside `path`; its name says what it is in case the machine stops now.
 std::filesystem::path make_partial_file(const std::filesystem::path& path) {
-  sweep_partial_files(path);
+  remove_abandoned_files(path);
   for (int attempt = 0;; ++attempt) {
     std::filesystem::path partial = path;
-    partial += std::string(partial_mark) + std::to_string(::getpid()) + "." + std::to_string(attempt);
+    partial += std::string(partial_ending) + "." + std::to_string(::getpid()) + "." + std::to_string(attempt);
     const Descriptor file(partial, O_WRONLY | O_CREAT | O_EXCL);
     if (file.is_open()) return partial;
     if (errno != EEXIST)
@@ -123,6 +129,13 @@ void write_atomically(const std::filesystem::path& path, const std::function<voi
   }
   const Descriptor folder(target.has_parent_path() ? target.parent_path() : ".", O_RDONLY | O_DIRECTORY);
   if (folder.is_open()) ::fsync(folder.value());  // best effort: the file is whole with or without it
+}
+
+void remove_partial_files(const std::filesystem::path& folder) {
+  sweep(folder, [](const std::string& name) {
+    const std::size_t at = name.rfind(partial_ending);
+    return at != name.npos && name.find_first_not_of("0123456789.", at + partial_ending.size()) == name.npos;
+  });
 }
 
 std::string read_file(const std::filesystem::path& path) {

@@ -4,6 +4,7 @@
 #include <functional>
 #include <iosfwd>
 #include <string>
+#include <string_view>
 
 namespace resilin {
 
@@ -16,6 +17,13 @@ namespace resilin {
 ///
 /// @throws FileError naming the path
 void write_atomically(const std::filesystem::path& path, const std::function<void(std::ostream&)>& write);
+
+/// The ending of the name of a file that is not whole yet; numbers may follow.
+inline constexpr std::string_view partial_ending = ".partial";
+
+/// Removes what has been left half-written in a folder, by whomever: for a folder that nobody else writes
+/// into.
+void remove_partial_files(const std::filesystem::path& folder);
 
 /// The bytes of a regular file of at most 4 GiB. @throws FileError naming the path
 std::string read_file(const std::filesystem::path& path);

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <type_traits>
 
 #include "resilin/core/archive.hpp"
 #include "resilin/core/error.hpp"
@@ -30,15 +31,36 @@ std::string value_of(const Fingerprint& fingerprint, std::string_view key) {
   return "";
 }
 
+/// Each number in 8 bytes.
+void write_failed_steps(ArchiveWriter& archive, const FailedSteps& failed) {
+  visit_members(failed, [&](std::string_view, const auto& value) {
+    if constexpr (std::is_same_v<decltype(value), const int&>) {
+      archive(std::int64_t{value});
+    } else {
+      archive(value);
+    }
+  });
+}
+
+void read_failed_steps(ArchiveReader& archive, const std::string& place, FailedSteps& failed) {
+  visit_members(failed, [&](std::string_view, auto& value) {
+    if constexpr (std::is_same_v<decltype(value), int&>) {
+      std::int64_t number = 0;
+      archive(number);
+      value = count_of_steps(number, place);
+    } else {
+      archive(value);
+    }
+  });
+}
+
 }  // namespace
 
 std::string serialize(const Checkpoint& checkpoint) {
-  const FailedSteps& failed = checkpoint.failed_steps;
   ArchiveWriter archive;
-  archive(checkpoint.version, checkpoint.fingerprint, std::int64_t{failed.count},
-          std::int64_t{failed.in_a_row}, std::int64_t{failed.first_step}, failed.first_time,
-          failed.first_reason, checkpoint.most_strained.energy, checkpoint.most_strained.positions,
-          serialize(checkpoint.state));
+  archive(checkpoint.version, checkpoint.fingerprint);
+  write_failed_steps(archive, checkpoint.failed_steps);
+  archive(checkpoint.most_strained, serialize(checkpoint.state));
   return sealed(magic, archive.take());
 }
 
@@ -49,16 +71,12 @@ Checkpoint parse_checkpoint(std::string_view bytes, const std::string& place) {
                      is_of_another_format ? "one of another format" : "something else", cure);
   }
   Checkpoint checkpoint;
-  FailedSteps& failed = checkpoint.failed_steps;
-  std::int64_t count = 0, in_a_row = 0, first_step = 0;
   std::string state;
   ArchiveReader archive(unsealed(bytes, magic, place, cure), place, cure);
-  archive(checkpoint.version, checkpoint.fingerprint, count, in_a_row, first_step, failed.first_time,
-          failed.first_reason, checkpoint.most_strained.energy, checkpoint.most_strained.positions, state);
+  archive(checkpoint.version, checkpoint.fingerprint);
+  read_failed_steps(archive, place, checkpoint.failed_steps);
+  archive(checkpoint.most_strained, state);
   archive.end();
-  failed.count = count_of_steps(count, place);
-  failed.in_a_row = count_of_steps(in_a_row, place);
-  failed.first_step = count_of_steps(first_step, place);
   checkpoint.state = deserialize_state(state, place);
   return checkpoint;
 }

@@ -5,6 +5,7 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/output_file.hpp"
+#include "resilin/io/atomic_file.hpp"
 
 namespace resilin {
 namespace {

@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <span>
 #include <string>
-#include <string_view>
 
 #include "resilin/fields/evaluator.hpp"
 #include "resilin/io/vtu.hpp"
@@ -24,8 +23,5 @@ double shown_time(const World& world, const State& state);
 /// Beside and renamed, so that the file is whole even when the program is killed. It does not wait for the
 /// disk, which takes longer than a step of a small body: a power cut may take the last frames.
 void write_frame(const std::filesystem::path& path, const VtuContent& content);
-
-/// The ending of a file's name that is not whole yet.
-inline constexpr std::string_view partial_ending = ".partial";
 
 }  // namespace resilin

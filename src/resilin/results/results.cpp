@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <string_view>
 #include <vector>
 
 #include "resilin/core/error.hpp"
@@ -33,21 +32,6 @@ constexpr const char* collider_list_name = "colliders.pvd";
 
 void write_text(const std::filesystem::path& path, const std::string& text) {
   write_atomically(path, [&text](std::ostream& stream) { stream << text; });
-}
-
-/// Removes what a run that was killed has left half-written; nobody else writes into the folder.
-void sweep_partial_files(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::directory_iterator entry(folder, error), end;
-  for (; !error && entry != end; entry.increment(error)) {
-    const std::string name = entry->path().filename().string();
-    const std::size_t at = name.rfind(partial_ending);
-    if (at == std::string::npos ||
-        name.find_first_not_of("0123456789.", at + partial_ending.size()) != std::string::npos)
-      continue;
-    std::error_code ignored;
-    if (entry->is_regular_file(ignored)) std::filesystem::remove(entry->path(), ignored);
-  }
 }
 
 std::string frame_name(std::size_t number) { return "frames/" + numbered_vtu(number); }
@@ -132,13 +116,7 @@ struct ResultFolder::Contents {
   }
 
   RunSummary summary(const Simulation& simulation, const RunOutcome& outcome) const {
-    return {.outcome = outcome,
-            .solver = std::string(simulation.solver_name()),
-            .failed_steps = simulation.failed_steps(),
-            .most_strained = simulation.most_strained(),
-            .timing = simulation.timing(),
-            .total_seconds = seconds_before + seconds_since(start),
-            .output_seconds = output_seconds};
+    return summary_of(simulation, outcome, seconds_before + seconds_since(start), output_seconds);
   }
 
   /// @param is_end  the run has ended for now: what is made of all frames is made, too
@@ -181,7 +159,8 @@ ResultFolder::ResultFolder(std::filesystem::path folder, double seconds_before) 
   if (error)
     throw FileError(folder.string(), "the folder for the results cannot be made (" + error.message() + ")");
   contents_ = std::make_unique<Contents>(std::move(folder), seconds_before);
-  for (const char* part : {".", "frames", "colliders"}) sweep_partial_files(contents_->folder / part);
+  // What a run that was killed has left; the lock keeps others out.
+  for (const char* part : {".", "frames", "colliders"}) remove_partial_files(contents_->folder / part);
   write_text(contents_->folder / "frames" / ".probe", "");
   std::filesystem::remove(contents_->folder / "frames" / ".probe", error);
 }

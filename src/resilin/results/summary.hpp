@@ -37,4 +37,15 @@ struct RunSummary {
   double output_seconds = 0;
 };
 
+inline RunSummary summary_of(const Simulation& simulation, const RunOutcome& outcome, double total_seconds,
+                             double output_seconds) {
+  return {.outcome = outcome,
+          .solver = std::string(simulation.solver_name()),
+          .failed_steps = simulation.failed_steps(),
+          .most_strained = simulation.most_strained(),
+          .timing = simulation.timing(),
+          .total_seconds = total_seconds,
+          .output_seconds = output_seconds};
+}
+
 }  // namespace resilin

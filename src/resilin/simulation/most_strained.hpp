@@ -1,5 +1,6 @@
 #pragma once
 
+#include "resilin/core/members.hpp"
 #include "resilin/simulation/frame.hpp"
 #include "resilin/world/state.hpp"
 
@@ -22,5 +23,6 @@ struct MostStrained {
     positions = state.positions;
   }
 };
+RESILIN_MEMBERS(MostStrained, energy, positions)
 
 }  // namespace resilin

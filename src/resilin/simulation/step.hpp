@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "resilin/core/members.hpp"
 #include "resilin/optimize/newton.hpp"
 #include "resilin/world/linear_problem.hpp"
 #include "resilin/world/world.hpp"
@@ -75,5 +76,6 @@ struct FailedSteps {
   double first_time = 0;     ///< at its end [s]
   std::string first_reason;  ///< in words
 };
+RESILIN_MEMBERS(FailedSteps, count, in_a_row, first_step, first_time, first_reason)
 
 }  // namespace resilin
