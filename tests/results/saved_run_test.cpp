@@ -2,7 +2,10 @@
 
 #include "resilin/results/saved_run.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <algorithm>
 
 #include "resilin/fields/evaluator.hpp"
 #include "resilin/io/vtu.hpp"
@@ -157,6 +160,40 @@ TEST(CollidersOfARun, GoWithTheSceneThatHadThem) {
   const SavedRun bare({3, true, 0}, folder / "out");
   EXPECT_FALSE(exists(folder / "out" / "colliders"));
   EXPECT_FALSE(exists(folder / "out" / "colliders.pvd"));
+}
+
+/// A ball that is led into a bar while its load grows is where the load factor says.
+TEST(CollidersOfARun, PressInTheFieldsOfFramesAtRest) {
+  const TemporaryFolder folder;
+  Description scene = scene_of({3, false, 0});
+  ColliderDescription ball;
+  ball.name = "ball";
+  ball.kind = "sphere";
+  ball.shape.center = {0.5, 0.125, 0.56};
+  ball.shape.radius = 0.3;
+  ball.displacement = {0, 0, -0.02};
+  scene.colliders = {ball};
+  scene.gravity.setZero();
+  Simulation simulation(scene);
+  {
+    ResultFolder results(folder / "out");
+    const RunOutcome outcome = run_to_end(simulation, {});
+    ASSERT_EQ(outcome.status, RunStatus::done) << outcome.reason;
+    results.record(simulation, true);
+    results.finish(simulation, outcome);
+  }
+  const std::shared_ptr<const World> world = saved_world(folder / "out");
+  const std::filesystem::path file = frame_files(folder / "out").back();
+  const State state = state_of_frame(*world, read_vtu(file), file);
+  EXPECT_EQ(state.time, simulation.state().time);
+  EXPECT_EQ(state.load, simulation.state().load);
+  const std::vector<std::string> names = {"contact_pressure", "contact_gap"};
+  const std::vector<FieldValues> found = FieldEvaluator(*world).evaluate(state, names),
+                                 expected =
+                                     FieldEvaluator(simulation.world()).evaluate(simulation.state(), names);
+  EXPECT_GT(std::ranges::max(expected[0].values), 0);
+  EXPECT_EQ(found[0].values, expected[0].values);
+  EXPECT_THAT(found[1].values, ::testing::Pointwise(::testing::NanSensitiveDoubleEq(), expected[1].values));
 }
 
 /// The last picture of a run somewhere.

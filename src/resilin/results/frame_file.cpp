@@ -72,6 +72,14 @@ double shown_time(const World& world, const State& state) {
   return world.modes ? state.step : world.is_dynamic ? state.time : state.load;
 }
 
+void set_shown_time(double shown, const World& world, State& state) {
+  if (world.modes) state.step = static_cast<int>(shown);
+  const Conditions conditions =
+      world.is_dynamic ? Conditions{.time = shown, .load = 1} : world.at_load(world.modes ? 1 : shown);
+  state.time = conditions.time;
+  state.load = conditions.load;
+}
+
 void write_frame(const std::filesystem::path& path, const VtuContent& content) {
   VtuData data{.points = content.file.mesh.vertices,
                .blocks = content.file.mesh.blocks,

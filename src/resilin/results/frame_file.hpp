@@ -19,6 +19,8 @@ std::string numbered_vtu(std::size_t number);
 /// What ParaView shows as the time of a state: seconds, in statics the load factor, of vibrations their
 /// number.
 double shown_time(const World& world, const State& state);
+/// Gives a state the time and the load factor, or the number, that it is shown with.
+void set_shown_time(double shown, const World& world, State& state);
 
 /// Beside and renamed, so that the file is whole even when the program is killed. It does not wait for the
 /// disk, which takes longer than a step of a small body: a power cut may take the last frames.

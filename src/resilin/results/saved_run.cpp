@@ -84,10 +84,7 @@ State state_of_frame(const World& world, const VtuContent& frame, const std::fil
   }
   if (const std::optional<VectorX> velocities = nodal_vector(frame, "velocity", world.dimension))
     state.velocities = *velocities;
-  const double counter = frame.time.value_or(0);
-  state.time = world.is_dynamic ? counter : 0;
-  state.load = world.is_dynamic || world.modes ? 1 : counter;
-  if (world.modes) state.step = static_cast<int>(counter);
+  set_shown_time(frame.time.value_or(0), world, state);
   return state;
 }
 
