@@ -46,6 +46,13 @@ struct CarriedPoints {
       for (int i = 0; i < dim; ++i) sum[i] += shares[k] * x[Eigen::Index{nodes[k]} * dim + i];
     return sum;
   }
+  /// All of them.
+  VectorX places(int dim, const VectorX& x) const {
+    VectorX all(Eigen::Index{num_points()} * dim);
+    for (Index point = 0; point < num_points(); ++point)
+      all.segment(Eigen::Index{point} * dim, dim) = at(dim, point, x).head(dim);
+    return all;
+  }
   /// Adds what acts on a point to what acts on the nodes.
   void add_to_nodes(int dim, Index point, const Vector3& of_point, VectorX& of_nodes) const {
     for (std::size_t k = begin(point); k < end(point); ++k)

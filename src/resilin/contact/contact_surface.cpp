@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <limits>
 #include <map>
 
@@ -58,24 +59,23 @@ class FlatBody {
  private:
   Index vertex_of(Index point) {
     const auto [place, is_new] = vertex_of_point_.try_emplace(point, num_vertices_);
-    if (is_new) {
+    if (!is_new) return place->second;
+    if (carrier_ == nullptr) {
       append(point, 1);
-      end_vertex(point);
+    } else {
+      carrier_->append_weights(point, surface_.vertices.nodes, surface_.vertices.shares);
     }
-    return place->second;
+    return end_vertex(point);
   }
-  Index add_middle(std::span<const Index> points) {
-    for (const Index point : points) append(point, 1.0 / static_cast<double>(points.size()));
-    return end_vertex(points[0]);
+  Index add_middle(std::span<const Index> nodes) {
+    assert(carrier_ == nullptr && "facets that are carried are lines and triangles");
+    for (const Index node : nodes) append(node, 1.0 / static_cast<double>(nodes.size()));
+    return end_vertex(nodes[0]);
   }
   /// To the row of the vertex that is being made.
-  void append(Index point, double share) {
-    if (carrier_ != nullptr) {
-      carrier_->append_weights(point, surface_.vertices.nodes, surface_.vertices.shares);
-    } else {
-      surface_.vertices.nodes.push_back(point);
-      surface_.vertices.shares.push_back(share);
-    }
+  void append(Index node, double share) {
+    surface_.vertices.nodes.push_back(node);
+    surface_.vertices.shares.push_back(share);
   }
   Index end_vertex(Index number) {
     surface_.vertices.end_row();
@@ -170,12 +170,7 @@ VectorX ContactSurface::places(const VectorX& x, const Conditions& c) const {
   return y;
 }
 
-VectorX ContactSurface::displacements(const VectorX& x) const {
-  VectorX y(static_cast<Eigen::Index>(parts.num_vertices()) * parts.dim);
-  for (Index v = 0; v < vertices.num_points(); ++v)
-    y.segment(Eigen::Index{v} * parts.dim, parts.dim) = vertices.at(parts.dim, v, x).head(parts.dim);
-  return y;
-}
+VectorX ContactSurface::displacements(const VectorX& x) const { return vertices.places(parts.dim, x); }
 
 void ContactSurface::add_to_nodes(const VectorX& of_vertices, VectorX& of_nodes) const {
   for (Index v = 0; v < vertices.num_points(); ++v)

@@ -21,7 +21,7 @@ namespace resilin {
 struct ContactBody {
   CellBlock facets;      ///< of its surface, by the nodes of the world: seen from outside anticlockwise
   double stiffness = 0;  ///< kappa of its layer [Pa]
-  /// Where set, the facets are by its points, which it carries by the nodes of the world.
+  /// Where set, the facets are lines or triangles by its points, which it carries by the nodes of the world.
   std::shared_ptr<const Embedding> carrier = nullptr;
 };
 

@@ -152,6 +152,12 @@ std::vector<Index> piece_vertices(const CollisionSurface& surface, Index body) {
 
 }  // namespace
 
+std::array<Index, 2> vertices_of(const Crossing& crossing, const CollisionSurface& surface) {
+  const std::vector<Index>& others = surface.dim == 3 ? surface.triangles : surface.edges;
+  return {surface.edges[static_cast<std::size_t>(2 * crossing.edge)],
+          others[static_cast<std::size_t>(surface.dim * crossing.other)]};
+}
+
 bool is_inside(const CollisionSurface& surface, Index body, const Vector3& point, const VectorX& places) {
   return surface.dim == 3 ? is_inside_3d(surface, body, point, places)
                           : is_inside_2d(surface, body, point.head<2>(), places);

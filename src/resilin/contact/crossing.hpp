@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "resilin/collision/surface.hpp"
@@ -11,6 +12,8 @@ struct Crossing {
   Index edge;   ///< of the surface
   Index other;  ///< triangle, in 2D edge
 };
+/// The first vertex of the edge, near which it is, and that of the other part.
+std::array<Index, 2> vertices_of(const Crossing& crossing, const CollisionSurface& surface);
 
 /// The first crossing of parts that meet; parts that share a vertex do not. Decided by exact predicates
 /// (core/orientation.hpp), by another way than the distances and times by which contact keeps parts apart.

@@ -118,13 +118,7 @@ class TouchedFaces {
     const MiddleNodes middles(body);
     const CellBlock facets = meeting_body(body, dim, 1.0).facets;
     const CarriedPoints vertices = skin_vertices(body);
-    const auto places_at = [&](const VectorX& positions) {
-      VectorX places(Eigen::Index{vertices.num_points()} * dim);
-      for (Index v = 0; v < vertices.num_points(); ++v)
-        places.segment(Eigen::Index{v} * dim, dim) = vertices.at(dim, v, positions).head(dim);
-      return places;
-    };
-    const VectorX rest = places_at(world.rest_positions), now = places_at(x);
+    const VectorX rest = vertices.places(dim, world.rest_positions), now = vertices.places(dim, x);
     const double side = outward_side(dim, facets, rest);
     for (Index facet = 0; facet < facets.num_cells(); ++facet) {
       const std::span<const Index> corners = facets.cell(facet);

@@ -17,16 +17,15 @@ std::string reached(const Simulation& simulation) {
 
 namespace {
 
-/// What is to be known about the end of a static run.
+/// What is to be known beside how far a run got, and how it went. What no real body does has its own lines
+/// (oddities.hpp); of that only the number of cells inside out is named.
 std::string remarks(const Simulation& simulation) {
   std::string text;
   const World& world = simulation.world();
   if (is_linear(world)) text += "; the problem is linear";
   if (const std::optional<Inversion>& inversion = simulation.frame().inversion)
     text += "; " + describe(world, *inversion);
-  Index inverted = 0;
-  for (const Body& body : world.bodies) inverted += inverted_cells(body, simulation.state().positions).count;
-  if (inverted > 0 && !world.modes)
+  if (const Index inverted = num_inverted_cells(world, simulation.state()); inverted > 0)
     text += "; " + std::to_string(inverted) + (inverted == 1 ? " cell is" : " cells are") + " inside out";
   if (world.follows_path && simulation.state().load < 1)
     text += "; the path ends there because of simulation.max_steps";

@@ -1,5 +1,6 @@
 // Why a search ended without an equilibrium, in words.
 
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,6 +9,7 @@
 #include "resilin/core/text.hpp"
 #include "resilin/material/law.hpp"
 #include "resilin/simulation/stage_solver.hpp"
+#include "resilin/simulation/step.hpp"
 
 namespace resilin {
 namespace {
@@ -81,8 +83,7 @@ std::string describe_failure(const World& world, const NewtonReport& report, con
     text += "; the force residual is " + format_number(report.residual) + " N (" +
             format_number(report.relative_residual()) + " of the load), largest at vertex " +
             std::to_string(node - worst->first_node) + " of \"" + worst->name + "\" at " +
-            world.place_text(world.place_of(node, world.rest_positions)) +
-            strain_text(world, *worst, positions);
+            world.place_text(node, world.rest_positions) + strain_text(world, *worst, positions);
   }
   for (const Body& body : world.bodies) {
     if (&body == worst) continue;

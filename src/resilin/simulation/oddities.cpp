@@ -6,12 +6,13 @@
 #include "resilin/contact/crossing.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/element/jacobian_bound.hpp"
-#include "resilin/mesh/facet.hpp"
 #include "resilin/simulation/force_balance.hpp"
 #include "resilin/world/body_overlap.hpp"
 
 namespace resilin {
 namespace {
+
+constexpr const char* kept_apart = "although contact keeps them apart: this is a fault of the program";
 
 std::string inversion_text(const World& world, const Body& body, const InvertedCells& inverted) {
   return world.place + ": " + std::to_string(inverted.count) + " of " + std::to_string(body.num_cells()) +
@@ -51,6 +52,13 @@ InvertedCells inverted_cells(const Body& body, const VectorX& x) {
     if (is_inverted) ++found.count;
   }
   return found;
+}
+
+Index num_inverted_cells(const World& world, const State& state) {
+  Index count = 0;
+  if (world.modes) return count;
+  for (const Body& body : world.bodies) count += inverted_cells(body, state.positions).count;
+  return count;
 }
 
 InvertedCells folded_cells(const Body& body, const World& world, const VectorX& x) {
@@ -100,12 +108,9 @@ std::vector<std::string> oddities(const World& world, const State& state) {
   for (const auto& contact : contacts) {
     const CollisionSurface& parts = contact->surface().parts;
     const VectorX places = contact->surface().places(state.positions, conditions_of(state));
-    if (const auto crossing = first_crossing(parts, contact->meetings(), places)) {
-      const Index vertex = parts.edges[static_cast<std::size_t>(2 * crossing->edge)];
+    if (const auto crossing = first_crossing(parts, contact->meetings(), places))
       found.push_back(world.place + ": surfaces went through each other near " +
-                      world.place_text(world.origin + node_position(world.dimension, vertex, places)) +
-                      ", although contact keeps them apart: this is a fault of the program");
-    }
+                      world.place_text(vertices_of(*crossing, parts)[0], places) + ", " + kept_apart);
   }
   const std::vector<BodyOverlap> now = overlapping_bodies(world, state.positions, world.contact.get());
   if (now.empty()) return found;
@@ -116,10 +121,9 @@ std::vector<std::string> oddities(const World& world, const State& state) {
       return other.body == overlap.body && other.other == overlap.other;
     });
     if (!is_old)
-      found.push_back(world.place + ": " + describe(world, overlap) + ": they went through each other, " +
-                      (world.meet(overlap.body, overlap.other)
-                           ? "although contact keeps them apart: this is a fault of the program"
-                           : "for they are not to meet ([contact])"));
+      found.push_back(
+          world.place + ": " + describe(world, overlap) + ": they went through each other, " +
+          (world.meet(overlap.body, overlap.other) ? kept_apart : "for they are not to meet ([contact])"));
   }
   return found;
 }

@@ -136,12 +136,10 @@ class StartCheck {
     const VectorX places = contact_.surface().places(world_.start_positions);
     const auto crossing = first_crossing(parts_, contact_.meetings(), places);
     if (!crossing) return;
-    const Index vertex = parts_.edges[static_cast<std::size_t>(2 * crossing->edge)];
-    const std::vector<Index>& others = parts_.dim == 3 ? parts_.triangles : parts_.edges;
-    const Index other = others[static_cast<std::size_t>(parts_.dim * crossing->other)];
+    const auto [vertex, other] = vertices_of(*crossing, parts_);
     const Index a = body_of(vertex), b = body_of(other);
     throw InputError(place_, "surfaces that start apart",
-                     both(world_, a, b) + " go through each other near " + place_text(vertex, places),
+                     both(world_, a, b) + " go through each other near " + world_.place_text(vertex, places),
                      cure(contact_, world_, a, b));
   }
 
@@ -153,16 +151,13 @@ class StartCheck {
     const Index other = nearest.vertices[static_cast<std::size_t>(num_first(nearest.kind))];
     const Index a = body_of(vertex), b = body_of(other);
     throw InputError(place_, "surfaces that start with a gap",
-                     both(world_, a, b) + " touch near " + place_text(vertex, places) + " and " +
-                         place_text(other, places),
+                     both(world_, a, b) + " touch near " + world_.place_text(vertex, places) + " and " +
+                         world_.place_text(other, places),
                      cure(contact_, world_, a, b));
   }
 
  private:
   Index body_of(Index vertex) const { return parts_.bodies[static_cast<std::size_t>(vertex)]; }
-  std::string place_text(Index vertex, const VectorX& places) const {
-    return world_.place_text(world_.origin + node_position(parts_.dim, vertex, places));
-  }
 
   const SurfaceContact& contact_;
   const World& world_;
@@ -179,11 +174,9 @@ double thinnest_gap(const ContactSurface& surface, const BodyMeetings& meetings,
   if (!contact.touches(rest)) return gap.distance;
   const Index vertex = gap.vertices[0];
   const Index body = surface.parts.bodies[static_cast<std::size_t>(vertex)];
-  throw InputError(
-      place, "bodies whose own parts are apart at rest",
-      both(world, body, body) + " touch near " +
-          world.place_text(world.origin + node_position(world.dimension, vertex, surface.places(rest))),
-      "join vertices that are at one place, or leave `self` out");
+  throw InputError(place, "bodies whose own parts are apart at rest",
+                   both(world, body, body) + " touch near " + world.place_text(vertex, surface.places(rest)),
+                   "join vertices that are at one place, or leave `self` out");
 }
 
 }  // namespace

@@ -127,13 +127,11 @@ class ObstacleStart {
                      vertex_text(deepest) + ", " + format_short(depth) + " m inside", cure(depth));
   }
   [[noreturn]] void refuse(const Crossing& crossing) const {
-    const CollisionSurface& parts = surface_.parts;
-    const std::vector<Index>& others = parts.dim == 3 ? parts.triangles : parts.edges;
-    const Index* edge = &parts.edges[static_cast<std::size_t>(2 * crossing.edge)];
-    const Index* other = &others[static_cast<std::size_t>(parts.dim * crossing.other)];
-    const Index vertex = surface_.is_obstacle(edge[0]) ? other[0] : edge[0];
+    const auto [first, other] = vertices_of(crossing, surface_.parts);
+    const Index vertex = surface_.is_obstacle(first) ? other : first;
+    const Index end = surface_.parts.edges[static_cast<std::size_t>(2 * crossing.edge + 1)];
     // The body's nearest way out is along an end of what goes through.
-    const double depth = std::min(distance_to_obstacle(vertex), (corner(edge[1]) - corner(edge[0])).norm());
+    const double depth = std::min(distance_to_obstacle(vertex), (corner(end) - corner(first)).norm());
     throw InputError(place_, "bodies that start beside it",
                      "\"" + body_of(vertex).name + "\" goes through it near " + vertex_text(vertex),
                      cure(depth));
@@ -158,7 +156,7 @@ class ObstacleStart {
   }
   std::string vertex_text(Index vertex) const {
     return point_name(body_of(vertex), surface_.numbers[static_cast<std::size_t>(vertex)]) + " at " +
-           world_.place_text(world_.origin + corner(vertex));
+           world_.place_text(vertex, places_);
   }
   std::string cure(double depth) const {
     return "move the body (translate) or the collider by " +

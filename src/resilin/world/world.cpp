@@ -372,6 +372,10 @@ Vector3 World::place_of(Index node, const VectorX& positions) const {
 
 std::string World::place_text(const Vector3& point) const { return format_point(point, dimension); }
 
+std::string World::place_text(Index vertex, const VectorX& places) const {
+  return place_text(place_of(vertex, places));
+}
+
 double World::largest_extent() const {
   double extent = 0;
   for (int k = 0; k < dimension; ++k) {

@@ -117,6 +117,8 @@ class World {
   Vector3 place_of(Index node, const VectorX& positions) const;
   /// "(0.1, 0.2, 0)": a place given in the scene's coordinates [m], as a message shows it.
   std::string place_text(const Vector3& point) const;
+  /// Of a node, or of a vertex of a surface, the places being those of its vertices.
+  std::string place_text(Index vertex, const VectorX& places) const;
   Index num_free_unknowns() const;
   double largest_extent() const;  ///< of the rest shapes of all bodies, along the axes [m]
   const Body& body_of(Index node) const;
