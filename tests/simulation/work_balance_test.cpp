@@ -42,7 +42,8 @@ WorkBalance balance_along(const Simulation& simulation, const World& energies, c
   potential.gradient(x, gradient);
   World world = simulation.world();
   world.bodies[0].elastic = energies.bodies[0].elastic;
-  return measure_work(world, potential, x, gradient, displacement)[0];
+  const std::vector<VectorX> acting = potential.gradients_without(EnergyCategory::elastic, x);
+  return measure_work(world, potential, x, gradient, acting, displacement)[0];
 }
 
 WorkBalance balance_at(const Simulation& simulation, const World& energies) {

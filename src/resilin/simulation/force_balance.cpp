@@ -87,10 +87,9 @@ class EnergyRate {
 
 }  // namespace
 
-std::vector<ForceBalance> measure_balance(const World& world, const Potential& potential, const VectorX& x,
-                                          const VectorX& gradient) {
+std::vector<ForceBalance> measure_balance(const World& world, const VectorX& gradient,
+                                          std::span<const VectorX> acting) {
   std::vector<ForceBalance> balances;
-  const std::vector<VectorX> acting = potential.gradients_without(EnergyCategory::elastic, x);
   for (const Body& body : world.bodies) {
     ForceBalance balance;
     double held = 0;  // supports may press against each other: their forces then cancel in the sum
@@ -120,8 +119,8 @@ std::vector<ForceBalance> measure_balance(const World& world, const Potential& p
 }
 
 std::vector<WorkBalance> measure_work(const World& world, const Potential& potential, const VectorX& x,
-                                      const VectorX& gradient, const VectorX& displacement) {
-  const std::vector<VectorX> acting = potential.gradients_without(EnergyCategory::elastic, x);
+                                      const VectorX& gradient, std::span<const VectorX> acting,
+                                      const VectorX& displacement) {
   VectorX magnitude;
   potential.gradient_magnitude(x, magnitude);
   std::vector<WorkBalance> balances;
@@ -162,14 +161,15 @@ std::string describe_imbalance(const World& world, const Potential& potential, c
     return !(gap <= std::max(largest_balance_error * scale, rounding));
   };
   const double rounding = report.rounding * std::sqrt(static_cast<double>(x.size()));
-  const std::vector<ForceBalance> forces = measure_balance(world, potential, x, gradient);
+  const std::vector<VectorX> acting = potential.gradients_without(EnergyCategory::elastic, x);
+  const std::vector<ForceBalance> forces = measure_balance(world, gradient, acting);
   for (std::size_t b = 0; b < forces.size(); ++b) {
     const ForceBalance& balance = forces[b];
     if (!is_missing(balance.gap(), balance.scale, rounding)) continue;
     return gap_text(world.bodies[b], balance);
   }
   if (displacement.size() == 0 || displacement.isZero(0)) return {};
-  const std::vector<WorkBalance> works = measure_work(world, potential, x, gradient, displacement);
+  const std::vector<WorkBalance> works = measure_work(world, potential, x, gradient, acting, displacement);
   for (std::size_t b = 0; b < works.size(); ++b) {
     const WorkBalance& balance = works[b];
     // A body that slides across its forces goes a long way on which they do no work but that of what the
@@ -195,15 +195,16 @@ std::vector<std::string> describe_lost_digits(const World& world, const State& s
   VectorX gradient;
   potential.gradient(x, gradient);
   const Parts parts(*world.pattern);
-  const VectorX acting = potential.distinct_acting_scales(x, VectorX::Zero(parts.count()), parts);
+  const VectorX scales = potential.distinct_acting_scales(x, VectorX::Zero(parts.count()), parts);
   const double notable = std::max(notable_balance_error, 10 * world.newton.tolerance);
   std::vector<std::string> texts;
-  const std::vector<ForceBalance> forces = measure_balance(world, potential, x, gradient);
+  const std::vector<ForceBalance> forces =
+      measure_balance(world, gradient, potential.gradients_without(EnergyCategory::elastic, x));
   for (std::size_t b = 0; b < forces.size(); ++b) {
     const Body& body = world.bodies[b];
     double load = 0;  // what supports exert may be rounding itself
     for (Index node = body.first_node; node < body.first_node + body.num_nodes; ++node)
-      load = std::max(load, acting[parts.of_node(node)]);
+      load = std::max(load, scales[parts.of_node(node)]);
     if (load > 0 && !(forces[b].gap() <= notable * std::max(load, forces[b].scale)))
       texts.push_back(gap_text(body, forces[b]) + ": the positions have no digits for less");
   }

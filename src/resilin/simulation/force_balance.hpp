@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,9 +22,11 @@ struct ForceBalance {
   double gap() const { return (reaction + load).norm(); }  ///< what is missing [N]
 };
 
-/// Of each body of the world at x. @param gradient  that of `potential` at x [N]
-std::vector<ForceBalance> measure_balance(const World& world, const Potential& potential, const VectorX& x,
-                                          const VectorX& gradient);
+/// Of each body of the world in one state.
+/// @param gradient  of the energy of all terms there [N]
+/// @param acting    of each term but the elastic ones [N] (`Potential::gradients_without`)
+std::vector<ForceBalance> measure_balance(const World& world, const VectorX& gradient,
+                                          std::span<const VectorX> acting);
 
 /// Whether the strain energy of one body changes along a displacement by the work that the forces on it do
 /// (the principle of virtual work), by differences of energies, in which the stresses that the search has
@@ -37,9 +40,11 @@ struct WorkBalance {
   double gap() const { return std::abs(strain_energy - work); }  ///< what is missing [J]
 };
 
-/// Of each body of the world at x along `displacement` [m], which begins or ends there.
+/// Of each body of the world at x along `displacement` [m], which begins or ends there; `gradient` and
+/// `acting` are those of `potential` at x, as above.
 std::vector<WorkBalance> measure_work(const World& world, const Potential& potential, const VectorX& x,
-                                      const VectorX& gradient, const VectorX& displacement);
+                                      const VectorX& gradient, std::span<const VectorX> acting,
+                                      const VectorX& displacement);
 
 /// A step whose bodies are farther out of balance than this has not been solved.
 constexpr double largest_balance_error = 1e-3;
