@@ -80,8 +80,8 @@ std::string describe_failure(const World& world, const NewtonReport& report, con
   if (report.worst_unknown >= 0) {
     const Index node = report.worst_unknown / world.dimension;
     worst = &world.body_of(node);
-    text += "; the force residual is " + format_number(report.residual) + " N (" +
-            format_number(report.relative_residual()) + " of the load), largest at vertex " +
+    text += "; the force residual is " + format_short(report.residual) + " N (" +
+            format_short(report.relative_residual()) + " of the load), largest at vertex " +
             std::to_string(node - worst->first_node) + " of \"" + worst->name + "\" at " +
             world.place_text(node, world.rest_positions) + strain_text(world, *worst, positions);
   }

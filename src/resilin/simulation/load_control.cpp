@@ -160,9 +160,11 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
           "no equilibrium was found beyond load factor " + format_number(state.load) + ": " +
           (delay > 0 ? "bodies are in the way of a moving collider; " : "") +
           (imbalance.empty() ? describe_failure(world, search, x) : imbalance) +
-          (is_out_of_digits || !has_path
-               ? ""
-               : "; if the body snaps through here, simulation.load_control = \"arc_length\" follows it");
+          (is_out_of_digits ? ""
+           : has_path
+               ? "; if the body snaps through here, simulation.load_control = \"arc_length\" follows it"
+               : "; if bodies snap through here, a damped motion (simulation.kind = \"dynamic\") follows "
+                 "them");
       return report;
     }
   }
