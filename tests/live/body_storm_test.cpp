@@ -93,7 +93,7 @@ bool has_crossing_by_trying(const CollisionSurface& surface, const VectorX& plac
 /// What came of a storm.
 struct Wreck {
   int frames = 0, crossings = 0, crossings_by_trying = 0, vertices_outside = 0, num_touching = 0;
-  int folded_releases = 0;   ///< with a cell inside out 20 frames later
+  int folded_frames = 0;     ///< with a cell inside out
   double longest_delay = 0;  ///< of the box behind its motion [s]
   bool is_finite = true;
 };
@@ -108,7 +108,6 @@ class BodyStorm {
       pull();
       scene_.release();
       for (int frame = 0; frame < 20; ++frame) step();
-      wreck_.folded_releases += scene_.report().inverted_cells > 0;
     }
     return wreck_;
   }
@@ -140,6 +139,7 @@ class BodyStorm {
   void step() {
     scene_.step(unhurried);
     ++wreck_.frames;
+    wreck_.folded_frames += scene_.report().inverted_cells > 0;
     const State& state = scene_.state();
     wreck_.is_finite &= state.positions.allFinite() && state.velocities.allFinite();
     if (!wreck_.is_finite) return;
@@ -180,17 +180,13 @@ TEST_P(StormInABox, LeavesBodiesApartAndUpright) {
   EXPECT_EQ(wreck.crossings, 0);
   EXPECT_EQ(wreck.crossings_by_trying, 0);
   EXPECT_EQ(wreck.vertices_outside, 0);
-  // A law that is finite for cells inside out may hold some so where bodies press on each other.
-  if (seed % 2 == 0) {
-    EXPECT_EQ(wreck.folded_releases, 0);
-  }
-  RecordProperty("folded_releases", wreck.folded_releases);
+  EXPECT_EQ(wreck.folded_frames, 0);
   EXPECT_GT(wreck.num_touching, wreck.frames / 10) << "too calm to show anything";
   RecordProperty("frames", wreck.frames);
   RecordProperty("touching", wreck.num_touching);
   RecordProperty("longest_delay", std::to_string(wreck.longest_delay));
 }
-INSTANTIATE_TEST_SUITE_P(Seeds, StormInABox, ::testing::Range(1, 5), ::testing::PrintToStringParamName());
+INSTANTIATE_TEST_SUITE_P(Seeds, StormInABox, ::testing::Range(1, 13), ::testing::PrintToStringParamName());
 
 }  // namespace
 }  // namespace resilin::testing

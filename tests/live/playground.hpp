@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <limits>
 
+#include "resilin/element/element.hpp"
 #include "resilin/io/mesh_file.hpp"
 #include "resilin/live/live_scene.hpp"
 #include "resilin/mesh/generators.hpp"
@@ -14,6 +15,20 @@ namespace resilin::testing {
 
 /// What a scene does must not hang on how busy the machine is.
 constexpr StepBudget unhurried{.seconds = std::numeric_limits<double>::infinity()};
+
+/// A block cut into cells of an element, `n` along each of its edges.
+inline Mesh block_for(const ElementInfo& element, const Vector3& size, int n) {
+  switch (element.shape) {
+    case CellShape::triangle:
+      return make_rectangle(size.head<2>(), {n, n});
+    case CellShape::quadrilateral:
+      return make_quadrilateral_rectangle(size.head<2>(), {n, n});
+    case CellShape::tetrahedron:
+      return make_box(size, {n, n, n});
+    default:
+      return make_hexahedron_box(size, {n, n, n});
+  }
+}
 
 /// A block of 0.4 x 0.4 x 1 m that stands on its held foot, soft enough to sway.
 inline Description standing_block(int n, double gravity = -9.81) {

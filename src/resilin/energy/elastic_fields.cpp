@@ -146,9 +146,23 @@ std::vector<double> ElasticEnergy::rest_volumes() const {
 }
 
 std::vector<double> ElasticEnergy::volume_ratios(const VectorX& x) const {
+  const ElementBlocks& blocks = tiles_.blocks;
+  const std::vector<double> u = blocks.local_displacements(x);
   std::vector<double> ratios(static_cast<std::size_t>(num_cells() * num_points()));
-  for_each_point(x, [&](std::size_t cell, std::size_t point, const Matrix<3>&, double J) {
-    ratios[place(cell, point)] = J;
+  parallel_for(blocks.num_blocks, blocks_per_chunk, [&](std::size_t begin, std::size_t end) {
+    ElasticTiles::Scratch scratch(tiles_);
+    for_tiles(tiles_, all_blocks_.data() + begin, end - begin, [&](const ElasticTiles::Tile& tile) {
+      tiles_.gradients(tile, u.data(), scratch, scratch.H);
+      tiles_.volume_cubics(tile, scratch.H, scratch.H, scratch.law);  // J is the first number
+      for (std::size_t entry = 0; entry < tiles_.num_entries(tile); ++entry) {
+        const Index* cells = blocks.cells.data() +
+                             static_cast<std::size_t>(tile.blocks[entry / blocks.num_points]) * block_size;
+        for (std::size_t lane = 0; lane < block_size; ++lane)
+          if (cells[lane] >= 0)
+            ratios[place(static_cast<std::size_t>(cells[lane]), entry % blocks.num_points)] =
+                scratch.law[entry * 4 * block_size + lane];
+      }
+    });
   });
   return ratios;
 }

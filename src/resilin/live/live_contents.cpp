@@ -8,7 +8,9 @@
 #include "resilin/contact/half_space.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/energy/damping.hpp"
+#include "resilin/material/rest_tangents.hpp"
 #include "resilin/world/body_material.hpp"
+#include "resilin/world/cell_material.hpp"
 #include "resilin/world/colliders.hpp"
 #include "resilin/world/contact.hpp"
 #include "resilin/world/event_times.hpp"
@@ -115,6 +117,8 @@ void LiveScene::Contents::reset() {
   mending_steps = 0;
   renew_fixed();
   renew_floor();
+  renew_fold_barriers();
+  look_at_cells();
   renew_terms();
   report = LiveReport{};
   wake();
@@ -126,6 +130,8 @@ void LiveScene::Contents::renew_terms() {
     Terms sum = world.terms;
     if (controls.gravity.head(world.dimension).norm() > 0)
       sum.push_back(make_gravity(controls.gravity, world, is_in_motion));
+    for (const auto& barrier : fold_barriers)
+      if (barrier) sum.push_back(barrier);
     if (floor) sum.push_back(floor->barrier());
     if (ball) sum.push_back(ball->barrier());
     if (floor && controls.ground_friction > 0) {
@@ -140,6 +146,35 @@ void LiveScene::Contents::renew_terms() {
     terms.push_back(std::make_shared<MassDamping>(
         std::make_shared<const MassMatrix>(world.mass->times(controls.damping))));
   terms_at_rest = terms_without(EnergyCategory::damping, all(false));
+}
+
+/// As stiff as the material against a change of volume at rest. What rests does so still.
+void LiveScene::Contents::renew_fold_barriers() {
+  std::vector<std::shared_ptr<FoldBarrier>> renewed;
+  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+    const Body& body = world.bodies[b];
+    const LawInfo& law = body.elastic->law();
+    renewed.emplace_back();
+    if (law.needs_positive_J) continue;
+    const std::vector<double> constants =
+        constants_of_cells(law, description.bodies[b].material, body.num_cells());
+    std::vector<double> stiffness;
+    for_each_rest_tangent(law, constants,
+                          [&](std::size_t, const double* A) { stiffness.push_back(A[0]); });  // dP_00/dF_00
+    renewed.back() = std::make_shared<FoldBarrier>(body.elastic, std::move(stiffness));
+    if (b < fold_barriers.size() && fold_barriers[b] && fold_barriers[b]->is_resting())
+      renewed.back()->rest();
+  }
+  fold_barriers = std::move(renewed);
+}
+
+/// Of bodies that were put where they are: by whoever did it, not by steps that have kept cells upright.
+void LiveScene::Contents::look_at_cells() {
+  for (const auto& barrier : fold_barriers) {
+    if (!barrier) continue;
+    barrier->rest();
+    barrier->look_at(state.positions);
+  }
 }
 
 /// Places a floor below all bodies; it then rises to its height.
@@ -230,6 +265,7 @@ void LiveScene::Contents::set_controls(const LiveControls& asked) {
       wanted.ground_friction != controls.ground_friction || wanted.youngs_modulus != controls.youngs_modulus;
   controls = wanted;
   if (changes_floor) renew_floor();
+  if (changes_material) renew_fold_barriers();
   renew_terms();
   wake();
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "resilin/live/fold_barrier.hpp"
 #include "resilin/live/live_scene.hpp"
 #include "resilin/live/obstacle.hpp"
 #include "resilin/simulation/potential.hpp"
@@ -33,6 +34,8 @@ struct LiveScene::Contents {
   void renew_terms();
   void renew_fixed();
   void renew_floor();
+  void renew_fold_barriers();  ///< the terms are then to be renewed
+  void look_at_cells();
   void advance_obstacles();
   void set_controls(const LiveControls& asked);
   void change_world(LiveControls& wanted, bool changes_material);  ///< the terms are then to be renewed
@@ -53,8 +56,6 @@ struct LiveScene::Contents {
   void move_in_time(double dt, const StepBudget& budget);
   void move_to_equilibrium(const StepBudget& budget);
   double mending_factor();
-  double min_volume_ratio(const VectorX& x) const;
-  bool stay_upright(Potential& potential, VectorX& x) const;
   void measure(const NewtonReport& newton_report);
   std::optional<LiveContact> contact() const;
   void note_calm(double dt);
@@ -72,6 +73,7 @@ struct LiveScene::Contents {
   State state;
   LiveReport report;
   std::optional<Held> held;
+  std::vector<std::shared_ptr<FoldBarrier>> fold_barriers;  ///< by body; null where the law has its own
   std::optional<Obstacle> floor, ball;
   double ball_radius = 0;
   Vector3 up = Vector3::UnitZ();  ///< what the floor faces, whatever gravity becomes

@@ -120,6 +120,7 @@ void LiveScene::place(const VectorX& positions, const VectorX& velocities) {
                      std::to_string(positions.size()));
   contents_->state.positions = positions;
   contents_->state.velocities = velocities;
+  contents_->look_at_cells();
   contents_->wake();
 }
 

@@ -95,11 +95,9 @@ void LiveScene::Contents::move_in_time(double dt, const StepBudget& budget) {
   const Terms all = with_hand(terms);
   Potential potential(all, is_fixed, conditions, stage);
   VectorX x = state.positions;
-  NewtonReport newton_report =
+  const NewtonReport newton_report =
       minimize(potential, flight(world, is_fixed, potential, stage, controls.gravity, x), targets,
                controls.tolerance, budget, x);
-  if (!held && !is_driven && report.min_volume_ratio > 0 && stay_upright(potential, x))
-    newton_report.status = NewtonReport::Status::stalled;
   VectorX velocities = stage.velocities(x);
   if (!is_driven && !newton_report.converged()) {
     const double gain = potential.difference_without(EnergyCategory::inertia, state.positions, x);
@@ -126,28 +124,6 @@ double LiveScene::Contents::mending_factor() {
   const bool may_fall = g > 0 && std::ranges::find(is_fixed, std::uint8_t{1}) == is_fixed.end();
   const double longest = may_fall ? std::sqrt(fall_while_mending * extent / g) : longest_mending_step;
   return std::clamp(std::pow(4.0, mending_steps), 1.0, std::max(1.0, longest / controls.time_step));
-}
-
-double LiveScene::Contents::min_volume_ratio(const VectorX& x) const {
-  double least = std::numeric_limits<double>::infinity();
-  for (const Body& body : world.bodies) least = std::min(least, body.elastic->min_volume_ratio(x).ratio);
-  return least;
-}
-
-/// A step that would turn a first cell inside out although nobody pulls goes only part of its way, as long as
-/// that lowers the potential, too. @return whether it was shortened
-bool LiveScene::Contents::stay_upright(Potential& potential, VectorX& x) const {
-  if (min_volume_ratio(x) > 0) return false;
-  VectorX nearer = x;
-  for (int halving = 0; halving < 20; ++halving) {
-    nearer = 0.5 * (nearer + state.positions);
-    if (!(min_volume_ratio(nearer) > 0)) continue;
-    potential.prepare(state.positions, nearer - state.positions);
-    if (!(potential.difference(state.positions, nearer) <= 0)) return false;
-    x = std::move(nearer);
-    return true;
-  }
-  return false;
 }
 
 /// One step of the proximal point method: the mass matrix, divided by a scale that grows, keeps the system
