@@ -32,7 +32,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 # long motions.
 SLOW_WHEN_SANITIZED = (
     r"(Contact|Statics|Dynamics)Reference|Manufactured|PrescribedMotion|ATumblingBar|Tissue|Storm\.LeavesTheArmadillo"
-    r"|(StormOfGrabs|LonelyBody|LimitedLaw).*/([2-9]|\d\d+)$|RayleighDamping.TakesItsPart|MaterialDamping.IsStiffnessDamping"
+    r"|(StormOfGrabs|StormInABox|LonelyBody|LimitedLaw).*/([1-9]|\d\d+)$|RayleighDamping.TakesItsPart|MaterialDamping.IsStiffnessDamping"
     r"|(AdaptiveContact|AdaptiveSteps|DampedMotion|Energy)OfEveryIntegrator.*/(bdf2|midpoint|newmark)$"
     r"|(AdaptiveContact|AdaptiveSteps|Energy)OfEveryIntegrator.*/tr_bdf2$|TruncationOfEveryIntegrator.*/(?!backward_euler$)"
     r"|GivingUp.SaysWhereAWallBursts|StretchCurve.EndsAtExtremeStretches|ResumeCommand.AnywayGoesOnInAnotherScene/static$"
