@@ -1,6 +1,5 @@
 #include "resilin/fields/discretisation_error.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <algorithm>
@@ -9,6 +8,7 @@
 #include <numbers>
 #include <span>
 
+#include "resilin/core/dense.hpp"
 #include "resilin/core/parallel.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/element/catalog.hpp"
@@ -46,11 +46,9 @@ std::vector<SymmetricTensor> turned_back_stresses(const ElasticEnergy& elastic, 
         stresses[i] = mandel(sigma[i]);
         continue;
       }
-      Eigen::SelfAdjointEigenSolver<Matrix<3>> eigen;
-      eigen.computeDirect(F[i].transpose() * F[i]);
-      const Vector3 inverse_stretches = eigen.eigenvalues().cwiseSqrt().cwiseInverse();
-      const Matrix<3> R =
-          F[i] * eigen.eigenvectors() * inverse_stretches.asDiagonal() * eigen.eigenvectors().transpose();
+      const dense::Eigenpairs3 eigen = dense::symmetric_eigenpairs3(F[i].transpose() * F[i]);
+      const Vector3 inverse_stretches = eigen.values.cwiseSqrt().cwiseInverse();
+      const Matrix<3> R = F[i] * eigen.vectors * inverse_stretches.asDiagonal() * eigen.vectors.transpose();
       stresses[i] = mandel(F[i].determinant() * R.transpose() * sigma[i] * R);
     }
   });

@@ -1,10 +1,10 @@
 #include "resilin/fields/patch_recovery.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
 #include <limits>
 
+#include "resilin/core/dense.hpp"
 #include "resilin/core/parallel.hpp"
 
 namespace resilin {
@@ -152,11 +152,10 @@ void PatchRecovery::place(Patch& patch) const {
   for_each_patch_point(
       [&](const Vector3& X) { covariance += (X - patch.center) * (X - patch.center).transpose() / count; });
   if (dim_ == 2) covariance(2, 2) = covariance.trace();
-  const Eigen::SelfAdjointEigenSolver<Matrix<3>> eigen(covariance);
-  const double largest = std::max(eigen.eigenvalues()[2], std::numeric_limits<double>::min());
-  const Vector3 variances = eigen.eigenvalues().cwiseMax(least_variance * largest);
-  patch.scale = eigen.eigenvectors() * variances.cwiseSqrt().cwiseInverse().asDiagonal() *
-                eigen.eigenvectors().transpose();
+  const dense::Eigenpairs3 eigen = dense::symmetric_eigenpairs3(covariance);
+  const double largest = std::max(eigen.values[2], std::numeric_limits<double>::min());
+  const Vector3 variances = eigen.values.cwiseMax(least_variance * largest);
+  patch.scale = eigen.vectors * variances.cwiseSqrt().cwiseInverse().asDiagonal() * eigen.vectors.transpose();
 }
 
 Eigen::MatrixXd PatchRecovery::monomials_of(const Patch& patch, int degree) const {

@@ -1,12 +1,12 @@
 #include "resilin/live/fold_barrier.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <numeric>
 
+#include "resilin/core/dense.hpp"
 #include "resilin/core/parallel.hpp"
 #include "resilin/core/simd.hpp"
 #include "resilin/element/catalog.hpp"
@@ -50,14 +50,15 @@ Eigen::Matrix<double, dim * dim, dim * dim> curvature_of_volume(const Matrix<dim
   return D;
 }
 
-template <class Square>
-Square projected_square(const Square& matrix, Projection projection) {
+dense::Matrix projected_square(const dense::Matrix& matrix, Projection projection) {
   if (projection == Projection::none) return matrix;
-  const Eigen::SelfAdjointEigenSolver<Square> eigen(matrix);
-  auto values = eigen.eigenvalues().eval();
-  for (double& value : values)
-    if (value < 0) value = projection == Projection::clamp ? 0 : -value;
-  return eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
+  dense::Eigenpairs eigen = dense::symmetric_eigenpairs(matrix);
+  const dense::Matrix rows = eigen.vectors.transpose();
+  for (Eigen::Index k = 0; k < eigen.values.size(); ++k) {
+    const double value = eigen.values[k];
+    eigen.vectors.col(k) *= value < 0 && projection == Projection::clamp ? 0 : std::abs(value);
+  }
+  return dense::product(eigen.vectors, rows);
 }
 
 }  // namespace
@@ -230,9 +231,9 @@ void FoldBarrier::add_point_hessians(const VectorX& x, Projection projection, Bl
     const double J = shape.F.determinant();
     const Matrix<dim> C = cofactor(shape.F);
     const Eigen::Map<const Eigen::Matrix<double, dim * dim, 1>> c(C.data());
-    const Tangent bending = barrier_.slope(J) * curvature_of_volume<dim>(shape.F);
-    const Tangent A = stiffness_of(point) *
-                      (barrier_.curvature(J) * c * c.transpose() + projected_square(bending, projection));
+    Tangent A = projected_square(barrier_.slope(J) * curvature_of_volume<dim>(shape.F), projection);
+    A += barrier_.curvature(J) * c * c.transpose();
+    A *= stiffness_of(point);
     for (std::size_t a = 0; a < shape.num_nodes; ++a)
       for (std::size_t b = a; b < shape.num_nodes; ++b) {
         Eigen::Matrix<double, dim, dim, Eigen::RowMajor> block;
