@@ -14,7 +14,8 @@ namespace resilin {
 ///
 /// It is not worth more digits of a search than the next round keeps: the search goes on with it until a
 /// tenth of the residual is left. Rounds that throw the forces to and fro take only a share of what was
-/// formed, and rounds that creep on take more than the whole: Aitken's rule (Irons & Tuck 1969).
+/// formed: Aitken's rule (Irons & Tuck 1969). Where they lead on in one direction, each about as far as the
+/// last, they take more of it again: bodies slide to a place farther off.
 class Lag {
  public:
   /// How exactly linear systems between rounds are worth solving.
@@ -57,7 +58,13 @@ class Lag {
     if (last_change_.size() == 0) return false;
     const VectorX turn = last_change_ - change_;
     const double share = share_ * last_change_.dot(turn) / turn.squaredNorm();
-    share_ = share > 0 ? std::clamp(share, least_share, 1.0) : std::max(grown_share * share_, least_share);
+    if (share > 0) {
+      share_ = std::clamp(share, least_share, 1.0);
+    } else if (change_.squaredNorm() < slow_growth * slow_growth * last_change_.squaredNorm()) {
+      share_ = std::min(2 * share_, 1.0);
+    } else {
+      share_ = std::max(grown_share * share_, least_share);
+    }
     if (share_ == 1) return false;
     objective_.mix_lag(share_);
     is_here_ = false;
@@ -70,7 +77,10 @@ class Lag {
  private:
   static constexpr double first_goal = 3e-2, goal_of_round = 0.1;
   static constexpr double least_share = 2e-3;
-  static constexpr double grown_share = 0.3;  ///< of the last one, where changes grew in their own direction
+  /// Changes that grow in their own direction: by less than this, twice the last share is next, else 0.3 of
+  /// it.
+  static constexpr double slow_growth = 1.2;
+  static constexpr double grown_share = 0.3;
 
   Objective& objective_;
   std::span<const std::uint8_t> is_fixed_;
