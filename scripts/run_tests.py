@@ -35,6 +35,7 @@ SLOW_WHEN_SANITIZED = (
     r"|(StormOfGrabs|StormInABox|LonelyBody|LimitedLaw).*/([1-9]|\d\d+)$|RayleighDamping.TakesItsPart|MaterialDamping.IsStiffnessDamping"
     r"|(AdaptiveContact|AdaptiveSteps|DampedMotion|Energy)OfEveryIntegrator.*/(bdf2|midpoint|newmark)$"
     r"|(AdaptiveContact|AdaptiveSteps|Energy)OfEveryIntegrator.*/tr_bdf2$|TruncationOfEveryIntegrator.*/(?!backward_euler$)"
+    r"|BodiesInMotion.AreNotLedThrough.*/(?!backward_euler$)|SkinsOfEveryKind.KeepApartInMotion"
     r"|GivingUp.SaysWhereAWallBursts|StretchCurve.EndsAtExtremeStretches|ResumeCommand.AnywayGoesOnInAnotherScene/static$"
     r"|DiscretisationError.IsToldFor(CantileversInSpace|CompressibleAndNearlyIncompressibleBlocks)"
 )
