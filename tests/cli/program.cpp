@@ -35,6 +35,7 @@ pid_t start(const std::filesystem::path& folder, std::vector<std::string> words,
     const std::size_t equals = variable.find('=');
     setenv(variable.substr(0, equals).c_str(), variable.substr(equals + 1).c_str(), 1);
   }
+  for (const int number : {SIGHUP, SIGINT, SIGQUIT, SIGTERM}) signal(number, SIG_DFL);  // nohup ignores some
   if (chdir(folder.c_str()) != 0) _exit(126);
   alarm(300);  // a hang is a failure
   execv(pointers[0], pointers.data());
