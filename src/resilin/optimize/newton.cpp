@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "resilin/optimize/newton_search.hpp"
+#include "resilin/optimize/true_tangent.hpp"
 
 namespace resilin {
 namespace {
@@ -63,6 +64,24 @@ double Newton::Search::longest_step(bool boundary_moves) {
     length = longer;
   }
   return length;
+}
+
+bool Newton::Search::use_true_tangent() {
+  const Stopwatch watch(report.solve_seconds);
+  const NearSolve near = [&](const VectorX& b, VectorX& p) {
+    p.setZero(b.size());
+    const LinearReport linear = newton.solver_->solve(newton.hessian_, scaled(b), p, 1e-3);
+    report.linear_iterations += linear.iterations;
+    return linear.status != LinearReport::Status::indefinite && p.allFinite();
+  };
+  VectorX p;
+  const double tolerance = std::clamp(0.01 * weighted_residual / convergence.weighted_scale(), 1e-3, 0.01);
+  const TangentReport tangent =
+      solve_with_true_tangent(objective, is_fixed, x, right_side, near, tolerance, p);
+  report.tangent_iterations += tangent.iterations;
+  if (!(tangent.relative_residual < 0.3)) return false;
+  step.swap(p);
+  return true;
 }
 
 /// One step, over whatever projections it takes.

@@ -10,7 +10,6 @@
 #include "resilin/optimize/lag.hpp"
 #include "resilin/optimize/newton.hpp"
 #include "resilin/optimize/residual.hpp"
-#include "resilin/optimize/true_tangent.hpp"
 
 /// The parts of a Newton search: directions and steps along them. For newton.cpp, which puts them together.
 namespace resilin {
@@ -156,23 +155,7 @@ struct Newton::Search {
 
   /// Forces without a potential: the step of the symmetric part is only the start of the one of the true
   /// tangent, which takes its place when GMRES finds it. @return whether it did
-  bool use_true_tangent() {
-    const Stopwatch watch(report.solve_seconds);
-    const NearSolve near = [&](const VectorX& b, VectorX& p) {
-      p.setZero(b.size());
-      const LinearReport linear = newton.solver_->solve(newton.hessian_, scaled(b), p, 1e-3);
-      report.linear_iterations += linear.iterations;
-      return linear.status != LinearReport::Status::indefinite && p.allFinite();
-    };
-    VectorX p;
-    const double tolerance = std::clamp(0.01 * weighted_residual / convergence.weighted_scale(), 1e-3, 0.01);
-    const TangentReport tangent =
-        solve_with_true_tangent(objective, is_fixed, x, right_side, near, tolerance, p);
-    report.tangent_iterations += tangent.iterations;
-    if (!(tangent.relative_residual < 0.3)) return false;
-    step.swap(p);
-    return true;
-  }
+  bool use_true_tangent();
 
   /// A residual that falls slowly may come of forces without a potential: asked once, for it costs some
   /// gradients.
