@@ -167,18 +167,21 @@ TEST_P(SurfaceContactCases, RubsWhereItPushes) {
   const int dim = which.surfaces.dim;
   const auto num_bodies = static_cast<std::size_t>(contact.meetings().num_bodies());
   FrictionContacts contacts;
-  contact.add_friction_contacts(x, {}, contacts);
+  contact.add_friction_contacts(x, x, {}, contacts);
   EXPECT_EQ(contacts.size(), 0U);
   contact.set_friction(std::vector<double>(num_bodies * num_bodies, 1));
-  contact.add_friction_contacts(x, {}, contacts);
+  contact.add_friction_contacts(x, x, {}, contacts);
+  const std::vector<PartForce> forces = pressing_forces(contact.part_forces(x));
+  ASSERT_EQ(contacts.size(), forces.size());
   VectorX pushes = VectorX::Zero(x.size());
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const FrictionContacts::Entry entry = contacts[i];
     EXPECT_NEAR(entry.contact.normal.norm(), 1, 1e-12);
+    EXPECT_GT(entry.contact.normal.dot(forces[i].normal), 0);
     double sum = 0;
     for (const auto& [node, weight] : entry.nodes) {
       pushes.segment(Eigen::Index{node} * dim, dim) -=
-          entry.contact.limit * weight * entry.contact.normal.head(dim);
+          entry.contact.limit * weight * forces[i].normal.head(dim);
       sum += weight;
     }
     EXPECT_NEAR(sum, 0, 1e-12);  // a rigid motion of both is no slip

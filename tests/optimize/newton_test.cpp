@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "chain.hpp"
+#include "resilin/core/relaxation.hpp"
 
 namespace resilin {
 namespace {
@@ -172,7 +173,13 @@ class PushedAcross final : public Objective {
     before_ = std::exchange(lag_, x);
     return true;
   }
-  void mix_lag(double share) override { lag_ = share * lag_ + (1 - share) * before_; }
+  bool relax_lag() override {
+    if (before_.size() == 0) return false;
+    const VectorX change = lag_ - before_;
+    const double share = relaxation_.next_share({change.data(), static_cast<std::size_t>(change.size())});
+    lag_ = before_ + share * change;
+    return share != 1;
+  }
   void couple_lag(bool is_coupled) override { is_coupled_ = is_coupled; }
   double difference(const VectorX& from, const VectorX& to) const override {
     return chain.difference(from, to) - force(lag_).dot(to - from);
@@ -207,6 +214,7 @@ class PushedAcross final : public Objective {
 
   double push_;
   VectorX lag_{}, before_{};
+  Relaxation relaxation_{};
   bool is_coupled_ = false;
 };
 

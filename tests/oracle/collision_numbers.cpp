@@ -80,7 +80,8 @@ void write_pairs(PairKind kind, const std::vector<double>& numbers) {
 
 /// Presses one node on the plane z = 0 with 1 N, coefficient 1.
 struct OnePress final : FrictionSource {
-  void add_friction_contacts(const VectorX&, const Conditions&, FrictionContacts& contacts) const override {
+  void add_friction_contacts(const VectorX&, const VectorX&, const Conditions&,
+                             FrictionContacts& contacts) const override {
     contacts.add({.normal = Vector3::UnitZ(), .limit = 1}, std::vector<WeightedNode>{{0, 1}});
   }
 };

@@ -145,7 +145,7 @@ std::optional<Reaction> ColliderBarrier::reaction(const VectorX& x, const Condit
   return sum;
 }
 
-void ColliderBarrier::add_friction_contacts(const VectorX& x, const Conditions& c,
+void ColliderBarrier::add_friction_contacts(const VectorX& x, const VectorX& /*start*/, const Conditions& c,
                                             FrictionContacts& contacts) const {
   if (!(friction_ > 0)) return;
   const RigidPlace place = rigid_place(c);

@@ -41,7 +41,7 @@ class ColliderBarrier final : public Energy, public FrictionSource {
   const FrictionSource* friction_source() const override { return this; }
   std::string_view name_in_reports() const override { return name_; }
   /// Each point that is near enough to feel it.
-  void add_friction_contacts(const VectorX& x, const Conditions& c,
+  void add_friction_contacts(const VectorX& x, const VectorX& start, const Conditions& c,
                              FrictionContacts& contacts) const override;
   double friction() const { return friction_; }
 

@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <map>
 #include <utility>
 
@@ -52,20 +54,20 @@ double mollified_length_change(double y, double end, double change, double eps) 
 }
 
 FrictionContacts contacts_of(std::span<const FrictionSource* const> sources, const VectorX& x,
-                             const Conditions& c) {
+                             const VectorX& start, const Conditions& c) {
   FrictionContacts all;
   for (std::size_t s = 0; s < sources.size(); ++s) {
     all.begin_source(s);
-    sources[s]->add_friction_contacts(x, c, all);
+    sources[s]->add_friction_contacts(x, start, c, all);
   }
   return all;
 }
 
 /// Between whom.
-auto parties(const FrictionContacts::Entry& entry) {
+std::pair<std::size_t, std::vector<Index>> parties(const FrictionContacts::Entry& entry) {
   std::vector<Index> nodes;
   for (const WeightedNode& each : entry.nodes) nodes.push_back(each.node);
-  return std::pair(entry.source, nodes);
+  return {entry.source, std::move(nodes)};
 }
 
 /// Which one of the contacts before each of the others is, if it is one of them and has not turned: of
@@ -99,7 +101,7 @@ std::unique_ptr<Energy> Friction::begin_stage(const Stage& stage) const {
 FrictionContacts Friction::contacts(const VectorX& x, const Conditions& c) const {
   std::vector<const FrictionSource*> sources;
   for (const auto& source : sources_) sources.push_back(source.get());
-  return contacts_of(sources, x, c);
+  return contacts_of(sources, x, x, c);
 }
 
 std::optional<double> Friction::driven_work(const VectorX& from, const Conditions& before, const VectorX& to,
@@ -129,6 +131,7 @@ void Friction::add_held_directions(const VectorX& x, std::vector<HeldDirection>&
 
 LaggedFriction::LaggedFriction(const Friction& friction, const Stage& stage)
     : friction_(friction),
+      start_(stage.base_positions),
       still_(stage.still_end()),
       time_(stage.time_of_slip()),
       eps_(friction.speed() * stage.time_of_slip()) {
@@ -144,10 +147,10 @@ void LaggedFriction::see(std::span<const Energy* const> terms) {
 
 bool LaggedFriction::form_lag(const VectorX& x, const Conditions& c) {
   if (coupled_) {
-    coupled_ = contacts_of(sources_, x, c);
+    coupled_ = contacts_of(sources_, x, start_, c);
     return coupled_->size() > 0;
   }
-  before_.contacts = std::exchange(contacts_, contacts_of(sources_, x, c));
+  before_.contacts = std::exchange(contacts_, contacts_of(sources_, x, start_, c));
   before_.directions = std::exchange(directions_, {});
   before_.of_contact = same_contacts(before_.contacts, contacts_);
   if (!before_.directions.empty()) {
@@ -162,7 +165,27 @@ bool LaggedFriction::form_lag(const VectorX& x, const Conditions& c) {
   return before_.contacts.size() > 0 || contacts_.size() > 0;
 }
 
-void LaggedFriction::mix_lag(double share) {
+std::vector<double> LaggedFriction::change_of_limits() {
+  std::vector<double> changes(numbers_.size(), 0.0);
+  const auto add = [&](const FrictionContacts& contacts, double sign) {
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+      const std::size_t number = numbers_.try_emplace(parties(contacts[i]), numbers_.size()).first->second;
+      if (number == changes.size()) changes.push_back(0);
+      changes[number] += sign * contacts[i].contact.limit;
+    }
+  };
+  add(contacts_, 1);
+  add(before_.contacts, -1);
+  return changes;
+}
+
+// One share for all: forces across and along surfaces hang on each other from contact to contact. Limits say
+// how rounds go on, for the forces of contacts that stick turn around by all of these wherever they slip a
+// little.
+bool LaggedFriction::relax_lag() {
+  if (coupled_) return false;
+  const double share = relaxation_.next_share(change_of_limits());
+  if (share == 1) return false;
   std::vector<bool> is_left(before_.contacts.size(), true);
   for (std::size_t i = 0; i < before_.of_contact.size(); ++i) {
     if (const auto known = before_.of_contact[i]) {
@@ -180,6 +203,7 @@ void LaggedFriction::mix_lag(double share) {
     contacts_.add(entry.contact, entry.nodes);
     if (!directions_.empty()) directions_.push_back(before_.directions[k]);
   }
+  return true;
 }
 
 void LaggedFriction::couple_lag(bool is_coupled) {
@@ -265,7 +289,7 @@ double LaggedFriction::difference(const VectorX& from, const VectorX& to, const 
 
 void LaggedFriction::add_gradient(const VectorX& x, const Conditions& c, VectorX& gradient) const {
   if (coupled_) {
-    add_gradient_of(contacts_of(sources_, x, c), x, c, gradient);
+    add_gradient_of(contacts_of(sources_, x, start_, c), x, c, gradient);
   } else {
     add_gradient_of(contacts_, x, c, gradient);
   }

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "resilin/contact/friction_contact.hpp"
+#include "resilin/core/relaxation.hpp"
 #include "resilin/energy/stage_term.hpp"
 
 namespace resilin {
@@ -67,7 +70,7 @@ class LaggedFriction final : public Energy {
   /// Takes the sources' own terms of the stage, which know what is near.
   void see(std::span<const Energy* const> terms) override;
   bool form_lag(const VectorX& x, const Conditions& c) override;
-  void mix_lag(double share) override;
+  bool relax_lag() override;
   void couple_lag(bool is_coupled) override;
   void follow(const VectorX& x, const VectorX& p, double t) override;
 
@@ -89,6 +92,8 @@ class LaggedFriction final : public Energy {
   Vector3 force(const FrictionContacts::Entry& entry, const VectorX& x) const;
   void add_gradient_of(const FrictionContacts& contacts, const VectorX& x, const Conditions& c,
                        VectorX& gradient) const;
+  /// By forming contacts the last time: of the limit between each of those that met in this stage [N].
+  std::vector<double> change_of_limits();
   double slope_over_slip(double y) const;  ///< f1(y) / y [1/m]
   /// The derivative of that over it, times -1 [1/m].
   double fall_of_slope(double y) const;
@@ -96,6 +101,8 @@ class LaggedFriction final : public Energy {
   Eigen::Vector2d direction(std::size_t contact, const Eigen::Matrix<double, 3, 2>& T,
                             const Eigen::Vector2d& slip) const;
 
+  /// The source and the nodes of a contact.
+  using Parties = std::pair<std::size_t, std::vector<Index>>;
   /// What was in use before contacts were formed the last time.
   struct Before {
     FrictionContacts contacts{};
@@ -106,6 +113,7 @@ class LaggedFriction final : public Energy {
 
   const Friction& friction_;
   std::vector<const FrictionSource*> sources_{};
+  VectorX start_;  ///< about where bodies stood when it began
   VectorX still_;  ///< where the stage would end that bodies end without velocity
   double time_;    ///< that the slip takes [s]
   double eps_;     ///< [m]
@@ -114,6 +122,8 @@ class LaggedFriction final : public Energy {
   /// search. Empty: those of x.
   std::vector<Vector3> directions_{};
   Before before_{};
+  Relaxation relaxation_{};
+  std::map<Parties, std::size_t> numbers_{};   ///< of whom met in this stage
   std::optional<FrictionContacts> coupled_{};  ///< what the Hessian sees while the lag is coupled
 };
 

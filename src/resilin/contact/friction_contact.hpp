@@ -41,8 +41,8 @@ class FrictionContacts {
   /// Takes only a share of a contact, the rest from what it was before, between the same nodes.
   void mix(std::size_t i, double share, const Entry& before) {
     FrictionContact& contact = contacts_[i];
-    contact.normal = (share * contact.normal + (1 - share) * before.contact.normal).normalized();
     contact.limit = std::max(share * contact.limit + (1 - share) * before.contact.limit, 0.0);
+    contact.normal = (share * contact.normal + (1 - share) * before.contact.normal).normalized();
     contact.velocity = share * contact.velocity + (1 - share) * before.contact.velocity;
     const std::size_t begin = i == 0 ? 0 : ends_[i - 1];
     for (std::size_t k = 0; k < before.nodes.size(); ++k) {
@@ -73,7 +73,8 @@ class FrictionSource {
   virtual bool is_copy_of(const FrictionSource& /*other*/) const { return false; }
   /// Its contacts when bodies stand at x, in an order that does not depend on the number of threads. Their
   /// forces count once, whatever `c.contact_weight` is.
-  virtual void add_friction_contacts(const VectorX& x, const Conditions& c,
+  /// @param start  where bodies stood when the stage began: they slide along the surfaces that they had there
+  virtual void add_friction_contacts(const VectorX& x, const VectorX& start, const Conditions& c,
                                      FrictionContacts& contacts) const = 0;
 };
 

@@ -247,19 +247,20 @@ std::vector<SurfaceContact::BodyContact> SurfaceContact::body_contacts(const Vec
   return list;
 }
 
-void SurfaceContact::add_friction_contacts(const VectorX& x, const Conditions& c,
+void SurfaceContact::add_friction_contacts(const VectorX& x, const VectorX& start, const Conditions& c,
                                            FrictionContacts& contacts) const {
   if (friction_.empty()) return;
   const CollisionSurface& parts = surface_->parts;
   const auto body_of = [&](Index v) { return parts.bodies[static_cast<std::size_t>(v)]; };
-  const VectorX places = surface_->places(x, c);
+  const VectorX places = surface_->places(x, c), start_places = surface_->places(start, c);
   const std::optional<ContactObstacle>& obstacle = surface_->obstacle;
   std::vector<WeightedNode> nodes;
   for (const PartForce& force : pressing_forces(part_forces(x, c))) {
     const auto split = static_cast<std::size_t>(num_first(force.kind));
     const double coefficient = friction_[static_cast<std::size_t>(
         body_of(force.vertices[0]) * meetings().num_bodies() + body_of(force.vertices[split]))];
-    FrictionContact contact{.normal = force.normal, .limit = coefficient * force.force};
+    FrictionContact contact{.normal = sliding_normals_->normal_at(force, start_places),
+                            .limit = coefficient * force.force};
     for (std::size_t i = 0; i < static_cast<std::size_t>(num_vertices(force.kind)); ++i) {
       const Index vertex = force.vertices[i];
       if (force.weights[i] != 0 && obstacle && surface_->is_obstacle(vertex))  // its own part of the slip

@@ -10,6 +10,7 @@
 #include "resilin/contact/contact_search.hpp"
 #include "resilin/contact/contact_terms.hpp"
 #include "resilin/contact/friction_contact.hpp"
+#include "resilin/contact/sliding_normals.hpp"
 #include "resilin/contact/term_sums.hpp"
 #include "resilin/energy/energy.hpp"
 
@@ -57,7 +58,7 @@ class SurfaceContact : public Energy, public FrictionSource {
   void add_held_directions(const VectorX& x, std::vector<HeldDirection>& held) const override;
 
   /// One contact for each feature that pushes, its slip that of the closest points.
-  void add_friction_contacts(const VectorX& x, const Conditions& c,
+  void add_friction_contacts(const VectorX& x, const VectorX& start, const Conditions& c,
                              FrictionContacts& contacts) const override;
   const FrictionSource* friction_source() const override { return this; }
   bool is_copy_of(const FrictionSource& other) const override {
@@ -65,7 +66,10 @@ class SurfaceContact : public Energy, public FrictionSource {
     return contact != nullptr && contact->surface_ == surface_;
   }
   /// @param coefficients  of each body with each, row by row; without them there is no friction
-  void set_friction(std::vector<double> coefficients) { friction_ = std::move(coefficients); }
+  void set_friction(std::vector<double> coefficients) {
+    friction_ = std::move(coefficients);
+    sliding_normals_ = std::make_shared<const SlidingNormals>(surface_->parts);
+  }
   bool has_friction() const { return !friction_.empty(); }
 
   double activation_distance() const { return barrier_.activation_distance; }
@@ -136,6 +140,7 @@ class SurfaceContact : public Energy, public FrictionSource {
   std::shared_ptr<const ContactSurface> surface_;
   ClampedLogBarrier barrier_;
   std::vector<double> friction_{};
+  std::shared_ptr<const SlidingNormals> sliding_normals_{};  ///< where there is friction
   std::shared_ptr<const BroadPhase> trees_;
   std::shared_ptr<Timing> timing_ = std::make_shared<Timing>();
   mutable std::optional<Memory> memory_;  ///< of a stage

@@ -160,8 +160,9 @@ class Energy {
   /// here as it is at x, by which its energy becomes another one. Before the first time there is none of it.
   /// @return whether that may have changed forces
   virtual bool form_lag(const VectorX& /*x*/, const Conditions& /*c*/) { return false; }
-  /// Takes only a share of what was formed the last time; the rest is what was in use before.
-  virtual void mix_lag(double /*share*/) {}
+  /// Of what was formed the last time it takes as much as makes such rounds settle (Relaxation); the rest is
+  /// what was in use before. @return whether that changed anything
+  virtual bool relax_lag() { return false; }
   /// From now on its forces at any x are those with what it keeps formed there, its Hessian is that with what
   /// was formed last; or again all as before.
   virtual void couple_lag(bool /*is_coupled*/) {}

@@ -1,11 +1,6 @@
 #pragma once
 
-#include <algorithm>
-#include <cstdint>
-#include <span>
-
 #include "resilin/optimize/objective.hpp"
-#include "resilin/optimize/residual.hpp"
 
 namespace resilin {
 
@@ -13,17 +8,14 @@ namespace resilin {
 /// in balance: a fixed-point iteration around Newton's method.
 ///
 /// It is not worth more digits of a search than the next round keeps: the search goes on with it until a
-/// tenth of the residual is left. Rounds that throw the forces to and fro take only a share of what was
-/// formed: Aitken's rule (Irons & Tuck 1969). Where they lead on in one direction, each about as far as the
-/// last, they take more of it again: bodies slide to a place farther off.
+/// tenth of the residual is left.
 class Lag {
  public:
   /// How exactly linear systems between rounds are worth solving.
   static constexpr double forcing = 5e-2;
 
   /// @param most_rounds  so often it may be formed before the search ends
-  Lag(Objective& objective, std::span<const std::uint8_t> is_fixed, int most_rounds)
-      : objective_(objective), is_fixed_(is_fixed), most_rounds_(most_rounds) {}
+  Lag(Objective& objective, int most_rounds) : objective_(objective), most_rounds_(most_rounds) {}
 
   int rounds() const { return rounds_; }
   bool is_over() const { return rounds_ >= most_rounds_; }
@@ -44,29 +36,14 @@ class Lag {
     if (is_here_) return false;
     is_here_ = true;
     if (!objective_.form_lag(x)) return false;
-    last_change_.swap(change_);
-    change_ = -gradient;
     objective_.gradient(x, gradient);
-    change_ += gradient;
-    set_fixed_to_zero(is_fixed_, change_);
     return true;
   }
 
   /// Begins a round with what was formed last, or with a share of it. @return whether that changed forces
   bool begin_round(const VectorX& x, VectorX& gradient) {
     ++rounds_;
-    if (last_change_.size() == 0) return false;
-    const VectorX turn = last_change_ - change_;
-    const double share = share_ * last_change_.dot(turn) / turn.squaredNorm();
-    if (share > 0) {
-      share_ = std::clamp(share, least_share, 1.0);
-    } else if (change_.squaredNorm() < slow_growth * slow_growth * last_change_.squaredNorm()) {
-      share_ = std::min(2 * share_, 1.0);
-    } else {
-      share_ = std::max(grown_share * share_, least_share);
-    }
-    if (share_ == 1) return false;
-    objective_.mix_lag(share_);
+    if (!objective_.relax_lag()) return false;
     is_here_ = false;
     objective_.gradient(x, gradient);
     return true;
@@ -76,21 +53,12 @@ class Lag {
 
  private:
   static constexpr double first_goal = 3e-2, goal_of_round = 0.1;
-  static constexpr double least_share = 2e-3;
-  /// Changes that grow in their own direction: by less than this, twice the last share is next, else 0.3 of
-  /// it.
-  static constexpr double slow_growth = 1.2;
-  static constexpr double grown_share = 0.3;
-
   Objective& objective_;
-  std::span<const std::uint8_t> is_fixed_;
   int most_rounds_;
 
   int rounds_ = 0;
-  double share_ = 1;
   bool is_here_ = false;
   double first_residual_ = 0;
-  VectorX change_{}, last_change_{};  ///< of the gradient, by the last two times
 };
 
 /// What lags and the shape as one system, which has no potential, by Newton's method with the true tangent:

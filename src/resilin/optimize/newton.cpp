@@ -16,6 +16,8 @@ constexpr double short_boundary_step = 0.5;
 constexpr int iterations_to_give_way = 3;
 /// So many steps may be cut to less than a twentieth in one search.
 constexpr int most_blocked_steps = 20;
+/// With which what lags may be formed anew.
+constexpr int iterations_of_round = 8;
 
 }  // namespace
 
@@ -150,6 +152,13 @@ bool Newton::Search::renew_lag(bool is_balanced) {
   return true;
 }
 
+/// Rounds need some of their own, but where a small limit cuts steps short on purpose.
+int Newton::Search::most_iterations() const {
+  const bool cuts_on_purpose = settings.max_iterations < NewtonSettings{}.max_iterations;
+  const int of_rounds = cuts_on_purpose ? 0 : iterations_of_round * lag.rounds();
+  return settings.max_iterations + of_rounds + coupling.lost_steps();
+}
+
 void Newton::Search::begin_round() {
   if (lag.begin_round(x, gradient)) measure_residual();
   lag.set_first_residual(weighted_residual);
@@ -202,7 +211,7 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
       if (now == Verdict::out_of_digits && last_residual > 0 && weighted_residual > 0.5 * last_residual)
         return finish_out_of_digits();
     }
-    if (report.iterations >= settings.max_iterations + coupling.lost_steps()) {
+    if (report.iterations >= most_iterations()) {
       return finish(Status::max_iterations, "the limit of Newton iterations was reached");
     }
     double length = 0;

@@ -17,6 +17,7 @@ namespace resilin {
 
 struct NewtonSettings {
   double tolerance = 1e-8;  ///< of the force residual relative to the objective's force scale
+  /// And some more for each time that what lags is formed anew, unless it is smaller than this.
   int max_iterations = 100;
   ProjectionPolicy projection = ProjectionPolicy::adaptive;
   bool is_quadratic = false;  ///< the objective is: one step, whose linear system is solved to the end

@@ -40,7 +40,7 @@ struct Newton::Search {
   Convergence convergence{objective, is_fixed, parts, settings.tolerance};
   NewtonReport report{};
   ProjectionChooser chooser{settings.projection};
-  Lag lag{objective, is_fixed, settings.lag_rounds};
+  Lag lag{objective, settings.lag_rounds};
   CoupledLag coupling{};
   VectorX gradient{}, step{}, trial{}, trial_gradient{}, right_side{};
   bool gradient_at_trial_is_known = false;
@@ -378,6 +378,7 @@ struct Newton::Search {
   enum class Outcome { moved, balanced, out_of_digits, singular, stalled };
   Outcome move(const VectorX& gap, bool boundary_moves, double& length);
   bool renew_lag(bool is_balanced);
+  int most_iterations() const;
   void begin_round();
   void couple_lag();
   void uncouple_lag();

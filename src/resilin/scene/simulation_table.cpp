@@ -56,8 +56,10 @@ Keys<NewtonOptions> newton_keys() {
   using N = NewtonOptions;
   return {
       number_key("tolerance", &N::tolerance, "", positive, "Largest residual force, relative to the loads."),
-      integer_key("max_iterations", &N::max_iterations, at_least_one,
-                  "Newton iterations of a load or time step. A small number truncates a time step, safely."),
+      integer_key(
+          "max_iterations", &N::max_iterations, at_least_one,
+          "Newton iterations of a load or time step, and some more for each time that friction is formed "
+          "anew. A number below 100 truncates a time step, safely."),
       integer_key("max_failures", &N::max_failures, not_negative,
                   "Motion: the run ends after so many steps in a row for which no solution was found; those "
                   "that a max_iterations below 100 cuts short do not count. 0: it never does."),

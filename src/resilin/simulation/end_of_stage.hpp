@@ -65,8 +65,9 @@ class EndOfStage final : public Energy {
     VectorX room;
     return own_ && own_->form_lag(end_of(x, room), at_end(c, weight_));
   }
-  void mix_lag(double share) override {
-    if (own_) own_->mix_lag(share);
+  bool relax_lag() override { return own_ && own_->relax_lag(); }
+  void couple_lag(bool is_coupled) override {
+    if (own_) own_->couple_lag(is_coupled);
   }
   void follow(const VectorX& x, const VectorX& p, double t) override {
     VectorX room;

@@ -9,6 +9,10 @@
 namespace resilin {
 namespace {
 
+/// So often may terms disagree about how far they go, until they stay where they are.
+constexpr int most_rounds_of_delay = 50;
+constexpr double round_off_of_delay = 1e-12;  ///< of it
+
 /// Of the sum of |parts| of a force: what is smaller cannot be told from rounding.
 constexpr double forces_round_off = 10 * std::numeric_limits<double>::epsilon();
 
@@ -43,8 +47,10 @@ bool Potential::form_lag(const VectorX& x) {
   return is_changed;
 }
 
-void Potential::mix_lag(double share) {
-  for (const auto& term : own_) term->mix_lag(share);
+bool Potential::relax_lag() {
+  bool is_changed = false;
+  for (const auto& term : own_) is_changed |= term->relax_lag();
+  return is_changed;
 }
 
 void Potential::couple_lag(bool is_coupled) {
@@ -260,10 +266,22 @@ bool Potential::is_in_domain(const VectorX& x) const {
   return std::isfinite(sum);
 }
 
+// What turns or swings may be clear of bodies now and later, but not between: all are asked again about the
+// time that they have agreed on.
 double Potential::least_delay(const VectorX& x) const {
+  const double behind = conditions_.collider_delay;
   double delay = 0;
-  for (const Energy* term : terms_) delay = std::max(delay, term->least_delay(x, conditions_));
-  return delay;
+  for (int round = 0; round < most_rounds_of_delay; ++round) {
+    Conditions wanted = conditions_;
+    wanted.time -= delay;
+    wanted.collider_delay -= delay;
+    double more = 0;
+    for (const Energy* term : terms_) more = std::max(more, term->least_delay(x, wanted));
+    if (more <= round_off_of_delay * behind) return delay;
+    delay += more;
+    if (delay >= behind) break;
+  }
+  return behind;
 }
 
 Terms terms_without(EnergyCategory category, const Terms& terms) {

@@ -27,7 +27,7 @@ class Potential final : public Objective {
   /// What terms keep of a shape that is known, the normal forces of friction, becomes what it is at x. Before
   /// the first time there is none of it. @return whether that may have changed forces
   bool form_lag(const VectorX& x) override;
-  void mix_lag(double share) override;
+  bool relax_lag() override;
   void couple_lag(bool is_coupled) override;
   void follow(const VectorX& x, const VectorX& p, double t) override;
 
