@@ -7,8 +7,10 @@ namespace resilin::viewer {
 namespace {
 
 bool is_own_host(std::string_view host, std::uint16_t port) {
-  const std::string suffix = ":" + std::to_string(port);
-  return host == "127.0.0.1" + suffix || host == "localhost" + suffix;
+  const auto colon = host.rfind(':');
+  if (colon == std::string_view::npos || host.substr(colon + 1) != std::to_string(port)) return false;
+  const std::string_view name = host.substr(0, colon);
+  return name == "127.0.0.1" || name == "localhost";
 }
 
 bool is_own_origin(std::string_view origin, std::uint16_t port) {
