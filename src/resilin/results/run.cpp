@@ -45,6 +45,14 @@ std::string guarding_remark(const State& state) {
          " J in all were taken out of the velocities; a shorter time_step follows the motion better";
 }
 
+/// What was done where no step of the whole length was found.
+std::string division_remark(const State& state) {
+  if (state.divided_steps == 0) return "";
+  return "; " + std::to_string(state.divided_steps) +
+         (state.divided_steps == 1 ? " step was" : " steps were") +
+         " taken in shorter ones, for none of the whole length was found";
+}
+
 /// What friction left open.
 std::string friction_remark(const State& state) {
   if (state.unsettled_steps == 0) return "";
@@ -59,13 +67,13 @@ RunOutcome verdict(const Simulation& simulation) {
   if (failed.count == 0)
     return {RunStatus::done, "reached " + reached(simulation) + ", every step converged" +
                                  remarks(simulation) + friction_remark(simulation.state()) +
-                                 guarding_remark(simulation.state())};
-  return {
-      RunStatus::not_converged,
-      std::to_string(failed.count) + " of " + std::to_string(simulation.state().step) +
-          " steps were cut short before they converged; the first at t = " + format_short(failed.first_time) +
-          " s (step " + std::to_string(failed.first_step) + "): " + failed.first_reason +
-          friction_remark(simulation.state()) + guarding_remark(simulation.state())};
+                                 division_remark(simulation.state()) + guarding_remark(simulation.state())};
+  return {RunStatus::not_converged,
+          std::to_string(failed.count) + " of " + std::to_string(simulation.state().step) +
+              " steps were cut short before they converged; the first at t = " +
+              format_short(failed.first_time) + " s (step " + std::to_string(failed.first_step) +
+              "): " + failed.first_reason + friction_remark(simulation.state()) +
+              division_remark(simulation.state()) + guarding_remark(simulation.state())};
 }
 
 /// Steps that find no solution one after the other will not find one later: a body has burst or collapsed.

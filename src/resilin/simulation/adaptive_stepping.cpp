@@ -127,7 +127,8 @@ StepReport TimeStepper::adaptive_step(const World& world, const AdaptiveSteps& o
       num_parts = num_steps_of_turn(turn_of_step(world, state, planned.length));
     }
     if (num_parts > 1) {  // a turn at once, or nearly so
-      StepReport report = step_in_parts(world, newton, state, gradient, planned.length, num_parts, observer);
+      StepReport report =
+          step_in_parts(world, newton, state, gradient, planned.length, num_parts, WhenLost::go_on, observer);
       if (report.status != StepReport::Status::interrupted) state.time = planned.end;
       return report;
     }

@@ -21,6 +21,15 @@ void add_to(NewtonReport& sum, const NewtonReport& part) {
   sum = total;
 }
 
+void take_counts(const NewtonReport& sum, NewtonReport& report) {
+  NewtonReport others = report;
+  report = sum;
+  others.iterations = others.linear_solves = others.linear_iterations = others.line_search_halvings = 0;
+  others.tangent_iterations = others.projected_solves = others.lag_rounds = 0;
+  others.assembly_seconds = others.solve_seconds = 0;
+  add_to(report, others);
+}
+
 void FrictionReport::add(const StageReport& stage) {
   rounds += stage.friction_rounds;
   if (stage.friction_mismatch == 0) return;

@@ -48,6 +48,8 @@ struct StepReport {
 
 /// Adds the counts and times of `part` to `sum`, which takes everything else from it.
 void add_to(NewtonReport& sum, const NewtonReport& part);
+/// Makes the counts and times those of `sum`.
+void take_counts(const NewtonReport& sum, NewtonReport& report);
 
 /// What the scene asks of Newton's method.
 NewtonSettings newton_settings(const World& world);

@@ -39,6 +39,15 @@ bool follows(const World& world, const VectorX& positions, const VectorX& prescr
   return true;
 }
 
+/// So often is a step cut in two that has no solution.
+constexpr int most_halvings_of_step = 3;
+
+/// Whether a step has no solution, and not because limits below their defaults cut it short on purpose.
+bool is_lost(const World& world, const StepReport& report) {
+  const bool may_settle = world.friction_iterations >= ContactDescription{}.friction_iterations;
+  return !report.has_solution || (may_settle && report.friction.mismatch > largest_balance_error);
+}
+
 }  // namespace
 
 TimeStepper::TimeStepper(const World& world)
@@ -192,6 +201,8 @@ TimeStepper::Attempt TimeStepper::safe_attempt(const World& world, Newton& newto
   return other;
 }
 
+// A step without a solution is one that bodies are thrown through too far, or whose friction pushes them from
+// one side of a corner to the other: shorter ones have one.
 StepReport TimeStepper::step(const World& world, Newton& newton, State& state, VectorX& gradient,
                              const NewtonObserver& observer) const {
   if (world.adaptive) return adaptive_step(world, *world.adaptive, newton, state, gradient, observer);
@@ -200,13 +211,34 @@ StepReport TimeStepper::step(const World& world, Newton& newton, State& state, V
   // not on them.
   const double end = state.time == state.step * dt ? (state.step + 1) * dt : state.time + dt;
   const int num_parts = num_steps_of_turn(turn_of_step(world, state, dt));
-  StepReport report = step_in_parts(world, newton, state, gradient, dt, num_parts, observer);
-  if (report.status != StepReport::Status::interrupted) state.time = end;
+  State next = state;
+  StepReport report = step_in_parts(world, newton, next, gradient, dt, num_parts, WhenLost::go_on, observer);
+  NewtonReport spent = report.newton;
+  for (int halving = 1; halving <= most_halvings_of_step && is_lost(world, report); ++halving) {
+    State divided = state;
+    VectorX gradient_of_last;
+    StepReport shorter = step_in_parts(world, newton, divided, gradient_of_last, dt, num_parts << halving,
+                                       WhenLost::stop, observer);
+    add_to(spent, shorter.newton);
+    if (shorter.status == StepReport::Status::interrupted) return shorter;
+    report.failed_attempts = halving;
+    if (is_lost(world, shorter)) continue;
+    shorter.failed_attempts = halving;
+    report = std::move(shorter);
+    next = std::move(divided);
+    gradient = std::move(gradient_of_last);
+    ++next.divided_steps;
+  }
+  if (report.status == StepReport::Status::interrupted) return report;
+  take_counts(spent, report.newton);
+  state = std::move(next);
+  state.time = end;
   return report;
 }
 
 StepReport TimeStepper::step_in_parts(const World& world, Newton& newton, State& state, VectorX& gradient,
-                                      double time_step, int num_parts, const NewtonObserver& observer) const {
+                                      double time_step, int num_parts, WhenLost when_lost,
+                                      const NewtonObserver& observer) const {
   StepReport report;
   State now = state;
   const double length = time_step / num_parts;
@@ -223,7 +255,7 @@ StepReport TimeStepper::step_in_parts(const World& world, Newton& newton, State&
       report.status = found.report.status;
       report.reason = found.report.reason;
     }
-    if (found.is_interrupted()) return report;
+    if (found.is_interrupted() || (when_lost == WhenLost::stop && is_lost(world, report))) return report;
     gradient = std::move(found.gradient);
     std::move(found).move(world, now, length, state.time + part * length);
   }

@@ -44,6 +44,7 @@ void visit_members(AnyState& state, Visitor&& visitor) {
   visitor.number("energy_excess", state.energy_excess, Sign::any);
   visitor.number("largest_kinetic_energy", state.largest_kinetic_energy, Sign::not_negative);
   visitor.count("guarded_steps", state.guarded_steps);
+  visitor.count("divided_steps", state.divided_steps);
   visitor.number("removed_energy", state.removed_energy, Sign::not_negative);
 }
 

@@ -41,6 +41,7 @@ struct State {
   double largest_kinetic_energy = 0;  ///< so far [J]
   int guarded_steps = 0;              ///< that would have added energy, and were changed
   double removed_energy = 0;          ///< from the velocities of these [J]
+  int divided_steps = 0;              ///< taken in parts, for none of the whole length was found
 };
 
 /// Under which its forces are taken.
