@@ -4,9 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <random>
+#include <vector>
 
 namespace resilin::testing {
 namespace {
@@ -249,6 +251,51 @@ TEST(RelaxedForces, SettleWhereRoundsThrowThemToAndFro) {
     return Eigen::Vector2d(4 - 1.5 * in_use[0], 4 - 1.5 * in_use[1]);
   };
   EXPECT_LT((settled(lines, 3) - Eigen::Vector2d(1.6, 1.6)).norm(), 1e-12);
+}
+
+/// Contacts that stay, that are left and that are new: between the last and those before, or beyond them.
+TEST(RelaxedForces, AreAShareOfTheLastAndTheRestOfThoseBefore) {
+  const Friction friction(3, {std::make_shared<PressedByHeight>()}, speed);
+  VectorX x(6);
+  x << 1, 2, 0, 3, -1, 0;
+  const auto gradient = [&](const Energy& term) {
+    VectorX sum = VectorX::Zero(6);
+    term.add_gradient(x, {}, sum);
+    return sum;
+  };
+  using Limits = std::array<double, 2>;
+  std::vector<double> shares;
+  for (const auto& [start, before, after] : {std::array{Limits{1, 1}, Limits{4, 2}, Limits{2, -1}},
+                                             std::array{Limits{1, 2}, Limits{4, 0}, Limits{3, 1}},
+                                             std::array{Limits{1, 1}, Limits{4, 2}, Limits{5, 2.5}},
+                                             std::array{Limits{4, 3}, Limits{3, 1.5}, Limits{2.6, -1}}}) {
+    const auto term = friction.begin_stage({.base_positions = VectorX::Zero(6), .duration = duration});
+    const auto form = [&](const Limits& limits) {
+      VectorX heights = VectorX::Zero(6);
+      heights[2] = limits[0];
+      heights[5] = limits[1];
+      term->form_lag(heights, {});
+      return gradient(*term);
+    };
+    const auto change = [](const Limits& from, const Limits& to) {
+      return std::array{std::max(to[0], 0.0) - std::max(from[0], 0.0),
+                        std::max(to[1], 0.0) - std::max(from[1], 0.0)};
+    };
+    Relaxation relaxation;
+    form(start);
+    const VectorX first = form(before);
+    EXPECT_FALSE(term->relax_lag());
+    relaxation.next_share(change(start, before));
+    const VectorX last = form(after);
+    EXPECT_TRUE(term->relax_lag());
+    const double share = relaxation.next_share(change(before, after));
+    VectorX expected = share * last + (1 - share) * first;
+    if (share > 1 && after[1] < 0) expected.tail(3).setZero();  // friction never pushes
+    EXPECT_LE((gradient(*term) - expected).norm(), 1e-14 * expected.norm()) << share;
+    shares.push_back(share);
+  }
+  EXPECT_LT(std::ranges::min(shares), 0.9);
+  EXPECT_GT(std::ranges::max(shares), 1.1);
 }
 
 TEST(CoupledForces, AreThoseWithNormalForcesOfTheVeryPlace) {

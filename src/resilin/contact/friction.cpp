@@ -3,8 +3,6 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <map>
 #include <utility>
 
@@ -64,10 +62,10 @@ FrictionContacts contacts_of(std::span<const FrictionSource* const> sources, con
 }
 
 /// Between whom.
-std::pair<std::size_t, std::vector<Index>> parties(const FrictionContacts::Entry& entry) {
+auto parties(const FrictionContacts::Entry& entry) {
   std::vector<Index> nodes;
   for (const WeightedNode& each : entry.nodes) nodes.push_back(each.node);
-  return {entry.source, std::move(nodes)};
+  return std::pair(entry.source, std::move(nodes));
 }
 
 /// Which one of the contacts before each of the others is, if it is one of them and has not turned: of

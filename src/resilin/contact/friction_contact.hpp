@@ -41,8 +41,8 @@ class FrictionContacts {
   /// Takes only a share of a contact, the rest from what it was before, between the same nodes.
   void mix(std::size_t i, double share, const Entry& before) {
     FrictionContact& contact = contacts_[i];
-    contact.limit = std::max(share * contact.limit + (1 - share) * before.contact.limit, 0.0);
     contact.normal = (share * contact.normal + (1 - share) * before.contact.normal).normalized();
+    contact.limit = std::max(share * contact.limit + (1 - share) * before.contact.limit, 0.0);
     contact.velocity = share * contact.velocity + (1 - share) * before.contact.velocity;
     const std::size_t begin = i == 0 ? 0 : ends_[i - 1];
     for (std::size_t k = 0; k < before.nodes.size(); ++k) {

@@ -31,24 +31,19 @@ SlidingNormals::SlidingNormals(const CollisionSurface& parts)
     facets_[next[at(corners[k])]++] = static_cast<Index>(k / static_cast<std::size_t>(parts.dim));
 }
 
-Vector3 SlidingNormals::area_normal(Index facet, const VectorX& places) const {
-  const auto place = [&](int corner) {
-    return node_position(parts_.dim, facets_of(parts_)[at(facet * parts_.dim + corner)], places);
-  };
-  const Vector3 along = place(1) - place(0);
-  if (parts_.dim == 2) return {along.y(), -along.x(), 0};
-  return 0.5 * along.cross(place(2) - place(0));
-}
-
 Vector3 SlidingNormals::of_part(std::span<const Index> vertices, std::span<const double> weights,
                                 const Vector3& apart, const VectorX& places) const {
+  const std::span<const Index> corners = facets_of(parts_);
+  const CellKind kind = parts_.dim == 3 ? CellKind::triangle : CellKind::line;
+  const auto dim = static_cast<std::size_t>(parts_.dim);
   Vector3 sum = Vector3::Zero();
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     if (weights[i] == 0) continue;
     Vector3 around = Vector3::Zero();
     double area = 0;
     for (std::size_t k = row_begin_[at(vertices[i])]; k < row_begin_[at(vertices[i]) + 1]; ++k) {
-      const Vector3 normal = area_normal(facets_[k], places);
+      const Vector3 normal =
+          area_vector(parts_.dim, kind, corners.subspan(at(facets_[k]) * dim, dim), places);
       const double size = normal.norm(), along = normal.dot(apart);
       const double share =
           size > 0 ? std::clamp((std::abs(along) / size - sharp) / (smooth - sharp), 0.0, 1.0) : 0;
@@ -67,9 +62,8 @@ Vector3 SlidingNormals::normal_at(const PartForce& pair, const VectorX& places) 
     return of_part(std::span(pair.vertices).subspan(begin, end - begin),
                    std::span(pair.weights).subspan(begin, end - begin), pair.normal, places);
   };
-  const Vector3 of_second = of(split, count);
-  if (pair.kind != PairKind::edge_edge) return of_second;
-  return (of(0, split) + of_second).normalized();
+  if (pair.kind != PairKind::edge_edge) return of(split, count);
+  return (of(0, split) + of(split, count)).normalized();
 }
 
 }  // namespace resilin

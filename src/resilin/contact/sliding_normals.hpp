@@ -33,8 +33,6 @@ class SlidingNormals {
  private:
   Vector3 of_part(std::span<const Index> vertices, std::span<const double> weights, const Vector3& apart,
                   const VectorX& places) const;
-  /// Across a facet, as long as it is large: [m^2], in 2D [m].
-  Vector3 area_normal(Index facet, const VectorX& places) const;
 
   const CollisionSurface& parts_;
   std::vector<std::size_t> row_begin_;  ///< of each vertex, in `facets_`, and the end

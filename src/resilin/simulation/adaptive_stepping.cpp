@@ -127,9 +127,12 @@ StepReport TimeStepper::adaptive_step(const World& world, const AdaptiveSteps& o
       num_parts = num_steps_of_turn(turn_of_step(world, state, planned.length));
     }
     if (num_parts > 1) {  // a turn at once, or nearly so
-      StepReport report =
-          step_in_parts(world, newton, state, gradient, planned.length, num_parts, WhenLost::go_on, observer);
-      if (report.status != StepReport::Status::interrupted) state.time = planned.end;
+      State next;
+      StepReport report = step_in_parts(world, newton, state, next, gradient, planned.length, num_parts,
+                                        WhenLost::go_on, observer);
+      if (report.status == StepReport::Status::interrupted) return report;
+      state = std::move(next);
+      state.time = planned.end;
       return report;
     }
     Attempt found = safe_attempt(world, newton, state, planned.length, observer);

@@ -7,27 +7,22 @@
 
 namespace resilin {
 
-void add_to(NewtonReport& sum, const NewtonReport& part) {
-  NewtonReport total = part;
-  total.iterations += sum.iterations;
-  total.linear_solves += sum.linear_solves;
-  total.linear_iterations += sum.linear_iterations;
-  total.line_search_halvings += sum.line_search_halvings;
-  total.tangent_iterations += sum.tangent_iterations;
-  total.projected_solves += sum.projected_solves;
-  total.lag_rounds += sum.lag_rounds;
-  total.assembly_seconds += sum.assembly_seconds;
-  total.solve_seconds += sum.solve_seconds;
-  sum = total;
+void add_counts(NewtonReport& sum, const NewtonReport& part) {
+  sum.iterations += part.iterations;
+  sum.linear_solves += part.linear_solves;
+  sum.linear_iterations += part.linear_iterations;
+  sum.line_search_halvings += part.line_search_halvings;
+  sum.tangent_iterations += part.tangent_iterations;
+  sum.projected_solves += part.projected_solves;
+  sum.lag_rounds += part.lag_rounds;
+  sum.assembly_seconds += part.assembly_seconds;
+  sum.solve_seconds += part.solve_seconds;
 }
 
-void take_counts(const NewtonReport& sum, NewtonReport& report) {
-  NewtonReport others = report;
-  report = sum;
-  others.iterations = others.linear_solves = others.linear_iterations = others.line_search_halvings = 0;
-  others.tangent_iterations = others.projected_solves = others.lag_rounds = 0;
-  others.assembly_seconds = others.solve_seconds = 0;
-  add_to(report, others);
+void add_to(NewtonReport& sum, const NewtonReport& part) {
+  NewtonReport total = part;
+  add_counts(total, sum);
+  sum = total;
 }
 
 void FrictionReport::add(const StageReport& stage) {

@@ -46,10 +46,10 @@ struct StepReport {
   std::vector<std::string> warnings;    ///< one line each
 };
 
-/// Adds the counts and times of `part` to `sum`, which takes everything else from it.
+/// Adds the counts and times of `part` to those of `sum`.
+void add_counts(NewtonReport& sum, const NewtonReport& part);
+/// The same; everything else `sum` takes from `part`.
 void add_to(NewtonReport& sum, const NewtonReport& part);
-/// Makes the counts and times those of `sum`.
-void take_counts(const NewtonReport& sum, NewtonReport& report);
 
 /// What the scene asks of Newton's method.
 NewtonSettings newton_settings(const World& world);

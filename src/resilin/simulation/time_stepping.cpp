@@ -44,6 +44,7 @@ constexpr int most_halvings_of_step = 3;
 
 /// Whether a step has no solution, and not because limits below their defaults cut it short on purpose.
 bool is_lost(const World& world, const StepReport& report) {
+  if (report.status == StepReport::Status::interrupted) return false;
   const bool may_settle = world.friction_iterations >= ContactDescription{}.friction_iterations;
   return !report.has_solution || (may_settle && report.friction.mismatch > largest_balance_error);
 }
@@ -211,39 +212,40 @@ StepReport TimeStepper::step(const World& world, Newton& newton, State& state, V
   // not on them.
   const double end = state.time == state.step * dt ? (state.step + 1) * dt : state.time + dt;
   const int num_parts = num_steps_of_turn(turn_of_step(world, state, dt));
-  State next = state;
-  StepReport report = step_in_parts(world, newton, next, gradient, dt, num_parts, WhenLost::go_on, observer);
-  NewtonReport spent = report.newton;
+  State next;
+  StepReport report =
+      step_in_parts(world, newton, state, next, gradient, dt, num_parts, WhenLost::go_on, observer);
   for (int halving = 1; halving <= most_halvings_of_step && is_lost(world, report); ++halving) {
-    State divided = state;
+    State divided;
     VectorX gradient_of_last;
-    StepReport shorter = step_in_parts(world, newton, divided, gradient_of_last, dt, num_parts << halving,
-                                       WhenLost::stop, observer);
-    add_to(spent, shorter.newton);
+    StepReport shorter = step_in_parts(world, newton, state, divided, gradient_of_last, dt,
+                                       num_parts << halving, WhenLost::stop, observer);
     if (shorter.status == StepReport::Status::interrupted) return shorter;
+    if (is_lost(world, shorter)) {
+      add_counts(report.newton, shorter.newton);
+    } else {
+      add_counts(shorter.newton, report.newton);
+      report = std::move(shorter);
+      next = std::move(divided);
+      gradient = std::move(gradient_of_last);
+      ++next.divided_steps;
+    }
     report.failed_attempts = halving;
-    if (is_lost(world, shorter)) continue;
-    shorter.failed_attempts = halving;
-    report = std::move(shorter);
-    next = std::move(divided);
-    gradient = std::move(gradient_of_last);
-    ++next.divided_steps;
   }
   if (report.status == StepReport::Status::interrupted) return report;
-  take_counts(spent, report.newton);
   state = std::move(next);
   state.time = end;
   return report;
 }
 
-StepReport TimeStepper::step_in_parts(const World& world, Newton& newton, State& state, VectorX& gradient,
-                                      double time_step, int num_parts, WhenLost when_lost,
+StepReport TimeStepper::step_in_parts(const World& world, Newton& newton, const State& start, State& end,
+                                      VectorX& gradient, double time_step, int num_parts, WhenLost when_lost,
                                       const NewtonObserver& observer) const {
   StepReport report;
-  State now = state;
+  State now = start;
   const double length = time_step / num_parts;
   std::optional<World> even;
-  if (!turns_evenly(world, state, length, num_parts)) even = with_even_turns(world, state, time_step);
+  if (!turns_evenly(world, start, length, num_parts)) even = with_even_turns(world, start, time_step);
   for (int part = 1; part <= num_parts; ++part) {
     Attempt found = safe_attempt(even ? *even : world, newton, now, length, observer);
     add_to(report.newton, found.report.newton);
@@ -257,11 +259,11 @@ StepReport TimeStepper::step_in_parts(const World& world, Newton& newton, State&
     }
     if (found.is_interrupted() || (when_lost == WhenLost::stop && is_lost(world, report))) return report;
     gradient = std::move(found.gradient);
-    std::move(found).move(world, now, length, state.time + part * length);
+    std::move(found).move(world, now, length, start.time + part * length);
   }
-  now.step = state.step + 1;
-  now.guarded_steps = std::min(now.guarded_steps, state.guarded_steps + 1);
-  state = std::move(now);
+  now.step = start.step + 1;
+  now.guarded_steps = std::min(now.guarded_steps, start.guarded_steps + 1);
+  end = std::move(now);
   report.time_step = time_step;
   return report;
 }

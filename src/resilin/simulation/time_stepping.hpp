@@ -31,10 +31,11 @@ class TimeStepper {
   /// hold more energy than there was, or was not found while bodies touch.
   Attempt safe_attempt(const World& world, Newton& newton, const State& state, double time_step,
                        const NewtonObserver& observer) const;
-  /// Steps of equal length that lead supports around their turns.
   enum class WhenLost { go_on, stop };  ///< after a part that has no solution
-  StepReport step_in_parts(const World& world, Newton& newton, State& state, VectorX& gradient,
-                           double time_step, int num_parts, WhenLost when_lost,
+  /// Steps of equal length from `start` to `end`, which is left alone when they are interrupted or stop: they
+  /// lead supports around their turns and take in parts what has no solution as a whole.
+  StepReport step_in_parts(const World& world, Newton& newton, const State& start, State& end,
+                           VectorX& gradient, double time_step, int num_parts, WhenLost when_lost,
                            const NewtonObserver& observer) const;
   /// Tries steps until the estimate of the error is below the tolerance.
   StepReport adaptive_step(const World& world, const AdaptiveSteps& options, Newton& newton, State& state,
