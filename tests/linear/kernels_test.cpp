@@ -76,8 +76,10 @@ TEST_P(EveryInstructionSet, EliminatesAndSolvesAlike) {
       work[is_plain ? 0 : 1] = start;
       set.eliminate_row[dim - 2](work[is_plain ? 0 : 1].data(), 3, 5, pairs.data(), inverse.data());
       z[is_plain ? 0 : 1].assign(r.begin(), r.begin() + 3 * dim);
-      set.solve_incomplete[dim - 2](row_begin.data(), columns.data(), upper.data(), diagonal.data(),
-                                    z[is_plain ? 0 : 1].data(), 3);
+      set.solve_lower[dim - 2](row_begin.data(), columns.data(), upper.data(), z[is_plain ? 0 : 1].data(), 0,
+                               3);
+      set.solve_upper[dim - 2](row_begin.data(), columns.data(), upper.data(), diagonal.data(),
+                               z[is_plain ? 0 : 1].data(), 0, 3);
     }
     EXPECT_LT(relative_difference(work[0], work[1]), 1e-14);
     EXPECT_LT(relative_difference(z[0], z[1]), 1e-5F);
@@ -114,11 +116,7 @@ struct Chain {
   }
   LevelView view() const {
     const int block = size * lanes;
-    return {4,
-            row_begin.data(),
-            columns.data(),
-            blocks.data() + 4 * block,
-            blocks.data(),
+    return {row_begin.data(), columns.data(), blocks.data() + 4 * block, blocks.data(),
             blocks.data() + 7 * block};
   }
   int size, lanes;
@@ -135,9 +133,12 @@ TEST_P(EveryInstructionSet, SmoothsAlike) {
     for (const bool is_plain : {true, false}) {
       const MultigridKernels& set = is_plain ? plain_multigrid : multigrid;
       std::vector<float> r(start.begin(), start.end()), b = r, x(r.size()), y(r.size());
-      set.pre_smooth[dim - 2][kind](chain.view(), r.data(), x.data());
-      set.post_smooth[dim - 2][kind](chain.view(), b.data(), x.data());
-      set.multiply[dim - 2][kind](chain.view(), x.data(), y.data());
+      constexpr NodeRange all = {0, 4};
+      set.sweep_forward[dim - 2][kind](chain.view(), all, r.data(), x.data());
+      set.negate_upper[dim - 2][kind](chain.view(), all, x.data(), r.data());
+      set.subtract_lower[dim - 2][kind](chain.view(), all, x.data(), b.data());
+      set.sweep_backward[dim - 2][kind](chain.view(), all, b.data(), x.data());
+      set.multiply_add[dim - 2][kind](chain.view(), all, x.data(), y.data());
       for (int node = 0; node < 4; ++node)
         for (int d = 0; d < size; ++d) {
           const auto k = static_cast<std::size_t>(node * chain.lanes + d);

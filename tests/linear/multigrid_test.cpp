@@ -17,12 +17,13 @@ struct EveryBar : ::testing::TestWithParam<int> {
   const BarProblem bar = make_bar_problem({.dim = GetParam(), .cells_per_height = 3});
   MergedPattern pattern;
   FullPattern full;
+  std::vector<Index> all;  // nodes
 
   EveryBar() {
     pattern.update(bar.matrix, MergedPattern::Keep::same_pairs);
-    std::vector<Index> same(static_cast<std::size_t>(pattern.num_nodes()));
-    for (std::size_t i = 0; i < same.size(); ++i) same[i] = static_cast<Index>(i);
-    const PermutedPattern upper(pattern, NodeGraph(pattern), same);
+    all.resize(static_cast<std::size_t>(pattern.num_nodes()));
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<Index>(i);
+    const PermutedPattern upper(pattern, NodeGraph(pattern), all);
     full = FullPattern(upper.row_begin, upper.columns);
   }
 };
@@ -37,7 +38,7 @@ bool is_permutation_of_all(std::vector<Index> order, Index count) {
 
 TEST_P(EveryBar, OrdersHoldEveryNodeOnce) {
   const NodeGraph graph(pattern);
-  EXPECT_TRUE(is_permutation_of_all(reverse_cuthill_mckee(graph), graph.num_nodes()));
+  EXPECT_TRUE(is_permutation_of_all(reverse_cuthill_mckee(graph).node_at, graph.num_nodes()));
   EXPECT_TRUE(is_permutation_of_all(fill_reducing_order(graph), graph.num_nodes()));
 }
 
@@ -46,14 +47,14 @@ TEST(Ordering, TakesNodesWithoutNeighbours) {
   MergedPattern pattern;
   pattern.update(A, MergedPattern::Keep::same_pairs);
   const NodeGraph graph(pattern);
-  EXPECT_TRUE(is_permutation_of_all(reverse_cuthill_mckee(graph), 4));
+  EXPECT_TRUE(is_permutation_of_all(reverse_cuthill_mckee(graph).node_at, 4));
   EXPECT_TRUE(is_permutation_of_all(fill_reducing_order(graph), 4));
 }
 
 TEST_P(EveryBar, GroupsAreConnectedAndLeaveOutWhatIsNotActive) {
   std::vector<std::uint8_t> is_active(static_cast<std::size_t>(pattern.num_nodes()), 1);
   is_active[3] = is_active[10] = 0;
-  const Aggregates groups = aggregate(full, is_active);
+  const Aggregates groups = aggregate(full, is_active, all);
   EXPECT_LT(groups.count, pattern.num_nodes() / 3);
   std::vector<int> sizes(static_cast<std::size_t>(groups.count), 0);
   for (std::size_t i = 0; i < is_active.size(); ++i) {
@@ -83,7 +84,7 @@ TEST_P(EveryBar, RigidModesCostNoEnergyAwayFromTheClamp) {
 TEST_P(EveryBar, TentativeProlongationKeepsTheModes) {
   const int dim = GetParam();
   const std::vector<std::uint8_t> is_active(static_cast<std::size_t>(pattern.num_nodes()), 1);
-  const Aggregates groups = aggregate(full, is_active);
+  const Aggregates groups = aggregate(full, is_active, all);
   const Modes modes = rigid_modes(dim, bar.node_positions, bar.is_fixed);
   const TentativeProlongation tentative = orthonormalize(modes, groups);
   using Block = Eigen::Matrix<double, -1, -1, Eigen::RowMajor>;

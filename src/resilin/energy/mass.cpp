@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "resilin/core/parallel.hpp"
 #include "resilin/mesh/cell_positions.hpp"
 #include "resilin/mesh/shape_integrals.hpp"
 
 namespace resilin {
 namespace {
+
+constexpr std::size_t nodes_per_chunk = 8192, slots_per_chunk = 32768;
 
 /// Volumes that the nodes of a cell stand for, from integral N_a N_b dV.
 void lump(const ElementInfo& element, std::span<const double> products, std::span<double> volumes) {
@@ -30,7 +33,11 @@ void MassMatrix::multiply_with(const Entry& entry, const VectorX& x, VectorX& y)
   y.setZero(x.size());
   const auto node = [this](auto& v, Index i) { return v.segment(Eigen::Index{i} * dim, dim); };
   if (is_lumped()) {
-    for (Index i = 0; i < nodal.size(); ++i) node(y, i) = nodal[i] * node(x, i);
+    parallel_for(static_cast<std::size_t>(nodal.size()), nodes_per_chunk,
+                 [&](std::size_t first, std::size_t last) {
+                   for (auto i = static_cast<Index>(first); i < static_cast<Index>(last); ++i)
+                     node(y, i) = nodal[i] * node(x, i);
+                 });
     return;
   }
   for (Index i = 0; i < pattern->num_nodes(); ++i) {
@@ -59,13 +66,16 @@ void MassMatrix::add_to(double factor, BlockMatrix& A) const {
     for (int k = 0; k < dim; ++k) block[k * (dim + 1)] += factor * mass;
   };
   if (is_lumped()) {
-    for (Index i = 0; i < nodal.size(); ++i) {
-      add_scaled_identity(A.pattern->row_begin[static_cast<std::size_t>(i)], nodal[i]);
-    }
+    parallel_for(static_cast<std::size_t>(nodal.size()), nodes_per_chunk,
+                 [&](std::size_t first, std::size_t last) {
+                   for (std::size_t i = first; i < last; ++i)
+                     add_scaled_identity(A.pattern->row_begin[i], nodal[static_cast<Eigen::Index>(i)]);
+                 });
     return;
   }
-  for (Offset s = 0; s < pattern->num_slots(); ++s)
-    add_scaled_identity(s, slots[static_cast<std::size_t>(s)]);
+  parallel_for(slots.size(), slots_per_chunk, [&](std::size_t first, std::size_t last) {
+    for (std::size_t s = first; s < last; ++s) add_scaled_identity(static_cast<Offset>(s), slots[s]);
+  });
 }
 
 MassMatrix MassMatrix::times(double factor) const {

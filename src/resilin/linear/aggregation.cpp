@@ -28,15 +28,15 @@ FullPattern::FullPattern(const std::vector<Offset>& upper_begin, const std::vect
   }
 }
 
-Aggregates aggregate(const FullPattern& pattern, std::span<const std::uint8_t> is_active) {
-  const Index n = pattern.num_nodes();
+Aggregates aggregate(const FullPattern& pattern, std::span<const std::uint8_t> is_active,
+                     std::span<const Index> order) {
   Aggregates groups;
-  groups.of_node.assign(static_cast<std::size_t>(n), -1);
+  groups.of_node.assign(static_cast<std::size_t>(pattern.num_nodes()), -1);
   const auto for_neighbours = [&](Index i, const auto& visit) {
     for (Offset e = pattern.begin[i]; e < pattern.begin[i + 1]; ++e)
       if (is_active[pattern.columns[e]] != 0) visit(pattern.columns[e]);
   };
-  for (Index i = 0; i < n; ++i) {
+  for (const Index i : order) {
     if (is_active[i] == 0) continue;
     bool is_free = true;
     for_neighbours(i, [&](Index j) { is_free = is_free && groups.of_node[j] < 0; });
@@ -46,7 +46,7 @@ Aggregates aggregate(const FullPattern& pattern, std::span<const std::uint8_t> i
   }
   const std::vector<Index> founded = groups.of_node;
   std::vector<int> couplings(static_cast<std::size_t>(groups.count), 0);
-  for (Index i = 0; i < n; ++i) {
+  for (const Index i : order) {
     if (is_active[i] == 0 || founded[i] >= 0) continue;
     Index best = -1;
     for_neighbours(i, [&](Index j) {

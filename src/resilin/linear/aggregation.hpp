@@ -29,6 +29,8 @@ struct Aggregates {
 /// A node whose neighbours are all free founds a group with them; what is left joins the neighbouring group
 /// with most couplings. Nodes that are not active stay out. Source: Vanek, Mandel, Brezina 1996,
 /// algorithm 5.1.
-Aggregates aggregate(const FullPattern& pattern, std::span<const std::uint8_t> is_active);
+/// @param order  in which nodes are looked at: neighbours near each other, or groups leave gaps
+Aggregates aggregate(const FullPattern& pattern, std::span<const std::uint8_t> is_active,
+                     std::span<const Index> order);
 
 }  // namespace resilin

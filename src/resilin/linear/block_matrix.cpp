@@ -11,6 +11,7 @@ namespace resilin {
 namespace {
 
 constexpr std::size_t gather_chunk = 4096;  // nodes
+constexpr std::size_t numbers_per_chunk = 1 << 16;
 
 void multiply_extra(const BlockMatrix& A, const VectorX& x, VectorX& y) {
   const int dim = A.dim;
@@ -50,7 +51,9 @@ BlockMatrix::BlockMatrix(int dimension, std::shared_ptr<const BlockPattern> fixe
 }
 
 void BlockMatrix::set_zero() {
-  std::fill(values.begin(), values.end(), 0.0);
+  parallel_for(values.size(), numbers_per_chunk, [&](std::size_t begin, std::size_t end) {
+    std::fill(values.begin() + static_cast<Offset>(begin), values.begin() + static_cast<Offset>(end), 0.0);
+  });
   extra.clear();
   extra_values.clear();
   std::ranges::fill(extra_places_, -1);

@@ -6,11 +6,15 @@
 namespace resilin {
 namespace {
 
-/// Chunks of rows with about `slots_per_chunk` slots each; a matrix below two chunks stays whole.
+/// Chunks of rows with at least `slots_per_chunk` slots each; four times as many once there are enough
+/// chunks. A matrix below two chunks stays whole.
 std::vector<Index> chunk_rows(const BlockPattern& pattern, Offset slots_per_chunk) {
+  constexpr Offset enough_chunks = 16;
   std::vector<Index> chunk_begin = {0};
   const Index num_nodes = pattern.num_nodes();
-  const Offset num_chunks = std::max<Offset>(pattern.num_slots() / slots_per_chunk, 1);
+  const Offset num_chunks =
+      std::max({Offset{1}, std::min(enough_chunks, pattern.num_slots() / slots_per_chunk),
+                pattern.num_slots() / (4 * slots_per_chunk)});
   for (Offset chunk = 1; chunk < num_chunks; ++chunk) {
     const Offset target = pattern.num_slots() * chunk / num_chunks;
     const auto row = std::lower_bound(pattern.row_begin.begin(), pattern.row_begin.end(), target);

@@ -45,7 +45,7 @@ struct BlockPattern {
   ProductPlan product_plan;
 
   /// Fills the derived tables; `slots_per_chunk` sets the size of the chunks of a product.
-  void complete(Offset slots_per_chunk = 32768);
+  void complete(Offset slots_per_chunk = 8192);
 };
 
 /// Collects which nodes are coupled.

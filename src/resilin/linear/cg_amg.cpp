@@ -6,11 +6,13 @@
 #include "resilin/linear/diagonal_check.hpp"
 #include "resilin/linear/merged_pattern.hpp"
 #include "resilin/linear/multigrid_level.hpp"
-#include "resilin/linear/ordering.hpp"
 #include "resilin/linear/permuted_pattern.hpp"
+#include "resilin/linear/sweep_order.hpp"
 
 namespace resilin {
 namespace {
+
+constexpr std::size_t nodes_per_chunk = 4096;
 
 /// Smoothed aggregation with the rigid body modes: a W-cycle with a forward Gauss-Seidel sweep on the way
 /// down and a backward one on the way up, in single precision.
@@ -46,6 +48,8 @@ class SmoothedAggregation : public Preconditioner {
 
   MergedPattern pattern_;
   PermutedPattern permuted_;
+  ColoredChunks sweeps_;  // of its positions
+  std::vector<Index> along_layers_;
   VectorX positions_;
   std::vector<std::uint8_t> is_fixed_;  // by unknown, node by node as in A
   std::vector<MultigridLevel> levels_;
@@ -59,25 +63,46 @@ class SmoothedAggregation : public Preconditioner {
 
 void SmoothedAggregation::analyze_pattern() {
   const NodeGraph graph(pattern_);
-  permuted_ = PermutedPattern(pattern_, graph, reverse_cuthill_mckee(graph));
+  SweepOrder order = two_color_order(graph, MultigridLevel().least_couplings());
+  permuted_ = PermutedPattern(pattern_, graph, std::move(order.node_at));
+  sweeps_ = std::move(order.chunks);
+  along_layers_ = std::move(order.along_layers);
   levels_.clear();
 }
 
 /// Unknowns that are coupled with no other, as `eliminate` leaves them.
 std::vector<std::uint8_t> find_fixed(const BlockMatrix& A) {
   const int dim = A.dim;
-  std::vector<std::uint8_t> is_fixed(static_cast<std::size_t>(A.num_unknowns()), 1);
-  const auto look_at = [&](Index i, Index j, const double* block) {
-    for (int r = 0; r < dim; ++r)
-      for (int c = 0; c < dim; ++c)
-        if (block[r * dim + c] != 0 && (i != j || r != c)) is_fixed[i * dim + r] = is_fixed[j * dim + c] = 0;
-  };
   const BlockPattern& pattern = *A.pattern;
-  for (Index i = 0; i < A.num_nodes(); ++i)
-    for (Offset s = pattern.row_begin[i]; s < pattern.row_begin[i + 1]; ++s)
-      look_at(i, pattern.columns[s], A.block(s));
-  for (const BlockMatrix::ExtraBlock& extra : A.extra)
-    look_at(extra.row, extra.column, A.extra_values.data() + extra.begin);
+  std::vector<std::uint8_t> is_fixed(static_cast<std::size_t>(A.num_unknowns()), 1);
+  const auto look_at_row = [&](const double* block, int r, int diagonal, std::uint8_t& fixed) {
+    for (int c = 0; c < dim; ++c)
+      if (block[r * dim + c] != 0 && c != diagonal) fixed = 0;
+  };
+  const auto look_at_column = [&](const double* block, int c, std::uint8_t& fixed) {
+    for (int r = 0; r < dim; ++r)
+      if (block[r * dim + c] != 0) fixed = 0;
+  };
+  constexpr int none = -1;
+  parallel_for(
+      static_cast<std::size_t>(A.num_nodes()), nodes_per_chunk, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i)
+          for (int d = 0; d < dim; ++d) {
+            std::uint8_t& fixed = is_fixed[i * dim + d];
+            look_at_row(A.block(pattern.row_begin[i]), d, d, fixed);
+            for (Offset s = pattern.row_begin[i] + 1; fixed != 0 && s < pattern.row_begin[i + 1]; ++s)
+              look_at_row(A.block(s), d, none, fixed);
+            for (Offset k = pattern.lower_begin[i]; fixed != 0 && k < pattern.lower_begin[i + 1]; ++k)
+              look_at_column(A.block(pattern.lower_slots[k]), d, fixed);
+          }
+      });
+  for (const BlockMatrix::ExtraBlock& extra : A.extra) {
+    const double* block = A.extra_values.data() + extra.begin;
+    for (int d = 0; d < dim; ++d) {
+      look_at_row(block, d, extra.row == extra.column ? d : none, is_fixed[extra.row * dim + d]);
+      if (extra.row != extra.column) look_at_column(block, d, is_fixed[extra.column * dim + d]);
+    }
+  }
   return is_fixed;
 }
 
@@ -93,12 +118,14 @@ void SmoothedAggregation::build_levels(int dim) {
   levels_[0].dim = dim;
   levels_[0].row_begin = permuted_.row_begin;
   levels_[0].columns = permuted_.columns;
+  levels_[0].sweeps = sweeps_;
+  levels_[0].along_layers = along_layers_;
   for (;;) {
     MultigridLevel& fine = levels_.back();
     fine.allocate();
     if (fine.num_nodes() * fine.block_size() <= most_coarse_unknowns) break;
     fine.full = FullPattern(fine.row_begin, fine.columns);
-    Aggregates groups = aggregate(fine.full, is_active);
+    Aggregates groups = aggregate(fine.full, is_active, fine.along_layers);
     if (groups.count == 0 || groups.count > fine.num_nodes() * 2 / 3) break;
     MultigridLevel coarse;
     coarse.dim = dim;
@@ -216,8 +243,7 @@ void SmoothedAggregation::visit_coarse(std::size_t depth) {
   level.first_r = level.r;
   cycle(depth);
   level.first_x = level.x;
-  const detail::MultigridKernels& kernels = detail::multigrid_kernels();
-  kernels.multiply[level.dim - 2][level.is_given ? 0 : 1](level.view(), level.x.data(), level.r.data());
+  level.multiply(level.x, level.r);
   for (std::size_t k = 0; k < level.r.size(); ++k) level.r[k] = level.first_r[k] - level.r[k];
   cycle(depth);
   for (std::size_t k = 0; k < level.x.size(); ++k) level.x[k] += level.first_x[k];
@@ -228,19 +254,14 @@ void SmoothedAggregation::cycle(std::size_t depth) {
   MultigridLevel& level = levels_[depth];
   const bool is_coarsest = depth + 1 == levels_.size();
   if (is_coarsest && is_coarsest_dense_) return solve_coarsest();
-  const detail::MultigridKernels& kernels = detail::multigrid_kernels();
-  const int space = level.dim - 2, kind = level.is_given ? 0 : 1;
   level.b = level.r;
-  kernels.pre_smooth[space][kind](level.view(), level.r.data(), level.x.data());
+  level.pre_smooth();
   if (!is_coarsest) {
-    MultigridLevel& coarse = levels_[depth + 1];
-    std::fill(coarse.r.begin(), coarse.r.end(), 0.0F);
-    kernels.restrict_residual[space][kind](level.transfer(), level.num_nodes(), level.r.data(),
-                                           coarse.r.data());
+    level.restrict_to(levels_[depth + 1]);
     visit_coarse(depth + 1);
-    kernels.prolong_add[space][kind](level.transfer(), level.num_nodes(), coarse.x.data(), level.x.data());
+    level.prolong_from(levels_[depth + 1]);
   }
-  kernels.post_smooth[space][kind](level.view(), level.b.data(), level.x.data());
+  level.post_smooth();
 }
 
 void SmoothedAggregation::apply(const VectorX& r, VectorX& z) {
@@ -248,13 +269,19 @@ void SmoothedAggregation::apply(const VectorX& r, VectorX& z) {
   const int dim = finest.dim, lanes = finest.lanes();
   const double size = r.lpNorm<Eigen::Infinity>();  // keeps the numbers in the range of float
   z.resize(r.size());
-  for (Index i = 0; i < permuted_.num_nodes(); ++i)
-    for (int d = 0; d < dim; ++d)
-      finest.r[i * lanes + d] = static_cast<float>(r[permuted_.node_at[i] * dim + d] / size);
+  const auto num_nodes = static_cast<std::size_t>(permuted_.num_nodes());
+  const Index* node_at = permuted_.node_at.data();
+  parallel_for(num_nodes, nodes_per_chunk, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i)
+      for (int d = 0; d < dim; ++d)
+        finest.r[i * lanes + d] = static_cast<float>(r[node_at[i] * dim + d] / size);
+  });
   cycle(0);
-  for (Index i = 0; i < permuted_.num_nodes(); ++i)
-    for (int d = 0; d < dim; ++d)
-      z[permuted_.node_at[i] * dim + d] = size * scale_ * static_cast<double>(finest.x[i * lanes + d]);
+  parallel_for(num_nodes, nodes_per_chunk, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i)
+      for (int d = 0; d < dim; ++d)
+        z[node_at[i] * dim + d] = size * scale_ * static_cast<double>(finest.x[i * lanes + d]);
+  });
 }
 
 }  // namespace

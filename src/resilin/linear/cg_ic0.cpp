@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "resilin/linear/catalog.hpp"
@@ -6,9 +7,9 @@
 #include "resilin/linear/diagonal_check.hpp"
 #include "resilin/linear/kernels/block_kernels.hpp"
 #include "resilin/linear/merged_pattern.hpp"
-#include "resilin/linear/ordering.hpp"
 #include "resilin/linear/permuted_pattern.hpp"
 #include "resilin/linear/small_block.hpp"
+#include "resilin/linear/sweep_order.hpp"
 
 namespace resilin {
 namespace {
@@ -39,6 +40,8 @@ class BlockIncompleteCholesky : public Preconditioner {
   static constexpr double largest_shift = 1e3;
   static constexpr double least_pivot =
       1e-10;  // of the block's diagonal: below, float cannot hold the inverse
+  static constexpr Offset least_couplings = 8000;  // of a chunk: some five microseconds of a sweep
+  static constexpr std::size_t nodes_per_chunk = 4096, numbers_per_chunk = 1 << 15;
 
   void analyze_pattern(int dim);
   template <int dim>
@@ -47,6 +50,8 @@ class BlockIncompleteCholesky : public Preconditioner {
   void fill_work(const BlockMatrix& A, double shift);
   template <int dim>
   bool eliminate_rows();
+  template <int dim>
+  bool eliminate_rows_of(const ColoredChunks::Rows& rows);
   template <int dim>
   void apply_blocks(const VectorX& r, VectorX& z);
 
@@ -57,6 +62,7 @@ class BlockIncompleteCholesky : public Preconditioner {
   int dim_ = 3;
   Index num_nodes_ = 0;
   PermutedPattern upper_pattern_;
+  ColoredChunks chunks_;             // of its positions
   std::vector<Offset> pair_begin_;   // by position: first entry of slot_of_pair_
   std::vector<Index> slot_of_pair_;  // see BlockKernels::eliminate_row
   std::vector<double> work_;
@@ -70,7 +76,9 @@ void BlockIncompleteCholesky::analyze_pattern(int dim) {
   dim_ = dim;
   num_nodes_ = pattern_.num_nodes();
   const NodeGraph graph(pattern_);
-  upper_pattern_ = PermutedPattern(pattern_, graph, reverse_cuthill_mckee(graph));
+  SweepOrder order = two_ended_order(graph, least_couplings);
+  upper_pattern_ = PermutedPattern(pattern_, graph, std::move(order.node_at));
+  chunks_ = std::move(order.chunks);
   const std::vector<Offset>& row_begin = upper_pattern_.row_begin;
   const std::vector<Index>& columns = upper_pattern_.columns;
   pair_begin_.clear();
@@ -85,7 +93,7 @@ void BlockIncompleteCholesky::analyze_pattern(int dim) {
   const auto size = static_cast<std::size_t>(dim * dim);
   work_.resize((num_blocks + num_nodes) * static_cast<std::size_t>(padded_size()));
   inverse_.resize(num_nodes * size);
-  upper_.assign(num_blocks * size + 1, 0.0F);  // padded: see BlockKernels::solve_incomplete
+  upper_.assign(num_blocks * size + 1, 0.0F);  // padded: see BlockKernels::solve_lower
   inverse_diagonal_.assign(num_nodes * size + 1, 0.0F);
   permuted_.resize(num_nodes * static_cast<std::size_t>(dim));
 }
@@ -93,7 +101,9 @@ void BlockIncompleteCholesky::analyze_pattern(int dim) {
 template <int dim>
 void BlockIncompleteCholesky::fill_work(const BlockMatrix& A, double shift) {
   constexpr int lanes = dim == 3 ? 4 : 2;
-  std::fill(work_.begin(), work_.end(), 0.0);
+  parallel_for(work_.size(), numbers_per_chunk, [&](std::size_t first, std::size_t last) {
+    std::fill(work_.begin() + static_cast<Offset>(first), work_.begin() + static_cast<Offset>(last), 0.0);
+  });
   pattern_.for_each_block(A, [&](Offset slot, const double* block) {
     const Offset target = upper_pattern_.block_of_slot[slot];
     double* to = work_.data() + (target >= 0 ? target : ~target) * dim * lanes;
@@ -109,9 +119,18 @@ void BlockIncompleteCholesky::fill_work(const BlockMatrix& A, double shift) {
 
 template <int dim>
 bool BlockIncompleteCholesky::eliminate_rows() {
+  std::atomic<bool> is_definite = true;
+  chunks_.forward([&](const ColoredChunks::Rows& rows) {
+    if (!eliminate_rows_of<dim>(rows)) is_definite = false;
+  });
+  return is_definite;
+}
+
+template <int dim>
+bool BlockIncompleteCholesky::eliminate_rows_of(const ColoredChunks::Rows& rows) {
   constexpr int lanes = dim == 3 ? 4 : 2;
   const auto eliminate_row = detail::block_kernels().eliminate_row[dim - 2];
-  for (Index i = 0; i < num_nodes_; ++i) {
+  for (Index i = rows.first; i < rows.last; ++i) {
     double pivot[dim * dim];
     for (int r = 0; r < dim; ++r)
       for (int c = 0; c < dim; ++c)
@@ -145,9 +164,15 @@ LinearReport BlockIncompleteCholesky::factorize_blocks(const BlockMatrix& A) {
     }
   }
   const double* off_diagonal = work_.data() + static_cast<Offset>(num_nodes_) * dim * lanes;
-  for (Offset k = 0; k < static_cast<Offset>(upper_pattern_.columns.size()) * dim; ++k)
-    for (int c = 0; c < dim; ++c) upper_[k * dim + c] = static_cast<float>(off_diagonal[k * lanes + c]);
-  for (std::size_t k = 0; k < inverse_.size(); ++k) inverse_diagonal_[k] = static_cast<float>(inverse_[k]);
+  parallel_for(upper_pattern_.columns.size() * dim, numbers_per_chunk,
+               [&](std::size_t first, std::size_t last) {
+                 for (std::size_t k = first; k < last; ++k)
+                   for (int c = 0; c < dim; ++c)
+                     upper_[k * dim + c] = static_cast<float>(off_diagonal[k * lanes + c]);
+               });
+  parallel_for(inverse_.size(), numbers_per_chunk, [&](std::size_t first, std::size_t last) {
+    for (std::size_t k = first; k < last; ++k) inverse_diagonal_[k] = static_cast<float>(inverse_[k]);
+  });
   return report;
 }
 
@@ -157,13 +182,27 @@ void BlockIncompleteCholesky::apply_blocks(const VectorX& r, VectorX& z) {
   const double into = 1 / size, back = size * scale_;
   const Index* node_at = upper_pattern_.node_at.data();
   float* permuted = permuted_.data();
-  for (Index i = 0; i < num_nodes_; ++i)
-    for (int d = 0; d < dim; ++d) permuted[i * dim + d] = static_cast<float>(r[node_at[i] * dim + d] * into);
-  detail::block_kernels().solve_incomplete[dim - 2](upper_pattern_.row_begin.data(),
-                                                    upper_pattern_.columns.data(), upper_.data(),
-                                                    inverse_diagonal_.data(), permuted, num_nodes_);
-  for (Index i = 0; i < num_nodes_; ++i)
-    for (int d = 0; d < dim; ++d) z[node_at[i] * dim + d] = back * static_cast<double>(permuted[i * dim + d]);
+  const auto solve_lower = detail::block_kernels().solve_lower[dim - 2];
+  const auto solve_upper = detail::block_kernels().solve_upper[dim - 2];
+  const Offset* row_begin = upper_pattern_.row_begin.data();
+  const Index* columns = upper_pattern_.columns.data();
+  const auto num_nodes = static_cast<std::size_t>(num_nodes_);
+  parallel_for(num_nodes, nodes_per_chunk, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i)
+      for (int d = 0; d < dim; ++d)
+        permuted[i * dim + d] = static_cast<float>(r[node_at[i] * dim + d] * into);
+  });
+  chunks_.forward([&](const ColoredChunks::Rows& rows) {
+    solve_lower(row_begin, columns, upper_.data(), permuted, rows.first, rows.last);
+  });
+  chunks_.backward([&](const ColoredChunks::Rows& rows) {
+    solve_upper(row_begin, columns, upper_.data(), inverse_diagonal_.data(), permuted, rows.first, rows.last);
+  });
+  parallel_for(num_nodes, nodes_per_chunk, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i)
+      for (int d = 0; d < dim; ++d)
+        z[node_at[i] * dim + d] = back * static_cast<double>(permuted[i * dim + d]);
+  });
 }
 
 }  // namespace

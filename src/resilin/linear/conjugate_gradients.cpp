@@ -2,10 +2,13 @@
 
 #include <cmath>
 
+#include "resilin/core/parallel.hpp"
 #include "resilin/linear/kernels/block_kernels.hpp"
 
 namespace resilin {
 namespace {
+
+constexpr std::size_t numbers_per_chunk = 1 << 14;
 
 /// The node that contributes most to a negative curvature p^T A p.
 Index most_negative_node(const VectorX& p, const VectorX& Ap, int dim) {
@@ -26,10 +29,14 @@ Index most_negative_node(const VectorX& p, const VectorX& Ap, int dim) {
 LinearReport ConjugateGradients::solve(const BlockMatrix& A, const VectorX& b, VectorX& x,
                                        double relative_tolerance) {
   const detail::BlockKernels& kernels = detail::block_kernels();
-  const Offset n = b.size();
-  const auto dot = [&](const VectorX& u, const VectorX& v) { return kernels.dot(u.data(), v.data(), n); };
+  const auto n = static_cast<std::size_t>(b.size());
+  const auto dot = [&](const VectorX& u, const VectorX& v) {
+    return parallel_sum<double>(n, numbers_per_chunk, [&](std::size_t begin, std::size_t end) {
+      return kernels.dot(u.data() + begin, v.data() + begin, static_cast<Offset>(end - begin));
+    });
+  };
   LinearReport report;
-  if (x.size() != n) x.setZero(n);
+  if (x.size() != b.size()) x.setZero(b.size());
   r_ = b;
   if (!x.isZero(0)) {
     multiply(A, x, product_, work_);
@@ -41,14 +48,17 @@ LinearReport ConjugateGradients::solve(const BlockMatrix& A, const VectorX& b, V
     report.relative_residual = b_norm > 0 ? r_norm / b_norm : 0;
     return report;
   }
-  p_.setZero(n);
+  p_.setZero(b.size());
   double previous_rz = 1;
   report.status = LinearReport::Status::not_converged;
   while (report.iterations < max_iterations_) {
     preconditioner_->apply(r_, z_);
     const double rz = dot(r_, z_);
     if (!(rz > 0) || !std::isfinite(rz)) break;  // the preconditioner has lost definiteness to round-off
-    kernels.xpby(z_.data(), report.iterations == 0 ? 0.0 : rz / previous_rz, p_.data(), n);
+    const double along_last = report.iterations == 0 ? 0.0 : rz / previous_rz;
+    parallel_for(n, numbers_per_chunk, [&](std::size_t begin, std::size_t end) {
+      kernels.xpby(z_.data() + begin, along_last, p_.data() + begin, static_cast<Offset>(end - begin));
+    });
     multiply(A, p_, product_, work_);
     const double curvature = dot(p_, product_);
     if (!(curvature > 0)) {
@@ -58,11 +68,14 @@ LinearReport ConjugateGradients::solve(const BlockMatrix& A, const VectorX& b, V
       break;
     }
     const double step = rz / curvature;
-    kernels.axpy(step, p_.data(), x.data(), n);
-    kernels.axpy(-step, product_.data(), r_.data(), n);
+    r_norm = std::sqrt(parallel_sum<double>(n, numbers_per_chunk, [&](std::size_t begin, std::size_t end) {
+      const auto count = static_cast<Offset>(end - begin);
+      kernels.axpy(step, p_.data() + begin, x.data() + begin, count);
+      kernels.axpy(-step, product_.data() + begin, r_.data() + begin, count);
+      return kernels.dot(r_.data() + begin, r_.data() + begin, count);
+    }));
     previous_rz = rz;
     ++report.iterations;
-    r_norm = std::sqrt(dot(r_, r_));
     if (r_norm <= relative_tolerance * b_norm) {
       report.status = LinearReport::Status::ok;
       break;

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "resilin/core/parallel.hpp"
 #include "resilin/linear/block_matrix.hpp"
 
 namespace resilin {
@@ -26,15 +27,15 @@ class MergedPattern {
   Offset num_slots() const { return static_cast<Offset>(columns.size()); }
   Offset find_slot(Index i, Index j) const;
 
-  /// Calls visit(slot, values) for every block of `A`, each with its slot in the merged pattern.
+  /// Calls visit(slot, values) for every block of `A`, each with its slot in the merged pattern; those of
+  /// different slots at the same time.
   template <class Visit>
   void for_each_block(const BlockMatrix& A, const Visit& visit) const {
-    const Offset num_base = A.pattern->num_slots();
-    if (base_slots_.empty()) {
-      for (Offset s = 0; s < num_base; ++s) visit(s, A.block(s));
-    } else {
-      for (Offset s = 0; s < num_base; ++s) visit(base_slots_[s], A.block(s));
-    }
+    constexpr std::size_t slots_per_chunk = 8192;
+    parallel_for(A.pattern->columns.size(), slots_per_chunk, [&](std::size_t begin, std::size_t end) {
+      for (auto s = static_cast<Offset>(begin); s < static_cast<Offset>(end); ++s)
+        visit(base_slots_.empty() ? s : base_slots_[s], A.block(s));
+    });
     for (const BlockMatrix::ExtraBlock& extra : A.extra)
       visit(find_slot(extra.row, extra.column), A.extra_values.data() + extra.begin);
   }
@@ -53,6 +54,7 @@ struct NodeGraph {
   std::vector<Index> begin;
   std::vector<Index> neighbours;
 
+  NodeGraph() = default;
   explicit NodeGraph(const MergedPattern& pattern);
   Index num_nodes() const { return static_cast<Index>(begin.size()) - 1; }
 };

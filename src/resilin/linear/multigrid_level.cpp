@@ -1,10 +1,16 @@
 #include "resilin/linear/multigrid_level.hpp"
 
 #include <algorithm>
+#include <atomic>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <span>
 
+#include "resilin/core/parallel.hpp"
+#include "resilin/linear/ordering.hpp"
 #include "resilin/linear/small_block.hpp"
 
 namespace resilin {
@@ -32,16 +38,30 @@ bool invert_block(const float* block, float* inverse) {
   return true;
 }
 
+/// In [-1, 1), without any order (a mixing of the bits of k).
+double noise(std::size_t k) {
+  auto bits = static_cast<std::uint32_t>(k);
+  for (int round = 0; round < 2; ++round) bits = (bits ^ bits >> 16U) * 0x45d9f3bU + 1;
+  return static_cast<double>(bits >> 8U) / 8388608.0 - 1.0;
+}
+
 }  // namespace
 
-void MultigridLevel::connect(const Aggregates& groups, MultigridLevel& coarse) {
+void MultigridLevel::connect(Aggregates& groups, MultigridLevel& coarse) {
   find_prolongation(groups);
   const ProductRows product = find_product_rows(groups.count);
-  find_coarse_rows(groups.count, product, coarse);
-  const auto block_numbers = static_cast<std::size_t>(block_size() * lanes_of(num_modes()));
-  prolongation.resize(prolongation_columns.size() * block_numbers);
-  const auto widest = std::max_element(product_width.begin(), product_width.end());
-  row_work.resize((widest == product_width.end() ? 0U : *widest) * block_numbers);
+  const NodeGraph graph = couple_groups(product);
+  SweepOrder order = two_color_order(graph, coarse.least_couplings());
+  find_coarse_rows(product, graph, order, coarse);
+  coarse.sweeps = std::move(order.chunks);
+  coarse.along_layers = std::move(order.along_layers);
+  const std::vector<Index> number = inverse_of(order.node_at);
+  for (Index& group : groups.of_node)
+    if (group >= 0) group = number[group];
+  for (Index& group : prolongation_columns) group = number[group];
+  color_transfers(groups.count);
+  prolongation.resize(prolongation_columns.size() *
+                      static_cast<std::size_t>(block_size() * lanes_of(num_modes())));
 }
 
 /// A node reaches the groups of its neighbours, in the order in which they come.
@@ -71,6 +91,8 @@ MultigridLevel::ProductRows MultigridLevel::find_product_rows(Index num_groups) 
   product.begin.assign(1, 0);
   product_width.clear();
   product_places.clear();
+  product_begin.assign(1, 0);
+  target_begin.assign(1, 0);
   std::vector<Offset> entry_of(static_cast<std::size_t>(num_groups), -1);
   for (Index i = 0; i < num_nodes(); ++i) {
     const Offset begin = product.begin.back();
@@ -85,56 +107,96 @@ MultigridLevel::ProductRows MultigridLevel::find_product_rows(Index num_groups) 
         product_places.push_back(static_cast<std::uint16_t>(entry_of[group] - begin));
       }
     }
-    product.begin.push_back(static_cast<Offset>(product.columns.size()));
-    product_width.push_back(static_cast<std::uint16_t>(product.begin.back() - begin));
+    const Offset width = static_cast<Offset>(product.columns.size()) - begin;
+    product.begin.push_back(begin + width);
+    product_width.push_back(static_cast<std::uint16_t>(width));
+    product_begin.push_back(static_cast<Offset>(product_places.size()));
+    target_begin.push_back(target_begin.back() + width * (prolongation_begin[i + 1] - prolongation_begin[i]));
   }
+  const auto widest = std::ranges::max_element(product_width);
+  widest_product_ = widest == product_width.end() ? 0 : *widest;
+
+  product.reach_begin.assign(static_cast<std::size_t>(num_groups) + 1, 0);
+  for (const Index group : prolongation_columns) ++product.reach_begin[group + 1];
+  std::partial_sum(product.reach_begin.begin(), product.reach_begin.end(), product.reach_begin.begin());
+  product.reach_nodes.resize(prolongation_columns.size());
+  product.reach_targets.resize(prolongation_columns.size());
+  std::vector<Offset> next(product.reach_begin.begin(), product.reach_begin.end() - 1);
+  for (Index i = 0; i < num_nodes(); ++i)
+    for (Offset k = prolongation_begin[i]; k < prolongation_begin[i + 1]; ++k) {
+      const Offset at = next[prolongation_columns[k]]++;
+      product.reach_nodes[at] = i;
+      product.reach_targets[at] = target_begin[i] + product_width[i] * (k - prolongation_begin[i]);
+    }
   return product;
 }
 
-/// Upper rows of P^T A P, each from the fine nodes that reach its group, and where every product is added.
-void MultigridLevel::find_coarse_rows(Index num_groups, const ProductRows& product, MultigridLevel& coarse) {
-  struct Reach {
-    Index fine_node;
-    Offset first_target;  // of the node's products with this group, in coarse_blocks
-  };
-  std::vector<Offset> reach_begin(static_cast<std::size_t>(num_groups) + 1, 0);
-  for (const Index group : prolongation_columns) ++reach_begin[group + 1];
-  for (Index group = 0; group < num_groups; ++group) reach_begin[group + 1] += reach_begin[group];
-  std::vector<Reach> reach(prolongation_columns.size());
-  std::vector<Offset> next(reach_begin.begin(), reach_begin.end() - 1);
-  Offset num_targets = 0;
-  for (Index i = 0; i < num_nodes(); ++i)
-    for (Offset k = prolongation_begin[i]; k < prolongation_begin[i + 1]; ++k) {
-      reach[next[prolongation_columns[k]]++] = {i, num_targets};
-      num_targets += product_width[i];
-    }
+/// Which groups meet in P^T A P.
+NodeGraph MultigridLevel::couple_groups(const ProductRows& product) {
+  const auto num_groups = static_cast<Index>(product.reach_begin.size()) - 1;
+  NodeGraph graph;
+  graph.begin.assign(1, 0);
+  std::vector<Index> seen_in_row(static_cast<std::size_t>(num_groups), -1);
+  for (Index group = 0; group < num_groups; ++group) {
+    product.for_each(group, [&](Index column, Offset) {
+      if (column == group || seen_in_row[column] == group) return;
+      seen_in_row[column] = group;
+      graph.neighbours.push_back(column);
+    });
+    std::sort(graph.neighbours.begin() + graph.begin.back(), graph.neighbours.end());
+    graph.begin.push_back(static_cast<Index>(graph.neighbours.size()));
+  }
+  return graph;
+}
 
+/// Upper rows of P^T A P in the order given, and where every product of a fine node is added.
+void MultigridLevel::find_coarse_rows(const ProductRows& product, const NodeGraph& graph,
+                                      const SweepOrder& order, MultigridLevel& coarse) {
+  const Index num_groups = graph.num_nodes();
+  const std::vector<Index> number = inverse_of(order.node_at);
   coarse.row_begin.assign(1, 0);
   coarse.columns.clear();
-  coarse_blocks.assign(static_cast<std::size_t>(num_targets), -1);
-  std::vector<Index> seen_in_row(static_cast<std::size_t>(num_groups), -1), block_of(seen_in_row);
-  for (Index group = 0; group < num_groups; ++group) {
+  coarse_blocks.assign(static_cast<std::size_t>(target_begin.back()), -1);
+  std::vector<Index> block_of(static_cast<std::size_t>(num_groups), -1);
+  for (Index row = 0; row < num_groups; ++row) {
+    const Index group = order.node_at[row];
     const Offset begin = coarse.row_begin.back();
-    const auto for_products = [&](const auto& visit) {
-      for (Offset t = reach_begin[group]; t < reach_begin[group + 1]; ++t) {
-        const Offset first = product.begin[reach[t].fine_node], last = product.begin[reach[t].fine_node + 1];
-        for (Offset c = first; c < last; ++c) visit(product.columns[c], reach[t].first_target + c - first);
-      }
-    };
-    for_products([&](Index column, Offset) {
-      if (column <= group || seen_in_row[column] == group) return;
-      seen_in_row[column] = group;
-      coarse.columns.push_back(column);
-    });
+    for (Index k = graph.begin[group]; k < graph.begin[group + 1]; ++k)
+      if (number[graph.neighbours[k]] > row) coarse.columns.push_back(number[graph.neighbours[k]]);
     std::sort(coarse.columns.begin() + begin, coarse.columns.end());
     coarse.row_begin.push_back(static_cast<Offset>(coarse.columns.size()));
-    block_of[group] = group;
+    block_of[row] = row;
     for (Offset k = begin; k < coarse.row_begin.back(); ++k)
       block_of[coarse.columns[k]] = num_groups + static_cast<Index>(k);
-    for_products([&](Index column, Offset target) {
-      if (column >= group) coarse_blocks[target] = block_of[column];
+    product.for_each(group, [&](Index column, Offset target) {
+      if (number[column] >= row) coarse_blocks[target] = block_of[number[column]];
     });
   }
+}
+
+/// Each chunk of the sweeps takes the first colour that no chunk has with which it shares a group.
+void MultigridLevel::color_transfers(Index num_groups) {
+  std::vector<std::uint64_t> colors_at(static_cast<std::size_t>(num_groups), 0);
+  std::vector<std::vector<ColoredChunks::Rows>> by_color;
+  for (const ColoredChunks::Rows& rows : sweeps.chunks) {
+    const auto groups = std::span(prolongation_columns)
+                            .subspan(static_cast<std::size_t>(prolongation_begin[rows.first]),
+                                     static_cast<std::size_t>(prolongation_begin[rows.last] -
+                                                              prolongation_begin[rows.first]));
+    std::uint64_t taken = 0;
+    for (const Index group : groups) taken |= colors_at[group];
+    const auto color = static_cast<std::size_t>(std::countr_one(taken));
+    assert(color < 64 && "there are no more chunks than that");
+    for (const Index group : groups) colors_at[group] |= std::uint64_t{1} << color;
+    by_color.resize(std::max(by_color.size(), color + 1));
+    by_color[color].push_back(rows);
+  }
+  transfers = {};
+  for (const auto& chunks : by_color) {
+    transfers.color_begin.push_back(transfers.chunks.size());
+    transfers.chunks.insert(transfers.chunks.end(), chunks.begin(), chunks.end());
+  }
+  transfers.color_begin.push_back(transfers.chunks.size());
 }
 
 void MultigridLevel::set_tentative(const Modes& modes) {
@@ -160,51 +222,118 @@ bool MultigridLevel::invert_diagonal() {
     if (is_absent[unknown] != 0) blocks[node * numbers + d * (lanes() + 1)] = 1;
   }
   const auto invert = size == 2 ? invert_block<2> : size == 3 ? invert_block<3> : invert_block<6>;
-  for (Index i = 0; i < num_nodes(); ++i) {
-    const std::size_t first = static_cast<std::size_t>(i) * numbers;
-    if (!invert(&blocks[first], &inverse_diagonal[first])) return false;
-  }
-  return true;
+  std::atomic<bool> is_definite = true;
+  sweeps.at_once([&](const ColoredChunks::Rows& rows) {
+    for (Index i = rows.first; i < rows.last; ++i) {
+      const std::size_t first = static_cast<std::size_t>(i) * numbers;
+      if (!invert(&blocks[first], &inverse_diagonal[first])) is_definite = false;
+    }
+  });
+  return is_definite;
 }
 
 float MultigridLevel::largest_eigenvalue() {
   constexpr int iterations = 8;
-  std::uint32_t state = 12345;
-  for (float& value : x) {
-    state = 1664525U * state + 1013904223U;  // any vector that is not smooth
-    value = static_cast<float>(state >> 8U) / 8388608.0F - 1.0F;
-  }
-  const auto multiply = multigrid_kernels().multiply[dim - 2][is_given ? 0 : 1];
-  const auto apply_inverse = multigrid_kernels().apply_inverse_diagonal[dim - 2][is_given ? 0 : 1];
+  constexpr std::size_t numbers_per_chunk = 1 << 15;
+  struct Squares {
+    double before = 0, after = 0;
+    Squares& operator+=(const Squares& other) {
+      before += other.before;
+      after += other.after;
+      return *this;
+    }
+  };
+  parallel_for(x.size(), numbers_per_chunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) x[k] = static_cast<float>(noise(k));
+  });
+  const auto apply_inverse = of_kind(multigrid_kernels().apply_inverse_diagonal);
   float estimate = 1;
   for (int iteration = 0; iteration < iterations; ++iteration) {
-    multiply(view(), x.data(), r.data());
-    apply_inverse(view(), r.data(), b.data());
-    double before = 0, after = 0;
-    for (std::size_t k = 0; k < x.size(); ++k) {
-      const auto is_padding = static_cast<int>(k % lanes()) >= block_size();
-      if (is_padding) continue;
-      before += static_cast<double>(x[k]) * x[k];
-      after += static_cast<double>(b[k]) * b[k];
-    }
-    estimate = static_cast<float>(std::sqrt(after / before));
-    for (std::size_t k = 0; k < x.size(); ++k) x[k] = b[k] / estimate;
+    multiply(x, r);
+    sweeps.at_once([&](const ColoredChunks::Rows& rows) {
+      apply_inverse(view(), {rows.first, rows.last}, r.data(), b.data());
+    });
+    const auto sum =
+        parallel_sum<Squares>(x.size(), numbers_per_chunk, [&](std::size_t begin, std::size_t end) {
+          Squares part;
+          for (std::size_t k = begin; k < end; ++k) {
+            if (static_cast<int>(k % lanes()) >= block_size()) continue;  // padding
+            part.before += static_cast<double>(x[k]) * x[k];
+            part.after += static_cast<double>(b[k]) * b[k];
+          }
+          return part;
+        });
+    estimate = static_cast<float>(std::sqrt(sum.after / sum.before));
+    parallel_for(x.size(), numbers_per_chunk, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) x[k] = b[k] / estimate;
+    });
   }
   return estimate;
 }
 
 void MultigridLevel::project_to(MultigridLevel& coarse) {
-  const int kind = is_given ? 0 : 1;
-  multigrid_kernels().smooth_prolongation[dim - 2][kind](view(), transfer(),
-                                                         4.0F / 3.0F / largest_eigenvalue());
+  const float damping = 4.0F / 3.0F / largest_eigenvalue();
+  const auto smooth = of_kind(multigrid_kernels().smooth_prolongation);
+  const auto project = of_kind(multigrid_kernels().galerkin_product);
+  sweeps.at_once(
+      [&](const ColoredChunks::Rows& rows) { smooth(view(), transfer(), {rows.first, rows.last}, damping); });
   std::fill(coarse.blocks.begin(), coarse.blocks.end(), 0.0F);
-  multigrid_kernels().galerkin_product[dim - 2][kind](view(), transfer(), row_work.data(),
-                                                      coarse.blocks.data());
+  const std::size_t row_numbers =
+      widest_product_ * static_cast<std::size_t>(block_size() * lanes_of(num_modes()));
+  transfers.forward([&](const ColoredChunks::Rows& rows) {
+    std::vector<float> row_work(row_numbers);
+    project(view(), transfer(), {rows.first, rows.last}, row_work.data(), coarse.blocks.data());
+  });
+}
+
+void MultigridLevel::multiply(const std::vector<float>& from, std::vector<float>& to) const {
+  const auto multiply_add = of_kind(multigrid_kernels().multiply_add);
+  sweeps.at_once([&](const ColoredChunks::Rows& rows) {
+    std::fill(to.begin() + rows.first * lanes(), to.begin() + rows.last * lanes(), 0.0F);
+  });
+  sweeps.forward([&](const ColoredChunks::Rows& rows) {
+    multiply_add(view(), {rows.first, rows.last}, from.data(), to.data());
+  });
+}
+
+void MultigridLevel::pre_smooth() {
+  const auto sweep = of_kind(multigrid_kernels().sweep_forward);
+  const auto negate_upper = of_kind(multigrid_kernels().negate_upper);
+  sweeps.forward(
+      [&](const ColoredChunks::Rows& rows) { sweep(view(), {rows.first, rows.last}, r.data(), x.data()); });
+  // b - (D + L) x = 0: what is left is -U x.
+  sweeps.at_once([&](const ColoredChunks::Rows& rows) {
+    negate_upper(view(), {rows.first, rows.last}, x.data(), r.data());
+  });
+}
+
+void MultigridLevel::post_smooth() {
+  const auto subtract_lower = of_kind(multigrid_kernels().subtract_lower);
+  const auto sweep = of_kind(multigrid_kernels().sweep_backward);
+  sweeps.forward([&](const ColoredChunks::Rows& rows) {
+    subtract_lower(view(), {rows.first, rows.last}, x.data(), b.data());
+  });
+  sweeps.backward(
+      [&](const ColoredChunks::Rows& rows) { sweep(view(), {rows.first, rows.last}, b.data(), x.data()); });
+}
+
+void MultigridLevel::restrict_to(MultigridLevel& coarse) {
+  const auto restrict_add = of_kind(multigrid_kernels().restrict_add);
+  std::fill(coarse.r.begin(), coarse.r.end(), 0.0F);
+  transfers.forward([&](const ColoredChunks::Rows& rows) {
+    restrict_add(transfer(), {rows.first, rows.last}, r.data(), coarse.r.data());
+  });
+}
+
+void MultigridLevel::prolong_from(const MultigridLevel& coarse) {
+  const auto prolong_add = of_kind(multigrid_kernels().prolong_add);
+  sweeps.at_once([&](const ColoredChunks::Rows& rows) {
+    prolong_add(transfer(), {rows.first, rows.last}, coarse.x.data(), x.data());
+  });
 }
 
 detail::LevelView MultigridLevel::view() const {
-  return {.num_nodes = num_nodes(),
-          .row_begin = row_begin.data(),
+  return {.row_begin = row_begin.data(),
           .columns = columns.data(),
           .upper = blocks.data() + static_cast<Offset>(num_nodes()) * numbers_per_block(),
           .diagonal = blocks.data(),
@@ -221,7 +350,9 @@ detail::TransferView MultigridLevel::transfer() {
           .full_columns = full.columns.data(),
           .smoothing_places = smoothing_places.data(),
           .product_width = product_width.data(),
+          .product_begin = product_begin.data(),
           .product_places = product_places.data(),
+          .target_begin = target_begin.data(),
           .coarse_blocks = coarse_blocks.data()};
 }
 

@@ -4,6 +4,7 @@
 
 #include "resilin/linear/kernels/multigrid_kernels.hpp"
 #include "resilin/linear/rigid_modes.hpp"
+#include "resilin/linear/sweep_order.hpp"
 
 namespace resilin {
 
@@ -20,6 +21,8 @@ struct MultigridLevel {
   static int lanes_of(int size) { return size <= 2 ? 2 : size <= 4 ? 4 : 8; }
   int lanes() const { return lanes_of(block_size()); }
   int numbers_per_block() const { return block_size() * lanes(); }
+  /// Of a chunk: some five microseconds of a sweep.
+  Offset least_couplings() const { return is_given ? 6000 : 600; }
   Index num_nodes() const { return static_cast<Index>(row_begin.size()) - 1; }
 
   std::vector<Offset> row_begin;  ///< strictly upper part
@@ -34,13 +37,18 @@ struct MultigridLevel {
   std::vector<float> prolongation, tentative;
   std::vector<std::int16_t> smoothing_places;
   std::vector<std::uint16_t> product_width, product_places;
+  std::vector<Offset> product_begin, target_begin;
   std::vector<std::int32_t> coarse_blocks;
-  std::vector<float> row_work;
+
+  ColoredChunks sweeps;             ///< of nodes that have no neighbour in common: see two_color_order
+  ColoredChunks transfers;          ///< of nodes that reach no group in common
+  std::vector<Index> along_layers;  ///< nodes as they lie beside each other: so they are grouped
 
   std::vector<float> x, r, b, first_x, first_r;  ///< vectors of a cycle, `lanes` numbers for each node
 
-  /// Sets up the way down by these groups of nodes, and the structure of the next level.
-  void connect(const Aggregates& groups, MultigridLevel& coarse);
+  /// Sets up the way down by these groups of nodes, and the structure of the next level. The groups are
+  /// numbered anew, in the order of that level's sweeps.
+  void connect(Aggregates& groups, MultigridLevel& coarse);
   void set_tentative(const Modes& modes);
   void allocate();  ///< blocks and vectors, once the structure stands
 
@@ -52,17 +60,45 @@ struct MultigridLevel {
   /// Smooths the prolongation and writes P^T A P into the blocks of `coarse`.
   void project_to(MultigridLevel& coarse);
 
-  detail::LevelView view() const;
-  detail::TransferView transfer();
+  void multiply(const std::vector<float>& from, std::vector<float>& to) const;  ///< to = A from
+  void pre_smooth();                                ///< x = (D + L)^-1 r, then r = the residual of x
+  void post_smooth();                               ///< x = (D + U)^-1 (b - L x), b destroyed
+  void restrict_to(MultigridLevel& coarse);         ///< the r of `coarse` from this one's
+  void prolong_from(const MultigridLevel& coarse);  ///< adds the x of `coarse` to this one's
 
  private:
+  /// Fine nodes by the groups that they reach, and the columns of their rows of A P.
   struct ProductRows {
     std::vector<Offset> begin;
     std::vector<Index> columns;
+    std::vector<Offset> reach_begin;
+    std::vector<Index> reach_nodes;
+    std::vector<Offset> reach_targets;  ///< the first one of the node's products with the group
+
+    /// Calls visit(column, target) for the products that make the row of a group, some columns again and
+    /// again.
+    template <class Visit>
+    void for_each(Index group, const Visit& visit) const {
+      for (Offset t = reach_begin[group]; t < reach_begin[group + 1]; ++t) {
+        const Offset first = begin[reach_nodes[t]], last = begin[reach_nodes[t] + 1];
+        for (Offset c = first; c < last; ++c) visit(columns[c], reach_targets[t] + c - first);
+      }
+    }
   };
+  detail::LevelView view() const;
+  detail::TransferView transfer();
+  template <class Kernel>
+  Kernel of_kind(const Kernel (&kernels)[2][2]) const {
+    return kernels[dim - 2][is_given ? 0 : 1];
+  }
   void find_prolongation(const Aggregates& groups);
   ProductRows find_product_rows(Index num_groups);
-  void find_coarse_rows(Index num_groups, const ProductRows& product, MultigridLevel& coarse);
+  static NodeGraph couple_groups(const ProductRows& product);
+  void find_coarse_rows(const ProductRows& product, const NodeGraph& graph, const SweepOrder& order,
+                        MultigridLevel& coarse);
+  void color_transfers(Index num_groups);
+
+  std::size_t widest_product_ = 0;  ///< columns of a row of A P
 };
 
 }  // namespace resilin

@@ -16,61 +16,67 @@
 namespace resilin {
 namespace {
 
-/// Breadth-first levels from `start` over nodes that carry no `mark`; appends them to `order`. Returns the
-/// number of levels.
-int append_levels(const NodeGraph& graph, Index start, std::vector<int>& marks, int mark,
-                  std::vector<Index>& order) {
-  const auto degree = [&](Index i) { return graph.begin[i + 1] - graph.begin[i]; };
-  int levels = 0;
-  std::size_t level_begin = order.size();
-  order.push_back(start);
-  marks[start] = mark;
-  while (level_begin < order.size()) {
-    const std::size_t level_end = order.size();
-    for (std::size_t k = level_begin; k < level_end; ++k) {
-      const std::size_t first = order.size();
-      for (Index e = graph.begin[order[k]]; e < graph.begin[order[k] + 1]; ++e) {
-        const Index neighbour = graph.neighbours[e];
-        if (marks[neighbour] == mark) continue;
-        marks[neighbour] = mark;
-        order.push_back(neighbour);
-      }
-      std::stable_sort(order.begin() + static_cast<Offset>(first), order.end(),
-                       [&](Index a, Index b) { return degree(a) < degree(b); });
-    }
-    level_begin = level_end;
-    ++levels;
-  }
-  return levels;
-}
-
-/// A node at the far end of the component of `start`: restarts from the last level while the depth grows.
+/// A node at the far end of the component of `start`: restarts from the last layer while the depth grows.
 Index far_end(const NodeGraph& graph, Index start, std::vector<int>& marks, int& mark) {
-  std::vector<Index> order;
-  int depth = 0;
+  std::vector<Index> order, ends;
+  std::size_t depth = 0;
   for (;;) {
-    order.clear();
-    const int new_depth = append_levels(graph, start, marks, ++mark, order);
-    if (new_depth <= depth) return start;
-    depth = new_depth;
+    order.assign(1, start);
+    marks[start] = ++mark;
+    ends.clear();
+    append_layers(graph, 0, marks, mark, order, ends);
+    if (ends.size() <= depth) return start;
+    depth = ends.size();
     start = order.back();
   }
 }
 
 }  // namespace
 
-std::vector<Index> reverse_cuthill_mckee(const NodeGraph& graph) {
+void append_layers(const NodeGraph& graph, std::size_t begin, std::vector<int>& marks, int mark,
+                   std::vector<Index>& order, std::vector<Index>& ends) {
+  const auto degree = [&](Index i) { return graph.begin[i + 1] - graph.begin[i]; };
+  while (begin < order.size()) {
+    const std::size_t end = order.size();
+    for (std::size_t k = begin; k < end; ++k) {
+      const auto first = static_cast<Offset>(order.size());
+      for (Index e = graph.begin[order[k]]; e < graph.begin[order[k] + 1]; ++e) {
+        const Index neighbour = graph.neighbours[e];
+        if (marks[neighbour] == mark) continue;
+        marks[neighbour] = mark;
+        order.push_back(neighbour);
+      }
+      std::stable_sort(order.begin() + first, order.end(),
+                       [&](Index a, Index b) { return degree(a) < degree(b); });
+    }
+    begin = end;
+    ends.push_back(static_cast<Index>(end));
+  }
+}
+
+LayeredOrder reverse_cuthill_mckee(const NodeGraph& graph) {
   const auto n = static_cast<std::size_t>(graph.num_nodes());
-  std::vector<Index> order;
-  order.reserve(n);
+  LayeredOrder result;
+  result.node_at.reserve(n);
   std::vector<int> trial_marks(n, 0), is_placed(n, 0);
   int mark = 0;
   for (Index i = 0; i < graph.num_nodes(); ++i) {
     if (is_placed[i] != 0) continue;
-    append_levels(graph, far_end(graph, i, trial_marks, mark), is_placed, 1, order);
+    result.node_at.push_back(far_end(graph, i, trial_marks, mark));
+    is_placed[result.node_at.back()] = 1;
+    append_layers(graph, result.node_at.size() - 1, is_placed, 1, result.node_at, result.layer_begin);
   }
-  std::reverse(order.begin(), order.end());
-  return order;
+  std::ranges::reverse(result.node_at);
+  for (Index& end : result.layer_begin) end = graph.num_nodes() - end;  // ends become beginnings
+  std::ranges::reverse(result.layer_begin);
+  result.layer_begin.push_back(graph.num_nodes());
+  return result;
+}
+
+std::vector<Index> inverse_of(std::span<const Index> node_at) {
+  std::vector<Index> position(node_at.size());
+  for (std::size_t i = 0; i < node_at.size(); ++i) position[node_at[i]] = static_cast<Index>(i);
+  return position;
 }
 
 #ifdef RESILIN_HAS_METIS

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 
+#include "resilin/linear/ordering.hpp"
+
 namespace resilin {
 
 PermutedPattern::PermutedPattern(const MergedPattern& pattern, const NodeGraph& graph,
                                  std::vector<Index> order)
     : node_at(std::move(order)), row_begin(1, 0) {
-  std::vector<Index> position(node_at.size());
-  for (Index i = 0; i < num_nodes(); ++i) position[node_at[i]] = i;
+  const std::vector<Index> position = inverse_of(node_at);
   columns.reserve(graph.neighbours.size() / 2);
   for (const Index node : node_at) {
     for (Index k = graph.begin[node]; k < graph.begin[node + 1]; ++k)

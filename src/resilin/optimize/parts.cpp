@@ -83,19 +83,29 @@ Parts Parts::joined_by(const BlockMatrix& hessian) const {
 
 VectorX Parts::squares(const VectorX& values, const VectorX& units, std::span<const std::uint8_t> is_fixed,
                        Unknowns which) const {
-  VectorX sums = VectorX::Zero(count_);
-  const std::size_t dim = static_cast<std::size_t>(values.size()) / part_of_.size();
-  const std::uint8_t* fixed = is_fixed.data();
-  const double* value = values.data();
-  for (const Index part : part_of_) {
-    double sum = 0;  // by node: the additions of a part wait for each other
-    for (std::size_t k = 0; k < dim; ++k, ++value) {
-      const double counted = units[part] * *value;
-      if (which == Unknowns::all || (*fixed++ != 0) == (which == Unknowns::fixed)) sum += counted * counted;
+  struct Sums : VectorX {
+    Sums& operator+=(const Sums& other) {
+      if (size() == 0) return *this = other;
+      static_cast<VectorX&>(*this) += other;
+      return *this;
     }
-    sums[part] += sum;
-  }
-  return sums;
+  };
+  const std::size_t dim = static_cast<std::size_t>(values.size()) / part_of_.size();
+  return parallel_sum<Sums>(part_of_.size(), nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
+    Sums sums;
+    sums.setZero(count_);
+    for (std::size_t node = begin; node < end; ++node) {
+      double sum = 0;  // by node: the additions of a part wait for each other
+      const Index part = part_of_[node];
+      for (std::size_t k = node * dim; k < (node + 1) * dim; ++k) {
+        const double counted = units[part] * values[static_cast<Eigen::Index>(k)];
+        if (which == Unknowns::all || (is_fixed[k] != 0) == (which == Unknowns::fixed))
+          sum += counted * counted;
+      }
+      sums[part] += sum;
+    }
+    return sums;
+  });
 }
 
 VectorX Parts::norms(const VectorX& values, std::span<const std::uint8_t> is_fixed, Unknowns which) const {

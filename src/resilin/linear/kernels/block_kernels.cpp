@@ -78,10 +78,10 @@ void multiply_rows(const Offset* row_begin, const Index* columns, const Index* t
 
 /// Rows of `upper` and `inverse_diagonal` are packed; both arrays are padded by one number in 3D.
 template <int dim>
-void solve_incomplete(const Offset* row_begin, const Index* columns, const float* upper,
-                      const float* inverse_diagonal, float* z, Index num_nodes) {
+void solve_lower(const Offset* row_begin, const Index* columns, const float* upper, float* z, Index first,
+                 Index last) {
   constexpr int size = dim * dim;
-  for (Index i = 0; i < num_nodes; ++i) {  // U^T-part: r_j -= W_ij^T r_i
+  for (Index i = first; i < last; ++i) {  // z_j -= W_ij^T z_i
     float z_i[dim];
     for (int r = 0; r < dim; ++r) z_i[r] = z[Offset(i) * dim + r];
     for (Offset s = row_begin[i]; s < row_begin[i + 1]; ++s) {
@@ -90,7 +90,13 @@ void solve_incomplete(const Offset* row_begin, const Index* columns, const float
       add_to<dim>(z + Offset(columns[s]) * dim, transposed);
     }
   }
-  for (Index i = num_nodes - 1; i >= 0; --i) {  // D, then W: z_i = D_i^-1 r_i - sum W_ij z_j
+}
+
+template <int dim>
+void solve_upper(const Offset* row_begin, const Index* columns, const float* upper,
+                 const float* inverse_diagonal, float* z, Index first, Index last) {
+  constexpr int size = dim * dim;
+  for (Index i = last - 1; i >= first; --i) {  // z_i = D_i^-1 z_i - sum W_ij z_j
     Row<float, dim> sum[dim];
     const Row<float, dim> own = load_exactly<dim>(z + Offset(i) * dim);
     for (int r = 0; r < dim; ++r) sum[r] = load_row<dim>(inverse_diagonal + Offset(i) * size + r * dim) * own;
@@ -164,7 +170,8 @@ void xpby(const double* x, double factor, double* y, Offset size) {
 
 constexpr BlockKernels kernels = {
     {multiply_rows<2>, multiply_rows<3>},
-    {solve_incomplete<2>, solve_incomplete<3>},
+    {solve_lower<2>, solve_lower<3>},
+    {solve_upper<2>, solve_upper<3>},
     {eliminate_row<2>, eliminate_row<3>},
     dot,
     axpy,

@@ -19,10 +19,14 @@ struct BlockKernels {
                            const KernelIndex* targets, const double* values, const double* x, double* y,
                            KernelIndex first, KernelIndex last);
 
-  /// z = (U^T D^-1 U)^-1 r by the block factors of an incomplete Cholesky factorisation in single precision:
-  /// unit upper rows W (D^-1 U) without their diagonal and inverse diagonal blocks.
-  void (*solve_incomplete[2])(const KernelOffset* row_begin, const KernelIndex* columns, const float* upper,
-                              const float* inverse_diagonal, float* z, KernelIndex num_nodes);
+  /// z = (U^T D^-1 U)^-1 z by the block factors of an incomplete Cholesky factorisation in single precision,
+  /// unit upper rows W = D^-1 U without their diagonal and inverse diagonal blocks: first W^-T, row after
+  /// row, then (D W)^-1, the last row first. Each does rows [first, last), the former with what they add to
+  /// others.
+  void (*solve_lower[2])(const KernelOffset* row_begin, const KernelIndex* columns, const float* upper,
+                         float* z, KernelIndex first, KernelIndex last);
+  void (*solve_upper[2])(const KernelOffset* row_begin, const KernelIndex* columns, const float* upper,
+                         const float* inverse_diagonal, float* z, KernelIndex first, KernelIndex last);
 
   /// Eliminates the block row `row` of an incomplete factorisation: W_rj = D_r^-1 U_rj, and
   /// A_jk -= U_rj^T W_rk for every pair that is in the pattern. `slot_of_pair` lists the slots of the pairs

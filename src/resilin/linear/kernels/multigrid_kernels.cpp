@@ -65,74 +65,88 @@ RESILIN_INLINE Lane<lanes_of(size)> multiply_transposed(const float* block, cons
 }
 
 template <int size>
-void pre_smooth(const LevelView& level, float* r, float* x) {
+void sweep_forward(const LevelView& level, NodeRange nodes, float* r, float* x) {
   constexpr int lanes = lanes_of(size), block_size = size * lanes;
-  for (int32_t i = 0; i < level.num_nodes; ++i) {
+  for (int64_t i = nodes.first; i < nodes.last; ++i) {
     float x_i[lanes];
-    multiply_block<size>(level.inverse_diagonal + int64_t(i) * block_size, r + int64_t(i) * lanes, x_i);
-    store<lanes>(x + int64_t(i) * lanes, load<lanes>(x_i));
+    multiply_block<size>(level.inverse_diagonal + i * block_size, r + i * lanes, x_i);
+    store<lanes>(x + i * lanes, load<lanes>(x_i));
     for (int64_t k = level.row_begin[i]; k < level.row_begin[i + 1]; ++k) {
       float* r_j = r + int64_t(level.columns[k]) * lanes;
       store<lanes>(r_j, load<lanes>(r_j) - multiply_transposed<size>(level.upper + k * block_size, x_i));
     }
   }
-  for (int32_t i = 0; i < level.num_nodes; ++i) {  // b - (D + L) x = 0: what is left is -U x
-    Lane<lanes> sum[size] = {};
-    for (int64_t k = level.row_begin[i]; k < level.row_begin[i + 1]; ++k)
-      accumulate_block<size>(level.upper + k * block_size, x + int64_t(level.columns[k]) * lanes, sum);
-    for (int c = 0; c < size; ++c) r[int64_t(i) * lanes + c] = -sum_of<size>(sum[c]);
+}
+
+/// The product of an upper row with x, by component.
+template <int size>
+RESILIN_INLINE void multiply_upper_row(const LevelView& level, int64_t row, const float* x, float* result) {
+  constexpr int lanes = lanes_of(size), block_size = size * lanes;
+  Lane<lanes> sum[size] = {};
+  for (int64_t k = level.row_begin[row]; k < level.row_begin[row + 1]; ++k)
+    accumulate_block<size>(level.upper + k * block_size, x + int64_t(level.columns[k]) * lanes, sum);
+  for (int c = 0; c < size; ++c) result[c] = sum_of<size>(sum[c]);
+}
+
+template <int size>
+void negate_upper(const LevelView& level, NodeRange nodes, const float* x, float* r) {
+  for (int64_t i = nodes.first; i < nodes.last; ++i) {
+    float product[size];
+    multiply_upper_row<size>(level, i, x, product);
+    for (int c = 0; c < size; ++c) r[i * lanes_of(size) + c] = -product[c];
   }
 }
 
 template <int size>
-void post_smooth(const LevelView& level, float* b, float* x) {
+void subtract_lower(const LevelView& level, NodeRange nodes, const float* x, float* b) {
   constexpr int lanes = lanes_of(size), block_size = size * lanes;
-  for (int32_t i = 0; i < level.num_nodes; ++i) {
-    const float* x_i = x + int64_t(i) * lanes;
+  for (int64_t i = nodes.first; i < nodes.last; ++i)
     for (int64_t k = level.row_begin[i]; k < level.row_begin[i + 1]; ++k) {
       float* b_j = b + int64_t(level.columns[k]) * lanes;
-      store<lanes>(b_j, load<lanes>(b_j) - multiply_transposed<size>(level.upper + k * block_size, x_i));
+      store<lanes>(b_j,
+                   load<lanes>(b_j) - multiply_transposed<size>(level.upper + k * block_size, x + i * lanes));
     }
-  }
-  for (int32_t i = level.num_nodes - 1; i >= 0; --i) {
-    Lane<lanes> sum[size] = {};
-    for (int64_t k = level.row_begin[i]; k < level.row_begin[i + 1]; ++k)
-      accumulate_block<size>(level.upper + k * block_size, x + int64_t(level.columns[k]) * lanes, sum);
-    float rest[lanes] = {};
-    for (int c = 0; c < size; ++c) rest[c] = b[int64_t(i) * lanes + c] - sum_of<size>(sum[c]);
-    multiply_block<size>(level.inverse_diagonal + int64_t(i) * block_size, rest, x + int64_t(i) * lanes);
+}
+
+template <int size>
+void sweep_backward(const LevelView& level, NodeRange nodes, const float* b, float* x) {
+  constexpr int lanes = lanes_of(size), block_size = size * lanes;
+  for (int64_t i = int64_t(nodes.last) - 1; i >= nodes.first; --i) {
+    float product[size], rest[lanes] = {};
+    multiply_upper_row<size>(level, i, x, product);
+    for (int c = 0; c < size; ++c) rest[c] = b[i * lanes + c] - product[c];
+    multiply_block<size>(level.inverse_diagonal + i * block_size, rest, x + i * lanes);
   }
 }
 
 template <int size>
-void multiply(const LevelView& level, const float* x, float* y) {
+void multiply_add(const LevelView& level, NodeRange nodes, const float* x, float* y) {
   constexpr int lanes = lanes_of(size), block_size = size * lanes;
-  for (int64_t k = 0; k < int64_t(level.num_nodes) * lanes; ++k) y[k] = 0;
-  for (int32_t i = 0; i < level.num_nodes; ++i) {
-    const float* x_i = x + int64_t(i) * lanes;
+  for (int64_t i = nodes.first; i < nodes.last; ++i) {
+    const float* x_i = x + i * lanes;
     Lane<lanes> sum[size] = {};
-    accumulate_block<size>(level.diagonal + int64_t(i) * block_size, x_i, sum);
+    accumulate_block<size>(level.diagonal + i * block_size, x_i, sum);
     for (int64_t k = level.row_begin[i]; k < level.row_begin[i + 1]; ++k) {
       const int64_t j = level.columns[k];
       accumulate_block<size>(level.upper + k * block_size, x + j * lanes, sum);
       float* y_j = y + j * lanes;
       store<lanes>(y_j, load<lanes>(y_j) + multiply_transposed<size>(level.upper + k * block_size, x_i));
     }
-    for (int c = 0; c < size; ++c) y[int64_t(i) * lanes + c] += sum_of<size>(sum[c]);
+    for (int c = 0; c < size; ++c) y[i * lanes + c] += sum_of<size>(sum[c]);
   }
 }
 
 template <int size>
-void apply_inverse_diagonal(const LevelView& level, const float* r, float* x) {
+void apply_inverse_diagonal(const LevelView& level, NodeRange nodes, const float* r, float* x) {
   constexpr int lanes = lanes_of(size), block_size = size * lanes;
-  for (int64_t i = 0; i < level.num_nodes; ++i)
+  for (int64_t i = nodes.first; i < nodes.last; ++i)
     multiply_block<size>(level.inverse_diagonal + i * block_size, r + i * lanes, x + i * lanes);
 }
 
 template <int fine, int coarse>
-void restrict_residual(const TransferView& transfer, int32_t num_nodes, const float* from, float* to) {
+void restrict_add(const TransferView& transfer, NodeRange nodes, const float* from, float* to) {
   constexpr int fine_lanes = lanes_of(fine), lanes = lanes_of(coarse);
-  for (int64_t i = 0; i < num_nodes; ++i)
+  for (int64_t i = nodes.first; i < nodes.last; ++i)
     for (int64_t k = transfer.row_begin[i]; k < transfer.row_begin[i + 1]; ++k) {
       const float* block = transfer.blocks + k * fine * lanes;
       float* target = to + int64_t(transfer.columns[k]) * lanes;
@@ -143,9 +157,9 @@ void restrict_residual(const TransferView& transfer, int32_t num_nodes, const fl
 }
 
 template <int fine, int coarse>
-void prolong_add(const TransferView& transfer, int32_t num_nodes, const float* from, float* to) {
+void prolong_add(const TransferView& transfer, NodeRange nodes, const float* from, float* to) {
   constexpr int fine_lanes = lanes_of(fine), lanes = lanes_of(coarse);
-  for (int64_t i = 0; i < num_nodes; ++i) {
+  for (int64_t i = nodes.first; i < nodes.last; ++i) {
     Lane<lanes> sum[fine] = {};
     for (int64_t k = transfer.row_begin[i]; k < transfer.row_begin[i + 1]; ++k) {
       const Lane<lanes> x = load<lanes>(from + int64_t(transfer.columns[k]) * lanes);
@@ -180,9 +194,10 @@ RESILIN_INLINE void add_product(const float* block, bool is_transposed, const fl
 }
 
 template <int fine, int coarse>
-void smooth_prolongation(const LevelView& level, const TransferView& transfer, float damping) {
+void smooth_prolongation(const LevelView& level, const TransferView& transfer, NodeRange nodes,
+                         float damping) {
   constexpr int lanes = lanes_of(coarse), block_size = fine * lanes;
-  for (int64_t i = 0; i < level.num_nodes; ++i) {
+  for (int64_t i = nodes.first; i < nodes.last; ++i) {
     const int64_t begin = transfer.row_begin[i], end = transfer.row_begin[i + 1];
     for (int64_t k = begin * block_size; k < end * block_size; ++k) transfer.blocks[k] = 0;
     int own_place = -1;
@@ -209,11 +224,12 @@ void smooth_prolongation(const LevelView& level, const TransferView& transfer, f
 }
 
 template <int fine, int coarse>
-void galerkin_product(const LevelView& level, const TransferView& transfer, float* row_work, float* to) {
+void galerkin_product(const LevelView& level, const TransferView& transfer, NodeRange nodes, float* row_work,
+                      float* to) {
   constexpr int lanes = lanes_of(coarse), block_size = fine * lanes, coarse_block_size = coarse * lanes;
-  const uint16_t* place = transfer.product_places;
-  const int32_t* target = transfer.coarse_blocks;
-  for (int64_t i = 0; i < level.num_nodes; ++i) {
+  for (int64_t i = nodes.first; i < nodes.last; ++i) {
+    const uint16_t* place = transfer.product_places + transfer.product_begin[i];
+    const int32_t* target = transfer.coarse_blocks + transfer.target_begin[i];
     const int width = transfer.product_width[i];
     for (int k = 0; k < width * block_size; ++k) row_work[k] = 0;
     for (int64_t e = transfer.full_begin[i]; e < transfer.full_begin[i + 1]; ++e) {  // row i of A P
@@ -242,17 +258,21 @@ void galerkin_product(const LevelView& level, const TransferView& transfer, floa
   }
 }
 
+#define RESILIN_BY_LEVEL(kernel)                     \
+  {                                                  \
+    {kernel<2>, kernel<3>}, { kernel<3>, kernel<6> } \
+  }
+#define RESILIN_BY_TRANSFER(kernel)                              \
+  {                                                              \
+    {kernel<2, 3>, kernel<3, 3>}, { kernel<3, 6>, kernel<6, 6> } \
+  }
+
 constexpr MultigridKernels kernels = {
-    {{pre_smooth<2>, pre_smooth<3>}, {pre_smooth<3>, pre_smooth<6>}},
-    {{post_smooth<2>, post_smooth<3>}, {post_smooth<3>, post_smooth<6>}},
-    {{multiply<2>, multiply<3>}, {multiply<3>, multiply<6>}},
-    {{apply_inverse_diagonal<2>, apply_inverse_diagonal<3>},
-     {apply_inverse_diagonal<3>, apply_inverse_diagonal<6>}},
-    {{restrict_residual<2, 3>, restrict_residual<3, 3>}, {restrict_residual<3, 6>, restrict_residual<6, 6>}},
-    {{prolong_add<2, 3>, prolong_add<3, 3>}, {prolong_add<3, 6>, prolong_add<6, 6>}},
-    {{smooth_prolongation<2, 3>, smooth_prolongation<3, 3>},
-     {smooth_prolongation<3, 6>, smooth_prolongation<6, 6>}},
-    {{galerkin_product<2, 3>, galerkin_product<3, 3>}, {galerkin_product<3, 6>, galerkin_product<6, 6>}},
+    RESILIN_BY_LEVEL(sweep_forward),          RESILIN_BY_LEVEL(sweep_backward),
+    RESILIN_BY_LEVEL(negate_upper),           RESILIN_BY_LEVEL(subtract_lower),
+    RESILIN_BY_LEVEL(multiply_add),           RESILIN_BY_LEVEL(apply_inverse_diagonal),
+    RESILIN_BY_TRANSFER(restrict_add),        RESILIN_BY_TRANSFER(prolong_add),
+    RESILIN_BY_TRANSFER(smooth_prolongation), RESILIN_BY_TRANSFER(galerkin_product),
 };
 
 }  // namespace

@@ -10,7 +10,6 @@ namespace resilin::detail {
 /// numbers, the power of two not below its size, and the padding is zero in blocks (in vectors it has no
 /// meaning).
 struct LevelView {
-  int32_t num_nodes;
   const int64_t* row_begin;  ///< strictly upper part
   const int32_t* columns;
   const float* upper;     ///< size x lanes for every entry of `columns`
@@ -32,31 +31,42 @@ struct TransferView {
       smoothing_places;  ///< by full entry: place of its aggregate in the row of the prolongation; -1: none
 
   const uint16_t* product_width;   ///< by fine node: number of coarse columns in its row of A P
+  const int64_t* product_begin;    ///< by fine node: its first entry of the next
   const uint16_t* product_places;  ///< by full entry and prolongation entry of its column: place in that row
+  const int64_t* target_begin;     ///< by fine node: its first entry of the next
   const int32_t* coarse_blocks;    ///< by prolongation entry and place: block of the coarse matrix, or -1
 };
 
+/// Fine nodes [first, last).
+struct NodeRange {
+  int32_t first, last;
+};
+
 /// Inner loops of the multigrid, compiled once for each instruction set. First index: dim - 2; second: 0 for
-/// the level of the given matrix (blocks of dim), 1 for those below it (blocks of 3 in 2D, 6 in 3D).
+/// the level of the given matrix (blocks of dim), 1 for those below it (blocks of 3 in 2D, 6 in 3D). Each
+/// does the rows of `nodes`. A = L + D + U, where the lower rows L are the transposes of the upper ones: they
+/// are added where they belong, so that nodes with a neighbour in common must not run at the same time.
 struct MultigridKernels {
-  /// x = (D + L)^-1 r, then r = the residual of x. Lower rows L are the transposes of the upper ones.
-  void (*pre_smooth[2][2])(const LevelView& level, float* r, float* x);
-  /// x = (D + U)^-1 (b - L x), b destroyed.
-  void (*post_smooth[2][2])(const LevelView& level, float* b, float* x);
-  /// y = A x.
-  void (*multiply[2][2])(const LevelView& level, const float* x, float* y);
+  /// x = (D + L)^-1 r, row after row; of r is left what later rows see of it.
+  void (*sweep_forward[2][2])(const LevelView& level, NodeRange nodes, float* r, float* x);
+  /// x = (D + U)^-1 b, the last row first.
+  void (*sweep_backward[2][2])(const LevelView& level, NodeRange nodes, const float* b, float* x);
+  /// r = -U x; b -= L x.
+  void (*negate_upper[2][2])(const LevelView& level, NodeRange nodes, const float* x, float* r);
+  void (*subtract_lower[2][2])(const LevelView& level, NodeRange nodes, const float* x, float* b);
+  /// y += A x.
+  void (*multiply_add[2][2])(const LevelView& level, NodeRange nodes, const float* x, float* y);
   /// x = D^-1 r.
-  void (*apply_inverse_diagonal[2][2])(const LevelView& level, const float* r, float* x);
+  void (*apply_inverse_diagonal[2][2])(const LevelView& level, NodeRange nodes, const float* r, float* x);
   /// coarse += P^T fine; fine += P coarse.
-  void (*restrict_residual[2][2])(const TransferView& transfer, int32_t num_nodes, const float* fine,
-                                  float* coarse);
-  void (*prolong_add[2][2])(const TransferView& transfer, int32_t num_nodes, const float* coarse,
-                            float* fine);
+  void (*restrict_add[2][2])(const TransferView& transfer, NodeRange nodes, const float* fine, float* coarse);
+  void (*prolong_add[2][2])(const TransferView& transfer, NodeRange nodes, const float* coarse, float* fine);
   /// P = (I - damping D^-1 A) T. Writes transfer.blocks.
-  void (*smooth_prolongation[2][2])(const LevelView& level, const TransferView& transfer, float damping);
+  void (*smooth_prolongation[2][2])(const LevelView& level, const TransferView& transfer, NodeRange nodes,
+                                    float damping);
   /// Adds the upper blocks of P^T A P to `coarse`; `row_work` holds the widest row of A P.
-  void (*galerkin_product[2][2])(const LevelView& level, const TransferView& transfer, float* row_work,
-                                 float* coarse);
+  void (*galerkin_product[2][2])(const LevelView& level, const TransferView& transfer, NodeRange nodes,
+                                 float* row_work, float* coarse);
 };
 
 /// Those of an instruction set that this build holds; of the preferred one (core/cpu.hpp).
