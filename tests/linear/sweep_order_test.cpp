@@ -21,7 +21,7 @@ struct EveryOrder : ::testing::TestWithParam<std::tuple<Order, std::string>> {
 INSTANTIATE_TEST_SUITE_P(Sweeps, EveryOrder,
                          ::testing::Values(std::tuple(&two_color_order, "TwoColors"),
                                            std::tuple(&two_ended_order, "TwoEnds")),
-                         [](const auto& info) { return std::get<1>(info.param); });
+                         [](const auto& kind) { return std::get<1>(kind.param); });
 
 NodeGraph graph_of(const BlockPattern& pattern) {
   MergedPattern merged;
@@ -75,10 +75,10 @@ std::size_t expect_sound(const NodeGraph& graph, const SweepOrder& order) {
 }
 
 TEST_P(EveryOrder, LetsNoTwoChunksOfAColourMeet) {
-  for (const auto [dim, cells] : {std::pair{2, 20}, {3, 7}}) {
+  for (const auto& [dim, cells] : {std::pair{2, 20}, {3, 7}}) {
     const NodeGraph graph =
         graph_of(*make_bar_problem({.dim = dim, .cells_per_height = cells}).matrix.pattern);
-    for (const Offset least : {20, 300, 2000}) EXPECT_GE(expect_sound(graph, order_of(graph, least)), 3U);
+    for (const Offset least : {20, 300, 1000}) EXPECT_GE(expect_sound(graph, order_of(graph, least)), 3U);
     EXPECT_EQ(expect_sound(graph, order_of(graph, 1000000)), 1U);
   }
 }
@@ -119,8 +119,8 @@ struct LargeBar : ::testing::TestWithParam<std::tuple<std::string, int>> {
 INSTANTIATE_TEST_SUITE_P(Sweeps, LargeBar,
                          ::testing::Combine(::testing::Values("cg_ic0", "cg_amg", "cg_jacobi"),
                                             ::testing::Values(2, 3)),
-                         [](const auto& info) {
-                           return std::get<0>(info.param) + "_" + std::to_string(std::get<1>(info.param)) +
+                         [](const auto& kind) {
+                           return std::get<0>(kind.param) + "_" + std::to_string(std::get<1>(kind.param)) +
                                   "D";
                          });
 

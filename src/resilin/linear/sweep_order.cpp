@@ -62,10 +62,12 @@ SweepOrder in_chunks(const WeighedLayers& layers, const std::vector<std::size_t>
 }  // namespace
 
 SweepOrder two_color_order(const NodeGraph& graph, Offset least_couplings) {
-  constexpr Offset most_chunks = 64;
+  constexpr Offset enough_chunks = 16, most_chunks = 64;
+  constexpr Offset large = 20000;  // rows whose neighbours mostly lie in other chunks fall out of the cache
   constexpr std::size_t least_chunks = 4;  // below, a colour has nothing to share
   const WeighedLayers layers(graph);
-  const Offset wanted = std::max(least_couplings, layers.all / most_chunks);
+  const Offset wanted =
+      std::max({least_couplings, std::min(large, layers.all / enough_chunks), layers.all / most_chunks});
   std::vector<std::size_t> chunk_of;
   Offset couplings = 0, rest = layers.all;
   for (std::size_t layer = 0, in_chunk = 0, chunk = 0; layer < layers.count(); ++layer) {
