@@ -8,7 +8,9 @@
 #include "bar_problem.hpp"
 #include "resilin/core/parallel.hpp"
 #include "resilin/linear/linear_solver.hpp"
+#include "resilin/linear/multigrid_level.hpp"
 #include "resilin/linear/ordering.hpp"
+#include "resilin/linear/permuted_pattern.hpp"
 
 namespace resilin {
 namespace {
@@ -98,6 +100,46 @@ TEST_P(EveryOrder, TakesBodiesApartAndSingleNodesAndNone) {
     }
     const NodeGraph graph = graph_of(builder.build());
     expect_sound(graph, order_of(graph, std::uniform_int_distribution<Offset>(1, 60)(random)));
+  }
+}
+
+TEST(MultigridLevel, LetsNoTwoChunksOfAColourReachOneGroup) {
+  for (const auto& [dim, cells] : {std::pair{2, 40}, {3, 9}}) {
+    MergedPattern pattern;
+    pattern.update(make_bar_problem({.dim = dim, .cells_per_height = cells}).matrix,
+                   MergedPattern::Keep::same_pairs);
+    const NodeGraph graph(pattern);
+    SweepOrder order = two_color_order(graph, 100);
+    const PermutedPattern permuted(pattern, graph, order.node_at);
+    MultigridLevel fine, coarse;
+    fine.dim = coarse.dim = dim;
+    coarse.is_given = false;
+    fine.row_begin = permuted.row_begin;
+    fine.columns = permuted.columns;
+    fine.sweeps = order.chunks;
+    fine.full = FullPattern(fine.row_begin, fine.columns);
+    const std::vector<std::uint8_t> is_active(permuted.node_at.size(), 1);
+    Aggregates groups = aggregate(fine.full, is_active, order.along_layers);
+    fine.connect(groups, coarse);
+    EXPECT_GT(fine.transfers.chunks.size(), 10U);
+    EXPECT_GT(fine.transfers.chunks.size(), 2 * (fine.transfers.color_begin.size() - 1))
+        << "hardly any at once";
+    std::vector<int> rows_done(permuted.node_at.size(), 0);
+    for (std::size_t color = 0; color + 1 < fine.transfers.color_begin.size(); ++color) {
+      std::vector<std::size_t> chunk_at(static_cast<std::size_t>(groups.count), 0);
+      for (std::size_t k = fine.transfers.color_begin[color]; k < fine.transfers.color_begin[color + 1]; ++k)
+        for (auto i = static_cast<std::size_t>(fine.transfers.chunks[k].first);
+             i < static_cast<std::size_t>(fine.transfers.chunks[k].last); ++i) {
+          ++rows_done[i];
+          for (Offset e = fine.prolongation_begin[i]; e < fine.prolongation_begin[i + 1]; ++e) {
+            std::size_t& chunk =
+                chunk_at[static_cast<std::size_t>(fine.prolongation_columns[static_cast<std::size_t>(e)])];
+            ASSERT_TRUE(chunk == 0 || chunk == k + 1) << "two chunks of colour " << color << " meet";
+            chunk = k + 1;
+          }
+        }
+    }
+    EXPECT_TRUE(std::ranges::all_of(rows_done, [](int times) { return times == 1; }));
   }
 }
 

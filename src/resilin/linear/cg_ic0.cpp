@@ -40,7 +40,8 @@ class BlockIncompleteCholesky : public Preconditioner {
   static constexpr double largest_shift = 1e3;
   static constexpr double least_pivot =
       1e-10;  // of the block's diagonal: below, float cannot hold the inverse
-  static constexpr Offset least_couplings = 8000;  // of a chunk: some five microseconds of a sweep
+  static constexpr Offset least_couplings =
+      12000;  // of a region: below, breakdowns at stiff contacts cost more than a core gains
   static constexpr std::size_t nodes_per_chunk = 4096, numbers_per_chunk = 1 << 15;
 
   void analyze_pattern(int dim);
