@@ -11,18 +11,8 @@ namespace resilin::detail {
 /// not positive, or -1.
 int cholesky_panel(int num_columns, int num_rows, double* panel, int stride);
 
-/// The same for columns that need not be definite: L11 S L11^T and L21 S L11^T, S = diag(signs), signs of
-/// +1 or -1. No pivots are chosen. Returns the first column whose pivot is not beyond `smallest_pivot`, or
-/// -1.
-int signed_cholesky_panel(int num_columns, int num_rows, double* panel, int stride, double smallest_pivot,
-                          double* signs);
-
 /// Lower triangle of update = - rows rows^T, where `rows` is the lower part of a panel.
 void outer_product(int num_rows, int num_columns, const double* rows, int stride, double* update);
-
-/// Lower triangle of update = - rows S rows^T.
-void signed_outer_product(int num_rows, int num_columns, const double* rows, int stride, const double* signs,
-                          double* update);
 
 /// x = L11^-1 x, work -= L21 x.
 void solve_panel(int num_columns, int num_rows, const double* panel, double* x, double* work);

@@ -1,122 +1,17 @@
+#include "resilin/linear/multifrontal.hpp"
+
 #include <algorithm>
-#include <cmath>
-#include <memory>
-#include <mutex>
 #include <new>
+#include <numeric>
 #include <ranges>
 
 #include "resilin/core/parallel.hpp"
 #include "resilin/linear/blas.hpp"
 #include "resilin/linear/catalog.hpp"
 #include "resilin/linear/dense_kernels.hpp"
-#include "resilin/linear/direct_solver.hpp"
-#include "resilin/linear/multifrontal_analysis.hpp"
+#include "resilin/linear/equilibration.hpp"
 
 namespace resilin {
-namespace {
-
-/// Two stacks of numbers, kept from one factorisation to the next.
-class UpdateStacks {
- public:
-  void reserve(const MultifrontalAnalysis::StackSizes& sizes, int numbers_per_block) {
-    for (int k = 0; k < 2; ++k) {
-      const Offset size = sizes.blocks[k] * numbers_per_block;
-      if (size > capacity_[k]) {
-        numbers_[k] = std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(size));
-        capacity_[k] = size;
-      }
-      used_[k] = 0;
-    }
-  }
-  double* push(int stack, Offset size) {
-    double* top = numbers_[stack].get() + used_[stack];
-    used_[stack] += size;
-    return top;
-  }
-  void pop(int stack, Offset size) { used_[stack] -= size; }
-
- private:
-  std::unique_ptr<double[]> numbers_[2];
-  Offset capacity_[2] = {0, 0}, used_[2] = {0, 0};
-};
-
-/// As many stacks as subtrees are being factorised at the same time.
-class StackPool {
- public:
-  std::unique_ptr<UpdateStacks> take() {
-    const std::lock_guard lock(mutex_);
-    if (free_.empty()) return std::make_unique<UpdateStacks>();
-    std::unique_ptr<UpdateStacks> stacks = std::move(free_.back());
-    free_.pop_back();
-    return stacks;
-  }
-  void give_back(std::unique_ptr<UpdateStacks> stacks) {
-    const std::lock_guard lock(mutex_);
-    free_.push_back(std::move(stacks));
-  }
-  void clear() { free_.clear(); }
-
- private:
-  std::mutex mutex_;
-  std::vector<std::unique_ptr<UpdateStacks>> free_;
-};
-
-/// A multifrontal L L^T, or L S L^T with signs S where the matrix need not be definite: METIS order on the
-/// graph of the nodes, relaxed supernodes, dense fronts.
-///
-/// Every front is a lower panel of its columns, kept as the factor, and an update matrix, which its parent
-/// takes up. Independent subtrees are factorised at the same time; each front sums its children in a fixed
-/// order.
-class MultifrontalSolver : public DirectSolver {
- public:
-  explicit MultifrontalSolver(bool is_definite) : is_definite_(is_definite) {}
-
-  std::string_view name() const override { return "multifrontal"; }
-
- protected:
-  void prepare(const BlockMatrix& A) override;
-  LinearReport factorize_prepared(const BlockMatrix& A) override;
-  void forget() override;
-  void solve_factored(const VectorX& b, VectorX& x) override;
-
- private:
-  double* panel_of(const Supernode& supernode) {
-    return factor_.get() + supernode.factor_begin * dim_ * dim_;
-  }
-  double bytes_needed(bool is_serial) const;
-  void gather_values(const BlockMatrix& A);
-  void prepare_signs();
-  void forget_factor();
-  /// Where a front keeps its update matrix: the update of a subtree's root outlives the stacks of the
-  /// subtree.
-  struct Place {
-    UpdateStacks& stacks;
-    double* root_updates;  ///< null: on the stacks like the others
-  };
-  void factorize_front(Index s, const Place& place);
-  void factorize_all();
-  void add_entries(Index s, double* panel);
-  void add_child_to_panel(const Supernode& child, const double* update, double* panel, int stride);
-  void add_child_to_update(const Supernode& child, const double* update, Index num_columns, double* to,
-                           int stride);
-
-  bool is_definite_;
-  MergedPattern pattern_;
-  std::unique_ptr<const MultifrontalAnalysis> analysis_;
-  int dim_ = 3;
-  bool has_little_memory_ = false;  // for subtrees at the same time, with the present pattern
-  bool is_serial_ = false;          // takes the subtrees one after another
-  std::vector<double> values_;      // by slot of the merged pattern
-  std::unique_ptr<double[]> factor_;
-  std::vector<double*> updates_;  // by supernode: its update matrix, from its front to its parent's
-  std::unique_ptr<double[]> root_updates_;
-  StackPool stack_pool_;
-  UpdateStacks top_stacks_;
-  std::vector<Index> bad_position_;  // by supernode: the column whose pivot failed, or -1
-  double smallest_pivot_ = 0;
-  std::vector<double> signs_;  // by position and component, +1 or -1; empty for a definite matrix
-  std::vector<double> solution_, work_;
-};
 
 void MultifrontalSolver::gather_values(const BlockMatrix& A) {
   const int size = dim_ * dim_;
@@ -126,93 +21,122 @@ void MultifrontalSolver::gather_values(const BlockMatrix& A) {
   });
 }
 
-/// A pivot of the size of round-off says that the matrix is singular, or that it needs other pivots.
-void MultifrontalSolver::prepare_signs() {
-  constexpr double round_off = 1e-15;
-  double largest = 0;
-  for (const double value : values_) largest = std::max(largest, std::abs(value));
-  smallest_pivot_ = round_off * largest;
-  signs_.assign(analysis_->node_at.size() * static_cast<std::size_t>(dim_), 1.0);
+std::unique_ptr<double[]> MultifrontalSolver::allocate(Offset size) {
+  if (!fits(static_cast<double>(size) * sizeof(double))) throw std::bad_alloc();
+  return std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(size));
 }
 
-void MultifrontalSolver::add_entries(Index s, double* panel) {
-  const Offset stride = static_cast<Offset>(analysis_->supernodes[s].front_size()) * dim_;
-  for (Offset e = analysis_->entry_begin[s]; e < analysis_->entry_begin[s + 1]; ++e) {
-    const MultifrontalAnalysis::Entry& entry = analysis_->entries[e];
-    const double* block = values_.data() + entry.slot * dim_ * dim_;
-    double* to = panel + entry.column * dim_ * stride + entry.row * dim_;
-    for (int c = 0; c < dim_; ++c)
-      for (int r = 0; r < dim_; ++r)
-        to[c * stride + r] += entry.is_transposed ? block[c * dim_ + r] : block[r * dim_ + c];
+std::span<const Index> MultifrontalSolver::children_of(Index s) const {
+  return {analysis_->children.data() + analysis_->child_begin[s],
+          analysis_->children.data() + analysis_->child_begin[s + 1]};
+}
+
+MultifrontalSolver::Panel MultifrontalSolver::panel_of(Index s) {
+  const Supernode& supernode = analysis_->supernodes[s];
+  double* const foreseen = factor_.get() + supernode.factor_begin * dim_ * dim_;
+  const int num_rows = supernode.num_rows() * dim_;
+  if (!is_pivoted(s)) return {foreseen, supernode.num_columns * dim_, num_rows};
+  const PivotedFront& front = *pivoted_[s];
+  return {front.panel ? front.panel.get() : foreseen, front.pivots.num_eliminated,
+          front.num_delayed() + num_rows};
+}
+
+void MultifrontalSolver::assemble(const FrontAssembly& front, double* panel) {
+  std::fill_n(panel, static_cast<Offset>(front.num_columns()) * front.stride(), 0.0);
+  front.add_entries(values_, panel);
+  int first_delayed = 0;
+  for (const Index child : children_of(front.front)) {
+    front.add_to_panel(analysis_->supernodes[child], updates_[child], first_delayed, panel);
+    first_delayed += updates_[child].num_delayed;
   }
 }
 
-/// Columns of the child's update that are columns of the parent.
-void MultifrontalSolver::add_child_to_panel(const Supernode& child, const double* update, double* panel,
-                                            int stride) {
-  const Index* places = analysis_->places.data() + child.rows_begin;
-  const Index num_rows = child.num_rows();
-  const Index num_columns = analysis_->supernodes[child.parent].num_columns;
-  const Offset update_stride = static_cast<Offset>(num_rows) * dim_;
-  for (Index column = 0; column < num_rows && places[column] < num_columns; ++column)
-    for (int c = 0; c < dim_; ++c)
-      detail::add_rows(dim_, update + (static_cast<Offset>(column) * dim_ + c) * update_stride, places,
-                       column, num_rows, panel + (static_cast<Offset>(places[column]) * dim_ + c) * stride);
+/// Few fronts of most matrices hold a negative pivot: the others go the quick way.
+void MultifrontalSolver::eliminate(const FrontAssembly& front) {
+  const Index s = front.front;
+  if (front.num_delayed > 0) return eliminate_with_pivots(front);
+  const auto [panel, num_columns, num_rows] = panel_of(s);
+  assemble(front, panel);
+  const int failed_column = detail::cholesky_panel(num_columns, num_rows, panel, front.stride());
+  if (is_definite_) {
+    if (failed_column >= 0) bad_position_[s] = front.supernode().first + failed_column / dim_;
+  } else if (failed_column >= 0 || !detail::is_bounded(num_columns, num_rows, panel, front.stride(), rule_)) {
+    eliminate_with_pivots(front);
+  }
 }
 
-/// The rest of them.
-void MultifrontalSolver::add_child_to_update(const Supernode& child, const double* update, Index num_columns,
-                                             double* to, int stride) {
-  const Index* places = analysis_->places.data() + child.rows_begin;
-  const Index num_rows = child.num_rows();
-  const Offset update_stride = static_cast<Offset>(num_rows) * dim_;
-  const auto first = static_cast<Index>(std::lower_bound(places, places + num_rows, num_columns) - places);
-  for (Index column = first; column < num_rows; ++column)
-    for (int c = 0; c < dim_; ++c)
-      detail::add_rows(dim_, update + (static_cast<Offset>(column) * dim_ + c) * update_stride, places,
-                       column, num_rows,
-                       to + (static_cast<Offset>(places[column] - num_columns) * dim_ + c) * stride -
-                           static_cast<Offset>(num_columns) * dim_);
+void MultifrontalSolver::eliminate_with_pivots(const FrontAssembly& front) {
+  const Index s = front.front;
+  auto pivoted = std::make_unique<PivotedFront>();
+  double* panel = panel_of(s).values;
+  if (front.num_delayed > 0) {
+    const Offset size = static_cast<Offset>(front.num_columns()) * front.stride();
+    pivoted->panel = allocate(size);
+    panel = pivoted->panel.get();
+  }
+  assemble(front, panel);
+  pivoted->pivots = detail::ldlt_panel(front.num_columns(), front.num_rows(), panel, front.stride(), rule_);
+
+  std::vector<Index> unknowns(static_cast<std::size_t>(front.num_own()));
+  std::iota(unknowns.begin(), unknowns.end(), front.supernode().first * dim_);
+  for (const Index child : children_of(s))
+    if (is_pivoted(child))
+      unknowns.insert(unknowns.end(),
+                      pivoted_[child]->unknowns.begin() + pivoted_[child]->pivots.num_eliminated,
+                      pivoted_[child]->unknowns.end());
+  const detail::PivotedColumns& pivots = pivoted->pivots;
+  for (const int column : pivots.order) pivoted->unknowns.push_back(unknowns[column]);
+  if (pivots.null_column >= 0) {
+    bad_position_[s] = unknowns[pivots.null_column] / dim_;
+  } else if (front.num_rows() == 0 && pivoted->num_delayed() > 0) {
+    bad_position_[s] = pivoted->unknowns[pivots.num_eliminated] / dim_;
+  }
+  pivoted_[s] = std::move(pivoted);
+}
+
+void MultifrontalSolver::form_update(const FrontAssembly& front, const Place& place) {
+  const Index s = front.front;
+  const int num_rows = front.num_rows(), stride = front.stride(), own_stack = analysis_->stack_of[s];
+  const auto is_on_stack = [&](Index t) {
+    return num_delayed_by(t) == 0 && (place.root_updates == nullptr || analysis_->root_update_begin[t] < 0);
+  };
+  if (num_rows > 0) {
+    const auto [panel, num_columns, num_below] = panel_of(s);
+    UpdateMatrix& update = updates_[s];
+    update = {nullptr, num_delayed_by(s), num_below};
+    const Offset size = static_cast<Offset>(update.order) * update.order;
+    if (update.num_delayed > 0) {
+      pivoted_[s]->update = allocate(size);
+      update.values = pivoted_[s]->update.get();
+      for (int j = 0; j < update.num_delayed; ++j)
+        std::copy_n(panel + static_cast<Offset>(num_columns + j) * stride + num_columns + j, num_below - j,
+                    update.values + static_cast<Offset>(j) * (num_below + 1));
+    } else {
+      update.values = is_on_stack(s) ? place.stacks.push(own_stack, size)
+                                     : place.root_updates + analysis_->root_update_begin[s] * dim_ * dim_;
+    }
+    const double* const rows = panel + num_columns + update.num_delayed;
+    if (is_pivoted(s)) {
+      detail::pivoted_outer_product(num_rows, pivoted_[s]->pivots, rows, stride, update.of_rows(),
+                                    update.order);
+    } else {
+      detail::outer_product(num_rows, num_columns, rows, stride, update.values);
+    }
+    for (const Index child : children_of(s))
+      front.add_to_update(analysis_->supernodes[child], updates_[child], update.of_rows(), update.order);
+  }
+  for (const Index child : children_of(s)) {
+    const Offset size = static_cast<Offset>(updates_[child].order) * updates_[child].order;
+    if (is_on_stack(child)) place.stacks.pop(1 - own_stack, size);
+    if (is_pivoted(child)) pivoted_[child]->update.reset();
+  }
 }
 
 void MultifrontalSolver::factorize_front(Index s, const Place& place) {
-  const Supernode& supernode = analysis_->supernodes[s];
-  const int num_columns = supernode.num_columns * dim_, num_rows = supernode.num_rows() * dim_;
-  const int stride = num_columns + num_rows;
-  const auto begin = analysis_->children.begin() + analysis_->child_begin[s];
-  const auto end = analysis_->children.begin() + analysis_->child_begin[s + 1];
-  double* panel = panel_of(supernode);
-  std::fill(panel, panel + static_cast<Offset>(num_columns) * stride, 0.0);
-  add_entries(s, panel);
-  for (auto child = begin; child != end; ++child)
-    add_child_to_panel(analysis_->supernodes[*child], updates_[*child], panel, stride);
-
-  double* signs = is_definite_ ? nullptr : signs_.data() + static_cast<Offset>(supernode.first) * dim_;
-  const int failed_column = is_definite_ ? detail::cholesky_panel(num_columns, num_rows, panel, stride)
-                                         : detail::signed_cholesky_panel(num_columns, num_rows, panel, stride,
-                                                                         smallest_pivot_, signs);
-  bad_position_[s] = failed_column < 0 ? -1 : supernode.first + failed_column / dim_;
-  const int own_stack = analysis_->stack_of[s];
-  const auto is_on_stack = [&](Index t) {
-    return place.root_updates == nullptr || analysis_->root_update_begin[t] < 0;
-  };
-  if (num_rows > 0) {
-    double* update = is_on_stack(s) ? place.stacks.push(own_stack, static_cast<Offset>(num_rows) * num_rows)
-                                    : place.root_updates + analysis_->root_update_begin[s] * dim_ * dim_;
-    updates_[s] = update;
-    if (is_definite_) {
-      detail::outer_product(num_rows, num_columns, panel + num_columns, stride, update);
-    } else {
-      detail::signed_outer_product(num_rows, num_columns, panel + num_columns, stride, signs, update);
-    }
-    for (auto child = begin; child != end; ++child)
-      add_child_to_update(analysis_->supernodes[*child], updates_[*child], supernode.num_columns, update,
-                          num_rows);
-  }
-  for (auto child = begin; child != end; ++child) {
-    const Offset child_rows = static_cast<Offset>(analysis_->supernodes[*child].num_rows()) * dim_;
-    if (is_on_stack(*child)) place.stacks.pop(1 - own_stack, child_rows * child_rows);
-  }
+  FrontAssembly front{*analysis_, dim_, s};
+  for (const Index child : children_of(s)) front.num_delayed += num_delayed_by(child);
+  eliminate(front);
+  if (bad_position_[s] < 0) form_update(front, place);
 }
 
 /// Stops at the first pivot that fails in every subtree, and before the top when there is one. Every front is
@@ -260,6 +184,7 @@ void MultifrontalSolver::prepare(const BlockMatrix& A) {
 void MultifrontalSolver::forget_factor() {
   analysis_.reset();
   factor_.reset();
+  pivoted_.clear();
   root_updates_.reset();
   stack_pool_.clear();
   top_stacks_ = {};
@@ -294,52 +219,24 @@ LinearReport MultifrontalSolver::factorize_prepared(const BlockMatrix& A) {
     factor_ = std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(analysis_->factor_blocks) *
                                                        static_cast<std::size_t>(dim_ * dim_));
   gather_values(A);
-  updates_.assign(analysis_->supernodes.size(), nullptr);
+  updates_.assign(analysis_->supernodes.size(), {});
   bad_position_.assign(analysis_->supernodes.size(), -1);
-  if (!is_definite_) prepare_signs();
+  if (!is_definite_) {
+    scales_ = equilibrate(pattern_, dim_, values_);
+    pivoted_.clear();
+    pivoted_.resize(analysis_->supernodes.size());
+  }
   factorize_all();
   const auto bad = std::find_if(bad_position_.begin(), bad_position_.end(), [](Index b) { return b >= 0; });
-  if (bad != bad_position_.end()) {
+  const Index bad_position = bad != bad_position_.end() ? *bad : is_definite_ ? -1 : null_position();
+  if (bad_position >= 0) {
     report.status = LinearReport::Status::indefinite;
-    report.worst_node = analysis_->node_at[*bad];
+    report.worst_node = analysis_->node_at[bad_position];
   }
-  report.negative_pivots =
-      static_cast<Index>(std::count_if(signs_.begin(), signs_.end(), [](double sign) { return sign < 0; }));
+  for (const std::unique_ptr<PivotedFront>& front : pivoted_)
+    if (front) report.negative_pivots += front->pivots.num_negative();
   return report;
 }
-
-void MultifrontalSolver::solve_factored(const VectorX& b, VectorX& x) {
-  const SingleThreadedBlas single_threaded;
-  solution_.resize(static_cast<std::size_t>(b.size()));
-  const auto n = static_cast<Index>(analysis_->node_at.size());
-  for (Index i = 0; i < n; ++i)
-    for (int d = 0; d < dim_; ++d) solution_[i * dim_ + d] = b[analysis_->node_at[i] * dim_ + d];
-  for (const Supernode& supernode : analysis_->supernodes) {
-    const int num_columns = supernode.num_columns * dim_, num_rows = supernode.num_rows() * dim_;
-    work_.assign(static_cast<std::size_t>(num_rows), 0.0);
-    detail::solve_panel(num_columns, num_rows, panel_of(supernode), solution_.data() + supernode.first * dim_,
-                        work_.data());
-    for (Offset k = 0; k < supernode.num_rows(); ++k)
-      for (int d = 0; d < dim_; ++d)
-        solution_[analysis_->rows[supernode.rows_begin + k] * dim_ + d] += work_[k * dim_ + d];
-  }
-  for (std::size_t k = 0; k < signs_.size(); ++k) solution_[k] *= signs_[k];
-  for (auto supernode = analysis_->supernodes.rbegin(); supernode != analysis_->supernodes.rend();
-       ++supernode) {
-    const int num_columns = supernode->num_columns * dim_, num_rows = supernode->num_rows() * dim_;
-    work_.resize(static_cast<std::size_t>(num_rows));
-    for (Offset k = 0; k < supernode->num_rows(); ++k)
-      for (int d = 0; d < dim_; ++d)
-        work_[k * dim_ + d] = solution_[analysis_->rows[supernode->rows_begin + k] * dim_ + d];
-    detail::solve_panel_transposed(num_columns, num_rows, panel_of(*supernode),
-                                   solution_.data() + supernode->first * dim_, work_.data());
-  }
-  x.resize(b.size());
-  for (Index i = 0; i < n; ++i)
-    for (int d = 0; d < dim_; ++d) x[analysis_->node_at[i] * dim_ + d] = solution_[i * dim_ + d];
-}
-
-}  // namespace
 
 std::unique_ptr<LinearSolver> make_multifrontal(const LinearOptions& options) {
   return std::make_unique<MultifrontalSolver>(options.is_definite);

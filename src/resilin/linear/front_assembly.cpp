@@ -1,0 +1,72 @@
+#include "resilin/linear/front_assembly.hpp"
+
+#include <algorithm>
+
+#include "resilin/linear/dense_kernels.hpp"
+
+namespace resilin {
+
+void FrontAssembly::add_entries(const std::vector<double>& values, double* panel) const {
+  const int height = stride();
+  for (Offset e = analysis.entry_begin[front]; e < analysis.entry_begin[front + 1]; ++e) {
+    const MultifrontalAnalysis::Entry& entry = analysis.entries[e];
+    const double* block = values.data() + entry.slot * dim * dim;
+    const int row = entry.row * dim + (entry.row < supernode().num_columns ? 0 : num_delayed);
+    double* to = panel + static_cast<Offset>(entry.column) * dim * height + row;
+    for (int c = 0; c < dim; ++c)
+      for (int r = 0; r < dim; ++r)
+        to[static_cast<Offset>(c) * height + r] +=
+            entry.is_transposed ? block[c * dim + r] : block[r * dim + c];
+  }
+}
+
+void FrontAssembly::add_to_panel(const Supernode& child, const UpdateMatrix& update, int first_delayed,
+                                 double* panel) const {
+  const Index* places = analysis.places.data() + child.rows_begin;
+  const Index num_child_rows = child.num_rows();
+  const auto num_summed =
+      static_cast<Index>(std::lower_bound(places, places + num_child_rows, supernode().num_columns) - places);
+  for (Index column = 0; column < num_summed; ++column)
+    for (int c = 0; c < dim; ++c) {
+      const double* from = update.of_rows() + (static_cast<Offset>(column) * dim + c) * update.order;
+      double* to = panel + (static_cast<Offset>(places[column]) * dim + c) * stride();
+      detail::add_rows(dim, from, places, column, num_summed, to);
+      detail::add_rows(dim, from, places, num_summed, num_child_rows, to + num_delayed);
+    }
+  if (update.num_delayed > 0) add_delayed(child, update, first_delayed, panel);
+}
+
+void FrontAssembly::add_delayed(const Supernode& child, const UpdateMatrix& update, int first_delayed,
+                                double* panel) const {
+  const Index* places = analysis.places.data() + child.rows_begin;
+  const int first = num_own() + first_delayed;
+  for (int j = 0; j < update.num_delayed; ++j) {
+    const double* from = update.values + static_cast<Offset>(j) * update.order;
+    double* to = panel + static_cast<Offset>(first + j) * stride();
+    for (int i = j; i < update.num_delayed; ++i) to[first + i] += from[i];
+    from += update.num_delayed;
+    for (Index k = 0; k < child.num_rows(); ++k)
+      for (int d = 0; d < dim; ++d) {
+        const int place = places[k] * dim + d;
+        double& entry = place < num_own() ? panel[static_cast<Offset>(place) * stride() + first + j]
+                                          : to[place + num_delayed];
+        entry += from[k * dim + d];
+      }
+  }
+}
+
+void FrontAssembly::add_to_update(const Supernode& child, const UpdateMatrix& update, double* to,
+                                  int to_stride) const {
+  const Index* places = analysis.places.data() + child.rows_begin;
+  const Index num_child_rows = child.num_rows(), num_columns = supernode().num_columns;
+  const auto first =
+      static_cast<Index>(std::lower_bound(places, places + num_child_rows, num_columns) - places);
+  for (Index column = first; column < num_child_rows; ++column)
+    for (int c = 0; c < dim; ++c)
+      detail::add_rows(dim, update.of_rows() + (static_cast<Offset>(column) * dim + c) * update.order, places,
+                       column, num_child_rows,
+                       to + (static_cast<Offset>(places[column] - num_columns) * dim + c) * to_stride -
+                           static_cast<Offset>(num_columns) * dim);
+}
+
+}  // namespace resilin

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "resilin/linear/direct_solver.hpp"
+#include "resilin/linear/front_assembly.hpp"
+#include "resilin/linear/pivoted_panel.hpp"
+#include "resilin/linear/update_stacks.hpp"
+
+namespace resilin {
+
+/// A front whose pivots were chosen one by one.
+struct PivotedFront {
+  detail::PivotedColumns pivots;
+  std::vector<Index> unknowns;      ///< its columns: those eliminated, then those delayed; dim * position + d
+  std::unique_ptr<double[]> panel;  ///< of one that took up delayed columns; else where it was foreseen
+  std::unique_ptr<double[]> update;  ///< of one that delays columns; else where it was foreseen
+
+  int num_delayed() const { return static_cast<int>(unknowns.size()) - pivots.num_eliminated; }
+};
+
+/// A multifrontal L L^T: METIS order on the graph of the nodes, relaxed supernodes, dense fronts. Where the
+/// matrix need not be definite, L D L^T of the equilibrated matrix with pivots of one and two columns in
+/// those fronts that are not definite.
+///
+/// Every front is a lower panel of its columns, kept as the factor, and an update matrix, which its parent
+/// takes up, together with columns for which there was no pivot. Independent subtrees are factorised at the
+/// same time; each front sums its children in a fixed order.
+class MultifrontalSolver : public DirectSolver {
+ public:
+  explicit MultifrontalSolver(bool is_definite) : is_definite_(is_definite) {}
+
+  std::string_view name() const override { return "multifrontal"; }
+
+ protected:
+  void prepare(const BlockMatrix& A) override;
+  LinearReport factorize_prepared(const BlockMatrix& A) override;
+  void forget() override;
+  void solve_factored(const VectorX& b, VectorX& x) override;
+
+ private:
+  /// L11 and L21 of a front: the columns eliminated, and the unknowns below them.
+  struct Panel {
+    double* values;
+    int num_columns, num_rows;
+  };
+  Panel panel_of(Index s);
+  double bytes_needed(bool is_serial) const;
+  /// Storage that no analysis can foresee.
+  static std::unique_ptr<double[]> allocate(Offset size);
+  void gather_values(const BlockMatrix& A);
+  void forget_factor();
+  /// Where a front keeps its update matrix: the update of a subtree's root outlives the stacks of the
+  /// subtree.
+  struct Place {
+    UpdateStacks& stacks;
+    double* root_updates;  ///< null: on the stacks like the others
+  };
+  std::span<const Index> children_of(Index s) const;
+  int num_delayed_by(Index s) const { return is_pivoted(s) ? pivoted_[s]->num_delayed() : 0; }
+  bool is_pivoted(Index s) const { return !is_definite_ && pivoted_[s] != nullptr; }
+  void factorize_front(Index s, const Place& place);
+  void factorize_all();
+  void assemble(const FrontAssembly& front, double* panel);
+  void eliminate(const FrontAssembly& front);
+  void eliminate_with_pivots(const FrontAssembly& front);
+  void form_update(const FrontAssembly& front, const Place& place);
+  template <class Visit>
+  void for_unknowns_below(Index s, const Visit& visit) const;
+  void solve_in_place();
+  Index null_position();
+  void solve_front(Index s);
+  void solve_front_transposed(Index s);
+
+  bool is_definite_;
+  MergedPattern pattern_;
+  std::unique_ptr<const MultifrontalAnalysis> analysis_;
+  int dim_ = 3;
+  bool has_little_memory_ = false;  // for subtrees at the same time, with the present pattern
+  bool is_serial_ = false;          // takes the subtrees one after another
+  std::vector<double> values_;      // by slot of the merged pattern
+  std::unique_ptr<double[]> factor_;
+  std::vector<UpdateMatrix> updates_;  // by supernode, from its front to its parent's
+  std::unique_ptr<double[]> root_updates_;
+  StackPool stack_pool_;
+  UpdateStacks top_stacks_;
+  std::vector<Index> bad_position_;  // by supernode: the column whose pivot failed, or -1
+  // Of a matrix that need not be definite:
+  std::vector<double> scales_;                          // by unknown
+  std::vector<std::unique_ptr<PivotedFront>> pivoted_;  // by supernode; null: L L^T
+  detail::PivotRule rule_;
+  std::vector<double> solution_, front_solution_, work_;
+};
+
+}  // namespace resilin
