@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <sstream>
 
@@ -129,6 +130,22 @@ bool can_allocate(std::size_t bytes) {
   if (place == MAP_FAILED) return false;
   munmap(place, bytes);
   return true;
+}
+
+std::unique_ptr<double[]> make_numbers(std::size_t count) {
+  std::unique_ptr<double[]> numbers = std::make_unique_for_overwrite<double[]>(count);
+#ifdef MADV_HUGEPAGE
+  constexpr std::size_t long_array = std::size_t{8} << 20;
+  const std::size_t bytes = count * sizeof(double);
+  if (bytes >= long_array) {
+    const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+    void* begin = numbers.get();
+    std::size_t room = bytes;
+    if (std::align(page, bytes - page, begin, room) != nullptr)
+      madvise(begin, room / page * page, MADV_HUGEPAGE);  // advice: a refusal changes nothing
+  }
+#endif
+  return numbers;
 }
 
 std::string out_of_memory_text(const std::bad_alloc& error) {

@@ -31,6 +31,10 @@ std::string words(const MemoryRoom& room);
 /// Whether so much address space can be had in one piece now: asks for it and gives it back.
 bool can_allocate(std::size_t bytes);
 
+/// An array of numbers that are yet to be written; a long one on large pages where the system has them, so
+/// that fewer addresses are looked up.
+std::unique_ptr<double[]> make_numbers(std::size_t count);
+
 /// More memory is needed than there is; `what()` is one line. Whatever catches std::bad_alloc catches this.
 class OutOfMemory : public std::bad_alloc {
  public:

@@ -23,36 +23,58 @@ namespace {
 
 constexpr double one = 1, minus_one = -1, zero = 0;
 constexpr int step = 1;
-/// Large fronts are cut into pieces of this size, whatever the number of threads.
-constexpr int piece = 384;
+/// Large fronts are cut into pieces of these sizes, whatever the number of threads.
+constexpr int piece_columns = 192, piece_rows = 768;
+/// Columns that LAPACK factorises: its own way is slow for narrow panels. Wider ones are halved, so that most
+/// of the work is products.
+constexpr int narrow = 24;
+
+/// Lower trapezoid of target = beta target - rows first_rows^T: `num_columns` columns of `num_rows` rows,
+/// where first_rows are the first of `rows`, which have `width` columns.
+void subtract_products(int num_columns, int num_rows, int width, const double* rows, int stride, double beta,
+                       double* target, int target_stride) {
+  const auto for_rows = [&](int column, int columns, int row) {
+    const int height = std::min(piece_rows, num_rows - row);
+    dgemm_("N", "T", &height, &columns, &width, &minus_one, rows + row, &stride, rows + column, &stride,
+           &beta, target + static_cast<Offset>(column) * target_stride + row, &target_stride);
+  };
+  const auto num_pieces = [](int size, int piece) {
+    return static_cast<std::size_t>((size + piece - 1) / piece);
+  };
+  parallel_tasks(num_pieces(num_columns, piece_columns), [&](std::size_t k) {
+    const int column = static_cast<int>(k) * piece_columns,
+              columns = std::min(piece_columns, num_columns - column);
+    dsyrk_("L", "N", &columns, &width, &minus_one, rows + column, &stride, &beta,
+           target + static_cast<Offset>(column) * (target_stride + 1), &target_stride);
+    const int below = column + columns;
+    parallel_tasks(num_pieces(num_rows - below, piece_rows), [&](std::size_t n) {
+      for_rows(column, columns, below + static_cast<int>(n) * piece_rows);
+    });
+  });
+}
 
 }  // namespace
 
 int cholesky_panel(int num_columns, int num_rows, double* panel, int stride) {
-  int info = 0;
-  dpotrf_("L", &num_columns, panel, &stride, &info);
-  if (info > 0) return info - 1;
-  if (num_rows == 0) return -1;
-  const int num_pieces = (num_rows + piece - 1) / piece;
-  parallel_tasks(static_cast<std::size_t>(num_pieces), [&](std::size_t k) {
-    const int first = static_cast<int>(k) * piece, rows = std::min(piece, num_rows - first);
-    dtrsm_("R", "L", "T", "N", &rows, &num_columns, &one, panel, &stride, panel + num_columns + first,
-           &stride);
-  });
-  return -1;
+  if (num_columns <= narrow) {
+    int info = 0;
+    dpotrf_("L", &num_columns, panel, &stride, &info);
+    if (info > 0) return info - 1;
+    if (num_rows > 0)
+      dtrsm_("R", "L", "T", "N", &num_rows, &num_columns, &one, panel, &stride, panel + num_columns, &stride);
+    return -1;
+  }
+  const int half = (num_columns / 2 + narrow - 1) / narrow * narrow, others = num_columns - half;
+  const int failed = cholesky_panel(half, others + num_rows, panel, stride);
+  if (failed >= 0) return failed;
+  double* const rest = panel + static_cast<Offset>(half) * (stride + 1);
+  subtract_products(others, others + num_rows, half, panel + half, stride, one, rest, stride);
+  const int failed_later = cholesky_panel(others, num_rows, rest, stride);
+  return failed_later < 0 ? -1 : half + failed_later;
 }
 
 void outer_product(int num_rows, int num_columns, const double* rows, int stride, double* update) {
-  const int num_pieces = (num_rows + piece - 1) / piece;
-  parallel_tasks(static_cast<std::size_t>(num_pieces), [&](std::size_t k) {
-    const int first = static_cast<int>(k) * piece, width = std::min(piece, num_rows - first);
-    const int below = num_rows - first - width;
-    double* diagonal = update + static_cast<Offset>(first) * num_rows + first;
-    dsyrk_("L", "N", &width, &num_columns, &minus_one, rows + first, &stride, &zero, diagonal, &num_rows);
-    if (below > 0)
-      dgemm_("N", "T", &below, &width, &num_columns, &minus_one, rows + first + width, &stride, rows + first,
-             &stride, &zero, diagonal + width, &num_rows);
-  });
+  subtract_products(num_rows, num_rows, num_columns, rows, stride, zero, update, num_rows);
 }
 
 void solve_panel(int num_columns, int num_rows, const double* panel, double* x, double* work) {

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <ranges>
 
+#include "resilin/core/memory.hpp"
 #include "resilin/core/parallel.hpp"
 #include "resilin/linear/blas.hpp"
 #include "resilin/linear/catalog.hpp"
@@ -23,7 +24,7 @@ void MultifrontalSolver::gather_values(const BlockMatrix& A) {
 
 std::unique_ptr<double[]> MultifrontalSolver::allocate(Offset size) {
   if (!fits(static_cast<double>(size) * sizeof(double))) throw std::bad_alloc();
-  return std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(size));
+  return make_numbers(static_cast<std::size_t>(size));
 }
 
 std::span<const Index> MultifrontalSolver::children_of(Index s) const {
@@ -155,8 +156,8 @@ void MultifrontalSolver::factorize_all() {
     return factorize_in_order(std::views::iota(0, num_supernodes), {top_stacks_, nullptr});
   }
   if (!root_updates_)
-    root_updates_ = std::make_unique_for_overwrite<double[]>(
-        static_cast<std::size_t>(analysis_->root_update_blocks * numbers_per_block + 1));
+    root_updates_ =
+        make_numbers(static_cast<std::size_t>(analysis_->root_update_blocks * numbers_per_block + 1));
   parallel_tasks(analysis_->subtrees.size(), [&](std::size_t k) {
     std::unique_ptr<UpdateStacks> stacks = stack_pool_.take();
     stacks->reserve(analysis_->subtree_stacks, numbers_per_block);
@@ -216,8 +217,8 @@ LinearReport MultifrontalSolver::factorize_prepared(const BlockMatrix& A) {
   foresee(bytes, A);
   const SingleThreadedBlas single_threaded(num_threads(), static_cast<std::size_t>(bytes));
   if (!factor_)
-    factor_ = std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(analysis_->factor_blocks) *
-                                                       static_cast<std::size_t>(dim_ * dim_));
+    factor_ = make_numbers(static_cast<std::size_t>(analysis_->factor_blocks) *
+                           static_cast<std::size_t>(dim_ * dim_));
   gather_values(A);
   updates_.assign(analysis_->supernodes.size(), {});
   bad_position_.assign(analysis_->supernodes.size(), -1);

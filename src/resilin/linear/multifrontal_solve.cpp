@@ -81,7 +81,7 @@ void MultifrontalSolver::solve_factored(const VectorX& b, VectorX& x) {
 /// largest entry of an eigenvector whose eigenvalue is no larger than round-off, or -1. The signs of the
 /// pivots are those of a matrix that is round-off away: without such an eigenvalue they are those of A.
 Index MultifrontalSolver::null_position() {
-  constexpr int num_iterations = 3;
+  constexpr int num_iterations = 2;
   constexpr double golden_ratio = 0.6180339887498949;
   solution_.resize(analysis_->node_at.size() * static_cast<std::size_t>(dim_));
   Eigen::Map<VectorX> x(solution_.data(), static_cast<Offset>(solution_.size()));

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "resilin/core/memory.hpp"
 #include "resilin/linear/multifrontal_analysis.hpp"
 
 namespace resilin {
@@ -16,7 +17,7 @@ class UpdateStacks {
     for (int k = 0; k < 2; ++k) {
       const Offset size = sizes.blocks[k] * numbers_per_block;
       if (size > capacity_[k]) {
-        numbers_[k] = std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(size));
+        numbers_[k] = make_numbers(static_cast<std::size_t>(size));
         capacity_[k] = size;
       }
       used_[k] = 0;
