@@ -111,6 +111,20 @@ BlockMatrix few_diagonal_blocks(int dim, int seed) {
   return A;
 }
 
+/// Couplings across the grid make large fronts; most columns wait for their neighbours.
+BlockMatrix large_fronts(int dim, int seed) {
+  Grid grid(dim, seed);
+  std::vector<std::pair<Index, Index>> pairs;
+  for (Index k = 0; k < 4 * Grid::size; ++k) pairs.emplace_back(grid.node(), grid.node());
+  std::erase_if(pairs, [](const auto& pair) { return pair.first == pair.second; });
+  BlockMatrix A = grid.empty_matrix(0, pairs);
+  for (Index i = 0; i < Grid::size; ++i)
+    if (i % 5 == 0) A.add_block(i, i, grid.symmetric_block().data());
+  grid.for_pairs([&](Index i, Index j) { A.add_block(i, j, grid.block().data()); });
+  for (const auto& [i, j] : pairs) A.add_block(i, j, grid.block().data());
+  return A;
+}
+
 /// Pivots that are small, though not zero.
 BlockMatrix small_diagonal(int dim, int seed) {
   BlockMatrix A = any_values(dim, seed);
@@ -144,6 +158,7 @@ const std::vector<Family> regular = {{"springs_less_a_shift", springs_less_a_shi
                                      {"any_values", any_values},
                                      {"zero_diagonal", zero_diagonal},
                                      {"few_diagonal_blocks", few_diagonal_blocks},
+                                     {"large_fronts", large_fronts},
                                      {"small_diagonal", small_diagonal}};
 
 constexpr int num_seeds = 6;

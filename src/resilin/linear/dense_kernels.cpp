@@ -21,7 +21,7 @@ void dgemv_(const char*, const int*, const int*, const double*, const double*, c
 namespace resilin::detail {
 namespace {
 
-constexpr double one = 1, minus_one = -1, zero = 0;
+constexpr double one = 1, minus_one = -1;
 constexpr int step = 1;
 /// Large fronts are cut into pieces of these sizes, whatever the number of threads.
 constexpr int piece_columns = 192, piece_rows = 768;
@@ -29,8 +29,8 @@ constexpr int piece_columns = 192, piece_rows = 768;
 /// of the work is products.
 constexpr int narrow = 24;
 
-/// Lower trapezoid of target = beta target - rows first_rows^T: `num_columns` columns of `num_rows` rows,
-/// where first_rows are the first of `rows`, which have `width` columns.
+}  // namespace
+
 void subtract_products(int num_columns, int num_rows, int width, const double* rows, int stride, double beta,
                        double* target, int target_stride) {
   const auto for_rows = [&](int column, int columns, int row) {
@@ -53,8 +53,6 @@ void subtract_products(int num_columns, int num_rows, int width, const double* r
   });
 }
 
-}  // namespace
-
 int cholesky_panel(int num_columns, int num_rows, double* panel, int stride) {
   if (num_columns <= narrow) {
     int info = 0;
@@ -71,10 +69,6 @@ int cholesky_panel(int num_columns, int num_rows, double* panel, int stride) {
   subtract_products(others, others + num_rows, half, panel + half, stride, one, rest, stride);
   const int failed_later = cholesky_panel(others, num_rows, rest, stride);
   return failed_later < 0 ? -1 : half + failed_later;
-}
-
-void outer_product(int num_rows, int num_columns, const double* rows, int stride, double* update) {
-  subtract_products(num_rows, num_rows, num_columns, rows, stride, zero, update, num_rows);
 }
 
 void solve_panel(int num_columns, int num_rows, const double* panel, double* x, double* work) {

@@ -11,8 +11,10 @@ namespace resilin::detail {
 /// not positive, or -1.
 int cholesky_panel(int num_columns, int num_rows, double* panel, int stride);
 
-/// Lower triangle of update = - rows rows^T, where `rows` is the lower part of a panel.
-void outer_product(int num_rows, int num_columns, const double* rows, int stride, double* update);
+/// Lower trapezoid of target = beta target - rows first_rows^T: `num_columns` columns of `num_rows` rows,
+/// where first_rows are the first of `rows`, which have `width` columns.
+void subtract_products(int num_columns, int num_rows, int width, const double* rows, int stride, double beta,
+                       double* target, int target_stride);
 
 /// x = L11^-1 x, work -= L21 x.
 void solve_panel(int num_columns, int num_rows, const double* panel, double* x, double* work);

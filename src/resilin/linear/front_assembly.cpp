@@ -28,7 +28,7 @@ void FrontAssembly::add_to_panel(const Supernode& child, const UpdateMatrix& upd
       static_cast<Index>(std::lower_bound(places, places + num_child_rows, supernode().num_columns) - places);
   for (Index column = 0; column < num_summed; ++column)
     for (int c = 0; c < dim; ++c) {
-      const double* from = update.of_rows() + (static_cast<Offset>(column) * dim + c) * update.order;
+      const double* from = update.column(update.num_delayed + column * dim + c) + update.num_delayed;
       double* to = panel + (static_cast<Offset>(places[column]) * dim + c) * stride();
       detail::add_rows(dim, from, places, column, num_summed, to);
       detail::add_rows(dim, from, places, num_summed, num_child_rows, to + num_delayed);
@@ -41,7 +41,7 @@ void FrontAssembly::add_delayed(const Supernode& child, const UpdateMatrix& upda
   const Index* places = analysis.places.data() + child.rows_begin;
   const int first = num_own() + first_delayed;
   for (int j = 0; j < update.num_delayed; ++j) {
-    const double* from = update.values + static_cast<Offset>(j) * update.order;
+    const double* from = update.column(j);
     double* to = panel + static_cast<Offset>(first + j) * stride();
     for (int i = j; i < update.num_delayed; ++i) to[first + i] += from[i];
     from += update.num_delayed;
@@ -55,18 +55,17 @@ void FrontAssembly::add_delayed(const Supernode& child, const UpdateMatrix& upda
   }
 }
 
-void FrontAssembly::add_to_update(const Supernode& child, const UpdateMatrix& update, double* to,
-                                  int to_stride) const {
+void FrontAssembly::add_to_update(const Supernode& child, const UpdateMatrix& update,
+                                  const UpdateMatrix& to) const {
   const Index* places = analysis.places.data() + child.rows_begin;
-  const Index num_child_rows = child.num_rows(), num_columns = supernode().num_columns;
+  const Index num_child_rows = child.num_rows();
+  const int shift = to.num_delayed - num_own();  // from places in the front to rows of its update
   const auto first =
-      static_cast<Index>(std::lower_bound(places, places + num_child_rows, num_columns) - places);
+      static_cast<Index>(std::lower_bound(places, places + num_child_rows, supernode().num_columns) - places);
   for (Index column = first; column < num_child_rows; ++column)
     for (int c = 0; c < dim; ++c)
-      detail::add_rows(dim, update.of_rows() + (static_cast<Offset>(column) * dim + c) * update.order, places,
-                       column, num_child_rows,
-                       to + (static_cast<Offset>(places[column] - num_columns) * dim + c) * to_stride -
-                           static_cast<Offset>(num_columns) * dim);
+      detail::add_rows(dim, update.column(update.num_delayed + column * dim + c) + update.num_delayed, places,
+                       column, num_child_rows, to.column(places[column] * dim + c + shift) + shift);
 }
 
 }  // namespace resilin

@@ -1,20 +1,33 @@
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
+#include "resilin/core/parallel.hpp"
 #include "resilin/linear/multifrontal_analysis.hpp"
 
 namespace resilin {
 
-/// An update matrix of a front: the lower triangle of `num_delayed` unknowns that it could not eliminate and
-/// of its rows below.
+/// An update matrix of a front: of `num_delayed` unknowns that it could not eliminate, and of its rows below.
+/// One with delayed unknowns is a single block: nodes are not to be split among blocks.
 struct UpdateMatrix {
-  double* values = nullptr;  ///< column-major
+  UpdateLayout layout{0, 1};
   int num_delayed = 0;
-  int order = 0;  ///< its stride
+  double* values = nullptr;
 
-  /// The part of the rows below.
-  double* of_rows() const { return values + static_cast<Offset>(num_delayed) * (order + 1); }
+  /// Row 0 of a column: those from its block on are there.
+  double* column(int j) const { return values + layout.column_begin(j); }
+
+  /// Calls visit(first, count) for columns of the rows below, `width` at a time, which a block is a multiple
+  /// of; for several at the same time.
+  template <class Visit>
+  void for_columns_of_rows(int width, const Visit& visit) const {
+    const int num_rows = layout.order - num_delayed;
+    parallel_tasks(static_cast<std::size_t>((num_rows + width - 1) / width), [&](std::size_t k) {
+      const int first = num_delayed + static_cast<int>(k) * width;
+      visit(first, std::min(width, layout.order - first));
+    });
+  }
 };
 
 /// Sums the dense matrix of a front from entries of the matrix and the update matrices of its children. The
@@ -37,8 +50,8 @@ struct FrontAssembly {
   /// among those of all children.
   void add_to_panel(const Supernode& child, const UpdateMatrix& update, int first_delayed,
                     double* panel) const;
-  /// The rest of them. `to` is the part of the rows below.
-  void add_to_update(const Supernode& child, const UpdateMatrix& update, double* to, int to_stride) const;
+  /// The rest of them.
+  void add_to_update(const Supernode& child, const UpdateMatrix& update, const UpdateMatrix& to) const;
 
  private:
   void add_delayed(const Supernode& child, const UpdateMatrix& update, int first_delayed,

@@ -97,40 +97,57 @@ void MultifrontalSolver::eliminate_with_pivots(const FrontAssembly& front) {
 
 void MultifrontalSolver::form_update(const FrontAssembly& front, const Place& place) {
   const Index s = front.front;
-  const int num_rows = front.num_rows(), stride = front.stride(), own_stack = analysis_->stack_of[s];
+  const int own_stack = analysis_->stack_of[s];
   const auto is_on_stack = [&](Index t) {
     return num_delayed_by(t) == 0 && (place.root_updates == nullptr || analysis_->root_update_begin[t] < 0);
   };
-  if (num_rows > 0) {
-    const auto [panel, num_columns, num_below] = panel_of(s);
+  if (front.num_rows() > 0) {
     UpdateMatrix& update = updates_[s];
-    update = {nullptr, num_delayed_by(s), num_below};
-    const Offset size = static_cast<Offset>(update.order) * update.order;
+    const int num_delayed = num_delayed_by(s), order = num_delayed + front.num_rows();
+    update = {{order, num_delayed > 0 ? order : UpdateLayout::nodes_per_block * dim_}, num_delayed};
     if (update.num_delayed > 0) {
-      pivoted_[s]->update = allocate(size);
+      pivoted_[s]->update = allocate(update.layout.size());
       update.values = pivoted_[s]->update.get();
-      for (int j = 0; j < update.num_delayed; ++j)
-        std::copy_n(panel + static_cast<Offset>(num_columns + j) * stride + num_columns + j, num_below - j,
-                    update.values + static_cast<Offset>(j) * (num_below + 1));
     } else {
-      update.values = is_on_stack(s) ? place.stacks.push(own_stack, size)
+      update.values = is_on_stack(s) ? place.stacks.push(own_stack, update.layout.size())
                                      : place.root_updates + analysis_->root_update_begin[s] * dim_ * dim_;
     }
-    const double* const rows = panel + num_columns + update.num_delayed;
-    if (is_pivoted(s)) {
-      detail::pivoted_outer_product(num_rows, pivoted_[s]->pivots, rows, stride, update.of_rows(),
-                                    update.order);
-    } else {
-      detail::outer_product(num_rows, num_columns, rows, stride, update.values);
-    }
+    eliminate_from(update, front);
     for (const Index child : children_of(s))
-      front.add_to_update(analysis_->supernodes[child], updates_[child], update.of_rows(), update.order);
+      front.add_to_update(analysis_->supernodes[child], updates_[child], update);
   }
   for (const Index child : children_of(s)) {
-    const Offset size = static_cast<Offset>(updates_[child].order) * updates_[child].order;
-    if (is_on_stack(child)) place.stacks.pop(1 - own_stack, size);
+    if (is_on_stack(child)) place.stacks.pop(1 - own_stack, updates_[child].layout.size());
     if (is_pivoted(child)) pivoted_[child]->update.reset();
   }
+}
+
+/// What the columns of a front take from its update matrix, and those that it delays.
+void MultifrontalSolver::eliminate_from(const UpdateMatrix& update, const FrontAssembly& front) {
+  const int stride = front.stride();
+  const auto [panel, width, num_below] = panel_of(front.front);
+  const double* const below = panel + width;
+  for (int j = 0; j < update.num_delayed; ++j)
+    std::copy_n(below + static_cast<Offset>(width + j) * stride + j, num_below - j, update.column(j) + j);
+  const auto take = [&](const auto& subtract) {
+    update.for_columns_of_rows(UpdateLayout::nodes_per_block * dim_,
+                               [&, num_rows = num_below](int first, int num_columns) {
+                                 subtract(num_columns, num_rows - first, first, update.column(first) + first,
+                                          update.layout.stride(first));
+                               });
+  };
+  if (!is_pivoted(front.front))
+    return take(
+        [&, k = width, rows = below](int num_columns, int num_rows, int first, double* to, int to_stride) {
+          detail::subtract_products(num_columns, num_rows, k, rows + first, stride, 0, to, to_stride);
+        });
+  const std::vector<double> times_D =
+      detail::times_diagonal(num_below, pivoted_[front.front]->pivots, below, stride);
+  take([&, k = width, rows = below, height = num_below](int num_columns, int num_rows, int first, double* to,
+                                                        int to_stride) {
+    detail::negative_product(num_rows, num_columns, k, times_D.data() + first, height, rows + first, stride,
+                             to, to_stride);
+  });
 }
 
 void MultifrontalSolver::factorize_front(Index s, const Place& place) {

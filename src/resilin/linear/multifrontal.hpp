@@ -68,6 +68,7 @@ class MultifrontalSolver : public DirectSolver {
   void eliminate(const FrontAssembly& front);
   void eliminate_with_pivots(const FrontAssembly& front);
   void form_update(const FrontAssembly& front, const Place& place);
+  void eliminate_from(const UpdateMatrix& update, const FrontAssembly& front);
   template <class Visit>
   void for_unknowns_below(Index s, const Visit& visit) const;
   void solve_in_place();

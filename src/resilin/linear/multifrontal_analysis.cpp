@@ -185,7 +185,7 @@ void split_tree(MultifrontalAnalysis& analysis) {
 }
 
 Offset update_blocks(const Supernode& supernode) {
-  return static_cast<Offset>(supernode.num_rows()) * supernode.num_rows();
+  return UpdateLayout{supernode.num_rows(), UpdateLayout::nodes_per_block}.size();
 }
 
 /// Plays the factorisation through to see how high the stacks grow.

@@ -229,8 +229,8 @@ bool is_bounded(int num_columns, int num_rows, const double* panel, int stride, 
   return is_bounded;
 }
 
-void pivoted_outer_product(int num_rows, const PivotedColumns& columns, const double* rows, int stride,
-                           double* update, int update_stride) {
+std::vector<double> times_diagonal(int num_rows, const PivotedColumns& columns, const double* rows,
+                                   int stride) {
   const int width = columns.num_eliminated;
   std::vector<double> times_D(static_cast<std::size_t>(num_rows) * static_cast<std::size_t>(width));
   const auto row_of = [&](int k) { return rows + static_cast<Offset>(k) * stride; };
@@ -244,12 +244,13 @@ void pivoted_outer_product(int num_rows, const PivotedColumns& columns, const do
     const double* other = row_of(has_next ? k + 1 : k - 1);
     for (int i = 0; i < num_rows; ++i) to[i] += off * other[i];
   }
-  parallel_tasks(static_cast<std::size_t>((num_rows + piece - 1) / piece), [&](std::size_t n) {
-    const int first = static_cast<int>(n) * piece, count = std::min(piece, num_rows - first);
-    const int height = num_rows - first;
-    dgemm_("N", "T", &height, &count, &width, &minus_one, times_D.data() + first, &num_rows, rows + first,
-           &stride, &zero, update + static_cast<Offset>(first) * update_stride + first, &update_stride);
-  });
+  return times_D;
+}
+
+void negative_product(int num_rows, int num_columns, int width, const double* left, int left_stride,
+                      const double* right, int right_stride, double* target, int target_stride) {
+  dgemm_("N", "T", &num_rows, &num_columns, &width, &minus_one, left, &left_stride, right, &right_stride,
+         &zero, target, &target_stride);
 }
 
 void solve_diagonal(const PivotedColumns& columns, double* x) {

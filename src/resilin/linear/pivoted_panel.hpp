@@ -36,9 +36,13 @@ PivotedColumns ldlt_panel(int num_columns, int num_rows, double* panel, int stri
 /// then the factorisation is stable, though the matrix may have negative eigenvalues elsewhere.
 bool is_bounded(int num_columns, int num_rows, const double* panel, int stride, const PivotRule& rule);
 
-/// Lower triangle of update = - rows D rows^T, where `rows` is L21.
-void pivoted_outer_product(int num_rows, const PivotedColumns& columns, const double* rows, int stride,
-                           double* update, int update_stride);
+/// rows D, one column after the other, where `rows` is L21.
+std::vector<double> times_diagonal(int num_rows, const PivotedColumns& columns, const double* rows,
+                                   int stride);
+
+/// target = - left right^T, of `width` columns each.
+void negative_product(int num_rows, int num_columns, int width, const double* left, int left_stride,
+                      const double* right, int right_stride, double* target, int target_stride);
 
 /// x = D^-1 x.
 void solve_diagonal(const PivotedColumns& columns, double* x);
