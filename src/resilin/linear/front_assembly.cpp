@@ -6,7 +6,7 @@
 
 namespace resilin {
 
-void FrontAssembly::add_entries(const std::vector<double>& values, double* panel) const {
+void FrontAssembly::add_entries(double* panel) const {
   const int height = stride();
   for (Offset e = analysis.entry_begin[front]; e < analysis.entry_begin[front + 1]; ++e) {
     const MultifrontalAnalysis::Entry& entry = analysis.entries[e];

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <algorithm>
-#include <vector>
+#include <span>
 
 #include "resilin/core/parallel.hpp"
 #include "resilin/linear/multifrontal_analysis.hpp"
@@ -35,8 +35,9 @@ struct UpdateMatrix {
 struct FrontAssembly {
   const MultifrontalAnalysis& analysis;
   int dim;
-  Index front;          ///< the supernode
-  int num_delayed = 0;  ///< by all of its children
+  std::span<const double> values;  ///< blocks by slot of the merged pattern
+  Index front;                     ///< the supernode
+  int num_delayed = 0;             ///< by all of its children
 
   int num_own() const { return supernode().num_columns * dim; }
   int num_columns() const { return num_own() + num_delayed; }
@@ -44,8 +45,7 @@ struct FrontAssembly {
   int stride() const { return num_columns() + num_rows(); }
   const Supernode& supernode() const { return analysis.supernodes[front]; }
 
-  /// @param values  blocks by slot of the merged pattern
-  void add_entries(const std::vector<double>& values, double* panel) const;
+  void add_entries(double* panel) const;
   /// Columns of the child's update that are fully summed here; those that it delayed begin at `first_delayed`
   /// among those of all children.
   void add_to_panel(const Supernode& child, const UpdateMatrix& update, int first_delayed,

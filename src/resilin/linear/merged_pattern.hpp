@@ -26,6 +26,8 @@ class MergedPattern {
   Index num_nodes() const { return static_cast<Index>(row_begin.size()) - 1; }
   Offset num_slots() const { return static_cast<Offset>(columns.size()); }
   Offset find_slot(Index i, Index j) const;
+  /// Whether the values of `A`, whose pattern is held, stand by slot as they are.
+  bool is_that_of(const BlockMatrix& A) const { return base_slots_.empty() && A.extra.empty(); }
 
   /// Calls visit(slot, values) for every block of `A`, each with its slot in the merged pattern; those of
   /// different slots at the same time.

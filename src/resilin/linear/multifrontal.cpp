@@ -14,12 +14,19 @@
 
 namespace resilin {
 
-void MultifrontalSolver::gather_values(const BlockMatrix& A) {
+/// Those of A themselves where they need neither be merged nor scaled.
+std::span<const double> MultifrontalSolver::gather_values(const BlockMatrix& A) {
+  if (is_definite_ && pattern_.is_that_of(A)) {
+    values_ = {};
+    return A.values;
+  }
   const int size = dim_ * dim_;
   values_.assign(static_cast<std::size_t>(pattern_.num_slots()) * size, 0.0);
   pattern_.for_each_block(A, [&](Offset slot, const double* block) {
     for (int k = 0; k < size; ++k) values_[slot * size + k] += block[k];
   });
+  if (!is_definite_) scales_ = equilibrate(pattern_, dim_, values_);
+  return values_;
 }
 
 std::unique_ptr<double[]> MultifrontalSolver::allocate(Offset size) {
@@ -44,7 +51,7 @@ MultifrontalSolver::Panel MultifrontalSolver::panel_of(Index s) {
 
 void MultifrontalSolver::assemble(const FrontAssembly& front, double* panel) {
   std::fill_n(panel, static_cast<Offset>(front.num_columns()) * front.stride(), 0.0);
-  front.add_entries(values_, panel);
+  front.add_entries(panel);
   int first_delayed = 0;
   for (const Index child : children_of(front.front)) {
     front.add_to_panel(analysis_->supernodes[child], updates_[child], first_delayed, panel);
@@ -150,8 +157,8 @@ void MultifrontalSolver::eliminate_from(const UpdateMatrix& update, const FrontA
   });
 }
 
-void MultifrontalSolver::factorize_front(Index s, const Place& place) {
-  FrontAssembly front{*analysis_, dim_, s};
+void MultifrontalSolver::factorize_front(Index s, std::span<const double> values, const Place& place) {
+  FrontAssembly front{*analysis_, dim_, values, s};
   for (const Index child : children_of(s)) front.num_delayed += num_delayed_by(child);
   eliminate(front);
   if (bad_position_[s] < 0) form_update(front, place);
@@ -159,11 +166,11 @@ void MultifrontalSolver::factorize_front(Index s, const Place& place) {
 
 /// Stops at the first pivot that fails in every subtree, and before the top when there is one. Every front is
 /// computed alike however many threads there are; one subtree at a time needs less memory.
-void MultifrontalSolver::factorize_all() {
+void MultifrontalSolver::factorize_all(std::span<const double> values) {
   const int numbers_per_block = dim_ * dim_;
   const auto factorize_in_order = [&](const auto& supernodes, const Place& place) {
     for (const Index s : supernodes) {
-      factorize_front(s, place);
+      factorize_front(s, values, place);
       if (bad_position_[s] >= 0) return;
     }
   };
@@ -236,15 +243,14 @@ LinearReport MultifrontalSolver::factorize_prepared(const BlockMatrix& A) {
   if (!factor_)
     factor_ = make_numbers(static_cast<std::size_t>(analysis_->factor_blocks) *
                            static_cast<std::size_t>(dim_ * dim_));
-  gather_values(A);
+  const std::span<const double> values = gather_values(A);
   updates_.assign(analysis_->supernodes.size(), {});
   bad_position_.assign(analysis_->supernodes.size(), -1);
   if (!is_definite_) {
-    scales_ = equilibrate(pattern_, dim_, values_);
     pivoted_.clear();
     pivoted_.resize(analysis_->supernodes.size());
   }
-  factorize_all();
+  factorize_all(values);
   const auto bad = std::find_if(bad_position_.begin(), bad_position_.end(), [](Index b) { return b >= 0; });
   const Index bad_position = bad != bad_position_.end() ? *bad : is_definite_ ? -1 : null_position();
   if (bad_position >= 0) {

@@ -51,7 +51,7 @@ class MultifrontalSolver : public DirectSolver {
   double bytes_needed(bool is_serial) const;
   /// Storage that no analysis can foresee.
   static std::unique_ptr<double[]> allocate(Offset size);
-  void gather_values(const BlockMatrix& A);
+  std::span<const double> gather_values(const BlockMatrix& A);
   void forget_factor();
   /// Where a front keeps its update matrix: the update of a subtree's root outlives the stacks of the
   /// subtree.
@@ -62,8 +62,8 @@ class MultifrontalSolver : public DirectSolver {
   std::span<const Index> children_of(Index s) const;
   int num_delayed_by(Index s) const { return is_pivoted(s) ? pivoted_[s]->num_delayed() : 0; }
   bool is_pivoted(Index s) const { return !is_definite_ && pivoted_[s] != nullptr; }
-  void factorize_front(Index s, const Place& place);
-  void factorize_all();
+  void factorize_front(Index s, std::span<const double> values, const Place& place);
+  void factorize_all(std::span<const double> values);
   void assemble(const FrontAssembly& front, double* panel);
   void eliminate(const FrontAssembly& front);
   void eliminate_with_pivots(const FrontAssembly& front);
@@ -82,7 +82,7 @@ class MultifrontalSolver : public DirectSolver {
   int dim_ = 3;
   bool has_little_memory_ = false;  // for subtrees at the same time, with the present pattern
   bool is_serial_ = false;          // takes the subtrees one after another
-  std::vector<double> values_;      // by slot of the merged pattern
+  std::vector<double> values_;      // by slot of the merged pattern, where they are not those of A
   std::unique_ptr<double[]> factor_;
   std::vector<UpdateMatrix> updates_;  // by supernode, from its front to its parent's
   std::unique_ptr<double[]> root_updates_;
