@@ -53,7 +53,10 @@ void subtract_products(int num_columns, int num_rows, int width, const double* r
   });
 }
 
-int cholesky_panel(int num_columns, int num_rows, double* panel, int stride) {
+namespace {
+
+/// Of columns that stand in one block.
+int cholesky_block(int num_columns, int num_rows, double* panel, int stride) {
   if (num_columns <= narrow) {
     int info = 0;
     dpotrf_("L", &num_columns, panel, &stride, &info);
@@ -63,29 +66,63 @@ int cholesky_panel(int num_columns, int num_rows, double* panel, int stride) {
     return -1;
   }
   const int half = (num_columns / 2 + narrow - 1) / narrow * narrow, others = num_columns - half;
-  const int failed = cholesky_panel(half, others + num_rows, panel, stride);
+  const int failed = cholesky_block(half, others + num_rows, panel, stride);
   if (failed >= 0) return failed;
   double* const rest = panel + static_cast<Offset>(half) * (stride + 1);
   subtract_products(others, others + num_rows, half, panel + half, stride, one, rest, stride);
-  const int failed_later = cholesky_panel(others, num_rows, rest, stride);
+  const int failed_later = cholesky_block(others, num_rows, rest, stride);
   return failed_later < 0 ? -1 : half + failed_later;
 }
 
-void solve_panel(int num_columns, int num_rows, const double* panel, double* x, double* work) {
-  const int stride = num_columns + num_rows;
-  dtrsv_("L", "N", "N", &num_columns, panel, &stride, x, &step);
-  if (num_rows > 0)
-    dgemv_("N", &num_rows, &num_columns, &minus_one, panel + num_columns, &stride, x, &step, &one, work,
-           &step);
+}  // namespace
+
+int cholesky_panel(int num_columns, const Trapezoid& panel) {
+  const int order = panel.layout.order, block_width = panel.layout.block_width;
+  for (int first = 0; first < num_columns; first += block_width) {
+    const int width = std::min(block_width, num_columns - first), stride = panel.layout.stride(first);
+    double* const block = panel.column(first) + first;
+    const int failed_here = cholesky_block(width, order - first - width, block, stride);
+    if (failed_here >= 0) return first + failed_here;
+    const int left = num_columns - first - width;
+    parallel_tasks(static_cast<std::size_t>((left + block_width - 1) / block_width), [&](std::size_t k) {
+      const int column = first + (static_cast<int>(k) + 1) * block_width;
+      subtract_products(std::min(block_width, num_columns - column), order - column, width,
+                        block + (column - first), stride, one, panel.column(column) + column,
+                        panel.layout.stride(column));
+    });
+  }
+  return -1;
 }
 
-void solve_panel_transposed(int num_columns, int num_rows, const double* panel, double* x,
-                            const double* work) {
-  const int stride = num_columns + num_rows;
-  if (num_rows > 0)
-    dgemv_("T", &num_rows, &num_columns, &minus_one, panel + num_columns, &stride, work, &step, &one, x,
-           &step);
-  dtrsv_("L", "T", "N", &num_columns, panel, &stride, x, &step);
+void solve_panel(int num_columns, const Trapezoid& panel, double* x, double* work) {
+  const int num_rows = panel.layout.order - num_columns;
+  for (int first = 0; first < num_columns; first += panel.layout.block_width) {
+    const int stride = panel.layout.stride(first),
+              width = std::min(panel.layout.block_width, num_columns - first);
+    const int end = first + width, left = num_columns - end;
+    const double* const block = panel.column(first);
+    dtrsv_("L", "N", "N", &width, block + first, &stride, x + first, &step);
+    if (left > 0)
+      dgemv_("N", &left, &width, &minus_one, block + end, &stride, x + first, &step, &one, x + end, &step);
+    if (num_rows > 0)
+      dgemv_("N", &num_rows, &width, &minus_one, block + num_columns, &stride, x + first, &step, &one, work,
+             &step);
+  }
+}
+
+void solve_panel_transposed(int num_columns, const Trapezoid& panel, double* x, const double* work) {
+  const int num_rows = panel.layout.order - num_columns, block_width = panel.layout.block_width;
+  for (int first = panel.layout.first_of_block(num_columns - 1); first >= 0; first -= block_width) {
+    const int stride = panel.layout.stride(first), width = std::min(block_width, num_columns - first);
+    const int end = first + width, left = num_columns - end;
+    const double* const block = panel.column(first);
+    if (num_rows > 0)
+      dgemv_("T", &num_rows, &width, &minus_one, block + num_columns, &stride, work, &step, &one, x + first,
+             &step);
+    if (left > 0)
+      dgemv_("T", &left, &width, &minus_one, block + end, &stride, x + end, &step, &one, x + first, &step);
+    dtrsv_("L", "T", "N", &width, block + first, &stride, x + first, &step);
+  }
 }
 
 }  // namespace resilin::detail

@@ -1,15 +1,16 @@
 #pragma once
 
 #include "resilin/core/types.hpp"
+#include "resilin/linear/trapezoid.hpp"
 
 namespace resilin::detail {
 
-/// Dense kernels of a front, by BLAS and LAPACK. Column-major; a panel has num_columns + num_rows rows, its
-/// stride.
+/// Dense kernels of a front, by BLAS and LAPACK. A panel has the columns that are eliminated, L11, and the
+/// rows below them, L21.
 
 /// panel = [L11; L21] of the Cholesky factorisation of its columns. Returns the first column whose pivot is
 /// not positive, or -1.
-int cholesky_panel(int num_columns, int num_rows, double* panel, int stride);
+int cholesky_panel(int num_columns, const Trapezoid& panel);
 
 /// Lower trapezoid of target = beta target - rows first_rows^T: `num_columns` columns of `num_rows` rows,
 /// where first_rows are the first of `rows`, which have `width` columns.
@@ -17,11 +18,10 @@ void subtract_products(int num_columns, int num_rows, int width, const double* r
                        double* target, int target_stride);
 
 /// x = L11^-1 x, work -= L21 x.
-void solve_panel(int num_columns, int num_rows, const double* panel, double* x, double* work);
+void solve_panel(int num_columns, const Trapezoid& panel, double* x, double* work);
 
 /// x = L11^-T (x - L21^T work).
-void solve_panel_transposed(int num_columns, int num_rows, const double* panel, double* x,
-                            const double* work);
+void solve_panel_transposed(int num_columns, const Trapezoid& panel, double* x, const double* work);
 
 /// Adds the part below the diagonal of a column of a child's update matrix to a column of its parent.
 /// `places` are block rows of the parent; block rows [first, num_rows) of the child are added whole.

@@ -10,13 +10,8 @@ namespace resilin {
 
 /// An update matrix of a front: of `num_delayed` unknowns that it could not eliminate, and of its rows below.
 /// One with delayed unknowns is a single block: nodes are not to be split among blocks.
-struct UpdateMatrix {
-  UpdateLayout layout{0, 1};
+struct UpdateMatrix : Trapezoid {
   int num_delayed = 0;
-  double* values = nullptr;
-
-  /// Row 0 of a column: those from its block on are there.
-  double* column(int j) const { return values + layout.column_begin(j); }
 
   /// Calls visit(first, count) for columns of the rows below, `width` at a time, which a block is a multiple
   /// of; for several at the same time.
@@ -42,20 +37,20 @@ struct FrontAssembly {
   int num_own() const { return supernode().num_columns * dim; }
   int num_columns() const { return num_own() + num_delayed; }
   int num_rows() const { return supernode().num_rows() * dim; }
-  int stride() const { return num_columns() + num_rows(); }
+  int height() const { return num_columns() + num_rows(); }
   const Supernode& supernode() const { return analysis.supernodes[front]; }
 
-  void add_entries(double* panel) const;
+  void add_entries(const Trapezoid& panel) const;
   /// Columns of the child's update that are fully summed here; those that it delayed begin at `first_delayed`
   /// among those of all children.
   void add_to_panel(const Supernode& child, const UpdateMatrix& update, int first_delayed,
-                    double* panel) const;
+                    const Trapezoid& panel) const;
   /// The rest of them.
   void add_to_update(const Supernode& child, const UpdateMatrix& update, const UpdateMatrix& to) const;
 
  private:
   void add_delayed(const Supernode& child, const UpdateMatrix& update, int first_delayed,
-                   double* panel) const;
+                   const Trapezoid& panel) const;
 };
 
 }  // namespace resilin

@@ -41,16 +41,17 @@ std::span<const Index> MultifrontalSolver::children_of(Index s) const {
 
 MultifrontalSolver::Panel MultifrontalSolver::panel_of(Index s) {
   const Supernode& supernode = analysis_->supernodes[s];
+  const int block_width = TrapezoidLayout::nodes_per_block * dim_;
   double* const foreseen = factor_.get() + supernode.factor_begin * dim_ * dim_;
-  const int num_rows = supernode.num_rows() * dim_;
-  if (!is_pivoted(s)) return {foreseen, supernode.num_columns * dim_, num_rows};
+  if (!is_pivoted(s))
+    return {supernode.num_columns * dim_, {{supernode.front_size() * dim_, block_width}, foreseen}};
   const PivotedFront& front = *pivoted_[s];
-  return {front.panel ? front.panel.get() : foreseen, front.pivots.num_eliminated,
-          front.num_delayed() + num_rows};
+  const int height = static_cast<int>(front.unknowns.size()) + supernode.num_rows() * dim_;
+  return {front.pivots.num_eliminated, {{height, block_width}, front.panel ? front.panel.get() : foreseen}};
 }
 
-void MultifrontalSolver::assemble(const FrontAssembly& front, double* panel) {
-  std::fill_n(panel, static_cast<Offset>(front.num_columns()) * front.stride(), 0.0);
+void MultifrontalSolver::assemble(const FrontAssembly& front, const Trapezoid& panel) {
+  std::fill_n(panel.values, panel.layout.size(front.num_columns()), 0.0);
   front.add_entries(panel);
   int first_delayed = 0;
   for (const Index child : children_of(front.front)) {
@@ -63,12 +64,12 @@ void MultifrontalSolver::assemble(const FrontAssembly& front, double* panel) {
 void MultifrontalSolver::eliminate(const FrontAssembly& front) {
   const Index s = front.front;
   if (front.num_delayed > 0) return eliminate_with_pivots(front);
-  const auto [panel, num_columns, num_rows] = panel_of(s);
+  const auto [num_columns, panel] = panel_of(s);
   assemble(front, panel);
-  const int failed_column = detail::cholesky_panel(num_columns, num_rows, panel, front.stride());
+  const int failed_column = detail::cholesky_panel(num_columns, panel);
   if (is_definite_) {
     if (failed_column >= 0) bad_position_[s] = front.supernode().first + failed_column / dim_;
-  } else if (failed_column >= 0 || !detail::is_bounded(num_columns, num_rows, panel, front.stride(), rule_)) {
+  } else if (failed_column >= 0 || !detail::is_bounded(num_columns, panel, rule_)) {
     eliminate_with_pivots(front);
   }
 }
@@ -76,14 +77,12 @@ void MultifrontalSolver::eliminate(const FrontAssembly& front) {
 void MultifrontalSolver::eliminate_with_pivots(const FrontAssembly& front) {
   const Index s = front.front;
   auto pivoted = std::make_unique<PivotedFront>();
-  double* panel = panel_of(s).values;
-  if (front.num_delayed > 0) {
-    const Offset size = static_cast<Offset>(front.num_columns()) * front.stride();
-    pivoted->panel = allocate(size);
-    panel = pivoted->panel.get();
-  }
-  assemble(front, panel);
-  pivoted->pivots = detail::ldlt_panel(front.num_columns(), front.num_rows(), panel, front.stride(), rule_);
+  const int height = front.height();
+  const TrapezoidLayout one_block{height, height};
+  pivoted->square = allocate(one_block.size(front.num_columns()));
+  assemble(front, {one_block, pivoted->square.get()});
+  pivoted->pivots =
+      detail::ldlt_panel(front.num_columns(), front.num_rows(), pivoted->square.get(), height, rule_);
 
   std::vector<Index> unknowns(static_cast<std::size_t>(front.num_own()));
   std::iota(unknowns.begin(), unknowns.end(), front.supernode().first * dim_);
@@ -111,57 +110,79 @@ void MultifrontalSolver::form_update(const FrontAssembly& front, const Place& pl
   if (front.num_rows() > 0) {
     UpdateMatrix& update = updates_[s];
     const int num_delayed = num_delayed_by(s), order = num_delayed + front.num_rows();
-    update = {{order, num_delayed > 0 ? order : UpdateLayout::nodes_per_block * dim_}, num_delayed};
+    update = {{{order, num_delayed > 0 ? order : TrapezoidLayout::nodes_per_block * dim_}}, num_delayed};
     if (update.num_delayed > 0) {
-      pivoted_[s]->update = allocate(update.layout.size());
+      pivoted_[s]->update = allocate(update.layout.size(order));
       update.values = pivoted_[s]->update.get();
     } else {
-      update.values = is_on_stack(s) ? place.stacks.push(own_stack, update.layout.size())
+      update.values = is_on_stack(s) ? place.stacks.push(own_stack, update.layout.size(order))
                                      : place.root_updates + analysis_->root_update_begin[s] * dim_ * dim_;
     }
-    eliminate_from(update, front);
+    if (is_pivoted(s)) {
+      eliminate_pivots_from(update, front);
+    } else {
+      eliminate_from(update, front);
+    }
     for (const Index child : children_of(s))
       front.add_to_update(analysis_->supernodes[child], updates_[child], update);
   }
   for (const Index child : children_of(s)) {
-    if (is_on_stack(child)) place.stacks.pop(1 - own_stack, updates_[child].layout.size());
+    const TrapezoidLayout& layout = updates_[child].layout;
+    if (is_on_stack(child)) place.stacks.pop(1 - own_stack, layout.size(layout.order));
     if (is_pivoted(child)) pivoted_[child]->update.reset();
   }
 }
 
-/// What the columns of a front take from its update matrix, and those that it delays.
+/// What the columns of a front take from its update matrix.
 void MultifrontalSolver::eliminate_from(const UpdateMatrix& update, const FrontAssembly& front) {
-  const int stride = front.stride();
-  const auto [panel, width, num_below] = panel_of(front.front);
-  const double* const below = panel + width;
-  for (int j = 0; j < update.num_delayed; ++j)
-    std::copy_n(below + static_cast<Offset>(width + j) * stride + j, num_below - j, update.column(j) + j);
-  const auto take = [&](const auto& subtract) {
-    update.for_columns_of_rows(UpdateLayout::nodes_per_block * dim_,
-                               [&, num_rows = num_below](int first, int num_columns) {
-                                 subtract(num_columns, num_rows - first, first, update.column(first) + first,
-                                          update.layout.stride(first));
-                               });
-  };
-  if (!is_pivoted(front.front))
-    return take(
-        [&, k = width, rows = below](int num_columns, int num_rows, int first, double* to, int to_stride) {
-          detail::subtract_products(num_columns, num_rows, k, rows + first, stride, 0, to, to_stride);
-        });
-  const std::vector<double> times_D =
-      detail::times_diagonal(num_below, pivoted_[front.front]->pivots, below, stride);
-  take([&, k = width, rows = below, height = num_below](int num_columns, int num_rows, int first, double* to,
-                                                        int to_stride) {
-    detail::negative_product(num_rows, num_columns, k, times_D.data() + first, height, rows + first, stride,
-                             to, to_stride);
+  const auto [num_columns, panel] = panel_of(front.front);
+  const int block_width = panel.layout.block_width;
+  update.for_columns_of_rows(block_width, [&, end = num_columns, L = panel](int first, int count) {
+    for (int begin = 0; begin < end; begin += block_width)
+      detail::subtract_products(count, update.layout.order - first, std::min(block_width, end - begin),
+                                L.column(begin) + end + first, L.layout.stride(begin), begin > 0 ? 1 : 0,
+                                update.column(first) + first, update.layout.stride(first));
   });
+}
+
+/// The same of one whose pivots were chosen; the columns that it delays come first in its update.
+void MultifrontalSolver::eliminate_pivots_from(const UpdateMatrix& update, const FrontAssembly& front) {
+  const PivotedFront& pivoted = *pivoted_[front.front];
+  const int width = pivoted.pivots.num_eliminated, stride = front.height(), order = update.layout.order;
+  const double* const below = pivoted.square.get() + width;
+  for (int j = 0; j < update.num_delayed; ++j)
+    std::copy_n(below + static_cast<Offset>(width + j) * stride + j, order - j, update.column(j) + j);
+  const std::vector<double> times_D = detail::times_diagonal(order, pivoted.pivots, below, stride);
+  update.for_columns_of_rows(TrapezoidLayout::nodes_per_block * dim_, [&](int first, int count) {
+    detail::negative_product(order - first, count, width, times_D.data() + first, order, below + first,
+                             stride, update.column(first) + first, update.layout.stride(first));
+  });
+}
+
+/// Of all the columns whose pivots were chosen those that are eliminated stay.
+void MultifrontalSolver::keep_panel(const FrontAssembly& front) {
+  PivotedFront& pivoted = *pivoted_[front.front];
+  auto [num_columns, panel] = panel_of(front.front);
+  if (front.num_delayed > 0) {
+    pivoted.panel = allocate(panel.layout.size(num_columns));
+    panel.values = pivoted.panel.get();
+  }
+  const int height = front.height();
+  for (int j = 0; j < num_columns; ++j) {
+    const int first = panel.layout.first_of_block(j);
+    const double* const from = pivoted.square.get() + static_cast<Offset>(j) * height;
+    std::copy(from + first, from + height, panel.column(j) + first);
+  }
+  pivoted.square.reset();
 }
 
 void MultifrontalSolver::factorize_front(Index s, std::span<const double> values, const Place& place) {
   FrontAssembly front{*analysis_, dim_, values, s};
   for (const Index child : children_of(s)) front.num_delayed += num_delayed_by(child);
   eliminate(front);
-  if (bad_position_[s] < 0) form_update(front, place);
+  if (bad_position_[s] >= 0) return;
+  form_update(front, place);
+  if (is_pivoted(s)) keep_panel(front);
 }
 
 /// Stops at the first pivot that fails in every subtree, and before the top when there is one. Every front is

@@ -15,8 +15,9 @@ namespace resilin {
 /// A front whose pivots were chosen one by one.
 struct PivotedFront {
   detail::PivotedColumns pivots;
-  std::vector<Index> unknowns;      ///< its columns: those eliminated, then those delayed; dim * position + d
-  std::unique_ptr<double[]> panel;  ///< of one that took up delayed columns; else where it was foreseen
+  std::vector<Index> unknowns;  ///< its columns: those eliminated, then those delayed; dim * position + d
+  std::unique_ptr<double[]> square;  ///< all of its columns, column-major, until its update is formed
+  std::unique_ptr<double[]> panel;   ///< of one that took up delayed columns; else where it was foreseen
   std::unique_ptr<double[]> update;  ///< of one that delays columns; else where it was foreseen
 
   int num_delayed() const { return static_cast<int>(unknowns.size()) - pivots.num_eliminated; }
@@ -44,8 +45,10 @@ class MultifrontalSolver : public DirectSolver {
  private:
   /// L11 and L21 of a front: the columns eliminated, and the unknowns below them.
   struct Panel {
-    double* values;
-    int num_columns, num_rows;
+    int num_columns;
+    Trapezoid values;
+
+    int num_rows() const { return values.layout.order - num_columns; }
   };
   Panel panel_of(Index s);
   double bytes_needed(bool is_serial) const;
@@ -64,11 +67,13 @@ class MultifrontalSolver : public DirectSolver {
   bool is_pivoted(Index s) const { return !is_definite_ && pivoted_[s] != nullptr; }
   void factorize_front(Index s, std::span<const double> values, const Place& place);
   void factorize_all(std::span<const double> values);
-  void assemble(const FrontAssembly& front, double* panel);
+  void assemble(const FrontAssembly& front, const Trapezoid& panel);
   void eliminate(const FrontAssembly& front);
   void eliminate_with_pivots(const FrontAssembly& front);
   void form_update(const FrontAssembly& front, const Place& place);
   void eliminate_from(const UpdateMatrix& update, const FrontAssembly& front);
+  void eliminate_pivots_from(const UpdateMatrix& update, const FrontAssembly& front);
+  void keep_panel(const FrontAssembly& front);
   template <class Visit>
   void for_unknowns_below(Index s, const Visit& visit) const;
   void solve_in_place();

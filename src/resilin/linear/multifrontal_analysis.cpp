@@ -185,7 +185,7 @@ void split_tree(MultifrontalAnalysis& analysis) {
 }
 
 Offset update_blocks(const Supernode& supernode) {
-  return UpdateLayout{supernode.num_rows(), UpdateLayout::nodes_per_block}.size();
+  return TrapezoidLayout{supernode.num_rows(), TrapezoidLayout::nodes_per_block}.size(supernode.num_rows());
 }
 
 /// Plays the factorisation through to see how high the stacks grow.
@@ -235,7 +235,8 @@ MultifrontalAnalysis::MultifrontalAnalysis(const MergedPattern& pattern) {
     rows.insert(rows.end(), column.rows.begin(), column.rows.end());
     supernode.rows_end = static_cast<Offset>(rows.size());
     supernode.factor_begin = factor_blocks;
-    factor_blocks += static_cast<Offset>(supernode.num_columns) * supernode.front_size();
+    factor_blocks +=
+        TrapezoidLayout{supernode.front_size(), TrapezoidLayout::nodes_per_block}.size(supernode.num_columns);
     for (Index i = column.first; i < column.first + column.count; ++i)
       supernode_of[i] = static_cast<Index>(supernodes.size());
     supernodes.push_back(supernode);

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "resilin/linear/merged_pattern.hpp"
+#include "resilin/linear/trapezoid.hpp"
 
 namespace resilin {
 
@@ -16,29 +17,6 @@ struct Supernode {
 
   Index num_rows() const { return static_cast<Index>(rows_end - rows_begin); }
   Index front_size() const { return num_columns + num_rows(); }
-};
-
-/// The lower triangle of an update matrix, in blocks of columns that begin at their diagonal: column-major
-/// trapezoids one after the other, as wide as this many nodes.
-struct UpdateLayout {
-  static constexpr Index nodes_per_block = 48;
-
-  int order;        ///< of the matrix
-  int block_width;  ///< columns of a block
-
-  int first_of_block(int column) const { return column / block_width * block_width; }
-  int stride(int column) const { return order - first_of_block(column); }
-  /// Where row 0 of a column would be: the rows from its block on are there.
-  Offset column_begin(int column) const {
-    const Offset first = first_of_block(column), num_blocks = first / block_width;
-    const Offset blocks_before =
-        first * order - static_cast<Offset>(block_width) * block_width * (num_blocks * (num_blocks - 1) / 2);
-    return blocks_before + (column - first) * (order - first) - first;
-  }
-  Offset size() const {
-    const int first_of_last = first_of_block(order), rest = order - first_of_last;
-    return column_begin(first_of_last) + first_of_last + static_cast<Offset>(rest) * rest;
-  }
 };
 
 /// The symbolic part of a multifrontal Cholesky factorisation, on the graph of the nodes.

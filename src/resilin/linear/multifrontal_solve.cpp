@@ -20,17 +20,18 @@ void MultifrontalSolver::for_unknowns_below(Index s, const Visit& visit) const {
 }
 
 void MultifrontalSolver::solve_front(Index s) {
-  const auto [panel, num_columns, num_rows] = panel_of(s);
-  work_.assign(static_cast<std::size_t>(num_rows), 0.0);
+  const Panel panel = panel_of(s);
+  const int num_columns = panel.num_columns;
+  work_.assign(static_cast<std::size_t>(panel.num_rows()), 0.0);
   if (is_pivoted(s)) {
     const PivotedFront& front = *pivoted_[s];
     front_solution_.resize(static_cast<std::size_t>(num_columns));
     for (int k = 0; k < num_columns; ++k) front_solution_[k] = solution_[front.unknowns[k]];
-    detail::solve_panel(num_columns, num_rows, panel, front_solution_.data(), work_.data());
+    detail::solve_panel(num_columns, panel.values, front_solution_.data(), work_.data());
     detail::solve_diagonal(front.pivots, front_solution_.data());
     for (int k = 0; k < num_columns; ++k) solution_[front.unknowns[k]] = front_solution_[k];
   } else {
-    detail::solve_panel(num_columns, num_rows, panel,
+    detail::solve_panel(num_columns, panel.values,
                         solution_.data() + static_cast<Offset>(analysis_->supernodes[s].first) * dim_,
                         work_.data());
   }
@@ -38,18 +39,19 @@ void MultifrontalSolver::solve_front(Index s) {
 }
 
 void MultifrontalSolver::solve_front_transposed(Index s) {
-  const auto [panel, num_columns, num_rows] = panel_of(s);
-  work_.resize(static_cast<std::size_t>(num_rows));
+  const Panel panel = panel_of(s);
+  const int num_columns = panel.num_columns;
+  work_.resize(static_cast<std::size_t>(panel.num_rows()));
   for_unknowns_below(s, [&](int k, Index unknown) { work_[k] = solution_[unknown]; });
   if (is_pivoted(s)) {
     const PivotedFront& front = *pivoted_[s];
     front_solution_.resize(static_cast<std::size_t>(num_columns));
     for (int k = 0; k < num_columns; ++k) front_solution_[k] = solution_[front.unknowns[k]];
-    detail::solve_panel_transposed(num_columns, num_rows, panel, front_solution_.data(), work_.data());
+    detail::solve_panel_transposed(num_columns, panel.values, front_solution_.data(), work_.data());
     for (int k = 0; k < num_columns; ++k) solution_[front.unknowns[k]] = front_solution_[k];
   } else {
     detail::solve_panel_transposed(
-        num_columns, num_rows, panel,
+        num_columns, panel.values,
         solution_.data() + static_cast<Offset>(analysis_->supernodes[s].first) * dim_, work_.data());
   }
 }

@@ -217,14 +217,13 @@ PivotedColumns ldlt_panel(int num_columns, int num_rows, double* panel, int stri
   return PanelFactorization(num_columns, num_rows, panel, stride, rule).run();
 }
 
-bool is_bounded(int num_columns, int num_rows, const double* panel, int stride, const PivotRule& rule) {
+bool is_bounded(int num_columns, const Trapezoid& panel, const PivotRule& rule) {
   const double bound = std::sqrt(rule.growth);
   bool is_bounded = true;
-  for (int j = 0; j < num_columns; ++j) {
-    const double* column = panel + static_cast<Offset>(j) * stride;
-    is_bounded =
-        is_bounded && column[j] * column[j] > rule.round_off &&
-        (Eigen::Map<const Eigen::ArrayXd>(column + j, num_columns + num_rows - j).abs() <= bound).all();
+  for (int j = 0; j < num_columns && is_bounded; ++j) {
+    const double* column = panel.column(j);
+    is_bounded = column[j] * column[j] > rule.round_off &&
+                 (Eigen::Map<const Eigen::ArrayXd>(column + j, panel.layout.order - j).abs() <= bound).all();
   }
   return is_bounded;
 }

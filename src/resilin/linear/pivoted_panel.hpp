@@ -2,6 +2,8 @@
 
 #include <vector>
 
+#include "resilin/linear/trapezoid.hpp"
+
 namespace resilin::detail {
 
 /// What a pivot must be, of a matrix whose largest entries are about one.
@@ -34,7 +36,7 @@ PivotedColumns ldlt_panel(int num_columns, int num_rows, double* panel, int stri
 
 /// Whether L L^T of a panel, as `cholesky_panel` leaves it, has added no more than the rule lets a pivot add:
 /// then the factorisation is stable, though the matrix may have negative eigenvalues elsewhere.
-bool is_bounded(int num_columns, int num_rows, const double* panel, int stride, const PivotRule& rule);
+bool is_bounded(int num_columns, const Trapezoid& panel, const PivotRule& rule);
 
 /// rows D, one column after the other, where `rows` is L21.
 std::vector<double> times_diagonal(int num_rows, const PivotedColumns& columns, const double* rows,
