@@ -61,28 +61,25 @@ void MultifrontalSolver::assemble(const FrontAssembly& front, const Trapezoid& p
 }
 
 /// Few fronts of most matrices hold a negative pivot: the others go the quick way.
-void MultifrontalSolver::eliminate(const FrontAssembly& front) {
+void MultifrontalSolver::eliminate(const FrontAssembly& front, UpdateStacks& stacks) {
   const Index s = front.front;
-  if (front.num_delayed > 0) return eliminate_with_pivots(front);
+  if (front.num_delayed > 0) return eliminate_with_pivots(front, square_of(front, stacks));
   const auto [num_columns, panel] = panel_of(s);
   assemble(front, panel);
   const int failed_column = detail::cholesky_panel(num_columns, panel);
   if (is_definite_) {
     if (failed_column >= 0) bad_position_[s] = front.supernode().first + failed_column / dim_;
   } else if (failed_column >= 0 || !detail::is_bounded(num_columns, panel, rule_)) {
-    eliminate_with_pivots(front);
+    eliminate_with_pivots(front, square_of(front, stacks));
   }
 }
 
-void MultifrontalSolver::eliminate_with_pivots(const FrontAssembly& front) {
+void MultifrontalSolver::eliminate_with_pivots(const FrontAssembly& front, double* square) {
   const Index s = front.front;
   auto pivoted = std::make_unique<PivotedFront>();
   const int height = front.height();
-  const TrapezoidLayout one_block{height, height};
-  pivoted->square = allocate(one_block.size(front.num_columns()));
-  assemble(front, {one_block, pivoted->square.get()});
-  pivoted->pivots =
-      detail::ldlt_panel(front.num_columns(), front.num_rows(), pivoted->square.get(), height, rule_);
+  assemble(front, {{height, height}, square});
+  pivoted->pivots = detail::ldlt_panel(front.num_columns(), front.num_rows(), square, height, rule_);
 
   std::vector<Index> unknowns(static_cast<std::size_t>(front.num_own()));
   std::iota(unknowns.begin(), unknowns.end(), front.supernode().first * dim_);
@@ -119,7 +116,7 @@ void MultifrontalSolver::form_update(const FrontAssembly& front, const Place& pl
                                      : place.root_updates + analysis_->root_update_begin[s] * dim_ * dim_;
     }
     if (is_pivoted(s)) {
-      eliminate_pivots_from(update, front);
+      eliminate_pivots_from(update, front, square_of(front, place.stacks));
     } else {
       eliminate_from(update, front);
     }
@@ -146,10 +143,11 @@ void MultifrontalSolver::eliminate_from(const UpdateMatrix& update, const FrontA
 }
 
 /// The same of one whose pivots were chosen; the columns that it delays come first in its update.
-void MultifrontalSolver::eliminate_pivots_from(const UpdateMatrix& update, const FrontAssembly& front) {
+void MultifrontalSolver::eliminate_pivots_from(const UpdateMatrix& update, const FrontAssembly& front,
+                                               const double* square) {
   const PivotedFront& pivoted = *pivoted_[front.front];
   const int width = pivoted.pivots.num_eliminated, stride = front.height(), order = update.layout.order;
-  const double* const below = pivoted.square.get() + width;
+  const double* const below = square + width;
   for (int j = 0; j < update.num_delayed; ++j)
     std::copy_n(below + static_cast<Offset>(width + j) * stride + j, order - j, update.column(j) + j);
   const std::vector<double> times_D = detail::times_diagonal(order, pivoted.pivots, below, stride);
@@ -160,7 +158,7 @@ void MultifrontalSolver::eliminate_pivots_from(const UpdateMatrix& update, const
 }
 
 /// Of all the columns whose pivots were chosen those that are eliminated stay.
-void MultifrontalSolver::keep_panel(const FrontAssembly& front) {
+void MultifrontalSolver::keep_panel(const FrontAssembly& front, const double* square) {
   PivotedFront& pivoted = *pivoted_[front.front];
   auto [num_columns, panel] = panel_of(front.front);
   if (front.num_delayed > 0) {
@@ -170,19 +168,18 @@ void MultifrontalSolver::keep_panel(const FrontAssembly& front) {
   const int height = front.height();
   for (int j = 0; j < num_columns; ++j) {
     const int first = panel.layout.first_of_block(j);
-    const double* const from = pivoted.square.get() + static_cast<Offset>(j) * height;
+    const double* const from = square + static_cast<Offset>(j) * height;
     std::copy(from + first, from + height, panel.column(j) + first);
   }
-  pivoted.square.reset();
 }
 
 void MultifrontalSolver::factorize_front(Index s, std::span<const double> values, const Place& place) {
   FrontAssembly front{*analysis_, dim_, values, s};
   for (const Index child : children_of(s)) front.num_delayed += num_delayed_by(child);
-  eliminate(front);
+  eliminate(front, place.stacks);
   if (bad_position_[s] >= 0) return;
   form_update(front, place);
-  if (is_pivoted(s)) keep_panel(front);
+  if (is_pivoted(s)) keep_panel(front, square_of(front, place.stacks));
 }
 
 /// Stops at the first pivot that fails in every subtree, and before the top when there is one. Every front is

@@ -15,9 +15,8 @@ namespace resilin {
 /// A front whose pivots were chosen one by one.
 struct PivotedFront {
   detail::PivotedColumns pivots;
-  std::vector<Index> unknowns;  ///< its columns: those eliminated, then those delayed; dim * position + d
-  std::unique_ptr<double[]> square;  ///< all of its columns, column-major, until its update is formed
-  std::unique_ptr<double[]> panel;   ///< of one that took up delayed columns; else where it was foreseen
+  std::vector<Index> unknowns;      ///< its columns: those eliminated, then those delayed; dim * position + d
+  std::unique_ptr<double[]> panel;  ///< of one that took up delayed columns; else where it was foreseen
   std::unique_ptr<double[]> update;  ///< of one that delays columns; else where it was foreseen
 
   int num_delayed() const { return static_cast<int>(unknowns.size()) - pivots.num_eliminated; }
@@ -68,12 +67,16 @@ class MultifrontalSolver : public DirectSolver {
   void factorize_front(Index s, std::span<const double> values, const Place& place);
   void factorize_all(std::span<const double> values);
   void assemble(const FrontAssembly& front, const Trapezoid& panel);
-  void eliminate(const FrontAssembly& front);
-  void eliminate_with_pivots(const FrontAssembly& front);
+  void eliminate(const FrontAssembly& front, UpdateStacks& stacks);
+  /// All columns of a front whose pivots are chosen, column-major, until its update matrix is formed.
+  static double* square_of(const FrontAssembly& front, UpdateStacks& stacks) {
+    return stacks.scratch(static_cast<Offset>(front.num_columns()) * front.height());
+  }
+  void eliminate_with_pivots(const FrontAssembly& front, double* square);
   void form_update(const FrontAssembly& front, const Place& place);
   void eliminate_from(const UpdateMatrix& update, const FrontAssembly& front);
-  void eliminate_pivots_from(const UpdateMatrix& update, const FrontAssembly& front);
-  void keep_panel(const FrontAssembly& front);
+  void eliminate_pivots_from(const UpdateMatrix& update, const FrontAssembly& front, const double* square);
+  void keep_panel(const FrontAssembly& front, const double* square);
   template <class Visit>
   void for_unknowns_below(Index s, const Visit& visit) const;
   void solve_in_place();

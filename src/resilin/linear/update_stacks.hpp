@@ -29,10 +29,21 @@ class UpdateStacks {
     return top;
   }
   void pop(int stack, Offset size) { used_[stack] -= size; }
+  /// Room for all columns of one front; the same, with what it holds, until more is asked for.
+  double* scratch(Offset size) {
+    if (size > scratch_capacity_) {
+      scratch_.reset();
+      scratch_ = make_numbers(static_cast<std::size_t>(size));
+      scratch_capacity_ = size;
+    }
+    return scratch_.get();
+  }
 
  private:
   std::unique_ptr<double[]> numbers_[2];
   Offset capacity_[2] = {0, 0}, used_[2] = {0, 0};
+  std::unique_ptr<double[]> scratch_;
+  Offset scratch_capacity_ = 0;
 };
 
 /// As many stacks as subtrees are being factorised at the same time.
