@@ -60,10 +60,11 @@ void MultifrontalSolver::assemble(const FrontAssembly& front, const Trapezoid& p
   }
 }
 
-/// Few fronts of most matrices hold a negative pivot: the others go the quick way.
+/// Few fronts of most matrices hold a negative pivot, and those above them: the others go the quick way.
 void MultifrontalSolver::eliminate(const FrontAssembly& front, UpdateStacks& stacks) {
   const Index s = front.front;
-  if (front.num_delayed > 0) return eliminate_with_pivots(front, square_of(front, stacks));
+  if (std::ranges::any_of(children_of(s), [&](Index child) { return is_pivoted(child); }))
+    return eliminate_with_pivots(front, square_of(front, stacks));
   const auto [num_columns, panel] = panel_of(s);
   assemble(front, panel);
   const int failed_column = detail::cholesky_panel(num_columns, panel);
