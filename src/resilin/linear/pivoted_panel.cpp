@@ -36,7 +36,7 @@ struct Pair {
 };
 
 /// The factorisation while it goes on. Columns [0, begin) are eliminated and all others know it; columns
-/// [begin, next) are eliminated, and of them only the pivots' own columns and `times_D_` know.
+/// [begin, next) are eliminated, and of them only the pivots' own columns and `scaled_columns_` know.
 class PanelFactorization {
  public:
   PanelFactorization(int num_columns, int num_rows, double* panel, int stride, const PivotRule& rule)
@@ -45,7 +45,7 @@ class PanelFactorization {
         stride_(stride),
         panel_(panel),
         rule_(rule),
-        times_D_(static_cast<std::size_t>(height_) * (block + 2)) {
+        scaled_columns_(static_cast<std::size_t>(height_) * (block + 2)) {
     result_.order.resize(static_cast<std::size_t>(num_columns));
     std::iota(result_.order.begin(), result_.order.end(), 0);
     result_.diagonal.assign(static_cast<std::size_t>(num_columns), 0.0);
@@ -74,7 +74,7 @@ class PanelFactorization {
  private:
   double& at(int i, int j) { return panel_[static_cast<Offset>(j) * stride_ + i]; }
   /// Rows of L D in the column of a pivot of this block, or of a candidate for the next ones.
-  double* times_D(int k) { return times_D_.data() + static_cast<Offset>(k - begin_) * height_; }
+  double* scaled_column(int k) { return scaled_columns_.data() + static_cast<Offset>(k - begin_) * height_; }
 
   /// Rows [next, height) of a column of the front, with all that has been eliminated.
   void bring_up_to_date(int column, double* to) {
@@ -82,7 +82,7 @@ class PanelFactorization {
     std::copy(&at(column, column), &at(column, column) + (height_ - column), to + column);
     const int rows = height_ - next_, pivots = next_ - begin_;
     if (pivots > 0)
-      dgemv_("N", &rows, &pivots, &minus_one, &at(next_, begin_), &stride_, times_D_.data() + column,
+      dgemv_("N", &rows, &pivots, &minus_one, &at(next_, begin_), &stride_, scaled_columns_.data() + column,
              &height_, &one, to + next_, &step);
   }
 
@@ -112,7 +112,7 @@ class PanelFactorization {
 
   void eliminate_next() {
     const int k = next_;
-    double* const column = times_D(k);
+    double* const column = scaled_column(k);
     bring_up_to_date(k, column);
     const double beside = largest(column, k, k);
     if (!(std::max(std::abs(column[k]), beside) > rule_.round_off)) {
@@ -124,7 +124,7 @@ class PanelFactorization {
     for (int i = k + 1; i < num_columns_; ++i)
       if (t < 0 || std::abs(column[i]) > std::abs(column[t])) t = i;
     if (t >= 0) {
-      double* const partner = times_D(k + 1);
+      double* const partner = scaled_column(k + 1);
       bring_up_to_date(t, partner);
       const Pair D{column[k], column[t], partner[t]};
       if (is_pivot(D, largest(column, k + 1, t), largest(partner, k + 1, t))) {
@@ -147,13 +147,13 @@ class PanelFactorization {
     std::swap(at(p, p), at(q, q));
     for (int i = p + 1; i < q; ++i) std::swap(at(i, p), at(q, i));
     std::swap_ranges(&at(q, p) + 1, &at(q, p) + (height_ - q), &at(q, q) + 1);
-    for (int k = begin_; k < next_ + 2; ++k) std::swap(times_D(k)[p], times_D(k)[q]);
+    for (int k = begin_; k < next_ + 2; ++k) std::swap(scaled_column(k)[p], scaled_column(k)[q]);
     std::swap(result_.order[p], result_.order[q]);
   }
 
   void eliminate_one() {
     const int k = next_++;
-    const double* const column = times_D(k);
+    const double* const column = scaled_column(k);
     const double D = column[k];
     result_.diagonal[k] = D;
     at(k, k) = 1;
@@ -163,7 +163,7 @@ class PanelFactorization {
   void eliminate_two() {
     const int k = next_;
     next_ += 2;
-    const double *const first = times_D(k), *const second = times_D(k + 1);
+    const double *const first = scaled_column(k), *const second = scaled_column(k + 1);
     const Pair D{first[k], first[k + 1], second[k + 1]};
     result_.diagonal[k] = D.first;
     result_.diagonal[k + 1] = D.second;
@@ -185,14 +185,14 @@ class PanelFactorization {
       const int first = next_ + static_cast<int>(n) * piece, width = std::min(piece, num_columns_ - first);
       const int rows = height_ - first;
       dgemm_("N", "T", &rows, &width, &pivots, &minus_one, &at(first, begin_), &stride_,
-             times_D_.data() + first, &height_, &one, &at(first, first), &stride_);
+             scaled_columns_.data() + first, &height_, &one, &at(first, first), &stride_);
     });
   }
 
   int num_columns_, height_, stride_;
   double* panel_;
   PivotRule rule_;
-  std::vector<double> times_D_;
+  std::vector<double> scaled_columns_;
   PivotedColumns result_;
   int begin_ = 0, next_ = 0, end_ = 0;  // columns [end, num_columns) failed of late
 };
