@@ -31,6 +31,11 @@ add_library(resilin_bounds_only INTERFACE)
 target_compile_options(resilin_bounds_only INTERFACE
   $<$<BOOL:${RESILIN_SANITIZE}>:-fno-sanitize=undefined -fno-sanitize-address-use-after-scope>)
 
+# Sources of tests: the library that they test is optimised, what they say themselves need not be.
+add_library(resilin_test_options INTERFACE)
+target_compile_options(resilin_test_options INTERFACE $<$<AND:$<CXX_COMPILER_ID:GNU>,$<CONFIG:Release>>:-Og>)
+target_link_libraries(resilin_test_options INTERFACE resilin_bounds_only)
+
 # ccache keeps objects that saw a precompiled header only when told that their macros and dates do not matter; relative
 # paths let two build folders share objects.
 if(CMAKE_CXX_COMPILER_LAUNCHER MATCHES "ccache$")
@@ -91,7 +96,7 @@ function(resilin_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;ALONE;LINK" ${ARGN})
   set(target ${name}_test)
   add_executable(${target} ${ARG_SOURCES})
-  target_link_libraries(${target} PRIVATE resilin_options resilin_bounds_only resilin_test_support ${ARG_LINK})
+  target_link_libraries(${target} PRIVATE resilin_options resilin_test_options resilin_test_support ${ARG_LINK})
   resilin_precompile(${target} TESTS)
   resilin_unite(${target} ${ARG_ALONE})
   gtest_discover_tests(${target} TEST_PREFIX "${name}/" NO_PRETTY_VALUES DISCOVERY_MODE PRE_TEST

@@ -161,7 +161,7 @@ int run(const RunOptions& options) {
   const Stopwatch stopwatch;
   if (options.threads > 0) set_num_threads(options.threads);
   Scene scene = read_scene(options.scene, {.overrides = overrides(options)});
-  Simulation simulation(scene.description);
+  Simulation simulation(std::move(scene.description));
   ResultFolder results(out_folder(options), stopwatch.seconds());
   const LogFile log(results.path() / "log.txt", options.resumes());
   if (!results.previous_holder().empty())

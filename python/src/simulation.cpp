@@ -113,7 +113,7 @@ class RunningSimulation {
     for (const Array2d<double>& family : fibres) material.fibres.push_back(vectors(family));
     if (density) material.density = *density;
     const nb::gil_scoped_release release;
-    auto simulation = std::make_shared<Simulation>(changed);
+    auto simulation = std::make_shared<Simulation>(std::move(changed));
     State state = simulation_->state();
     state.accelerations.resize(0);  // those of the new material
     simulation->resume_from(state, "material", simulation_->failed_steps());

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <regex>
 
 #include "program.hpp"
 #include "temporary_folder.hpp"
@@ -66,6 +67,23 @@ TEST_F(ShortMemory, EndsInTheSameResultOrInOneLine) {
   }
   EXPECT_GT(num_results, 0);
   EXPECT_GT(num_refusals, 0);
+}
+
+/// What a large mesh needs is known before it is taken, so that the answer is there before a step is.
+TEST_F(ShortMemory, IsForeseenForLargeMeshesAndSaysWhatWouldFit) {
+  folder.write("box.toml",
+               std::regex_replace(box_scene, std::regex(R"(cells = \[4, 2, 2\])"), "cells = [60, 30, 30]"));
+  int num_foreseen = 0;
+  for (const std::string solver : {"cg_amg", "cg_ic0"})
+    for (const std::string megabytes : {"260", "290", "320"}) {
+      SCOPED_TRACE(solver + " in " + megabytes + " MB");
+      const ProgramResult result = run_limited(megabytes, "--threads 1 --set solver.kind=" + solver);
+      if (result.exit_code == 0) continue;
+      EXPECT_EQ(result.exit_code, 1);
+      EXPECT_THAT(result.err, MatchesRegex("resilin: out of memory: [^\n]+\n"));
+      if (result.err.find(" would fit: take fewer") != std::string::npos) ++num_foreseen;
+    }
+  EXPECT_GT(num_foreseen, 0);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "resilin/core/cpu.hpp"
@@ -106,16 +107,13 @@ TEST_P(EveryInstructionSet, SumsAlike) {
 struct Chain {
   explicit Chain(int the_size) : size(the_size), lanes(size == 2 ? 2 : size == 3 ? 4 : 8) {
     const auto random = random_numbers(11 * static_cast<std::size_t>(size * size));
-    blocks.assign(static_cast<std::size_t>(11 * size * lanes), 0.0F);
-    for (int k = 0; k < 11; ++k)
-      for (int r = 0; r < size; ++r)
-        for (int c = 0; c < size; ++c)
-          blocks[static_cast<std::size_t>((k * size + r) * lanes + c)] =
-              static_cast<float>(random[static_cast<std::size_t>((k * size + r) * size + c)]) +
-              (k < 4 && r == c ? 4 : 0);
+    blocks.assign(random.size() + static_cast<std::size_t>(lanes), 0.0F);
+    std::ranges::transform(random, blocks.begin(), [](double number) { return static_cast<float>(number); });
+    for (int node = 0; node < 4; ++node)
+      for (int d = 0; d < size; ++d) blocks[static_cast<std::size_t>((node * size + d) * size + d)] += 4;
   }
   LevelView view() const {
-    const int block = size * lanes;
+    const int block = size * size;
     return {row_begin.data(), columns.data(), blocks.data() + 4 * block, blocks.data(),
             blocks.data() + 7 * block};
   }

@@ -228,6 +228,21 @@ TEST_P(EverySolver, RepeatsItsBitsWhenUsedAgain) {
   EXPECT_EQ(x[0], x[1]);
 }
 
+TEST_P(EverySolver, RepeatsItsBitsAfterGivingBackItsMemory) {
+  const BarProblem problem = bar();
+  const auto solver = make(problem.matrix);
+  VectorX solutions[2];
+  for (VectorX& x : solutions) {
+    solver->analyze(problem.matrix, problem.node_positions);
+    ASSERT_EQ(solver->factorize(problem.matrix).status, Status::ok);
+    x.setZero(problem.right_side.size());
+    solver->solve(problem.matrix, problem.right_side, x, 1e-9);
+    solver->release();
+  }
+  EXPECT_EQ(solutions[0], solutions[1]);
+  EXPECT_LT(relative_residual(problem.matrix, problem.right_side, solutions[0]), 1e-8);
+}
+
 TEST_P(EverySolver, SolvesAnUnstructuredMatrixWithUnlikeBlocks) {
   const BlockMatrix A = sample_matrix(dim, 200, 25, 10);
   const auto solver = make(A);

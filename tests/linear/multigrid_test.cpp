@@ -64,15 +64,22 @@ TEST_P(EveryBar, GroupsAreConnectedAndLeaveOutWhatIsNotActive) {
   for (const int size : sizes) EXPECT_GE(size, 2);
 }
 
+template <class NodeModes>
+Eigen::MatrixXd rows_of(const NodeModes& modes, Index node) {
+  Eigen::Matrix<double, -1, -1, Eigen::RowMajor> rows(modes.size, modes.count);
+  modes.write(node, rows.data());
+  return rows;
+}
+
 TEST_P(EveryBar, RigidModesCostNoEnergyAwayFromTheClamp) {
   const int dim = GetParam();
   const std::vector<std::uint8_t> none(bar.is_fixed.size(), 0);
-  const Modes modes = rigid_modes(dim, bar.node_positions, none);
+  const RigidModes modes(dim, bar.node_positions, none, all);
   const Eigen::MatrixXd K = dense(bar.matrix);
   for (int mode = 0; mode < modes.count; ++mode) {
     VectorX u(K.rows());
     for (Index i = 0; i < pattern.num_nodes(); ++i)
-      for (int d = 0; d < dim; ++d) u[i * dim + d] = modes.of(i)[d * modes.count + mode];
+      for (int d = 0; d < dim; ++d) u[i * dim + d] = rows_of(modes, i)(d, mode);
     const VectorX force = K * u;
     for (Eigen::Index k = 0; k < force.size(); ++k) {
       const bool is_far = bar.node_positions[k / dim * dim] > 0.7;
@@ -85,25 +92,24 @@ TEST_P(EveryBar, TentativeProlongationKeepsTheModes) {
   const int dim = GetParam();
   const std::vector<std::uint8_t> is_active(static_cast<std::size_t>(pattern.num_nodes()), 1);
   const Aggregates groups = aggregate(full, is_active, all);
-  const Modes modes = rigid_modes(dim, bar.node_positions, bar.is_fixed);
+  const RigidModes modes(dim, bar.node_positions, bar.is_fixed, all);
   const TentativeProlongation tentative = orthonormalize(modes, groups);
-  using Block = Eigen::Matrix<double, -1, -1, Eigen::RowMajor>;
-  const auto block = [](const Modes& m, Index i) {
-    return Eigen::Map<const Block>(m.of(i), m.size, m.count);
-  };
   std::vector<Eigen::MatrixXd> gram(static_cast<std::size_t>(groups.count),
                                     Eigen::MatrixXd::Zero(modes.count, modes.count));
   for (Index i = 0; i < pattern.num_nodes(); ++i) {
     const Index group = groups.of_node[static_cast<std::size_t>(i)];
-    const Eigen::MatrixXd Q = block(tentative.fine, i);
+    const Eigen::MatrixXd Q = Eigen::Map<const Eigen::Matrix<float, -1, -1, Eigen::RowMajor>>(
+                                  tentative.fine.data() + static_cast<Offset>(i) * modes.size * modes.count,
+                                  modes.size, modes.count)
+                                  .cast<double>();
     gram[static_cast<std::size_t>(group)] += Q.transpose() * Q;
-    EXPECT_LT((Q * block(tentative.coarse, group) - block(modes, i)).norm(), 1e-13);
+    EXPECT_LT((Q * rows_of(tentative.coarse, group) - rows_of(modes, i)).norm(), 1e-6);
   }
   for (Index group = 0; group < groups.count; ++group)
     for (int c = 0; c < modes.count; ++c) {
       const double expected =
           tentative.is_absent[static_cast<std::size_t>(group * modes.count + c)] != 0 ? 0 : 1;
-      EXPECT_NEAR(gram[static_cast<std::size_t>(group)](c, c), expected, 1e-12);
+      EXPECT_NEAR(gram[static_cast<std::size_t>(group)](c, c), expected, 1e-6);
     }
 }
 

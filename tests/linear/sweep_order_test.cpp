@@ -120,7 +120,7 @@ TEST(MultigridLevel, LetsNoTwoChunksOfAColourReachOneGroup) {
     fine.full = FullPattern(fine.row_begin, fine.columns);
     const std::vector<std::uint8_t> is_active(permuted.node_at.size(), 1);
     Aggregates groups = aggregate(fine.full, is_active, order.along_layers);
-    fine.connect(groups, coarse);
+    ASSERT_TRUE(fine.connect(groups, coarse));
     EXPECT_GT(fine.transfers.chunks.size(), 10U);
     EXPECT_GT(fine.transfers.chunks.size(), 2 * (fine.transfers.color_begin.size() - 1))
         << "hardly any at once";

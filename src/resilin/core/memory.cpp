@@ -5,6 +5,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -123,6 +125,32 @@ MemoryRoom memory_room() {
 std::string words(const MemoryRoom& room) {
   if (room.bytes == unlimited) return "nothing says how much is left";
   return format_bytes(static_cast<std::uintmax_t>(room.bytes)) + " are left " + std::string(room.limit);
+}
+
+bool fits(double bytes, MemoryRoom (*room)()) {
+  constexpr double small_need = 32e6;  // not worth the look
+  return bytes < small_need || bytes <= room().bytes;
+}
+
+double memory_in_use() {
+  std::ifstream file("/proc/self/statm");
+  double all = 0, resident = 0;
+  file >> all >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
+void foresee_memory(double bytes, const std::string& what, const std::string& cure) {
+  if (fits(bytes)) return;
+  throw OutOfMemory("out of memory: " + what + " needs " + format_bytes(static_cast<std::uintmax_t>(bytes)) +
+                    ", " + words(memory_room()) + "; " + cure);
+}
+
+std::string what_would_fit(double count, double bytes, const std::string& units) {
+  const double in_use = memory_in_use(), share = (in_use + memory_room().bytes) / (in_use + bytes);
+  double number = std::min(share, 1.0) * count;
+  const double digit = std::pow(10.0, std::floor(std::log10(std::max(number, 1.0))) - 1);
+  number = std::floor(number / digit) * digit;
+  return "some " + std::to_string(static_cast<std::int64_t>(number)) + " " + units + " would fit";
 }
 
 bool can_allocate(std::size_t bytes) {

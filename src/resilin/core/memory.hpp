@@ -28,6 +28,13 @@ MemoryRoom memory_room();
 /// "310 MB are left of the address space allowed (ulimit -v)".
 std::string words(const MemoryRoom& room);
 
+/// Whether there is room for so much: a system may hand out more addresses than it has memory, and end the
+/// process once they are used. Little memory is taken to fit.
+bool fits(double bytes, MemoryRoom (*room)() = memory_room);
+
+/// What this process uses now [bytes]; 0 where the system does not say.
+double memory_in_use();
+
 /// Whether so much address space can be had in one piece now: asks for it and gives it back.
 bool can_allocate(std::size_t bytes);
 
@@ -44,6 +51,13 @@ class OutOfMemory : public std::bad_alloc {
  private:
   std::shared_ptr<const std::string> message_;  // copies of an exception must not throw
 };
+
+/// For who is about to take much memory. Throws OutOfMemory with the line "out of memory: WHAT needs 1.2 GB,
+/// 310 MB are left of ...; CURE" where it does not fit.
+void foresee_memory(double bytes, const std::string& what, const std::string& cure);
+
+/// "some 210000 UNITS would fit", from how many there are and what they need beside what is in use.
+std::string what_would_fit(double count, double bytes, const std::string& units);
 
 /// The line about memory that ran out: that of an OutOfMemory, else that there was none, how much is left now
 /// and what to do.

@@ -86,8 +86,7 @@ ElasticEnergy::ElasticEnergy(int dim, const ElementChoice& choice, std::span<con
       instruction_set_(instruction_set),
       tiles_(make_element_blocks(*element_, *rule_, cells, rest_positions), law, element_->has_mean_volume,
              instruction_set),
-      all_blocks_(tiles_.blocks.num_blocks),
-      pattern_nodes_(cells.begin(), cells.end()) {
+      all_blocks_(tiles_.blocks.num_blocks) {
   if (element_->has_mean_volume && !law.has_volume_energy)
     throw InputError("element", "a law whose volume energy stands apart for " + std::string(element_->name),
                      std::string(law.name),
@@ -217,14 +216,24 @@ void ElasticEnergy::add_gradient_magnitude(const VectorX& x, const Conditions&, 
   add_forces(x, true, magnitude);
 }
 
+Index ElasticEnergy::world_node(std::size_t cell, std::size_t node) const {
+  const ElementBlocks& blocks = tiles_.blocks;
+  const auto lane = static_cast<std::size_t>(lane_of_cell_[cell]);
+  const std::size_t first_node = lane / block_size * static_cast<std::size_t>(blocks.num_nodes);
+  return blocks.world_nodes[static_cast<std::size_t>(
+      blocks.nodes[(first_node + node) * block_size + lane % block_size])];
+}
+
 void ElasticEnergy::add_pattern(BlockPatternBuilder& builder) const {
-  builder.add_cells(pattern_nodes_, tiles_.blocks.num_nodes);
+  const auto n = static_cast<std::size_t>(tiles_.blocks.num_nodes);
+  std::vector<Index> nodes;
+  nodes.reserve(lane_of_cell_.size() * n);
+  for (std::size_t cell = 0; cell < lane_of_cell_.size(); ++cell)
+    for (std::size_t a = 0; a < n; ++a) nodes.push_back(world_node(cell, a));
+  builder.add_cells(std::move(nodes), tiles_.blocks.num_nodes);
 }
 
 void ElasticEnergy::bind(const BlockPattern& pattern) {
-  if (pattern.num_slots() > static_cast<Offset>(std::numeric_limits<std::uint32_t>::max()))
-    throw InputError("mesh", "at most 4294967295 coupled pairs of nodes",
-                     std::to_string(pattern.num_slots()));
   const ElementBlocks& blocks = tiles_.blocks;
   const auto n = static_cast<std::size_t>(blocks.num_nodes),
              pairs = static_cast<std::size_t>(blocks.num_pairs());
@@ -369,7 +378,7 @@ bool ElasticEnergy::turns_a_cell_inside_out(const VectorX& from, const VectorX& 
     for (std::size_t a = 0; a < n; ++a)
       for (std::size_t i = 0; i < dim; ++i)
         positions[a * dim + i] =
-            x[static_cast<Eigen::Index>(static_cast<std::size_t>(pattern_nodes_[cell * n + a]) * dim + i)];
+            x[static_cast<Eigen::Index>(static_cast<std::size_t>(world_node(cell, a)) * dim + i)];
     return jacobian_sign(*element_, std::span(positions).first(n * dim)).kind == JacobianSign::Kind::positive;
   };
   return parallel_sum<Found>(lane_of_cell_.size(), cells_per_chunk,

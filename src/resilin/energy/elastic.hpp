@@ -127,12 +127,11 @@ class ElasticEnergy final : public Energy {
   void evaluate_hessians(const VectorX& x, Projection projection) const;
 
  private:
-  /// What the mean volume of a cell changes at a point: U(J_mean) - U(J), and dU/dJ [Pa] likewise; zero for
-  /// elements without.
+  /// What the mean volume of a cell changes at a point: U(J_mean) - U(J), and dU/dJ [Pa] likewise.
   struct VolumeChange {
     double energy, pressure;
   };
-  std::vector<VolumeChange> mean_volume_changes(const VectorX& x) const;
+  std::vector<VolumeChange> mean_volume_changes(const VectorX& x) const;  ///< none for elements without
   void set_constants(std::span<const double> constants);
   void set_directions(const FibreDirections& fibres);
   double energy_sum(const double* displacements, const double* displacements_from) const;
@@ -147,6 +146,8 @@ class ElasticEnergy final : public Energy {
   /// u, in 2D with zeros.
   using PointBody = std::function<void(std::size_t cell, std::size_t point, const Matrix<3>& H, double J)>;
   void for_each_point(const VectorX& x, const PointBody& body) const;
+  /// A node of a cell, in the order of `ElementBlocks::nodes`, by its number in the world.
+  Index world_node(std::size_t cell, std::size_t node) const;
   std::size_t place(std::size_t cell, std::size_t point) const {
     return cell * static_cast<std::size_t>(num_points()) + point;
   }
@@ -160,7 +161,6 @@ class ElasticEnergy final : public Energy {
   std::vector<Index> all_blocks_;     ///< 0, 1, 2, ...
   std::vector<Index> lane_of_cell_;   ///< block * block_size + lane
   std::vector<std::uint32_t> slots_;  ///< [block][pair][lane]
-  std::vector<Index> pattern_nodes_;  ///< world nodes of all cells, for the pattern
   std::shared_ptr<const std::vector<OwnerPart>> parts_;
 };
 

@@ -169,8 +169,8 @@ std::vector<double> ElasticEnergy::volume_ratios(const VectorX& x) const {
 
 std::vector<ElasticEnergy::VolumeChange> ElasticEnergy::mean_volume_changes(const VectorX& x) const {
   const ElementBlocks& blocks = tiles_.blocks;
+  if (!tiles_.has_mean_volume()) return {};
   std::vector<VolumeChange> changes(static_cast<std::size_t>(num_cells() * num_points()), {0, 0});
-  if (!tiles_.has_mean_volume()) return changes;
   const std::vector<double> u = blocks.local_displacements(x);
   parallel_for(blocks.num_blocks, blocks_per_chunk, [&](std::size_t begin, std::size_t end) {
     ElasticTiles::Scratch scratch(tiles_);
@@ -201,7 +201,7 @@ std::vector<double> ElasticEnergy::energy_densities(const VectorX& x) const {
   std::vector<double> densities(states.count());
   resilin::energy_densities(states.batch(), densities.data());
   const std::vector<VolumeChange> changes = mean_volume_changes(x);
-  for (std::size_t i = 0; i < densities.size(); ++i) densities[i] += changes[i].energy;
+  for (std::size_t i = 0; i < changes.size(); ++i) densities[i] += changes[i].energy;
   return densities;
 }
 
@@ -220,7 +220,8 @@ std::vector<Matrix<3>> ElasticEnergy::cauchy_stresses(const VectorX& x) const {
   parallel_for(P.size(), points_per_chunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Matrix<3> F = Matrix<3>::Identity() + states.gradients()[i];
-      stresses[i] = changes[i].pressure * Matrix<3>::Identity();
+      stresses[i] =
+          changes.empty() ? Matrix<3>::Zero() : Matrix<3>(changes[i].pressure * Matrix<3>::Identity());
       if (is_small)
         stresses[i] += P[i];
       else
@@ -249,9 +250,8 @@ Index ElasticEnergy::worst_cell(const VectorX& residual) const {
   Index worst = -1;
   for (std::size_t cell = 0; cell < lane_of_cell_.size(); ++cell) {
     double sum = 0;
-    for (int a = 0; a < tiles_.blocks.num_nodes; ++a) {
-      const Index node = pattern_nodes_[cell * static_cast<std::size_t>(tiles_.blocks.num_nodes) +
-                                        static_cast<std::size_t>(a)];
+    for (std::size_t a = 0; a < static_cast<std::size_t>(tiles_.blocks.num_nodes); ++a) {
+      const Index node = world_node(cell, a);
       sum += residual.segment(Eigen::Index{tiles_.blocks.dim} * node, tiles_.blocks.dim).norm();
     }
     if (sum > largest) {

@@ -195,7 +195,7 @@ class StressErrors {
         stresses_(turned_back_stresses(elastic_, positions)),
         materials_(cell_materials(elastic_)),
         samples_(error_samples(elastic_)),
-        places_(rest_places(body, world.rest_positions, *samples_.rule)),
+        places_(body, world.rest_positions, *samples_.rule),
         volumes_(elastic_.point_volumes()),
         recovery_(body, world.rest_positions, world.dimension, materials_.of_cells) {
     recovery_.fit(stresses_);
@@ -232,7 +232,7 @@ class StressErrors {
     std::vector<SymmetricTensor> differences(count);
     double mean_trace = 0;
     for (std::size_t i = 0; i < count; ++i) {
-      differences[i] = recovery_.value(cell, samples_.corner_shapes_at(i), places_[cell * count + i]);
+      differences[i] = recovery_.value(cell, samples_.corner_shapes_at(i), places_.of(cell, i));
       for (std::size_t q = 0; q < num_points; ++q)
         differences[i] -= samples_.from_points(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(q)) *
                           stresses_[cell * num_points + q];
@@ -249,7 +249,7 @@ class StressErrors {
   std::vector<SymmetricTensor> stresses_;  ///< at the quadrature points
   CellMaterials materials_;
   ErrorSamples samples_;
-  std::vector<Vector3> places_;  ///< of the samples, at rest [m]
+  RestPlaces places_;            ///< of the samples
   std::vector<double> volumes_;  ///< of the quadrature points [m^3]
   PatchRecovery recovery_;
 };

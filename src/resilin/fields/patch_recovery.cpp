@@ -32,28 +32,26 @@ Monomials monomials(const Vector3& s, int dim) {
   return m;
 }
 
-Vector3 node_place(const VectorX& positions, Index node, int dim) {
-  Vector3 place = Vector3::Zero();
-  place.head(dim) = positions.segment(Eigen::Index{node} * dim, dim);
-  return place;
-}
-
 }  // namespace
 
-std::vector<Vector3> rest_places(const Body& body, const VectorX& rest_positions,
-                                 const QuadratureRule& rule) {
-  const ElementInfo& element = body.elastic->element();
-  const auto width = static_cast<std::size_t>(element.num_nodes);
-  std::vector<double> N(rule.points.size() * width);
+RestPlaces::RestPlaces(const Body& body, const VectorX& rest_positions, const QuadratureRule& rule)
+    : body_(body),
+      rest_positions_(rest_positions),
+      dim_(body.elastic->element().dim),
+      num_nodes_(static_cast<std::size_t>(body.elastic->element().num_nodes)),
+      shapes_(rule.points.size() * num_nodes_) {
   for (std::size_t q = 0; q < rule.points.size(); ++q)
-    element.shape_values(rule.points[q].xi, std::span(N).subspan(q * width, width));
-  std::vector<Vector3> places(body.cells.size() / width * rule.points.size(), Vector3::Zero());
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const std::size_t cell = i / rule.points.size(), q = i % rule.points.size();
-    for (std::size_t a = 0; a < width; ++a)
-      places[i] += N[q * width + a] * node_place(rest_positions, body.cells[cell * width + a], element.dim);
+    body.elastic->element().shape_values(rule.points[q].xi,
+                                         std::span(shapes_).subspan(q * num_nodes_, num_nodes_));
+}
+
+Vector3 RestPlaces::of(std::size_t cell, std::size_t point) const {
+  Vector3 place = Vector3::Zero();
+  for (std::size_t a = 0; a < num_nodes_; ++a) {
+    const Eigen::Index node = body_.cells[cell * num_nodes_ + a];
+    place.head(dim_) += shapes_[point * num_nodes_ + a] * rest_positions_.segment(node * dim_, dim_);
   }
-  return places;
+  return place;
 }
 
 PatchRecovery::PatchRecovery(const Body& body, const VectorX& rest_positions, int dim,
@@ -63,7 +61,9 @@ PatchRecovery::PatchRecovery(const Body& body, const VectorX& rest_positions, in
       num_corners_(static_cast<std::size_t>(body.elastic->element().num_corners())),
       num_points_(static_cast<std::size_t>(body.elastic->num_points())),
       around_end_(static_cast<std::size_t>(body.num_nodes) + 1, 0),
-      points_(rest_places(body, rest_positions, body.elastic->quadrature())) {
+      points_(static_cast<std::size_t>(body.num_cells()) * num_points_) {
+  const RestPlaces places(body, rest_positions, body.elastic->quadrature());
+  for (std::size_t i = 0; i < points_.size(); ++i) points_[i] = places.of(i / num_points_, i % num_points_);
   const auto width = static_cast<std::size_t>(body.elastic->element().num_nodes);
   for (std::size_t begin = 0; begin < body.cells.size(); begin += width)
     for (std::size_t a = 0; a < num_corners_; ++a)
@@ -90,6 +90,7 @@ int PatchRecovery::num_monomials(int degree) const {
 /// One for each vertex and each material around it.
 void PatchRecovery::add_patches(std::span<const Index> materials) {
   patch_of_.resize(corners_.size());
+  patches_.reserve(around_end_.size() - 1);
   for (Index vertex = 0; vertex + std::size_t{1} < around_end_.size(); ++vertex) {
     const std::size_t first = patches_.size();
     for (const Index cell : cells_around(vertex)) {
@@ -172,29 +173,34 @@ Eigen::MatrixXd PatchRecovery::monomials_of(const Patch& patch, int degree) cons
 }
 
 void PatchRecovery::fit(std::span<const SymmetricTensor> point_values) {
+  const Eigen::Index count = num_monomials(degree_);
+  coefficients_.assign(patches_.size() * static_cast<std::size_t>(6 * count), 0.0);
   parallel_for(patches_.size(), patches_per_chunk, [&](std::size_t begin, std::size_t end) {
     Eigen::Matrix<double, Eigen::Dynamic, 6> b;
     for (std::size_t i = begin; i < end; ++i) {
-      Patch& patch = patches_[i];
+      const Patch& patch = patches_[i];
       const Eigen::MatrixXd A = monomials_of(patch, patch.degree);
       b.resize(A.rows(), 6);
       Eigen::Index row = 0;
       for (const Index cell : patch.cells)
         for (std::size_t q = 0; q < num_points_; ++q)
           b.row(row++) = point_values[static_cast<std::size_t>(cell) * num_points_ + q].transpose();
-      patch.coefficients.setZero();
-      patch.coefficients.topRows(A.cols()) = A.colPivHouseholderQr().solve(b);
+      Coefficients(&coefficients_[i * static_cast<std::size_t>(6 * count)], 6, count).leftCols(A.cols()) =
+          A.colPivHouseholderQr().solve(b).transpose();
     }
   });
 }
 
 SymmetricTensor PatchRecovery::value(std::size_t cell, std::span<const double> corner_shapes,
                                      const Vector3& X) const {
+  const Eigen::Index count = num_monomials(degree_);
   SymmetricTensor blended = SymmetricTensor::Zero();
   for (std::size_t a = 0; a < num_corners_; ++a) {
-    const Patch& patch = patches_[static_cast<std::size_t>(patch_of_[cell * num_corners_ + a])];
+    const auto number = static_cast<std::size_t>(patch_of_[cell * num_corners_ + a]);
+    const Patch& patch = patches_[number];
     blended += corner_shapes[a] *
-               (monomials(patch.scale * (X - patch.center), dim_) * patch.coefficients).transpose();
+               (ConstCoefficients(&coefficients_[number * static_cast<std::size_t>(6 * count)], 6, count) *
+                monomials(patch.scale * (X - patch.center), dim_).head(count).transpose());
   }
   return blended;
 }

@@ -8,6 +8,20 @@
 
 namespace resilin {
 
+/// Rest positions of the points of a rule in the cells of a body, which must outlive it.
+class RestPlaces {
+ public:
+  RestPlaces(const Body& body, const VectorX& rest_positions, const QuadratureRule& rule);
+  Vector3 of(std::size_t cell, std::size_t point) const;  ///< [m]
+
+ private:
+  const Body& body_;
+  const VectorX& rest_positions_;
+  int dim_;
+  std::size_t num_nodes_;       ///< of a cell
+  std::vector<double> shapes_;  ///< [point * num_nodes + node]
+};
+
 /// A symmetric tensor in Mandel's notation: xx, yy, zz, then yz, xz, xy times the root of 2, so that the dot
 /// product is that of the tensors.
 using SymmetricTensor = Eigen::Matrix<double, 6, 1>;
@@ -44,9 +58,10 @@ class PatchRecovery {
     Matrix<3> scale = Matrix<3>::Identity();  ///< its points then vary by 1 in every direction [1/m]
     int degree = 0;                           ///< of the polynomial
     std::vector<Index> cells = {};            ///< rising
-    Eigen::Matrix<double, 10, 6> coefficients =
-        Eigen::Matrix<double, 10, 6>::Zero();  ///< one row for each monomial
   };
+  /// Of one patch: a column for each monomial up to the element's degree.
+  using Coefficients = Eigen::Map<Eigen::Matrix<double, 6, Eigen::Dynamic>>;
+  using ConstCoefficients = Eigen::Map<const Eigen::Matrix<double, 6, Eigen::Dynamic>>;
   void add_patches(std::span<const Index> materials);
   void widen(Patch& patch, std::span<const Index> materials) const;
   void place(Patch& patch) const;
@@ -65,11 +80,9 @@ class PatchRecovery {
   std::vector<Index> around_;            ///< cells around the nodes
   std::vector<Vector3> points_;          ///< rest positions of the quadrature points [m]
   std::vector<Patch> patches_;
-  std::vector<Index> patch_of_;  ///< of the corners of the cells
+  std::vector<double> coefficients_;  ///< those of one patch after another
+  std::vector<Index> patch_of_;       ///< of the corners of the cells
   bool has_enough_points_ = false;
 };
-
-/// Rest positions of the points of a rule in all cells of a body, cell by cell [m].
-std::vector<Vector3> rest_places(const Body& body, const VectorX& rest_positions, const QuadratureRule& rule);
 
 }  // namespace resilin

@@ -15,15 +15,15 @@ FullPattern::FullPattern(const std::vector<Offset>& upper_begin, const std::vect
   blocks.resize(static_cast<std::size_t>(begin[n]));
   columns.resize(blocks.size());
   std::vector<Offset> next(begin.begin(), begin.end() - 1);
-  const auto put = [&](Index row, Index column, Offset block) {
+  const auto put = [&](Index row, Index column, Index block) {
     columns[next[row]] = column;
     blocks[next[row]++] = block;
   };
   for (Index i = 0; i < n; ++i) {  // what stands below row i's diagonal came with the rows before
     put(i, i, -1);
     for (Offset k = upper_begin[i]; k < upper_begin[i + 1]; ++k) {
-      put(i, upper_columns[k], k);
-      put(upper_columns[k], i, -2 - k);
+      put(i, upper_columns[k], static_cast<Index>(k));
+      put(upper_columns[k], i, static_cast<Index>(-2 - k));
     }
   }
 }

@@ -11,7 +11,7 @@ namespace resilin {
 /// Both triangles of a symmetric pattern, by rows, columns ascending.
 struct FullPattern {
   std::vector<Offset> begin;  ///< num_nodes + 1
-  std::vector<Offset>
+  std::vector<Index>
       blocks;  ///< -1: the diagonal; k: entry k of the strictly upper part; -2 - k: its transpose
   std::vector<Index> columns;
 

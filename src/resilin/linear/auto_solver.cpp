@@ -28,6 +28,9 @@ class SolverChain : public LinearSolver {
   std::string_view name() const override { return candidates_.front().solver->name(); }
   bool is_direct() const override { return candidates_.front().solver->is_direct(); }
   void begin_search() override { current_ = 0; }
+  void release() override {
+    for (const Candidate& candidate : candidates_) candidate.solver->release();
+  }
 
   void analyze(const BlockMatrix& A, const VectorX& node_positions) override {
     solver().analyze(A, node_positions);

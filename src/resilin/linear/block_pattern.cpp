@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cassert>
+#include <limits>
+
+#include "resilin/core/error.hpp"
 
 namespace resilin {
 namespace {
@@ -79,12 +82,13 @@ void BlockPattern::complete(Offset slots_per_chunk) {
   lower_slots.resize(columns.size() - static_cast<std::size_t>(num_nodes()));
   std::vector<Offset> next(lower_begin.begin(), lower_begin.end() - 1);
   for (Index i = 0; i < num_nodes(); ++i)
-    for (Offset s = row_begin[i] + 1; s < row_begin[i + 1]; ++s) lower_slots[next[columns[s]]++] = s;
+    for (Offset s = row_begin[i] + 1; s < row_begin[i + 1]; ++s)
+      lower_slots[next[columns[s]]++] = static_cast<Index>(s);
   product_plan = make_product_plan(*this, slots_per_chunk);
 }
 
-void BlockPatternBuilder::add_cells(std::span<const Index> nodes, int nodes_per_cell) {
-  cells_.emplace_back(std::vector<Index>(nodes.begin(), nodes.end()), nodes_per_cell);
+void BlockPatternBuilder::add_cells(std::vector<Index> nodes, int nodes_per_cell) {
+  cells_.emplace_back(std::move(nodes), nodes_per_cell);
 }
 
 BlockPattern BlockPatternBuilder::build() const {
@@ -128,6 +132,11 @@ BlockPattern BlockPatternBuilder::build() const {
     std::sort(pattern.columns.begin() + pattern.row_begin.back(), pattern.columns.end());
     pattern.row_begin.push_back(static_cast<Offset>(pattern.columns.size()));
   }
+  constexpr Offset most_slots = std::numeric_limits<Index>::max();
+  if (pattern.num_slots() > most_slots)
+    throw InputError("mesh", "at most " + std::to_string(most_slots) + " coupled pairs of nodes",
+                     std::to_string(pattern.num_slots()), "take fewer cells");
+  pattern.columns.shrink_to_fit();
   pattern.complete();
   return pattern;
 }

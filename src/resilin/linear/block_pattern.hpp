@@ -28,7 +28,7 @@ struct BlockPattern {
   /// What follows is derived from the two arrays above by `complete`, which the builder calls.
 
   std::vector<Offset> lower_begin;  ///< num_nodes + 1
-  std::vector<Offset> lower_slots;  ///< slots of the blocks (j, i), j < i, by column i, j ascending
+  std::vector<Index> lower_slots;   ///< slots of the blocks (j, i), j < i, by column i, j ascending
 
   /// A product runs over fixed chunks of rows at the same time. A chunk adds the transposed blocks whose
   /// column lies beyond its last row to places of its own, which are summed afterwards in the order of the
@@ -54,10 +54,11 @@ class BlockPatternBuilder {
   explicit BlockPatternBuilder(Index num_nodes) : num_nodes_(num_nodes) {}
 
   /// All nodes of every cell are coupled with each other; `nodes` holds `nodes_per_cell` for each cell.
-  void add_cells(std::span<const Index> nodes, int nodes_per_cell);
+  void add_cells(std::vector<Index> nodes, int nodes_per_cell);
   void add_pair(Index i, Index j) { pairs_.emplace_back(i, j); }
   Index num_nodes() const { return num_nodes_; }
 
+  /// Throws InputError where there are more couplings than slots can be numbered.
   BlockPattern build() const;
 
  private:

@@ -30,9 +30,17 @@ class BlockIncompleteCholesky : public Preconditioner {
     return dim_ == 3 ? factorize_blocks<3>(A) : factorize_blocks<2>(A);
   }
 
-  void apply(const VectorX& r, VectorX& z) override {
+  void apply(const VectorX& r, double norm, VectorX& z) override {
     z.resize(r.size());
-    dim_ == 3 ? apply_blocks<3>(r, z) : apply_blocks<2>(r, z);
+    dim_ == 3 ? apply_blocks<3>(r, norm, z) : apply_blocks<2>(r, norm, z);
+  }
+
+  void release() override { *this = {}; }
+
+  /// Blocks in double and in float, and some three pairs for each.
+  double bytes_per_coupling(int dim) const override {
+    return static_cast<double>((dim == 3 ? 12 : 4) * sizeof(double) + dim * dim * sizeof(float) +
+                               6 * sizeof(Index));
   }
 
  private:
@@ -54,7 +62,7 @@ class BlockIncompleteCholesky : public Preconditioner {
   template <int dim>
   bool eliminate_rows_of(const ColoredChunks::Rows& rows);
   template <int dim>
-  void apply_blocks(const VectorX& r, VectorX& z);
+  void apply_blocks(const VectorX& r, double norm, VectorX& z);
 
   /// Size of a block in `work_`, its rows padded.
   int padded_size() const { return dim_ == 3 ? 12 : 4; }
@@ -102,15 +110,14 @@ void BlockIncompleteCholesky::analyze_pattern(int dim) {
 template <int dim>
 void BlockIncompleteCholesky::fill_work(const BlockMatrix& A, double shift) {
   constexpr int lanes = dim == 3 ? 4 : 2;
-  parallel_for(work_.size(), numbers_per_chunk, [&](std::size_t first, std::size_t last) {
-    std::fill(work_.begin() + static_cast<Offset>(first), work_.begin() + static_cast<Offset>(last), 0.0);
-  });
   pattern_.for_each_block(A, [&](Offset slot, const double* block) {
     const Offset target = upper_pattern_.block_of_slot[slot];
     double* to = work_.data() + (target >= 0 ? target : ~target) * dim * lanes;
-    for (int r = 0; r < dim; ++r)
+    for (int r = 0; r < dim; ++r) {
       for (int c = 0; c < dim; ++c)
-        to[r * lanes + c] += scale_ * (target >= 0 ? block[r * dim + c] : block[c * dim + r]);
+        to[r * lanes + c] = scale_ * (target >= 0 ? block[r * dim + c] : block[c * dim + r]);
+      if (dim < lanes) to[r * lanes + dim] = 0;
+    }
   });
   if (shift > 0)
     for (Index i = 0; i < num_nodes_; ++i)
@@ -178,9 +185,8 @@ LinearReport BlockIncompleteCholesky::factorize_blocks(const BlockMatrix& A) {
 }
 
 template <int dim>
-void BlockIncompleteCholesky::apply_blocks(const VectorX& r, VectorX& z) {
-  const double size = r.lpNorm<Eigen::Infinity>();  // keeps the numbers in the range of float
-  const double into = 1 / size, back = size * scale_;
+void BlockIncompleteCholesky::apply_blocks(const VectorX& r, double norm, VectorX& z) {
+  const double into = 1 / norm, back = norm * scale_;
   const Index* node_at = upper_pattern_.node_at.data();
   float* permuted = permuted_.data();
   const auto solve_lower = detail::block_kernels().solve_lower[dim - 2];

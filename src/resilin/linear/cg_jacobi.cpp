@@ -12,10 +12,13 @@ class BlockJacobi : public Preconditioner {
 
   LinearReport factorize(const BlockMatrix& A) override { return A.dim == 3 ? invert<3>(A) : invert<2>(A); }
 
-  void apply(const VectorX& r, VectorX& z) override {
+  void apply(const VectorX& r, double /*norm*/, VectorX& z) override {
     z.resize(r.size());
     dim_ == 3 ? apply_blocks<3>(r, z) : apply_blocks<2>(r, z);
   }
+
+  void release() override { *this = {}; }
+  double bytes_per_coupling(int dim) const override { return 8.0 * dim * dim; }
 
  private:
   template <int dim>

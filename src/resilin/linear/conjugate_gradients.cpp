@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "resilin/core/memory.hpp"
 #include "resilin/core/parallel.hpp"
 #include "resilin/linear/kernels/block_kernels.hpp"
 
@@ -25,6 +26,38 @@ Index most_negative_node(const VectorX& p, const VectorX& Ap, int dim) {
 }
 
 }  // namespace
+
+void ConjugateGradients::foresee(const BlockMatrix& A) {
+  if (foreseen_ == A.pattern) return;
+  const double bytes =
+      preconditioner_->bytes_per_coupling(A.dim) * static_cast<double>(A.pattern->num_slots());
+  if (!fits(bytes))
+    foresee_memory(
+        bytes, "solver.kind = \"" + name_ + "\" for " + std::to_string(A.num_unknowns()) + " unknowns",
+        what_would_fit(A.num_unknowns(), bytes, "unknowns") + ": take fewer cells, or raise the limit");
+  foreseen_ = A.pattern;
+}
+
+void ConjugateGradients::analyze(const BlockMatrix& A, const VectorX& node_positions) {
+  try {
+    foresee(A);
+  } catch (const OutOfMemory&) {
+    return;  // `factorize` says it
+  }
+  preconditioner_->analyze(A, node_positions);
+}
+
+LinearReport ConjugateGradients::factorize(const BlockMatrix& A) {
+  LinearReport report;
+  try {
+    foresee(A);
+    return preconditioner_->factorize(A);
+  } catch (const OutOfMemory& shortage) {
+    report.shortage = shortage.what();
+  }
+  report.status = LinearReport::Status::out_of_memory;
+  return report;
+}
 
 LinearReport ConjugateGradients::solve(const BlockMatrix& A, const VectorX& b, VectorX& x,
                                        double relative_tolerance) {
@@ -52,7 +85,7 @@ LinearReport ConjugateGradients::solve(const BlockMatrix& A, const VectorX& b, V
   double previous_rz = 1;
   report.status = LinearReport::Status::not_converged;
   while (report.iterations < max_iterations_) {
-    preconditioner_->apply(r_, z_);
+    preconditioner_->apply(r_, r_norm, z_);
     const double rz = dot(r_, z_);
     if (!(rz > 0) || !std::isfinite(rz)) break;  // the preconditioner has lost definiteness to round-off
     const double along_last = report.iterations == 0 ? 0.0 : rz / previous_rz;

@@ -14,7 +14,11 @@ class Preconditioner {
   virtual ~Preconditioner() = default;
   virtual void analyze(const BlockMatrix& A, const VectorX& node_positions) = 0;
   virtual LinearReport factorize(const BlockMatrix& A) = 0;
-  virtual void apply(const VectorX& r, VectorX& z) = 0;
+  virtual void release() = 0;  ///< gives back its memory
+  /// What it will hold, about: for each coupling of the pattern [bytes].
+  virtual double bytes_per_coupling(int dim) const = 0;
+  /// @param norm  |r|, positive: what is computed in float is scaled by it
+  virtual void apply(const VectorX& r, double norm, VectorX& z) = 0;
 };
 
 /// Conjugate gradients with the preconditioner given. All memory is kept between solves.
@@ -28,14 +32,16 @@ class ConjugateGradients : public LinearSolver {
 
   std::string_view name() const override { return name_; }
   bool is_direct() const override { return false; }
-  void analyze(const BlockMatrix& A, const VectorX& node_positions) override {
-    preconditioner_->analyze(A, node_positions);
-  }
-  LinearReport factorize(const BlockMatrix& A) override { return preconditioner_->factorize(A); }
+  void release() override { preconditioner_->release(); }
+  void analyze(const BlockMatrix& A, const VectorX& node_positions) override;
+  LinearReport factorize(const BlockMatrix& A) override;
   LinearReport solve(const BlockMatrix& A, const VectorX& b, VectorX& x, double relative_tolerance) override;
 
  private:
+  void foresee(const BlockMatrix& A);
+
   std::string name_;
+  std::shared_ptr<const BlockPattern> foreseen_;  ///< there was memory for it
   int max_iterations_;
   std::unique_ptr<Preconditioner> preconditioner_;
   VectorX r_, z_, p_, product_;

@@ -40,11 +40,6 @@ LinearReport DirectSolver::factorize(const BlockMatrix& A) {
   return report;
 }
 
-bool DirectSolver::fits(double bytes, MemoryRoom (*room)()) {
-  constexpr double small_need = 32e6;  // not worth the look
-  return bytes < small_need || bytes <= room().bytes;
-}
-
 void DirectSolver::foresee(double bytes, const BlockMatrix& A, MemoryRoom (*room)()) const {
   if (!fits(bytes, room))
     throw OutOfMemory(shortage_text(name(), format_bytes(static_cast<std::uintmax_t>(bytes)), room(), A));

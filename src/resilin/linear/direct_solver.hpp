@@ -13,6 +13,7 @@ class DirectSolver : public LinearSolver {
  public:
   bool is_direct() const override { return true; }
 
+  void release() final { forget(); }
   void analyze(const BlockMatrix& A, const VectorX& node_positions) final;
   LinearReport factorize(const BlockMatrix& A) final;
 
@@ -29,9 +30,6 @@ class DirectSolver : public LinearSolver {
   /// x = (factors)^-1 b.
   virtual void solve_factored(const VectorX& b, VectorX& x) = 0;
 
-  /// Whether there is room for so much: a system may hand out more addresses than it has memory, and end the
-  /// process once they are used.
-  static bool fits(double bytes, MemoryRoom (*room)() = memory_room);
   /// Throws OutOfMemory where it does not fit.
   void foresee(double bytes, const BlockMatrix& A, MemoryRoom (*room)() = memory_room) const;
 

@@ -44,6 +44,8 @@ class LinearSolver {
   /// Matrices of one search for an equilibrium follow: what was learnt of those before is forgotten, so that
   /// a search gives the same bits whatever went before it.
   virtual void begin_search() {}
+  /// Gives back memory: the next matrix is analysed anew. Changes no result.
+  virtual void release() {}
   /// `node_positions` (dim per node) and rigid modes derived from them help multilevel solvers; may be empty.
   /// After large rotations give current positions: again on the same pattern this costs little. May be left
   /// out, and is needed before the bits of a run are to be repeated from a checkpoint when extra blocks came

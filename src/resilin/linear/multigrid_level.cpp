@@ -18,23 +18,19 @@ namespace {
 
 using detail::multigrid_kernels;
 
-/// Inverts one padded block; its diagonal is raised until it is definite.
+/// Inverts one block; its diagonal is raised until it is definite.
 template <int size>
 bool invert_block(const float* block, float* inverse) {
   constexpr double largest_shift = 1;
-  const int lanes = MultigridLevel::lanes_of(size);
   double dense[size * size], result[size * size];
-  for (int r = 0; r < size; ++r)
-    for (int c = 0; c < size; ++c) dense[r * size + c] = static_cast<double>(block[r * lanes + c]);
+  for (int k = 0; k < size * size; ++k) dense[k] = static_cast<double>(block[k]);
   for (double shift = 1e-5; !invert_positive_definite<size>(dense, 1e-6, result); shift *= 4) {
     if (shift > largest_shift) return false;
     double largest = std::numeric_limits<float>::min();
     for (int d = 0; d < size; ++d) largest = std::max(largest, std::abs(dense[d * (size + 1)]));
     for (int d = 0; d < size; ++d) dense[d * (size + 1)] += shift * largest;
   }
-  for (int r = 0; r < size; ++r)
-    for (int c = 0; c < lanes; ++c)
-      inverse[r * lanes + c] = c < size ? static_cast<float>(result[r * size + c]) : 0.0F;
+  for (int k = 0; k < size * size; ++k) inverse[k] = static_cast<float>(result[k]);
   return true;
 }
 
@@ -47,12 +43,13 @@ double noise(std::size_t k) {
 
 }  // namespace
 
-void MultigridLevel::connect(Aggregates& groups, MultigridLevel& coarse) {
-  find_prolongation(groups);
+bool MultigridLevel::connect(Aggregates& groups, MultigridLevel& coarse) {
+  if (!find_prolongation(groups)) return false;
   const ProductRows product = find_product_rows(groups.count);
+  if (widest_product_ > std::numeric_limits<std::uint16_t>::max()) return false;
   const NodeGraph graph = couple_groups(product);
   SweepOrder order = two_color_order(graph, coarse.least_couplings());
-  find_coarse_rows(product, graph, order, coarse);
+  if (!find_coarse_rows(product, graph, order, coarse)) return false;
   coarse.sweeps = std::move(order.chunks);
   coarse.along_layers = std::move(order.along_layers);
   const std::vector<Index> number = inverse_of(order.node_at);
@@ -60,12 +57,13 @@ void MultigridLevel::connect(Aggregates& groups, MultigridLevel& coarse) {
     if (group >= 0) group = number[group];
   for (Index& group : prolongation_columns) group = number[group];
   color_transfers(groups.count);
-  prolongation.resize(prolongation_columns.size() *
-                      static_cast<std::size_t>(block_size() * lanes_of(num_modes())));
+  prolongation.resize(prolongation_columns.size() * static_cast<std::size_t>(block_size() * num_modes()) +
+                      static_cast<std::size_t>(lanes_of(num_modes())));
+  return true;
 }
 
 /// A node reaches the groups of its neighbours, in the order in which they come.
-void MultigridLevel::find_prolongation(const Aggregates& groups) {
+bool MultigridLevel::find_prolongation(const Aggregates& groups) {
   prolongation_begin.assign(1, 0);
   prolongation_columns.clear();
   smoothing_places.assign(full.columns.size(), -1);
@@ -82,7 +80,10 @@ void MultigridLevel::find_prolongation(const Aggregates& groups) {
       smoothing_places[e] = static_cast<std::int16_t>(entry_of[group] - begin);
     }
     prolongation_begin.push_back(static_cast<Offset>(prolongation_columns.size()));
+    if (prolongation_begin.back() - begin > std::numeric_limits<std::int16_t>::max()) return false;
   }
+  prolongation_columns.shrink_to_fit();
+  return true;
 }
 
 /// Rows of A P: the groups that the neighbours of a node reach.
@@ -93,6 +94,7 @@ MultigridLevel::ProductRows MultigridLevel::find_product_rows(Index num_groups) 
   product_places.clear();
   product_begin.assign(1, 0);
   target_begin.assign(1, 0);
+  widest_product_ = 0;
   std::vector<Offset> entry_of(static_cast<std::size_t>(num_groups), -1);
   for (Index i = 0; i < num_nodes(); ++i) {
     const Offset begin = product.begin.back();
@@ -109,12 +111,12 @@ MultigridLevel::ProductRows MultigridLevel::find_product_rows(Index num_groups) 
     }
     const Offset width = static_cast<Offset>(product.columns.size()) - begin;
     product.begin.push_back(begin + width);
+    widest_product_ = std::max(widest_product_, static_cast<std::size_t>(width));
     product_width.push_back(static_cast<std::uint16_t>(width));
     product_begin.push_back(static_cast<Offset>(product_places.size()));
     target_begin.push_back(target_begin.back() + width * (prolongation_begin[i + 1] - prolongation_begin[i]));
   }
-  const auto widest = std::ranges::max_element(product_width);
-  widest_product_ = widest == product_width.end() ? 0 : *widest;
+  product_places.shrink_to_fit();
 
   product.reach_begin.assign(static_cast<std::size_t>(num_groups) + 1, 0);
   for (const Index group : prolongation_columns) ++product.reach_begin[group + 1];
@@ -149,15 +151,16 @@ NodeGraph MultigridLevel::couple_groups(const ProductRows& product) {
   return graph;
 }
 
-/// Upper rows of P^T A P in the order given, and where every product of a fine node is added.
-void MultigridLevel::find_coarse_rows(const ProductRows& product, const NodeGraph& graph,
+/// Upper rows of P^T A P in the order given, and to which of their blocks every product of a fine node is
+/// added.
+bool MultigridLevel::find_coarse_rows(const ProductRows& product, const NodeGraph& graph,
                                       const SweepOrder& order, MultigridLevel& coarse) {
   const Index num_groups = graph.num_nodes();
   const std::vector<Index> number = inverse_of(order.node_at);
   coarse.row_begin.assign(1, 0);
   coarse.columns.clear();
-  coarse_blocks.assign(static_cast<std::size_t>(target_begin.back()), -1);
-  std::vector<Index> block_of(static_cast<std::size_t>(num_groups), -1);
+  coarse_places.assign(static_cast<std::size_t>(target_begin.back()), 0);
+  std::vector<std::uint16_t> place_of(static_cast<std::size_t>(num_groups), 0);
   for (Index row = 0; row < num_groups; ++row) {
     const Index group = order.node_at[row];
     const Offset begin = coarse.row_begin.back();
@@ -165,13 +168,16 @@ void MultigridLevel::find_coarse_rows(const ProductRows& product, const NodeGrap
       if (number[graph.neighbours[k]] > row) coarse.columns.push_back(number[graph.neighbours[k]]);
     std::sort(coarse.columns.begin() + begin, coarse.columns.end());
     coarse.row_begin.push_back(static_cast<Offset>(coarse.columns.size()));
-    block_of[row] = row;
+    if (coarse.row_begin.back() - begin > std::numeric_limits<std::uint16_t>::max() - 2) return false;
+    place_of[row] = 1;
     for (Offset k = begin; k < coarse.row_begin.back(); ++k)
-      block_of[coarse.columns[k]] = num_groups + static_cast<Index>(k);
+      place_of[coarse.columns[k]] = static_cast<std::uint16_t>(2 + k - begin);
     product.for_each(group, [&](Index column, Offset target) {
-      if (number[column] >= row) coarse_blocks[target] = block_of[number[column]];
+      if (number[column] >= row) coarse_places[target] = place_of[number[column]];
     });
   }
+  coarse.columns.shrink_to_fit();
+  return true;
 }
 
 /// Each chunk of the sweeps takes the first colour that no chunk has with which it shares a group.
@@ -199,19 +205,16 @@ void MultigridLevel::color_transfers(Index num_groups) {
   transfers.color_begin.push_back(transfers.chunks.size());
 }
 
-void MultigridLevel::set_tentative(const Modes& modes) {
-  const int mode_lanes = lanes_of(modes.count);
-  tentative.assign(static_cast<std::size_t>(num_nodes()) * modes.size * mode_lanes, 0.0F);
-  for (std::size_t row = 0; row < static_cast<std::size_t>(num_nodes()) * modes.size; ++row)
-    for (int c = 0; c < modes.count; ++c)
-      tentative[row * mode_lanes + c] = static_cast<float>(modes.values[row * modes.count + c]);
+void MultigridLevel::set_tentative(const std::vector<float>& modes) {
+  tentative.resize(modes.size() + static_cast<std::size_t>(lanes_of(num_modes())));
+  std::ranges::copy(modes, tentative.begin());
 }
 
 void MultigridLevel::allocate() {
   const auto n = static_cast<std::size_t>(num_nodes()),
              numbers = static_cast<std::size_t>(numbers_per_block());
-  blocks.assign((n + columns.size()) * numbers, 0.0F);
-  inverse_diagonal.assign(n * numbers, 0.0F);
+  blocks.assign((n + columns.size()) * numbers + static_cast<std::size_t>(lanes()), 0.0F);
+  inverse_diagonal.assign(n * numbers + static_cast<std::size_t>(lanes()), 0.0F);
   for (std::vector<float>* vector : {&x, &r, &b}) vector->assign(n * lanes(), 0.0F);
 }
 
@@ -219,7 +222,7 @@ bool MultigridLevel::invert_diagonal() {
   const int size = block_size(), numbers = numbers_per_block();
   for (std::size_t unknown = 0; unknown < is_absent.size(); ++unknown) {
     const std::size_t node = unknown / size, d = unknown % size;
-    if (is_absent[unknown] != 0) blocks[node * numbers + d * (lanes() + 1)] = 1;
+    if (is_absent[unknown] != 0) blocks[node * numbers + d * (static_cast<std::size_t>(size) + 1)] = 1;
   }
   const auto invert = size == 2 ? invert_block<2> : size == 3 ? invert_block<3> : invert_block<6>;
   std::atomic<bool> is_definite = true;
@@ -275,14 +278,15 @@ void MultigridLevel::project_to(MultigridLevel& coarse) {
   const float damping = 4.0F / 3.0F / largest_eigenvalue();
   const auto smooth = of_kind(multigrid_kernels().smooth_prolongation);
   const auto project = of_kind(multigrid_kernels().galerkin_product);
-  sweeps.at_once(
-      [&](const ColoredChunks::Rows& rows) { smooth(view(), transfer(), {rows.first, rows.last}, damping); });
+  sweeps.at_once([&](const ColoredChunks::Rows& rows) {
+    std::vector<float> work = row_work();
+    smooth(view(), transfer(), {rows.first, rows.last}, damping, work.data());
+  });
   std::fill(coarse.blocks.begin(), coarse.blocks.end(), 0.0F);
-  const std::size_t row_numbers =
-      widest_product_ * static_cast<std::size_t>(block_size() * lanes_of(num_modes()));
+  const detail::CoarseView to = coarse.writable();
   transfers.forward([&](const ColoredChunks::Rows& rows) {
-    std::vector<float> row_work(row_numbers);
-    project(view(), transfer(), {rows.first, rows.last}, row_work.data(), coarse.blocks.data());
+    std::vector<float> work = row_work();
+    project(view(), transfer(), {rows.first, rows.last}, work.data(), to);
   });
 }
 
@@ -299,6 +303,10 @@ void MultigridLevel::multiply(const std::vector<float>& from, std::vector<float>
 void MultigridLevel::pre_smooth() {
   const auto sweep = of_kind(multigrid_kernels().sweep_forward);
   const auto negate_upper = of_kind(multigrid_kernels().negate_upper);
+  sweeps.at_once([&](const ColoredChunks::Rows& rows) {
+    std::copy(r.begin() + rows.first * lanes(), r.begin() + rows.last * lanes(),
+              b.begin() + rows.first * lanes());
+  });
   sweeps.forward(
       [&](const ColoredChunks::Rows& rows) { sweep(view(), {rows.first, rows.last}, r.data(), x.data()); });
   // b - (D + L) x = 0: what is left is -U x.
@@ -353,7 +361,17 @@ detail::TransferView MultigridLevel::transfer() {
           .product_begin = product_begin.data(),
           .product_places = product_places.data(),
           .target_begin = target_begin.data(),
-          .coarse_blocks = coarse_blocks.data()};
+          .coarse_places = coarse_places.data()};
+}
+
+detail::CoarseView MultigridLevel::writable() {
+  return {.row_begin = row_begin.data(),
+          .diagonal = blocks.data(),
+          .upper = blocks.data() + static_cast<Offset>(num_nodes()) * numbers_per_block()};
+}
+
+std::vector<float> MultigridLevel::row_work() const {
+  return std::vector<float>(widest_product_ * static_cast<std::size_t>(block_size() * lanes_of(num_modes())));
 }
 
 }  // namespace resilin

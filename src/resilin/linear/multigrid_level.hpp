@@ -20,14 +20,14 @@ struct MultigridLevel {
   int num_modes() const { return dim == 3 ? 6 : 3; }
   static int lanes_of(int size) { return size <= 2 ? 2 : size <= 4 ? 4 : 8; }
   int lanes() const { return lanes_of(block_size()); }
-  int numbers_per_block() const { return block_size() * lanes(); }
+  int numbers_per_block() const { return block_size() * block_size(); }
   /// Of a chunk: some five microseconds of a sweep.
   Offset least_couplings() const { return is_given ? 6000 : 600; }
   Index num_nodes() const { return static_cast<Index>(row_begin.size()) - 1; }
 
   std::vector<Offset> row_begin;  ///< strictly upper part
   std::vector<Index> columns;
-  std::vector<float> blocks;  ///< the diagonal blocks, then the upper ones
+  std::vector<float> blocks;  ///< the diagonal blocks, then the upper ones; see LevelView
   std::vector<float> inverse_diagonal;
   std::vector<std::uint8_t> is_absent;  ///< by unknown: its row is empty and becomes that of the identity
 
@@ -36,9 +36,8 @@ struct MultigridLevel {
   std::vector<Index> prolongation_columns;
   std::vector<float> prolongation, tentative;
   std::vector<std::int16_t> smoothing_places;
-  std::vector<std::uint16_t> product_width, product_places;
+  std::vector<std::uint16_t> product_width, product_places, coarse_places;
   std::vector<Offset> product_begin, target_begin;
-  std::vector<std::int32_t> coarse_blocks;
 
   ColoredChunks sweeps;             ///< of nodes that have no neighbour in common: see two_color_order
   ColoredChunks transfers;          ///< of nodes that reach no group in common
@@ -47,9 +46,10 @@ struct MultigridLevel {
   std::vector<float> x, r, b, first_x, first_r;  ///< vectors of a cycle, `lanes` numbers for each node
 
   /// Sets up the way down by these groups of nodes, and the structure of the next level. The groups are
-  /// numbered anew, in the order of that level's sweeps.
-  void connect(Aggregates& groups, MultigridLevel& coarse);
-  void set_tentative(const Modes& modes);
+  /// numbered anew, in the order of that level's sweeps. False where a node reaches so many groups that the
+  /// maps cannot count them: this level is the coarsest then.
+  bool connect(Aggregates& groups, MultigridLevel& coarse);
+  void set_tentative(const std::vector<float>& modes);
   void allocate();  ///< blocks and vectors, once the structure stands
 
   /// After new blocks: the inverse of the diagonal, raised a little where single precision has cost a block
@@ -61,7 +61,7 @@ struct MultigridLevel {
   void project_to(MultigridLevel& coarse);
 
   void multiply(const std::vector<float>& from, std::vector<float>& to) const;  ///< to = A from
-  void pre_smooth();                                ///< x = (D + L)^-1 r, then r = the residual of x
+  void pre_smooth();                                ///< b = r, x = (D + L)^-1 r, then r = the residual of x
   void post_smooth();                               ///< x = (D + U)^-1 (b - L x), b destroyed
   void restrict_to(MultigridLevel& coarse);         ///< the r of `coarse` from this one's
   void prolong_from(const MultigridLevel& coarse);  ///< adds the x of `coarse` to this one's
@@ -87,16 +87,20 @@ struct MultigridLevel {
   };
   detail::LevelView view() const;
   detail::TransferView transfer();
+  detail::CoarseView writable();
   template <class Kernel>
   Kernel of_kind(const Kernel (&kernels)[2][2]) const {
     return kernels[dim - 2][is_given ? 0 : 1];
   }
-  void find_prolongation(const Aggregates& groups);
+  bool find_prolongation(const Aggregates& groups);
   ProductRows find_product_rows(Index num_groups);
   static NodeGraph couple_groups(const ProductRows& product);
-  void find_coarse_rows(const ProductRows& product, const NodeGraph& graph, const SweepOrder& order,
+  bool find_coarse_rows(const ProductRows& product, const NodeGraph& graph, const SweepOrder& order,
                         MultigridLevel& coarse);
   void color_transfers(Index num_groups);
+
+  /// Memory of one task for the widest row of A P, each row of its blocks padded.
+  std::vector<float> row_work() const;
 
   std::size_t widest_product_ = 0;  ///< columns of a row of A P
 };

@@ -25,11 +25,11 @@ PermutedPattern::PermutedPattern(const MergedPattern& pattern, const NodeGraph& 
     }
 }
 
-Offset PermutedPattern::find(Index i, Index j) const {
+Index PermutedPattern::find(Index i, Index j) const {
   if (i == j) return i;
   const auto end = columns.begin() + row_begin[i + 1];
   const auto found = std::lower_bound(columns.begin() + row_begin[i], end, j);
-  return found != end && *found == j ? num_nodes() + (found - columns.begin()) : -1;
+  return found != end && *found == j ? num_nodes() + static_cast<Index>(found - columns.begin()) : -1;
 }
 
 }  // namespace resilin

@@ -1,52 +1,48 @@
 #include "resilin/linear/rigid_modes.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "resilin/core/parallel.hpp"
 #include "resilin/core/rigid_motions.hpp"
 
 namespace resilin {
-
-Modes rigid_modes(int dim, const VectorX& positions, std::span<const std::uint8_t> is_fixed) {
-  const auto num_nodes = static_cast<Index>(is_fixed.size()) / dim;
-  Modes modes{.size = dim, .count = dim == 3 ? 6 : 3, .values = {}};
-  modes.values.assign(static_cast<std::size_t>(num_nodes) * dim * modes.count, 0.0);
-  const bool has_positions = positions.size() > 0;
-  const auto position = [&](Index i) {
-    return has_positions
-               ? Vector3(positions[i * dim], positions[i * dim + 1], dim == 3 ? positions[i * dim + 2] : 0)
-               : Vector3(0, 0, 0);
-  };
-  Vector3 center = Vector3::Zero();
-  for (Index i = 0; i < num_nodes; ++i) center += position(i) / num_nodes;
-  double radius = 0;
-  for (Index i = 0; i < num_nodes; ++i) radius = std::max(radius, (position(i) - center).norm());
-  constexpr std::size_t nodes_per_chunk = 2048;
-  parallel_for(
-      static_cast<std::size_t>(num_nodes), nodes_per_chunk, [&](std::size_t first, std::size_t last) {
-        for (auto i = static_cast<Index>(first); i < static_cast<Index>(last); ++i) {
-          Eigen::Map<Eigen::Matrix<double, -1, -1, Eigen::RowMajor>> mode(modes.of(i), dim, modes.count);
-          mode = rigid_motions(dim, radius > 0 ? Vector3((position(i) - center) / radius) : Vector3(0, 0, 0));
-          for (int d = 0; d < dim; ++d)
-            if (is_fixed[i * dim + d] != 0) mode.row(d).setZero();
-        }
-      });
-  return modes;
-}
-
 namespace {
 
 using Block = Eigen::Matrix<double, -1, -1, Eigen::RowMajor>;
 
-/// Fills what `result` says of one group, by Gram and Schmidt. @param Q  memory
-void orthonormalize(const Modes& modes, const std::vector<Index>& nodes, Index group, Eigen::MatrixXd& Q,
-                    TentativeProlongation& result) {
+/// The nodes of every group, one group after another.
+struct Members {
+  std::vector<Index> begin, nodes;
+
+  explicit Members(const Aggregates& groups) : begin(static_cast<std::size_t>(groups.count) + 1, 0) {
+    for (const Index group : groups.of_node)
+      if (group >= 0) ++begin[group + 1];
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    nodes.resize(static_cast<std::size_t>(begin.back()));
+    std::vector<Index> next(begin.begin(), begin.end() - 1);
+    for (Index i = 0; i < static_cast<Index>(groups.of_node.size()); ++i)
+      if (groups.of_node[i] >= 0) nodes[next[groups.of_node[i]]++] = i;
+  }
+  std::span<const Index> of(std::size_t group) const {
+    return std::span(nodes).subspan(static_cast<std::size_t>(begin[group]),
+                                    static_cast<std::size_t>(begin[group + 1] - begin[group]));
+  }
+};
+
+/// Fills what `result` says of one group, by Gram and Schmidt. @param Q, rows  memory
+template <class NodeModes>
+void orthonormalize_group(const NodeModes& modes, std::span<const Index> nodes, Index group,
+                          Eigen::MatrixXd& Q, Block& rows, TentativeProlongation& result) {
   constexpr double least_norm = 1e-8;  // of the column before: what is left is round-off
-  const int count = modes.count;
-  Q.resize(static_cast<Offset>(nodes.size()) * modes.size, count);
-  for (std::size_t k = 0; k < nodes.size(); ++k)
-    Q.middleRows(static_cast<Offset>(k) * modes.size, modes.size) =
-        Eigen::Map<const Block>(modes.of(nodes[k]), modes.size, count);
+  const int size = modes.size, count = modes.count;
+  rows.resize(size, count);
+  Q.resize(static_cast<Offset>(nodes.size()) * size, count);
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    modes.write(nodes[k], rows.data());
+    Q.middleRows(static_cast<Offset>(k) * size, size) = rows;
+  }
   Eigen::Map<Block> R(result.coarse.of(group), count, count);
   for (int c = 0; c < count; ++c) {
     const double norm_before = Q.col(c).norm();
@@ -66,30 +62,83 @@ void orthonormalize(const Modes& modes, const std::vector<Index>& nodes, Index g
     }
   }
   for (std::size_t k = 0; k < nodes.size(); ++k)
-    Eigen::Map<Block>(result.fine.of(nodes[k]), modes.size, count) =
-        Q.middleRows(static_cast<Offset>(k) * modes.size, modes.size);
+    Eigen::Map<Eigen::Matrix<float, -1, -1, Eigen::RowMajor>>(
+        result.fine.data() + static_cast<Offset>(nodes[k]) * size * count, size, count) =
+        Q.middleRows(static_cast<Offset>(k) * size, size).template cast<float>();
+}
+
+template <class NodeModes>
+TentativeProlongation orthonormalize_groups(const NodeModes& modes, const Aggregates& groups) {
+  constexpr std::size_t groups_per_chunk = 32;
+  const auto num_groups = static_cast<std::size_t>(groups.count),
+             count = static_cast<std::size_t>(modes.count);
+  TentativeProlongation result;
+  result.fine.assign(groups.of_node.size() * static_cast<std::size_t>(modes.size) * count, 0.0F);
+  result.coarse = {modes.count, modes.count, std::vector<double>(num_groups * count * count, 0.0)};
+  result.is_absent.assign(num_groups * count, 0);
+  const Members members(groups);
+  parallel_for(num_groups, groups_per_chunk, [&](std::size_t first, std::size_t last) {
+    Eigen::MatrixXd Q;
+    Block rows;
+    for (std::size_t group = first; group < last; ++group)
+      orthonormalize_group(modes, members.of(group), static_cast<Index>(group), Q, rows, result);
+  });
+  return result;
 }
 
 }  // namespace
 
-TentativeProlongation orthonormalize(const Modes& modes, const Aggregates& groups) {
-  constexpr std::size_t groups_per_chunk = 32;
-  const int count = modes.count;
-  TentativeProlongation result;
-  result.fine = {modes.size, count, std::vector<double>(modes.values.size(), 0.0)};
-  result.coarse = {count, count,
-                   std::vector<double>(static_cast<std::size_t>(groups.count) * count * count, 0.0)};
-  result.is_absent.assign(static_cast<std::size_t>(groups.count) * count, 0);
+RigidModes::RigidModes(int dim, const VectorX& positions, std::span<const std::uint8_t> is_fixed,
+                       std::span<const Index> node_at)
+    : size(dim), count(dim == 3 ? 6 : 3), positions_(positions), is_fixed_(is_fixed), node_at_(node_at) {
+  constexpr std::size_t nodes_per_chunk = 8192;
+  struct Sum {
+    Vector3 vector = Vector3::Zero();
+    Sum& operator+=(const Sum& other) {
+      vector += other.vector;
+      return *this;
+    }
+  };
+  const auto sum =
+      parallel_sum<Sum>(node_at.size(), nodes_per_chunk, [&](std::size_t first, std::size_t last) {
+        Sum part;
+        for (std::size_t node = first; node < last; ++node) part.vector += position(static_cast<Index>(node));
+        return part;
+      });
+  center_ = sum.vector / num_nodes();
+  const auto squares =
+      parallel_sum<double>(node_at.size(), nodes_per_chunk, [&](std::size_t first, std::size_t last) {
+        double part = 0;
+        for (std::size_t node = first; node < last; ++node)
+          part += (position(static_cast<Index>(node)) - center_).squaredNorm();
+        return part;
+      });
+  radius_ = std::sqrt(squares / num_nodes());
+}
 
-  std::vector<std::vector<Index>> members(static_cast<std::size_t>(groups.count));
-  for (Index i = 0; i < static_cast<Index>(groups.of_node.size()); ++i)
-    if (groups.of_node[i] >= 0) members[groups.of_node[i]].push_back(i);
-  parallel_for(members.size(), groups_per_chunk, [&](std::size_t first, std::size_t last) {
-    Eigen::MatrixXd Q;
-    for (std::size_t group = first; group < last; ++group)
-      orthonormalize(modes, members[group], static_cast<Index>(group), Q, result);
-  });
-  return result;
+Vector3 RigidModes::position(Index node) const {
+  if (positions_.size() == 0) return Vector3::Zero();
+  return {positions_[node * size], positions_[node * size + 1], size == 3 ? positions_[node * size + 2] : 0};
+}
+
+void RigidModes::write(Index number, double* rows) const {
+  const Index node = node_at_[number];
+  Eigen::Map<Block> modes(rows, size, count);
+  modes = rigid_motions(size, radius_ > 0 ? Vector3((position(node) - center_) / radius_) : Vector3(0, 0, 0));
+  for (int d = 0; d < size; ++d)
+    if (is_fixed_[node * size + d] != 0) modes.row(d).setZero();
+}
+
+void CoarseModes::write(Index node, double* rows) const {
+  std::copy_n(of(node), static_cast<std::size_t>(size * count), rows);
+}
+
+TentativeProlongation orthonormalize(const RigidModes& modes, const Aggregates& groups) {
+  return orthonormalize_groups(modes, groups);
+}
+
+TentativeProlongation orthonormalize(const CoarseModes& modes, const Aggregates& groups) {
+  return orthonormalize_groups(modes, groups);
 }
 
 }  // namespace resilin

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "resilin/core/memory.hpp"
 #include "resilin/optimize/newton_search.hpp"
 #include "resilin/optimize/true_tangent.hpp"
 
@@ -18,6 +19,17 @@ constexpr int iterations_to_give_way = 3;
 constexpr int most_blocked_steps = 20;
 /// With which what lags may be formed anew.
 constexpr int iterations_of_round = 8;
+
+/// Throws OutOfMemory where the matrix of this pattern does not fit.
+std::shared_ptr<const BlockPattern> foreseen(int dim, std::shared_ptr<const BlockPattern> pattern) {
+  const double bytes = static_cast<double>(pattern->num_slots()) * dim * dim * sizeof(double);
+  const double unknowns = static_cast<double>(pattern->num_nodes()) * dim;
+  if (!fits(bytes))
+    foresee_memory(bytes,
+                   "the stiffness matrix of " + std::to_string(pattern->num_nodes() * dim) + " unknowns",
+                   what_would_fit(unknowns, bytes, "unknowns") + ": take fewer cells, or raise the limit");
+  return pattern;
+}
 
 }  // namespace
 
@@ -271,7 +283,9 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
 }
 
 Newton::Newton(int dim, std::shared_ptr<const BlockPattern> pattern, std::unique_ptr<LinearSolver> solver)
-    : hessian_(dim, std::move(pattern)), parts_(*hessian_.pattern), solver_(std::move(solver)) {}
+    : hessian_(dim, foreseen(dim, std::move(pattern))),
+      parts_(*hessian_.pattern),
+      solver_(std::move(solver)) {}
 
 NewtonReport Newton::minimize(Objective& objective, std::span<const std::uint8_t> is_fixed,
                               const VectorX& targets, const NewtonSettings& settings, VectorX& x,

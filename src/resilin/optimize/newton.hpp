@@ -89,6 +89,8 @@ class Newton {
   /// Makes the Hessian of an objective at x, its elements projected, the last matrix.
   void form_matrix(const Objective& objective, std::span<const std::uint8_t> is_fixed, const VectorX& x);
 
+  /// Gives back the memory of the analysed solver; the next search analyses anew.
+  void release_solver() { solver_->release(); }
   std::string_view solver_name() const { return solver_->name(); }
   bool solver_is_direct() const { return solver_->is_direct(); }
   const Parts& parts() const { return parts_; }

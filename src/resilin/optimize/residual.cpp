@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "resilin/core/parallel.hpp"
+
 namespace resilin {
 
 void set_fixed_to_zero(std::span<const std::uint8_t> is_fixed, VectorX& values) {
@@ -11,12 +13,17 @@ void set_fixed_to_zero(std::span<const std::uint8_t> is_fixed, VectorX& values) 
 }
 
 VectorX free_diagonal(const BlockMatrix& hessian, std::span<const std::uint8_t> is_fixed) {
+  constexpr std::size_t nodes_per_chunk = 8192;
+  const int dim = hessian.dim;
   VectorX diagonal(hessian.num_unknowns());
-  for (Eigen::Index i = 0; i < diagonal.size(); ++i) {
-    const auto node = static_cast<std::size_t>(i / hessian.dim);
-    const auto k = static_cast<int>(i % hessian.dim);
-    diagonal[i] = std::abs(hessian.block(hessian.pattern->row_begin[node])[k * (hessian.dim + 1)]);
-  }
+  parallel_for(static_cast<std::size_t>(hessian.num_nodes()), nodes_per_chunk,
+               [&](std::size_t first, std::size_t last) {
+                 for (std::size_t node = first; node < last; ++node) {
+                   const double* block = hessian.block(hessian.pattern->row_begin[node]);
+                   for (int d = 0; d < dim; ++d)
+                     diagonal[static_cast<Eigen::Index>(node) * dim + d] = std::abs(block[d * (dim + 1)]);
+                 }
+               });
   set_fixed_to_zero(is_fixed, diagonal);
   return diagonal;
 }

@@ -138,6 +138,7 @@ RunOutcome run_to_end(Simulation& simulation, const RunHooks& hooks) {
   RunOutcome outcome = step_to_end(simulation, hooks);
   outcome.warnings = oddities(world, simulation.state());
   if (world.modes) return outcome;
+  simulation.release_solver();  // the estimate below takes as much memory as the solver
   outcome.discretisation_errors = discretisation_errors(world, telling_positions(simulation));
   for (const std::string& text : coarseness_texts(world, outcome.discretisation_errors))
     outcome.warnings.push_back(world.place + ": " + text);

@@ -28,7 +28,7 @@ struct Timing {
 class Simulation {
  public:
   /// Throws InputError.
-  explicit Simulation(const Description& description) : Simulation(World(description)) {}
+  explicit Simulation(Description description) : Simulation(World(std::move(description))) {}
   /// A world may have got energies of the caller's own.
   explicit Simulation(World world);
 
@@ -37,6 +37,8 @@ class Simulation {
   const Frame& frame() const { return frame_; }  ///< of the present state
   const Timing& timing() const { return timing_; }
   std::string_view solver_name() const { return newton_.solver_name(); }
+  /// Gives back the memory of the linear solver, which another step would fill again.
+  void release_solver() { newton_.release_solver(); }
 
   /// The modes of vibration, once the first of them has been stepped to.
   const std::vector<VibrationMode>& modes() const { return modes_; }

@@ -298,12 +298,16 @@ void Builder::find_fixed_unknowns() {
 
 }  // namespace
 
-World::World(const Description& description)
+World::World(Description description) : World(std::make_shared<const Description>(std::move(description))) {}
+
+World::World(const std::shared_ptr<const Description>& shared) : World(*shared, shared) {}
+
+World::World(const Description& description, std::shared_ptr<const Description> shared)
     : dimension(description.dimension),
       is_dynamic(description.is_dynamic),
       title(description.title),
       place(description.place),
-      made_from(std::make_shared<const Description>(description)),
+      made_from(std::move(shared)),
       gravity(description.gravity),
       time_step(description.time_step),
       end_time(description.end_time),

@@ -58,7 +58,8 @@ double largest_extent(const Body& body, const VectorX& positions, int dim);
 class World {
  public:
   /// Checks and assembles a description. Throws InputError, whose message begins with the place of the fault.
-  explicit World(const Description& description);
+  explicit World(Description description);
+  explicit World(const std::shared_ptr<const Description>& shared);
 
   int dimension = 3;
   bool is_dynamic = false;
@@ -124,6 +125,9 @@ class World {
   const Body& body_of(Index node) const;
   /// Whether two bodies, by their numbers, keep each other apart.
   bool meet(std::size_t a, std::size_t b) const;
+
+ private:
+  World(const Description& description, std::shared_ptr<const Description> shared);
 };
 
 /// The angle by which any support or collider turns on the way between two conditions [degrees].

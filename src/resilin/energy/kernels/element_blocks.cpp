@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "resilin/core/error.hpp"
+#include "resilin/core/memory.hpp"
 #include "resilin/core/parallel.hpp"
 #include "resilin/core/simd.hpp"
 #include "resilin/core/text.hpp"
@@ -168,6 +169,18 @@ std::vector<double> reference_gradients(const ElementInfo& element, const Quadra
   return all;
 }
 
+/// Throws OutOfMemory where the numbers of so many cells do not fit.
+void foresee_geometry(const ElementInfo& element, const QuadratureRule& rule, std::size_t num_cells) {
+  const auto n = static_cast<double>(element.num_nodes), dim = static_cast<double>(element.dim);
+  const double of_points = static_cast<double>(rule.points.size()) * (dim * dim + 1) * sizeof(double);
+  const double of_slots = n * (n + 1) / 2 * sizeof(std::uint32_t);
+  const double bytes = static_cast<double>(num_cells) * (of_points + of_slots + n * sizeof(Index));
+  if (!fits(bytes))
+    foresee_memory(
+        bytes, "the geometry of " + std::to_string(num_cells) + " cells",
+        what_would_fit(static_cast<double>(num_cells), bytes, "cells") + ": take fewer, or raise the limit");
+}
+
 }  // namespace
 
 std::vector<double> ElementBlocks::local_values(const VectorX& world_values) const {
@@ -212,6 +225,7 @@ ElementBlocks make_element_blocks(const ElementInfo& element, const QuadratureRu
   const std::vector<Index> order = sorted_cells(local, element.num_nodes);
 
   const std::size_t lanes = out.num_blocks * block_size;
+  foresee_geometry(element, rule, lanes);
   out.cells = spread_over_blocks(order);
   out.nodes.resize(lanes * n);
   const auto dim = static_cast<std::size_t>(element.dim);

@@ -29,6 +29,12 @@ RESILIN_INLINE void store(float* to, Lane<lanes> value) {
   *reinterpret_cast<typename FloatLanes<lanes>::loadable*>(to) = value;
 }
 
+/// A row of a block, which has no padding.
+template <int size>
+RESILIN_INLINE void store_row(float* to, Lane<lanes_of(size)> row) {
+  __builtin_memcpy(to, &row, size * sizeof(float));
+}
+
 /// Sum of the lanes that have a meaning.
 template <int size>
 RESILIN_INLINE float sum_of(Lane<lanes_of(size)> value) {
@@ -43,7 +49,7 @@ RESILIN_INLINE void multiply_block(const float* block, const float* x, float* to
   constexpr int lanes = lanes_of(size);
   const Lane<lanes> v = load<lanes>(x);
   float result[lanes] = {};
-  for (int r = 0; r < size; ++r) result[r] = sum_of<size>(load<lanes>(block + r * lanes) * v);
+  for (int r = 0; r < size; ++r) result[r] = sum_of<size>(load<lanes>(block + r * size) * v);
   store<lanes>(to, load<lanes>(result));
 }
 
@@ -52,7 +58,7 @@ template <int size>
 RESILIN_INLINE void accumulate_block(const float* block, const float* x, Lane<lanes_of(size)>* sum) {
   constexpr int lanes = lanes_of(size);
   const Lane<lanes> v = load<lanes>(x);
-  for (int r = 0; r < size; ++r) sum[r] += load<lanes>(block + r * lanes) * v;
+  for (int r = 0; r < size; ++r) sum[r] += load<lanes>(block + r * size) * v;
 }
 
 /// block^T * x.
@@ -60,13 +66,13 @@ template <int size>
 RESILIN_INLINE Lane<lanes_of(size)> multiply_transposed(const float* block, const float* x) {
   constexpr int lanes = lanes_of(size);
   Lane<lanes> sum = load<lanes>(block) * x[0];
-  for (int r = 1; r < size; ++r) sum += load<lanes>(block + r * lanes) * x[r];
+  for (int r = 1; r < size; ++r) sum += load<lanes>(block + r * size) * x[r];
   return sum;
 }
 
 template <int size>
 void sweep_forward(const LevelView& level, NodeRange nodes, float* r, float* x) {
-  constexpr int lanes = lanes_of(size), block_size = size * lanes;
+  constexpr int lanes = lanes_of(size), block_size = size * size;
   for (int64_t i = nodes.first; i < nodes.last; ++i) {
     float x_i[lanes];
     multiply_block<size>(level.inverse_diagonal + i * block_size, r + i * lanes, x_i);
@@ -81,7 +87,7 @@ void sweep_forward(const LevelView& level, NodeRange nodes, float* r, float* x) 
 /// The product of an upper row with x, by component.
 template <int size>
 RESILIN_INLINE void multiply_upper_row(const LevelView& level, int64_t row, const float* x, float* result) {
-  constexpr int lanes = lanes_of(size), block_size = size * lanes;
+  constexpr int lanes = lanes_of(size), block_size = size * size;
   Lane<lanes> sum[size] = {};
   for (int64_t k = level.row_begin[row]; k < level.row_begin[row + 1]; ++k)
     accumulate_block<size>(level.upper + k * block_size, x + int64_t(level.columns[k]) * lanes, sum);
@@ -99,7 +105,7 @@ void negate_upper(const LevelView& level, NodeRange nodes, const float* x, float
 
 template <int size>
 void subtract_lower(const LevelView& level, NodeRange nodes, const float* x, float* b) {
-  constexpr int lanes = lanes_of(size), block_size = size * lanes;
+  constexpr int lanes = lanes_of(size), block_size = size * size;
   for (int64_t i = nodes.first; i < nodes.last; ++i)
     for (int64_t k = level.row_begin[i]; k < level.row_begin[i + 1]; ++k) {
       float* b_j = b + int64_t(level.columns[k]) * lanes;
@@ -110,7 +116,7 @@ void subtract_lower(const LevelView& level, NodeRange nodes, const float* x, flo
 
 template <int size>
 void sweep_backward(const LevelView& level, NodeRange nodes, const float* b, float* x) {
-  constexpr int lanes = lanes_of(size), block_size = size * lanes;
+  constexpr int lanes = lanes_of(size), block_size = size * size;
   for (int64_t i = int64_t(nodes.last) - 1; i >= nodes.first; --i) {
     float product[size], rest[lanes] = {};
     multiply_upper_row<size>(level, i, x, product);
@@ -121,7 +127,7 @@ void sweep_backward(const LevelView& level, NodeRange nodes, const float* b, flo
 
 template <int size>
 void multiply_add(const LevelView& level, NodeRange nodes, const float* x, float* y) {
-  constexpr int lanes = lanes_of(size), block_size = size * lanes;
+  constexpr int lanes = lanes_of(size), block_size = size * size;
   for (int64_t i = nodes.first; i < nodes.last; ++i) {
     const float* x_i = x + i * lanes;
     Lane<lanes> sum[size] = {};
@@ -138,7 +144,7 @@ void multiply_add(const LevelView& level, NodeRange nodes, const float* x, float
 
 template <int size>
 void apply_inverse_diagonal(const LevelView& level, NodeRange nodes, const float* r, float* x) {
-  constexpr int lanes = lanes_of(size), block_size = size * lanes;
+  constexpr int lanes = lanes_of(size), block_size = size * size;
   for (int64_t i = nodes.first; i < nodes.last; ++i)
     multiply_block<size>(level.inverse_diagonal + i * block_size, r + i * lanes, x + i * lanes);
 }
@@ -148,10 +154,10 @@ void restrict_add(const TransferView& transfer, NodeRange nodes, const float* fr
   constexpr int fine_lanes = lanes_of(fine), lanes = lanes_of(coarse);
   for (int64_t i = nodes.first; i < nodes.last; ++i)
     for (int64_t k = transfer.row_begin[i]; k < transfer.row_begin[i + 1]; ++k) {
-      const float* block = transfer.blocks + k * fine * lanes;
+      const float* block = transfer.blocks + k * fine * coarse;
       float* target = to + int64_t(transfer.columns[k]) * lanes;
       Lane<lanes> sum = load<lanes>(target);
-      for (int r = 0; r < fine; ++r) sum += load<lanes>(block + r * lanes) * from[i * fine_lanes + r];
+      for (int r = 0; r < fine; ++r) sum += load<lanes>(block + r * coarse) * from[i * fine_lanes + r];
       store<lanes>(target, sum);
     }
 }
@@ -163,7 +169,7 @@ void prolong_add(const TransferView& transfer, NodeRange nodes, const float* fro
     Lane<lanes> sum[fine] = {};
     for (int64_t k = transfer.row_begin[i]; k < transfer.row_begin[i + 1]; ++k) {
       const Lane<lanes> x = load<lanes>(from + int64_t(transfer.columns[k]) * lanes);
-      for (int r = 0; r < fine; ++r) sum[r] += load<lanes>(transfer.blocks + (k * fine + r) * lanes) * x;
+      for (int r = 0; r < fine; ++r) sum[r] += load<lanes>(transfer.blocks + (k * fine + r) * coarse) * x;
     }
     for (int r = 0; r < fine; ++r) to[i * fine_lanes + r] += sum_of<coarse>(sum[r]);
   }
@@ -173,19 +179,20 @@ void prolong_add(const TransferView& transfer, NodeRange nodes, const float* fro
 template <int size>
 RESILIN_INLINE const float* block_of(const LevelView& level, int64_t row, int64_t entry,
                                      bool& is_transposed) {
-  constexpr int block_size = size * lanes_of(size);
+  constexpr int block_size = size * size;
   is_transposed = entry < -1;
   if (entry == -1) return level.diagonal + row * block_size;
   return level.upper + (entry >= 0 ? entry : -2 - entry) * block_size;
 }
 
-/// to += block * B or block^T * B for a block of size x size and B of size x coarse.
-template <int size, int coarse>
+/// to += block * B or block^T * B for a block of size x size and B of size x coarse, its rows `stride`
+/// numbers apart; those of `to` are padded.
+template <int size, int coarse, int stride>
 RESILIN_INLINE void add_product(const float* block, bool is_transposed, const float* B, float* to) {
-  constexpr int fine_lanes = lanes_of(size), lanes = lanes_of(coarse);
+  constexpr int lanes = lanes_of(coarse);
   Lane<lanes> rows[size];
-  for (int k = 0; k < size; ++k) rows[k] = load<lanes>(B + k * lanes);
-  const int row_stride = is_transposed ? 1 : fine_lanes, column_stride = is_transposed ? fine_lanes : 1;
+  for (int k = 0; k < size; ++k) rows[k] = load<lanes>(B + k * stride);
+  const int row_stride = is_transposed ? 1 : size, column_stride = is_transposed ? size : 1;
   for (int r = 0; r < size; ++r) {
     Lane<lanes> sum = load<lanes>(to + r * lanes);
     for (int k = 0; k < size; ++k) sum += rows[k] * block[r * row_stride + k * column_stride];
@@ -194,12 +201,12 @@ RESILIN_INLINE void add_product(const float* block, bool is_transposed, const fl
 }
 
 template <int fine, int coarse>
-void smooth_prolongation(const LevelView& level, const TransferView& transfer, NodeRange nodes,
-                         float damping) {
-  constexpr int lanes = lanes_of(coarse), block_size = fine * lanes;
+void smooth_prolongation(const LevelView& level, const TransferView& transfer, NodeRange nodes, float damping,
+                         float* row_work) {
+  constexpr int lanes = lanes_of(coarse), block_size = fine * coarse, work_size = fine * lanes;
   for (int64_t i = nodes.first; i < nodes.last; ++i) {
     const int64_t begin = transfer.row_begin[i], end = transfer.row_begin[i + 1];
-    for (int64_t k = begin * block_size; k < end * block_size; ++k) transfer.blocks[k] = 0;
+    for (int64_t k = 0; k < (end - begin) * work_size; ++k) row_work[k] = 0;
     int own_place = -1;
     for (int64_t e = transfer.full_begin[i]; e < transfer.full_begin[i + 1]; ++e) {
       const int place = transfer.smoothing_places[e];
@@ -207,52 +214,64 @@ void smooth_prolongation(const LevelView& level, const TransferView& transfer, N
       if (place < 0) continue;
       bool is_transposed;
       const float* block = block_of<fine>(level, i, transfer.full_blocks[e], is_transposed);
-      add_product<fine, coarse>(block, is_transposed,
-                                transfer.tentative + int64_t(transfer.full_columns[e]) * block_size,
-                                transfer.blocks + (begin + place) * block_size);
+      add_product<fine, coarse, coarse>(block, is_transposed,
+                                        transfer.tentative + int64_t(transfer.full_columns[e]) * block_size,
+                                        row_work + place * work_size);
     }
     for (int64_t k = begin; k < end; ++k) {  // P_i = T_i - damping D_i^-1 (A T)_i
-      float* block = transfer.blocks + k * block_size;
-      float smoothed[block_size] = {};
-      add_product<fine, coarse>(level.inverse_diagonal + i * fine * lanes_of(fine), false, block, smoothed);
-      for (int e = 0; e < block_size; ++e) block[e] = -damping * smoothed[e];
+      float smoothed[work_size] = {};
+      add_product<fine, coarse, lanes>(level.inverse_diagonal + i * fine * fine, false,
+                                       row_work + (k - begin) * work_size, smoothed);
+      const bool is_own = k - begin == own_place;
+      for (int r = 0; r < fine; ++r) {
+        Lane<lanes> row = load<lanes>(smoothed + r * lanes) * -damping;
+        if (is_own) row += load<lanes>(transfer.tentative + i * block_size + r * coarse);
+        store_row<coarse>(transfer.blocks + k * block_size + r * coarse, row);
+      }
     }
-    if (own_place < 0) continue;
-    float* own = transfer.blocks + (begin + own_place) * block_size;
-    for (int e = 0; e < block_size; ++e) own[e] += transfer.tentative[i * block_size + e];
+  }
+}
+
+/// Adds the transpose of a block of P times a block of A P, its rows padded, to a block of the coarse matrix.
+template <int fine, int coarse>
+RESILIN_INLINE void add_transposed_product(const float* P, const float* AP, float* to) {
+  constexpr int lanes = lanes_of(coarse);
+  Lane<lanes> rows[fine];
+  for (int r = 0; r < fine; ++r) rows[r] = load<lanes>(AP + r * lanes);
+  for (int c = 0; c < coarse; ++c) {
+    Lane<lanes> row = load<lanes>(to + c * coarse);
+    for (int r = 0; r < fine; ++r) row += rows[r] * P[r * coarse + c];
+    store_row<coarse>(to + c * coarse, row);
   }
 }
 
 template <int fine, int coarse>
 void galerkin_product(const LevelView& level, const TransferView& transfer, NodeRange nodes, float* row_work,
-                      float* to) {
-  constexpr int lanes = lanes_of(coarse), block_size = fine * lanes, coarse_block_size = coarse * lanes;
+                      CoarseView to) {
+  constexpr int lanes = lanes_of(coarse), block_size = fine * coarse, work_size = fine * lanes;
   for (int64_t i = nodes.first; i < nodes.last; ++i) {
     const uint16_t* place = transfer.product_places + transfer.product_begin[i];
-    const int32_t* target = transfer.coarse_blocks + transfer.target_begin[i];
+    const uint16_t* target = transfer.coarse_places + transfer.target_begin[i];
     const int width = transfer.product_width[i];
-    for (int k = 0; k < width * block_size; ++k) row_work[k] = 0;
+    for (int k = 0; k < width * work_size; ++k) row_work[k] = 0;
     for (int64_t e = transfer.full_begin[i]; e < transfer.full_begin[i + 1]; ++e) {  // row i of A P
       bool is_transposed;
       const float* block = block_of<fine>(level, i, transfer.full_blocks[e], is_transposed);
       const int64_t j = transfer.full_columns[e];
       for (int64_t k = transfer.row_begin[j]; k < transfer.row_begin[j + 1]; ++k)
-        add_product<fine, coarse>(block, is_transposed, transfer.blocks + k * block_size,
-                                  row_work + *place++ * block_size);
+        add_product<fine, coarse, coarse>(block, is_transposed, transfer.blocks + k * block_size,
+                                          row_work + *place++ * work_size);
     }
     for (int64_t k = transfer.row_begin[i]; k < transfer.row_begin[i + 1]; ++k) {  // P_i^T (A P)_i
-      const float* P = transfer.blocks + k * block_size;
+      const int64_t group = transfer.columns[k];
+      float* diagonal = to.diagonal + group * coarse * coarse;
+      float* upper = to.upper + (to.row_begin[group] - 2) * coarse * coarse;
       for (int column = 0; column < width; ++column) {
-        const int64_t coarse_block = *target++;
-        if (coarse_block < 0) continue;
-        Lane<lanes> rows[fine];
-        for (int r = 0; r < fine; ++r) rows[r] = load<lanes>(row_work + column * block_size + r * lanes);
-        float* sum = to + coarse_block * coarse_block_size;
-        for (int c = 0; c < coarse; ++c) {
-          Lane<lanes> row = load<lanes>(sum + c * lanes);
-          for (int r = 0; r < fine; ++r) row += rows[r] * P[r * lanes + c];
-          store<lanes>(sum + c * lanes, row);
-        }
+        const int64_t coarse_place = *target++;
+        if (coarse_place == 0) continue;
+        add_transposed_product<fine, coarse>(
+            transfer.blocks + k * block_size, row_work + column * work_size,
+            coarse_place == 1 ? diagonal : upper + coarse_place * coarse * coarse);
       }
     }
   }

@@ -6,14 +6,14 @@
 
 namespace resilin::detail {
 
-/// Views of the arrays of one level, for the inner loops. Numbers are float; a row of a block has `lanes`
-/// numbers, the power of two not below its size, and the padding is zero in blocks (in vectors it has no
-/// meaning).
+/// Views of the arrays of one level, for the inner loops. Numbers are float. Each node has `lanes` numbers in
+/// a vector, the power of two not below the size of its block; the padding has no meaning. Blocks have none,
+/// but are read by whole lanes: behind the last block of an array there are `lanes` more numbers.
 struct LevelView {
   const int64_t* row_begin;  ///< strictly upper part
   const int32_t* columns;
-  const float* upper;     ///< size x lanes for every entry of `columns`
-  const float* diagonal;  ///< size x lanes for every node
+  const float* upper;     ///< size x size for every entry of `columns`
+  const float* diagonal;  ///< size x size for every node
   const float* inverse_diagonal;
 };
 
@@ -21,11 +21,11 @@ struct LevelView {
 struct TransferView {
   const int64_t* row_begin;
   const int32_t* columns;
-  float* blocks;  ///< fine size x coarse lanes for every entry of `columns`
+  float* blocks;  ///< fine size x coarse size for every entry of `columns`
 
-  const float* tentative;      ///< fine size x coarse lanes for every fine node
+  const float* tentative;      ///< fine size x coarse size for every fine node
   const int64_t* full_begin;   ///< both triangles of the fine matrix by rows, the diagonal included
-  const int64_t* full_blocks;  ///< -1: the diagonal; k: upper entry k; -2 - k: its transpose
+  const int32_t* full_blocks;  ///< -1: the diagonal; k: upper entry k; -2 - k: its transpose
   const int32_t* full_columns;
   const int16_t*
       smoothing_places;  ///< by full entry: place of its aggregate in the row of the prolongation; -1: none
@@ -34,7 +34,15 @@ struct TransferView {
   const int64_t* product_begin;    ///< by fine node: its first entry of the next
   const uint16_t* product_places;  ///< by full entry and prolongation entry of its column: place in that row
   const int64_t* target_begin;     ///< by fine node: its first entry of the next
-  const int32_t* coarse_blocks;    ///< by prolongation entry and place: block of the coarse matrix, or -1
+  const uint16_t* coarse_places;   ///< by prolongation entry and place: which block of the coarse row of the
+                                   ///< entry, counted from 1, the diagonal; 0: one below it
+};
+
+/// Blocks of the next level's matrix.
+struct CoarseView {
+  const int64_t* row_begin;  ///< strictly upper part
+  float* diagonal;
+  float* upper;
 };
 
 /// Fine nodes [first, last).
@@ -61,12 +69,13 @@ struct MultigridKernels {
   /// coarse += P^T fine; fine += P coarse.
   void (*restrict_add[2][2])(const TransferView& transfer, NodeRange nodes, const float* fine, float* coarse);
   void (*prolong_add[2][2])(const TransferView& transfer, NodeRange nodes, const float* coarse, float* fine);
-  /// P = (I - damping D^-1 A) T. Writes transfer.blocks.
+  /// P = (I - damping D^-1 A) T. Writes transfer.blocks; `row_work` holds the widest row of A P, its rows
+  /// padded.
   void (*smooth_prolongation[2][2])(const LevelView& level, const TransferView& transfer, NodeRange nodes,
-                                    float damping);
-  /// Adds the upper blocks of P^T A P to `coarse`; `row_work` holds the widest row of A P.
+                                    float damping, float* row_work);
+  /// Adds the upper blocks of P^T A P to `coarse`.
   void (*galerkin_product[2][2])(const LevelView& level, const TransferView& transfer, NodeRange nodes,
-                                 float* row_work, float* coarse);
+                                 float* row_work, CoarseView coarse);
 };
 
 /// Those of an instruction set that this build holds; of the preferred one (core/cpu.hpp).
