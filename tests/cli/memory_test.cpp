@@ -75,7 +75,7 @@ TEST_F(ShortMemory, IsForeseenForLargeMeshesAndSaysWhatWouldFit) {
                std::regex_replace(box_scene, std::regex(R"(cells = \[4, 2, 2\])"), "cells = [60, 30, 30]"));
   int num_foreseen = 0;
   for (const std::string solver : {"cg_amg", "cg_ic0"})
-    for (const std::string megabytes : {"260", "290", "320"}) {
+    for (const std::string megabytes : {"250", "290", "330"}) {
       SCOPED_TRACE(solver + " in " + megabytes + " MB");
       const ProgramResult result = run_limited(megabytes, "--threads 1 --set solver.kind=" + solver);
       if (result.exit_code == 0) continue;

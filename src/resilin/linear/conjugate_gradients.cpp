@@ -29,8 +29,7 @@ Index most_negative_node(const VectorX& p, const VectorX& Ap, int dim) {
 
 void ConjugateGradients::foresee(const BlockMatrix& A) {
   if (foreseen_ == A.pattern) return;
-  const double bytes =
-      preconditioner_->bytes_per_coupling(A.dim) * static_cast<double>(A.pattern->num_slots());
+  const double bytes = expected_bytes(*A.pattern, A.dim);
   if (!fits(bytes))
     foresee_memory(
         bytes, "solver.kind = \"" + name_ + "\" for " + std::to_string(A.num_unknowns()) + " unknowns",

@@ -32,6 +32,9 @@ class ConjugateGradients : public LinearSolver {
 
   std::string_view name() const override { return name_; }
   bool is_direct() const override { return false; }
+  double expected_bytes(const BlockPattern& pattern, int dim) const override {
+    return preconditioner_->bytes_per_coupling(dim) * static_cast<double>(pattern.num_slots());
+  }
   void release() override { preconditioner_->release(); }
   void analyze(const BlockMatrix& A, const VectorX& node_positions) override;
   LinearReport factorize(const BlockMatrix& A) override;

@@ -44,6 +44,9 @@ class LinearSolver {
   /// Matrices of one search for an equilibrium follow: what was learnt of those before is forgotten, so that
   /// a search gives the same bits whatever went before it.
   virtual void begin_search() {}
+  /// What it will take for a matrix of this pattern, about and rather too little [bytes]; 0 where it looks at
+  /// the memory that is left itself.
+  virtual double expected_bytes(const BlockPattern& /*pattern*/, int /*dim*/) const { return 0; }
   /// Gives back memory: the next matrix is analysed anew. Changes no result.
   virtual void release() {}
   /// `node_positions` (dim per node) and rigid modes derived from them help multilevel solvers; may be empty.

@@ -20,13 +20,17 @@ constexpr int most_blocked_steps = 20;
 /// With which what lags may be formed anew.
 constexpr int iterations_of_round = 8;
 
-/// Throws OutOfMemory where the matrix of this pattern does not fit.
-std::shared_ptr<const BlockPattern> foreseen(int dim, std::shared_ptr<const BlockPattern> pattern) {
-  const double bytes = static_cast<double>(pattern->num_slots()) * dim * dim * sizeof(double);
+/// Throws OutOfMemory where a search with this pattern and solver does not fit.
+std::shared_ptr<const BlockPattern> foreseen(int dim, std::shared_ptr<const BlockPattern> pattern,
+                                             const LinearSolver& solver) {
+  constexpr double vectors = 15;  // positions, steps, forces
   const double unknowns = static_cast<double>(pattern->num_nodes()) * dim;
+  const double matrix = static_cast<double>(pattern->num_slots()) * dim * dim * sizeof(double);
+  const double bytes = matrix + vectors * unknowns * sizeof(double) + solver.expected_bytes(*pattern, dim);
   if (!fits(bytes))
     foresee_memory(bytes,
-                   "the stiffness matrix of " + std::to_string(pattern->num_nodes() * dim) + " unknowns",
+                   "the equilibrium of " + std::to_string(pattern->num_nodes() * dim) + " unknowns by " +
+                       std::string(solver.name()),
                    what_would_fit(unknowns, bytes, "unknowns") + ": take fewer cells, or raise the limit");
   return pattern;
 }
@@ -283,7 +287,7 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
 }
 
 Newton::Newton(int dim, std::shared_ptr<const BlockPattern> pattern, std::unique_ptr<LinearSolver> solver)
-    : hessian_(dim, foreseen(dim, std::move(pattern))),
+    : hessian_(dim, foreseen(dim, std::move(pattern), *solver)),
       parts_(*hessian_.pattern),
       solver_(std::move(solver)) {}
 

@@ -123,6 +123,7 @@ RunOutcome step_to_end(Simulation& simulation, const RunHooks& hooks) {
       log_warning(reached(simulation) + ": " + report.reason);
       if (!simulation.world().is_dynamic) return {RunStatus::not_converged, report.reason};
     }
+    if (simulation.is_finished()) simulation.release_solver();  // fields of the frame take as much memory
     if (hooks.after_step) hooks.after_step(report);
     if (gives_up(simulation)) return {RunStatus::not_converged, describe_giving_up(simulation, report)};
   }
@@ -138,7 +139,7 @@ RunOutcome run_to_end(Simulation& simulation, const RunHooks& hooks) {
   RunOutcome outcome = step_to_end(simulation, hooks);
   outcome.warnings = oddities(world, simulation.state());
   if (world.modes) return outcome;
-  simulation.release_solver();  // the estimate below takes as much memory as the solver
+  simulation.release_solver();  // so does the estimate below
   outcome.discretisation_errors = discretisation_errors(world, telling_positions(simulation));
   for (const std::string& text : coarseness_texts(world, outcome.discretisation_errors))
     outcome.warnings.push_back(world.place + ": " + text);

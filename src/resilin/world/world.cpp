@@ -298,10 +298,6 @@ void Builder::find_fixed_unknowns() {
 
 }  // namespace
 
-World::World(Description description) : World(std::make_shared<const Description>(std::move(description))) {}
-
-World::World(const std::shared_ptr<const Description>& shared) : World(*shared, shared) {}
-
 World::World(const Description& description, std::shared_ptr<const Description> shared)
     : dimension(description.dimension),
       is_dynamic(description.is_dynamic),

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "resilin/contact/collider_barrier.hpp"
@@ -58,8 +59,9 @@ double largest_extent(const Body& body, const VectorX& positions, int dim);
 class World {
  public:
   /// Checks and assembles a description. Throws InputError, whose message begins with the place of the fault.
-  explicit World(Description description);
-  explicit World(const std::shared_ptr<const Description>& shared);
+  explicit World(Description description)
+      : World(std::make_shared<const Description>(std::move(description))) {}
+  explicit World(const std::shared_ptr<const Description>& shared) : World(*shared, shared) {}
 
   int dimension = 3;
   bool is_dynamic = false;
