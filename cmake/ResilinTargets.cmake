@@ -1,8 +1,9 @@
 # Functions that define the library's modules and tests, so that each module lists only its sources.
 
-add_library(resilin_options INTERFACE)
-target_compile_features(resilin_options INTERFACE cxx_std_20)
-target_compile_options(resilin_options INTERFACE
+# What everything is compiled with.
+add_library(resilin_common_options INTERFACE)
+target_compile_features(resilin_common_options INTERFACE cxx_std_20)
+target_compile_options(resilin_common_options INTERFACE
   -Wall -Wextra -Wshadow -Wconversion -Wpedantic
   $<$<BOOL:${RESILIN_WARNINGS_AS_ERRORS}>:-Werror>
   # g++ 12 sees overlaps and overruns in sums of std::string that are none (GCC bug 105651).
@@ -10,31 +11,37 @@ target_compile_options(resilin_options INTERFACE
   -Wno-error=stringop-overflow>
   # g++ collects garbage once it holds so many KiB; by then most files are done.
   $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=400000>
-  # A null pointer and an object that is too small end in the address sanitizer all the same, x86-64 reads from any
-  # address: these three checks are a quarter of what there is to compile.
-  $<$<BOOL:${RESILIN_SANITIZE}>:-fsanitize=address,undefined -fno-sanitize=null,object-size,alignment
-  -fno-sanitize-recover=undefined -fno-omit-frame-pointer>
-  # With sanitizers g++ takes the states of std::regex for numbers that were never set (GCC bug 105562).
-  $<$<AND:$<CXX_COMPILER_ID:GNU>,$<BOOL:${RESILIN_SANITIZE}>>:-Wno-maybe-uninitialized>
   $<$<BOOL:${RESILIN_SANITIZE_THREAD}>:-fsanitize=thread -fno-omit-frame-pointer>
   $<$<BOOL:${RESILIN_COVERAGE}>:--coverage>)
-target_link_options(resilin_options INTERFACE
+target_link_options(resilin_common_options INTERFACE
   $<$<BOOL:${RESILIN_SANITIZE}>:-fsanitize=address,undefined>
   $<$<BOOL:${RESILIN_SANITIZE_THREAD}>:-fsanitize=thread>
   $<$<BOOL:${RESILIN_COVERAGE}>:--coverage>)
 
+# What the library and the programs are compiled with: sanitizers ask for little optimisation and line numbers only, half
+# the time to build, and keep assertions.
+add_library(resilin_options INTERFACE)
+target_link_libraries(resilin_options INTERFACE resilin_common_options)
+target_compile_options(resilin_options INTERFACE
+  # A null pointer and an object that is too small end in the address sanitizer all the same, x86-64 reads from any
+  # address: these three checks are a quarter of what there is to compile.
+  $<$<BOOL:${RESILIN_SANITIZE}>:-O1 -g1 -UNDEBUG -fsanitize=address,undefined -fno-sanitize=null,object-size,alignment
+  -fno-sanitize-recover=undefined -fno-omit-frame-pointer>
+  # With sanitizers g++ takes the states of std::regex for numbers that were never set (GCC bug 105562).
+  $<$<AND:$<CXX_COMPILER_ID:GNU>,$<BOOL:${RESILIN_SANITIZE}>>:-Wno-maybe-uninitialized>)
+
 # What is checked for reads and writes out of bounds alone. In the lanes' straight-line code, which is inlined into very
 # large functions, the other checks take minutes of compilation (all laws together: 88 s for scopes and 59 s for undefined
-# behaviour, against 7 s) and have little to find; in the sources of tests they are a third of what there is to compile.
-# Linked after resilin_options, whose sanitizers these flags take back.
+# behaviour, against 7 s) and have little to find. Linked after resilin_options, whose sanitizers these flags take back.
 add_library(resilin_bounds_only INTERFACE)
 target_compile_options(resilin_bounds_only INTERFACE
   $<$<BOOL:${RESILIN_SANITIZE}>:-fno-sanitize=undefined -fno-sanitize-address-use-after-scope>)
 
-# Sources of tests: the library that they test is optimised, what they say themselves need not be.
+# For sources of tests, beside resilin_common_options: the library that they test is optimised, what they say themselves
+# need not be. They are the same with sanitizers as without, so that ccache has their objects from the other build; see
+# resilin_sanitized_first.
 add_library(resilin_test_options INTERFACE)
 target_compile_options(resilin_test_options INTERFACE $<$<AND:$<CXX_COMPILER_ID:GNU>,$<CONFIG:Release>>:-Og>)
-target_link_libraries(resilin_test_options INTERFACE resilin_bounds_only)
 
 # ccache keeps objects that saw a precompiled header only when told that their macros and dates do not matter; relative
 # paths let two build folders share objects.
@@ -89,6 +96,43 @@ function(resilin_module name)
   set_property(GLOBAL APPEND PROPERTY RESILIN_MODULES ${target})
 endfunction()
 
+# resilin_archives_of(OUT TARGET ...): the libraries of this project that these targets are or use.
+function(resilin_archives_of out)
+  set(found)
+  set(waiting ${ARGN})
+  while(waiting)
+    list(POP_FRONT waiting target)
+    if(NOT TARGET ${target})
+      continue()
+    endif()
+    get_target_property(aliased ${target} ALIASED_TARGET)
+    if(aliased)
+      set(target ${aliased})
+    endif()
+    get_target_property(type ${target} TYPE)
+    get_target_property(imported ${target} IMPORTED)
+    if(imported OR target IN_LIST found OR NOT type STREQUAL "STATIC_LIBRARY")
+      continue()
+    endif()
+    list(APPEND found ${target})
+    get_target_property(links ${target} INTERFACE_LINK_LIBRARIES)
+    if(links)
+      list(APPEND waiting ${links})
+    endif()
+  endwhile()
+  set(${out} ${found} PARENT_SCOPE)
+endfunction()
+
+# resilin_sanitized_first(TARGET LIBRARY ...): of inline functions that both the sanitized libraries and the tests have, which
+# are compiled without, the linker takes those that it sees first.
+function(resilin_sanitized_first target)
+  if(RESILIN_SANITIZE)
+    resilin_archives_of(archives ${ARGN})
+    list(TRANSFORM archives REPLACE "(.+)" "$<TARGET_FILE:\\1>" OUTPUT_VARIABLE files)
+    target_link_options(${target} PRIVATE -Wl,--whole-archive ${files} -Wl,--no-whole-archive)
+  endif()
+endfunction()
+
 # resilin_test(NAME SOURCES a_test.cpp ... ALONE big_test.cpp ... LINK resilin::x ...): a GoogleTest program; ctest runs each
 # of its tests, under the name that its INSTANTIATE_TEST_SUITE_P gives it: values as GoogleTest prints them may hold addresses,
 # and differ from run to run. ALONE: see resilin_unite.
@@ -96,7 +140,8 @@ function(resilin_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;ALONE;LINK" ${ARGN})
   set(target ${name}_test)
   add_executable(${target} ${ARG_SOURCES})
-  target_link_libraries(${target} PRIVATE resilin_options resilin_test_options resilin_test_support ${ARG_LINK})
+  target_link_libraries(${target} PRIVATE resilin_common_options resilin_test_options resilin_test_support ${ARG_LINK})
+  resilin_sanitized_first(${target} ${ARG_LINK})
   resilin_precompile(${target} TESTS)
   resilin_unite(${target} ${ARG_ALONE})
   gtest_discover_tests(${target} TEST_PREFIX "${name}/" NO_PRETTY_VALUES DISCOVERY_MODE PRE_TEST

@@ -20,7 +20,7 @@ const std::string cube_filler = R"(#!/bin/sh
 test -s surface.msh || exit 9
 size=$(sed -n 's/Mesh.MeshSizeMax = \(.*\);/\1/p' fill.geo)
 n=$(awk "BEGIN { n = int(1 / $size + 0.5); print n < 1 ? 1 : n }")
-exec ")" RESILIN_PROGRAM R"(" mesh filled.msh --box 1 1 1 --cells $n $n $n
+exec ")" + program_path() + R"(" mesh filled.msh --box 1 1 1 --cells $n $n $n
 )";
 
 struct Fill : ::testing::Test {
@@ -77,7 +77,7 @@ TEST_F(Fill, TakesFilesOfAnyName) {
 }
 
 TEST_F(Fill, SaysWhenTheNumberCannotBeMet) {
-  install_gmsh("#!/bin/sh\nexec \"" RESILIN_PROGRAM "\" mesh filled.msh --box 1 1 1 --cells 3 3 3\n");
+  install_gmsh("#!/bin/sh\nexec \"" + program_path() + "\" mesh filled.msh --box 1 1 1 --cells 3 3 3\n");
   const ProgramResult result = run({"cube.obj", "out.msh", "--tets", "3000", "--mesher", "gmsh"});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_THAT(result.err, HasSubstr("nearest to 3000 tetrahedra that gmsh makes of this surface is 162"));

@@ -54,9 +54,9 @@ struct ShortMemory : ::testing::Test {
 };
 
 TEST_F(ShortMemory, EndsInTheSameResultOrInOneLine) {
-  const std::string statics, motion = "--set simulation.kind=dynamic --set simulation.end_time=0.05 ",
+  const std::string statics, moving = "--set simulation.kind=dynamic --set simulation.end_time=0.05 ",
                              modes = "--set simulation.kind=modes --set simulation.gravity=[0,0,0] ";
-  for (const std::string& kind : {statics, motion, modes}) {
+  for (const std::string& kind : {statics, moving, modes}) {
     for (const std::string solver : {"auto", "cholesky", "multifrontal", "ldlt", "cg_amg", "cg_ic0"}) {
       const std::string options = kind + "--set solver.kind=" + solver;
       ASSERT_EQ(run_limited("unlimited", options).exit_code, 0);

@@ -43,7 +43,7 @@ pid_t start(const std::filesystem::path& folder, std::vector<std::string> words,
 }
 
 std::vector<std::string> resilin(const std::vector<std::string>& arguments) {
-  std::vector<std::string> words = {RESILIN_PROGRAM};
+  std::vector<std::string> words = {program_path()};
   words.insert(words.end(), arguments.begin(), arguments.end());
   return words;
 }
@@ -59,6 +59,8 @@ ProgramResult finish(pid_t process, const std::filesystem::path& folder) {
 }
 
 }  // namespace
+
+std::string program_path() { return RESILIN_PROGRAM; }
 
 const std::string box_scene = R"(title = "A box"
 [simulation]
@@ -83,8 +85,7 @@ ProgramResult run_program(const std::filesystem::path& folder, const std::vector
 }
 
 ProgramResult run_shell(const std::filesystem::path& folder, const std::string& script) {
-  return finish(start(folder, {"/bin/sh", "-c", script}, {"RESILIN=" + std::string(RESILIN_PROGRAM)}),
-                folder);
+  return finish(start(folder, {"/bin/sh", "-c", script}, {"RESILIN=" + program_path()}), folder);
 }
 
 RunningProgram::RunningProgram(const std::filesystem::path& folder, const std::vector<std::string>& arguments)

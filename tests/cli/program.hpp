@@ -9,6 +9,9 @@
 
 namespace resilin::testing {
 
+/// Where `resilin` is that belongs to these tests.
+std::string program_path();
+
 struct ProgramResult {
   int exit_code = 0;  ///< 128 + signal when it was killed
   std::string out, err;
