@@ -2,6 +2,7 @@
 
 #include "collision.hpp"
 #include "damping.hpp"
+#include "fit_laws.hpp"
 #include "heap.hpp"
 #include "kernel_benchmark.hpp"
 #include "latency.hpp"
@@ -66,6 +67,8 @@ std::vector<Measurement> bench_seed001(const BenchOptions&) { return measure_see
 
 std::vector<Measurement> bench_view(const BenchOptions&) { return measure_view(); }
 
+std::vector<Measurement> bench_fit(const BenchOptions&) { return measure_fits(); }
+
 std::vector<Measurement> bench_heap(const BenchOptions&) { return measure_heap(); }
 
 std::vector<Measurement> bench_latency(const BenchOptions&) { return measure_latency(); }
@@ -109,6 +112,7 @@ const std::vector<Benchmark>& benchmarks() {
       {"seed001", "627 tetrahedra dragged and let go, every step converged; needs RESILIN_SHARED",
        bench_seed001},
       {"view", "Dragging in real time: time of a step, and its distance to the solved step", bench_view},
+      {"fit", "Six laws fitted to three tests of a rubber, with intervals and stability", bench_fit},
       {"heap", "Three soft creatures fall into a heap on the page: time of a step, and its parts",
        bench_heap},
       {"latency", "From moving the hand in the browser to the frame that shows it, through the page server",

@@ -24,6 +24,24 @@ def all_checks():
     return checks
 
 
+def problems_of_fit(path):
+    """Tests of a material, `resilin fit`: every law is fitted, and the page and the material are there."""
+    with tempfile.TemporaryDirectory() as folder:
+        out = pathlib.Path(folder) / "out"
+        command = [PROGRAM, "fit", path, "--out", out, "--quiet"]
+        run = subprocess.run(command, capture_output=True, text=True, check=False, timeout=TIME_LIMIT)
+        if run.returncode != 0:
+            return [f"{path.name}: exit code {run.returncode}: {run.stderr.strip()}"]
+        report = json.loads((out / "fit.json").read_text(encoding="utf-8"))
+        problems = [f"{path.name}: {law['name']} was not fitted" for law in report["not_fitted"]]
+        if not report["laws"] or not all(test["r_squared"] > 0.95 for test in report["laws"][0]["tests"]):
+            problems.append(f"{path.name}: no law meets the tests")
+        if "<svg" not in (out / "fit.html").read_text(encoding="utf-8"):
+            problems.append(f"{path.name}: fit.html shows no curves")
+        tomllib.loads((out / "material.toml").read_text(encoding="utf-8"))
+        return problems
+
+
 def problems_of_readme():
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     block = re.search(r"```toml\n(.*?)```", text, re.DOTALL)
@@ -36,7 +54,7 @@ def problems_of_readme():
 
 
 def problems_of_scene(path):
-    problems = problems_of_run(path)
+    problems = problems_of_fit(path) if path.name.startswith("fit_") else problems_of_run(path)
     if not COMMENT_LINES.match(path.read_text(encoding="utf-8")):
         problems.append(f"{path.name}: expected a first line that says what to see")
     return problems

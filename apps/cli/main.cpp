@@ -82,6 +82,7 @@ int run_command(int argc, char** argv) {
   add_picture(line, action);
   add_mesh(line, action);
   add_materials(line, action);
+  add_fit(line, action);
   add_bench(line, action);
   add_info(line, action);
   try {

@@ -4,6 +4,7 @@ Material    a law at arrays of deformation gradients: energy, stress, tangent, f
 Elastic     the energy of a mesh: value, gradient, Hessian
 Simulation  a scene step by step; `run` simulates it to the end
 Mesh        from arrays, files, meshio objects and recipes
+fit         constants of laws from tests, with intervals
 embed       weights that carry fine points by the cells of a mesh
 """
 
@@ -15,6 +16,7 @@ from resilin._core import InputError
 from resilin.catalog import laws
 from resilin.elastic import Elastic
 from resilin.embedding import embed
+from resilin.fit import Fit, fit
 from resilin.material import Material
 from resilin.mesh import Mesh, MeshReport, read_mesh
 from resilin.picture import Picture, picture
@@ -26,6 +28,7 @@ __version__ = _core.version()
 
 __all__ = [
     "Elastic",
+    "Fit",
     "InputError",
     "Material",
     "Mesh",
@@ -36,6 +39,7 @@ __all__ = [
     "Step",
     "__version__",
     "embed",
+    "fit",
     "laws",
     "num_threads",
     "picture",

@@ -35,15 +35,25 @@ def read_scene(scene: Scene, overrides: Overrides = ()) -> _core.Scene:
     overrides : dict or list of str
         As after `--set`: {"newton.tolerance": 1e-6} or ["newton.tolerance=1e-6"].
     """
-    if isinstance(overrides, Mapping):
-        overrides = [f"{key}={_toml(value)}" for key, value in overrides.items()]
-    overrides = [plain_text(override, "overrides") for override in overrides]
+    overrides = override_lines(overrides)
     if isinstance(scene, Mapping):
         plain = _plain_table(scene, "", _dimension_of(scene), 0)
         return _core.read_scene_from_values(plain, "scene", "", overrides)
     if not isinstance(scene, str | os.PathLike):
         refuse("scene", "a path or a dict", type(scene).__name__)
     return _core.read_scene(file_path(scene, "scene"), overrides)
+
+
+def override_lines(overrides: Overrides) -> list[str]:
+    """What stands after each --set."""
+    if isinstance(overrides, Mapping):
+        overrides = [f"{key}={_toml(value)}" for key, value in overrides.items()]
+    return [plain_text(override, "overrides") for override in overrides]
+
+
+def plain_values(table: Table) -> dict[str, object]:
+    """A dict with the keys of a file as what the core reads."""
+    return _plain_table(table, "", 3, 0)
 
 
 def _dimension_of(scene: Table) -> Any:

@@ -20,6 +20,7 @@ namespace nb = nanobind;
 void bind_material(nb::module_& module);
 void bind_batch_law(nb::module_& module);
 void bind_curve(nb::module_& module);
+void bind_fit(nb::module_& module);
 void bind_mesh(nb::module_& module);
 void bind_elastic(nb::module_& module);
 void bind_picture(nb::module_& module);

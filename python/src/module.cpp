@@ -32,6 +32,7 @@ NB_MODULE(_core, module) {
   python::bind_material(module);
   python::bind_batch_law(module);
   python::bind_curve(module);
+  python::bind_fit(module);
   python::bind_mesh(module);
   python::bind_elastic(module);
   python::bind_picture(module);

@@ -34,6 +34,8 @@ TEST_F(Commands, ThatDoNotExistAreRefusedInOneLine) {
                                              {"view", "a.toml"},
                                              {"mesh", "a.msh"},
                                              {"materials", "rubber"},
+                                             {"fit"},
+                                             {"fit", "none.toml"},
                                              {"bench", "nothing"},
                                              {"--what"}}) {
     const ProgramResult result = run(arguments);
@@ -47,7 +49,7 @@ TEST_F(Commands, ThatDoNotExistAreRefusedInOneLine) {
 
 TEST_F(Commands, ExplainThemselvesWithAnExample) {
   EXPECT_EQ(run({"--help"}).exit_code, 0);
-  for (const std::string command : {"run", "view", "check", "mesh", "materials", "info"}) {
+  for (const std::string command : {"run", "view", "check", "mesh", "materials", "fit", "info"}) {
     const ProgramResult result = run({command, "--help"});
     EXPECT_EQ(result.exit_code, 0);
     EXPECT_THAT(result.out, HasSubstr("Example"));
@@ -195,6 +197,22 @@ TEST_F(Commands, AnInstructionSetThatIsNotThereIsOneLine) {
   EXPECT_THAT(result.err, AllOf(StartsWith("resilin: environment variable RESILIN_ISA: expected"),
                                 HasSubstr("got \"avx1024\"")));
   EXPECT_EQ(std::ranges::count(result.err, '\n'), 1);
+}
+
+TEST_F(Commands, FitFindsConstantsAndWritesThem) {
+  const std::string example = (source_folder() / "examples" / "fit_rubber.toml").string();
+  const ProgramResult result = run({"fit", example, "--out", "fitted", "--laws", "yeoh,neo_hookean"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out,
+              AllOf(HasSubstr("law "), HasSubstr("yeoh"), HasSubstr("+-"), HasSubstr("fitted/fit.html")));
+  EXPECT_THAT(folder.read("fitted/material.toml"), HasSubstr("material = { law = \"yeoh\""));
+  EXPECT_EQ(read_json(folder / "fitted/fit.json")["laws"].size(), 2U);
+  EXPECT_THAT(folder.read("fitted/fit.html"), HasSubstr("<svg"));
+  const ProgramResult json =
+      run({"fit", example, "--json", "--laws", "all", "--set", "fit.residual=relative"});
+  EXPECT_EQ(json.exit_code, 0) << json.err;
+  EXPECT_EQ(nlohmann::json::parse(json.out)["residual"], "relative");
+  EXPECT_THAT(run({"fit", example, "--laws", "yeo"}).err, HasSubstr("did you mean \"yeoh\""));
 }
 
 }  // namespace

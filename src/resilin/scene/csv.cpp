@@ -40,6 +40,21 @@ std::vector<std::string_view> split(std::string_view line) {
   }
 }
 
+/// Spreadsheets put names into quotation marks.
+std::string_view unquoted(std::string_view cell) {
+  if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"') return cell.substr(1, cell.size() - 2);
+  return cell;
+}
+
+/// What to do about a cell that holds no number: text that reads as one is nan, inf or has no end.
+std::string cure_of(std::string_view cell) {
+  double value = 0;
+  const bool is_no_value = std::from_chars(cell.data(), cell.data() + cell.size(), value).ec == std::errc{} &&
+                           !std::isfinite(value);
+  return cell.empty() || is_no_value ? "leave rows without a value out"
+                                     : "decimals need a point, not a comma";
+}
+
 bool parse_number(std::string_view cell, double& value) {
   if (cell.starts_with('+')) cell.remove_prefix(1);
   const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
@@ -68,6 +83,7 @@ NumberTable read_csv(const std::filesystem::path& path) {
     const std::vector<std::string_view> cells = split(content);
     if (table.values.empty() && table.num_columns == 0 && is_header(cells)) {
       table.num_columns = cells.size();
+      for (const std::string_view cell : cells) table.column_names.emplace_back(unquoted(cell));
       continue;
     }
     const std::string place = path.string() + ":" + std::to_string(line);
@@ -79,8 +95,7 @@ NumberTable read_csv(const std::filesystem::path& path) {
     for (const std::string_view cell : cells) {
       double value = 0;
       if (!parse_number(cell, value)) {
-        throw InputError(place, "a number", '"' + printable(cell) + '"',
-                         "decimals need a point, not a comma");
+        throw InputError(place, "a number", '"' + printable(cell) + '"', cure_of(cell));
       }
       table.values.push_back(value);
     }

@@ -15,7 +15,21 @@ std::string readable_type(const std::string& type) {
   return std::regex_replace(type, link, "a table (docs/scene.md$1)");
 }
 
+std::string reference_row(const KeyDoc& key) {
+  const std::string meaning = key.is_later ? "Not in this version. " + key.text : key.text;
+  return "| `" + key.name + "` | " + key.type + " | " + key.unit + " | " + key.default_text + " | " +
+         meaning + " |\n";
+}
+
 }  // namespace
+
+std::string reference_text(const TableDoc& section) {
+  std::string text = "\n## " + section.title + "\n" + section.text + "\n";
+  if (section.keys.empty()) return text;
+  text += "\n| key | type | unit | default | meaning |\n| --- | --- | --- | --- | --- |\n";
+  for (const KeyDoc& key : section.keys) text += reference_row(key);
+  return text;
+}
 
 void refuse_unknown_keys(const SceneNode& table, const std::vector<std::string>& known) {
   for (const SceneMember& member : table.value->table()) {

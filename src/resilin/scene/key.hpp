@@ -42,6 +42,9 @@ struct TableDoc {
   std::vector<KeyDoc> keys;
 };
 
+/// The table as a section of a page of the docs.
+std::string reference_text(const TableDoc& section);
+
 /// Throws unless every key of the table is one of `known`; names the nearest known key.
 void refuse_unknown_keys(const SceneNode& table, const std::vector<std::string>& known);
 [[noreturn]] void refuse_missing_key(const SceneNode& table, const KeyDoc& key);

@@ -35,22 +35,11 @@ at = [4, 0.5, 0.5]
 ```
 )";
 
-std::string row(const KeyDoc& key) {
-  const std::string meaning = key.is_later ? "Not in this version. " + key.text : key.text;
-  return "| `" + key.name + "` | " + key.type + " | " + key.unit + " | " + key.default_text + " | " +
-         meaning + " |\n";
-}
-
 }  // namespace
 
 std::string scene_reference() {
   std::string page(introduction);
-  for (const TableDoc& section : scene_tables()) {
-    page += "\n## " + section.title + "\n" + section.text + "\n";
-    if (section.keys.empty()) continue;
-    page += "\n| key | type | unit | default | meaning |\n| --- | --- | --- | --- | --- |\n";
-    for (const KeyDoc& key : section.keys) page += row(key);
-  }
+  for (const TableDoc& section : scene_tables()) page += reference_text(section);
   return page;
 }
 

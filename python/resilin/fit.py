@@ -1,0 +1,203 @@
+"""Materials found from tests: constants with intervals and their range of stability (docs/fit.md)."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from resilin import _core
+from resilin.arrays import file_path, refuse
+from resilin.material import Material
+from resilin.scene import override_lines, plain_values
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from typing import Literal
+
+    from numpy.typing import NDArray
+
+    from resilin.typing import AnyPath, Overrides, Scene
+
+
+@dataclass(frozen=True)
+class FittedConstant:
+    """What the tests say about one constant; SI."""
+
+    name: str
+    unit: str  #: "Pa", or empty for a pure number
+    value: float
+    standard_error: float  #: inf where the tests do not determine it, 0 where it was not fitted
+    half_width_95: float  #: of the interval of 95 % (Student's t)
+    origin: Literal["fitted", "given", "assumed", "absent"]
+    is_determined: bool
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Ends of the interval of 95 %."""
+        return self.value - self.half_width_95, self.value + self.half_width_95
+
+
+@dataclass(frozen=True)
+class StableRange:
+    """Between which loads a law is stable (Drucker's condition) along one mode."""
+
+    mode: str
+    unstable_below: float | None  #: None: stable to the end of the search, a stretch of 1/12
+    unstable_above: float | None  #: None: to 12
+
+
+@dataclass(frozen=True, eq=False)
+class FittedCurve:
+    """The curve of a law in one mode: arrays (N,)."""
+
+    mode: str
+    load: NDArray[np.float64]  #: stretch, or amount of shear
+    nominal_stress: NDArray[np.float64]  #: [Pa]; nan where there is no state
+    is_stable: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class FittedLaw:
+    """One law, fitted."""
+
+    name: str  #: as it was asked for, such as "ogden2"
+    law: str  #: of the catalogue
+    constants: dict[str, FittedConstant]
+    sum_of_squares: float  #: of weighted residuals; [Pa^2] where they are absolute
+    points: int
+    aicc: float  #: Akaike's criterion for few points; inf where there are too few
+    akaike_weight: float
+    r_squared: dict[str, float]  #: by the name of the test
+    stability: tuple[StableRange, ...]
+    curves: dict[str, FittedCurve]  #: by mode
+    youngs_modulus: float  #: at small strain [Pa]
+    poissons_ratio: float
+    is_bounded: bool  #: stability or a range holds it away from the free optimum
+    remarks: tuple[str, ...]
+    warnings: tuple[str, ...]
+
+    @property
+    def material(self) -> Material:
+        """The law with these constants, ready for a scene."""
+        return Material(self.law, **{name: constant.value for name, constant in self.constants.items()})
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """The laws that were fitted, the best first."""
+
+    laws: tuple[FittedLaw, ...]
+    not_fitted: dict[str, str]  #: why not, by law
+    objective: str  #: what was made small, in words
+    warnings: tuple[str, ...]
+    text: str = field(repr=False)  #: the table that ``resilin fit`` prints
+    material_toml: str = field(repr=False)
+    _page: str = field(repr=False)
+    _json: str = field(repr=False)
+
+    @property
+    def best(self) -> FittedLaw:
+        """The law that AICc puts first."""
+        return self.laws[0]
+
+    def __getitem__(self, name: str) -> FittedLaw:
+        """The law of this name."""
+        for law in self.laws:
+            if law.name == name:
+                return law
+        refuse("fit", f"one of {', '.join(law.name for law in self.laws)}", repr(name))
+
+    def save(self, folder: AnyPath) -> None:
+        """Writes fit.html, fit.json and material.toml."""
+        path = Path(folder)
+        path.mkdir(parents=True, exist_ok=True)
+        (path / "fit.html").write_text(self._page, encoding="utf-8")
+        (path / "fit.json").write_text(self._json, encoding="utf-8")
+        (path / "material.toml").write_text(self.material_toml, encoding="utf-8")
+
+
+def fit(data: Scene, laws: str | Sequence[str] | None = None, overrides: Overrides = ()) -> Fit:
+    """Fits laws to tests of a material.
+
+    Parameters
+    ----------
+    data : path or dict
+        The file of ``resilin fit``, or its keys as a dict, whose columns may be lists or arrays (N,):
+        ``{"test": [{"mode": "uniaxial", "stretch": x, "nominal_stress": y, "unit": "MPa"}]}``.
+    laws : "all" or list of str, optional
+        What is fitted, in place of what `data` says.
+    overrides : dict or list of str
+        As after ``--set``.
+
+    Returns
+    -------
+    Fit
+
+    Raises
+    ------
+    InputError
+        For data that are wrong, in one line with what to do.
+    """
+    lines = override_lines(overrides)
+    if laws is not None:
+        names = [laws] if isinstance(laws, str) and laws != "all" else laws
+        lines.append(f"fit.laws={json.dumps(names if isinstance(names, str) else list(names))}")
+    if isinstance(data, Mapping):
+        found = _core.fit_values(plain_values(data), lines)
+    elif isinstance(data, str | os.PathLike):
+        found = _core.fit_file(file_path(data, "data"), lines)
+    else:
+        refuse("data", "a path or a dict", type(data).__name__)
+    content = json.loads(found["json"])
+    return Fit(
+        laws=tuple(_law(entry) for entry in content["laws"]),
+        not_fitted={entry["name"]: entry["reason"] for entry in content["not_fitted"]},
+        objective=content["objective"],
+        warnings=tuple(content["warnings"]),
+        text=found["text"],
+        material_toml=found["material"],
+        _page=found["page"],
+        _json=found["json"],
+    )
+
+
+def _law(entry: dict[str, Any]) -> FittedLaw:
+    constants = {
+        constant["name"]: FittedConstant(**{name: _number(value) for name, value in constant.items()})
+        for constant in entry["constants"]
+    }
+    return FittedLaw(
+        name=entry["name"],
+        law=entry["law"],
+        constants=constants,
+        sum_of_squares=entry["sum_of_squares"],
+        points=entry["points"],
+        aicc=_number(entry["aicc"]),
+        akaike_weight=entry["akaike_weight"],
+        r_squared={test["test"]: _number(test["r_squared"]) for test in entry["tests"]},
+        stability=tuple(StableRange(**limits) for limits in entry["stability"]),
+        curves={curve["mode"]: _curve(curve) for curve in entry["curves"]},
+        youngs_modulus=entry["youngs_modulus"],
+        poissons_ratio=entry["poissons_ratio"],
+        is_bounded=entry["is_bounded"],
+        remarks=tuple(entry["remarks"]),
+        warnings=tuple(entry["warnings"]),
+    )
+
+
+def _curve(entry: dict[str, Any]) -> FittedCurve:
+    stress = [np.nan if value is None else value for value in entry["nominal_stress"]]
+    return FittedCurve(
+        entry["mode"], np.array(entry["load"]), np.array(stress, dtype=np.float64), np.array(entry["is_stable"])
+    )
+
+
+def _number(value: Any) -> Any:
+    """What JSON cannot say is infinite."""
+    return np.inf if value is None else value

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <vector>
+
+#include "resilin/fit/drucker.hpp"
+#include "resilin/fit/separable_fit.hpp"
+
+namespace resilin {
+
+/// What the constants have to keep to: limits of c and z, and Drucker's condition at some states.
+struct FitLimits {
+  std::vector<LoadedState> stable_states;  ///< empty: stability is not asked for
+};
+
+/// A point within the limits, and what holds it there.
+struct BoundedPoint : FitPoint {
+  /// Slopes of the limits that are reached, by (c, z): a row for each.
+  DenseMatrix reached;
+  bool is_held_by_stability = false, is_held_by_range = false;
+};
+
+/// Whether a point keeps to the limits.
+bool keeps_limits(const LawProblem& problem, const FitLimits& limits, const FitPoint& point);
+
+/// The smallest sum of squares within the limits, from `start`, which need not keep to them: steps of Gauss,
+/// Newton, Levenberg and Marquardt over the linearised limits, each an exact least-squares problem with
+/// linear inequalities (Lawson & Hanson 1974, ch. 23), and a merit function of the sum and what is violated.
+///
+/// False when no point within the limits was found.
+bool fit_within_limits(const LawProblem& problem, const FitLimits& limits, const FitPoint& start,
+                       BoundedPoint& point);
+
+}  // namespace resilin

@@ -1,0 +1,152 @@
+#include "resilin/fit/fit_file.hpp"
+
+#include <algorithm>
+#include <memory>
+
+#include "resilin/core/error.hpp"
+#include "resilin/core/spelling.hpp"
+#include "resilin/fit/law_choice.hpp"
+#include "resilin/io/atomic_file.hpp"
+
+namespace resilin {
+namespace {
+
+Keys<ConstantSetting> constant_setting_keys() {
+  using C = ConstantSetting;
+  return {
+      key<C>({"start", "number", "Pa", "chosen by itself", "A further start of the search."},
+             [](const SceneNode& node, C& c) { c.start = read_number(node); }),
+      key<C>({"bounds", "list of 2 numbers", "Pa", "those of the law", "The constant stays between them."},
+             [](const SceneNode& node, C& c) {
+               expect_list(node, "numbers", 2);
+               c.lower = read_number(node.element(0));
+               c.upper = read_number(node.element(1));
+               if (!(c.lower < c.upper)) node.fail("the smaller one first");
+             }),
+      key<C>({"value", "number", "Pa", "none", "The constant is this and is not fitted."},
+             [](const SceneNode& node, C& c) { c.value = read_number(node); }),
+  };
+}
+
+/// One of several words, or a list of them.
+void read_laws(const SceneNode& node, std::vector<std::string>& laws) {
+  if (std::holds_alternative<std::string>(node.value->data))
+    laws = {read_text(node)};
+  else
+    laws = read_choices(node, fit_law_names());
+  if (laws != std::vector<std::string>{"all"} && !node.value->is_array())
+    laws = {read_choice(node, fit_law_names())};
+  if (laws.empty()) node.fail("the names of laws");
+}
+
+void read_constant_settings(const SceneNode& node, std::vector<ConstantSetting>& settings) {
+  expect_table(node);
+  for (const SceneMember& member : node.value->table()) {
+    const SceneNode entry = node.child(member.key);
+    expect_table(entry);
+    ConstantSetting setting;
+    setting.name = member.key;
+    setting.place = entry.place();
+    read_table(entry, constant_setting_keys(), setting);
+    settings.push_back(setting);
+  }
+}
+
+Keys<FitDescription> fit_keys() {
+  using F = FitDescription;
+  return {
+      key<F>({"laws", "list of texts, or \"all\"", "", one_of(usual_fit_laws()),
+              "What is fitted: names of [laws](laws.md), and ogden1, ogden2, ogden3 for so many terms."},
+             [](const SceneNode& node, F& f) { read_laws(node, f.laws); }),
+      choice_key(
+          "residual", &F::residual,
+          "What is made small: differences of the stresses, these over the measured stress, or over sigma."),
+      choice_key(
+          "stability", &F::stability,
+          "Drucker's condition over the range of the data: required of the constants, only told, or off."),
+      choice_key("volume", &F::volume,
+                 "In the incompressible limit the volume stays; compressible laws draw their sides in until "
+                 "these are free of stress. auto: compressible where a test changes the volume."),
+      key<F>({"poissons_ratio", "number > 0 and < 0.5", "", default_text(F{}.poissons_ratio),
+              "Of the material that is written where the tests tell nothing about the volume."},
+             [](const SceneNode& node, F& f) {
+               f.poissons_ratio = read_number(node, {.min = 0, .min_is_allowed = false, .max = 0.4999999});
+             }),
+      key<F>(
+          {"parameters", "table", "", "none",
+           "By the name of a constant, or \"LAW.CONSTANT\" for one law: { limit = { bounds = [50, 200] } }; "
+           "keys are start, bounds and value."},
+          [](const SceneNode& node, F& f) { read_constant_settings(node, f.constants); }),
+      later_key<F>("regularise", "table", "A prior for fields of constants.",
+                   "it belongs to fits of whole scenes; homogeneous tests do without"),
+  };
+}
+
+FitDescription read_fit_root(const SceneNode& root) {
+  FitDescription fit;
+  fit.place = root.place();
+  refuse_unknown_keys(root, {"title", "test", "fit", "experiment"});
+  if (root.has("experiment"))
+    refuse_later(
+        root.child("experiment"),
+        "fits of whole scenes are not there yet; homogeneous tests are: [[test]] with mode and file");
+  if (root.has("title")) fit.title = read_text(root.child("title"));
+  if (root.has("fit")) read_table(root.child("fit"), fit_keys(), fit);
+  if (!root.has("test")) root.fail_with("there is no [[test]]; a fit needs at least one, with mode and file");
+  const SceneNode tests = root.child("test");
+  if (!tests.value->is_array() || tests.value->array().empty())
+    tests.fail("a list of tables, each headed [[test]]");
+  for (std::size_t i = 0; i < tests.value->array().size(); ++i)
+    fit.tests.push_back(read_material_test(tests.element(i)));
+  return fit;
+}
+
+/// Tests of the same name are told apart by number.
+void make_names_unique(std::vector<MaterialTest>& tests) {
+  std::vector<std::string> names;
+  for (const MaterialTest& test : tests) names.push_back(test.name);
+  for (std::size_t i = 0; i < tests.size(); ++i)
+    if (std::ranges::count(names, names[i]) > 1)
+      tests[i].name +=
+          " " + std::to_string(
+                    std::count(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), names[i]) + 1);
+}
+
+}  // namespace
+
+FitDescription read_fit_from_values(SceneValue values, const std::string& name,
+                                    const std::filesystem::path& folder,
+                                    const std::vector<std::string>& overrides) {
+  for (const std::string& assignment : overrides) apply_override(values, assignment);
+  SceneContext context;
+  context.folder = folder;
+  values.source = std::make_shared<const std::string>(name);
+  values.line = 0;
+  FitDescription fit = read_fit_root({&values, "", &context});
+  make_names_unique(fit.tests);
+  fit.warnings = std::move(context.warnings);
+  return fit;
+}
+
+FitDescription read_fit(const std::filesystem::path& path, const std::vector<std::string>& overrides) {
+  return read_fit_from_values(parse_toml(read_file(path), path.string()), path.string(), path.parent_path(),
+                              overrides);
+}
+
+std::string fit_reference() {
+  std::string page = R"(# The file of a fit
+
+A fit is a TOML file of tests, read by `resilin fit` ([fit.md](fit.md)); `title` stands above its results. Paths in it are
+beside the file; constants are in SI. A key that is not listed here is an error that names the nearest known one. Any value can
+be set from the command line: `--set fit.residual=relative`.
+This page is printed by `resilin fit --reference` from the table that reads the file.
+)";
+  for (const TableDoc& table :
+       {material_test_doc(), document("[fit]", "What is fitted, and how.", fit_keys()),
+        document("fit.parameters", "What is known of a constant; units of its law.",
+                 constant_setting_keys())})
+    page += reference_text(table);
+  return page;
+}
+
+}  // namespace resilin

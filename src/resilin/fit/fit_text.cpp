@@ -1,0 +1,191 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ostream>
+
+#include "resilin/core/spelling.hpp"
+#include "resilin/core/text.hpp"
+#include "resilin/fit/fit_output.hpp"
+#include "resilin/io/atomic_file.hpp"
+
+namespace resilin {
+namespace {
+
+constexpr std::size_t most_correlations_told = 3;
+
+std::string unit_suffix(const ConstantEstimate& constant, const ShownUnit& unit) {
+  return constant.unit.empty() ? "" : " " + unit.name;
+}
+
+double in_unit(const ConstantEstimate& constant, double value, const ShownUnit& unit) {
+  return constant.unit.empty() ? value : value / unit.in_pascal;
+}
+
+std::string constant_line(const ConstantEstimate& constant, const ShownUnit& unit) {
+  const double value = in_unit(constant, constant.value, unit);
+  const double half_width = in_unit(constant, constant.half_width_95, unit);
+  const std::string suffix = unit_suffix(constant, unit);
+  if (!constant.is_fitted())
+    return value_text(value, 0) + suffix + "  (" + spelling(constant.origin) + ", not fitted)";
+  const bool has_interval = constant.is_determined && std::isfinite(half_width);
+  return value_text(value, half_width) + (has_interval ? " +- " + format_short(half_width) : "") + suffix +
+         (has_interval ? "" : "  (not determined)");
+}
+
+void add_law(const LawFit& fit, const FitReport& report, const ShownUnit& unit, std::string& text) {
+  const bool is_absolute = report.description.residual == ResidualKind::absolute;
+  const double scale = is_absolute ? unit.in_pascal * unit.in_pascal : 1;
+  text += "\n" + fit.name + ": Psi = " + std::string(fit.material.law->formula) + "\n";
+  std::vector<std::vector<std::string>> rows;
+  for (const ConstantEstimate& constant : fit.constants) {
+    if (constant.origin != ConstantOrigin::absent)
+      rows.push_back({"  " + constant.name, constant_line(constant, unit)});
+  }
+  rows.push_back({"  sum of squares",
+                  format_number(fit.sum_of_squares / scale) + (is_absolute ? " " + unit.name + "^2" : "")});
+  std::string stable;
+  for (const StabilityRange& range : fit.stability)
+    stable += (stable.empty() ? "" : "; ") + stability_text(range);
+  if (!stable.empty()) rows.push_back({"  stability", stable});
+  text += format_table(rows);
+  for (std::size_t i = 0; i < std::min(fit.correlations.size(), most_correlations_told); ++i)
+    text += "  " + fit.correlations[i].text + "\n";
+  if (fit.correlations.size() > most_correlations_told)
+    text += "  and " + std::to_string(fit.correlations.size() - most_correlations_told) +
+            " more pairs are correlated above 0.95 (fit.json has them)\n";
+  for (const std::string& remark : fit.remarks) text += "  " + remark + "\n";
+  for (const std::string& warning : fit.warnings) text += "  warning: " + warning + "\n";
+}
+
+std::string tests_line(const FitReport& report) {
+  std::string text;
+  for (const MaterialTest& test : report.description.tests)
+    text += (text.empty() ? "" : ", ") + test.name + " (" + std::to_string(test.num_points()) + " points)";
+  return text;
+}
+
+std::vector<std::vector<std::string>> ranking(const FitReport& report, const ShownUnit& unit) {
+  std::vector<std::vector<std::string>> rows = {{"law", "constants", "AICc", "weight"}};
+  for (const MaterialTest& test : report.description.tests) rows.front().push_back("R2 " + test.name);
+  rows.front().insert(rows.front().end(), {"E [" + unit.name + "]", "nu", "stable"});
+  for (const LawFit& fit : report.laws) {
+    std::vector<std::string> row = {fit.name, std::to_string(fit.num_fitted),
+                                    std::isfinite(fit.aicc) ? fmt::format("{:.1f}", fit.aicc) : "-",
+                                    fmt::format("{:.3f}", fit.akaike_weight)};
+    for (const TestQuality& quality : fit.tests) row.push_back(fmt::format("{:.4f}", quality.r_squared));
+    row.push_back(fmt::format("{:.4g}", fit.youngs_modulus / unit.in_pascal));
+    row.push_back(fmt::format("{:.4g}", fit.poissons_ratio));
+    const bool is_told = !fit.stability.empty();
+    const bool is_lost = std::ranges::any_of(fit.warnings, [](const std::string& warning) {
+      return warning.find("unstable beyond") != std::string::npos ||
+             warning.find("unstable below") != std::string::npos;
+    });
+    row.emplace_back(!is_told ? "-" : is_lost ? "in part" : fit.is_bounded ? "held" : "yes");
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+}  // namespace
+
+ShownUnit shown_unit(const FitReport& report) {
+  const std::vector<MaterialTest>& tests = report.description.tests;
+  const auto uses = [&](const MaterialTest& test) {
+    return std::ranges::count(tests, test.unit, &MaterialTest::unit);
+  };
+  const auto most = std::ranges::max_element(tests, {}, uses);
+  return {most->unit, most->unit_in_pascal};
+}
+
+std::string value_text(double value, double half_width) {
+  int digits = 6;
+  if (std::isfinite(half_width) && half_width > 0 && value != 0)
+    digits = std::clamp(2 + static_cast<int>(std::ceil(std::log10(std::abs(value) / half_width))), 2, 9);
+  return fmt::format("{:.{}g}", value, std::max(digits, 5));
+}
+
+std::string objective_text(const FitReport& report) {
+  const FitDescription& description = report.description;
+  std::string text;
+  switch (description.residual) {
+    case ResidualKind::absolute:
+      text = "absolute residuals, P_model - P_measured";
+      break;
+    case ResidualKind::relative:
+      text = "relative residuals, (P_model - P_measured) / P_measured";
+      break;
+    case ResidualKind::sigma:
+      text = "residuals over sigma, (P_model - P_measured) / sigma";
+      break;
+  }
+  std::vector<std::string> weights;
+  for (const MaterialTest& test : description.tests)
+    weights.push_back(test.name + " " + format_number(test.weight));
+  const bool all_one =
+      std::ranges::all_of(description.tests, [](const MaterialTest& test) { return test.weight == 1; });
+  text += all_one ? "; every point weighs the same" : "; weights: " + join(weights);
+  text += report.is_compressible ? "; compressible, sides free of stress" : "; incompressible limit";
+  return text + "; stability " +
+         (description.stability == StabilityRule::required ? "required over the data"
+          : description.stability == StabilityRule::report ? "reported"
+                                                           : "not looked at");
+}
+
+std::string stability_text(const StabilityRange& range) {
+  const std::string mode = spelling(range.mode);
+  if (range.below && range.above && *range.below == *range.above) return mode + " nowhere";
+  if (range.below && range.above)
+    return mode + " from " + format_short(*range.below) + " to " + format_short(*range.above);
+  if (range.above) return mode + " up to " + format_short(*range.above);
+  if (range.below) return mode + " from " + format_short(*range.below);
+  return mode + " everywhere";
+}
+
+std::string fit_text(const FitReport& report) {
+  const ShownUnit unit = shown_unit(report);
+  std::string text;
+  if (!report.description.title.empty()) text += one_line(report.description.title) + "\n";
+  text += tests_line(report) + "\n" + objective_text(report) + "\n\n";
+  text += format_table(ranking(report, unit));
+  for (const LawFit& fit : report.laws) add_law(fit, report, unit, text);
+  for (const LawNotFitted& law : report.not_fitted)
+    text += "\n" + law.name + " was not fitted: " + law.reason + "\n";
+  return text;
+}
+
+std::string material_toml(const FitReport& report) {
+  std::string text = "# " + objective_text(report) + ".\n# Tests: " + tests_line(report) +
+                     ".\n# To be pasted under a [[body]]; the laws after the first are commented out.\n";
+  bool is_first = true;
+  for (const LawFit& fit : report.laws) {
+    text += "\n# " + fit.name + ": AICc " + format_short(fit.aicc) +
+            ", E = " + format_short(fit.youngs_modulus) + " Pa at small strain.\n";
+    if (fit.volume_is_assumed)
+      text +=
+          "# The tests tell nothing about changes of volume: a Poisson's ratio of " +
+          format_number(report.description.poissons_ratio) + " is assumed; use " +
+          (fit.material.law->has_volume_energy ? "element = \"P2P0\" or \"Q1P0\".\n" : "element = \"P2\".\n");
+    for (const std::string& warning : fit.warnings) text += "# warning: " + one_line(warning) + "\n";
+    text += std::string(is_first ? "" : "# ") + "material = { law = \"" +
+            std::string(fit.material.law->name) + "\"";
+    for (std::size_t p = 0; p < fit.material.constants.size(); ++p)
+      text += ", " + std::string(fit.material.law->constants[p].name) + " = " +
+              format_number(fit.material.constants[p]);
+    text += " }\n";
+    is_first = false;
+  }
+  return text;
+}
+
+void write_fit(const FitReport& report, const std::filesystem::path& folder) {
+  std::filesystem::create_directories(folder);
+  const auto write = [&](const char* name, const std::string& text) {
+    write_atomically(folder / name, [&text](std::ostream& out) { out << text; });
+  };
+  write("fit.json", fit_json_text(report));
+  write("material.toml", material_toml(report));
+  write("fit.html", fit_page(report));
+}
+
+}  // namespace resilin
