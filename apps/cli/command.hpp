@@ -14,6 +14,7 @@ using Action = std::function<int()>;
 
 /// Each adds its subcommand; when it is the one on the command line, `action` is set.
 void add_run(CommandLine& line, Action& action);
+void add_sweep(CommandLine& line, Action& action);
 void add_check(CommandLine& line, Action& action);
 void add_mesh(CommandLine& line, Action& action);
 void add_view(CommandLine& line, Action& action);

@@ -77,6 +77,7 @@ int run_command(int argc, char** argv) {
                  "resilin run --help"});
   Action action;
   add_run(line, action);
+  add_sweep(line, action);
   add_check(line, action);
   add_view(line, action);
   add_picture(line, action);

@@ -87,10 +87,7 @@ void Progress::step(const Simulation& simulation, const StepReport& report) {
 }
 
 void Progress::draw(const std::string& text) {
-  constexpr int width = 24;
-  const int filled = std::clamp(static_cast<int>(share_ * width), 0, width);
-  print_text(fmt::format("\r\x1b[K[{:#<{}}{:.<{}}] {}", "", filled, "", width - filled, text));
-  flush_output();
+  draw_bar(share_, text);
   is_drawn_ = true;
   next_output_ = Clock::now() + between_draws;
 }

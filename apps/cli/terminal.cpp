@@ -24,6 +24,13 @@ void print(std::FILE* stream, std::string_view text) { std::fwrite(text.data(), 
 
 void print_error(std::string_view text) { print(stderr, fmt::format("resilin: {}\n", text)); }
 
+void draw_bar(double share, std::string_view text) {
+  constexpr int width = 24;
+  const int filled = std::clamp(static_cast<int>(share * width), 0, width);
+  print_text(fmt::format("\r\x1b[K[{:#<{}}{:.<{}}] {}", "", filled, "", width - filled, text));
+  flush_output();
+}
+
 void print_warnings(const std::vector<std::string>& warnings) {
   for (const std::string& warning : warnings) print(stderr, "warning: " + one_line(warning) + "\n");
 }

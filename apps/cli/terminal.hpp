@@ -29,6 +29,9 @@ void print_warnings(const std::vector<std::string>& warnings);
 void print_line(std::string_view text);
 void print_text(std::string_view text);
 
+/// A bar with a text behind it, in place of the one before, in a line that is not ended.
+void draw_bar(double share, std::string_view text);
+
 /// Hands stdout over to the system. False once anything could not be written.
 bool flush_output();
 bool nobody_reads_output();    ///< the reader of a pipe has gone

@@ -32,10 +32,11 @@ struct ThreadLimit {
   ThreadLimit() {
     if (count < tbb::this_task_arena::max_concurrency()) enforce();
   }
-  void enforce() {
+  void enforce() { enforce(count); }
+  void enforce(int threads) {
     control.reset();
     control = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
-                                                    static_cast<std::size_t>(count));
+                                                    static_cast<std::size_t>(threads));
   }
 };
 
@@ -53,6 +54,22 @@ void set_num_threads(int count) {
   const std::lock_guard lock(limit.mutex);
   limit.count = threads_with_room(std::max(count, 1));
   limit.enforce();
+}
+
+ThreadShare::ThreadShare(int jobs, int threads_each)
+    : threads_each_(threads_each), count_before_(num_threads()) {
+  ThreadLimit& limit = thread_limit();
+  const std::lock_guard lock(limit.mutex);
+  limit.count = threads_each_;
+  limit.enforce(threads_with_room(std::max(jobs, 1) * threads_each_));
+}
+
+ThreadShare::~ThreadShare() { set_num_threads(count_before_); }
+
+void ThreadShare::run(const std::function<void()>& job) const {
+  if (threads_each_ == 1) return job();  // its loops start no tasks
+  tbb::task_arena arena(threads_each_);
+  arena.execute(job);
 }
 
 void detail::run_tasks(std::size_t count, const std::function<void(std::size_t)>& task) {

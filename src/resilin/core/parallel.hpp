@@ -13,6 +13,24 @@ int num_threads();
 /// Limits every later loop to `count` threads (at least 1). Not to be called inside a loop.
 void set_num_threads(int count);
 
+/// The threads shared out between `jobs` computations that go on at once, `threads_each` for each of them,
+/// until the end of its life: neither more threads than jobs * threads_each at work nor jobs that wait for
+/// each other's.
+class ThreadShare {
+ public:
+  ThreadShare(int jobs, int threads_each);
+  ~ThreadShare();
+  ThreadShare(const ThreadShare&) = delete;
+  ThreadShare& operator=(const ThreadShare&) = delete;
+
+  /// Calls `job` in a thread of the caller's own; its loops use no more than `threads_each`.
+  void run(const std::function<void()>& job) const;
+
+ private:
+  int threads_each_;
+  int count_before_;
+};
+
 namespace detail {
 void run_tasks(std::size_t count, const std::function<void(std::size_t)>& task);
 }

@@ -38,8 +38,8 @@ void refuse_unknown_keys(const SceneNode& table, const std::vector<std::string>&
     SceneNode node{&member.value, table.path, table.context};
     if (!node.path.empty()) node.path += '.';
     node.path += printable(member.key);
-    node.fail_with("unknown key \"" + printable(member.key) + "\"; " +
-                   (cure.empty() ? "known are " + join(known) : cure));
+    throw UnknownKeyError(node.place(), "unknown key \"" + printable(member.key) + "\"; " +
+                                            (cure.empty() ? "known are " + join(known) : cure));
   }
 }
 

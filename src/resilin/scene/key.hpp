@@ -45,7 +45,7 @@ struct TableDoc {
 /// The table as a section of a page of the docs.
 std::string reference_text(const TableDoc& section);
 
-/// Throws unless every key of the table is one of `known`; names the nearest known key.
+/// Throws UnknownKeyError unless every key of the table is one of `known`; names the nearest known key.
 void refuse_unknown_keys(const SceneNode& table, const std::vector<std::string>& known);
 [[noreturn]] void refuse_missing_key(const SceneNode& table, const KeyDoc& key);
 /// Throws "KEY is not part of this version; CURE".

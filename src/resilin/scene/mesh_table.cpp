@@ -1,6 +1,7 @@
 #include "resilin/element/catalog.hpp"
 #include "resilin/io/mesh_file.hpp"
 #include "resilin/mesh/generators.hpp"
+#include "resilin/scene/mesh_cache.hpp"
 #include "resilin/scene/tables.hpp"
 
 namespace resilin {
@@ -81,7 +82,8 @@ Mesh read_mesh_of(const SceneNode& node, bool uses_corners_only) {
   if (const auto* mesh = std::get_if<SceneValue::MeshHandle>(&node.value->data)) {
     file = **mesh;
   } else {
-    file = read_mesh(read_path(node));
+    const std::filesystem::path path = read_path(node);
+    file = node.context->meshes != nullptr ? *node.context->meshes->read(path) : read_mesh(path);
   }
   if (uses_corners_only) resilin::use_corners_only(file);
   prepare_solid_mesh(file, node.context->dimension);

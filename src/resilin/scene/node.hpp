@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "resilin/core/error.hpp"
 #include "resilin/core/types.hpp"
 #include "resilin/scene/csv.hpp"
 #include "resilin/scene/value.hpp"
@@ -14,12 +15,21 @@
 /// Typed reading of scene values. Every failure is an InputError that begins with the place of the value.
 namespace resilin {
 
+class MeshCache;
+
+/// There is no such key, whatever its value.
+class UnknownKeyError : public InputError {
+ public:
+  using InputError::InputError;
+};
+
 /// What the meaning of a value depends on besides itself.
 struct SceneContext {
   std::filesystem::path folder;  ///< relative paths are beside the scene
   int dimension = 3;
   bool is_dynamic = false;
   std::int64_t max_box_cells = 0;
+  MeshCache* meshes = nullptr;  ///< of scenes that share meshes; may be null
   std::vector<std::string> warnings;
 };
 

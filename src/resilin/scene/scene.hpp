@@ -11,9 +11,12 @@
 
 namespace resilin {
 
+class MeshCache;
+
 struct SceneOptions {
   std::vector<std::string> overrides;      ///< "KEY=VALUE" each, as after --set
   std::int64_t max_box_cells = 100000000;  ///< a box of more cells than this is taken for a slip
+  MeshCache* meshes = nullptr;             ///< where mesh files have been read for other scenes; may be null
 };
 
 /// A scene that has been read and checked.

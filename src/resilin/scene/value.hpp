@@ -56,8 +56,17 @@ std::string describe(const SceneValue& value);
 /// Reads a whole TOML document. Throws InputError "NAME:LINE:COLUMN: ..." when it is not TOML.
 SceneValue parse_toml(std::string_view text, const std::string& name);
 
-/// Sets one value of the scene. `assignment` is "KEY=VALUE": KEY a dotted path in which the entries of a list
-/// are named by number (from 0) or by their `name`; VALUE as in TOML, where a bare word is a text.
+/// Sets one value of the scene. `key` is a dotted path in which the entries of a list are named by number
+/// (from 0) or by their `name`; a part with dots of its own stands in double quotes: body."a.b".scale. Tables
+/// that are missing on the way are made. Throws UnknownKeyError at `place` when the path leads nowhere.
+void set_value(SceneValue& scene, std::string_view key, SceneValue value, const std::string& place);
+
+/// The key as it stands when every entry of a list is named by its number: body.0.scale for body.beam.scale.
+/// Throws as `set_value` does.
+std::string numbered_key(const SceneValue& scene, std::string_view key, const std::string& place);
+
+/// Sets one value of the scene. `assignment` is "KEY=VALUE": KEY as for `set_value`; VALUE as in TOML,
+/// where a bare word is a text.
 /// Throws InputError when the path leads nowhere or the value cannot be read.
 void apply_override(SceneValue& scene, std::string_view assignment);
 
