@@ -82,6 +82,7 @@ int run_command(int argc, char** argv) {
   add_view(line, action);
   add_picture(line, action);
   add_mesh(line, action);
+  add_gradcheck(line, action);
   add_materials(line, action);
   add_fit(line, action);
   add_bench(line, action);

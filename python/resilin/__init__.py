@@ -5,6 +5,7 @@ Elastic     the energy of a mesh: value, gradient, Hessian
 Simulation  a scene step by step; `run` simulates it to the end
 Mesh        from arrays, files, meshio objects and recipes
 fit         constants of laws from tests, with intervals
+value_and_gradient   an objective of a scene and its exact gradient by numbers of the scene
 embed       weights that carry fine points by the cells of a mesh
 """
 
@@ -17,6 +18,7 @@ from resilin.catalog import laws
 from resilin.elastic import Elastic
 from resilin.embedding import embed
 from resilin.fit import Fit, fit
+from resilin.gradient import Differentiated, gradient, parameter_names, value_and_gradient
 from resilin.material import Material
 from resilin.mesh import Mesh, MeshReport, read_mesh
 from resilin.picture import Picture, picture
@@ -27,6 +29,7 @@ InputError.__module__ = __name__
 __version__ = _core.version()
 
 __all__ = [
+    "Differentiated",
     "Elastic",
     "Fit",
     "InputError",
@@ -40,10 +43,13 @@ __all__ = [
     "__version__",
     "embed",
     "fit",
+    "gradient",
     "laws",
     "num_threads",
+    "parameter_names",
     "picture",
     "read_mesh",
     "run",
     "set_num_threads",
+    "value_and_gradient",
 ]

@@ -1,4 +1,4 @@
-"""A drop-in for a class that is spread among simulators written in torch: change the import, keep the rest."""
+"""torch: simulations as functions of tensors, and a drop-in for a class that is spread among simulators in torch."""
 
 # ruff: noqa: N803, N806 - E, F and P are the letters of the field
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import torch
     from numpy.typing import NDArray
 
-    from resilin.typing import Constant, TensorLike
+    from resilin.typing import Constant, Overrides, Scene, TensorLike
 
     Real = TypeVar("Real", np.float32, np.float64)
     T = TypeVar("T")
@@ -105,3 +105,35 @@ class StableNeoHookean:
     def compute_elastic_forces(self, F: Any, Dm_inv: Any, volume: Any) -> Any:
         """Forces on the corners (M, 4, 3) [N], from F (M, 3, 3), Dm_inv (M, 3, 3) [1/m] and volume (M,) [m^3]."""
         return self._material.elastic_forces(F, Dm_inv, volume)
+
+
+def simulate(scene: Scene, *, overrides: Overrides = (), checkpoints: int = 0, **tensors: torch.Tensor) -> torch.Tensor:
+    """The places of all nodes as a function of numbers of the scene, through which autograd goes.
+
+    Statics and motion, by the adjoint of `resilin.value_and_gradient`: exact, at the price of one solve for each
+    equilibrium or step, without a tape. First derivatives alone.
+
+    Parameters
+    ----------
+    scene : path or dict
+        As for `resilin.run`.
+    checkpoints : int
+        As for `resilin.value_and_gradient`.
+    **tensors
+        By the keys of the scene, given with **: {"body.beam.material.youngs_modulus": E}; they take the place of what
+        the scene says. A tensor (M,) for a constant is one number for each cell.
+
+    Returns
+    -------
+    tensor (T, N, d)
+        [m], float64; frame 0 is the start, the last is the equilibrium or the end of the motion.
+
+    Examples
+    --------
+    >>> E = torch.tensor(1e6, dtype=torch.float64, requires_grad=True)
+    >>> x = resilin.torch.simulate("beam.toml", **{"body.beam.material.youngs_modulus": E})
+    >>> x[-1, :, 2].min().backward()
+    """
+    from resilin.tensor_simulation import simulate_at_tensors
+
+    return simulate_at_tensors(scene, overrides, checkpoints, tensors)

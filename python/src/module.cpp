@@ -37,4 +37,5 @@ NB_MODULE(_core, module) {
   python::bind_elastic(module);
   python::bind_picture(module);
   python::bind_simulation(module);
+  python::bind_derivatives(module);
 }

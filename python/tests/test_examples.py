@@ -61,7 +61,7 @@ def test_the_story_of_the_cantilever_is_told(tmp_path):
         assert (tmp_path / "sag.png").read_bytes().startswith(b"\x89PNG")
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/python.md", "docs/materials.md"])
+@pytest.mark.parametrize("page", ["README.md", "docs/python.md", "docs/materials.md", "docs/gradients.md"])
 def test_the_python_lines_of_a_page_run(page, tmp_path, monkeypatch):
     text = (ROOT / page).read_text(encoding="utf-8")
     scene = re.search(r"```toml\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)

@@ -49,7 +49,7 @@ TEST_F(Commands, ThatDoNotExistAreRefusedInOneLine) {
 
 TEST_F(Commands, ExplainThemselvesWithAnExample) {
   EXPECT_EQ(run({"--help"}).exit_code, 0);
-  for (const std::string command : {"run", "view", "check", "mesh", "materials", "fit", "info"}) {
+  for (const std::string command : {"run", "view", "check", "gradcheck", "mesh", "materials", "fit", "info"}) {
     const ProgramResult result = run({command, "--help"});
     EXPECT_EQ(result.exit_code, 0);
     EXPECT_THAT(result.out, HasSubstr("Example"));
@@ -67,6 +67,17 @@ TEST_F(Commands, CheckTellsAboutAScene) {
   EXPECT_EQ(soft.exit_code, 0);
   EXPECT_THAT(soft.err, HasSubstr("is youngs_modulus in Pa"));
   EXPECT_THAT(soft.out, HasSubstr("no errors, 1 warning\n"));
+}
+
+TEST_F(Commands, GradcheckPutsDerivativesBesideDifferences) {
+  folder.write("box.toml", box_scene);
+  const ProgramResult all = run({"gradcheck", "box.toml"});
+  EXPECT_EQ(all.exit_code, 0) << all.out << all.err;
+  EXPECT_THAT(all.out, HasSubstr("material.youngs_modulus"));
+  EXPECT_THAT(all.out, HasSubstr("all derivatives agree"));
+  const ProgramResult unknown = run({"gradcheck", "box.toml", "--wrt", "simulation.gravitation"});
+  EXPECT_EQ(unknown.exit_code, 1);
+  EXPECT_THAT(unknown.err, HasSubstr("simulation.gravity"));
 }
 
 TEST_F(Commands, CheckTellsAboutAMesh) {

@@ -201,7 +201,7 @@ TEST(Traction, HasTheResultantAndTheMomentOfItsSurface) {
     facet.nodes.resize(static_cast<std::size_t>(resilin::num_nodes(facet.kind)));
     VectorX forces = VectorX::Zero(rest.size());
     const Vector3 traction(1, -2, dim == 3 ? 3 : 0);
-    add_traction(dim, facet, rest, traction, forces);
+    LoadedFacets(dim, facet).add_forces(traction, rest, forces);
     Vector3 sum = Vector3::Zero(), centroid = Vector3::Zero();
     Vector3 moment = Vector3::Zero();
     const auto num_corners = static_cast<std::size_t>(resilin::num_corners(facet.kind));
@@ -221,7 +221,7 @@ TEST(Traction, OnASecondOrderTriangleIsCarriedByTheMiddlesOfItsEdges) {
   VectorX rest(18);
   rest << 0, 0, 0, 2, 0, 0, 0, 3, 0, 1, 0, 0, 1, 1.5, 0, 0, 1.5, 0;  // area 3
   VectorX forces = VectorX::Zero(18);
-  add_traction(3, {CellKind::triangle6, {0, 1, 2, 3, 4, 5}}, rest, {0, 0, -5}, forces);
+  LoadedFacets(3, {CellKind::triangle6, {0, 1, 2, 3, 4, 5}}).add_forces({0, 0, -5}, rest, forces);
   for (int i = 0; i < 6; ++i) EXPECT_NEAR(forces[3 * i + 2], i < 3 ? 0 : -5, 1e-14);
 }
 

@@ -104,6 +104,22 @@ class StageDamping final : public Energy, public CellMatrices {
   void add_hessian(const VectorX&, const Conditions&, Projection, BlockMatrix& hessian) const override {
     damping_.add_matrix(shape_, 1 / duration_, hessian);
   }
+  /// Those of the damping, and where bodies would be that had stopped.
+  std::vector<EnergyParameter> parameters() const override {
+    std::vector<EnergyParameter> all = damping_.stage_parameters();
+    all.push_back({"base_positions", base_positions_.size()});
+    return all;
+  }
+  void add_parameter_slopes(std::string_view name, const VectorX& x, const VectorX& w, const Conditions&,
+                            VectorX& slopes) const override {
+    if (name == "base_positions") return damping_.add_forces(shape_, -w / duration_, false, slopes);
+    damping_.add_slopes(name, shape_, (x - base_positions_) / duration_, w, slopes);
+  }
+  void add_parameter_forces(std::string_view name, const VectorX& x, const VectorX& change, const Conditions&,
+                            VectorX& gradient) const override {
+    if (name == "base_positions") return damping_.add_forces(shape_, -change / duration_, false, gradient);
+    damping_.add_change(name, shape_, (x - base_positions_) / duration_, change, gradient);
+  }
   const CellMatrices* cell_matrices() const override { return this; }
   const ElasticEnergy& body() const override { return damping_.body(); }
   void add_to(const ElasticTiles::Tile& tile, double* K) const override {

@@ -33,7 +33,7 @@ class MassDamping final : public MotionTerm {
  private:
   std::unique_ptr<Energy> in_motion(const Stage& stage) const override {
     return std::make_unique<MassDistance>(EnergyCategory::damping, *damping_, stage.base_positions,
-                                          stage.duration);
+                                          stage.duration, "base_positions");
   }
 
   std::shared_ptr<const MassMatrix> damping_;
@@ -69,8 +69,27 @@ class ViscousDamping final : public MotionTerm {
                          double* K) const;
   const ElasticEnergy& body() const { return *body_; }
 
+  /// Of D v, what a stage's term may be differentiated by: "viscosities" (eta and zeta, of one cell after
+  /// another where they differ), "rest_positions" and "shape".
+  std::vector<EnergyParameter> stage_parameters() const;
+  /// Adds the slopes of w . D v.
+  void add_slopes(std::string_view name, const std::vector<double>& shape, const VectorX& v, const VectorX& w,
+                  VectorX& slopes) const;
+  /// Adds what a change does to D v to first order.
+  void add_change(std::string_view name, const std::vector<double>& shape, const VectorX& v,
+                  const VectorX& change, VectorX& forces) const;
+
  private:
   std::unique_ptr<Energy> in_motion(const Stage& stage) const override;
+  template <int dim>
+  void add_viscosity_slopes(const std::vector<double>& shape, const VectorX& v, const VectorX& w,
+                            VectorX& slopes) const;
+  template <int dim>
+  void add_slopes_of(std::string_view name, const std::vector<double>& shape, const VectorX& v,
+                     const VectorX& w, VectorX& slopes) const;
+  template <int dim>
+  void add_forces_of(std::string_view name, const std::vector<double>& shape, const VectorX& v,
+                     const VectorX& change, VectorX& forces) const;
 
   std::shared_ptr<const ElasticEnergy> body_;
   const ViscousKernels& kernels_;

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cmath>
+#include <memory>
 #include <span>
+#include <vector>
 
 #include "resilin/element/element.hpp"
 #include "resilin/energy/energy.hpp"
@@ -30,6 +33,64 @@ struct ActiveTime {
 double larger_work(const Energy& term, const VectorX& from, const Conditions& before, const VectorX& to,
                    const Conditions& after);
 
+/// Where a dead load acts: nodal forces [N] on the rest shape X that are linear in one vector, its value.
+class LoadedRegion {
+ public:
+  virtual ~LoadedRegion() = default;
+  virtual void add_forces(const Vector3& value, const VectorX& X, VectorX& forces) const = 0;
+  /// Adds what a change of X does to them to first order.
+  virtual void add_force_change(const Vector3& value, const VectorX& X, const VectorX& change,
+                                VectorX& forces) const = 0;
+  /// Adds the slopes of w . forces by X.
+  virtual void add_rest_slopes(const Vector3& value, const VectorX& X, const VectorX& w,
+                               VectorX& slopes) const = 0;
+};
+
+/// A force per rest volume [N/m^3] on cells: f_a = value integral N_a dV.
+class LoadedCells final : public LoadedRegion {
+ public:
+  /// @param cells  nodes in the world, those of one cell after another
+  LoadedCells(const ElementInfo& element, std::vector<Index> cells)
+      : element_(element), cells_(std::move(cells)) {}
+  void add_forces(const Vector3& value, const VectorX& X, VectorX& forces) const override;
+  void add_force_change(const Vector3& value, const VectorX& X, const VectorX& change,
+                        VectorX& forces) const override;
+  void add_rest_slopes(const Vector3& value, const VectorX& X, const VectorX& w,
+                       VectorX& slopes) const override;
+
+ private:
+  const ElementInfo& element_;
+  std::vector<Index> cells_;
+};
+
+/// A traction [N/m^2] (2D: on unit thickness) on facets: f_a = value integral N_a dA.
+class LoadedFacets final : public LoadedRegion {
+ public:
+  LoadedFacets(int dim, CellBlock facets) : dim_(dim), facets_(std::move(facets)) {}
+  void add_forces(const Vector3& value, const VectorX& X, VectorX& forces) const override;
+  void add_force_change(const Vector3& value, const VectorX& X, const VectorX& change,
+                        VectorX& forces) const override;
+  void add_rest_slopes(const Vector3& value, const VectorX& X, const VectorX& w,
+                       VectorX& slopes) const override;
+
+ private:
+  int dim_;
+  CellBlock facets_;
+};
+
+/// A force [N] on each of some nodes.
+class LoadedNodes final : public LoadedRegion {
+ public:
+  LoadedNodes(int dim, std::vector<Index> nodes) : dim_(dim), nodes_(std::move(nodes)) {}
+  void add_forces(const Vector3& value, const VectorX& X, VectorX& forces) const override;
+  void add_force_change(const Vector3&, const VectorX&, const VectorX&, VectorX&) const override {}
+  void add_rest_slopes(const Vector3&, const VectorX&, const VectorX&, VectorX&) const override {}
+
+ private:
+  int dim_;
+  std::vector<Index> nodes_;
+};
+
 /// Forces that keep their size and direction while the body deforms: E = -t f.(x - X), t the load factor or
 /// the function of time.
 class DeadLoad final : public Energy {
@@ -39,9 +100,18 @@ class DeadLoad final : public Energy {
         forces_(std::move(nodal_forces)),
         rest_positions_(std::move(rest_positions)),
         active_(std::move(active)) {}
+  /// Of a region and a value.
+  DeadLoad(std::string name, int dim, std::shared_ptr<const LoadedRegion> region, const Vector3& value,
+           VectorX rest_positions, ActiveTime active = {});
 
   std::string_view name() const override { return name_; }
   EnergyProperties properties() const override { return {.is_quadratic = true}; }
+  /// "forces", those of the nodes; of a region instead "value" and "rest_positions".
+  std::vector<EnergyParameter> parameters() const override;
+  void add_parameter_slopes(std::string_view name, const VectorX& x, const VectorX& w, const Conditions& c,
+                            VectorX& slopes) const override;
+  void add_parameter_forces(std::string_view name, const VectorX& x, const VectorX& change,
+                            const Conditions& c, VectorX& gradient) const override;
   double value(const VectorX& x, const Conditions& c) const override;
   double difference(const VectorX& from, const VectorX& to, const Conditions& c) const override;
   void add_gradient(const VectorX& x, const Conditions& c, VectorX& gradient) const override;
@@ -57,16 +127,27 @@ class DeadLoad final : public Energy {
   VectorX forces_;  ///< [N]
   VectorX rest_positions_;
   ActiveTime active_;
+  std::shared_ptr<const LoadedRegion> region_{};  ///< null: forces alone are known
+  Vector3 value_ = Vector3::Zero();
+  int dim_ = 0;
 };
 
-/// Adds a traction [N/m^2] (2D: [N/m^2] on unit thickness) over the facets of the rest shape to nodal forces
-/// [N]: f_a += traction integral N_a dA.
-void add_traction(int dim, const CellBlock& facets, const VectorX& rest_positions, const Vector3& traction,
-                  VectorX& nodal_forces);
+/// d(area vector)/d(position of node b) at a point of a facet: `area_vector` of mesh/facet.hpp.
+std::array<Eigen::Matrix3d, max_facet_nodes> area_vector_slopes(int dim, const FacetPoint& point,
+                                                                std::span<const Index> nodes,
+                                                                const VectorX& x);
 
 /// Adds a force per rest volume [N/m^3] on cells to nodal forces [N]: f_a += force integral N_a dV.
 /// @param cells  nodes in the world, those of one cell after another
 void add_body_force(const ElementInfo& element, std::span<const Index> cells, const VectorX& rest_positions,
                     const Vector3& force, VectorX& nodal_forces);
+
+// How these change with the rest positions: what a change does to first order, and the slopes of w . forces.
+void add_body_force_change(const ElementInfo& element, std::span<const Index> cells,
+                           const VectorX& rest_positions, const VectorX& change, const Vector3& force,
+                           VectorX& nodal_forces);
+void add_body_force_slopes(const ElementInfo& element, std::span<const Index> cells,
+                           const VectorX& rest_positions, const Vector3& force, const VectorX& w,
+                           VectorX& slopes);
 
 }  // namespace resilin

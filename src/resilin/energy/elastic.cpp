@@ -86,6 +86,7 @@ ElasticEnergy::ElasticEnergy(int dim, const ElementChoice& choice, std::span<con
       instruction_set_(instruction_set),
       tiles_(make_element_blocks(*element_, *rule_, cells, rest_positions), law, element_->has_mean_volume,
              instruction_set),
+      num_world_unknowns_(rest_positions.size()),
       all_blocks_(tiles_.blocks.num_blocks) {
   if (element_->has_mean_volume && !law.has_volume_energy)
     throw InputError("element", "a law whose volume energy stands apart for " + std::string(element_->name),

@@ -72,6 +72,13 @@ class ElasticEnergy final : public Energy {
                       BlockMatrix& hessian, std::span<const CellMatrices* const> along = {}) const override;
   bool takes(const CellMatrices& matrices) const override { return &matrices.body() == this; }
 
+  /// "constants", of the law, for one cell after another where they differ; "rest_positions" of the world.
+  std::vector<EnergyParameter> parameters() const override;
+  void add_parameter_slopes(std::string_view name, const VectorX& x, const VectorX& w, const Conditions& c,
+                            VectorX& slopes) const override;
+  void add_parameter_forces(std::string_view name, const VectorX& x, const VectorX& change,
+                            const Conditions& c, VectorX& gradient) const override;
+
   /// For laws that need J > 0: the largest t in (0, 1] such that no cell loses more than nine tenths of its
   /// volume at a quadrature point along x + t p; J > 0 at x + t p is checked there in the arithmetic of
   /// `value`. Once `bound_inversion_everywhere` was called, J > 0 holds at x + t p in the whole of every
@@ -138,6 +145,12 @@ class ElasticEnergy final : public Energy {
   void add_forces(const VectorX& x, bool is_magnitude, VectorX& forces) const;
   void add_hessian_to(const VectorX& x, Projection projection, const double* pressures,
                       std::span<const CellMatrices* const> along, BlockMatrix& hessian) const;
+  void add_constant_slopes(const VectorX& x, const VectorX& w, VectorX& slopes) const;
+  template <int dim>
+  void add_constant_forces(const VectorX& x, const VectorX& change, VectorX& gradient) const;
+  template <int dim>
+  void add_shape_forces(const VectorX& x, const VectorX& direction, bool is_transposed,
+                        VectorX& result) const;
   bool turns_a_cell_inside_out(const VectorX& from, const VectorX& to) const;
   VectorX mean_pressures(const VectorX& x, const VectorX* p, double t) const;
   /// The parts for the present number of threads, from `parts_` when they were made for it.
@@ -156,6 +169,7 @@ class ElasticEnergy final : public Energy {
   const QuadratureRule* rule_;
   InstructionSet instruction_set_;
   ElasticTiles tiles_;
+  Eigen::Index num_world_unknowns_;
   bool bounds_everywhere_ = false;    ///< see max_step
   std::size_t num_families_ = 0;      ///< of fibres
   std::vector<Index> all_blocks_;     ///< 0, 1, 2, ...

@@ -27,8 +27,7 @@ ElasticTiles::Scratch::Scratch(const ElasticTiles& tiles) {
   const ElementBlocks& elements = tiles.blocks;
   const std::size_t entries = tiles.blocks_per_tile() * elements.num_points;
   const auto n = static_cast<std::size_t>(elements.dim * elements.dim);
-  const std::size_t state = elements.is_linear_simplex() ? 0 : entries,
-                    mean_rows = tiles.has_mean_volume() ? 1 : 0;
+  const std::size_t mean_rows = tiles.has_mean_volume() ? 1 : 0;
   const std::size_t K_rows = tiles.blocks_per_tile() * static_cast<std::size_t>(elements.num_pairs()) * n;
   struct Part {
     double** place;
@@ -43,9 +42,9 @@ ElasticTiles::Scratch::Scratch(const ElasticTiles& tiles) {
                         {&constants, entries * max_constants},
                         {&energy, entries},
                         {&energy_from, entries},
-                        {&directions, state * fibre_rows},
-                        {&stress, state * n},
-                        {&tangent, state * n * n},
+                        {&directions, entries * fibre_rows},
+                        {&stress, entries * n},
+                        {&tangent, entries * n * n},
                         {&j, mean_rows * entries},
                         {&volume, mean_rows * entries * 3},
                         {&mean_j, mean_rows * entries},
@@ -120,9 +119,9 @@ void ElasticTiles::measure(const Tile& tile, const double* u, bool keeps_frames,
   point_kernels_->variables(state_tile(tile, scratch), false, scratch.H, scratch.variables, frames);
 }
 
-/// Calls a kernel of the law for the entries of a tile, or once for each of its blocks.
-void ElasticTiles::call_law(void (*kernel)(const LawBatch&), const Tile& tile, const double* variables,
-                            bool is_per_entry, Scratch& scratch, double* results) const {
+/// What a kernel of the law is called with for the entries of a tile, or once for each of its blocks.
+LawBatch ElasticTiles::law_batch(const Tile& tile, const double* variables, bool is_per_entry,
+                                 Scratch& scratch, double* results) const {
   const std::size_t points = is_per_entry ? blocks.num_points : 1, count = tile.num_blocks * points;
   const double* rows = constants.data();
   if (constant_stride != 0) {
@@ -131,7 +130,7 @@ void ElasticTiles::call_law(void (*kernel)(const LawBatch&), const Tile& tile, c
                   constant_stride, scratch.constants + i * constant_stride);
     rows = scratch.constants;
   }
-  kernel({count, variables, rows, constant_stride, results});
+  return {count, variables, rows, constant_stride, results};
 }
 
 /// The volume energy and its derivatives at the entries (scratch.volume) and at the means of the cells

@@ -71,6 +71,15 @@ class ElasticTiles {
   void mean_pressures(const Tile& tile, const double* u, const double* v, double step, Scratch& scratch,
                       double* pressures) const;
 
+  // For derivatives by the law's constants and by the shape of the cells, of all elements alike: by rows,
+  // [entry][dim * dim][lane].
+  /// dP/dp into scratch.stress, p being the constant of this place.
+  void constant_stresses(const Tile& tile, const double* u, std::size_t p, Scratch& scratch) const;
+  /// P into scratch.stress and dP/dF, [entry][dim^4][lane], into scratch.tangent; with a mean volume its
+  /// pressure is held. Then the means of J - 1 are in scratch.mean_j and the second derivatives of the
+  /// volume energy there in scratch.mean, one row of lanes for each tile block.
+  void stresses_and_tangents(const Tile& tile, const double* u, Scratch& scratch) const;
+
   ElementBlocks blocks;
   const LawInfo* law;
   std::vector<double> constants;    ///< rows of lanes: one set, or one for each block
@@ -85,8 +94,14 @@ class ElasticTiles {
   ElementTile simplex_tile(const Tile& tile) const;
   StateTile state_tile(const Tile& tile, Scratch& scratch) const;
   void measure(const Tile& tile, const double* u, bool keeps_frames, Scratch& scratch) const;
+  LawBatch law_batch(const Tile& tile, const double* variables, bool is_per_entry, Scratch& scratch,
+                     double* results) const;
   void call_law(void (*kernel)(const LawBatch&), const Tile& tile, const double* variables, bool is_per_entry,
-                Scratch& scratch, double* results) const;
+                Scratch& scratch, double* results) const {
+    kernel(law_batch(tile, variables, is_per_entry, scratch, results));
+  }
+  void pressure_slopes(const Tile& tile, const double* j, bool is_per_entry, std::size_t p, Scratch& scratch,
+                       std::vector<double>& slopes) const;
   void call_volume(const Tile& tile, Scratch& scratch) const;
   void replace_volume(const Tile& tile, int row, int rows, int derivative, const double* mean,
                       Scratch& scratch, double* law_rows) const;
@@ -104,7 +119,7 @@ class ElasticTiles::Scratch {
   explicit Scratch(const ElasticTiles& tiles);
 
   double *H, *G, *variables, *frames, *law, *constants, *directions, *energy, *energy_from;
-  double *stress, *tangent;                          ///< of elements with several points
+  double *stress, *tangent;
   double *j, *volume, *mean_j, *mean_volume, *mean;  ///< of elements with a mean volume
   double* K;
 

@@ -58,10 +58,11 @@ struct HeldDirection {
   Vector3 direction;  ///< of length 1
 };
 
-/// A number that a term was made with and that results may be differentiated by, such as a stiffness.
+/// Numbers that a term was made with, or that a stage gave it, and by which its force may be differentiated:
+/// one, one for each cell or unknown, ...
 struct EnergyParameter {
-  std::string name;  ///< as in a scene file
-  double value = 0;  ///< in the unit of the scene file
+  std::string_view name;  ///< "stiffness"; of a stage's own term also "base_positions" and the like
+  Eigen::Index size = 1;
 };
 
 /// Matrices of the cells of a body, for its own loop over them to add (energy/elastic.hpp).
@@ -197,16 +198,19 @@ class Energy {
     return 0;
   }
 
-  // ---- derivatives by the term's own numbers
+  // ---- derivatives by the term's own numbers p, with everything else held: products of d2E/(dx dp)
 
   virtual std::vector<EnergyParameter> parameters() const { return {}; }
 
-  /// w . d2E/dx dp for each parameter p, `weights` w one number per unknown: what an adjoint solution says of
-  /// the parameter.
-  virtual VectorX parameter_slopes(const VectorX& /*x*/, const VectorX& /*weights*/,
-                                   const Conditions& /*c*/) const {
-    return {};
-  }
+  /// slopes += w . d2E/(dx dp), w one number per unknown: what an adjoint solution says of p.
+  /// @param name    of one of `parameters`, whose size `slopes` has
+  virtual void add_parameter_slopes(std::string_view /*name*/, const VectorX& /*x*/, const VectorX& /*w*/,
+                                    const Conditions& /*c*/, VectorX& /*slopes*/) const {}
+
+  /// gradient += d2E/(dx dp) . change: the first order of what a change of p does to dE/dx [N].
+  virtual void add_parameter_forces(std::string_view /*name*/, const VectorX& /*x*/,
+                                    const VectorX& /*change*/, const Conditions& /*c*/,
+                                    VectorX& /*gradient*/) const {}
 };
 
 /// A sum of energies; the order is that of the sum.

@@ -70,11 +70,32 @@ void HandleSpring::add_held_directions(const VectorX&, std::vector<HeldDirection
     for (int k = 0; k < dim_; ++k) held.push_back({{{node, 1}}, Vector3::Unit(k)});
 }
 
-VectorX HandleSpring::parameter_slopes(const VectorX& x, const VectorX& weights, const Conditions& c) const {
-  VectorX slope = VectorX::Zero(1);
-  if (!active_.contains(c.time)) return slope;
-  for (const Index node : nodes_) slope[0] += node_position(dim_, node, weights).dot(stretch(node, x, c));
-  return slope;
+void HandleSpring::add_parameter_slopes(std::string_view name, const VectorX& x, const VectorX& w,
+                                        const Conditions& c, VectorX& slopes) const {
+  if (!active_.contains(c.time)) return;
+  for (const Index node : nodes_) {
+    const Vector3 w_a = node_position(dim_, node, w);
+    if (name == "stiffness")
+      slopes[0] += w_a.dot(stretch(node, x, c));
+    else if (name == "rest_positions")
+      slopes.segment(Eigen::Index{node} * dim_, dim_) -= stiffness_ * w_a.head(dim_);
+    else
+      slopes -= stiffness_ * slope_of_end(name, c) * w_a.head(dim_);
+  }
+}
+
+void HandleSpring::add_parameter_forces(std::string_view name, const VectorX& x, const VectorX& change,
+                                        const Conditions& c, VectorX& gradient) const {
+  if (!active_.contains(c.time)) return;
+  for (const Index node : nodes_) {
+    auto force = gradient.segment(Eigen::Index{node} * dim_, dim_);
+    if (name == "stiffness")
+      force += change[0] * stretch(node, x, c).head(dim_);
+    else if (name == "rest_positions")
+      force -= stiffness_ * change.segment(Eigen::Index{node} * dim_, dim_);
+    else
+      force -= stiffness_ * slope_of_end(name, c) * change;
+  }
 }
 
 }  // namespace resilin

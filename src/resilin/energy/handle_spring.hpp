@@ -26,14 +26,26 @@ class HandleSpring final : public Energy {
   void add_gradient_magnitude(const VectorX& x, const Conditions& c, VectorX& magnitude) const override;
   void add_hessian(const VectorX&, const Conditions& c, Projection, BlockMatrix& hessian) const override;
   void add_held_directions(const VectorX& x, std::vector<HeldDirection>& held) const override;
-  std::vector<EnergyParameter> parameters() const override { return {{"stiffness", stiffness_}}; }
-  VectorX parameter_slopes(const VectorX& x, const VectorX& weights, const Conditions& c) const override;
+  std::vector<EnergyParameter> parameters() const override {
+    return {{"stiffness"},
+            {"displacement", dim_},
+            {"velocity", dim_},
+            {"rest_positions", rest_positions_.size()}};
+  }
+  void add_parameter_slopes(std::string_view name, const VectorX& x, const VectorX& w, const Conditions& c,
+                            VectorX& slopes) const override;
+  void add_parameter_forces(std::string_view name, const VectorX& x, const VectorX& change,
+                            const Conditions& c, VectorX& gradient) const override;
   std::optional<double> driven_work(const VectorX& from, const Conditions& before, const VectorX& to,
                                     const Conditions& after) const override;
 
  private:
   /// Vector from the far end to the node.
   Vector3 stretch(Index node, const VectorX& x, const Conditions& c) const;
+  /// How the far end goes with the displacement or, `name` says, the velocity.
+  double slope_of_end(std::string_view name, const Conditions& c) const {
+    return name == "velocity" ? c.time - motion_.start : active_.function.factor(c.time, c.load);
+  }
 
   std::string name_;
   int dim_;

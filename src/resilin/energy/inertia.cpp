@@ -27,4 +27,20 @@ void MassDistance::add_gradient_magnitude(const VectorX& x, const Conditions&, V
   magnitude += momentum / scale_;
 }
 
+void MassDistance::add_parameter_slopes(std::string_view name, const VectorX& x, const VectorX& w,
+                                        const Conditions&, VectorX& slopes) const {
+  if (name == "mass") return mass_.add_slopes(w, (x - target_) / scale_, slopes);
+  VectorX product;
+  mass_.multiply(w, product);
+  slopes -= product / scale_;
+}
+
+void MassDistance::add_parameter_forces(std::string_view name, const VectorX& x, const VectorX& change,
+                                        const Conditions&, VectorX& gradient) const {
+  if (name == "mass") return mass_.add_change(change, (x - target_) / scale_, gradient);
+  VectorX product;
+  mass_.multiply(change, product);
+  gradient -= product / scale_;
+}
+
 }  // namespace resilin

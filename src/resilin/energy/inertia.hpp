@@ -11,8 +11,14 @@ class MassDistance final : public Energy {
   /// @param mass    kept by reference: must outlive this term
   /// @param target  x~ [m], dim numbers per node
   /// @param scale   s, so that E is an energy
-  MassDistance(EnergyCategory category, const MassMatrix& mass, VectorX target, double scale)
-      : category_(category), mass_(mass), target_(std::move(target)), scale_(scale) {}
+  /// @param target_name  of the place among the term's parameters
+  MassDistance(EnergyCategory category, const MassMatrix& mass, VectorX target, double scale,
+               std::string_view target_name = "target")
+      : category_(category),
+        mass_(mass),
+        target_(std::move(target)),
+        scale_(scale),
+        target_name_(target_name) {}
 
   std::string_view name() const override { return "mass distance"; }
   EnergyProperties properties() const override { return {.category = category_, .is_quadratic = true}; }
@@ -23,12 +29,21 @@ class MassDistance final : public Energy {
   void add_hessian(const VectorX&, const Conditions&, Projection, BlockMatrix& hessian) const override {
     mass_.add_to(1 / scale_, hessian);
   }
+  /// The entries of the mass matrix, and the place.
+  std::vector<EnergyParameter> parameters() const override {
+    return {{"mass", mass_.num_entries()}, {target_name_, target_.size()}};
+  }
+  void add_parameter_slopes(std::string_view name, const VectorX& x, const VectorX& w, const Conditions& c,
+                            VectorX& slopes) const override;
+  void add_parameter_forces(std::string_view name, const VectorX& x, const VectorX& change,
+                            const Conditions& c, VectorX& gradient) const override;
 
  private:
   EnergyCategory category_;
   const MassMatrix& mass_;
   VectorX target_;
   double scale_;
+  std::string_view target_name_;
 };
 
 /// What an implicit time step minimises besides the potential energy: the distance to x~, where the nodes

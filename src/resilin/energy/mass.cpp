@@ -26,6 +26,27 @@ void lump(const ElementInfo& element, std::span<const double> products, std::spa
   for (std::size_t a = 0; a < n; ++a) volumes[a] = volume * products[a * (n + 1)] / diagonal;
 }
 
+/// The slopes of sum_a c_a volumes_a by the products, `volumes` being those that `lump` makes of them.
+void lump_slopes(const ElementInfo& element, std::span<const double> products, std::span<const double> c,
+                 std::span<double> slopes) {
+  const std::size_t n = c.size();
+  if (element.degree == 1) {
+    for (std::size_t a = 0; a < n; ++a)
+      for (std::size_t b = 0; b < n; ++b) slopes[a * n + b] = c[a];
+    return;
+  }
+  double volume = 0, diagonal = 0, weighted = 0;
+  for (std::size_t i = 0; i < n * n; ++i) volume += products[i];
+  for (std::size_t a = 0; a < n; ++a) {
+    diagonal += products[a * (n + 1)];
+    weighted += c[a] * products[a * (n + 1)];
+  }
+  for (std::size_t a = 0; a < n; ++a)
+    for (std::size_t b = 0; b < n; ++b)
+      slopes[a * n + b] =
+          weighted / diagonal + (a == b ? volume / diagonal * (c[a] - weighted / diagonal) : 0.0);
+}
+
 }  // namespace
 
 template <class Entry>
@@ -85,6 +106,32 @@ MassMatrix MassMatrix::times(double factor) const {
   return product;
 }
 
+void MassMatrix::add_slopes(const VectorX& w, const VectorX& y, VectorX& slopes) const {
+  const auto node = [this](const VectorX& v, Index i) { return v.segment(Eigen::Index{i} * dim, dim); };
+  if (is_lumped()) {
+    for (Index i = 0; i < static_cast<Index>(nodal.size()); ++i) slopes[i] += node(w, i).dot(node(y, i));
+    return;
+  }
+  for (Index i = 0; i < pattern->num_nodes(); ++i)
+    for (Offset s = pattern->row_begin[static_cast<std::size_t>(i)];
+         s < pattern->row_begin[static_cast<std::size_t>(i) + 1]; ++s) {
+      const Index j = pattern->columns[static_cast<std::size_t>(s)];
+      slopes[s] += node(w, i).dot(node(y, j));
+      if (j != i) slopes[s] += node(w, j).dot(node(y, i));
+    }
+}
+
+void MassMatrix::add_change(const VectorX& entries, const VectorX& y, VectorX& out) const {
+  MassMatrix change{.dim = dim, .nodal = {}, .pattern = pattern, .slots = {}};
+  if (is_lumped())
+    change.nodal = entries;
+  else
+    change.slots.assign(entries.begin(), entries.end());
+  VectorX product;
+  change.multiply(y, product);
+  out += product;
+}
+
 void add_cell_masses(MassMatrix& mass, const ElementInfo& element, std::span<const Index> cells,
                      const VectorX& rest_positions, double density, bool is_consistent) {
   const auto n = static_cast<std::size_t>(element.num_nodes);
@@ -106,6 +153,85 @@ void add_cell_masses(MassMatrix& mass, const ElementInfo& element, std::span<con
         add(nodes[a], nodes[b], density * products[a * n + b]);
     }
   }
+}
+
+namespace {
+
+/// Calls `body(nodes, X, products, add)` for each cell, `add(a, b)` being the place of its entry in `mass`.
+template <class Body>
+void for_each_cell(const CellMasses& of, const MassMatrix& mass, ShapeIntegrals& integrals,
+                   const Body& body) {
+  const auto n = static_cast<std::size_t>(of.element.num_nodes);
+  std::vector<double> X, products(n * n);
+  for (std::size_t first = 0; first < of.cells.size(); first += n) {
+    const std::span<const Index> nodes = of.cells.subspan(first, n);
+    cell_positions(of.element.dim, nodes, of.rest_positions, X);
+    integrals.of_products(X, products);
+    const auto place = [&](std::size_t a, std::size_t b) {
+      if (mass.is_lumped()) return Eigen::Index{nodes[a]};
+      const auto [row, column] = std::minmax({nodes[a], nodes[b]});
+      return Eigen::Index{mass.pattern->slot(row, column)};
+    };
+    body(nodes, X, products, place);
+  }
+}
+
+}  // namespace
+
+void CellMasses::add_change(const MassMatrix& mass, double density_change, const VectorX& rest_change,
+                            VectorX& entries) const {
+  const auto n = static_cast<std::size_t>(element.num_nodes);
+  ShapeIntegrals integrals(element);
+  std::vector<double> dX, d_products(n * n), c(n), slopes(n * n);
+  for_each_cell(*this, mass, integrals,
+                [&](std::span<const Index> nodes, const std::vector<double>& X,
+                    const std::vector<double>& products, const auto& place) {
+                  std::ranges::fill(d_products, 0.0);
+                  if (rest_change.size() > 0) {
+                    cell_positions(element.dim, nodes, rest_change, dX);
+                    integrals.add_change_of_products(X, dX, d_products);
+                  }
+                  for (std::size_t i = 0; i < n * n; ++i)
+                    d_products[i] = density * d_products[i] + density_change * products[i];
+                  if (!mass.is_lumped() && is_consistent) {
+                    for (std::size_t a = 0; a < n; ++a)
+                      for (std::size_t b = a; b < n; ++b) entries[place(a, b)] += d_products[a * n + b];
+                    return;
+                  }
+                  // Lumped volumes are of first degree in the products, and so is their slope of degree 0.
+                  for (std::size_t a = 0; a < n; ++a) {
+                    std::ranges::fill(c, 0.0);
+                    c[a] = 1;
+                    lump_slopes(element, products, c, slopes);
+                    for (std::size_t i = 0; i < n * n; ++i) entries[place(a, a)] += slopes[i] * d_products[i];
+                  }
+                });
+}
+
+double CellMasses::add_slopes(const MassMatrix& mass, const VectorX& entry_slopes,
+                              VectorX& rest_slopes) const {
+  const auto n = static_cast<std::size_t>(element.num_nodes);
+  ShapeIntegrals integrals(element);
+  std::vector<double> by_products(n * n), c(n), by_X(n * static_cast<std::size_t>(element.dim));
+  double by_density = 0;
+  for_each_cell(*this, mass, integrals,
+                [&](std::span<const Index> nodes, const std::vector<double>& X,
+                    const std::vector<double>& products, const auto& place) {
+                  if (!mass.is_lumped() && is_consistent) {
+                    for (std::size_t a = 0; a < n; ++a)
+                      for (std::size_t b = 0; b < n; ++b)
+                        by_products[a * n + b] = b < a ? 0 : entry_slopes[place(a, b)];
+                  } else {
+                    for (std::size_t a = 0; a < n; ++a) c[a] = entry_slopes[place(a, a)];
+                    lump_slopes(element, products, c, by_products);
+                  }
+                  for (std::size_t i = 0; i < n * n; ++i) by_density += by_products[i] * products[i];
+                  if (rest_slopes.size() == 0) return;
+                  std::ranges::fill(by_X, 0.0);
+                  integrals.add_slopes_of_products(X, by_products, by_X);
+                  add_cell_values(element.dim, nodes, density, by_X, rest_slopes);
+                });
+  return by_density;
 }
 
 }  // namespace resilin

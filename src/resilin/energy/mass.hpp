@@ -29,6 +29,15 @@ struct MassMatrix {
   /// The same matrix times a factor.
   MassMatrix times(double factor) const;
 
+  // As a linear function of its entries: `nodal` where it is lumped, else `slots`.
+  Eigen::Index num_entries() const {
+    return is_lumped() ? nodal.size() : static_cast<Eigen::Index>(slots.size());
+  }
+  /// slopes += the slopes of w . M y by the entries.
+  void add_slopes(const VectorX& w, const VectorX& y, VectorX& slopes) const;
+  /// out += dM y, dM of the entries given.
+  void add_change(const VectorX& entries, const VectorX& y, VectorX& out) const;
+
  private:
   /// y = M x, each entry of a matrix that is not lumped replaced by entry(m_ij).
   template <class Entry>
@@ -44,5 +53,22 @@ struct MassMatrix {
 /// @param density         [kg/m^3]
 void add_cell_masses(MassMatrix& mass, const ElementInfo& element, std::span<const Index> cells,
                      const VectorX& rest_positions, double density, bool is_consistent);
+
+/// Cells whose mass `add_cell_masses` adds, as a function of density and rest positions.
+struct CellMasses {
+  const ElementInfo& element;
+  std::span<const Index> cells;
+  const VectorX& rest_positions;
+  double density;  ///< [kg/m^3]
+  bool is_consistent;
+
+  /// Adds what changes of density [kg/m^3] and of rest positions [m] (may be empty: none) do to the entries
+  /// of `mass` to first order.
+  void add_change(const MassMatrix& mass, double density_change, const VectorX& rest_change,
+                  VectorX& entries) const;
+  /// From slopes by the entries of `mass`: adds those by the rest positions unless `rest_slopes` is empty.
+  /// @return the slope by the density
+  double add_slopes(const MassMatrix& mass, const VectorX& entry_slopes, VectorX& rest_slopes) const;
+};
 
 }  // namespace resilin

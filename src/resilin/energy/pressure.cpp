@@ -3,39 +3,6 @@
 #include <array>
 
 namespace resilin {
-namespace {
-
-Eigen::Matrix3d cross_matrix(const Vector3& e) {
-  Eigen::Matrix3d matrix;
-  matrix << 0, -e.z(), e.y(), e.z(), 0, -e.x(), -e.y(), e.x(), 0;
-  return matrix;
-}
-
-/// d(area vector)/d(position of node b) at a point.
-///
-/// 3D, with tangents t_k = sum_a N_a,k x_a: A = t_0 x t_1, so dA/dx_b = [N_b,1 t_0 - N_b,0 t_1]_x.
-/// 2D: A = (t_y, -t_x).
-std::array<Eigen::Matrix3d, max_facet_nodes> area_vector_slopes(int dim, const FacetPoint& point,
-                                                                std::span<const Index> nodes,
-                                                                const VectorX& x) {
-  std::array<Eigen::Matrix3d, max_facet_nodes> slopes;
-  std::array<Vector3, 2> tangents = {Vector3::Zero(), Vector3::Zero()};
-  for (std::size_t a = 0; a < nodes.size(); ++a)
-    for (std::size_t k = 0; k < 2; ++k)
-      tangents[k] += point.slopes[2 * a + k] * node_position(dim, nodes[a], x);
-  for (std::size_t b = 0; b < nodes.size(); ++b) {
-    if (dim == 2) {
-      slopes[b].setZero();
-      slopes[b](0, 1) = point.slopes[2 * b];
-      slopes[b](1, 0) = -point.slopes[2 * b];
-    } else {
-      slopes[b] = cross_matrix(point.slopes[2 * b + 1] * tangents[0] - point.slopes[2 * b] * tangents[1]);
-    }
-  }
-  return slopes;
-}
-
-}  // namespace
 
 Pressure::Pressure(std::string name, int dim, CellBlock facets, double pressure, VectorX rest_positions,
                    ActiveTime active)
@@ -72,10 +39,16 @@ void Pressure::add_gradient(const VectorX& x, const Conditions& c, VectorX& grad
   if (const double p = factor(c); p != 0) add_forces(x, p, gradient);
 }
 
-VectorX Pressure::parameter_slopes(const VectorX& x, const VectorX& weights, const Conditions& c) const {
+void Pressure::add_parameter_slopes(std::string_view, const VectorX& x, const VectorX& w, const Conditions& c,
+                                    VectorX& slopes) const {
   VectorX forces = VectorX::Zero(x.size());
   add_forces(x, active_.factor(c), forces);
-  return VectorX::Constant(1, weights.dot(forces));
+  slopes[0] += w.dot(forces);
+}
+
+void Pressure::add_parameter_forces(std::string_view, const VectorX& x, const VectorX& change,
+                                    const Conditions& c, VectorX& gradient) const {
+  if (const double p = active_.factor(c) * change[0]; p != 0) add_forces(x, p, gradient);
 }
 
 std::optional<double> Pressure::driven_work(const VectorX& from, const Conditions& before, const VectorX& to,

@@ -26,8 +26,11 @@ class Pressure final : public Energy {
   void add_gradient_magnitude(const VectorX& x, const Conditions& c, VectorX& magnitude) const override;
   void add_pattern(BlockPatternBuilder& builder) const override;
   void add_hessian(const VectorX& x, const Conditions& c, Projection, BlockMatrix& hessian) const override;
-  std::vector<EnergyParameter> parameters() const override { return {{"value", pressure_}}; }
-  VectorX parameter_slopes(const VectorX& x, const VectorX& weights, const Conditions& c) const override;
+  std::vector<EnergyParameter> parameters() const override { return {{"value"}}; }
+  void add_parameter_slopes(std::string_view name, const VectorX& x, const VectorX& w, const Conditions& c,
+                            VectorX& slopes) const override;
+  void add_parameter_forces(std::string_view name, const VectorX& x, const VectorX& change,
+                            const Conditions& c, VectorX& gradient) const override;
   std::optional<double> driven_work(const VectorX& from, const Conditions& before, const VectorX& to,
                                     const Conditions& after) const override;
 

@@ -90,4 +90,49 @@ Motion Integrator::finish(const History& start, std::vector<Motion> solutions, d
   return end;
 }
 
+void Integrator::add_slopes_of_stage(int stage, const Stage& slopes, double time_step, History& start,
+                                     std::vector<Motion>& solutions) const {
+  const StepCoefficients scheme = coefficients(step_ratio(start, time_step));
+  const auto number = static_cast<std::size_t>(stage);
+  const StageCoefficients& weights = scheme.stages[number];
+  const auto add_value = [&](double value, VectorX& positions, VectorX& velocities) {
+    positions += value * slopes.base_positions;
+    velocities += value * slopes.base_velocities;
+  };
+  const auto add_slope = [&](double slope, Motion& motion) {
+    if (slope == 0) return;
+    motion.velocities += slope * time_step * slopes.base_positions;
+    motion.accelerations += slope * time_step * slopes.base_velocities;
+  };
+  double of_start = 1;
+  for (std::size_t k = 0; k < weights.stages.size(); ++k) {
+    add_value(weights.stages[k].value, solutions[k].positions, solutions[k].velocities);
+    add_slope(weights.stages[k].slope, solutions[k]);
+    of_start -= weights.stages[k].value;
+  }
+  if (weights.previous != 0) {
+    add_value(weights.previous, start.previous_positions, start.previous_velocities);
+    of_start -= weights.previous;
+  }
+  add_value(of_start, start.now.positions, start.now.velocities);
+  add_slope(weights.start.slope, start.now);
+  // As `expected_shape` has it.
+  Motion& last = order() == 1 || stage == 0 ? start.now : solutions[number - 1];
+  last.positions += slopes.shape;
+  if (order() == 1) return;
+  const double passed = stage == 0 ? 0 : scheme.stages[number - 1].time_fraction;
+  last.velocities += (weights.time_fraction - passed) * time_step * slopes.shape;
+}
+
+void Integrator::add_slopes_of_end(const Motion& slopes, double time_step, History& start,
+                                   std::vector<Motion>& solutions) const {
+  const StepCoefficients scheme = coefficients(step_ratio(start, time_step));
+  Motion& last = solutions.back();
+  last.positions += scheme.end_stage * slopes.positions;
+  last.velocities += scheme.end_stage * slopes.velocities;
+  last.accelerations += slopes.accelerations;
+  start.now.positions += scheme.end_start * slopes.positions;
+  start.now.velocities += scheme.end_start * slopes.velocities;
+}
+
 }  // namespace resilin

@@ -79,6 +79,14 @@ class Integrator {
 
   /// The motion at the end of the step, from the motions at the minimisers of all stages.
   Motion finish(const History& start, std::vector<Motion> solutions, double time_step) const;
+
+  // Both are linear in the motions, so that they also lead changes of motions on. Transposed they lead slopes
+  // back: from those by what they give (of the stage: its base positions, base velocities and shape) to those
+  // by the motions, which are added. `start.previous_time_step` is that of the step.
+  void add_slopes_of_stage(int stage, const Stage& slopes, double time_step, History& start,
+                           std::vector<Motion>& solutions) const;
+  void add_slopes_of_end(const Motion& slopes, double time_step, History& start,
+                         std::vector<Motion>& solutions) const;
 };
 
 /// How a motion that is known looks once an impulse has changed velocities by `jump`: as though the bodies

@@ -25,20 +25,50 @@ ShapeIntegrals::Samples ShapeIntegrals::sample(int degree) const {
   return samples;
 }
 
+namespace {
+
+/// dX/dxi at a point; in 2D with the third direction of unit length.
+Eigen::Matrix3d jacobian(std::size_t dim, std::size_t num_nodes, std::span<const double> rest_positions,
+                         const double* gradients) {
+  Eigen::Matrix3d dX_dxi = Eigen::Matrix3d::Zero();
+  if (dim == 2) dX_dxi(2, 2) = 1;
+  for (std::size_t a = 0; a < num_nodes; ++a)
+    for (std::size_t i = 0; i < dim; ++i)
+      for (std::size_t k = 0; k < dim; ++k)
+        dX_dxi(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) +=
+            rest_positions[a * dim + i] * gradients[a * dim + k];
+  return dX_dxi;
+}
+
+}  // namespace
+
 void ShapeIntegrals::measure(const Samples& samples, std::span<const double> rest_positions) {
   const auto dim = static_cast<std::size_t>(element_.dim);
   const auto num_nodes = static_cast<std::size_t>(element_.num_nodes);
   volumes_.resize(samples.weights.size());
+  for (std::size_t q = 0; q < volumes_.size(); ++q)
+    volumes_[q] = samples.weights[q] *
+                  jacobian(dim, num_nodes, rest_positions, samples.gradients.data() + q * num_nodes * dim)
+                      .determinant();
+}
+
+/// d(det J)/dX_a = det J J^-T dN_a/dxi
+void ShapeIntegrals::measure_slopes(const Samples& samples, std::span<const double> rest_positions) {
+  const auto dim = static_cast<std::size_t>(element_.dim);
+  const auto num_nodes = static_cast<std::size_t>(element_.num_nodes);
+  volumes_.resize(samples.weights.size());
+  slopes_.assign(samples.gradients.size(), 0.0);
   for (std::size_t q = 0; q < volumes_.size(); ++q) {
-    Eigen::Matrix3d dX_dxi = Eigen::Matrix3d::Zero();
-    if (dim == 2) dX_dxi(2, 2) = 1;
     const double* gradients = samples.gradients.data() + q * num_nodes * dim;
+    const Eigen::Matrix3d J = jacobian(dim, num_nodes, rest_positions, gradients);
+    volumes_[q] = samples.weights[q] * J.determinant();
+    const Eigen::Matrix3d inverse = J.inverse();
     for (std::size_t a = 0; a < num_nodes; ++a)
       for (std::size_t i = 0; i < dim; ++i)
         for (std::size_t k = 0; k < dim; ++k)
-          dX_dxi(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) +=
-              rest_positions[a * dim + i] * gradients[a * dim + k];
-    volumes_[q] = samples.weights[q] * dX_dxi.determinant();
+          slopes_[(q * num_nodes + a) * dim + i] +=
+              volumes_[q] * gradients[a * dim + k] *
+              inverse(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(i));
   }
 }
 
@@ -84,6 +114,62 @@ void ShapeIntegrals::of_products(std::span<const double> rest_positions, std::sp
   }
   for (std::size_t a = 0; a < num_nodes; ++a)
     for (std::size_t b = 0; b < a; ++b) integrals[a * num_nodes + b] = integrals[b * num_nodes + a];
+}
+
+namespace {
+
+double dot(const double* a, std::span<const double> b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < b.size(); ++i) sum += a[i] * b[i];
+  return sum;
+}
+
+}  // namespace
+
+void ShapeIntegrals::add_change_of_values(std::span<const double> rest_positions,
+                                          std::span<const double> change, std::span<double> integrals) {
+  measure_slopes(for_values_, rest_positions);
+  const std::size_t n = integrals.size();
+  for (std::size_t q = 0; q < volumes_.size(); ++q) {
+    const double of_volume = dot(slopes_.data() + q * change.size(), change);
+    for (std::size_t a = 0; a < n; ++a) integrals[a] += of_volume * for_values_.values[q * n + a];
+  }
+}
+
+void ShapeIntegrals::add_slopes_of_values(std::span<const double> rest_positions,
+                                          std::span<const double> weights, std::span<double> slopes) {
+  measure_slopes(for_values_, rest_positions);
+  for (std::size_t q = 0; q < volumes_.size(); ++q) {
+    const double by_volume = dot(for_values_.values.data() + q * weights.size(), weights);
+    for (std::size_t i = 0; i < slopes.size(); ++i) slopes[i] += by_volume * slopes_[q * slopes.size() + i];
+  }
+}
+
+void ShapeIntegrals::add_change_of_products(std::span<const double> rest_positions,
+                                            std::span<const double> change, std::span<double> integrals) {
+  const Samples& samples = for_products_;  // an affine cell does not stay so
+  measure_slopes(samples, rest_positions);
+  const auto n = static_cast<std::size_t>(element_.num_nodes);
+  for (std::size_t q = 0; q < volumes_.size(); ++q) {
+    const double of_volume = dot(slopes_.data() + q * change.size(), change);
+    const double* values = samples.values.data() + q * n;
+    for (std::size_t a = 0; a < n; ++a)
+      for (std::size_t b = 0; b < n; ++b) integrals[a * n + b] += of_volume * values[a] * values[b];
+  }
+}
+
+void ShapeIntegrals::add_slopes_of_products(std::span<const double> rest_positions,
+                                            std::span<const double> weights, std::span<double> slopes) {
+  const Samples& samples = for_products_;  // an affine cell does not stay so
+  measure_slopes(samples, rest_positions);
+  const auto n = static_cast<std::size_t>(element_.num_nodes);
+  for (std::size_t q = 0; q < volumes_.size(); ++q) {
+    const double* values = samples.values.data() + q * n;
+    double by_volume = 0;
+    for (std::size_t a = 0; a < n; ++a)
+      for (std::size_t b = 0; b < n; ++b) by_volume += weights[a * n + b] * values[a] * values[b];
+    for (std::size_t i = 0; i < slopes.size(); ++i) slopes[i] += by_volume * slopes_[q * slopes.size() + i];
+  }
 }
 
 }  // namespace resilin

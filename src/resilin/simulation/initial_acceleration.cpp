@@ -1,8 +1,13 @@
 #include "resilin/simulation/initial_acceleration.hpp"
 
+#include <algorithm>
+#include <cmath>
+
+#include "resilin/energy/time_function.hpp"
 #include "resilin/linear/linear_solver.hpp"
 #include "resilin/optimize/residual.hpp"
 #include "resilin/simulation/potential.hpp"
+#include "resilin/simulation/prescribed_motion.hpp"
 
 namespace resilin {
 namespace {
@@ -24,6 +29,17 @@ VectorX solve_with_mass(const World& world, const VectorX& b) {
 
 }  // namespace
 
+Stage stage_at_once(const VectorX& positions, const VectorX& velocities) {
+  return {.base_positions = positions - velocities,
+          .base_velocities = velocities,
+          .duration = 1,
+          .shape = positions};
+}
+
+Terms smooth_terms(const World& world) {
+  return terms_without(EnergyCategory::inertia, terms_without(EnergyCategory::contact, world.terms));
+}
+
 VectorX accelerations_by(const World& world, const VectorX& forces) {
   VectorX right_side = forces;
   set_fixed_to_zero(world.is_fixed, right_side);
@@ -35,13 +51,8 @@ VectorX accelerations_by(const World& world, const VectorX& forces) {
 
 VectorX accelerations_at(const World& world, const State& state, const VectorX& prescribed) {
   const Conditions conditions = conditions_of(state);
-  // v = (x - x_0) / c for any c.
-  const Stage stage{.base_positions = state.positions - state.velocities,
-                    .base_velocities = state.velocities,
-                    .duration = 1,
-                    .shape = state.positions};
-  const Terms smooth =
-      terms_without(EnergyCategory::inertia, terms_without(EnergyCategory::contact, world.terms));
+  const Stage stage = stage_at_once(state.positions, state.velocities);
+  const Terms smooth = smooth_terms(world);
   const Potential potential(smooth, world.is_fixed, conditions, stage);
   VectorX gradient;
   potential.gradient(state.positions, gradient);
@@ -52,6 +63,23 @@ VectorX accelerations_at(const World& world, const State& state, const VectorX& 
   VectorX pull;
   world.mass->multiply(a, pull);
   return a + accelerations_by(world, -gradient - pull);
+}
+
+bool is_event(const World& world, double time) {
+  return std::ranges::any_of(world.event_times,
+                             [time](double event) { return std::abs(event - time) <= 2 * time_slack(time); });
+}
+
+double time_after(double time, double time_step) {
+  return time + 4 * std::max(time_slack(time), time_slack(time_step));
+}
+
+VectorX accelerations_from(const World& world, State state, double time_step) {
+  state.time = time_after(state.time, time_step);
+  const VectorX zero = VectorX::Zero(state.positions.size());
+  Motion prescribed{state.positions, zero, zero};
+  prescribe_motion_at(world, state.time, prescribed);
+  return accelerations_at(world, state, prescribed.accelerations);
 }
 
 }  // namespace resilin

@@ -13,4 +13,19 @@ VectorX accelerations_by(const World& world, const VectorX& forces);
 /// ones, `prescribed`, given. Contact has no part in them: its forces act as impulses.
 VectorX accelerations_at(const World& world, const State& state, const VectorX& prescribed);
 
+/// Whether a load or a prescribed motion is not smooth at this time: there a step begins with the
+/// accelerations of what follows.
+bool is_event(const World& world, double time);
+
+/// The accelerations that the loads and the prescribed motions give from now on, where a step begins.
+VectorX accelerations_from(const World& world, State state, double time_step);
+
+/// When "from now on" is: later by what times are told apart by [s].
+double time_after(double time, double time_step);
+
+// What these accelerations balance: the gradient of all terms but inertia and contact, ...
+Terms smooth_terms(const World& world);
+/// ... in a stage that has these velocities, v = (x - x_0) / c for any c.
+Stage stage_at_once(const VectorX& positions, const VectorX& velocities);
+
 }  // namespace resilin

@@ -51,6 +51,9 @@ class Potential final : public Objective {
   VectorX distinct_acting_scales(const VectorX& x, const VectorX& roundings,
                                  const Parts& parts) const override;
 
+  /// In order, those of the stage in place of those that they were made of.
+  std::span<const Energy* const> terms() const { return terms_; }
+
   // ---- parts of the sum
   double energy(EnergyCategory category, const VectorX& x) const;  ///< [J]
   double difference_without(EnergyCategory category, const VectorX& from, const VectorX& to) const;

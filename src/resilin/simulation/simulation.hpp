@@ -36,6 +36,8 @@ class Simulation {
   const State& state() const { return state_; }
   const Frame& frame() const { return frame_; }  ///< of the present state
   const Timing& timing() const { return timing_; }
+  /// With the factors of the last step: for who solves with a matrix near to its own. Changes no later step.
+  Newton& newton() { return newton_; }
   std::string_view solver_name() const { return newton_.solver_name(); }
   /// Gives back the memory of the linear solver, which another step would fill again.
   void release_solver() { newton_.release_solver(); }

@@ -18,20 +18,6 @@
 namespace resilin {
 namespace {
 
-bool is_event(const World& world, double time) {
-  return std::ranges::any_of(world.event_times,
-                             [time](double event) { return std::abs(event - time) <= 2 * time_slack(time); });
-}
-
-/// The accelerations that the loads and the prescribed motions give from now on, where a step begins.
-VectorX accelerations_from(const World& world, State state, double time_step) {
-  state.time += 4 * std::max(time_slack(state.time), time_slack(time_step));
-  const VectorX zero = VectorX::Zero(state.positions.size());
-  Motion prescribed{state.positions, zero, zero};
-  prescribe_motion_at(world, state.time, prescribed);
-  return accelerations_at(world, state, prescribed.accelerations);
-}
-
 /// Whether supports are where they should be.
 bool follows(const World& world, const VectorX& positions, const VectorX& prescribed) {
   for (Eigen::Index i = 0; i < positions.size(); ++i)

@@ -5,10 +5,7 @@
 #include "resilin/energy/damping.hpp"
 
 namespace resilin {
-namespace {
 
-/// Lame's constants of the isotropic solid nearest to the rest stiffness (its Voigt average), which is the
-/// rest stiffness itself for a law without fibres.
 Viscosity rest_stiffness(const Material& material) {
   const TangentMatrix<3> A = from_displacement_gradient::stress_tangent<3>(material, Matrix<3>::Zero());
   double sum_iijj = 0;  // 9 lambda + 6 mu
@@ -21,6 +18,8 @@ Viscosity rest_stiffness(const Material& material) {
   }
   return {.eta = (3 * sum_ijij - sum_iijj) / 30, .zeta = (2 * sum_iijj - sum_ijij) / 15};
 }
+
+namespace {
 
 /// The viscosities that a body's `damping` asks for; empty when it asks for none.
 std::vector<Viscosity> viscosities_of(const DampingDescription& damping, const Body& body) {

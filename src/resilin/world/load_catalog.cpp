@@ -11,28 +11,25 @@
 namespace resilin {
 namespace {
 
-VectorX no_forces(const LoadSite& site) { return VectorX::Zero(site.world.rest_positions.size()); }
-
-std::shared_ptr<Energy> dead_load(VectorX forces, const LoadSite& site) {
-  return std::make_shared<DeadLoad>(site.name, std::move(forces), site.world.rest_positions, site.active);
+std::shared_ptr<Energy> dead_load(std::shared_ptr<const LoadedRegion> region, const LoadDescription& load,
+                                  const LoadSite& site) {
+  return std::make_shared<DeadLoad>(site.name, site.world.dimension, std::move(region), load.value,
+                                    site.world.rest_positions, site.active);
 }
 
 std::shared_ptr<Energy> make_body_force(const LoadDescription& load, const LoadSite& site) {
-  const std::vector<Index> cells = select_cells(site.vertices, site.body);
+  std::vector<Index> cells = select_cells(site.vertices, site.body);
   if (cells.empty()) {
     throw InputError(site.where, "a part of the volume (cells with all their vertices selected)",
                      std::to_string(site.vertices.size()) + " vertices that fill no cell");
   }
-  VectorX forces = no_forces(site);
-  add_body_force(site.body.elastic->element(), cells, site.world.rest_positions, load.value, forces);
-  return dead_load(std::move(forces), site);
+  return dead_load(std::make_shared<LoadedCells>(site.body.elastic->element(), std::move(cells)), load, site);
 }
 
 std::shared_ptr<Energy> make_traction(const LoadDescription& load, const LoadSite& site) {
-  VectorX forces = no_forces(site);
-  add_traction(site.world.dimension, select_facets(site.vertices, site.body, site.where),
-               site.world.rest_positions, load.value, forces);
-  return dead_load(std::move(forces), site);
+  return dead_load(std::make_shared<LoadedFacets>(site.world.dimension,
+                                                  select_facets(site.vertices, site.body, site.where)),
+                   load, site);
 }
 
 std::shared_ptr<Energy> make_pressure(const LoadDescription& load, const LoadSite& site) {
@@ -42,10 +39,7 @@ std::shared_ptr<Energy> make_pressure(const LoadDescription& load, const LoadSit
 }
 
 std::shared_ptr<Energy> make_nodal_force(const LoadDescription& load, const LoadSite& site) {
-  const int dim = site.world.dimension;
-  VectorX forces = no_forces(site);
-  for (const Index node : site.nodes) forces.segment(Eigen::Index{node} * dim, dim) = load.value.head(dim);
-  return dead_load(std::move(forces), site);
+  return dead_load(std::make_shared<LoadedNodes>(site.world.dimension, site.nodes), load, site);
 }
 
 std::shared_ptr<Energy> make_spring(const LoadDescription& load, const LoadSite& site) {

@@ -1,0 +1,302 @@
+"""Objectives of gradients: sums of measured terms, or a function of the results."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from resilin.arrays import plain_text, real_array, refuse
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from resilin import _core
+
+    Floats = NDArray[np.float64]
+    #: frame, then slopes by positions (N, d), velocities (N, d) and reactions (S, 3)
+    FrameSlopes = tuple[int, Floats | None, Floats | None, Floats | None]
+    FrameChange = tuple[Floats, Floats | None, Floats]
+
+TERMS = ("displacement", "position", "probe", "reaction", "volume")
+AXES = "xyz"
+
+
+class Outcome(NamedTuple):
+    """What a function that is an objective gets: T frames, the first is the start."""
+
+    positions: Floats  #: (T, N, d) [m], all nodes, one body after another
+    times: Floats  #: (T,) [s]
+    loads: Floats  #: (T,) load factors of a static run
+    reactions: dict[str, Floats]  #: (T, 3) [N] of each support
+
+
+class Measure:
+    """Numbers y of one frame, linear in what comes out or nearly so: r = (y - target) / sigma, or one of y itself."""
+
+    def __init__(self, frame: int, entries: Mapping[str, Any], place: str, size: int, dim: int) -> None:
+        self.frame = frame
+        self.size = size
+        sigma = np.asarray(real_array(entries.get("sigma", 1.0), f"{place}.sigma"), dtype=np.float64)
+        if not np.all(sigma > 0):
+            refuse(f"{place}.sigma", "positive numbers", str(sigma.min()))
+        if sigma.size > 1 and sigma.size * dim == size:  # one for each marker
+            sigma = np.repeat(sigma, dim)
+        if sigma.size not in (1, size):
+            refuse(f"{place}.sigma", f"1 number, or {size}", str(sigma.size))
+        self.scale: Floats = np.broadcast_to(1 / sigma.ravel(), (size,))
+        self.target: Floats = np.zeros(size)
+        self.weights: Floats = np.zeros(size)  # without a target
+        self.has_target = "target" in entries
+        if self.has_target:
+            target = np.asarray(real_array(entries["target"], f"{place}.target"), dtype=np.float64)
+            if target.size != size:
+                refuse(f"{place}.target", f"{size} numbers", str(target.size))
+            self.target = target.ravel()
+            return
+        component = entries.get("component")
+        if size > 1 and component not in tuple(AXES[:dim]):
+            refuse(f"{place}.component", 'a target, or a component such as "z"', repr(component))
+        self.weights[(AXES.index(component) if size > 1 else 0) :: dim] = float(entries.get("weight", 1.0))
+
+    def numbers(self, run: _core.DifferentiatedRun) -> Floats:
+        raise NotImplementedError
+
+    def slopes(self, by: Floats) -> FrameSlopes:
+        raise NotImplementedError
+
+    def change(self, of: FrameChange) -> Floats:
+        raise NotImplementedError
+
+
+class PlaceMeasure(Measure):
+    """Places of markers, or their displacements."""
+
+    def __init__(
+        self,
+        frame: int,
+        entries: Mapping[str, Any],
+        place: str,
+        markers: list[tuple[Any, Any]],
+        offset: Floats,
+        num_nodes: int,
+    ) -> None:
+        dim = offset.shape[1]
+        super().__init__(frame, entries, place, len(markers) * dim, dim)
+        self.markers, self.offset, self.num_nodes = markers, offset, num_nodes
+
+    def _at(self, nodes: Floats) -> Floats:
+        return np.array([np.asarray(weights) @ nodes[np.asarray(ids)] for ids, weights in self.markers])
+
+    def numbers(self, run: _core.DifferentiatedRun) -> Floats:
+        return (self._at(run.positions(self.frame)) - self.offset).ravel()
+
+    def slopes(self, by: Floats) -> FrameSlopes:
+        nodes = np.zeros((self.num_nodes, self.offset.shape[1]))
+        for (ids, weights), row in zip(self.markers, by.reshape(self.offset.shape), strict=True):
+            np.add.at(nodes, np.asarray(ids), np.outer(weights, row))
+        return self.frame, nodes, None, None
+
+    def change(self, of: FrameChange) -> Floats:
+        return self._at(of[0]).ravel()
+
+
+class ReactionMeasure(Measure):
+    """The force of a support on the body."""
+
+    def __init__(self, frame: int, entries: Mapping[str, Any], place: str, support: int, count: int, dim: int) -> None:
+        super().__init__(frame, entries, place, dim, dim)
+        self.support, self.count, self.dim = support, count, dim
+
+    def numbers(self, run: _core.DifferentiatedRun) -> Floats:
+        return run.reactions(self.frame)[self.support, : self.dim]
+
+    def slopes(self, by: Floats) -> FrameSlopes:
+        rows = np.zeros((self.count, 3))
+        rows[self.support, : self.dim] = by
+        return self.frame, None, None, rows
+
+    def change(self, of: FrameChange) -> Floats:
+        return of[2][self.support, : self.dim]
+
+
+class VolumeMeasure(Measure):
+    """The volume of a body."""
+
+    def __init__(
+        self, frame: int, entries: Mapping[str, Any], place: str, body: str, run: _core.DifferentiatedRun
+    ) -> None:
+        super().__init__(frame, entries, place, 1, 1)
+        self.volume, self.by_positions = run.volume(body, frame)
+
+    def numbers(self, run: _core.DifferentiatedRun) -> Floats:
+        return np.array([self.volume])
+
+    def slopes(self, by: Floats) -> FrameSlopes:
+        return self.frame, by[0] * self.by_positions, None, None
+
+    def change(self, of: FrameChange) -> Floats:
+        return np.array([np.sum(self.by_positions * of[0])])
+
+
+def _tables(objective: Mapping[str, Any]) -> list[tuple[str, str, Mapping[str, Any]]]:
+    """(kind, place, entries) of each term; a kind may have a list of them."""
+    tables = []
+    for kind, entries in objective.items():
+        if kind not in TERMS:
+            refuse(f"objective.{kind}", "one of " + ", ".join(TERMS), "an unknown term")
+        for i, one in enumerate(entries if isinstance(entries, Sequence) else [entries]):
+            place = f"objective.{kind}" + (f"[{i}]" if isinstance(entries, Sequence) else "")
+            if not isinstance(one, Mapping):
+                refuse(place, "a dict", type(one).__name__)
+            tables.append((kind, place, one))
+    return tables
+
+
+KEYS = {
+    "position": {"body", "at"},
+    "displacement": {"body", "at"},
+    "probe": {"name"},
+    "reaction": {"of"},
+    "volume": {"body"},
+}
+COMMON_KEYS = {"target", "sigma", "frame", "component", "weight"}
+
+
+def measures_of(objective: Mapping[str, Any], run: _core.DifferentiatedRun) -> list[Measure]:
+    """The terms of an objective that is a dict."""
+    measures: list[Measure] = []
+    for kind, place, entries in _tables(objective):
+        for key in entries:
+            if key not in KEYS[kind] | COMMON_KEYS:
+                refuse(f"{place}.{key}", "one of " + ", ".join(sorted(KEYS[kind] | COMMON_KEYS)), "an unknown key")
+        number = int(entries.get("frame", -1))
+        frame = number + run.num_frames if number < 0 else number
+        if not 0 <= frame < run.num_frames:
+            refuse(f"{place}.frame", f"a frame from 0 to {run.num_frames - 1}", str(number))
+        start = run.positions(0)
+        dim = start.shape[1]
+        if kind in ("position", "displacement"):
+            at = np.atleast_2d(np.asarray(real_array(entries.get("at", ()), f"{place}.at"), dtype=np.float64))
+            if at.shape[1] != dim:
+                refuse(f"{place}.at", f"places of {dim} numbers, in the rest shape", f"{at.shape[1]} numbers")
+            body = plain_text(entries.get("body", ""), f"{place}.body")
+            markers = [run.marker(body, row.tolist()) for row in at]
+            offset = at if kind == "displacement" else np.zeros_like(at)
+            measures.append(PlaceMeasure(frame, entries, place, list(markers), offset, len(start)))
+        elif kind == "probe":
+            node = run.probe(plain_text(entries.get("name", ""), f"{place}.name"))
+            rest = run.rest_position(node)[np.newaxis, :dim]
+            measures.append(PlaceMeasure(frame, entries, place, [([node], [1.0])], rest, len(start)))
+        elif kind == "reaction":
+            names = run.supports()
+            name = plain_text(entries.get("of", ""), f"{place}.of")
+            if name not in names:
+                refuse(f"{place}.of", "one of " + ", ".join(names), repr(name))
+            measures.append(ReactionMeasure(frame, entries, place, names.index(name), len(names), dim))
+        else:
+            body = plain_text(entries.get("body", ""), f"{place}.body")
+            measures.append(VolumeMeasure(frame, entries, place, body, run))
+    return measures
+
+
+class Sum:
+    """An objective that is a sum of terms: 1/2 |r|^2 over those with a target, the numbers themselves without."""
+
+    def __init__(self, objective: Mapping[str, Any], run: _core.DifferentiatedRun) -> None:
+        self.measures = measures_of(objective, run)
+        numbers = [measure.numbers(run) for measure in self.measures]
+        self.residuals = self._joined(
+            [(y - m.target) * m.scale for m, y in zip(self.measures, numbers, strict=True) if m.has_target]
+        )
+        linear = [m.weights @ y for m, y in zip(self.measures, numbers, strict=True) if not m.has_target]
+        self.value = float(0.5 * self.residuals @ self.residuals + sum(linear))
+
+    @staticmethod
+    def _joined(parts: list[Floats]) -> Floats:
+        return np.concatenate(parts) if parts else np.zeros(0)
+
+    def slopes(self) -> list[FrameSlopes]:
+        linear = [m.slopes(m.weights) for m in self.measures if not m.has_target]
+        return self.slopes_of_residuals(self.residuals) + linear
+
+    def slopes_of_residuals(self, by: Floats) -> list[FrameSlopes]:
+        slopes, first = [], 0
+        for measure in self.measures:
+            if measure.has_target:
+                slopes.append(measure.slopes(by[first : first + measure.size] * measure.scale))
+                first += measure.size
+        return slopes
+
+    def change_of_residuals(self, frames: Sequence[FrameChange]) -> Floats:
+        return self._joined([m.scale * m.change(frames[m.frame]) for m in self.measures if m.has_target])
+
+    def change(self, frames: Sequence[FrameChange]) -> float:
+        linear = [m.weights @ m.change(frames[m.frame]) for m in self.measures if not m.has_target]
+        return float(self.residuals @ self.change_of_residuals(frames) + sum(linear))
+
+
+class Seeds:
+    """Slopes of a number by what comes out, as a caller gives them."""
+
+    def __init__(self, seed: object, run: _core.DifferentiatedRun) -> None:
+        table = seed if isinstance(seed, Mapping) else {"positions": seed}
+        start = run.positions(0)
+        self.parts: list[FrameSlopes] = []
+        for key, value in table.items():
+            if key == "reactions":
+                self._add_reactions(value, run)
+            elif key in ("positions", "velocities"):
+                shape = (run.num_frames, *start.shape)
+                array = np.asarray(real_array(value, f"seed.{key}"), dtype=np.float64)
+                if array.shape == start.shape:
+                    rows = [(run.num_frames - 1, array)]
+                elif array.shape == shape:
+                    rows = [(frame, array[frame]) for frame in range(len(array)) if np.any(array[frame])]
+                else:
+                    refuse(f"seed.{key}", f"an array {shape} or, of the last frame, {start.shape}", str(array.shape))
+                for frame, row in rows:
+                    whole = np.ascontiguousarray(row)
+                    self.parts.append((frame, whole, None, None) if key == "positions" else (frame, None, whole, None))
+            else:
+                refuse(f"seed.{key}", "positions, velocities or reactions", "an unknown key")
+
+    def _add_reactions(self, value: object, run: _core.DifferentiatedRun) -> None:
+        names = run.supports()
+        if not isinstance(value, Mapping):
+            refuse("seed.reactions", "a dict by the names of supports", type(value).__name__)
+        for name, array in value.items():
+            if name not in names:
+                refuse(f"seed.reactions.{name}", "one of " + ", ".join(names), "an unknown support")
+            rows = np.asarray(real_array(array, f"seed.reactions.{name}"), dtype=np.float64)
+            if rows.shape == (3,):
+                rows = np.vstack([np.zeros((run.num_frames - 1, 3)), rows])
+            if rows.shape != (run.num_frames, 3):
+                refuse(f"seed.reactions.{name}", f"an array ({run.num_frames}, 3) or (3,)", str(rows.shape))
+            for frame, row in enumerate(rows):
+                if np.any(row):
+                    all_rows = np.zeros((len(names), 3))
+                    all_rows[names.index(name)] = row
+                    self.parts.append((frame, None, None, all_rows))
+
+    def slopes(self) -> list[FrameSlopes]:
+        return self.parts
+
+
+class Function(Seeds):
+    """An objective that is a function: it gives its value and its slopes by what comes out."""
+
+    def __init__(
+        self, objective: Callable[[Outcome], tuple[float, Any]], outcome: Outcome, run: _core.DifferentiatedRun
+    ) -> None:
+        answer = objective(outcome)
+        if not (isinstance(answer, tuple) and len(answer) == 2):
+            refuse(
+                "objective",
+                "(value, slopes) from the function",
+                type(answer).__name__,
+                'such as (value, {"positions": dvalue_dpositions})',
+            )
+        self.value = float(answer[0])
+        super().__init__(answer[1], run)

@@ -1,0 +1,165 @@
+"""Gradients of whole runs: against differences of runs, and through torch."""
+
+import pathlib
+import runpy
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import resilin
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+E = "body.bar.material.youngs_modulus"
+
+
+def bar(kind="static", modulus=1e5, **simulation):
+    return {
+        "simulation": {"kind": kind, "gravity": [0, 0, -9.81], **simulation},
+        "body": [
+            {
+                "name": "bar",
+                "mesh": {"box": {"size": [1, 0.25, 0.25], "cells": [4, 1, 1]}},
+                "element": "P1",
+                "material": {"law": "neo_hookean", "youngs_modulus": modulus, "poissons_ratio": 0.3, "density": 1000},
+            }
+        ],
+        "fix": [{"name": "wall", "where": {"plane": {"axis": "x", "at": 0}}}],
+        "load": [{"name": "pull", "kind": "body_force", "value": [10, 0, 0]}],
+        "probe": [{"name": "tip", "at": [1, 0.25, 0.25]}],
+        "newton": {"tolerance": 1e-12},
+    }
+
+
+def motion(modulus=1e5, **simulation):
+    return bar("dynamic", modulus, **{"time_step": 0.01, "end_time": 0.05, **simulation})
+
+
+OBJECTIVE = {
+    "position": {"at": [[0.9, 0.1, 0.1], [0.5, 0.2, 0.2]], "target": np.ones((2, 3)), "sigma": 0.5},
+    "displacement": {"at": [1, 0, 0], "component": "z", "weight": 3},
+    "probe": {"name": "tip", "target": [0, 0, -1]},
+    "reaction": {"of": "wall", "target": [0, 0, 100], "sigma": 50},
+    "volume": {"body": "bar", "target": 0.06, "sigma": 0.01},
+}
+WRT = [
+    E,
+    "body.bar.density",
+    "load.pull.value",
+    "fix.wall.displacement",
+    "simulation.gravity",
+    "body.bar.rest_positions",
+]
+
+
+@pytest.mark.parametrize("scene", [bar, motion])
+def test_value_and_gradient_agree_with_differences(scene):
+    run = resilin.value_and_gradient(scene(), OBJECTIVE, WRT)
+    value, gradients = run
+    assert value == run.value
+    assert set(gradients) == set(WRT)
+    assert isinstance(gradients[E], float)
+    assert gradients["load.pull.value"].shape == (3,)
+    assert gradients["body.bar.rest_positions"].shape == run.positions[0].shape
+
+    h = 1e-3
+    sides = [resilin.value_and_gradient(scene(modulus=1e5 * (1 + t)), OBJECTIVE, [E]).value for t in (-h, h)]
+    assert_allclose(gradients[E], (sides[1] - sides[0]) / (2 * h * 1e5), rtol=1e-5)
+
+    direction = {"load.pull.value": [1.0, 2.0, 3.0], E: 1e3}
+    change = run.jvp(direction)
+    slope = gradients["load.pull.value"] @ [1, 2, 3] + gradients[E] * 1e3
+    assert_allclose(change["value"], slope, rtol=1e-9)
+    product = run.gauss_newton_product(direction)
+    assert_allclose(
+        product["load.pull.value"] @ [1, 2, 3] + product[E] * 1e3, change["residuals"] @ change["residuals"]
+    )
+
+
+def test_a_function_is_an_objective():
+    def height(outcome):
+        assert outcome.positions.shape == (2, 20, 3)
+        assert_allclose(outcome.loads, [0, 1])
+        slopes = np.zeros_like(outcome.positions)
+        slopes[-1, :, 2] = 1
+        return outcome.positions[-1, :, 2].sum() + outcome.reactions["wall"][-1, 2], {
+            "positions": slopes,
+            "reactions": {"wall": [0, 0, 1]},
+        }
+
+    value, gradients = resilin.value_and_gradient(bar(), height, ["simulation.gravity"])
+    # The wall carries the weight, whatever the shape.
+    without = resilin.gradient(
+        bar(), lambda o: (0, {"positions": (o.positions[-1] * 0 + [0, 0, 1])}), ["simulation.gravity"]
+    )
+    assert_allclose(gradients["simulation.gravity"][2] - without["simulation.gravity"][2], -62.5, rtol=1e-9)
+
+
+def test_checkpoints_change_no_bit():
+    whole = resilin.gradient(motion(), OBJECTIVE, WRT)
+    parts = resilin.gradient(motion(), OBJECTIVE, WRT, checkpoints=2)
+    for name in WRT:
+        np.testing.assert_array_equal(whole[name], parts[name])
+
+
+def test_fields_of_cells_have_gradients_of_cells():
+    moduli = np.linspace(1e5, 2e5, 24)
+    gradient = resilin.gradient(bar(modulus=moduli), OBJECTIVE, [E])[E]
+    assert gradient.shape == (24,)
+    uniform = resilin.gradient(bar(modulus=np.full(24, 1e5)), OBJECTIVE, [E])[E]
+    assert_allclose(uniform.sum(), resilin.gradient(bar(), OBJECTIVE, [E])[E], rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("objective", "wrt", "text"),
+    [
+        (OBJECTIVE, ["body.bar.material.young_modulus"], "youngs_modulus"),
+        ({"place": {}}, [E], "objective.place: expected one of"),
+        ({"position": {"at": [2, 0, 0], "target": [0, 0, 0]}}, [E], "1 m outside"),
+        ({"position": {"at": [1, 0, 0], "target": [0, 0]}}, [E], "expected 3 numbers"),
+        ({"probe": {"name": "top", "component": "z"}}, [E], "tip"),
+        ({"probe": {"name": "tip", "axis": "z"}}, [E], "unknown key"),
+        ({"reaction": {"of": "floor", "component": "z"}}, [E], "wall"),
+        (3, [E], "a dict of terms or a function"),
+    ],
+)
+def test_bad_input_is_refused_in_one_line(objective, wrt, text):
+    with pytest.raises(resilin.InputError, match=text) as error:
+        resilin.value_and_gradient(bar(), objective, wrt)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("scene", [bar, motion])
+def test_torch_goes_through_statics_and_motion(scene):
+    torch = pytest.importorskip("torch")
+    import resilin.torch
+
+    names = [E, "load.pull.value", "fix.wall.displacement"]
+
+    def positions(*tensors):
+        return resilin.torch.simulate(scene(), **dict(zip(names, tensors, strict=True)))
+
+    def scaled(modulus, pull, shift):  # numbers of about 1, whose differences have digits
+        return positions(1e5 * modulus, 30 * pull, 0.1 * shift)[-1]
+
+    inputs = [
+        torch.tensor(values, dtype=torch.float64, requires_grad=True)
+        for values in (1.0, [1.0, 0.5, 0.2], [0.1, 0.0, 0.2])
+    ]
+    assert torch.autograd.gradcheck(scaled, inputs, eps=1e-5, atol=1e-7, rtol=1e-5)
+
+    field = torch.full((24,), 1e5, dtype=torch.float64, requires_grad=True)
+    resilin.torch.simulate(scene(), **{E: field})[-1, :, 2].sum().backward()
+    assert field.grad.shape == (24,)
+
+
+def test_two_moduli_are_found_from_markers():
+    found = runpy.run_path(str(ROOT / "examples" / "python" / "two_moduli.py"))
+    assert found["forward_solves"] <= 6
+    assert_allclose(found["moduli"], found["truth"], rtol=1e-6)
+
+
+def test_a_finger_finds_its_pressure():
+    found = runpy.run_path(str(ROOT / "examples" / "python" / "finger.py"))
+    assert found["forward_solves"] <= 8
+    assert abs(found["height"] - found["TARGET"]) < 1e-9

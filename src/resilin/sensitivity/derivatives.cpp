@@ -1,0 +1,111 @@
+#include "resilin/sensitivity/derivatives.hpp"
+
+#include "resilin/core/error.hpp"
+
+namespace resilin {
+namespace {
+
+/// Throws InputError for what has no derivatives yet.
+void check_is_differentiable(const Description& description) {
+  const std::string place = description.place;
+  const auto refuse = [&](const std::string& expected, const std::string& got, const std::string& cure) {
+    throw InputError(place + ": derivatives", expected, got, cure);
+  };
+  if (description.modes)
+    refuse("a scene of statics or of motion", "free vibrations", "leave simulation.modes out");
+  if (description.adaptive && description.is_dynamic)
+    refuse("steps of equal length", "steps that adapt", "leave simulation.adaptive out");
+  if (!description.is_dynamic && description.load_control == LoadControlKind::arc_length)
+    refuse("equilibria at given loads", "simulation.load_control = \"arc_length\"",
+           "take load_control = \"load\"");
+}
+
+void check_has_no_friction(const World& world) {
+  if (!world.friction) return;
+  throw InputError(world.place + ": derivatives", "a scene without friction", "friction",
+                   "set friction to 0: the normal forces that it lags behind are not differentiated yet");
+}
+
+}  // namespace
+
+Derivatives::Derivatives(Description description, const std::vector<std::string>& wrt,
+                         const DerivativeOptions& options)
+    : options_(options), simulation_(std::move(description)), links_(simulation_.world()) {
+  check_has_no_friction(world());
+  for (const std::string& name : wrt) parameters_.push_back(find_parameter(world(), name));
+  frames_.push_back(simulation_.frame());
+}
+
+std::unique_ptr<Derivatives> Derivatives::run(Description description, const std::vector<std::string>& wrt,
+                                              const DerivativeOptions& options) {
+  check_is_differentiable(description);
+  return description.is_dynamic ? differentiate_motion(std::move(description), wrt, options)
+                                : differentiate_statics(std::move(description), wrt, options);
+}
+
+void Derivatives::check_goes_on() const {
+  if (options_.goes_on && !options_.goes_on()) throw Interrupted();
+}
+
+StepReport Derivatives::step() {
+  check_goes_on();
+  const StepReport report =
+      simulation_.step([this](const NewtonReport&) { return !options_.goes_on || options_.goes_on(); });
+  if (report.status == StepReport::Status::interrupted) throw Interrupted();
+  if (report.status == StepReport::Status::not_converged)
+    throw InputError(world().place + ": derivatives", "a run whose steps converge",
+                     "step " + std::to_string(simulation_.state().step) + " that did not: " + report.reason,
+                     "a gradient there would be one of nothing");
+  return report;
+}
+
+WorldChange Derivatives::asked() const {
+  WorldChange change(world());
+  for (const Parameter& parameter : parameters_) parameter.ask(change);
+  return change;
+}
+
+WorldChange Derivatives::spread(const std::vector<VectorX>& changes) const {
+  WorldChange change = asked();
+  for (std::size_t i = 0; i < parameters_.size(); ++i) {
+    if (changes.size() != parameters_.size() || changes[i].size() != parameters_[i].value.size())
+      throw InputError(parameters_[i].name,
+                       "a change of " + std::to_string(parameters_[i].value.size()) + " numbers",
+                       changes.size() != parameters_.size() ? "none" : std::to_string(changes[i].size()));
+    parameters_[i].spread(changes[i], change);
+  }
+  return change;
+}
+
+std::vector<VectorX> Derivatives::gathered(const TermChanges& terms, WorldChange slopes) const {
+  links_.gather(terms, slopes);
+  std::vector<VectorX> all;
+  for (const Parameter& parameter : parameters_) {
+    all.push_back(VectorX::Zero(parameter.value.size()));
+    parameter.gather(slopes, all.back());
+  }
+  return all;
+}
+
+VectorX Derivatives::weights_of(const std::vector<Vector3>& reactions) const {
+  const int dim = world().dimension;
+  VectorX weights = VectorX::Zero(world().rest_positions.size());
+  if (reactions.empty()) return weights;
+  for (std::size_t i = 0; i < world().support_of.size(); ++i)
+    if (const std::int32_t support = world().support_of[i]; support >= 0)
+      weights[static_cast<Eigen::Index>(i)] =
+          reactions[static_cast<std::size_t>(support)][static_cast<int>(i) % dim];
+  return weights;
+}
+
+std::vector<Vector3> Derivatives::reactions_of(const VectorX& gradient) const {
+  const int dim = world().dimension;
+  std::vector<Vector3> reactions(world().supports.size(), Vector3::Zero());
+  for (std::size_t i = 0; i < world().support_of.size(); ++i)
+    if (const std::int32_t support = world().support_of[i]; support >= 0)
+      reactions[static_cast<std::size_t>(support)][static_cast<int>(i) % dim] +=
+          gradient[static_cast<Eigen::Index>(i)];
+  return reactions;
+}
+
+}  // namespace resilin

@@ -1,0 +1,86 @@
+#include "resilin/sensitivity/gradient_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "resilin/core/error.hpp"
+
+namespace resilin {
+namespace {
+
+constexpr double newton_tolerance = 1e-11;
+constexpr std::array<double, 3> relative_steps = {1e-2, 1e-3, 1e-4};
+
+/// Numbers between -1 and 1 that look like none other.
+VectorX weights(Eigen::Index size, double seed) {
+  VectorX values(size);
+  for (Eigen::Index i = 0; i < size; ++i) values[i] = std::sin(seed + 12.9898 * static_cast<double>(i));
+  return values;
+}
+
+/// By about its own size; places by a part of the scene's.
+VectorX change_of(const Parameter& parameter, const World& world) {
+  VectorX change = weights(parameter.value.size(), 2);
+  if (change.size() == 1) change[0] = 1;
+  if (parameter.name.ends_with("positions")) return 0.05 * world.largest_extent() * change;
+  const double size = parameter.value.cwiseAbs().maxCoeff();
+  return (size > 0 ? size : 1) * change;
+}
+
+/// The weighted sum of the places where a run ends, less that of other places.
+double result_of(Description description, const VectorX& by, const VectorX& base,
+                 const std::function<bool()>& goes_on) {
+  Simulation simulation(std::move(description));
+  while (!simulation.is_finished()) {
+    const StepReport report = simulation.step([&](const NewtonReport&) { return !goes_on || goes_on(); });
+    if (report.status == StepReport::Status::interrupted) throw Interrupted();
+    if (report.status == StepReport::Status::not_converged) return std::nan("");
+  }
+  return by.dot(simulation.state().positions - base);
+}
+
+}  // namespace
+
+std::vector<GradientCheck> check_gradients(Description description, std::vector<std::string> parameters,
+                                           const std::function<bool()>& goes_on,
+                                           const std::function<void(const GradientCheck&)>& done) {
+  description.newton.tolerance = std::min(description.newton.tolerance, newton_tolerance);
+  if (parameters.empty()) parameters = parameter_names(World(Description(description)));
+  const auto run = Derivatives::run(description, parameters, {.checkpoints = 0, .goes_on = goes_on});
+  const VectorX base = run->positions(run->num_frames() - 1);
+  std::vector<FrameChange> slopes(static_cast<std::size_t>(run->num_frames()));
+  slopes.back().positions = weights(base.size(), 1);
+  const std::vector<VectorX> gradient = run->transposed(slopes);
+  std::vector<GradientCheck> checks;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const Parameter& parameter = run->parameters()[i];
+    const VectorX change = change_of(parameter, run->world());
+    const double unit = change.size() == 1 ? change[0] : 1;
+    GradientCheck check{.parameter = parameter.name,
+                        .size = change.size(),
+                        .slope = gradient[i].dot(change) / unit,
+                        .steps = relative_steps};
+    // A weighted sum of numbers of about this size has rounding of its own.
+    const double largest = gradient[i].cwiseAbs().dot(change.cwiseAbs()) / std::abs(unit);
+    for (std::size_t k = 0; k < check.steps.size(); ++k) {
+      const double h = check.steps[k];
+      const auto result = [&](double t) {
+        Description changed = description;
+        parameter.set(parameter.value + t * change, changed);
+        return result_of(std::move(changed), slopes.back().positions, base, goes_on);
+      };
+      check.differences[k] = (result(h) - result(-h)) / (2 * h * unit);
+      const double error = std::abs(check.differences[k] - check.slope) /
+                           std::max({std::abs(check.slope), 1e-6 * largest, 1e-300});
+      if (std::isfinite(error)) check.digits = std::max(check.digits, -std::log10(std::max(error, 1e-16)));
+    }
+    // Nothing depends on it, and both say so.
+    if (check.slope == 0 && std::ranges::all_of(check.differences, [](double d) { return std::abs(d) == 0; }))
+      check.digits = 16;
+    checks.push_back(check);
+    if (done) done(check);
+  }
+  return checks;
+}
+
+}  // namespace resilin

@@ -1,0 +1,65 @@
+#include "resilin/sensitivity/markers.hpp"
+
+#include <numeric>
+
+#include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
+#include "resilin/mesh/cell_positions.hpp"
+#include "resilin/mesh/embedding.hpp"
+#include "resilin/mesh/shape_integrals.hpp"
+
+namespace resilin {
+
+const Body& body_named(const World& world, const std::string& name, const std::string& place) {
+  std::vector<std::string> names;
+  for (const Body& body : world.bodies) {
+    if (body.name == name || (name.empty() && world.bodies.size() == 1)) return body;
+    names.push_back(body.name);
+  }
+  refuse_word(place, name, names);
+}
+
+const Probe& probe_named(const World& world, const std::string& name, const std::string& place) {
+  std::vector<std::string> names;
+  for (const Probe& probe : world.probes) {
+    if (probe.name == name) return probe;
+    names.push_back(probe.name);
+  }
+  refuse_word(place, name, names);
+}
+
+Marker marker_at(const World& world, const std::string& name, const Vector3& at, const std::string& place) {
+  const Body& body = body_named(world, name, place + ".body");
+  Vector3 point = at - world.origin;
+  if (world.dimension == 2) point[2] = 0;
+  const Embedding embedding(body.elastic->element(), body.cells, world.rest_positions, {&point, 1});
+  if (embedding.outside().count > 0)
+    throw InputError(
+        place + ".at", "a point inside " + body.name + " at rest",
+        format_point(at, world.dimension) + ", " + format_short(embedding.outside().distance) + " m outside",
+        "markers are named by where they are in the rest shape");
+  Marker marker;
+  embedding.append_weights(0, marker.nodes, marker.weights);
+  return marker;
+}
+
+double volume_of(const Body& body, int dim, const VectorX& x, VectorX& slopes) {
+  const ElementInfo& element = body.elastic->element();
+  const auto n = static_cast<std::size_t>(element.num_nodes);
+  ShapeIntegrals integrals(element);
+  const std::vector<double> ones(n, 1.0);
+  std::vector<double> positions, shares(n), by_x(n * static_cast<std::size_t>(dim));
+  double volume = 0;
+  for (std::size_t first = 0; first < body.cells.size(); first += n) {
+    const std::span<const Index> nodes = std::span(body.cells).subspan(first, n);
+    cell_positions(dim, nodes, x, positions);
+    integrals.of_values(positions, shares);
+    volume += std::accumulate(shares.begin(), shares.end(), 0.0);
+    std::ranges::fill(by_x, 0.0);
+    integrals.add_slopes_of_values(positions, ones, by_x);
+    add_cell_values(dim, nodes, 1, by_x, slopes);
+  }
+  return volume;
+}
+
+}  // namespace resilin

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "resilin/world/world.hpp"
+
+/// What results are measured at.
+namespace resilin {
+
+/// A point of a body at rest, carried by the nodes of its cell: x = sum_k weights_k x_(nodes_k).
+struct Marker {
+  std::vector<Index> nodes;  ///< of the world
+  std::vector<double> weights;
+};
+
+/// The body of this name; "" where there is but one. Throws InputError at `place`.
+const Body& body_named(const World& world, const std::string& name, const std::string& place);
+
+/// The marker that stands at `at` in the scene [m] in the rest shape of a body.
+/// @throws InputError  at `place`, for a point outside the body: by how much
+Marker marker_at(const World& world, const std::string& body, const Vector3& at, const std::string& place);
+
+/// The probe of this name. Throws InputError at `place`.
+const Probe& probe_named(const World& world, const std::string& name, const std::string& place);
+
+/// The volume of a body at positions x [m^3], in 2D [m^2] on unit thickness, whatever its rest shape; adds
+/// its slopes by x.
+double volume_of(const Body& body, int dim, const VectorX& x, VectorX& slopes);
+
+}  // namespace resilin

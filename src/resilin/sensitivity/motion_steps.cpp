@@ -1,0 +1,270 @@
+#include "resilin/sensitivity/motion_steps.hpp"
+
+#include <algorithm>
+
+#include "resilin/core/error.hpp"
+#include "resilin/optimize/residual.hpp"
+#include "resilin/sensitivity/prescribed_changes.hpp"
+#include "resilin/sensitivity/stage_slopes.hpp"
+#include "resilin/simulation/initial_acceleration.hpp"
+
+namespace resilin {
+namespace {
+
+Motion zero_motion(Eigen::Index size) {
+  const VectorX zero = VectorX::Zero(size);
+  return {zero, zero, zero};
+}
+
+/// A stage of slopes or of changes: as long as the one that they belong to.
+Stage zero_stage(const Stage& stage) {
+  const VectorX zero = VectorX::Zero(stage.base_positions.size());
+  return {.base_positions = zero, .base_velocities = zero, .duration = stage.duration, .shape = zero};
+}
+
+/// Takes the fixed unknowns out of a motion.
+Motion take_fixed(const World& world, Motion& motion) {
+  Motion taken = zero_motion(motion.positions.size());
+  VectorX* const from[] = {&motion.positions, &motion.velocities, &motion.accelerations};
+  VectorX* const to[] = {&taken.positions, &taken.velocities, &taken.accelerations};
+  for (std::size_t part = 0; part < 3; ++part)
+    for (Eigen::Index i = 0; i < from[part]->size(); ++i)
+      if (world.is_fixed[static_cast<std::size_t>(i)] != 0) std::swap((*from[part])[i], (*to[part])[i]);
+  return taken;
+}
+
+Potential potential_of(const World& world, const StageReplay& stage) {
+  Potential potential(world, stage.conditions, stage.stage);
+  potential.prepare(stage.motion.positions, VectorX::Zero(stage.motion.positions.size()));
+  return potential;
+}
+
+/// In schemes that look back, impulses of contact change what earlier motions count as.
+void check_contact(const World& world, const Integrator& scheme, const Potential& potential,
+                   const VectorX& x) {
+  if (scheme.num_stages() == 1 && !scheme.looks_back() && scheme.coefficients(1).end_stage == 1) return;
+  if (potential.impulses(x).isZero(0)) return;
+  throw InputError(world.place + ": derivatives",
+                   "bodies that touch nothing with integrator = \"" + std::string(scheme.name()) + "\"",
+                   "contact", "take integrator = \"backward_euler\"");
+}
+
+}  // namespace
+
+History zero_history(Eigen::Index size) {
+  const VectorX zero = VectorX::Zero(size);
+  return {.now = zero_motion(size), .previous_positions = zero, .previous_velocities = zero};
+}
+
+bool is_zero(const History& history) {
+  for (const VectorX* part : {&history.now.positions, &history.now.velocities, &history.now.accelerations,
+                              &history.previous_positions, &history.previous_velocities})
+    if (!part->isZero(0)) return false;
+  return true;
+}
+
+void MotionSteps::form_tangent(const StageReplay& stage, const Potential& potential) {
+  check_contact(world_, scheme_, potential, stage.motion.positions);
+  tangent_.form(potential, stage.motion.positions);
+}
+
+History MotionSteps::forward(const StepReplay& step, const History& change, const TermChanges& of_terms,
+                             const WorldChange& of_world, VectorX& gradient) {
+  const double dt = step.time_step;
+  History start = change;
+  start.previous_time_step = step.start.previous_time_step;
+  if (step.renews_accelerations)
+    start.now.accelerations =
+        forward_accelerations(step.start.now, time_after(step.time, dt), start.now, of_terms, of_world);
+  const Eigen::Index size = world_.rest_positions.size();
+  Motion end_prescribed = zero_motion(size);
+  place_prescribed_changes(world_, of_world, {.time = step.time + dt, .load = 1}, end_prescribed);
+  std::vector<Motion> solutions;
+  for (std::size_t i = 0; i < step.stages.size(); ++i) {
+    const StageReplay& at = step.stages[i];
+    Stage stage = scheme_.begin_stage(static_cast<int>(i), start, solutions, dt);
+    Motion prescribed = zero_motion(size);
+    if (!at.stage.is_mean) {
+      place_prescribed_changes(world_, of_world, at.conditions, prescribed);
+    } else {
+      prescribed.positions = 0.5 * (start.now.positions + end_prescribed.positions);
+      prescribed.velocities = (end_prescribed.positions - start.now.positions) / dt;
+      prescribed.accelerations = (end_prescribed.velocities - start.now.velocities) / dt;
+      prescribed = take_fixed(world_, prescribed);
+    }
+    for (Eigen::Index k = 0; k < size; ++k) {
+      if (world_.is_fixed[static_cast<std::size_t>(k)] == 0) continue;
+      stage.base_positions[k] = prescribed.positions[k] - stage.duration * prescribed.velocities[k];
+      stage.base_velocities[k] = prescribed.velocities[k] - stage.duration * prescribed.accelerations[k];
+    }
+    const Potential potential = potential_of(world_, at);
+    form_tangent(at, potential);
+    gradient = VectorX::Zero(size);
+    add_stage_forces({world_, potential}, at.motion.positions, of_terms, stage, gradient);
+    VectorX dx =
+        prescribed.positions - tangent_.solve(gradient + tangent_.times(prescribed.positions, false), false);
+    gradient += tangent_.times(dx, false);
+    solutions.push_back(stage.motion(std::move(dx)));
+  }
+  History next{.now = scheme_.finish(start, std::move(solutions), dt),
+               .previous_positions = start.now.positions,
+               .previous_velocities = start.now.velocities};
+  take_fixed(world_, next.now);
+  next.now.positions += end_prescribed.positions;
+  next.now.velocities += end_prescribed.velocities;
+  next.now.accelerations += end_prescribed.accelerations;
+  return next;
+}
+
+History MotionSteps::transposed(const StepReplay& step, const History& by_next, const VectorX& w,
+                                TermChanges& by_terms, WorldChange& by_world) {
+  const double dt = step.time_step;
+  const Eigen::Index size = world_.rest_positions.size();
+  History by_start = zero_history(size);
+  by_start.previous_time_step = step.start.previous_time_step;
+  by_start.now.positions += by_next.previous_positions;
+  by_start.now.velocities += by_next.previous_velocities;
+  Motion by_end = by_next.now;
+  Motion by_end_prescribed = take_fixed(world_, by_end);
+  std::vector<Motion> by_solutions(step.stages.size(), zero_motion(size));
+  scheme_.add_slopes_of_end(by_end, dt, by_start, by_solutions);
+  for (std::size_t i = step.stages.size(); i-- > 0;) {
+    const StageReplay& at = step.stages[i];
+    const Motion& by_motion = by_solutions[i];
+    const double c = at.stage.duration;
+    Stage by_stage = zero_stage(at.stage);
+    // v = (x - x_0) / c, a = (v - v_0) / c
+    const VectorX by_velocity = by_motion.velocities + by_motion.accelerations / c;
+    by_stage.base_velocities -= by_motion.accelerations / c;
+    by_stage.base_positions -= by_velocity / c;
+    VectorX by_x = by_motion.positions + by_velocity / c;
+    const Potential potential = potential_of(world_, at);
+    form_tangent(at, potential);
+    VectorX lambda = VectorX::Zero(size);
+    if (i + 1 == step.stages.size() && w.size() > 0) {
+      lambda = w;
+      lambda -= tangent_.solve(by_x + tangent_.times(w, true), true);
+    } else {
+      lambda -= tangent_.solve(by_x, true);
+    }
+    by_x += tangent_.times(lambda, true);  // zero at the free unknowns
+    add_stage_slopes({world_, potential}, at.motion.positions, lambda, by_terms, by_stage);
+    Motion by_prescribed = zero_motion(size);
+    for (Eigen::Index k = 0; k < size; ++k) {
+      if (world_.is_fixed[static_cast<std::size_t>(k)] == 0) continue;
+      by_prescribed.positions[k] = by_x[k] + by_stage.base_positions[k];
+      by_prescribed.velocities[k] = by_stage.base_velocities[k] - c * by_stage.base_positions[k];
+      by_prescribed.accelerations[k] = -c * by_stage.base_velocities[k];
+      by_stage.base_positions[k] = by_stage.base_velocities[k] = 0;
+    }
+    if (!at.stage.is_mean) {
+      add_prescribed_slopes(world_, by_prescribed, at.conditions, by_world);
+    } else {
+      by_start.now.positions += 0.5 * by_prescribed.positions - by_prescribed.velocities / dt;
+      by_start.now.velocities -= by_prescribed.accelerations / dt;
+      by_end_prescribed.positions += 0.5 * by_prescribed.positions + by_prescribed.velocities / dt;
+      by_end_prescribed.velocities += by_prescribed.accelerations / dt;
+    }
+    scheme_.add_slopes_of_stage(static_cast<int>(i), by_stage, dt, by_start, by_solutions);
+  }
+  add_prescribed_slopes(world_, by_end_prescribed, {.time = step.time + dt, .load = 1}, by_world);
+  if (step.renews_accelerations)
+    transposed_accelerations(step.start.now, time_after(step.time, dt), by_start.now, by_terms, by_world);
+  by_start.previous_time_step = 0;
+  return by_start;
+}
+
+namespace {
+
+/// The potential whose gradient accelerations balance, and the numbers of its terms.
+struct SmoothForces {
+  Terms terms;
+  std::vector<std::size_t> numbers;
+  Stage stage;
+  Potential potential;
+
+  SmoothForces(const World& world, const Motion& at, double time)
+      : terms(smooth_terms(world)),
+        stage(stage_at_once(at.positions, at.velocities)),
+        potential(terms, world.is_fixed, {.time = time, .load = 1}, stage) {
+    for (std::size_t t = 0; t < world.terms.size(); ++t)
+      if (std::ranges::find(terms, world.terms[t]) != terms.end()) numbers.push_back(t);
+  }
+  /// K p of the smooth terms at x, or K^T p.
+  VectorX tangent_times(const World& world, const VectorX& x, const VectorX& p, bool is_transposed) const {
+    BlockMatrix hessian(world.dimension, world.pattern);
+    potential.hessian(x, Projection::none, hessian);
+    VectorX product;
+    multiply(hessian, p, product);
+    return product + (is_transposed ? -1 : 1) * SkewPart(world, potential, x).times(p);
+  }
+};
+
+}  // namespace
+
+// M a + g(x; x_0 = x - v, shape = x) = 0 at the free unknowns.
+VectorX MotionSteps::forward_accelerations(const Motion& at, double time, const Motion& change,
+                                           const TermChanges& of_terms, const WorldChange& of_world) {
+  const SmoothForces smooth(world_, at, time);
+  Motion prescribed = zero_motion(at.positions.size());
+  place_prescribed_changes(world_, of_world, {.time = time, .load = 1}, prescribed);
+  VectorX force = smooth.tangent_times(world_, at.positions, change.positions, false);
+  add_stage_forces({smooth.potential, smooth.numbers}, at.positions, of_terms,
+                   stage_at_once(change.positions, change.velocities), force);
+  const auto& of_mass = of_terms[static_cast<std::size_t>(inertia_)];
+  if (const auto found = of_mass.find("mass"); found != of_mass.end())
+    world_.mass->add_change(found->second, at.accelerations, force);
+  VectorX pull;
+  world_.mass->multiply(prescribed.accelerations, pull);
+  return prescribed.accelerations - accelerations_by(world_, force + pull);
+}
+
+void MotionSteps::transposed_accelerations(const Motion& at, double time, Motion& by_motion,
+                                           TermChanges& by_terms, WorldChange& by_world) {
+  const SmoothForces smooth(world_, at, time);
+  const VectorX lambda = -accelerations_by(world_, by_motion.accelerations);
+  VectorX pull;
+  world_.mass->multiply(lambda, pull);
+  Motion by_prescribed = zero_motion(at.positions.size());
+  by_prescribed.accelerations = by_motion.accelerations + pull;
+  by_prescribed = take_fixed(world_, by_prescribed);
+  add_prescribed_slopes(world_, by_prescribed, {.time = time, .load = 1}, by_world);
+  by_motion.positions += smooth.tangent_times(world_, at.positions, lambda, true);
+  Stage by_stage = zero_stage(smooth.stage);
+  add_stage_slopes({smooth.potential, smooth.numbers}, at.positions, lambda, by_terms, by_stage);
+  by_motion.positions += by_stage.base_positions + by_stage.shape;
+  by_motion.velocities += by_stage.base_velocities - by_stage.base_positions;
+  auto& by_mass = by_terms[static_cast<std::size_t>(inertia_)];
+  if (const auto found = by_mass.find("mass"); found != by_mass.end())
+    world_.mass->add_slopes(lambda, at.accelerations, found->second);
+  by_motion.accelerations.setZero();
+}
+
+// Prescribed are the velocities and accelerations of the start, not its places.
+Motion MotionSteps::forward_start(const StepReplay& first, const TermChanges& of_terms,
+                                  const WorldChange& of_world) {
+  const Eigen::Index size = world_.rest_positions.size();
+  Motion start = zero_motion(size), prescribed = zero_motion(size);
+  if (of_world.start_velocities.size() > 0) start.velocities = of_world.start_velocities;
+  take_fixed(world_, start);
+  if (of_world.start_positions.size() > 0) start.positions = of_world.start_positions;
+  place_prescribed_changes(world_, of_world, {.time = first.time, .load = 1}, prescribed);
+  start.velocities += prescribed.velocities;
+  if (scheme_.needs_accelerations() && !first.renews_accelerations)
+    start.accelerations = forward_accelerations(first.start.now, first.time, start, of_terms, of_world);
+  return start;
+}
+
+void MotionSteps::transposed_start(const StepReplay& first, Motion by_start, TermChanges& by_terms,
+                                   WorldChange& by_world) {
+  if (scheme_.needs_accelerations() && !first.renews_accelerations)
+    transposed_accelerations(first.start.now, first.time, by_start, by_terms, by_world);
+  if (by_world.start_positions.size() > 0) by_world.start_positions += by_start.positions;
+  by_start.positions.setZero();
+  by_start.accelerations.setZero();
+  const Motion by_prescribed = take_fixed(world_, by_start);
+  add_prescribed_slopes(world_, by_prescribed, {.time = first.time, .load = 1}, by_world);
+  if (by_world.start_velocities.size() > 0) by_world.start_velocities += by_start.velocities;
+}
+
+}  // namespace resilin

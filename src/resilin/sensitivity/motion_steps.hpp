@@ -1,0 +1,50 @@
+#pragma once
+
+#include "resilin/sensitivity/replay.hpp"
+#include "resilin/sensitivity/tangent.hpp"
+#include "resilin/sensitivity/term_changes.hpp"
+
+namespace resilin {
+
+/// A history of nothing but zeros, for changes of one or slopes by one.
+History zero_history(Eigen::Index size);
+bool is_zero(const History& history);
+
+/// Derivatives of one step in time by what it starts from and by the numbers of the world: forwards and
+/// transposed, from the coefficients of the scheme (docs/theory/gradients.md).
+class MotionSteps {
+ public:
+  /// @param inertia  the number of its term
+  MotionSteps(const World& world, const Integrator& scheme, int inertia)
+      : world_(world), scheme_(scheme), inertia_(inertia), tangent_(world, world.solver.kind) {}
+
+  /// The change of what the next step starts from.
+  /// @param gradient  becomes the change of dE/dx of the last stage, from which reactions follow
+  History forward(const StepReplay& step, const History& change, const TermChanges& of_terms,
+                  const WorldChange& of_world, VectorX& gradient);
+
+  /// Slopes by what the step started from, out of those by what the next one starts from.
+  /// @param w  of dE/dx of the last stage at the fixed unknowns; empty: none
+  History transposed(const StepReplay& step, const History& by_next, const VectorX& w, TermChanges& by_terms,
+                     WorldChange& by_world);
+
+  // Of the motion with which the run begins, accelerations among it where the scheme needs them.
+  Motion forward_start(const StepReplay& first, const TermChanges& of_terms, const WorldChange& of_world);
+  void transposed_start(const StepReplay& first, Motion by_start, TermChanges& by_terms,
+                        WorldChange& by_world);
+
+ private:
+  /// Of the accelerations M a = -gradient at a motion, under loads of this time.
+  VectorX forward_accelerations(const Motion& at, double time, const Motion& change,
+                                const TermChanges& of_terms, const WorldChange& of_world);
+  void transposed_accelerations(const Motion& at, double time, Motion& by_motion, TermChanges& by_terms,
+                                WorldChange& by_world);
+  void form_tangent(const StageReplay& stage, const Potential& potential);
+
+  const World& world_;
+  const Integrator& scheme_;
+  int inertia_;
+  Tangent tangent_;
+};
+
+}  // namespace resilin

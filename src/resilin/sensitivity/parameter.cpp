@@ -1,0 +1,184 @@
+#include "resilin/sensitivity/parameter.hpp"
+
+#include <algorithm>
+
+#include "resilin/core/error.hpp"
+#include "resilin/sensitivity/body_parameters.hpp"
+
+namespace resilin {
+namespace {
+
+/// "load.tip.": by the name, or by the place where it has none (from 1).
+std::string prefix(const std::string& kind, const std::string& name, std::size_t number) {
+  return kind + "." + (name.empty() ? std::to_string(number + 1) : name) + ".";
+}
+
+/// A vector of the description and of the world's change.
+template <class Change>
+Parameter vector_parameter(const std::string& name, int dim, const Vector3& value, Change change,
+                           std::function<void(WorldChange&)> ask,
+                           std::function<Vector3&(Description&)> member) {
+  Parameter parameter{.name = name, .shape = {dim}, .value = value.head(dim)};
+  parameter.ask = std::move(ask);
+  parameter.spread = [=](const VectorX& by, WorldChange& world) { change(world).head(dim) += by; };
+  parameter.gather = [=](const WorldChange& world, VectorX& slopes) { slopes += change(world).head(dim); };
+  parameter.set = [=](const VectorX& to, Description& description) { member(description).head(dim) = to; };
+  return parameter;
+}
+
+Parameter gravity(const World& world, const std::string& name) {
+  if (world.gravity.head(world.dimension).isZero(0))
+    throw InputError(name, "a scene with gravity", "none",
+                     "give simulation.gravity, however small: without it there is no weight to change");
+  return vector_parameter(
+      name, world.dimension, world.gravity, [](auto& of) -> auto& { return of.gravity; },
+      [](WorldChange& of) { of.has_gravity = true; }, [](Description& of) -> Vector3& { return of.gravity; });
+}
+
+Parameter load_parameter(const World& world, std::size_t l, const std::string& name, const std::string& key) {
+  const LoadDescription& load = world.made_from->loads[l];
+  const Energy& term = *world.terms[world.bodies.size() + l];
+  const auto parameters = term.parameters();
+  const auto found = std::ranges::find(parameters, key, &EnergyParameter::name);
+  const Eigen::Index size = found->size;
+  const bool is_number = size == 1;
+  const auto member = [=](LoadDescription& of) -> double* {
+    if (key == "stiffness") return &of.stiffness;
+    if (key == "displacement") return of.displacement.data();
+    if (key == "velocity") return of.velocity.data();
+    return is_number ? &of.pressure : of.value.data();
+  };
+  LoadDescription copy = load;
+  Parameter parameter{.name = name, .shape = {}, .value = Eigen::Map<const VectorX>(member(copy), size)};
+  if (!is_number) parameter.shape = {size};
+  parameter.ask = [=](WorldChange& of) { of.loads[l][key] = VectorX::Zero(size); };
+  parameter.spread = [=](const VectorX& by, WorldChange& of) { of.loads[l][key] += by; };
+  parameter.gather = [=](const WorldChange& of, VectorX& slopes) { slopes += of.loads[l].at(key); };
+  parameter.set = [=](const VectorX& to, Description& of) {
+    Eigen::Map<VectorX>(member(of.loads[l]), size) = to;
+  };
+  return parameter;
+}
+
+Parameter support_parameter(const World& world, std::size_t s, const std::string& name,
+                            const std::string& key) {
+  const int dim = world.dimension;
+  const FixDescription& fix = world.made_from->fixes[s];
+  const auto ask = [s](WorldChange& of) { of.supports[s].is_asked = true; };
+  if (key == "displacement")
+    return vector_parameter(
+        name, dim, fix.displacement, [s](auto& of) -> auto& { return of.supports[s].displacement; }, ask,
+        [s](Description& of) -> Vector3& { return of.fixes[s].displacement; });
+  if (key == "velocity")
+    return vector_parameter(
+        name, dim, fix.velocity, [s](auto& of) -> auto& { return of.supports[s].velocity; }, ask,
+        [s](Description& of) -> Vector3& { return of.fixes[s].velocity; });
+  Parameter parameter{.name = name, .shape = {dim, dim}, .value = VectorX(dim * dim)};
+  for (int i = 0; i < dim * dim; ++i) parameter.value[i] = fix.gradient(i / dim, i % dim);
+  parameter.ask = ask;
+  parameter.spread = [=](const VectorX& by, WorldChange& of) {
+    for (int i = 0; i < dim * dim; ++i) of.supports[s].gradient(i / dim, i % dim) += by[i];
+  };
+  parameter.gather = [=](const WorldChange& of, VectorX& slopes) {
+    for (int i = 0; i < dim * dim; ++i) slopes[i] += of.supports[s].gradient(i / dim, i % dim);
+  };
+  parameter.set = [=](const VectorX& to, Description& of) {
+    for (int i = 0; i < dim * dim; ++i) of.fixes[s].gradient(i / dim, i % dim) = to[i];
+  };
+  return parameter;
+}
+
+/// A parameter and how it is made.
+struct Entry {
+  std::string name;
+  std::function<Parameter()> make;
+};
+
+std::vector<Entry> entries(const World& world) {
+  std::vector<Entry> all;
+  const Description& description = *world.made_from;
+  // At rest there is time where something follows it.
+  const bool passes_time = world.is_dynamic || world.path_time > 0;
+  for (std::size_t b = 0; b < world.bodies.size(); ++b)
+    for (const std::string& key : keys_of_body(world, b)) {
+      const std::string name = prefix("body", world.bodies[b].name, b) + key;
+      all.push_back({name, [&world, b, name, key] { return parameter_of_body(world, b, name, key); }});
+    }
+  for (std::size_t l = 0; l < description.loads.size(); ++l)
+    for (const EnergyParameter& of_term : world.terms[world.bodies.size() + l]->parameters()) {
+      if (of_term.name == "rest_positions" || (of_term.name == "velocity" && !passes_time)) continue;
+      const std::string key(of_term.name), name = prefix("load", description.loads[l].name, l) + key;
+      all.push_back({name, [&world, l, name, key] { return load_parameter(world, l, name, key); }});
+    }
+  for (std::size_t s = 0; s < description.fixes.size(); ++s) {
+    std::vector<std::string> keys;
+    if (passes_time) keys.emplace_back("velocity");
+    if (!description.fixes[s].rotate) keys.insert(keys.end(), {"displacement", "gradient"});
+    for (const std::string& key : keys) {
+      const std::string name = prefix("fix", description.fixes[s].name, s) + key;
+      all.push_back({name, [&world, s, name, key] { return support_parameter(world, s, name, key); }});
+    }
+  }
+  all.push_back({"simulation.gravity", [&world] { return gravity(world, "simulation.gravity"); }});
+  return all;
+}
+
+/// Of these the barrier has its stiffness and its reach where the scene leaves them out.
+void check_barrier(const World& world, const std::string& name) {
+  const Description& description = *world.made_from;
+  const bool is_rest = name.ends_with(".rest_positions");
+  const bool is_stiffness = name.find(".material.") != std::string::npos;
+  if (!is_rest && !is_stiffness) return;
+  if (is_rest && (world.contact || !description.colliders.empty()))
+    throw InputError(name, "a scene without contact", "colliders or bodies that meet",
+                     "derivatives of barriers by the rest shape are not there yet");
+  const auto is_given = [](const auto& of) { return of.stiffness && of.activation_distance; };
+  if ((world.contact && !is_given(description.contact)) ||
+      !std::ranges::all_of(description.colliders, is_given))
+    throw InputError(name, "stiffness and activation_distance of contact and colliders given as numbers",
+                     "none", "left out they follow the material, and are no constants of the derivative");
+}
+
+}  // namespace
+
+std::vector<std::string> parameter_names(const World& world) {
+  std::vector<std::string> names;
+  for (const Entry& entry : entries(world)) names.push_back(entry.name);
+  return names;
+}
+
+Parameter find_parameter(const World& world, const std::string& name) {
+  std::vector<std::string> names;
+  // `density` stands in the material, of which it is no constant.
+  const std::string in_material = ".material.density";
+  std::string wanted = name;
+  if (name.ends_with(in_material))
+    wanted.replace(name.size() - in_material.size(), std::string::npos, ".density");
+  for (const Entry& entry : entries(world)) {
+    if (entry.name == wanted) {
+      check_barrier(world, wanted);
+      Parameter parameter = entry.make();
+      parameter.name = name;
+      return parameter;
+    }
+    names.push_back(entry.name);
+  }
+  refuse_word("parameter", name, names);
+}
+
+Description with_values(const Description& description, const std::map<std::string, VectorX>& values) {
+  Description changed = description;
+  if (values.empty()) return changed;
+  const World world{Description(description)};
+  for (const auto& [name, value] : values) {
+    const Parameter parameter = find_parameter(world, name);
+    const bool is_field = value.size() == parameter.value.size();
+    if (!is_field && !(parameter.value.size() == 1 && name.find(".material.") != std::string::npos))
+      throw InputError(name, std::to_string(parameter.value.size()) + " numbers",
+                       std::to_string(value.size()));
+    parameter.set(value, changed);
+  }
+  return changed;
+}
+
+}  // namespace resilin

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "resilin/sensitivity/world_change.hpp"
+
+namespace resilin {
+
+/// A number, or an array of numbers, of a scene by which results may be differentiated.
+struct Parameter {
+  std::string name;                 ///< "body.beam.material.youngs_modulus"
+  std::vector<Eigen::Index> shape;  ///< {}: one number; {num_cells}; {dim}; {num_vertices, dim}
+  VectorX value;                    ///< as the scene has it, the last index the fastest
+
+  /// Adds what a change of the numbers does to the world, which `ask` has made room for.
+  std::function<void(const VectorX& change, WorldChange& world)> spread{};
+  std::function<void(WorldChange& world)> ask{};
+  /// The transpose of `spread`: adds to the slopes by the numbers.
+  std::function<void(const WorldChange& world, VectorX& slopes)> gather{};
+  /// Writes other numbers into a description of the same scene.
+  std::function<void(const VectorX& value, Description& description)> set{};
+};
+
+/// What a scene has of parameters, by the keys of a scene file with the names of bodies, loads and supports:
+///
+///   body.NAME.material.CONSTANT        one number, or one for each cell where the scene has them
+///   body.NAME.density, body.NAME.damping.KEY
+///   body.NAME.rest_positions           of the vertices, where they stand in the scene [m]
+///   body.NAME.initial_positions, .initial_velocities    likewise
+///   load.NAME.value, .stiffness, .displacement, .velocity
+///   fix.NAME.displacement, .velocity, .gradient
+///   simulation.gravity
+///
+/// @param world  made of a description that it still has
+std::vector<std::string> parameter_names(const World& world);
+
+/// The parameter of this name. Throws InputError for an unknown one, which names the nearest, and for one by
+/// which this scene cannot be differentiated.
+Parameter find_parameter(const World& world, const std::string& name);
+
+/// The same scene with other numbers, by the names of their parameters.
+Description with_values(const Description& description, const std::map<std::string, VectorX>& values);
+
+}  // namespace resilin

@@ -1,0 +1,190 @@
+#include "resilin/sensitivity/tangent.hpp"
+
+#include <Eigen/QR>
+#include <cmath>
+
+#include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
+#include "resilin/optimize/residual.hpp"
+
+namespace resilin {
+namespace {
+
+constexpr double tolerance = 1e-13;        ///< asked of solvers
+constexpr double largest_residual = 1e-9;  ///< with which a solution is still taken
+constexpr int most_skew_iterations = 60;   ///< of GMRES
+
+LinearOptions options(const World& world, const std::string& kind, bool is_definite) {
+  return {.kind = kind,
+          .is_dynamic = world.is_dynamic,
+          .is_definite = is_definite,
+          .max_iterations = world.solver.max_iterations};
+}
+
+}  // namespace
+
+SkewPart::SkewPart(const World& world, const Potential& potential, const VectorX& x)
+    : conditions_(potential.conditions()), x_(x) {
+  if (potential.has_potential(x)) return;
+  symmetric_ = BlockMatrix(world.dimension, world.pattern);
+  for (const Energy* term : potential.terms()) {
+    if (term->properties().has_potential) continue;
+    terms_.push_back(term);
+    term->add_hessian(x, conditions_, Projection::none, symmetric_);
+  }
+}
+
+VectorX SkewPart::times(const VectorX& p) const {
+  const double size = p.cwiseAbs().maxCoeff();
+  if (terms_.empty() || !(size > 0)) return VectorX::Zero(p.size());
+  const double length = (x_.maxCoeff() - x_.minCoeff()) / size;
+  VectorX after = VectorX::Zero(p.size()), before = after, symmetric;
+  for (const Energy* term : terms_) {
+    term->add_gradient(x_ + length * p, conditions_, after);
+    term->add_gradient(x_ - length * p, conditions_, before);
+  }
+  multiply(symmetric_, p, symmetric);
+  return (after - before) / (2 * length) - symmetric;
+}
+
+Tangent::Tangent(const World& world, const std::string& solver_kind)
+    : world_(world), solver_kind_(solver_kind), whole_(world.dimension, world.pattern) {}
+
+void Tangent::form(const Potential& potential, const VectorX& x, Newton* near) {
+  whole_.set_zero();
+  potential.hessian(x, Projection::none, whole_);
+  skew_.emplace(world_, potential, x);
+  free_ = whole_;
+  eliminate(free_, world_.is_fixed);
+  x_ = x;
+  near_ = near;
+  negative_ = 0;
+  if (near_ == nullptr) factorize();
+}
+
+void Tangent::factorize() {
+  const Index num_unknowns = world_.num_free_unknowns();
+  if (!definite_) definite_ = make_linear_solver(options(world_, solver_kind_, true), num_unknowns);
+  solver_ = definite_.get();
+  solver_->begin_search();
+  solver_->analyze(free_, x_);
+  LinearReport report = solver_->factorize(free_);
+  require_memory(report);
+  if (report.status == LinearReport::Status::ok && !solver_->is_direct()) {
+    // What a solver that iterates has not refused it may still find indefinite.
+    VectorX probe = VectorX::Zero(x_.size()), b(x_.size());
+    for (Eigen::Index i = 0; i < b.size(); ++i) b[i] = std::sin(1.0 + 12.9898 * static_cast<double>(i));
+    set_fixed_to_zero(world_.is_fixed, b);
+    report = solver_->solve(free_, b, probe, 1e-3);
+  }
+  if (report.status == LinearReport::Status::ok) return;
+  if (!indefinite_) indefinite_ = make_linear_solver(options(world_, "auto", false), num_unknowns);
+  solver_ = indefinite_.get();
+  solver_->analyze(free_, x_);
+  report = solver_->factorize(free_);
+  require_memory(report);
+  if (report.status != LinearReport::Status::ok)
+    throw InputError(world_.place, "a stiffness that can be solved with", "a singular one",
+                     "the body is at a limit of stability: take another load");
+  negative_ = report.negative_pivots;
+}
+
+VectorX Tangent::times(const VectorX& p, bool is_transposed) const {
+  VectorX product;
+  multiply(whole_, p, product);
+  if (!is_symmetric()) product += (is_transposed ? -1 : 1) * skew_->times(p);
+  return product;
+}
+
+/// Nocedal & Wright 2006, algorithm 5.3.
+std::optional<VectorX> Tangent::solve_near(const VectorX& b) {
+  constexpr int most_iterations = 20;
+  const double size = b.norm();
+  VectorX p = VectorX::Zero(b.size()), residual = b, direction, product;
+  double last = 1;
+  for (int k = 0; k < most_iterations; ++k) {
+    const std::optional<VectorX> z = near_->response(residual, world_.is_fixed, 1);
+    if (!z) return std::nullopt;
+    const double along = residual.dot(*z);
+    if (!(along > 0)) return std::nullopt;
+    direction = k == 0 ? *z : VectorX(*z + along / last * direction);
+    multiply(free_, direction, product);
+    const double curvature = direction.dot(product);
+    if (!(curvature > 0)) return std::nullopt;
+    p += along / curvature * direction;
+    residual -= along / curvature * product;
+    last = along;
+    if (residual.norm() <= tolerance * size) return p;
+  }
+  return std::nullopt;
+}
+
+VectorX Tangent::solve_symmetric(const VectorX& b) {
+  VectorX p = VectorX::Zero(b.size());
+  const double size = b.norm();
+  if (!(size > 0)) return p;
+  if (near_ != nullptr) {
+    if (std::optional<VectorX> found = solve_near(b)) return *std::move(found);
+    near_ = nullptr;
+    factorize();
+  }
+  LinearReport report = solver_->solve(free_, b, p, tolerance);
+  // An iterative solver ends at its rounding; what is left is solved for once more.
+  VectorX rest;
+  for (int refinement = 0; refinement < 2 && report.status != LinearReport::Status::indefinite;
+       ++refinement) {
+    multiply(free_, p, rest);
+    rest = b - rest;
+    if (rest.norm() <= tolerance * size) break;
+    VectorX more = VectorX::Zero(b.size());
+    report = solver_->solve(free_, rest, more, 1e-6);
+    p += more;
+  }
+  multiply(free_, p, rest);
+  const double left = (b - rest).norm() / size;
+  if (!(left <= largest_residual))
+    throw InputError(world_.place, "a stiffness that can be solved with to " + format_short(largest_residual),
+                     "what leaves " + format_short(left),
+                     "the body is near a limit of stability, or solver.kind = \"" + solver_kind_ +
+                         "\" is too weak: take \"auto\"");
+  return p;
+}
+
+/// GMRES (Saad & Schultz 1986) with the symmetric part as preconditioner from the right.
+VectorX Tangent::solve(VectorX b, bool is_transposed) {
+  set_fixed_to_zero(world_.is_fixed, b);
+  if (is_symmetric()) return solve_symmetric(b);
+  const double size = b.norm();
+  VectorX p = VectorX::Zero(b.size());
+  if (!(size > 0)) return p;
+  std::vector<VectorX> basis = {b / size}, corrections;
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(most_skew_iterations + 1, most_skew_iterations);
+  Eigen::VectorXd y;
+  double left = 1;
+  for (int k = 0; k < most_skew_iterations && left > tolerance; ++k) {
+    corrections.push_back(solve_symmetric(basis.back()));
+    VectorX next = times(corrections.back(), is_transposed);
+    set_fixed_to_zero(world_.is_fixed, next);
+    for (int twice = 0; twice < 2; ++twice)
+      for (int i = 0; i <= k; ++i) {
+        const double part = basis[static_cast<std::size_t>(i)].dot(next);
+        H(i, k) += part;
+        next -= part * basis[static_cast<std::size_t>(i)];
+      }
+    H(k + 1, k) = next.norm();
+    const Eigen::MatrixXd square = H.topLeftCorner(k + 2, k + 1);
+    const Eigen::VectorXd first = size * Eigen::VectorXd::Unit(k + 2, 0);
+    y = square.householderQr().solve(first);
+    left = (first - square * y).norm() / size;
+    if (!(H(k + 1, k) > 1e-15 * size)) break;
+    basis.push_back(next / H(k + 1, k));
+  }
+  if (!(left <= largest_residual))
+    throw InputError(world_.place, "a stiffness that can be solved with",
+                     "one whose unsymmetric part, of a pressure on an open surface, is too strong",
+                     "take a smaller pressure");
+  for (Eigen::Index i = 0; i < y.size(); ++i) p += y[i] * corrections[static_cast<std::size_t>(i)];
+  return p;
+}
+
+}  // namespace resilin

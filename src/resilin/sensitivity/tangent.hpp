@@ -1,0 +1,66 @@
+#pragma once
+
+#include <optional>
+
+#include "resilin/linear/linear_solver.hpp"
+#include "resilin/optimize/newton.hpp"
+#include "resilin/simulation/potential.hpp"
+
+namespace resilin {
+
+/// What the derivative of a potential's gradient is beside the Hessian, its symmetric part: of forces without
+/// a potential, a pressure that follows an open surface. They are quadratic in x, so that a central
+/// difference gives their derivative times a vector without an error but rounding.
+class SkewPart {
+ public:
+  SkewPart(const World& world, const Potential& potential, const VectorX& x);
+  bool is_zero() const { return terms_.empty(); }
+  VectorX times(const VectorX& p) const;
+
+ private:
+  std::vector<const Energy*> terms_;  ///< those without a potential here
+  BlockMatrix symmetric_;             ///< their Hessian
+  Conditions conditions_;
+  VectorX x_;
+};
+
+/// The derivative K of an objective's gradient at one place, whole and solved with over the free unknowns.
+///
+/// Its symmetric part is the Hessian, unprojected; where forces have no potential there is a skew part, too.
+class Tangent {
+ public:
+  /// @param solver_kind  a name of the solvers' catalogue, or auto
+  Tangent(const World& world, const std::string& solver_kind);
+
+  /// Forms K at x and factorises it; where `near` is given, and holds factors of a matrix near to K, only
+  /// when these turn out not to serve.
+  /// @throws InputError  where K is singular
+  void form(const Potential& potential, const VectorX& x, Newton* near = nullptr);
+
+  /// Of a symmetric K, as far as its solution has told; 0: it is definite.
+  Index negative_eigenvalues() const { return negative_; }
+
+  bool is_symmetric() const { return !skew_ || skew_->is_zero(); }
+  /// K p, or K^T p, of all unknowns.
+  VectorX times(const VectorX& p, bool is_transposed) const;
+  /// Solves K p = b, or K^T p = b, over the free unknowns; p is zero at the others.
+  VectorX solve(VectorX b, bool is_transposed);
+
+ private:
+  void factorize();
+  VectorX solve_symmetric(const VectorX& b);
+  /// Conjugate gradients with the factors that are near; none: they take too long.
+  std::optional<VectorX> solve_near(const VectorX& b);
+
+  const World& world_;
+  std::string solver_kind_;
+  BlockMatrix whole_, free_;
+  std::optional<SkewPart> skew_;
+  std::unique_ptr<LinearSolver> definite_, indefinite_;
+  LinearSolver* solver_ = nullptr;
+  Newton* near_ = nullptr;
+  Index negative_ = 0;
+  VectorX x_;
+};
+
+}  // namespace resilin

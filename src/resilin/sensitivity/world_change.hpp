@@ -1,0 +1,42 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "resilin/world/world.hpp"
+
+namespace resilin {
+
+/// A change of the numbers that a world was made of, to first order; or slopes of a result by them. What is
+/// empty does not change, or is not asked for.
+struct WorldChange {
+  struct OfBody {
+    VectorX constants{};  ///< as the parameter of ElasticEnergy
+    bool has_density = false;
+    double density = 0;
+    bool has_damping = false;  ///< any of these:
+    double mass_damping = 0, stiffness_damping = 0, shear_viscosity = 0, bulk_viscosity = 0;
+  };
+  struct OfSupport {
+    bool is_asked = false;
+    Vector3 displacement = Vector3::Zero(), velocity = Vector3::Zero();
+    Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();
+  };
+
+  explicit WorldChange(const World& world)
+      : bodies(world.bodies.size()), loads(world.made_from->loads.size()), supports(world.supports.size()) {}
+
+  bool has_gravity = false;
+  Vector3 gravity = Vector3::Zero();
+  std::vector<OfBody> bodies;
+  std::vector<std::map<std::string, VectorX>> loads;  ///< by the names of the term's parameters
+  std::vector<OfSupport> supports;
+  VectorX rest_positions{};  ///< of all nodes, as the following [m]
+  VectorX start_positions{};
+  VectorX start_velocities{};  ///< [m/s]
+
+  bool has_mass() const;
+};
+
+}  // namespace resilin
