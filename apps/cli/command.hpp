@@ -20,6 +20,7 @@ void add_mesh(CommandLine& line, Action& action);
 void add_view(CommandLine& line, Action& action);
 void add_picture(CommandLine& line, Action& action);
 void add_gradcheck(CommandLine& line, Action& action);
+void add_film(CommandLine& line, Action& action);
 void add_materials(CommandLine& line, Action& action);
 void add_fit(CommandLine& line, Action& action);
 void add_bench(CommandLine& line, Action& action);

@@ -1,6 +1,5 @@
 #include "fill.hpp"
 
-#include <stdlib.h>  // mkdtemp
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -14,6 +13,7 @@
 #include "resilin/mesh/edit.hpp"
 #include "resilin/mesh/embedding.hpp"
 #include "resilin/mesh/quality.hpp"
+#include "temporary_place.hpp"
 #include "terminal.hpp"
 
 namespace resilin::cli {
@@ -23,27 +23,6 @@ constexpr double near_enough = 0.1;  // of the wanted number: no further attempt
 constexpr double acceptable = 0.2;   // more is said in a warning
 constexpr int most_attempts = 8;
 constexpr double flat_angle = 5;  // degrees between sides; cells below it are slivers
-
-/// A folder that goes when it is no longer needed.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name =
-        (std::filesystem::temp_directory_path() / "resilin-mesh-").string() + std::string(6, 'X');
-    if (mkdtemp(name.data()) == nullptr) throw FileError(name, "no temporary folder can be made");
-    path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 /// Edges that do not have two triangles.
 std::size_t count_open_edges(const CellBlock& triangles) {
@@ -189,7 +168,7 @@ Mesh fill_surface(const MeshFile& file, const FillOptions& options) {
   const Mesh surface = cleaned(file);
   const CellBlock& triangles = surface.blocks[0];
   const std::size_t open_edges = count_open_edges(triangles);
-  const TemporaryFolder folder;
+  const TemporaryPlace folder("resilin-mesh");
   const Found found = find_mesher(options, open_edges == 0, folder.path());
   if (found.mesher->needs_closed_surface && open_edges > 0) {
     throw InputError(place, file.numbering.file + " is not closed: " + std::to_string(open_edges) +

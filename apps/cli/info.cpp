@@ -48,17 +48,19 @@ void add_info(CommandLine& line, Action& action) {
   struct Options {
     bool json = false;
     bool scene_reference = false;
+    bool schema = false;
   };
   auto options = std::make_shared<Options>();
   const Command command =
       line.command("info", "Version, instruction set in use, BLAS kernel, solvers, threads");
   command.flag("--json", options->json, "Print JSON");
   command.flag("--scene-reference", options->scene_reference, "Print the page docs/scene.md");
+  command.flag("--schema", options->schema, "Print a JSON schema of the scene file, for editors");
   command.footer("Example:\n  resilin info --json");
   command.on_chosen([options, &action] {
     action = [options] {
-      if (!options->scene_reference) return print_info(options->json);
-      print_text(scene_reference());
+      if (!options->scene_reference && !options->schema) return print_info(options->json);
+      print_text(options->schema ? scene_schema() : scene_reference());
       return static_cast<int>(done);
     };
   });

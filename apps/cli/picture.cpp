@@ -34,7 +34,7 @@ int draw(const PictureCommand& command) {
   const Image image = draw_result(command.folder, command.frame, options);
   write_png(command.out, image);
   print_line(command.out + ": " + std::to_string(image.width) + " x " + std::to_string(image.height) +
-             " pixels");
+             " pixels" + (image.legend.empty() ? "" : "; " + image.legend));
   return done;
 }
 
@@ -50,17 +50,22 @@ void add_picture(CommandLine& line, Action& action) {
   command
       .option("--field", picture.field,
               "Field of the frames, with a component where it has several: von_mises, displacement.z, "
-              "cauchy_stress.xy; default von_mises, else displacement")
+              "cauchy_stress.xy; averaged_ and nodal_ before a name of the cells bring it onto the vertices; "
+              "default averaged_von_mises, as on the page")
       .type_name("NAME[.COMPONENT]");
   command.option("--frame", options->frame, "Number of the frame; default -1, the last").type_name("N");
   command.option("--size", options->size, "Width and height in pixels; default 1200 900")
       .values(2, 2)
       .type_name("W H");
   command
-      .option("--view", picture.view,
-              join(view_names()) + ", or a direction from the body to the eye such as 1,-2,1; default iso")
+      .option(
+          "--view", picture.view,
+          "auto, " + join(view_names()) +
+              ", or a direction from the body to the eye such as 1,-2,1; default auto: what shows most of "
+              "the body and of how it has moved")
       .type_name("VIEW");
-  command.option("--up", picture.up, "Axis that points up: x, y or z; default z").type_name("AXIS");
+  command.option("--up", picture.up, "Axis that points up: x, y or z; default auto: against gravity, else z")
+      .type_name("AXIS");
   command.option("--range", options->range, "Values at the ends of the colours; default those of the field")
       .values(2, 2)
       .type_name("MIN MAX");

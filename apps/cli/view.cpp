@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -9,6 +10,8 @@
 #include "interrupt.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/parallel.hpp"
+#include "resilin/core/text.hpp"
+#include "resilin/io/catalog.hpp"
 #include "resilin/scene/scene.hpp"
 #include "terminal.hpp"
 #include "viewer/browser.hpp"
@@ -53,10 +56,59 @@ int view_results(const ViewOptions& options) {
   return serve(server, options);
 }
 
+/// Whether the name is that of a mesh, which a scene could name.
+bool is_mesh(const std::filesystem::path& path) {
+  const std::string extension = MeshSource{.name = path.string(), .bytes = {}, .companion = {}}.extension();
+  return std::ranges::any_of(mesh_formats(), [&](const MeshFormat& format) {
+    return std::ranges::find(format.extensions, extension) != format.extensions.end();
+  });
+}
+
+/// 3 for cells that fill space, 2 for cells of a plane; a surface is refused with what to do.
+int dimension_of(const std::string& path) {
+  const MeshFile file = read_mesh(path);
+  if (file.mesh.find_solid(3) != nullptr) return 3;
+  const bool is_flat =
+      std::ranges::all_of(file.mesh.vertices, [](const Vector3& vertex) { return vertex.z() == 0; });
+  if (!file.is_surface && is_flat && file.mesh.find_solid(2) != nullptr) return 2;
+  throw InputError(path, "a mesh whose cells fill the body, a scene (TOML) or a folder of results",
+                   "a surface", "`resilin mesh " + path + " body.msh --tets 5000` fills it");
+}
+
+std::string quoted(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c;
+  }
+  return quoted + '"';
+}
+
+/// A mesh alone as a scene to play with: soft, weightless, held by nothing.
+Scene scene_of_mesh(const ViewOptions& options) {
+  const std::filesystem::path path = std::filesystem::absolute(options.shown);
+  const std::string name = quoted(path.filename().string());
+  const std::string text =
+      "title = " + name +
+      "\n[simulation]\nkind = \"dynamic\"\ndimension = " + std::to_string(dimension_of(options.shown)) +
+      "\ntime_step = 0.0166667\nend_time = 1\n[[body]]\nname = \"body\"\nmesh = " + name +
+      "\ndamping = { mass = 2 }\n";
+  return read_scene_from_text(text, one_line(options.shown), path.parent_path(),
+                              {.overrides = options.overrides});
+}
+
 int view_scene(const ViewOptions& options) {
   if (options.threads > 0) set_num_threads(options.threads);
-  auto scene = std::make_unique<viewer::ServedLiveScene>(
-      [options] { return read_scene(options.shown, {.overrides = options.overrides}); });
+  const bool is_bare_mesh = is_mesh(options.shown);
+  auto scene = std::make_unique<viewer::ServedLiveScene>([options, is_bare_mesh] {
+    return is_bare_mesh ? scene_of_mesh(options)
+                        : read_scene(options.shown, {.overrides = options.overrides});
+  });
+  if (is_bare_mesh)
+    print_line(
+        one_line(options.shown) +
+        " is a mesh without a scene: it is shown soft (Young's modulus 100 kPa), weightless and held by "
+        "nothing; pins (key 2) hold it. A scene that names it says more: docs/scene.md");
   print_warnings(scene->warnings());
   Offset cells = 0;
   for (const Body& body : scene->world().bodies) cells += body.num_cells();
@@ -78,9 +130,11 @@ void add_view(CommandLine& line, Action& action) {
   auto options = std::make_shared<ViewOptions>();
   const Command command =
       line.command("view", "Show the page in the browser: a scene to play with, or the results of a run");
-  command.option("shown", options->shown, "Scene file (TOML), or folder of a run with formats = [\"html\"]")
+  command
+      .option("shown", options->shown,
+              "Scene file (TOML), a mesh, or folder of a run with formats = [\"html\"]")
       .required()
-      .type_name("SCENE.toml|DIR");
+      .type_name("SCENE.toml|MESH|DIR");
   command.option("--port", options->port, "Port on 127.0.0.1; default 0, any free one").between(0, 65535);
   command.option("--set", options->overrides, "Change a value of the scene; may be given several times")
       .type_name("KEY=VALUE")

@@ -34,10 +34,12 @@ Json form_json(const LiveControl& control, const LiveControls& initial, double e
                 {"kind", "log_slider"}, {"least", slider.shown.least}, {"greatest", slider.shown.greatest}};
           },
           [](const WholeSlider& form) -> Json {
-            return {{"kind", "slider"},
-                    {"least", form.shown.least},
-                    {"greatest", form.shown.greatest},
-                    {"step", 1}};
+            Json json = {{"kind", "slider"},
+                         {"least", form.shown.least},
+                         {"greatest", form.shown.greatest},
+                         {"step", 1}};
+            if (!form.zero.empty()) json["zero"] = form.zero;
+            return json;
           },
           [](const Switch& form) -> Json { return {{"kind", "switch"}, {"hotkey", form.hotkey}}; },
           [](const Choice& form) -> Json {

@@ -33,8 +33,7 @@ RecordedFields::Run* RecordedFields::run() {
 
 std::string RecordedFields::list() {
   const Run* known = run();
-  return encode_fields(known == nullptr ? std::vector<ScalarField>{}
-                                        : scalar_fields(known->world->dimension));
+  return known == nullptr ? "[]" : encode_fields(vertex_fields(known->world->dimension), *known->world);
 }
 
 std::string RecordedFields::values(std::string_view name, const std::function<bool()>& is_wanted) {
@@ -42,7 +41,7 @@ std::string RecordedFields::values(std::string_view name, const std::function<bo
   if (known == nullptr)
     throw InputError(folder_.string(), "scene.bin and frames of the run", "a folder without",
                      "run the scene again with \"vtu\" in output.formats");
-  const std::vector<ScalarField> field = {require_scalar_field(name, known->world->dimension, "field")};
+  const std::vector<ScalarField> field = {require_vertex_field(name, known->world->dimension, "field")};
   return known->fields.values(field, is_wanted).front();
 }
 

@@ -8,6 +8,7 @@
 #include "resilin/core/error.hpp"
 #include "resilin/core/overloaded.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/live/hand_patch.hpp"
 #include "resilin/results/build_info.hpp"
 #include "resilin/view/frame_codec.hpp"
 #include "resilin/view/header.hpp"
@@ -95,6 +96,7 @@ Json ServedLiveScene::status() const {
           {"active_pairs", contact ? Json(contact->active_pairs) : Json()},
           {"elastic_energy", report.elastic_energy},
           {"kinetic_energy", report.kinetic_energy},
+          {"hand_force", is_grabbed() ? Json(loaded_->live.hand_force().norm()) : Json()},
           {"words", report.words}};
 }
 
@@ -156,13 +158,16 @@ void ServedLiveScene::reload() {
   loaded_ = std::move(loaded);
 }
 
-/// The hand holds the vertex and keeps its distance from the place where the pointer hit, so that taking hold
-/// moves nothing.
+/// The hand holds what is around the place where the pointer hit, and keeps its distance from there, so that
+/// taking hold moves nothing.
 void ServedLiveScene::grab(const Grab& grab) {
   Loaded& loaded = *loaded_;
   const Vector3 point = checked_place(grab.point, "grab: point");
-  const auto held = loaded.surface.material_point(checked_vertex(grab.vertex, "grab"));
-  const MaterialPoint place{held.nodes, held.weights};
+  const Index vertex = checked_vertex(grab.vertex, "grab");
+  loaded.surface.positions(loaded.live.state().positions, loaded.positions);
+  loaded.shown_frame = 0;
+  const MaterialPoint place =
+      hand_patch(world(), loaded.surface.touched_place(vertex, point, loaded.positions));
   const Vector3 position = place.position(world().dimension, loaded.live.state().positions);
   loaded.live.grab(place, position);
   loaded.grab_offset = position - point;

@@ -36,7 +36,7 @@ class Picture:
         return self._image.pixels()
 
     def save(self, path: AnyPath) -> None:
-        """Writes a PNG file; its name ends in .png, or has no extension."""
+        """Writes a PNG file; its name ends in .png."""
         self._image.save(file_path(path, "path"))
 
     def _repr_png_(self) -> bytes:
@@ -55,8 +55,8 @@ def picture(place: AnyPath, field: str | None = None, *, frame: int = -1, **opti
     place : path
         Folder of a run, or a .vtu file.
     field : str, optional
-        Any, with a component where it has several: "von_mises", "displacement.z", "cauchy_stress.xy"; "von_mises" by
-        default. What the frames do not hold is computed from them and from the scene that the folder keeps.
+        Any, with a component where it has several: "von_mises", "displacement.z", "cauchy_stress.xy";
+        "averaged_von_mises" by default, as the page shows. What the frames do not hold is computed from them and from the scene that the folder keeps.
     frame : int
         Number of the frame; -1 is the last.
     **options
@@ -73,8 +73,8 @@ def picture_options(
     field: str | None = None,
     *,
     size: Sequence[float] = (1200, 900),
-    view: str | Sequence[float] = "iso",
-    up: Literal["x", "y", "z"] = "z",
+    view: str | Sequence[float] = "auto",
+    up: Literal["auto", "x", "y", "z"] = "auto",
     range: Sequence[float] | None = None,
     map: ColorMap = "auto",
     scale: float = 1,

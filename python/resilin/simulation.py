@@ -108,22 +108,27 @@ class Result:
         output.formats asks, result.html and result.usda."""
         self._core.save(file_path(folder, "folder"))
 
-    def plot(self, field: str | None = "von_mises", *, frame: int = -1, **options: Unpack[PictureOptions]) -> Picture:
+    def plot(
+        self, field: str | None = "averaged_von_mises", *, frame: int = -1, **options: Unpack[PictureOptions]
+    ) -> Picture:
         """Draws the deformed body, coloured by a field; no display and no other package is needed.
 
         Parameters
         ----------
         field : str or None
             Any of `fields`, with a component where it has several: "displacement" (its length), "displacement.z",
-            "cauchy_stress.xy", "principal_stress.1"; "nodal_von_mises" is smooth.
+            "cauchy_stress.xy", "principal_stress.1". "von_mises" has one colour in each cell, "averaged_von_mises" is the
+            mean of the cells around each vertex, "nodal_von_mises" is smooth. The skin is drawn where a body has one,
+            but for fields by cell.
         frame : int
             Number of the frame; -1 is the last.
         size : (int, int)
             Width and height in pixels; (1200, 900).
         view : str or (3,)
-            "iso", "front", "back", "left", "right", "top", "bottom", or the direction from the body to the eye.
+            "auto", "iso", "front", "back", "left", "right", "top", "bottom", or the direction from the body to the eye;
+            auto shows as much as it can of the body and of how it has moved.
         up : str
-            Axis that points up: "z".
+            Axis that points up: "x", "y", "z", or "auto": against gravity, z where there is none.
         range : (float, float), optional
             Values at the ends of the colours; by default those of the field.
         map : str
@@ -307,7 +312,7 @@ class Simulation:
         """Fields of the present state by name, as in `Result` without the axis of the frames."""
         return Fields(lambda name: self._core.field(name)[0])
 
-    def plot(self, field: str | None = "von_mises", **options: Unpack[PictureOptions]) -> Picture:
+    def plot(self, field: str | None = "averaged_von_mises", **options: Unpack[PictureOptions]) -> Picture:
         """Draws the present state; see `Result.plot`."""
         return Picture(self._core.draw(picture_options(field, **options)))
 

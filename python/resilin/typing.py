@@ -59,7 +59,7 @@ class PictureOptions(TypedDict, total=False):
 
     size: Sequence[float]
     view: str | Sequence[float]
-    up: Literal["x", "y", "z"]
+    up: Literal["auto", "x", "y", "z"]
     range: Sequence[float] | None
     map: ColorMap
     scale: float

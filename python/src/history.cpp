@@ -58,8 +58,8 @@ VectorX scene_places(const World& world, VectorX positions) {
 NumpyArray<double> field_array(const World& world, std::span<const State> states, const std::string& name) {
   const FieldInfo& field = require_field(name, "fields");
   const auto dim = static_cast<std::size_t>(world.dimension);
-  const bool is_in_space = field.kind == FieldInfo::Kind::vector && field.is_on_nodes && dim < 3 &&
-                           !field.name.starts_with("nodal_");
+  const bool is_in_space =
+      field.kind == FieldInfo::Kind::vector && dim < 3 && field.source == FieldInfo::Source::vertices;
   FieldEvaluator evaluator(world);
   std::vector<double> all;
   for (const State& state : states) {

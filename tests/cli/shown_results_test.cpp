@@ -97,9 +97,9 @@ TEST_F(ShownResultsOfARun, EveryFieldIsDrawnWithoutBeingAskedForInTheScene) {
     const std::vector<std::string> run = {
         "run", "box.toml", "--quiet", "--set", "simulation.kind=" + kind, "--steps", "2"};
     run_program(folder.path(), with(run, {"--out", "plain"}));
-    for (const std::string field :
-         {"von_mises", "velocity", "velocity.z", "cauchy_stress.xy", "principal_stress.1", "nodal_pressure",
-          "nodal_green_strain.zz", "energy_density", "displacement"}) {
+    for (const std::string field : {"von_mises", "averaged_von_mises", "velocity", "velocity.z",
+                                    "cauchy_stress.xy", "principal_stress.1", "nodal_pressure",
+                                    "nodal_green_strain.zz", "energy_density", "displacement"}) {
       const std::string asked = field.substr(0, field.find('.'));
       run_program(folder.path(), with(run, {"--out", "asked", "--set",
                                             "output.fields=[\"" + asked + "\", \"displacement\"]"}));
@@ -148,6 +148,25 @@ TEST_F(ShownResultsOfARun, FieldsThatCannotBeComputedAreRefusedInOneLine) {
             0);
   std::filesystem::copy(folder / "other/scene.bin", folder / "out/box/scene.bin");
   EXPECT_THAT(refusal({"--field", "pressure"}), HasSubstr("a frame of the scene in scene.bin"));
+}
+
+TEST_F(ShownResultsOfARun, BecomeAFilmWithOneRangeAndOneFraming) {
+  ASSERT_EQ(run_program(folder.path(), {"run", "box.toml", "--quiet", "--steps", "3"}).exit_code, 0);
+  const ProgramResult made =
+      run_program(folder.path(), {"film", "out/box", "--out", "box.png", "--size", "160", "120"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_THAT(made.out, HasSubstr("pictures of 160 x 120 pixels"));
+  EXPECT_THAT(text("box.png"), HasSubstr("acTL"));
+  ASSERT_EQ(
+      run_program(folder.path(), {"film", "out/box", "--out", "single", "--size", "160", "120"}).exit_code,
+      0);
+  EXPECT_TRUE(exists("single/00000.png"));
+  EXPECT_FALSE(text("single/00000.png") == text("single/00001.png"));
+  EXPECT_THAT(run_program(folder.path(), {"film", "out/box", "--out", "box.avi"}).err,
+              HasSubstr("expected a name that ends in .png or .apng"));
+  EXPECT_EQ(run_program(folder.path(), {"film", "nothing", "--out", "box.png"}).exit_code, 1);
+  EXPECT_THAT(run_program(folder.path(), {"film", "out/box", "--out", "box.png", "--mode", "3"}).err,
+              HasSubstr("expected a run of vibrations"));
 }
 
 TEST_F(ShownResultsOfARun, OfASmallOneThePageHasEveryField) {

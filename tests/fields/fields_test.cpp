@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "resilin/core/error.hpp"
 #include "resilin/fields/evaluator.hpp"
 #include "resilin/fields/extremes.hpp"
@@ -123,6 +125,29 @@ TEST(Fields, OfTwoBodiesAreSmoothedEachForItself) {
     EXPECT_NEAR(ratios[static_cast<std::size_t>(i)], i < other.first_node ? 1 : 2, 1e-12);
 }
 
+/// Three names for three things, each with a label of its own; averages stay within the cells' range.
+TEST(Fields, OfTheCellsHaveANameForEachWayToBringThemToTheVertices) {
+  std::set<std::string> labels;
+  for (const FieldInfo& field : fields()) EXPECT_TRUE(labels.insert(field.label).second) << field.label;
+  EXPECT_EQ(require_field("von_mises", "it").label, "von Mises stress, by cell");
+  EXPECT_EQ(require_field("averaged_von_mises", "it").label, "von Mises stress, averaged");
+  EXPECT_EQ(require_field("nodal_von_mises", "it").label, "von Mises stress, smooth");
+  Simulation simulation = run_all(small_bar(3, false));
+  const World& world = simulation.world();
+  const std::vector<double> cells = values_of(world, simulation.state(), "von_mises");
+  const std::vector<double> averages = values_of(world, simulation.state(), "averaged_von_mises");
+  const Body& body = world.bodies[0];
+  const std::vector<double> volumes = body.elastic->rest_volumes();
+  for (Index node = 0; node < world.num_nodes(); ++node) {
+    double sum = 0, volume = 0;
+    for (std::size_t i = 0; i < body.cells.size(); ++i)
+      if (body.cells[i] == node) sum += volumes[i / 4] * cells[i / 4], volume += volumes[i / 4];
+    EXPECT_NEAR(averages[static_cast<std::size_t>(node)], sum / volume, 1e-12 * sum / volume);
+  }
+  EXPECT_LT(std::ranges::max(averages), std::ranges::max(cells));
+  EXPECT_GT(std::ranges::min(averages), std::ranges::min(cells));
+}
+
 TEST(Fields, ThatAreUnknownAreRefusedWithTheNearestName) {
   const World world(small_bar(2, false));
   const State state = uniform_state(world, Matrix<3>::Identity());
@@ -138,7 +163,9 @@ TEST(Fields, AreAllOnThePageAboutResults) {
   std::ifstream file(source_folder() / "docs" / "results.md");
   const std::string page(std::istreambuf_iterator<char>(file), {});
   for (const FieldInfo& field : fields()) {
-    const std::string name = field.name.starts_with("nodal_") ? field.name.substr(6) : field.name;
+    std::string name = field.name;
+    if (field.source == FieldInfo::Source::fit) name = name.substr(std::string("nodal_").size());
+    if (field.source == FieldInfo::Source::averages) name = name.substr(std::string("averaged_").size());
     EXPECT_THAT(page, ::testing::HasSubstr("| `" + name + "` |")) << "docs/results.md";
   }
 }

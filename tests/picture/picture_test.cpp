@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -13,6 +14,7 @@
 #include "resilin/picture/camera.hpp"
 #include "resilin/picture/color_map.hpp"
 #include "resilin/picture/surface.hpp"
+#include "temporary_folder.hpp"
 
 namespace resilin::testing {
 namespace {
@@ -268,17 +270,77 @@ TEST(Surface, OfHexahedraHasTheirOuterSides) {
   EXPECT_EQ(std::ranges::count_if(surface.edges, is_feature), 16);  // the four edges in the middle are flat
 }
 
+/// Yellow stays yellow in the shade: every colour of a lit body is one of the bar, hardly darker.
+TEST(Picture, KeepsTheColoursOfTheBarUnderItsLight) {
+  PictureOptions options = small("x");
+  options.view = "1,-1,0.3";
+  const Image image = draw_picture(bar(), options);
+  int found = 0, dark_yellow = 0;
+  for (int y = 30; y < 170; ++y)
+    for (int x = 20; x < 210; ++x) {
+      const Color pixel = image.at(x, y);
+      if (std::max({pixel.red, pixel.green, pixel.blue}) - std::min({pixel.red, pixel.green, pixel.blue}) <
+          40)
+        continue;
+      double nearest = 1e9;
+      for (int i = 0; i <= 256; ++i) {
+        const Color color = map_color("viridis", i / 256.0);
+        for (const double shade : {0.8, 0.85, 0.9, 0.95, 1.0})
+          nearest =
+              std::min(nearest, std::hypot(pixel.red - shade * color.red, pixel.green - shade * color.green,
+                                           pixel.blue - shade * color.blue));
+      }
+      EXPECT_LT(nearest, 12) << x << ", " << y;
+      ++found;
+      dark_yellow += pixel.red > 1.6 * pixel.blue && pixel.red < 150 && pixel.green > 110 ? 1 : 0;
+    }
+  EXPECT_GT(found, 3000);
+  EXPECT_EQ(dark_yellow, 0) << "olive";
+}
+
+TEST(Picture, WritesNothingButPng) {
+  const TemporaryFolder folder;
+  const Image image = draw_picture(bar(), small("x"));
+  for (const char* name : {"it", "it.jpg", "it.webp"})
+    EXPECT_THROW(write_png(folder / name, image), InputError) << name;
+  write_png(folder / "it.png", image);
+  EXPECT_EQ(folder.read("it.png"), encode_png(image));
+}
+
+/// A plate in the plane y = 0 is looked at from the side that shows it, a lying one from above.
+TEST(Camera, ChoosesTheDirectionThatTellsMost) {
+  const auto plate = [](const Vector3& u, const Vector3& v) {
+    return std::vector<Vector3>{Vector3::Zero(), u, v, u, u + v, v};
+  };
+  const Vector3 x = Vector3::UnitX(), y = Vector3::UnitY(), z = Vector3::UnitZ();
+  EXPECT_GT(std::abs(telling_direction(plate(x, z), {}, z).y()), 0.7);
+  EXPECT_GT(std::abs(telling_direction(plate(y, z), {}, z).x()), 0.7);
+  EXPECT_GT(telling_direction(plate(x, y), {}, z).z(), 0.6) << "from above, not from the edge";
+  // A cube that has moved along y is looked at from where that is seen.
+  std::vector<Vector3> cube;
+  for (const auto& [u, v] : {std::pair(x, y), std::pair(y, z), std::pair(z, x)})
+    for (const Vector3& corner : plate(u, v)) cube.push_back(corner);
+  const Vector3 seen = telling_direction(cube, std::vector<Vector3>(cube.size(), y), z);
+  const Vector3 unmoved = telling_direction(cube, {}, z);
+  EXPECT_LE(std::abs(seen.y()), std::abs(unmoved.y()) + 1e-12);
+  // The page's first look where nothing speaks for another.
+  EXPECT_LT((page_direction(z, 0, 0.28) -
+             Vector3(std::sin(0.55) * std::cos(0.28), -std::cos(0.55) * std::cos(0.28), std::sin(0.28)))
+                .norm(),
+            1e-12);
+}
+
 TEST(Camera, LooksFromWhereItsNameSays) {
-  const Camera front = make_camera(3, "front", "z");
+  const Camera front = make_camera(3, "front", axis_of("z"));
   EXPECT_EQ(front.toward, Vector3(0, -1, 0));
   EXPECT_EQ(front.up, Vector3(0, 0, 1));
   EXPECT_EQ(front.right, Vector3(1, 0, 0));
-  EXPECT_EQ(make_camera(3, "top", "z").up, Vector3(0, 1, 0));
-  EXPECT_EQ(make_camera(3, "front", "y").toward, Vector3(0, 0, 1));
-  EXPECT_EQ(make_camera(2, "iso", "z").toward, Vector3(0, 0, 1));
+  EXPECT_EQ(make_camera(3, "top", axis_of("z")).up, Vector3(0, 1, 0));
+  EXPECT_EQ(make_camera(3, "front", axis_of("y")).toward, Vector3(0, 0, 1));
+  EXPECT_EQ(make_camera(2, "iso", axis_of("z")).toward, Vector3(0, 0, 1));
   for (const std::string& view : view_names())
     for (const char* up : {"x", "y", "z"}) {
-      const Camera camera = make_camera(3, view, up);
+      const Camera camera = make_camera(3, view, axis_of(up));
       EXPECT_NEAR(camera.right.cross(camera.up).dot(camera.toward), 1, 1e-14) << view << up;
     }
 }

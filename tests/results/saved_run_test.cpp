@@ -9,6 +9,8 @@
 
 #include "resilin/fields/evaluator.hpp"
 #include "resilin/io/vtu.hpp"
+#include "resilin/mesh/edit.hpp"
+#include "resilin/mesh/generators.hpp"
 #include "resilin/results/result_picture.hpp"
 #include "resilin/results/results.hpp"
 #include "resilin/results/run.hpp"
@@ -107,6 +109,46 @@ TEST_P(FramesOfARun, AreDrawnAsTheStates) {
                 of_state = draw_state(run.simulation.world(), run.simulation.state(), options);
     EXPECT_EQ(of_frame.pixels, of_state.pixels) << field;
   }
+}
+
+/// What gravity pulls at stands upright: pictures of one scene with y or z up are the same but for the axes.
+TEST(PictureOfAState, TakesUpFromGravity) {
+  Description scene = scene_of({3, true, 0});
+  scene.gravity = {0, 0, -9.81};
+  PictureOptions options = small_picture("displacement");
+  options.view = "front";
+  const auto drawn = [&](const std::string& up) {
+    options.up = up;
+    const World world(scene);
+    State state;
+    state.positions = world.rest_positions;
+    return draw_state(world, state, options).pixels;
+  };
+  EXPECT_EQ(drawn("auto"), drawn("z"));
+  scene.gravity = {0, -9.81, 0};
+  EXPECT_EQ(drawn("auto"), drawn("y"));
+  EXPECT_NE(drawn("auto"), drawn("z"));
+}
+
+/// A skin of a body is drawn where the field is one of the vertices; the range is that of the cells' nodes.
+TEST(PictureOfAState, DrawsTheSkin) {
+  Description scene = scene_of({3, true, 0});
+  Mesh skin = extract_surface(make_box({1, 0.25, 0.25}, {32, 8, 8})).mesh;
+  for (Vector3& vertex : skin.vertices)
+    vertex = 0.5 * (vertex + Vector3(0.5, 0.125, 0.125));  // within the cells
+  const World bare(scene);
+  scene.bodies[0].skin = SkinDescription{.surface = skin, .surface_name = "fine"};
+  const World world(scene);
+  State state;
+  state.positions = world.rest_positions;
+  for (Index node = 0; node < world.num_nodes(); ++node)
+    state.positions[3 * node + 2] += 0.1 * world.rest_positions[3 * node] * world.rest_positions[3 * node];
+  PictureOptions options = small_picture("averaged_von_mises");
+  const Image with_skin = draw_state(world, state, options), without = draw_state(bare, state, options);
+  EXPECT_NE(with_skin.pixels, without.pixels);
+  EXPECT_EQ(with_skin.legend, without.legend) << "the same values";
+  options.field = "von_mises";
+  EXPECT_EQ(draw_state(world, state, options).pixels, draw_state(bare, state, options).pixels) << "by cell";
 }
 
 /// A run with a ball beside its bar that comes nearer at this speed [m/s].

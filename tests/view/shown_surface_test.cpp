@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -67,7 +69,7 @@ TEST(ShownSurface, IsClosedAndTurnedOutwardsForEveryKindOfCell) {
     if (c.dim == 3) {
       for (const auto& [side, count] : sides) EXPECT_EQ(count, 0);
     }
-    EXPECT_EQ(used.size(), static_cast<std::size_t>(surface.num_vertices()));
+    EXPECT_EQ(used.size(), static_cast<std::size_t>(surface.num_vertices() - surface.parts()[0].num_inside));
     EXPECT_EQ(*used.rbegin() + 1, used.size());
   }
 }
@@ -80,10 +82,36 @@ TEST(ShownSurface, HasEveryEdgeOfTheFacetsOnce) {
     const World world(bar_of(c.element, c.dim));
     const ShownSurface surface(world);
     const int facets = c.triangles / (c.element[0] == 'Q' ? 2 : c.element[1] == '2' ? 4 : 1);
-    const int vertices = surface.num_vertices(), edges = static_cast<int>(surface.edges().size());
+    const int vertices = surface.num_vertices() - surface.parts()[0].num_inside,
+              edges = static_cast<int>(surface.edges().size());
     EXPECT_EQ(vertices - edges + facets, c.dim == 3 ? 2 : 1);
     const std::set<ShownSurface::Edge> unique(surface.edges().begin(), surface.edges().end());
     EXPECT_EQ(unique.size(), surface.edges().size());
+  }
+}
+
+/// Tetrahedra fill the body, and with them every node is there.
+TEST(ShownSurface, HasTheInsideOfEveryKindOfCell) {
+  for (const Case& c : every_cell) {
+    SCOPED_TRACE(std::string(c.element) + " in " + std::to_string(c.dim) + "D");
+    const World world(bar_of(c.element, c.dim));
+    const ShownSurface surface(world);
+    EXPECT_EQ(surface.num_vertices(), world.num_nodes());
+    if (c.dim == 2) {
+      EXPECT_TRUE(surface.tetrahedra().empty());
+      continue;
+    }
+    const std::vector<float> places = places_of(surface, world.rest_positions);
+    double volume = 0;
+    for (const auto& [a, b, d, e] : surface.tetrahedra()) {
+      const Vector3 A = vertex(places, a);
+      const double sixth =
+          (vertex(places, b) - A).cross(vertex(places, d) - A).dot(vertex(places, e) - A) / 6;
+      EXPECT_GT(std::abs(sixth), 1e-9);
+      volume += std::abs(sixth);
+    }
+    EXPECT_NEAR(volume, 0.0625, 1e-7);  // of floats; more where two overlap
+    EXPECT_GT(surface.parts()[0].num_inside, 0);
   }
 }
 

@@ -31,7 +31,7 @@ TEST(SurfaceFields, OfAUniformStrainAreThoseOfTheCells) {
   for (const int dim : {2, 3}) {
     const World world(small_bar(dim, true));
     const State state = state_at(1.1 * world.rest_positions);
-    for (const ScalarField& field : scalar_fields(dim)) {
+    for (const ScalarField& field : vertex_fields(dim)) {
       if (field.field->kind == FieldInfo::Kind::vector) continue;
       const std::vector<double> values =
           FieldEvaluator(world).evaluate(state, {&field.field->name, 1}).front().values;
@@ -60,7 +60,7 @@ TEST(SurfaceFields, ShareWhatTheyAreComputedFrom) {
   const World world(small_bar(3, true));
   VectorX x = world.rest_positions;
   for (Index node = 0; node < world.num_nodes(); ++node) x[3 * node] *= 1 + 0.2 * x[3 * node];
-  const std::vector<ScalarField> fields = scalar_fields(3);
+  const std::vector<ScalarField> fields = vertex_fields(3);
   std::vector<std::vector<float>> together(fields.size());
   const ShownSurface surface(world);
   FieldEvaluator evaluator(world);
@@ -99,7 +99,7 @@ TEST(SurfaceFields, AreMeansOfTheCellsAroundAVertexByVolume) {
   const std::vector<double> volumes = body.elastic->rest_volumes();
   const ShownSurface surface(world);
   std::vector<float> values(static_cast<std::size_t>(surface.num_vertices()));
-  SurfaceFields(world, surface).evaluate(world, state, "volume_ratio", values);
+  SurfaceFields(world, surface).evaluate(world, state, "averaged_volume_ratio", values);
   for (Index v = 0; v < surface.num_vertices(); ++v) {
     double sum = 0, volume = 0;
     for (std::size_t i = 0; i < body.cells.size(); ++i)

@@ -45,7 +45,7 @@ const template = (await readFile(path.join(here, "src", "page.html"), "utf8"))
   .replace(/^\s+/gm, "");
 const parts = {
   notice: await notice("three", "lil-gui", "uplot"),
-  style: await bundle("style.css"),
+  style: await bundle("page.css"),
   // A script ends at the first "</script" of the page, wherever it stands.
   program: (await bundle("main.ts")).replaceAll("</script", "<\\/script"),
 };

@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <utility>
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
@@ -132,19 +133,43 @@ constexpr NodeQuantity of_nodes[] = {
      scalar, contact_gap},
 };
 
+/// Names of a quantity of the cells begin with where it is. Directions have no mean: either sense is meant.
 std::vector<FieldInfo> all_fields() {
+  using enum FieldInfo::Source;
   std::vector<FieldInfo> all;
-  for (const NodeQuantity& q : of_nodes)
-    all.push_back(
-        {std::string(q.name), std::string(q.label), std::string(q.text), std::string(q.unit), q.kind, true});
-  for (const bool is_on_nodes : {false, true})
-    for (const CellQuantity& q : of_cells)
-      all.push_back({std::string(is_on_nodes ? nodal_prefix : "") + std::string(q.name), std::string(q.label),
-                     std::string(q.text), std::string(q.unit), q.kind, is_on_nodes, q.is_symmetric});
+  const auto add = [&all](const auto& q, std::string_view prefix, FieldInfo::Source source,
+                          bool is_symmetric) {
+    FieldInfo field{.name = std::string(prefix) + std::string(q.name),
+                    .label = std::string(q.label) + std::string(label_suffix(source)),
+                    .text = std::string(q.text),
+                    .unit = std::string(q.unit),
+                    .kind = q.kind,
+                    .source = source,
+                    .is_symmetric = is_symmetric};
+    if (source != averages || !field.is_direction()) all.push_back(std::move(field));
+  };
+  for (const NodeQuantity& q : of_nodes) add(q, "", vertices, true);
+  for (const auto& [prefix, source] : {std::pair(std::string_view(), cells),
+                                       std::pair(averaged_prefix, averages), std::pair(nodal_prefix, fit)})
+    for (const CellQuantity& q : of_cells) add(q, prefix, source, q.is_symmetric);
   return all;
 }
 
 }  // namespace
+
+std::string_view label_suffix(FieldInfo::Source source) {
+  switch (source) {
+    case FieldInfo::Source::vertices:
+      return "";
+    case FieldInfo::Source::cells:
+      return ", by cell";
+    case FieldInfo::Source::averages:
+      return ", averaged";
+    case FieldInfo::Source::fit:
+      return ", smooth";
+  }
+  return "";
+}
 
 std::span<const CellQuantity> cell_quantities() { return of_cells; }
 std::span<const NodeQuantity> node_quantities() { return of_nodes; }

@@ -7,9 +7,17 @@
 namespace resilin {
 
 /// What a state can be asked for, by name: the scene's `output.fields`, Python's `result.fields` and the
-/// command line's pictures. Every quantity of the cells is there twice: by cell, and as `nodal_...` on the
+/// command line's pictures. Every quantity of the cells is there under three names, which mean three things:
+/// by cell, as `averaged_...` the mean of the cells around a vertex, and as `nodal_...` smooth on the
 /// vertices.
 struct FieldInfo {
+  /// How a quantity of the cells has come to be where it is.
+  enum class Source {
+    vertices,  ///< it is known there
+    cells,     ///< mean of a cell
+    averages,  ///< at a vertex the mean of the cells around it, by rest volume
+    fit        ///< at the vertices the L2 projection
+  };
   enum class Kind {
     scalar,
     vector,            ///< 3 numbers
@@ -17,15 +25,21 @@ struct FieldInfo {
     tensor             ///< 9 numbers, row by row
   };
   std::string name;
-  std::string label;  ///< at a colour bar: "von Mises stress"
+  std::string label;  ///< at a colour bar, different for each: "von Mises stress, averaged"
   std::string text;   ///< what it is
   std::string unit;   ///< empty when it has none
   Kind kind;
-  bool is_on_nodes;
+  Source source;
   bool is_symmetric = true;  ///< of tensors
 
+  bool is_on_nodes() const { return source != Source::cells; }
+  /// Of a vector that has a length but no sense.
+  bool is_direction() const { return kind == Kind::vector && unit.empty(); }
   int components() const { return kind == Kind::scalar ? 1 : kind == Kind::tensor ? 9 : 3; }
 };
+
+/// What stands behind the label of a quantity: ", by cell", ", averaged", ", smooth" or nothing.
+std::string_view label_suffix(FieldInfo::Source source);
 
 /// All fields, in the order of the documentation.
 const std::vector<FieldInfo>& fields();

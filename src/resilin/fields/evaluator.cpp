@@ -51,8 +51,8 @@ class Samples {
 
   /// `reduce(body, samples)` gives the means of cells or the values at nodes.
   template <class Reduce>
-  const std::vector<double>& reduced(const CellQuantity& quantity, bool is_on_nodes, const Reduce& reduce) {
-    auto [place, is_new] = reduced_.try_emplace({quantity.sample, is_on_nodes});
+  const std::vector<double>& reduced(const CellQuantity& quantity, bool is_fitted, const Reduce& reduce) {
+    auto [place, is_new] = reduced_.try_emplace({quantity.sample, is_fitted});
     if (!is_new) return place->second;
     for (std::size_t body = 0; body < world_.bodies.size(); ++body) {
       const std::vector<double> part = reduce(body, at_points(quantity, body));
@@ -81,14 +81,21 @@ std::vector<double> derived(const CellQuantity& quantity, int components,
 
 const CellQuantity* find_quantity(const FieldInfo& field) {
   std::string_view name = field.name;
-  if (field.is_on_nodes && name.starts_with(nodal_prefix)) name.remove_prefix(nodal_prefix.size());
+  if (field.source == FieldInfo::Source::averages) name.remove_prefix(averaged_prefix.size());
+  if (field.source == FieldInfo::Source::fit) name.remove_prefix(nodal_prefix.size());
   const auto found = std::ranges::find(cell_quantities(), name, &CellQuantity::name);
   return found == cell_quantities().end() ? nullptr : &*found;
 }
 
 }  // namespace
 
-FieldEvaluator::FieldEvaluator(const World& world) : world_(world), fits_(world.bodies.size()) {}
+FieldEvaluator::FieldEvaluator(const World& world, std::shared_ptr<const CellAverages> averages)
+    : world_(world), averages_(std::move(averages)), fits_(world.bodies.size()) {}
+
+const CellAverages& FieldEvaluator::averages() {
+  if (!averages_) averages_ = std::make_shared<const CellAverages>(world_);
+  return *averages_;
+}
 
 NodalFit& FieldEvaluator::fit_of(std::size_t body) {
   if (!fits_[body]) fits_[body] = std::make_unique<NodalFit>(world_.bodies[body]);
@@ -109,13 +116,17 @@ std::vector<FieldValues> FieldEvaluator::evaluate(const State& state, std::span<
     }
     const CellQuantity& quantity = *find_quantity(field);
     const int components = quantity.sample_components;
+    const bool is_fitted = field.source == FieldInfo::Source::fit;
     const auto reduce = [&](std::size_t body, const std::vector<double>& points) {
-      return field.is_on_nodes
+      return is_fitted
                  ? fit_of(body).fit(points, components)
                  : cell_means(*world_.bodies[body].elastic, points, static_cast<std::size_t>(components));
     };
-    results.push_back({&field, derived(quantity, field.components(),
-                                       samples.reduced(quantity, field.is_on_nodes, reduce))});
+    std::vector<double> values =
+        derived(quantity, field.components(), samples.reduced(quantity, is_fitted, reduce));
+    if (field.source == FieldInfo::Source::averages)
+      values = averages().at_nodes(values, static_cast<std::size_t>(field.components()));
+    results.push_back({&field, std::move(values)});
   }
   return results;
 }

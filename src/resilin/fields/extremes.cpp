@@ -56,10 +56,9 @@ std::vector<bool> is_meant(const World& world, bool is_on_nodes, std::size_t cou
 
 std::optional<Extremes> extremes(const World& world, const State& state, const FieldValues& values) {
   const FieldInfo& field = *values.field;
-  const bool is_direction = field.kind == FieldInfo::Kind::vector && field.unit.empty();
-  if (field.kind == FieldInfo::Kind::tensor || is_direction) return std::nullopt;
+  if (field.kind == FieldInfo::Kind::tensor || field.is_direction()) return std::nullopt;
   const std::size_t count = values.values.size() / static_cast<std::size_t>(field.components());
-  const std::vector<bool> meant = is_meant(world, field.is_on_nodes, count);
+  const std::vector<bool> meant = is_meant(world, field.is_on_nodes(), count);
   double least = 0, greatest = 0;
   std::size_t place_of_least = count, place_of_greatest = count;
   for (std::size_t place = 0; place < count; ++place) {
@@ -75,8 +74,8 @@ std::optional<Extremes> extremes(const World& world, const State& state, const F
     }
   }
   if (place_of_least == count) return std::nullopt;
-  return Extremes{located(world, state, field.is_on_nodes, least, place_of_least),
-                  located(world, state, field.is_on_nodes, greatest, place_of_greatest)};
+  return Extremes{located(world, state, field.is_on_nodes(), least, place_of_least),
+                  located(world, state, field.is_on_nodes(), greatest, place_of_greatest)};
 }
 
 }  // namespace resilin

@@ -38,6 +38,6 @@ struct NodeQuantity {
 };
 std::span<const NodeQuantity> node_quantities();
 
-inline constexpr std::string_view nodal_prefix = "nodal_";
+inline constexpr std::string_view averaged_prefix = "averaged_", nodal_prefix = "nodal_";
 
 }  // namespace resilin

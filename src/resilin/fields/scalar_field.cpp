@@ -34,6 +34,21 @@ std::vector<std::pair<int, std::string>> components_of(const FieldInfo& field, i
   return components;
 }
 
+/// "Cauchy stress xy, averaged".
+std::string label_of(const FieldInfo& field, const std::string& component) {
+  const std::string_view suffix = label_suffix(field.source);
+  return field.label.substr(0, field.label.size() - suffix.size()) + " " + component + std::string(suffix);
+}
+
+ScalarField require_one_of(std::vector<ScalarField> fields, std::string_view name, const std::string& place) {
+  std::vector<std::string> names;
+  for (ScalarField& field : fields) {
+    if (field.name == name) return std::move(field);
+    names.push_back(field.name);
+  }
+  refuse_word(place, name, names);
+}
+
 }  // namespace
 
 double ScalarField::at(std::span<const double> values, std::size_t place) const {
@@ -46,25 +61,27 @@ double ScalarField::at(std::span<const double> values, std::size_t place) const 
 std::vector<ScalarField> scalar_fields(int dimension) {
   std::vector<ScalarField> all;
   for (const FieldInfo& field : fields()) {
-    if (field.kind == FieldInfo::Kind::vector && field.unit.empty()) continue;  // directions
-    const bool is_smooth = field.is_on_nodes && field.kind != FieldInfo::Kind::vector;
-    const std::string group = field.label + (is_smooth ? ", smooth" : "");
+    if (field.is_direction()) continue;
     const bool is_number = field.kind == FieldInfo::Kind::scalar || field.kind == FieldInfo::Kind::vector;
-    if (is_number) all.push_back({&field, -1, field.name, group, group});
+    if (is_number) all.push_back({&field, -1, field.name, field.label, field.label});
     for (const auto& [component, suffix] : components_of(field, dimension))
-      all.push_back({&field, component, field.name + "." + suffix,
-                     field.label + " " + suffix + (is_smooth ? ", smooth" : ""), group});
+      all.push_back({&field, component, field.name + "." + suffix, label_of(field, suffix), field.label});
   }
   return all;
 }
 
+std::vector<ScalarField> vertex_fields(int dimension) {
+  std::vector<ScalarField> all = scalar_fields(dimension);
+  std::erase_if(all, [](const ScalarField& field) { return !field.field->is_on_nodes(); });
+  return all;
+}
+
 ScalarField require_scalar_field(std::string_view name, int dimension, const std::string& place) {
-  std::vector<std::string> names;
-  for (ScalarField& field : scalar_fields(dimension)) {
-    if (field.name == name) return std::move(field);
-    names.push_back(field.name);
-  }
-  refuse_word(place, name, names);
+  return require_one_of(scalar_fields(dimension), name, place);
+}
+
+ScalarField require_vertex_field(std::string_view name, int dimension, const std::string& place) {
+  return require_one_of(vertex_fields(dimension), name, place);
 }
 
 }  // namespace resilin

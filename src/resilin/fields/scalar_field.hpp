@@ -16,8 +16,8 @@ struct ScalarField {
   int component;  ///< -1: the number itself, or the length of the vector
   std::string
       name;  ///< "von_mises", "displacement", "displacement.z", "cauchy_stress.xy", "principal_stress.1"
-  std::string label;  ///< "displacement z"
-  std::string group;  ///< label of those that belong together: "displacement"
+  std::string label;  ///< "displacement z", "Cauchy stress xy, averaged"
+  std::string group;  ///< label of those that belong together: "displacement", "Cauchy stress, averaged"
 
   double at(std::span<const double> values, std::size_t place) const;
 };
@@ -27,7 +27,12 @@ struct ScalarField {
 /// meant, have none.
 std::vector<ScalarField> scalar_fields(int dimension);
 
+/// Those of them that have a value at each vertex: what a page shows on a surface.
+std::vector<ScalarField> vertex_fields(int dimension);
+
 /// The one of this name. @throws InputError  with the nearest name
 ScalarField require_scalar_field(std::string_view name, int dimension, const std::string& place);
+/// The same of `vertex_fields`.
+ScalarField require_vertex_field(std::string_view name, int dimension, const std::string& place);
 
 }  // namespace resilin

@@ -40,6 +40,7 @@ struct WholeSlider {
   using Value = double;
   int LiveControls::* value;
   Interval allowed, shown;
+  std::string_view zero = "";  ///< what 0 means, in words; nothing else than 0 when empty
 };
 
 struct Switch {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "resilin/energy/hand.hpp"
 #include "resilin/live/fold_barrier.hpp"
 #include "resilin/live/live_scene.hpp"
 #include "resilin/live/obstacle.hpp"
@@ -51,6 +52,8 @@ struct LiveScene::Contents {
   void step(const StepBudget& budget);
   NewtonReport minimize(Potential& potential, const Flight& guess, const VectorX& targets, double tolerance,
                         const StepBudget& budget, VectorX& x);
+  std::shared_ptr<const Hand> hand() const;  ///< null: nothing is held
+  Vector3 hand_force() const;
   Terms with_hand(Terms all) const;
   void move_in_parts(const StepBudget& budget);
   void move_in_time(double dt, const StepBudget& budget);

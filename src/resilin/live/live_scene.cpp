@@ -44,6 +44,8 @@ void LiveScene::release() {
 
 bool LiveScene::is_grabbed() const { return contents_->held.has_value(); }
 
+Vector3 LiveScene::hand_force() const { return contents_->hand_force(); }
+
 void LiveScene::pin(Index node) {
   std::vector<Index>& pinned = contents_->pinned;
   if (node < 0 || node >= contents_->world.num_nodes())

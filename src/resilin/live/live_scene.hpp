@@ -76,6 +76,7 @@ class LiveScene {
   void drag(const Vector3& target);  ///< of no effect when nothing is held
   void release();
   bool is_grabbed() const;
+  Vector3 hand_force() const;  ///< on the body; zero when nothing is held [N]
 
   /// Holds a node where it is now; all components.
   void pin(Index node);

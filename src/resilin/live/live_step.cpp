@@ -49,10 +49,19 @@ void LiveScene::Contents::step(const StepBudget& budget) {
   report.step_ms = 1e3 * seconds;
 }
 
+std::shared_ptr<const Hand> LiveScene::Contents::hand() const {
+  if (!held) return nullptr;
+  return std::make_shared<const Hand>(world.dimension, held->place, held->target,
+                                      hand_stiffness(controls, world), controls.max_force);
+}
+
+Vector3 LiveScene::Contents::hand_force() const {
+  const std::shared_ptr<const Hand> holding = hand();
+  return holding ? holding->force(state.positions) : Vector3(Vector3::Zero());
+}
+
 Terms LiveScene::Contents::with_hand(Terms all) const {
-  if (held)
-    all.push_back(std::make_shared<Hand>(world.dimension, held->place, held->target,
-                                         hand_stiffness(controls, world), controls.max_force));
+  if (std::shared_ptr<const Hand> holding = hand()) all.push_back(std::move(holding));
   return all;
 }
 

@@ -70,7 +70,7 @@ int decimals_of(double step) {
 }  // namespace
 
 ColorScale choose_scale(std::span<const double> values, const std::optional<std::array<double, 2>>& range,
-                        const std::string& map) {
+                        const std::string& map, double smallest) {
   ColorScale scale;
   double least = std::numeric_limits<double>::infinity(), greatest = -least;
   for (const double value : values) {
@@ -94,8 +94,8 @@ ColorScale choose_scale(std::span<const double> values, const std::optional<std:
     least = -size;
   }
   // A field that is the same everywhere up to round-off has its value in the middle of the bar.
-  if (greatest - least <= 1e-9 * size || greatest <= least) {
-    const double half = size > 0 ? 0.5 * size : 1;
+  if (greatest - least <= std::max(1e-9 * size, range ? 0 : smallest) || greatest <= least) {
+    const double half = std::max(size > 0 ? 0.5 * size : 1, smallest);
     const double middle = 0.5 * (least + greatest);
     least = middle - half;
     greatest = middle + half;

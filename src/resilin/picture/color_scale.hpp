@@ -22,9 +22,10 @@ struct ColorScale {
 
 /// @param values  those that are not finite are passed over
 /// @param range   by default that of the values, for a diverging map as far on both sides of zero
+/// @param smallest  width of the range; values that differ less are the same up to rounding
 /// @param map     a colour map, or "auto": diverging when the range has zero inside
 ColorScale choose_scale(std::span<const double> values, const std::optional<std::array<double, 2>>& range,
-                        const std::string& map);
+                        const std::string& map, double smallest = 0);
 
 /// What is written at a colour bar.
 struct ScaleText {

@@ -36,8 +36,9 @@ std::string encode_png(const Image& image) {
 
 void write_png(const std::filesystem::path& path, const Image& image) {
   const std::string extension = path.extension().string();
-  if (!extension.empty() && extension != ".png" && extension != ".PNG")
-    throw InputError(one_line(path.string()), "a name that ends in .png", '"' + one_line(extension) + '"');
+  if (extension != ".png" && extension != ".PNG")
+    throw InputError(one_line(path.string()), "a name that ends in .png",
+                     extension.empty() ? "none" : '"' + one_line(extension) + '"');
   const std::string bytes = encode_png(image);
   write_atomically(path, [&bytes](std::ostream& stream) { stream << bytes; });
 }

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
+
+#include "resilin/core/types.hpp"
 
 namespace resilin {
 
@@ -19,6 +22,14 @@ Color mix(Color a, Color b, double t);
 struct Image {
   int width = 0, height = 0;
   std::vector<Color> pixels;
+  /// From where what was drawn, for pictures that are to match.
+  struct View {
+    Vector3 toward = Vector3::UnitZ(), up = Vector3::UnitY();
+    Vector3 low = Vector3::Zero(), high = Vector3::Zero();  ///< corners of the box of what is seen [m]
+    std::array<double, 2> extremes{};                       ///< of the field
+  };
+  View view = {};
+  std::string legend = {};  ///< what the colours mean: "von Mises stress, averaged [kPa]: min 0.6   max 8.6"
 
   Color& at(int x, int y) { return pixels[offset(x, y)]; }
   const Color& at(int x, int y) const { return pixels[offset(x, y)]; }

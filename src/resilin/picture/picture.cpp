@@ -86,8 +86,17 @@ double light(const Vector3& normal) {
   return std::clamp(0.45 + 0.6 * seen.dot(lamp), 0.0, 1.0);
 }
 
-/// The colour of the field under a light: dark sides keep their hue.
+/// A body's own colour under a light.
 Color shaded(Color color, double brightness) { return mix({0, 0, 0}, color, 0.35 + 0.65 * brightness); }
+
+/// The colour of a field under a light: shape is seen, and the colour is still found on the bar.
+Color shaded_field(Color color, double brightness) {
+  return mix({0, 0, 0}, color, 0.78 + 0.22 * std::min(1.2 * brightness, 1.0));
+}
+
+Vector3 vertical_of(const PictureOptions& options) {
+  return options.up == "auto" ? options.vertical : axis_of(options.up);
+}
 
 /// The parts of one picture.
 class Picture {
@@ -100,7 +109,7 @@ class Picture {
         ink_(options.is_dark ? Color{226, 228, 232} : Color{30, 32, 36}),
         pen_(std::clamp(0.024 * options.height, 11.0, 40.0)),
         points_(shape(frame, options.scale, "scale")),
-        surface_(find_surface(frame.file.mesh.blocks, points_)),
+        surface_(find_surface(frame.file.mesh.blocks, points_, options.has_skins)),
         canvas_(options.width, options.height, background_) {
     if (surface_.triangles.empty())
       throw InputError("frame", "triangles, quadrilaterals, tetrahedra or hexahedra", "none");
@@ -116,21 +125,37 @@ class Picture {
     if (options_.shows_colliders) draw_colliders();
     draw_axes();
     Image image = canvas_.image();
+    image.view = view_;
+    if (!options_.field.empty()) image.legend = text_.title + ": " + text_.extremes;
     name_axes(image);
     if (!options_.field.empty()) draw_color_bar(image, scale_, text_, pen_, ink_);
+    const double em = pen_.digit_height();
+    if (!options_.caption.empty()) pen_.draw(image, 1.5 * em, 2.8 * em, options_.caption, ink_);
     return image;
   }
 
  private:
   void choose_colors() {
     field_ = pick_field(frame_, options_.field, "field");
-    std::vector<double> shown;
-    for (const auto& triangle : surface_.triangles)
-      for (const DrawnSurface::Corner& corner : triangle) shown.push_back(value(corner));
-    scale_ = choose_scale(shown, options_.range, options_.map);
-    std::string label = options_.label.empty() ? field_.name : options_.label;
-    if (!field_.component.empty()) label += ", " + field_.component;
+    scale_ = choose_scale(all_values(), options_.range, options_.map, options_.smallest_range);
+    std::string label = options_.label;
+    if (label.empty()) label = field_.name + (field_.component.empty() ? "" : ", " + field_.component);
     text_ = scale_text(scale_, label, options_.unit);
+  }
+
+  /// Those whose range the report has: of all cells, or of all nodes that cells use, seen or not.
+  std::vector<double> all_values() const {
+    if (options_.extremes) return {(*options_.extremes)[0], (*options_.extremes)[1]};
+    if (!field_.is_on_points) return field_.values;
+    std::vector<bool> is_used(field_.values.size(), false);
+    std::vector<double> values;
+    for (const CellBlock& block : frame_.file.mesh.blocks)
+      for (const Index node : block.nodes) {
+        const auto i = static_cast<std::size_t>(node);
+        if (!is_used[i]) values.push_back(field_.values[i]);
+        is_used[i] = true;
+      }
+    return values;
   }
 
   double value(const DrawnSurface::Corner& corner) const {
@@ -152,12 +177,51 @@ class Picture {
         if (!rest_.empty()) shown.push_back(position(corner, rest_));
       }
     if (options_.shows_colliders) add_near_colliders(shown);
+    note_view(shown);
+    if (options_.reach) shown = corners_of((*options_.reach)[0], (*options_.reach)[1]);
     const double margin = 0.06 * std::min(options_.width, options_.height);
     const double right = options_.field.empty() ? margin : margin / 2 + color_bar_width(text_, pen_);
-    const Camera camera = make_camera(surface_.dimension, options_.view, options_.up);
+    const Camera camera = choose_camera();
+    view_.toward = camera.toward;
     projection_ = fit(
         camera, shown,
         {margin, margin, options_.width - right, options_.height - std::max(margin, 0.09 * options_.height)});
+  }
+
+  static std::vector<Vector3> corners_of(const Vector3& low, const Vector3& high) {
+    std::vector<Vector3> corners;
+    for (int i = 0; i < 8; ++i)
+      corners.emplace_back(i & 1 ? high.x() : low.x(), i & 2 ? high.y() : low.y(),
+                           i & 4 ? high.z() : low.z());
+    return corners;
+  }
+
+  void note_view(const std::vector<Vector3>& shown) {
+    view_.low = view_.high = shown.front();
+    for (const Vector3& point : shown) {
+      view_.low = view_.low.cwiseMin(point);
+      view_.high = view_.high.cwiseMax(point);
+    }
+    view_.extremes = {scale_.least, scale_.greatest};
+    view_.up = vertical_of(options_);
+  }
+
+  Camera choose_camera() const {
+    const Vector3 up = vertical_of(options_);
+    if (surface_.dimension == 2 || options_.view != "auto")
+      return make_camera(surface_.dimension, surface_.dimension == 2 ? "front" : options_.view, up);
+    const auto found = std::ranges::find(frame_.point_data, "displacement", &VtuValues::name);
+    const bool knows_motion = found != frame_.point_data.end() && found->components == 3;
+    std::vector<Vector3> corners, moved;
+    for (const auto& triangle : surface_.triangles)
+      for (const DrawnSurface::Corner& corner : triangle) {
+        corners.push_back(position(corner, points_));
+        if (!knows_motion) continue;
+        moved.push_back(DrawnSurface::at(corner, [&](Index i) -> Vector3 {
+          return Eigen::Map<const Vector3>(found->values.data() + 3 * static_cast<std::size_t>(i));
+        }));
+      }
+    return make_camera(telling_direction(corners, moved, up), up);
   }
 
   /// What of the colliders is seen around the bodies.
@@ -219,9 +283,9 @@ class Picture {
     const bool is_plain = options_.field.empty();
     const auto shader = [&](double value, double brightness) {
       if (is_plain) return shaded(plain_body, brightness);
-      if (!std::isfinite(value)) return shaded(not_a_number, brightness);
+      if (!std::isfinite(value)) return shaded_field(not_a_number, brightness);
       const double t = std::clamp(scale_.place(value), 0.0, 1.0);
-      return shaded(colors[static_cast<std::size_t>(std::lround(t * steps))], brightness);
+      return shaded_field(colors[static_cast<std::size_t>(std::lround(t * steps))], brightness);
     };
     for (const auto& triangle : surface_.triangles) {
       std::array<CanvasVertex, 3> corners;
@@ -255,9 +319,12 @@ class Picture {
 
   void draw_edges() {
     const double unit = options_.height / 900.0, lift = 1.5 * unit;
-    const bool shows_all = options_.edges == "on" || (options_.edges == "auto" && usual_edge() > 9 * unit);
+    // The edges of a skin mean nothing.
+    const bool is_auto = options_.edges == "auto" && !options_.has_skins;
+    const bool shows_all = options_.edges == "on" || (is_auto && usual_edge() > 9 * unit);
+    const bool shows_features = options_.edges == "on" || is_auto;
     for (const DrawnSurface::Line& edge : surface_.edges) {
-      if (edge.is_feature && options_.edges != "off")
+      if (edge.is_feature && shows_features)
         draw_line(edge, points_, 1.5 * unit, lift, {{0, 0, 0}, 0.75});
       else if (shows_all)
         draw_line(edge, points_, std::max(0.8 * unit, 0.5), lift, {{0, 0, 0}, 0.35});
@@ -266,7 +333,8 @@ class Picture {
 
   void draw_rest() {
     const double unit = options_.height / 900.0;
-    for (const DrawnSurface::Line& edge : find_surface(frame_.file.mesh.blocks, rest_).edges)
+    for (const DrawnSurface::Line& edge :
+         find_surface(frame_.file.mesh.blocks, rest_, options_.has_skins).edges)
       if (edge.is_feature) draw_line(edge, rest_, 1.4 * unit, 0, {ink_, 0.55});
   }
 
@@ -313,6 +381,7 @@ class Picture {
   ColorScale scale_;
   ScaleText text_;
   Projection projection_;
+  Image::View view_;
 };
 
 }  // namespace

@@ -12,19 +12,26 @@ namespace resilin {
 
 /// What a picture shows and how. The same frame and options give the same bits.
 struct PictureOptions {
-  std::string field;                           ///< as for `pick_field`; empty: the body alone
-  std::string label;                           ///< title of the colour bar; empty: the field's name
-  std::string unit;                            ///< of the field: "Pa"
-  int width = 1200, height = 900;              ///< [pixels]
+  std::string field;               ///< as for `pick_field`; empty: the body alone
+  std::string label;               ///< title of the colour bar; empty: the field's name and component
+  std::string unit;                ///< of the field: "Pa"
+  int width = 1200, height = 900;  ///< [pixels]
   std::optional<std::array<double, 2>> range;  ///< of the colours; default: that of the field
   std::string map = "auto";                    ///< a colour map; auto: diverging for two signs
-  std::string view = "iso";                    ///< see `make_camera`
-  std::string up = "z";                        ///< axis that points up
+  std::string view = "auto";                   ///< see `make_camera`; auto: `telling_direction`
+  std::string up = "auto";                     ///< axis that points up; auto: `vertical`
+  Vector3 vertical = Vector3::UnitZ();         ///< against gravity
   double scale = 1;                            ///< factor on displacements
   std::string edges = "auto";                  ///< of cells: "auto" (where there is room), "on", "off"
   bool shows_rest = false;                     ///< outline of the rest shape
   bool shows_colliders = true;                 ///< what of them is near the bodies
   bool is_dark = false;                        ///< background
+  std::string caption;                         ///< above the picture
+  /// Least and greatest value of the field, where they are not those of the frame.
+  std::optional<std::array<double, 2>> extremes;
+  std::optional<std::array<Vector3, 2>> reach;  ///< corners of the box that is framed; default: what is drawn
+  double smallest_range = 0;                    ///< of the colours: what differs less is rounding
+  bool has_skins = false;                       ///< triangles of the frame are surfaces in space, to be drawn
 };
 
 /// Draws a frame: the deformed body, shaded and coloured, with a colour bar and the axes. Colliders are

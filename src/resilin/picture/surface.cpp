@@ -50,13 +50,16 @@ std::array<double, max_facet_nodes> shares_of_parts(const std::array<double, 3>&
 /// Collects facets and cuts them up.
 class SurfaceBuilder {
  public:
-  SurfaceBuilder(const std::vector<CellBlock>& blocks, const std::vector<Vector3>& points) : points_(points) {
+  SurfaceBuilder(const std::vector<CellBlock>& blocks, const std::vector<Vector3>& points, bool has_skins)
+      : points_(points) {
+    if (has_skins) surface_.dimension = 3;
     for (const CellBlock& block : blocks)
       surface_.dimension = std::max(surface_.dimension, dimension(block.kind));
     Index first_cell = 0;
     boundaries_.reserve(blocks.size());
     for (const CellBlock& block : blocks) {
-      if (is_solid(block.kind, surface_.dimension)) add_facets(block, first_cell);
+      const bool is_skin = has_skins && block.kind == CellKind::triangle;
+      if (is_skin || is_solid(block.kind, surface_.dimension)) add_facets(block, first_cell);
       first_cell += block.num_cells();
     }
   }
@@ -166,8 +169,9 @@ class SurfaceBuilder {
 
 }  // namespace
 
-DrawnSurface find_surface(const std::vector<CellBlock>& blocks, const std::vector<Vector3>& points) {
-  return SurfaceBuilder(blocks, points).build();
+DrawnSurface find_surface(const std::vector<CellBlock>& blocks, const std::vector<Vector3>& points,
+                          bool has_skins) {
+  return SurfaceBuilder(blocks, points, has_skins).build();
 }
 
 }  // namespace resilin

@@ -39,7 +39,9 @@ struct DrawnSurface {
   }
 };
 
-/// @param points  where the nodes of the frame are shown; normals and creases are those of this shape
-DrawnSurface find_surface(const std::vector<CellBlock>& blocks, const std::vector<Vector3>& points);
+/// @param points     where the nodes of the frame are shown; normals and creases are those of this shape
+/// @param has_skins  the frame lies in space, and its triangles are surfaces to be drawn
+DrawnSurface find_surface(const std::vector<CellBlock>& blocks, const std::vector<Vector3>& points,
+                          bool has_skins = false);
 
 }  // namespace resilin

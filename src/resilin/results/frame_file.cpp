@@ -53,7 +53,7 @@ VtuContent frame_content(const World& world, const State& state, std::span<const
   }
   content.cell_data.push_back(std::move(body_numbers));
   for (const auto& [field, values] : fields) {
-    if (field->is_on_nodes)
+    if (field->is_on_nodes())
       content.point_data.push_back({field->name, field->components(), values});
     else
       content.cell_data.push_back(

@@ -105,7 +105,7 @@ Json extremes_json(const World& world, const State& state, std::span<const Field
   for (const FieldValues& values : fields) {
     const std::optional<Extremes> found = extremes(world, state, values);
     if (!found) continue;
-    const bool is_on_nodes = values.field->is_on_nodes;
+    const bool is_on_nodes = values.field->is_on_nodes();
     json[values.field->name] = {{"min", extreme_json(world, found->min, is_on_nodes)},
                                 {"max", extreme_json(world, found->max, is_on_nodes)}};
   }

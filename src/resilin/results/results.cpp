@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <vector>
 
 #include "resilin/core/error.hpp"
@@ -35,6 +36,15 @@ void write_text(const std::filesystem::path& path, const std::string& text) {
 }
 
 std::string frame_name(std::size_t number) { return "frames/" + numbered_vtu(number); }
+
+/// What the scene asks for, and then what the page shows of it: the report has the ranges of both.
+std::vector<std::string> fields_of_report(const World& world) {
+  std::vector<std::string> names = world.output.fields;
+  if (!world.output.writes(OutputFormat::html)) return names;
+  for (const ScalarField& shown : recorded_fields(world))
+    if (std::ranges::find(names, shown.field->name) == names.end()) names.push_back(shown.field->name);
+  return names;
+}
 
 /// The lists of frames that ParaView opens, of bodies and of colliders; statics count in load factors, or in
 /// steps where the load falls or where they show vibrations.
@@ -72,15 +82,16 @@ struct ResultFolder::Contents {
   double seconds_before;  ///< until the folder was made, and of the run that this one resumes
   int resumed_step = -1;  ///< whose frame was measured anew, without the numbers of the step that led to it
 
-  /// Writes a state as the next frame of all formats; gives the fields that the scene asks for.
+  /// Writes a state as the next frame of all formats; gives the fields whose extremes the report has.
   std::vector<FieldValues> write(const World& world, const State& state) {
     if (!evaluator) {
       evaluator.emplace(world);
       if (writes_vtu(world)) save_scene(folder, world);
       begin_colliders(world);
     }
-    std::vector<std::string> names = world.output.fields;
-    const std::size_t num_asked = names.size();
+    std::vector<std::string> names = fields_of_report(world);
+    const auto num_asked = static_cast<std::ptrdiff_t>(world.output.fields.size());
+    const auto num_reported = static_cast<std::ptrdiff_t>(names.size());
     // What other fields are computed from, beside the places (`state_of_frame`).
     const auto keep = [&names](const char* name) {
       if (std::ranges::find(names, name) == names.end()) names.emplace_back(name);
@@ -88,12 +99,16 @@ struct ResultFolder::Contents {
     if (world.is_dynamic) keep("velocity");
     if (!world.origin.isZero(0)) keep("displacement");  // which has digits that far places lose
     std::vector<FieldValues> fields = evaluator->evaluate(state, names);
+    std::vector<FieldValues> shown_alone(std::make_move_iterator(fields.begin() + num_asked),
+                                         std::make_move_iterator(fields.begin() + num_reported));
+    fields.erase(fields.begin() + num_asked, fields.begin() + num_reported);
     if (writes_vtu(world)) {
       write_frame(folder / frame_name(frames.size()), frame_content(world, state, fields));
       write_colliders(world, state);
     }
     shown_of(world).record(frames.size(), state);
-    fields.erase(fields.begin() + static_cast<std::ptrdiff_t>(num_asked), fields.end());
+    fields.erase(fields.begin() + num_asked, fields.end());
+    std::ranges::move(shown_alone, std::back_inserter(fields));
     return fields;
   }
 

@@ -148,8 +148,8 @@ std::string ShownResults::other_fields(std::size_t num_frames) const {
   const std::vector<std::string> values = frames.values(fields, [] { return true; });
   std::string list;
   for (std::size_t i = 0; i < fields.size(); ++i)
-    list += (i > 0 ? ",\n" : "") + ("{\"field\": " + encode_field_info(fields[i])) + ", \"values\": \"" +
-            base64(deflated(values[i])) + "\"}";
+    list += (i > 0 ? ",\n" : "") + ("{\"field\": " + encode_field_info(fields[i], world_)) +
+            ", \"values\": \"" + base64(deflated(values[i])) + "\"}";
   return "[" + list + "]";
 }
 

@@ -120,10 +120,15 @@ void read_material(const SceneNode& node, const Mesh& mesh, MaterialDescription&
   read_table(node, material_keys(), material, known);
   if (!std::isnan(law.only_poissons_ratio)) material.constants["poissons_ratio"] = law.only_poissons_ratio;
   if (node.has("fibres")) read_fibres(node.child("fibres"), mesh, material);
-  const auto is_given = [&node](const std::string& name) { return node.has(name); };
-  if (std::ranges::any_of(constants, is_given)) material.constants.clear();
+  // The small-strain solid has defaults, unless the formula's own constants are given.
+  const auto is_given = [&node](const ConstantText& constant) {
+    return !constant.is_free && node.has(std::string(constant.name));
+  };
+  if (std::ranges::any_of(law.constants, is_given)) material.constants.clear();
   for (const std::string& name : constants) {
-    if (node.has(name)) read_constant(node.child(name), name, mesh, material);
+    if (!node.has(name)) continue;
+    material.constants.erase(name);
+    read_constant(node.child(name), name, mesh, material);
   }
 }
 

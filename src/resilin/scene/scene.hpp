@@ -45,4 +45,8 @@ Scene read_scene_from_values(SceneValue scene, const std::string& name, const st
 /// uses.
 std::string scene_reference();
 
+/// The same keys as a JSON schema (draft 2020-12) of the scene, for editors that complete and check TOML. It
+/// refuses nothing that the reader takes; what depends on other keys is left to the reader.
+std::string scene_schema();
+
 }  // namespace resilin

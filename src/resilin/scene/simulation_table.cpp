@@ -89,11 +89,11 @@ Keys<OutputOptions> output_keys() {
   using O = OutputOptions;
   return {
       integer_key("every", &O::every, at_least_one, "A frame is written for each n-th step."),
-      key<O>(
-          {"fields", "list of names", "", default_text(O{}.fields),
-           "What a frame holds; [results.md](results.md#fields) lists the names. `nodal_` before the name of "
-           "a cells' field smooths it onto the vertices."},
-          [](const SceneNode& node, O& o) { o.fields = read_choices(node, field_names()); }),
+      key<O>({"fields", "list of names", "", default_text(O{}.fields),
+              "What a frame holds; [results.md](results.md#fields) lists the names. `averaged_` before the "
+              "name of "
+              "a cells' field averages it at the vertices, `nodal_` smooths it onto them."},
+             [](const SceneNode& node, O& o) { o.fields = read_choices(node, field_names()); }),
       choices_key(
           "formats", &O::formats,
           "vtu: a file for each frame, for ParaView; html: result.html, one page with the motion that "

@@ -190,7 +190,10 @@ std::string encode_topology(const ShownSurface& surface, std::span<const ShownCo
     const auto edges = surface.edges().subspan(static_cast<std::size_t>(part.first_edge),
                                                static_cast<std::size_t>(part.num_edges));
     add(triangles.data(), triangles.size_bytes());
+    const auto tetrahedra = surface.tetrahedra().subspan(static_cast<std::size_t>(part.first_tetrahedron),
+                                                         static_cast<std::size_t>(part.num_tetrahedra));
     add(edges.data(), edges.size_bytes());
+    add(tetrahedra.data(), tetrahedra.size_bytes());
   }
   add(surface.rest_positions().data(), surface.rest_positions().size_bytes());
   for (const ShownCollider& collider : colliders) {

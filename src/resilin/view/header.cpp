@@ -1,6 +1,11 @@
 #include "resilin/view/header.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
+
+#include "resilin/view/shown_marks.hpp"
+#include "resilin/world/meeting_surface.hpp"
 
 namespace resilin {
 namespace {
@@ -16,7 +21,8 @@ Json part(const ShownSurface::Part& part) {
           {"first_vertex", part.first_vertex},
           {"num_vertices", part.num_vertices},
           {"num_triangles", part.num_triangles},
-          {"num_edges", part.num_edges}};
+          {"num_edges", part.num_edges},
+          {"num_tetrahedra", part.num_tetrahedra}};
 }
 
 Json collider_json(const ShownCollider& collider, int dimension) {
@@ -28,21 +34,55 @@ Json collider_json(const ShownCollider& collider, int dimension) {
           {"endless", collider.is_endless}};
 }
 
-Json field_json(const ScalarField& field) {
-  return {{"name", field.name}, {"label", field.label}, {"unit", field.field->unit}, {"group", field.group}};
+Json mark_json(const ShownMark& mark) {
+  using enum ShownMark::Kind;
+  Json json = {{"kind", mark.kind == support ? "support"
+                        : mark.kind == load  ? "load"
+                                             : "probe"},
+               {"name", mark.name},
+               {"vertices", mark.vertices}};
+  if (mark.kind != load) return json;
+  json["greatest"] = mark.greatest;
+  json["directions"] = Json::array();
+  for (const Vector3& direction : mark.directions) json["directions"].push_back(numbers(direction));
+  return json;
 }
 
-Json fields_json(std::span<const ScalarField> fields) {
+Json field_json(const ScalarField& field, const World& world) {
+  return {{"name", field.name},
+          {"label", field.label},
+          {"unit", field.field->unit},
+          {"group", field.group},
+          {"scale", field_scale(*field.field, world)}};
+}
+
+Json fields_json(std::span<const ScalarField> fields, const World& world) {
   Json list = Json::array();
-  for (const ScalarField& field : fields) list.push_back(field_json(field));
+  for (const ScalarField& field : fields) list.push_back(field_json(field, world));
   return list;
 }
 
 }  // namespace
 
-std::string encode_fields(std::span<const ScalarField> fields) { return fields_json(fields).dump(); }
+double field_scale(const FieldInfo& field, const World& world) {
+  double stiffest = 0, fastest = 0;  // waves
+  for (const Body& body : world.bodies) {
+    const double modulus = youngs_modulus(body);
+    stiffest = std::max(stiffest, modulus);
+    if (body.density > 0) fastest = std::max(fastest, std::sqrt(modulus / body.density));
+  }
+  if (field.unit == "m") return world.largest_extent();
+  if (field.unit == "m/s") return fastest;
+  return field.unit.empty() ? 1 : stiffest;  // Pa, J/m^3
+}
 
-std::string encode_field_info(const ScalarField& field) { return field_json(field).dump(); }
+std::string encode_fields(std::span<const ScalarField> fields, const World& world) {
+  return fields_json(fields, world).dump();
+}
+
+std::string encode_field_info(const ScalarField& field, const World& world) {
+  return field_json(field, world).dump();
+}
 
 std::string encode_header(const ViewHeader& header, const World& world, const ShownSurface& surface) {
   Json json = {{"title", header.title},
@@ -56,8 +96,10 @@ std::string encode_header(const ViewHeader& header, const World& world, const Sh
   json["colliders"] = Json::array();
   for (const ShownCollider& collider : header.colliders)
     json["colliders"].push_back(collider_json(collider, world.dimension));
+  json["marks"] = Json::array();
+  for (const ShownMark& mark : shown_marks(world, surface)) json["marks"].push_back(mark_json(mark));
   if (header.ground) json["ground"] = *header.ground;
-  json["fields"] = fields_json(header.fields);
+  json["fields"] = fields_json(header.fields, world);
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

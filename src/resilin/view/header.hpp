@@ -22,10 +22,14 @@ struct ViewHeader {
   std::vector<ShownCollider> colliders{};  ///< to be drawn, but for that ground
 };
 
+/// About how large a field's values are where they mean something: the extent of the bodies, the speed of
+/// waves in them, their stiffness, 1 for ratios. Differences far below are rounding.
+double field_scale(const FieldInfo& field, const World& world);
+
 /// Fields as the page reads them, a list of objects (docs/view_protocol.md, "Header").
-std::string encode_fields(std::span<const ScalarField> fields);
+std::string encode_fields(std::span<const ScalarField> fields, const World& world);
 /// One of them.
-std::string encode_field_info(const ScalarField& field);
+std::string encode_field_info(const ScalarField& field, const World& world);
 
 /// The keys that the headers of live scenes and recordings share, as one object of JSON
 /// (docs/view_protocol.md, "Header").

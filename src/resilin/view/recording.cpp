@@ -12,6 +12,7 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/output_file.hpp"
+#include "resilin/fields/quantities.hpp"
 
 namespace resilin {
 namespace {
@@ -41,18 +42,29 @@ std::string encoded(ViewHeader header, const World& world, const ShownSurface& s
   return encode_header(header, world, surface);
 }
 
+/// What is asked for by cell is recorded as averages.
+bool is_recorded(const FieldInfo& field, const std::vector<std::string>& asked) {
+  const auto is_asked = [&asked](std::string_view name) {
+    return std::ranges::find(asked, name) != asked.end();
+  };
+  std::string_view of_cells = field.name;
+  if (field.source == FieldInfo::Source::averages) of_cells.remove_prefix(averaged_prefix.size());
+  return is_asked(field.name) || is_asked(of_cells);
+}
+
 }  // namespace
 
 std::vector<ScalarField> recorded_fields(const World& world) {
-  constexpr std::array<std::string_view, 3> always = {"von_mises", "volume_ratio", "energy_density"};
+  constexpr std::array<std::string_view, 3> always = {"averaged_von_mises", "averaged_volume_ratio",
+                                                      "averaged_energy_density"};
   std::vector<ScalarField> recorded;
   for (const std::string_view name : always)
-    recorded.push_back(require_scalar_field(name, world.dimension, "recording"));
-  for (ScalarField& field : scalar_fields(world.dimension)) {
+    recorded.push_back(require_vertex_field(name, world.dimension, "recording"));
+  const std::vector<std::string>& asked = world.output.fields;
+  for (ScalarField& field : vertex_fields(world.dimension)) {
     const bool is_there = std::ranges::find(always, field.name) != always.end();
-    const bool is_asked =
-        std::ranges::find(world.output.fields, field.field->name) != world.output.fields.end();
-    if (is_asked && !is_there && field.field->name != "displacement") recorded.push_back(std::move(field));
+    if (!is_there && field.field->name != "displacement" && is_recorded(*field.field, asked))
+      recorded.push_back(std::move(field));
   }
   return recorded;
 }

@@ -32,6 +32,9 @@ std::vector<std::uint32_t> lower_neighbours(const ShownSurface& surface) {
     connect(c, a);
   }
   for (const auto& [a, b] : surface.edges()) connect(a, b);
+  for (const ShownSurface::Tetrahedron& corners : surface.tetrahedra())
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t j = i + 1; j < 4; ++j) connect(corners[i], corners[j]);
   return parents;
 }
 

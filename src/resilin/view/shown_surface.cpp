@@ -1,6 +1,8 @@
 #include "resilin/view/shown_surface.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <utility>
 
 #include "resilin/core/parallel.hpp"
 #include "resilin/mesh/topology.hpp"
@@ -44,9 +46,36 @@ std::span<const int> outline_of(CellKind kind) {
   return std::span(corners).first(static_cast<std::size_t>(num_corners(kind)));
 }
 
+/// Tetrahedra between the nodes of a cell, by positions in its list of nodes.
+std::vector<std::array<int, 4>> tetrahedra_of(CellKind kind) {
+  if (kind == CellKind::tetrahedron) return {{0, 1, 2, 3}};
+  if (kind == CellKind::hexahedron)  // around the diagonal from 0 to 6
+    return {{0, 6, 1, 2}, {0, 6, 2, 3}, {0, 6, 3, 7}, {0, 6, 7, 4}, {0, 6, 4, 5}, {0, 6, 5, 1}};
+  if (kind != CellKind::tetrahedron10) return {};
+  const auto middle = [edges = cell_edges(kind)](int a, int b) {
+    const auto found = std::ranges::find_if(
+        edges, [&](const auto& e) { return (e[0] == a && e[1] == b) || (e[0] == b && e[1] == a); });
+    return 4 + static_cast<int>(found - edges.begin());
+  };
+  std::vector<std::array<int, 4>> all;
+  for (int a = 0; a < 4; ++a)
+    all.push_back({a, middle(a, (a + 1) % 4), middle(a, (a + 2) % 4), middle(a, (a + 3) % 4)});
+  const int below = middle(0, 1), above = middle(2, 3);  // the diagonal of the octahedron between them
+  const std::array<int, 4> ring = {middle(0, 2), middle(0, 3), middle(1, 3), middle(1, 2)};
+  for (std::size_t i = 0; i < 4; ++i) all.push_back({below, above, ring[i], ring[(i + 1) % 4]});
+  return all;
+}
+
+std::size_t num_nodes_of_cells(const World& world) {
+  std::size_t count = 0;
+  for (const Body& body : world.bodies) count += static_cast<std::size_t>(body.num_nodes);
+  return count;
+}
+
 }  // namespace
 
 ShownSurface::ShownSurface(const World& world) : dim_(world.dimension) {
+  const bool with_inside = dim_ == 3 && num_nodes_of_cells(world) <= most_inside_vertices;
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     const Body& body = world.bodies[b];
     if (body.skin) {
@@ -55,7 +84,7 @@ ShownSurface::ShownSurface(const World& world) : dim_(world.dimension) {
       end_part();
     }
     begin_part(body, b, Kind::cells);
-    add_cells(body);
+    add_cells(body, with_inside);
     end_part();
   }
   normals_ = VertexNormals(triangles_, num_vertices_);
@@ -75,7 +104,8 @@ void ShownSurface::begin_part(const Body& body, std::size_t number, Kind kind) {
                     .kind = kind,
                     .first_vertex = num_vertices_,
                     .first_triangle = static_cast<Index>(triangles_.size()),
-                    .first_edge = static_cast<Index>(edges_.size())});
+                    .first_edge = static_cast<Index>(edges_.size()),
+                    .first_tetrahedron = static_cast<Index>(tetrahedra_.size())});
   sources_.emplace_back();
 }
 
@@ -84,6 +114,7 @@ void ShownSurface::end_part() {
   part.num_vertices = num_vertices_ - part.first_vertex;
   part.num_triangles = static_cast<Index>(triangles_.size()) - part.first_triangle;
   part.num_edges = static_cast<Index>(edges_.size()) - part.first_edge;
+  part.num_tetrahedra = static_cast<Index>(tetrahedra_.size()) - part.first_tetrahedron;
 }
 
 void ShownSurface::add_skin(const std::shared_ptr<const Skin>& skin) {
@@ -101,13 +132,22 @@ void ShownSurface::add_skin(const std::shared_ptr<const Skin>& skin) {
   num_vertices_ += skin->num_vertices();
 }
 
-void ShownSurface::add_cells(const Body& body) {
+/// Vertices are the facets' nodes in rising order, then those inside.
+void ShownSurface::add_cells(const Body& body, bool with_inside) {
   const CellBlock facets = visible_facets({body.cell_kind, body.cells}).facets;
-  // Vertices are the facets' nodes in rising order.
+  const auto without_doubles = [](std::vector<Index> all) {
+    std::ranges::sort(all);
+    all.erase(std::ranges::unique(all).begin(), all.end());
+    return all;
+  };
   std::vector<Index>& nodes = sources_.back().nodes;
-  nodes = facets.nodes;
-  std::ranges::sort(nodes);
-  nodes.erase(std::ranges::unique(nodes).begin(), nodes.end());
+  nodes = without_doubles(facets.nodes);
+  if (with_inside) {
+    std::vector<Index> inside;
+    std::ranges::set_difference(without_doubles(body.cells), nodes, std::back_inserter(inside));
+    parts_.back().num_inside = static_cast<Index>(inside.size());
+    nodes.insert(nodes.end(), inside.begin(), inside.end());
+  }
   std::vector<std::uint32_t> vertex_of(static_cast<std::size_t>(body.num_nodes));
   for (std::size_t i = 0; i < nodes.size(); ++i)
     vertex_of[static_cast<std::size_t>(nodes[i] - body.first_node)] =
@@ -130,6 +170,18 @@ void ShownSurface::add_cells(const Body& body) {
   std::ranges::sort(edges);
   edges.erase(std::ranges::unique(edges).begin(), edges.end());
   edges_.insert(edges_.end(), edges.begin(), edges.end());
+  if (with_inside) {
+    const auto width = static_cast<std::size_t>(num_nodes(body.cell_kind));
+    const std::vector<std::array<int, 4>> pieces = tetrahedra_of(body.cell_kind);
+    for (std::size_t cell = 0; cell < body.cells.size(); cell += width)
+      for (const auto& corners : pieces) {
+        Tetrahedron& made = tetrahedra_.emplace_back();
+        for (std::size_t i = 0; i < 4; ++i) {
+          const Index node = body.cells[cell + static_cast<std::size_t>(corners[i])];
+          made[i] = vertex_of[static_cast<std::size_t>(node - body.first_node)];
+        }
+      }
+  }
   num_vertices_ += static_cast<Index>(nodes.size());
 }
 
@@ -175,6 +227,63 @@ MaterialPoint ShownSurface::material_point(Index vertex) const {
   const auto nodes = source.skin->embedding.nodes(local);
   const auto weights = source.skin->embedding.weights(local);
   return {{nodes.begin(), nodes.end()}, {weights.begin(), weights.end()}};
+}
+
+std::optional<Index> ShownSurface::vertex_of(Index node) const {
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    const auto& nodes = sources_[p].nodes;
+    const auto inside = nodes.end() - parts_[p].num_inside;  // both halves rise
+    for (const auto& [begin, end] : {std::pair(nodes.begin(), inside), std::pair(inside, nodes.end())}) {
+      const auto found = std::lower_bound(begin, end, node);
+      if (found != end && *found == node)
+        return parts_[p].first_vertex + static_cast<Index>(found - nodes.begin());
+    }
+  }
+  return std::nullopt;
+}
+
+bool ShownSurface::is_outside(Index vertex) const {
+  return std::ranges::none_of(parts_, [vertex](const Part& part) {
+    const Index end = part.first_vertex + part.num_vertices;
+    return vertex >= end - part.num_inside && vertex < end;
+  });
+}
+
+MaterialPoint ShownSurface::touched_place(Index vertex, const Vector3& place,
+                                          std::span<const float> positions) const {
+  const auto at = [&](std::uint32_t v) -> Vector3 {
+    return Eigen::Map<const Eigen::Vector3f>(positions.data() + 3 * std::size_t{v}).cast<double>();
+  };
+  const auto wanted = static_cast<std::uint32_t>(vertex);
+  std::array<std::uint32_t, 3> corners = {wanted, wanted, wanted};
+  Vector3 shares = Vector3::UnitX();
+  double nearest = (at(wanted) - place).norm();
+  for (const Triangle& triangle : triangles_) {
+    if (std::ranges::find(triangle, wanted) == triangle.end()) continue;
+    const Vector3 A = at(triangle[0]), u = at(triangle[1]) - A, v = at(triangle[2]) - A;
+    const double uu = u.squaredNorm(), uv = u.dot(v), vv = v.squaredNorm(), area = uu * vv - uv * uv;
+    if (!(area > 0)) continue;
+    const double b = (vv * u.dot(place - A) - uv * v.dot(place - A)) / area;
+    const double c = (uu * v.dot(place - A) - uv * u.dot(place - A)) / area;
+    Vector3 weights = Vector3(1 - b - c, b, c).cwiseMax(0);
+    weights /= weights.sum();
+    const double distance = (A + weights[1] * u + weights[2] * v - place).norm();
+    if (distance >= nearest) continue;
+    nearest = distance;
+    corners = triangle;
+    shares = weights;
+  }
+  MaterialPoint touched;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double share = shares[static_cast<Eigen::Index>(i)];
+    if (share == 0) continue;
+    const MaterialPoint corner = material_point(static_cast<Index>(corners[i]));
+    for (std::size_t a = 0; a < corner.nodes.size(); ++a) {
+      touched.nodes.push_back(corner.nodes[a]);
+      touched.weights.push_back(share * corner.weights[a]);
+    }
+  }
+  return touched;
 }
 
 Index ShownSurface::nearest_node(Index vertex) const {

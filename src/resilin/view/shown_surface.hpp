@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,13 +16,16 @@ namespace resilin {
 
 /// What is drawn of a world while it moves (docs/view_protocol.md): of each body the surface of its cells (in
 /// 2D the cells themselves), and its skin when it has one. Vertices, triangles and edges are numbered over
-/// all parts; every vertex belongs to a triangle or an edge.
+/// all parts; every vertex belongs to one of them or to a tetrahedron.
 ///
 /// Facets of second order are cut into four flat triangles at the nodes in the middle of their edges,
-/// quadrilaterals into two.
+/// quadrilaterals into two. What is inside, for a cut to show, are tetrahedra between the nodes: cells of
+/// second order are cut into eight, hexahedra into six. Nodes on no facet stand behind those of the surface.
 class ShownSurface {
  public:
   enum class Kind { skin, cells };
+  /// Of all bodies together: beyond that the inside is left out, for it would make most of what is sent.
+  static constexpr std::size_t most_inside_vertices = 200'000;
 
   struct Part {
     std::string name;      ///< of the body
@@ -30,9 +34,12 @@ class ShownSurface {
     Index first_vertex = 0, num_vertices = 0;
     Index first_triangle = 0, num_triangles = 0;
     Index first_edge = 0, num_edges = 0;
+    Index first_tetrahedron = 0, num_tetrahedra = 0;
+    Index num_inside = 0;  ///< of the vertices the last ones, which no triangle has
   };
   using Triangle = VertexNormals::Triangle;
   using Edge = std::array<std::uint32_t, 2>;
+  using Tetrahedron = std::array<std::uint32_t, 4>;
 
   /// Keeps no reference to the world: a world with the same bodies and cells may take its place later (such
   /// as one with other materials). A body's skin stands before its cells.
@@ -43,6 +50,7 @@ class ShownSurface {
   Index num_vertices() const { return num_vertices_; }
   std::span<const Triangle> triangles() const { return triangles_; }  ///< outward; in 2D towards +z
   std::span<const Edge> edges() const { return edges_; }              ///< of the cells' facets, each once
+  std::span<const Tetrahedron> tetrahedra() const { return tetrahedra_; }    ///< empty in 2D
   std::span<const float> rest_positions() const { return rest_positions_; }  ///< 3 per vertex [m]
 
   /// @param x    positions of the world's nodes [m]
@@ -60,6 +68,16 @@ class ShownSurface {
   /// smooth skin the part that is linear in each cell.
   MaterialPoint material_point(Index vertex) const;
 
+  /// The vertex of the cells that is this node of the world; none where the inside is not shown.
+  std::optional<Index> vertex_of(Index node) const;
+
+  /// Whether a vertex belongs to what is seen, not to the inside.
+  bool is_outside(Index vertex) const;
+
+  /// The material point of the surface near a vertex that is nearest to a place.
+  /// @param positions  3 num_vertices() numbers, as `positions` gives them
+  MaterialPoint touched_place(Index vertex, const Vector3& place, std::span<const float> positions) const;
+
   /// The node with the greatest weight in the material point: the one to pin.
   Index nearest_node(Index vertex) const;
 
@@ -68,7 +86,7 @@ class ShownSurface {
 
  private:
   void add_skin(const std::shared_ptr<const Skin>& skin);
-  void add_cells(const Body& body);
+  void add_cells(const Body& body, bool with_inside);
   void begin_part(const Body& body, std::size_t number, Kind kind);
   void end_part();
   /// Where the vertices of a part come from.
@@ -83,6 +101,7 @@ class ShownSurface {
   std::vector<Source> sources_;  ///< by part
   std::vector<Triangle> triangles_;
   std::vector<Edge> edges_;
+  std::vector<Tetrahedron> tetrahedra_;
   std::vector<float> rest_positions_;
   VertexNormals normals_;
 };

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "resilin/core/parallel.hpp"
-#include "resilin/fields/quantities.hpp"
 
 namespace resilin {
 namespace {
@@ -15,48 +14,26 @@ constexpr std::size_t nodes_per_chunk = 1024;
 }  // namespace
 
 std::vector<ScalarField> SurfaceFields::quick(int dimension) {
-  std::vector<ScalarField> quick = scalar_fields(dimension);
-  std::erase_if(quick, [](const ScalarField& field) {
-    return field.field->is_on_nodes && field.field->name.starts_with(nodal_prefix);
-  });
+  std::vector<ScalarField> quick = vertex_fields(dimension);
+  std::erase_if(quick,
+                [](const ScalarField& field) { return field.field->source == FieldInfo::Source::fit; });
   return quick;
 }
 
 SurfaceFields::SurfaceFields(const World& world, const ShownSurface& surface)
-    : surface_(surface), nodal_(static_cast<std::size_t>(world.num_nodes())), first_(nodal_.size() + 1, 0) {
-  struct Entry {
-    std::uint32_t node, cell;
-    double volume;
-  };
-  std::vector<Entry> entries;
-  std::vector<double> volume_at(nodal_.size(), 0.0);
-  std::uint32_t first_cell = 0;
+    : surface_(surface),
+      nodal_(static_cast<std::size_t>(world.num_nodes())),
+      averages_(std::make_shared<const CellAverages>(world)) {
   for (const Body& body : world.bodies) {
-    const std::vector<double> volumes = body.elastic->rest_volumes();
-    const auto width = static_cast<std::size_t>(num_nodes(body.cell_kind));
-    for (std::size_t i = 0; i < body.cells.size(); ++i) {
-      const auto node = static_cast<std::uint32_t>(body.cells[i]);
-      entries.push_back({node, first_cell + static_cast<std::uint32_t>(i / width), volumes[i / width]});
-      volume_at[node] += volumes[i / width];
-      ++first_[node + 1];
-    }
-    first_cell += static_cast<std::uint32_t>(volumes.size());
-  }
-  for (std::size_t node = 0; node < nodal_.size(); ++node) first_[node + 1] += first_[node];
-  cells_at_.resize(entries.size());
-  shares_.resize(entries.size());
-  std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
-  for (const Entry& entry : entries) {
-    const std::uint32_t place = next[entry.node]++;
-    cells_at_[place] = entry.cell;
-    shares_[place] = entry.volume / volume_at[entry.node];
+    const auto begin = static_cast<std::size_t>(body.first_node);
+    nodes_of_.push_back({begin, begin + static_cast<std::size_t>(body.num_nodes)});
   }
 }
 
 void SurfaceFields::evaluate(const World& world, const State& state, std::string_view name,
                              std::span<float> out) {
-  const ScalarField field = require_scalar_field(name, world.dimension, "field");
-  FieldEvaluator evaluator(world);
+  const ScalarField field = require_vertex_field(name, world.dimension, "field");
+  FieldEvaluator evaluator(world, averages_);
   carry(field, evaluator.evaluate(state, {&field.field->name, 1}).front(), out);
 }
 
@@ -75,21 +52,27 @@ void SurfaceFields::evaluate(FieldEvaluator& evaluator, const State& state,
 
 void SurfaceFields::carry(const ScalarField& field, const FieldValues& values, std::span<float> out) {
   parallel_for(nodal_.size(), nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t node = begin; node < end; ++node)
-      nodal_[node] =
-          field.field->is_on_nodes ? field.at(values.values, node) : mean_at(field, values.values, node);
+    for (std::size_t node = begin; node < end; ++node) nodal_[node] = field.at(values.values, node);
   });
   surface_.interpolate(nodal_, out);
+  keep_skins_within_their_bodies(out);
   for (float& value : out)
     if (!std::isfinite(value)) value = std::numeric_limits<float>::quiet_NaN();
 }
 
-double SurfaceFields::mean_at(const ScalarField& field, std::span<const double> values,
-                              std::size_t node) const {
-  double sum = 0;
-  for (std::uint32_t i = first_[node]; i < first_[node + 1]; ++i)
-    sum += shares_[i] * field.at(values, cells_at_[i]);
-  return sum;
+void SurfaceFields::keep_skins_within_their_bodies(std::span<float> out) const {
+  for (const ShownSurface::Part& part : surface_.parts()) {
+    if (part.kind != ShownSurface::Kind::skin) continue;
+    auto least = std::numeric_limits<float>::infinity(), greatest = -least;
+    for (std::size_t node = nodes_of_[part.body].begin; node < nodes_of_[part.body].end; ++node) {
+      if (!std::isfinite(nodal_[node])) continue;
+      least = std::min(least, static_cast<float>(nodal_[node]));
+      greatest = std::max(greatest, static_cast<float>(nodal_[node]));
+    }
+    for (float& value : out.subspan(static_cast<std::size_t>(part.first_vertex),
+                                    static_cast<std::size_t>(part.num_vertices)))
+      if (std::isfinite(value) && least <= greatest) value = std::clamp(value, least, greatest);
+  }
 }
 
 }  // namespace resilin

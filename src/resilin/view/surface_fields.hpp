@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -11,21 +12,20 @@
 
 namespace resilin {
 
-/// Fields at the vertices of a shown surface, made for every frame of a live scene: of what is known by cell,
-/// at a node the mean of the cells around it, by rest volume. That is neither as smooth nor as exact as the
-/// fit of `FieldEvaluator`'s nodal fields, and a hundred times as fast. A skin takes its numbers from the
-/// nodes by its weights.
+/// Fields at the vertices of a shown surface, of those that have a value at each node (`vertex_fields`). A
+/// skin takes its numbers from the nodes by its weights, and none beyond those of its body's nodes: a vertex
+/// that stands out of the cells has no more than what is in them.
 class SurfaceFields {
  public:
   /// @param surface  kept by reference
   SurfaceFields(const World& world, const ShownSurface& surface);
 
-  /// Those of `scalar_fields` that are quick enough for every frame of a live scene: all but the smooth ones.
+  /// Those of `vertex_fields` that are quick enough for every frame of a live scene: all but the smooth ones.
   static std::vector<ScalarField> quick(int dimension);
 
   /// One number for each vertex; nan where it is none.
   /// @param world  has the bodies and cells of the surface's world; its materials may be others
-  /// @param name   of one of `scalar_fields`
+  /// @param name   of one of `vertex_fields`
   /// @throws InputError  when it is not
   void evaluate(const World& world, const State& state, std::string_view name, std::span<float> out);
 
@@ -35,13 +35,15 @@ class SurfaceFields {
 
  private:
   void carry(const ScalarField& field, const FieldValues& values, std::span<float> out);
-  double mean_at(const ScalarField& field, std::span<const double> values, std::size_t node) const;
+  void keep_skins_within_their_bodies(std::span<float> out) const;
 
+  struct NodeRange {
+    std::size_t begin, end;
+  };
   const ShownSurface& surface_;
-  std::vector<double> nodal_;            ///< by node of the world
-  std::vector<std::uint32_t> first_;     ///< by node, into the next two
-  std::vector<std::uint32_t> cells_at_;  ///< of all bodies, one after another
-  std::vector<double> shares_;           ///< of each cell in the node's value
+  std::vector<NodeRange> nodes_of_;  ///< by body
+  std::vector<double> nodal_;        ///< by node of the world
+  std::shared_ptr<const CellAverages> averages_;
 };
 
 }  // namespace resilin

@@ -10,13 +10,6 @@
 #include "resilin/mesh/topology.hpp"
 
 namespace resilin {
-namespace {
-
-constexpr double stiffness_share = 0.1;    ///< kappa / E: notes on "Convergent IPC", the authors' toolkit
-constexpr double activation_share = 5e-3;  ///< of the smallest body's extent
-/// Of the square of a facet's longest side: a smaller area is none.
-constexpr double flat_share = 1e-12;
-constexpr double thickness_share = 0.1;  ///< of the thinnest body's thickness
 
 double youngs_modulus(const Body& body) {
   const LawInfo& law = require_law(body.law, body.name);
@@ -28,6 +21,14 @@ double youngs_modulus(const Body& body) {
   });
   return E;
 }
+
+namespace {
+
+constexpr double stiffness_share = 0.1;    ///< kappa / E: notes on "Convergent IPC", the authors' toolkit
+constexpr double activation_share = 5e-3;  ///< of the smallest body's extent
+/// Of the square of a facet's longest side: a smaller area is none.
+constexpr double flat_share = 1e-12;
+constexpr double thickness_share = 0.1;  ///< of the thinnest body's thickness
 
 double barrier_stiffness(const Body& body, std::optional<double> asked) {
   return asked ? *asked : stiffness_share * youngs_modulus(body);

@@ -12,6 +12,9 @@
 /// With which surfaces the bodies of a world meet others, themselves and colliders.
 namespace resilin {
 
+/// Of a body's material at small strain, by the means of its constants [Pa].
+double youngs_modulus(const Body& body);
+
 /// Per node: whether supports hold it in all directions. Their support says where they are, and no collider
 /// pushes them.
 std::vector<std::uint8_t> held_nodes(const World& world);

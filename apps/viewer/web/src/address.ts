@@ -51,6 +51,11 @@ export function readAddress(hash: string): SharedView {
   return view;
 }
 
+/** The field of this name, or what it is called on the vertices; "" where there is none. */
+export function nameOfField(fields: { name: string }[], name: string): string {
+  return [name, `averaged_${name}`].find((known) => fields.some((field) => field.name === known)) ?? "";
+}
+
 const REST = 250; // [ms] between two changes of the address
 
 /** Keeps the address of the page in step with the view. */

@@ -15,6 +15,9 @@ export function sceneUniforms() {
     dark: { value: false },
     lit: { value: true }, // false in 2D
     hatch: { value: 0.02 }, // distance of the lines on a cut [m]
+    section: { value: null as THREE.Texture | null }, // the field on the plane of the cut: section.ts
+    sectionOn: { value: false },
+    windowSize: { value: new THREE.Vector2(1, 1) }, // of that image [pixels]
   };
 }
 
@@ -53,22 +56,23 @@ void main() {
 }`;
 
 const bodyFragment = /* glsl */ `
-uniform sampler2D colorMap;
-uniform vec2 fieldRange, barRange;
+uniform sampler2D colorMap, section;
+uniform vec2 fieldRange, barRange, windowSize;
 uniform vec4 cut;
-uniform bool cutOn, dark, lit;
+uniform bool cutOn, dark, lit, sectionOn;
 uniform vec3 up, color, cutColor;
 uniform float fieldOn, opacity, hatch;
 varying vec3 eyeNormal, eyePlace, place;
 varying float value, known;
 
-vec3 albedo() {
-  if (fieldOn < 0.5) return color;
-  if (known < 0.999) return vec3(0.9, 0.25, 0.55);  // not a number, as in resilin picture
-  float v = mix(fieldRange.x, fieldRange.y, value);
-  float t = (v - barRange.x) / max(barRange.y - barRange.x, 1e-30);
+vec3 fieldColor(float share, float isNumber) {
+  if (isNumber < 0.999) return vec3(0.9, 0.25, 0.55);  // not a number, as in resilin picture
+  float v = mix(fieldRange.x, fieldRange.y, share);
+  float t = (v - barRange.x) / max(barRange.y - barRange.x, 1e-37);
   return texture2D(colorMap, vec2(clamp(t, 0.0, 1.0) * (255.0 / 256.0) + 0.5 / 256.0, 0.5)).rgb;
 }
+
+vec3 albedo() { return fieldOn < 0.5 ? color : fieldColor(value, known); }
 
 vec3 studio(vec3 base, vec3 n, vec3 eye, float own) {
   vec3 key = normalize(vec3(-0.45, 0.75, 0.55));
@@ -86,7 +90,8 @@ vec3 studio(vec3 base, vec3 n, vec3 eye, float own) {
   // Where colours are to be read, there is little gloss to hide them.
   float shine = (0.03 + 0.07 * own) * pow(mirrored, 26.0) + (0.02 + 0.06 * own) * pow(mirrored, 140.0);
   vec3 glow = vec3(0.9, 0.93, 1.0) * (grazing * (0.06 + 0.40 * max(dot(n, rim) * 0.6 + 0.4, 0.0)));
-  light = mix(vec3(dot(light, vec3(0.34))) * 1.06 + 0.06, light, own);
+  // The colours of a field stay those of the bar; what is left of the light shows the shape.
+  if (own < 0.5) return base * mix(0.74, 1.0, smoothstep(0.25, 1.0, dot(light, vec3(0.34)))) + 0.3 * shine;
   return base * light + shine + glow * mix(vec3(0.25), base, 0.5) * (dark ? 1.25 : 0.8);
 }
 
@@ -97,6 +102,17 @@ float wayToCut(vec3 ray) {
   return way <= 1.0001 * distance(place, cameraPosition) ? way : -1.0;
 }
 
+/** The field on the plane at this pixel, or at one beside it. */
+vec4 sectionHere() {
+  vec2 at = gl_FragCoord.xy / windowSize;
+  vec4 found = texture2D(section, at);
+  for (int i = 0; i < 8 && found.a < 0.5; ++i) {
+    float turn = 0.785398 * float(i);
+    found = texture2D(section, at + 2.0 * vec2(cos(turn), sin(turn)) / windowSize);
+  }
+  return found;
+}
+
 /** The face of the cut, shaded where the line of sight meets the plane. */
 vec3 face(vec3 eye, vec3 hit) {
   vec3 n = mat3(viewMatrix) * cut.xyz;
@@ -104,6 +120,8 @@ vec3 face(vec3 eye, vec3 hit) {
   float stripe = (dot(hit, a) + dot(hit, cross(cut.xyz, a))) / hatch;
   float wide = fwidth(stripe) * 1.2;
   float line = 1.0 - smoothstep(0.12, 0.12 + wide, abs(fract(stripe) - 0.5));
+  vec4 inside = sectionOn && fieldOn > 0.5 ? sectionHere() : vec4(0.0);
+  if (inside.a > 0.5) return fieldColor(inside.r + inside.g / 255.0, inside.b) * (1.0 - 0.05 * line);
   return cutColor * (0.72 + 0.28 * abs(dot(n, eye))) * (1.0 - 0.16 * line * step(wide, 0.8));
 }
 

@@ -10,13 +10,18 @@ export interface Series {
   unit: string;
 }
 
-const STROKES = ["--series-1", "--series-2", "--series-3", "--series-4", "--series-5", "--series-6"];
+/** Colours that stay apart under colour blindness (style.css), and dashes besides. */
+export const STROKES = ["--series-1", "--series-2", "--series-3", "--series-4", "--series-5", "--series-6"];
+const DASHES: number[][] = [[], [7, 3], [2, 2.5], [9, 3, 2, 3], [4, 4], [12, 4]];
+const DIGIT = 6.6; // width of a digit in the axes' font [pixels]
 
 export interface ChartOptions {
   title: string;
   series: Series[];
   height: number;
   legend: boolean;
+  axis: string; // what lies along: "time [s]"
+  points?: boolean; // single values, not a curve
   clicked?: (index: number) => void; // a place on the time axis
 }
 
@@ -29,7 +34,7 @@ export class Chart {
   private marker: number | null = null;
 
   constructor(private readonly options: ChartOptions) {
-    this.place = element("div", { class: "chart-plot" });
+    this.place = element("div", { class: "chart-plot", role: "img", "aria-label": options.title });
     this.root = element("section", { class: "chart" }, element("h3", {}, options.title), this.place);
     if (options.legend) this.root.append(this.legend());
     this.data = [[], ...options.series.map(() => [])];
@@ -45,8 +50,8 @@ export class Chart {
     const list = element("div", { class: "chart-legend" });
     this.options.series.forEach((series, i) => {
       const value = element("b", {});
-      const swatch = element("i", {});
-      swatch.style.background = `var(${STROKES[i % STROKES.length]})`;
+      const swatch = element("i", { class: i === 0 ? "" : "dashed" });
+      swatch.style.borderTopColor = `var(${STROKES[i % STROKES.length]})`;
       this.legendValues.push(value);
       list.append(element("span", {}, swatch, series.label, " ", value));
     });
@@ -54,7 +59,7 @@ export class Chart {
   }
 
   private plotOptions(): uPlot.Options {
-    const axis = (size: number): uPlot.Axis => ({
+    const axis = (size: uPlot.Axis["size"]): uPlot.Axis => ({
       stroke: () => styleValue("--faint"),
       grid: { stroke: () => styleValue("--line"), width: 1 },
       ticks: { show: false },
@@ -65,13 +70,26 @@ export class Chart {
     return {
       width: 300,
       height: this.options.height,
-      padding: [6, 8, 0, 0],
+      padding: [6, 14, 0, 0],
       legend: { show: false },
       cursor: { y: false, drag: { x: false, y: false }, points: { size: 6 } },
       scales: { x: { time: false } },
       axes: [
-        { ...axis(22), space: 50, values: (_, ticks) => ticks.map((t) => plain(t)) },
-        { ...axis(46), space: 26, values: (_, ticks) => ticks.map((t) => plain(t, 4)) },
+        {
+          ...axis(18),
+          label: this.options.axis,
+          labelSize: 15,
+          labelGap: 0,
+          labelFont: "11px system-ui, sans-serif",
+          space: 50,
+          values: (_, ticks) => ticks.map((t) => plain(t)),
+        },
+        {
+          // As wide as its longest number.
+          ...axis((_, ticks) => 10 + DIGIT * Math.max(3, ...(ticks ?? []).map((t) => t.length))),
+          space: 26,
+          values: (_, ticks) => ticks.map((t) => plain(t, 4)),
+        },
       ],
       series: [
         {},
@@ -79,7 +97,9 @@ export class Chart {
           label,
           stroke: () => styleValue(STROKES[i % STROKES.length]),
           width: 1.75,
-          points: { show: false },
+          dash: DASHES[i % DASHES.length],
+          paths: this.options.points ? () => null : undefined,
+          points: { show: this.options.points ?? false, size: 6 },
           spanGaps: false,
         })),
       ],
@@ -129,6 +149,8 @@ export class Chart {
       const value = index === null ? null : this.data[i + 1][index];
       setText(place, value === null || value === undefined ? "–" : withUnit(value, this.options.series[i].unit));
     });
+    const said = this.options.series.map(({ label }, i) => `${label} ${this.legendValues[i]?.textContent ?? ""}`);
+    this.place.setAttribute("aria-label", `${this.options.title}: ${said.join(", ")}`);
   }
 
   private drawMarker(plot: uPlot): void {

@@ -2,7 +2,7 @@
 
 import type { Controller, GUI } from "lil-gui";
 import type { Reader } from "./decode";
-import { LogSlider } from "./log_slider";
+import { NumberSlider, type NumberRange } from "./number_slider";
 import { raised } from "./numbers";
 import {
   valueReaders,
@@ -18,6 +18,8 @@ export interface WidgetPlace {
   folder: GUI;
   up: Vector;
   dimension: 2 | 3;
+  /** One line about what a field holds that is no value. */
+  complain(words: string): void;
 }
 
 /** The panel's side of a control: follows the program, and says when the user changes it. */
@@ -41,16 +43,14 @@ function build(control: Control, place: WidgetPlace, values: ControlValues): Wid
   const { folder } = place;
   const { key, label, kind } = control;
   switch (kind) {
-    case "slider": {
-      const { least, greatest, step, unit } = control;
-      return new PlainWidget(key, valueReaders[kind], values, (held) =>
-        folder.add(held, "value", least, greatest, step).name(withUnit(label, unit)),
-      );
-    }
+    case "slider":
     case "log_slider": {
       const { least, greatest, unit } = control;
+      const zero = kind === "slider" ? control.zero : undefined;
+      const step: NumberRange["step"] = kind === "slider" ? control.step : "logarithmic";
+      const range: NumberRange = { least, greatest, step, unit, zero, complain: place.complain };
       return new PlainWidget(key, valueReaders[kind], values, (held) =>
-        new LogSlider(folder, held, "value", least, greatest, unit).name(label),
+        new NumberSlider(folder, held, "value", range).name(kind === "slider" ? withUnit(label, unit) : label),
       );
     }
     case "switch": {
@@ -111,7 +111,9 @@ class ArrowWidget implements Widget {
     const { folder, dimension } = place;
     const directions = DIRECTIONS.filter((d) => dimension === 3 || (d !== "back" && d !== "front"));
     this.held = this.shown(this.vectorOf(values), "down");
-    const length = folder.add(this.held, "length", 0, control.greatest, control.step);
+    const { greatest, step, unit } = control;
+    const range: NumberRange = { least: 0, greatest, step, unit, complain: place.complain };
+    const length = new NumberSlider(folder, this.held, "length", range);
     const direction = folder.add(this.held, "direction", directions);
     this.controllers = [length.name(withUnit(control.label, control.unit)), direction.name("towards")];
   }

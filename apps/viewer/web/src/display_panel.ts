@@ -3,6 +3,8 @@
 import type { Controller, GUI } from "lil-gui";
 
 import { element } from "./dom";
+import { NumberSlider } from "./number_slider";
+import type { DrawingChoice } from "./pace";
 import type { Field } from "./protocol";
 import type { Theme, ThemeChoice } from "./theme";
 import type { Look, Viewport } from "./viewport";
@@ -10,11 +12,14 @@ import type { Look, Viewport } from "./viewport";
 export interface DisplayChoices extends Look {
   field: string; // name; "": the body's own colour
   theme: ThemeChoice;
+  drawing: DrawingChoice;
 }
 
 export interface DisplayEvents {
   field(name: string): void;
   look(): void;
+  drawing(choice: DrawingChoice): void;
+  complain(words: string): void;
   rangeOver?(choice: "all frames" | "this frame"): void; // of recordings
 }
 
@@ -58,7 +63,7 @@ export class DisplayPanel {
       viewport.setLook(this.look());
       events.look();
     };
-    const { fields, parts, colliders = [] } = viewport.header;
+    const { fields, parts, colliders = [], marks = [] } = viewport.header;
     const groups = groupsOf(fields);
     const sorted = groups.flatMap((group) => group.fields);
     const options = Object.fromEntries([["body colour", ""], ...sorted.map((field) => [field.label, field.name])]);
@@ -78,6 +83,8 @@ export class DisplayPanel {
       named(folder.add(choices, "ground"), "ground", "Show ground");
     }
     if (colliders.length > 0) named(folder.add(choices, "colliders"), "colliders", "Show colliders");
+    if (marks.length > 0) named(folder.add(choices, "marks"), "marks", "Supports, loads (m)");
+    named(folder.add(choices, "drawing", ["auto", "full", "light"]), "drawing", "Drawing").onChange(events.drawing);
     named(folder.add(choices, "theme", ["auto", "light", "dark"]), "theme", "Theme").onChange((choice: ThemeChoice) =>
       theme.choose(choice),
     );
@@ -85,14 +92,22 @@ export class DisplayPanel {
       const cut = folder.addFolder("Cut").close();
       named(cut.add(choices, "cut"), "cut", "Cut open (x)");
       named(cut.add(choices, "cutAxis", ["x", "y", "z"]), "cutAxis", "Across");
-      named(cut.add(choices, "cutAt", 0, 1, 0.01), "cutAt", "At");
+      const share = {
+        least: 0,
+        greatest: 1,
+        step: 0.01,
+        unit: "",
+        allowed: [0, 1] as [number, number],
+        complain: events.complain,
+      };
+      named(new NumberSlider(cut, choices, "cutAt", share), "cutAt", "At");
       named(cut.add(choices, "cutFlip"), "cutFlip", "Other side");
     }
     this.folder = folder;
   }
 
   look(): Look {
-    const { field: _field, theme: _theme, ...look } = this.choices;
+    const { field: _field, theme: _theme, drawing: _drawing, ...look } = this.choices;
     return look;
   }
 

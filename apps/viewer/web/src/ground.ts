@@ -72,7 +72,7 @@ const diskMaterial = (shared: SceneUniforms) =>
         float fade = 1.0 - smoothstep(0.25, 1.0, r);
         float lines = 0.5 * grid(flat_ / spacing) + 0.5 * grid(flat_ / (5.0 * spacing));
         float near = gl_FrontFacing ? 1.0 : 0.35;  // from below the ground hides nothing
-        vec2 at = flat_ / (2.0 * reach) + 0.5;
+        vec2 at = vec2(flat_.x, -flat_.y) / (2.0 * reach) + 0.5;  // the shade is seen from below
         vec2 inside = step(vec2(0.0), at) * step(at, vec2(1.0));
         float shadow = texture2D(shade, at).r * inside.x * inside.y;
         vec4 own = dark ? vec4(0.030, 0.035, 0.045, 0.55) : vec4(0.84, 0.85, 0.87, 0.55);

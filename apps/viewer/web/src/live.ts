@@ -26,7 +26,8 @@ export interface LiveEvents {
 }
 
 const LOST =
-  "The connection is lost. The program ended or the network failed; start it again, this page reconnects by itself.";
+  "The connection is lost. Where the network failed, this page goes on by itself once it is back. Where the program " +
+  "has ended, start it again and open the address that it prints: each start has a new one.";
 const NEW_TOKEN =
   "The program was started again and has a new address. Open the one that it has printed; this one is no longer valid.";
 const NOT_UNDERSTOOD = "This page does not understand the program; load it again.";

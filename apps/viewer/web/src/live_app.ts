@@ -1,9 +1,11 @@
 /** The page of a live scene. */
 
-import { AddressBar, readAddress } from "./address";
+import { AddressBar, nameOfField, readAddress } from "./address";
 import { element, icon, iconButton } from "./dom";
+import { Crosshair } from "./crosshair";
 import { Gestures, type Place } from "./gestures";
 import { HeadUp } from "./head_up";
+import { arrowOf, belongsToControl, CAMERA_KEYS, keyOf, movesCamera } from "./keys";
 import { LiveConnection } from "./live";
 import { LivePanel, type LiveActions } from "./live_panel";
 import { Overlays } from "./overlays";
@@ -18,15 +20,18 @@ const KEYS: [string, string][] = [
   ["left button beside it, right button", "turn the camera"],
   ["middle button, Shift and left button", "move the camera"],
   ["wheel, two fingers", "come nearer, go away"],
+  ...CAMERA_KEYS,
+  ["arrows, Enter", "point at a place of the body; take it, pin it or poke it, and let go"],
   ["1 2 3", "hand, pin, poke"],
   ["Space", "pause and go on"],
   ["s", "a single step"],
   ["r", "reset to the start"],
   ["f", "see the whole scene"],
-  ["w c x", "wireframe, coarse cells, cut"],
+  ["w c x m", "wireframe, coarse cells, cut, supports and loads"],
   ["?", "this help"],
 ];
 
+const KEY_STEP = 14; // pixels that an arrow leads what is held
 const HOVER_LIMIT = 40_000; // triangles up to which the pointer's look follows what is below it
 
 export class LiveApp {
@@ -35,6 +40,7 @@ export class LiveApp {
   private readonly headUp = new HeadUp();
   private readonly strip = new Strip();
   private readonly overlays = new Overlays(KEYS);
+  private readonly crosshair = new Crosshair();
   private readonly toolButtons = new Map<Tool, HTMLButtonElement>();
   private readonly pauseButton: HTMLButtonElement;
   private panel: LivePanel | null = null;
@@ -60,6 +66,7 @@ export class LiveApp {
         this.headUp.set(status);
         this.strip.add(status);
         this.shell.inspected.status = status;
+        if (this.tools) this.tools.force = status.hand_force ?? null;
       },
       refused: (message) => {
         this.overlays.say(message);
@@ -79,10 +86,14 @@ export class LiveApp {
       drawn: (frame) => this.connection.acknowledge(frame),
     });
     this.pauseButton = iconButton("pause", "Pause (Space)", () => this.togglePause());
+    this.overlays.root.append(this.crosshair.root);
     this.shell.bottom.append(this.toolbar(), this.headUp.root);
     this.shell.left.append(this.strip.root);
     new Gestures(this.shell.canvas, () => this.shell.viewport!.orbit, {
-      press: (at) => this.tools?.press(at) ?? false,
+      press: (at) => {
+        this.crosshair.hide();
+        return this.tools?.press(at) ?? false;
+      },
       drag: (at) => this.tools?.drag(at),
       release: () => this.tools?.release(),
       click: (at) => this.tools?.click(at),
@@ -136,15 +147,16 @@ export class LiveApp {
     const actions: LiveActions = {
       set: (key, value) => this.unsent.set(key, value),
       send: (message) => this.connection.send(message),
+      complain: (words) => this.overlays.say(words),
     };
     this.panel = new LivePanel(this.shell.gui!, hello, actions, this.tools);
     this.overlays.setKeys([...KEYS, ...this.panel.hotkeys]);
     const { choices } = this.shell;
     viewport.setGround(hello.state.ground);
-    if (!this.shell.cameraWasKept) viewport.seeAll();
+    if (!this.shell.cameraWasKept) this.shell.seeAll();
     if (this.isFirstScene) this.applyAddress(viewport);
     this.isFirstScene = false;
-    if (!hello.fields.some((field) => field.name === choices.field)) choices.field = "";
+    choices.field = nameOfField(hello.fields, choices.field);
     this.shell.addDisplay({ look: () => this.addressBar.changed() });
     this.shell
       .display!.folder.add({ visible: true }, "visible")
@@ -160,7 +172,7 @@ export class LiveApp {
     const { choices } = this.shell;
     Object.assign(choices, view.look, { field: view.field ?? "" });
     viewport.setLook(choices);
-    if (view.camera) viewport.orbit.setPose(view.camera);
+    if (view.camera) this.shell.lookFrom(view.camera);
   }
 
   private setState(state: State): void {
@@ -219,7 +231,7 @@ export class LiveApp {
   }
 
   private key(event: KeyboardEvent): void {
-    if (event.ctrlKey || event.metaKey || event.altKey || event.target instanceof HTMLInputElement) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || belongsToControl(event)) return;
     const { shell } = this;
     const actions: Record<string, () => void> = {
       "1": () => this.chooseTool("hand"),
@@ -228,17 +240,42 @@ export class LiveApp {
       " ": () => this.togglePause(),
       s: () => this.connection.send({ type: "step" }),
       r: () => this.connection.send({ type: "reset" }),
-      f: () => shell.viewport?.seeAll(),
+      f: () => shell.seeAll(),
       w: () => shell.toggle("wireframe"),
       c: () => shell.toggle("cells"),
       x: () => shell.toggle("cut"),
+      m: () => shell.toggle("marks"),
       "?": () => this.overlays.showHelp(!this.overlays.helpIsOpen),
-      Escape: () => this.overlays.showHelp(false),
+      Enter: () => this.actAtCrosshair(),
+      Escape: () => this.leaveCrosshair(),
     };
-    const action = actions[event.key] ?? this.panel?.hotkeyAction(event.key);
-    if (!action) return;
+    const action = actions[keyOf(event)] ?? this.panel?.hotkeyAction(keyOf(event));
+    if (action) action();
+    else if (shell.viewport && movesCamera(event, shell.viewport.orbit)) shell.viewport.touch();
+    else if (!this.moveCrosshair(arrowOf(event))) return;
     event.preventDefault();
-    action();
     this.addressBar.changed();
+  }
+
+  /** Arrows lead what is held, else they move the crosshair, which begins on the body. */
+  private moveCrosshair(arrow: [number, number] | null): boolean {
+    if (!arrow) return false;
+    if (!this.crosshair.isShown) this.crosshair.show(this.shell.middleOfBody());
+    else if (this.tools?.isHolding) this.tools.nudge(KEY_STEP * arrow[0], KEY_STEP * arrow[1]);
+    else this.crosshair.move(arrow);
+    return true;
+  }
+
+  private actAtCrosshair(): void {
+    if (!this.tools) return;
+    if (this.tools.isHolding) return this.tools.release();
+    if (!this.crosshair.isShown) this.crosshair.show(this.shell.middleOfBody());
+    if (this.tool === "pin") return this.tools.click(this.crosshair.place);
+    if (!this.tools.press(this.crosshair.place)) this.overlays.say("There is nothing to take at the cross.");
+  }
+
+  private leaveCrosshair(): void {
+    if (this.tools?.isHolding) this.tools.release();
+    else this.crosshair.hide();
   }
 }

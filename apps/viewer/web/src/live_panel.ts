@@ -1,12 +1,14 @@
 /** The panel of a live scene: the controls that the program lists, in step with it and with other pages. */
 
 import type { GUI } from "lil-gui";
+import { NumberSlider, type NumberRange } from "./number_slider";
 import { makeWidget, type Widget } from "./control_widgets";
 import type { ControlOf, ControlValue, Hello, PageMessage, State } from "./protocol";
 
 export interface LiveActions {
   set(key: string, value: ControlValue): void;
   send(message: PageMessage): void;
+  complain(words: string): void;
 }
 
 const TOOLS = "Tools"; // the folder to which the page adds controls of its own
@@ -27,7 +29,7 @@ export class LivePanel {
     this.state = state;
     this.switches = controls.filter((control) => control.kind === "switch");
     for (const control of controls) {
-      const place = { folder: this.folder(control.folder), up, dimension };
+      const place = { folder: this.folder(control.folder), up, dimension, complain: actions.complain };
       this.follow(control.key, makeWidget(control, place, state.values));
     }
     this.addTools(ball, extent);
@@ -52,10 +54,16 @@ export class LivePanel {
 
   private addTools(ball: { pokeRadius: number }, extent: number): void {
     const folder = this.folder(TOOLS);
-    folder
-      .add(ball, "pokeRadius", 0.02 * extent, 0.5 * extent)
-      .decimals(3)
-      .name("Poking ball [m]");
+    const range: NumberRange = {
+      least: 0.02 * extent,
+      greatest: 0.5 * extent,
+      step: 0.001 * extent,
+      unit: "m",
+      allowed: [1e-6 * extent, 10 * extent],
+      complain: this.actions.complain,
+    };
+    const slider = new NumberSlider(folder, ball, "pokeRadius", range).name("Poking ball [m]");
+    slider.domElement.dataset.testid = "set-poke_radius";
     const button = (name: string, message: PageMessage) =>
       folder.add({ press: () => this.actions.send(message) }, "press").name(name);
     button("Remove all pins", { type: "unpin_all" });

@@ -49,3 +49,14 @@ export function power(value: number): string {
 export function raised(unit: string): string {
   return unit.replace("^2", "²").replace("^3", "³");
 }
+
+const ROUNDING = 1e-9; // of the scale of a field in its scene
+
+/** A range that is not finer than rounding: what is nearly the same everywhere has one colour, that of the middle. */
+export function withoutRounding([low, high]: [number, number], scale: number): [number, number] {
+  const least = Math.max(ROUNDING * scale, 1e-6 * Math.max(Math.abs(low), Math.abs(high)), 1e-30);
+  if (high - low >= least) return [low, high];
+  if (low >= 0 && low < least) return [0, least]; // zero stays at the end of the bar
+  const middle = (low + high) / 2;
+  return [middle - least / 2, middle + least / 2];
+}

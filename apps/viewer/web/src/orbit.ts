@@ -11,6 +11,7 @@ export interface Pose {
 
 const FIELD_OF_VIEW = 32; // [degrees], a portrait lens
 const LARGEST_ELEVATION = 1.55;
+const MARGIN = 1.1; // around what is to be seen
 
 export class Orbit {
   readonly camera: THREE.PerspectiveCamera | THREE.OrthographicCamera;
@@ -21,7 +22,7 @@ export class Orbit {
   private width = 1;
   private height = 1;
   private extent = 1;
-  private covered = { left: 0, right: 0, bottom: 0 }; // pixels of the window that something lies over
+  private covered = { left: 0, right: 0, top: 0, bottom: 0 }; // pixels of the window that something lies over
 
   constructor(
     readonly flat: boolean,
@@ -37,35 +38,44 @@ export class Orbit {
     this.east.crossVectors(this.up, this.north);
   }
 
-  /** Looks at the box so that all of it is seen. */
+  /** Looks at the box so that all of it is seen in what panels leave free. */
   fit(box: THREE.Box3, azimuth = 0.55, elevation = 0.28): void {
     const center = box.getCenter(new THREE.Vector3());
-    const radius = Math.max(box.getSize(new THREE.Vector3()).length() / 2, 1e-9);
-    this.extent = 2 * radius;
+    const size = box.getSize(new THREE.Vector3());
+    this.extent = Math.max(size.length(), 2e-9);
     const free = {
-      width: this.width - this.covered.left - this.covered.right,
-      height: this.height - this.covered.bottom,
+      width: Math.max(this.width - this.covered.left - this.covered.right, 0.3 * this.width),
+      height: Math.max(this.height - this.covered.top - this.covered.bottom, 0.3 * this.height),
     };
-    const narrow = Math.min(free.width, free.height) / this.height;
-    const half = THREE.MathUtils.degToRad(FIELD_OF_VIEW / 2);
-    const across = Math.atan(Math.tan(half) * narrow);
-    const distance = this.flat ? this.flatHeight(box, free) : (1.02 * radius) / Math.sin(across);
-    this.pose = { azimuth, elevation, distance, target: center.toArray() };
+    if (this.flat) {
+      const tallest = Math.max(size.x * (this.height / free.width), size.y * (this.height / free.height), 1e-9);
+      this.pose = { azimuth, elevation, distance: MARGIN * tallest, target: center.toArray() };
+      return this.apply();
+    }
+    this.pose = { azimuth, elevation, distance: this.extent, target: center.toArray() };
+    this.apply(); // the axes of the camera
+    const slope = Math.tan(THREE.MathUtils.degToRad(FIELD_OF_VIEW / 2));
+    const [across, along] = [(slope * free.width) / this.height, (slope * free.height) / this.height];
+    let distance = 0;
+    for (let corner = 0; corner < 8; ++corner) {
+      const out = new THREE.Vector3(
+        (corner & 1 ? 0.5 : -0.5) * size.x,
+        (corner & 2 ? 0.5 : -0.5) * size.y,
+        (corner & 4 ? 0.5 : -0.5) * size.z,
+      );
+      const [x, y, z] = [out.dot(this.axis(0)), out.dot(this.axis(1)), out.dot(this.axis(2))];
+      distance = Math.max(distance, z + (MARGIN * Math.abs(x)) / across, z + (MARGIN * Math.abs(y)) / along);
+    }
+    this.pose.distance = Math.max(distance, 1e-9);
     this.apply();
   }
 
-  /** Height of the window in 2D, with a margin around the box [m]. */
-  private flatHeight(box: THREE.Box3, free: { width: number; height: number }): number {
-    const size = box.getSize(new THREE.Vector3());
-    return 1.25 * Math.max(size.x * (this.height / free.width), size.y * (this.height / free.height));
-  }
-
   /** `covered`: what panels take of the window; the scene is in the middle of the rest. */
-  resize(width: number, height: number, covered = { left: 0, right: 0, bottom: 0 }): void {
+  resize(width: number, height: number, covered = { left: 0, right: 0, top: 0, bottom: 0 }): void {
     [this.width, this.height] = [width, height];
     this.covered = covered;
-    const right = (covered.right - covered.left) / 2;
-    this.camera.setViewOffset(width, height, right, covered.bottom / 2, width, height);
+    const [right, down] = [(covered.right - covered.left) / 2, (covered.bottom - covered.top) / 2];
+    this.camera.setViewOffset(width, height, right, down, width, height);
     this.apply();
   }
 

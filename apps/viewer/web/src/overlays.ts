@@ -7,6 +7,8 @@ export class Overlays {
   private readonly lost = element("div", { class: "veil", data: "lost", role: "alert", hidden: true });
   private readonly lostWords = element("p", {});
   private readonly help: HTMLElement;
+  private readonly closeButton: HTMLButtonElement;
+  private focusBefore: Element | null = null; // where the keys went before the help
   private readonly keys = element("table", {});
   private readonly toast = element("div", { class: "toast", data: "toast", role: "alert", hidden: true });
   private toastEnds = 0;
@@ -14,7 +16,7 @@ export class Overlays {
   constructor(keys: [string, string][]) {
     this.lost.append(element("div", { class: "card dialog" }, element("span", { class: "spinner" }), this.lostWords));
     this.setKeys(keys);
-    const close = element("button", { type: "button", on: { click: () => this.showHelp(false) } }, "Close");
+    this.closeButton = element("button", { type: "button", on: { click: () => this.showHelp(false) } }, "Close");
     this.help = element(
       "div",
       {
@@ -22,10 +24,14 @@ export class Overlays {
         data: "help",
         hidden: true,
         role: "dialog",
-        "aria-label": "keys",
-        on: { click: () => this.showHelp(false) },
+        "aria-modal": "true",
+        "aria-label": "Mouse and keys",
+        on: {
+          click: (event: MouseEvent) => event.target === this.help && this.showHelp(false),
+          keydown: (event: KeyboardEvent) => this.keepFocus(event),
+        },
       },
-      element("div", { class: "card dialog" }, element("h2", {}, "Mouse and keys"), this.keys, close),
+      element("div", { class: "card dialog" }, element("h2", {}, "Mouse and keys"), this.keys, this.closeButton),
     );
     this.root.append(this.lost, this.help, this.toast);
   }
@@ -44,8 +50,21 @@ export class Overlays {
     if (words !== null) setText(this.lostWords, words);
   }
 
+  /** The dialog has the keys while it is open, and gives them back to who had them. */
   showHelp(visible: boolean): void {
+    if (visible === this.helpIsOpen) return;
+    if (visible) this.focusBefore = document.activeElement;
     this.help.hidden = !visible;
+    if (visible) this.closeButton.focus();
+    else if (this.focusBefore instanceof HTMLElement) this.focusBefore.focus({ preventScroll: true });
+  }
+
+  /** The button is all that can have the focus in the dialog. */
+  private keepFocus(event: KeyboardEvent): void {
+    if (event.key === "Tab") event.preventDefault();
+    if (event.key !== "Escape" && event.key !== "?") return;
+    event.stopPropagation();
+    this.showHelp(false);
   }
 
   get helpIsOpen(): boolean {

@@ -1,16 +1,20 @@
 /** The column of plots beside a recorded scene: the probed place first, then what the report holds. */
 
-import { Chart } from "./charts";
+import { Chart, type Series } from "./charts";
 import { element } from "./dom";
 import type { RecordedValues } from "./recorded_values";
-import { curvesOf, type Report, timeAxis, type TimeAxis } from "./report";
+import { axisWords, curvesOf, type Report, timeAxis, type TimeAxis } from "./report";
 
-const HEIGHT = 118;
+const HEIGHT = 132;
 
 export class Plots {
   readonly root = element("aside", { class: "card plots", data: "plots", "aria-label": "plots" });
   private readonly probePlace = element("div", { data: "probe" });
-  private readonly hint = element("p", { class: "hint" }, "Click the body: the values of that place over time.");
+  private readonly hint = element(
+    "p",
+    { class: "hint" },
+    "Click the body, or press Enter: the values of that place, frame by frame.",
+  );
   private probeCharts: Chart[] = [];
   private readonly reportCharts: Chart[] = [];
   private readonly axis: TimeAxis;
@@ -22,7 +26,7 @@ export class Plots {
     private readonly seek: (index: number) => void,
   ) {
     const { frames } = values.recording;
-    this.axis = timeAxis(frames);
+    this.axis = report?.frames.some((frame) => frame.mode) ? timeAxis(report.frames) : timeAxis(frames);
     this.root.append(this.probePlace);
     this.probePlace.append(this.hint);
     if (!report) return;
@@ -31,16 +35,16 @@ export class Plots {
       const later = frames.findIndex((frame) => frame.number >= index);
       seek(later < 0 ? frames.length - 1 : later);
     };
-    for (const { title, series, values: rows } of curvesOf(report)) {
-      const chart = this.chart(title, series, jump);
+    for (const { title, series, values: rows, points = false } of curvesOf(report)) {
+      const chart = this.chart(title, series, jump, points);
       chart.set(times, rows);
       this.reportCharts.push(chart);
       this.root.append(chart.root);
     }
   }
 
-  private chart(title: string, series: { label: string; unit: string }[], clicked: (index: number) => void): Chart {
-    return new Chart({ title, series, height: HEIGHT, legend: true, clicked });
+  private chart(title: string, series: Series[], clicked: (index: number) => void, points = false): Chart {
+    return new Chart({ title, series, height: HEIGHT, legend: true, axis: axisWords(this.axis), points, clicked });
   }
 
   get isEmpty(): boolean {

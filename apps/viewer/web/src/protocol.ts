@@ -33,10 +33,17 @@ const part = object({
   num_vertices: number,
   num_triangles: number,
   num_edges: number,
+  num_tetrahedra: optional(number), // of its inside, for a cut
 });
 export type Part = Read<typeof part>;
 
-export const readField = object({ name: text, label: text, unit: text, group: optional(text) });
+export const readField = object({
+  name: text,
+  label: text,
+  unit: text,
+  group: optional(text),
+  scale: optional(number), // of its values in the scene: what is far below is rounding
+});
 export type Field = Read<typeof readField>;
 
 const collider = object({
@@ -47,6 +54,16 @@ const collider = object({
   endless: flag, // a half-space
 });
 export type Collider = Read<typeof collider>;
+
+/** What a scene holds, pulls or watches, at vertices. */
+const mark = object({
+  kind: word("support", "load", "probe"),
+  name: text,
+  vertices: list(number),
+  directions: optional(list(vector)), // of a load: its force at each vertex over the greatest
+  greatest: optional(number), // that force [N]
+});
+export type Mark = Read<typeof mark>;
 
 /** What is drawn: of a live scene and of a recording. */
 const headerShape = {
@@ -60,6 +77,7 @@ const headerShape = {
   parts: list(part),
   fields: list(readField),
   colliders: optional(list(collider)),
+  marks: optional(list(mark)),
 };
 
 export const readHeader = object({
@@ -70,7 +88,14 @@ export type Header = Read<typeof readHeader>;
 
 const controlShape = { key: text, folder: text, label: text, help: text };
 const control = tagged("kind", {
-  slider: object({ ...controlShape, unit: text, least: number, greatest: number, step: number }),
+  slider: object({
+    ...controlShape,
+    unit: text,
+    least: number,
+    greatest: number,
+    step: number,
+    zero: optional(text), // what 0 means, in words
+  }),
   log_slider: object({ ...controlShape, unit: text, least: number, greatest: number }),
   switch: object({ ...controlShape, hotkey: text }), // "": none
   choice: object({ ...controlShape, options: list(object({ name: text, label: text })) }),
@@ -117,6 +142,7 @@ const status = object({
   at_rest: flag,
   elastic_energy: measurement, // [J]
   kinetic_energy: measurement, // [J]
+  hand_force: optional(nullable(measurement)), // [N]; null: nothing is held
   words: text,
 });
 export type Status = Read<typeof status>;
@@ -139,6 +165,7 @@ export function decodeMessage(json: string): ServerMessage {
 export interface Topology {
   triangles: Uint32Array[]; // by part, vertices numbered over all parts
   edges: Uint32Array[];
+  tetrahedra: Uint32Array[]; // of the inside; vertices without a triangle stand behind those of the surface
   restPositions: Float32Array;
   colliders: ColliderShape[];
 }
@@ -176,6 +203,7 @@ export function decodeTopology(buffer: ArrayBuffer, { parts, colliders = [], dim
   if (view.getUint32(4, true) !== parts.length) throw new Error("The topology has other parts than the header.");
   const triangles: Uint32Array[] = [];
   const edges: Uint32Array[] = [];
+  const tetrahedra: Uint32Array[] = [];
   let offset = 8;
   const take = (count: number) => {
     const values = new Uint32Array(buffer, offset, count);
@@ -185,6 +213,7 @@ export function decodeTopology(buffer: ArrayBuffer, { parts, colliders = [], dim
   for (const part of parts) {
     triangles.push(take(3 * part.num_triangles));
     edges.push(take(2 * part.num_edges));
+    tetrahedra.push(take(4 * (part.num_tetrahedra ?? 0)));
   }
   const takePlaces = (count: number) => {
     const places = new Float32Array(buffer, offset, 3 * count);
@@ -196,7 +225,7 @@ export function decodeTopology(buffer: ArrayBuffer, { parts, colliders = [], dim
     vertices: takePlaces(num_vertices),
     facets: take(dimension * num_facets),
   }));
-  return { triangles, edges, restPositions, colliders: shapes };
+  return { triangles, edges, tetrahedra, restPositions, colliders: shapes };
 }
 
 export function vertexCount(parts: Part[]): number {

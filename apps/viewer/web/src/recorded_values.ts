@@ -8,7 +8,8 @@ import type { RecordedFrame, Recording } from "./recording";
 
 /** A field at the vertices, frame by frame of a recording. */
 export interface FieldFrames {
-  ranges: [number, number][]; // least and greatest value
+  ranges: [number, number][]; // values that 1 and 65535 stand for
+  shown?: [number, number][]; // least and greatest value, where these are others
   codes: Uint16Array[]; // 0: not a number; 1 to 65535: from the least to the greatest value
 }
 
@@ -47,12 +48,16 @@ export function decodeFieldFrames(buffer: ArrayBuffer, frames: RecordedFrame[], 
   return found;
 }
 
-/** The length of the displacement, or one of its components. */
-function displacementFrames(frames: RecordedFrame[], component: number): FieldFrames {
-  const found: FieldFrames = { ranges: [], codes: [] };
+/**
+ * The length of the displacement, or one of its components. Its range is that of the cells, as in the report: skins
+ * stand out of them.
+ */
+function displacementFrames(frames: RecordedFrame[], component: number, isOfCells: Uint8Array): FieldFrames {
+  const found: FieldFrames & { shown: [number, number][] } = { ranges: [], shown: [], codes: [] };
   for (const { displacements } of frames) {
     const values = new Float32Array(displacements.length / 3);
-    let [least, greatest] = component < 0 ? [0, 0] : [Infinity, -Infinity];
+    let [least, greatest] = [Infinity, -Infinity];
+    let [low, high] = [Infinity, -Infinity];
     for (let v = 0; v < values.length; ++v) {
       const value =
         component < 0
@@ -61,9 +66,13 @@ function displacementFrames(frames: RecordedFrame[], component: number): FieldFr
       values[v] = value;
       least = Math.min(least, value);
       greatest = Math.max(greatest, value);
+      if (!isOfCells[v]) continue;
+      low = Math.min(low, value);
+      high = Math.max(high, value);
     }
     const scale = greatest > least ? 65534 / (greatest - least) : 0;
     found.ranges.push([least, greatest]);
+    found.shown.push(low <= high ? [low, high] : [least, greatest]);
     found.codes.push(Uint16Array.from(values, (value) => 1 + Math.min(65534, Math.round(scale * (value - least)))));
   }
   return found;
@@ -78,13 +87,17 @@ export class RecordedValues {
   private readonly numOwn: number;
   private readonly positions: Float32Array;
   private readonly held = new Map<number, FieldFrames>(); // by place in `fields`
+  private readonly isOfCells: Uint8Array; // by vertex: of the cells, not of a skin
 
   constructor(
     readonly recording: Recording,
     private readonly others: OtherFields | null = null,
   ) {
     const { header, topology } = recording;
-    const displacement = { unit: "m", group: "displacement" };
+    this.isOfCells = new Uint8Array(topology.restPositions.length / 3);
+    for (const { kind, first_vertex: first, num_vertices: count } of header.parts)
+      if (kind === "cells") this.isOfCells.fill(1, first, first + count);
+    const displacement = { unit: "m", group: "displacement", scale: header.extent };
     const components = (header.dimension === 2 ? ["x", "y"] : ["x", "y", "z"]).map((axis) => ({
       ...displacement,
       name: `displacement.${axis}`,
@@ -123,18 +136,24 @@ export class RecordedValues {
             ranges: frames.map((frame) => frame.ranges[recorded]),
             codes: frames.map((frame) => frame.fields[recorded]),
           }
-        : displacementFrames(frames, component);
+        : displacementFrames(frames, component, this.isOfCells);
     this.held.set(field, formed);
     return formed;
   }
 
-  /** `field`: place in `fields`; -1: none. */
-  frame(index: number, field: number): Frame {
+  /**
+   * `field`: place in `fields`; -1: none. `swing`: how much of what the frame has moved beyond the first one is seen;
+   * values stay those of the whole.
+   */
+  frame(index: number, field: number, swing = 1): Frame {
     const { frames, topology } = this.recording;
     const recorded = frames[index];
-    for (let i = 0; i < this.positions.length; ++i)
-      this.positions[i] = topology.restPositions[i] + recorded.displacements[i];
-    const [least, greatest] = field < 0 ? [0, 1] : this.rangeOfFrame(index, field);
+    const first = frames[0].displacements;
+    for (let i = 0; i < this.positions.length; ++i) {
+      const moved = recorded.displacements[i];
+      this.positions[i] = topology.restPositions[i] + (swing === 1 ? moved : first[i] + swing * (moved - first[i]));
+    }
+    const [least, greatest] = field < 0 ? [0, 1] : this.of(field).ranges[index];
     return {
       number: index,
       time: recorded.time,
@@ -150,12 +169,29 @@ export class RecordedValues {
   }
 
   rangeOfFrame(index: number, field: number): [number, number] {
-    return this.of(field).ranges[index];
+    const { ranges, shown = ranges } = this.of(field);
+    return shown[index];
+  }
+
+  /**
+   * The frame that tells most: where the field of this place in `fields` is largest, the last of those; of fields that
+   * are nothing anywhere the last frame.
+   */
+  mostTelling(field: number): number {
+    const { length } = this.recording.frames;
+    let best = length - 1;
+    const size = (index: number) => {
+      const [low, high] = this.rangeOfFrame(index, field);
+      return Number.isFinite(low + high) ? Math.max(Math.abs(low), Math.abs(high)) : -1;
+    };
+    for (let i = length - 2; i >= 0; --i) if (size(i) > size(best) * (1 + 1e-6)) best = i;
+    return best;
   }
 
   /** Over all frames. */
   range(field: number): [number, number] {
-    const known = this.of(field).ranges.filter((range) => range.every(Number.isFinite));
+    const { ranges, shown = ranges } = this.of(field);
+    const known = shown.filter((range) => range.every(Number.isFinite));
     return [Math.min(...known.map((range) => range[0])), Math.max(...known.map((range) => range[1]))];
   }
 

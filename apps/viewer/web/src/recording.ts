@@ -93,6 +93,9 @@ export function lowerNeighbours(topology: Topology, numVertices: number): Int32A
       connect(corners[i + 1], corners[i + 2]);
       connect(corners[i + 2], corners[i]);
     }
+  for (const corners of topology.tetrahedra)
+    for (let i = 0; i < corners.length; i += 4)
+      for (let a = i; a < i + 4; ++a) for (let b = a + 1; b < i + 4; ++b) connect(corners[a], corners[b]);
   for (const ends of topology.edges) for (let i = 0; i < ends.length; i += 2) connect(ends[i], ends[i + 1]);
   return neighbours;
 }

@@ -1,7 +1,7 @@
 /** report.json as far as the page draws it, and the curves that it makes of it. */
 
 import type { Series } from "./charts";
-import { list, measurement, object, optional, record, text, type Read } from "./decode";
+import { flag, list, measurement, object, optional, record, text, type Read } from "./decode";
 
 const reportFrame = object({
   time: measurement,
@@ -11,6 +11,9 @@ const reportFrame = object({
   energy: optional(record(measurement)),
   probes: optional(record(object({ displacement: optional(list(measurement)) }))),
   reactions: optional(record(list(measurement))),
+  mode: optional(
+    object({ number: measurement, frequency: measurement, rigid: optional(flag), unstable: optional(flag) }),
+  ),
 });
 type ReportFrame = Read<typeof reportFrame>;
 
@@ -24,6 +27,8 @@ export type Report = Read<typeof readReport>;
 
 export interface Curves {
   title: string;
+  points?: boolean; // single values
+
   series: Series[];
   values: number[][]; // one row for each series, one number for each frame of the report
 }
@@ -34,10 +39,14 @@ export interface TimeAxis {
   of(frame: { time: number; load: number }, index: number): number;
 }
 
+export const axisWords = ({ label, unit }: TimeAxis) => (unit ? `${label} [${unit}]` : label);
+
 /** Time where it passes, else the load factor, else the number of the frame. */
 export function timeAxis(frames: { time: number; load: number }[]): TimeAxis {
   const grows = (of: (frame: { time: number; load: number }) => number) =>
     frames.length > 1 && frames.every((frame, i) => i === 0 || of(frame) > of(frames[i - 1]));
+  if (frames.some((frame) => "mode" in frame && frame.mode))
+    return { label: "mode", unit: "", of: (_, index) => index };
   if (grows((frame) => frame.time)) return { label: "time", unit: "s", of: (frame) => frame.time };
   if (grows((frame) => frame.load)) return { label: "load", unit: "", of: (frame) => frame.load };
   return { label: "frame", unit: "", of: (_, index) => index };
@@ -45,8 +54,15 @@ export function timeAxis(frames: { time: number; load: number }[]): TimeAxis {
 
 const AXES = "xyz";
 
+/** The frequencies over the numbers of the modes; what a run at rest does besides is nothing. */
+function curvesOfModes(frames: ReportFrame[]): Curves[] {
+  const values = [frames.map(({ mode }) => (mode && !mode.rigid && !mode.unstable ? mode.frequency : NaN))];
+  return [{ title: "Frequency [Hz]", points: true, series: [{ label: "frequency", unit: "Hz" }], values }];
+}
+
 export function curvesOf(report: Report): Curves[] {
   const { frames } = report;
+  if (frames.some((frame) => frame.mode)) return curvesOfModes(frames);
   const curves: Curves[] = [];
   const keysOf = (pick: (frame: ReportFrame) => object | undefined) => [
     ...new Set(frames.flatMap((frame) => Object.keys(pick(frame) ?? {}))),

@@ -1,8 +1,11 @@
 /** The page of recorded results. */
 
-import { AddressBar, readAddress, type SharedView } from "./address";
+import { AddressBar, nameOfField, readAddress, type SharedView } from "./address";
+import { Crosshair } from "./crosshair";
 import { element, iconButton } from "./dom";
 import { Gestures, type Place } from "./gestures";
+import { arrowOf, belongsToControl, CAMERA_KEYS, keyOf, movesCamera } from "./keys";
+import { modesOf } from "./modes";
 import { Overlays } from "./overlays";
 import { Plots } from "./plots";
 import type { Frame } from "./protocol";
@@ -11,20 +14,25 @@ import type { Recording } from "./recording";
 import type { Report } from "./report";
 import { Shell } from "./shell";
 import { Timeline } from "./timeline";
+import type { Viewport } from "./viewport";
 import * as THREE from "three";
 
 const KEYS: [string, string][] = [
   ["left button", "turn the camera; a click on the body shows the values there"],
   ["middle button, Shift and left button", "move the camera"],
   ["wheel, two fingers", "come nearer, go away"],
+  ...CAMERA_KEYS,
   ["Space", "play and pause"],
   ["← →", "the frame before, the next one"],
+  ["Enter", "probe the body: then arrows lead the cross, Escape ends it"],
   ["Home End", "the first frame, the last one"],
   ["f", "see the whole scene"],
-  ["w c x", "wireframe, coarse cells, cut"],
+  ["w c x m", "wireframe, coarse cells, cut, supports and loads"],
   ["Escape", "forget the probed place"],
   ["?", "this help"],
 ];
+
+const FRAMES_LOOKED_AT = 60; // for the camera
 
 export class ResultsApp {
   private readonly shell: Shell;
@@ -34,13 +42,15 @@ export class ResultsApp {
   private field = -1;
   private chosen = ""; // name of the field that is shown, or will be once it is there
   private wanted: number | null = 0; // frame to be drawn next
+  private swing = 1; // of a mode
+  private readonly crosshair = new Crosshair();
   private probed: number | null = null;
   private rangeOverAll = true;
   private readonly addressBar = new AddressBar(() => (this.timeline.isPlaying ? null : this.view()));
 
   constructor(
     private readonly values: RecordedValues,
-    report: Report | null,
+    private readonly report: Report | null,
   ) {
     const { recording } = values;
     this.shell = new Shell("recorded", this.overlays, {
@@ -54,8 +64,11 @@ export class ResultsApp {
     const viewport = this.shell.setScene(header, recording.topology, (part) =>
       header.parts[part].kind === "skin" ? "smooth" : "creased",
     );
+    const modes = modesOf(recording.frames, report);
     viewport.setGround(header.ground ?? null);
-    viewport.seeAll();
+    viewport.reach = this.reach(viewport, modes.length > 0);
+    this.overlays.root.append(this.crosshair.root);
+    this.shell.seeAll();
     this.shell.addDisplay({
       look: () => this.addressBar.changed(),
       rangeOver: (choice) => {
@@ -63,14 +76,14 @@ export class ResultsApp {
         this.showRange();
       },
     });
-    this.timeline = new Timeline(
-      recording.frames,
-      (index) => {
+    this.timeline = new Timeline(recording.frames, modes, {
+      shown: (index, swing) => {
         this.wanted = index;
+        this.swing = swing;
         this.addressBar.changed();
       },
-      () => void this.share(),
-    );
+      share: () => void this.share(),
+    });
     this.plots = new Plots(values, report, (index) => this.timeline.seek(index));
     this.shell.bottom.append(this.timeline.root);
     this.shell.panelPlace.append(this.plots.root);
@@ -92,13 +105,27 @@ export class ResultsApp {
       report,
       seek: (index: number) => this.timeline.seek(index),
       probe: (vertex: number) => this.probe(vertex),
+      tone: () => this.timeline.tonePlayed,
     });
+  }
+
+  /** Where the bodies are in all frames, looked at in some of them; modes swing to both sides. */
+  private reach(viewport: Viewport, isOfModes: boolean): THREE.Box3 {
+    const { length } = this.values.recording.frames;
+    const box = new THREE.Box3();
+    const stride = Math.max(1, Math.floor(length / FRAMES_LOOKED_AT));
+    for (let i = 0; i < length; ++i)
+      if (i % stride === 0 || i === length - 1)
+        for (const swing of isOfModes ? [1, -1] : [1])
+          box.union(viewport.boxOf(this.values.frame(i, -1, swing).positions));
+    return box.isEmpty() ? viewport.restBox.clone() : box;
   }
 
   private describe(recording: Recording, report: Report | null): void {
     const words: string[] = [];
     const { frames, skipped, damage } = recording;
-    words.push(frames.length === 1 ? "one frame" : `${frames.length} frames`);
+    const modes = modesOf(frames, report).filter((mode) => mode !== null).length;
+    words.push(modes > 0 ? `${modes} modes` : frames.length === 1 ? "one frame" : `${frames.length} frames`);
     if (skipped > 0) words.push(`every ${skipped + 1}th of what was recorded, since all would not fit`);
     if (report && report.status !== "done") words.push(report.reason || report.status);
     if (damage) words.push(damage);
@@ -178,7 +205,7 @@ export class ResultsApp {
     if (!this.timeline) return null;
     this.timeline.tick();
     if (this.wanted === null) return null;
-    const frame = this.values.frame(this.wanted, this.field);
+    const frame = this.values.frame(this.wanted, this.field, this.swing);
     const viewport = this.shell.viewport!;
     viewport.setFrame(frame);
     if (this.field < 0) this.shell.bar.set(null, [0, 1], false);
@@ -188,6 +215,7 @@ export class ResultsApp {
     );
     this.plots.mark(this.wanted);
     this.shell.inspected.frame = this.wanted;
+    this.shell.inspected.swing = this.swing;
     this.shell.inspected.time = frame.time;
     this.shell.inspected.shownField = frame.field;
     this.wanted = null;
@@ -207,14 +235,25 @@ export class ResultsApp {
   private applyAddress(): void {
     const view = readAddress(location.hash);
     const { shell } = this;
-    if (location.hash === "") view.field = this.values.fields[Math.min(1, this.values.fields.length - 1)].name;
+    // Shapes of vibrations have no stress that means something: their size is arbitrary.
+    const first = this.timeline.showsModes ? 0 : Math.min(1, this.values.fields.length - 1);
+    if (location.hash === "") view.field = this.values.fields[first].name;
     Object.assign(shell.choices, view.look);
-    shell.choices.field = this.values.fields.some((field) => field.name === view.field) ? view.field! : "";
+    shell.choices.field = nameOfField(this.values.fields, view.field ?? "");
     shell.display!.refresh();
     shell.viewport!.setLook(shell.choices);
     this.chooseField(shell.choices.field, view.range ?? null);
-    if (view.camera) shell.viewport!.orbit.setPose(view.camera);
-    this.timeline.seek(view.frame ?? this.values.recording.frames.length - 1);
+    if (view.camera) shell.lookFrom(view.camera);
+    this.timeline.seek(view.frame ?? this.mostTelling(first));
+  }
+
+  /** The frame to begin with: the first mode that bends the body, or where the field is largest. */
+  private mostTelling(field: number): number {
+    const { frames } = this.values.recording;
+    const modes = modesOf(frames, this.report);
+    if (modes.length === 0) return this.values.mostTelling(field);
+    const first = modes.findIndex((mode) => mode !== null && !mode.isRigid);
+    return first >= 0 ? first : modes.length - 1;
   }
 
   private async share(): Promise<void> {
@@ -228,27 +267,44 @@ export class ResultsApp {
   }
 
   private key(event: KeyboardEvent): void {
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
-    const inField = event.target instanceof HTMLInputElement || event.target instanceof HTMLSelectElement;
-    if (inField && !(event.key === " " && (event.target as HTMLInputElement).type === "range")) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || belongsToControl(event)) return;
     const { timeline, shell } = this;
+    const arrow = event.shiftKey ? null : arrowOf(event);
     const actions: Record<string, () => void> = {
       " ": () => timeline.toggle(),
       ArrowLeft: () => timeline.seek(timeline.index - 1),
       ArrowRight: () => timeline.seek(timeline.index + 1),
       Home: () => timeline.seek(0),
       End: () => timeline.seek(Infinity),
-      f: () => shell.viewport!.seeAll(),
+      f: () => shell.seeAll(),
       w: () => shell.toggle("wireframe"),
       c: () => shell.toggle("cells"),
       x: () => shell.toggle("cut"),
+      m: () => shell.toggle("marks"),
       "?": () => this.overlays.showHelp(!this.overlays.helpIsOpen),
-      Escape: () => (this.overlays.helpIsOpen ? this.overlays.showHelp(false) : this.probe(null)),
+      Enter: () => this.probeAtCrosshair(),
+      Escape: () => this.leaveProbe(),
     };
-    const action = actions[event.key];
-    if (!action) return;
+    if (movesCamera(event, shell.viewport!.orbit)) shell.viewport!.touch();
+    else if (arrow && this.crosshair.isShown) {
+      this.crosshair.move(arrow);
+      this.click(this.crosshair.place);
+    } else {
+      const action = actions[keyOf(event)];
+      if (!action) return;
+      action();
+    }
     event.preventDefault();
-    action();
     this.addressBar.changed();
+  }
+
+  private probeAtCrosshair(): void {
+    if (!this.crosshair.isShown) this.crosshair.show(this.shell.middleOfBody());
+    this.click(this.crosshair.place);
+  }
+
+  private leaveProbe(): void {
+    this.crosshair.hide();
+    this.probe(null);
   }
 }

@@ -6,8 +6,11 @@ import { DisplayPanel, type DisplayChoices, type DisplayEvents } from "./display
 import { element, setText } from "./dom";
 import { startInspection, type Inspected } from "./inspect";
 import type { Overlays } from "./overlays";
+import type { Pose } from "./orbit";
+import { Pace, type DrawingChoice } from "./pace";
 import type { Frame, Header, Topology } from "./protocol";
-import { defaultLook, Viewport } from "./viewport";
+import { withoutRounding } from "./numbers";
+import { type Covered, defaultLook, Viewport } from "./viewport";
 import type { Normals } from "./surface";
 import { Theme } from "./theme";
 
@@ -20,6 +23,8 @@ export interface ShellEvents {
   drawn(frame: Frame): void;
 }
 
+const NARROW = 720; // [pixels] of a telephone, as in small.css
+
 export class Shell {
   readonly canvas = element("canvas", { class: "scene", data: "scene", "aria-label": "the scene", tabIndex: 0 });
   readonly title = element("h1", {});
@@ -27,10 +32,11 @@ export class Shell {
   readonly left = element("div", { class: "left" });
   readonly bottom = element("div", { class: "bottom" });
   readonly panelPlace = element("div", { class: "panel", data: "panel" });
+  readonly labels = element("div", {});
   readonly theme: Theme;
   readonly bar: ColorBar;
   readonly inspected: Inspected;
-  readonly choices: DisplayChoices = { ...defaultLook(), field: "", theme: "auto" };
+  readonly choices: DisplayChoices = { ...defaultLook(), field: "", theme: "auto", drawing: "auto" };
   viewport: Viewport | null = null;
   gui: GUI | null = null;
   display: DisplayPanel | null = null;
@@ -39,6 +45,11 @@ export class Shell {
   private easedRange: [number, number] | null = null;
   private easedField = -1;
   private running = true;
+  private fitIsWanted = false; // once there is a frame, and the cards have their sizes
+  readonly pace = new Pace((isLight, pixels) => {
+    this.viewport?.setFinest(pixels);
+    this.inspected.isLight = isLight;
+  });
   private restPositions: Float32Array = new Float32Array(0);
 
   constructor(
@@ -50,19 +61,22 @@ export class Shell {
     this.bar = new ColorBar((range) => this.setRange(range));
     const heading = element("header", { class: "card heading" }, this.title, this.subtitle);
     this.left.append(heading, this.bar.root);
-    document.getElementById("app")!.append(this.canvas, this.left, this.panelPlace, this.bottom, overlays.root);
+    document
+      .getElementById("app")!
+      .append(this.canvas, this.labels, this.left, this.panelPlace, this.bottom, overlays.root);
     this.theme = new Theme((dark) => {
       this.viewport?.setDark(dark);
       this.events.themeChanged();
     });
     this.theme.apply();
     // A switch that was clicked gives the keys back to the scene; who goes by Tab keeps the place.
-    this.panelPlace.addEventListener("click", ({ target }) => {
+    document.addEventListener("click", ({ target, detail }) => {
+      if (detail === 0 || !(target instanceof HTMLElement || target instanceof SVGElement)) return;
       const isSwitch = target instanceof HTMLInputElement && target.type === "checkbox";
-      const isButton = target instanceof HTMLElement && target.closest("button") !== null;
-      if (isSwitch || isButton) this.canvas.focus({ preventScroll: true });
+      const isInDialog = target.closest("[role=dialog]") !== null;
+      if (isSwitch || (target.closest("button") && !isInDialog)) this.canvas.focus({ preventScroll: true });
     });
-    new ResizeObserver(() => this.viewport?.resize()).observe(this.canvas);
+    new ResizeObserver(() => this.viewport?.resize(this.covered())).observe(this.canvas);
     Object.assign(this.inspected, {
       stop: () => (this.running = false),
       resume: () => {
@@ -76,6 +90,13 @@ export class Shell {
       pickAt: (x: number, y: number) => this.viewport?.pickAt(x, y),
       colliderPlaces: () => this.viewport?.colliders.firstPlaces ?? [],
       seenAt: (vertex: number) => this.seenAt(vertex),
+      project: (x: number, y: number, z: number) => this.project(x, y, z),
+      covered: () => this.covered(),
+      middleOfBody: () => this.middleOfBody(),
+      marksSeen: () => this.viewport?.sceneMarks.seen(this.viewport.orbit, this.viewport.frame!.positions) ?? [],
+      section: () => this.viewport?.sectionTriangles ?? null,
+      fieldRange: () => [this.viewport?.frame?.least, this.viewport?.frame?.greatest],
+      isLight: false,
     });
     requestAnimationFrame(this.loop);
   }
@@ -90,6 +111,8 @@ export class Shell {
     this.cameraWasKept = same;
     old?.dispose();
     this.viewport = viewport;
+    this.labels.replaceChildren(viewport.labels.root);
+    viewport.setFinest(this.pace.isLight ? 0.6 : 2);
     viewport.setDark(this.theme.dark);
     viewport.setLook(this.choices);
     document.title = header.title ? `${header.title} · Resilin` : "Resilin";
@@ -99,13 +122,64 @@ export class Shell {
     setText(this.subtitle, `${triangles.toLocaleString("en")} triangles`);
     this.gui?.destroy();
     this.gui = new GUI({ container: this.panelPlace, title: "Controls", width: 288 });
-    if (matchMedia("(max-width: 720px)").matches) this.gui.close();
+    if (matchMedia("(max-width: 720px), (max-height: 520px)").matches) this.gui.close();
+    viewport.resize(this.covered());
     return viewport;
   }
 
-  addDisplay(events: Omit<DisplayEvents, "field">): void {
+  /** The whole scene in what the cards leave free; at once, or with the first frame. */
+  seeAll(): void {
+    this.fitIsWanted = this.viewport?.frame == null;
+    this.viewport?.resize(this.covered());
+    this.viewport?.seeAll();
+  }
+
+  /** Looks from a given place, whatever the first frame will be. */
+  lookFrom(pose: Pose): void {
+    this.fitIsWanted = false;
+    this.viewport?.orbit.setPose(pose);
+  }
+
+  /** A place in the window where a body is seen, as far in the middle as there is one. */
+  middleOfBody(): { x: number; y: number } {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    const { left, right, top, bottom } = this.covered();
+    const middle = { x: left + (width - left - right) / 2, y: top + (height - top - bottom) / 2 };
+    for (let ring = 0; ring < 24; ++ring)
+      for (let k = 0; k < Math.max(1, 6 * ring); ++k) {
+        const turn = (2 * Math.PI * k) / Math.max(1, 6 * ring);
+        const reach = (ring * Math.min(width, height)) / 60;
+        const [x, y] = [middle.x + reach * Math.cos(turn), middle.y + reach * Math.sin(turn)];
+        if (this.viewport?.pickAt(x, y)) return { x, y };
+      }
+    return middle;
+  }
+
+  /** What cards lie over of the window, from each side. Those at the left are low on telephones. */
+  covered(): Covered {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    const boxes = (parent: HTMLElement) =>
+      [...parent.children].map((child) => child.getBoundingClientRect()).filter((box) => box.width * box.height > 0);
+    const gap = 8;
+    const below = Math.min(height, ...boxes(this.bottom).map((box) => box.top));
+    const covered: Covered = { left: 0, right: 0, top: 0, bottom: height - below + gap };
+    const [heading, ...others] = boxes(this.left);
+    if (width <= NARROW) covered.top = (heading?.bottom ?? 0) + gap;
+    else {
+      covered.left = Math.max(0, ...others.map((box) => box.right)) + gap;
+      const panel = this.panelPlace.getBoundingClientRect();
+      if (panel.height > 0.3 * height) covered.right = width - panel.left + gap;
+    }
+    return covered;
+  }
+
+  addDisplay(events: Omit<DisplayEvents, "field" | "drawing" | "complain">): void {
     const all = { ...events, field: (name: string) => this.events.fieldChosen(name) };
-    this.display = new DisplayPanel(this.gui!, this.choices, this.viewport!, this.theme, all);
+    this.display = new DisplayPanel(this.gui!, this.choices, this.viewport!, this.theme, {
+      ...all,
+      drawing: (choice: DrawingChoice) => this.pace.choose(choice),
+      complain: (words: string) => this.overlays.say(words),
+    });
   }
 
   private setRange(range: [number, number] | null): void {
@@ -155,29 +229,38 @@ export class Shell {
   private showRange(field = this.viewport?.frame?.field ?? -1): void {
     if (!this.viewport || field < 0) return;
     const [low, high] = this.typedRange ?? this.easedRange ?? [0, 1];
-    const range: [number, number] = [low, high > low ? high : low + Math.max(Math.abs(low) * 1e-6, 1e-30)];
+    const shown = this.viewport.header.fields[field];
+    const range = this.typedRange ?? withoutRounding([low, high], shown.scale ?? 0);
     this.viewport.setBar(...range);
-    this.bar.set(this.viewport.header.fields[field], range, this.typedRange !== null);
+    this.bar.set(shown, range, this.typedRange !== null);
   }
 
-  private readonly loop = (): void => {
+  private readonly loop = (now: number): void => {
     if (!this.running) return;
     requestAnimationFrame(this.loop);
-    this.draw(false);
+    this.pace.frame(now, this.draw(false));
   };
 
-  private draw(force: boolean): void {
+  /** True when something was drawn. */
+  private draw(force: boolean): boolean {
     const frame = this.events.tick();
+    if (this.fitIsWanted && this.viewport?.frame) this.seeAll();
     if (force) this.viewport?.touch();
-    if (this.viewport?.draw()) ++this.inspected.framesDrawn;
+    const drawn = this.viewport?.draw() ?? false;
+    if (drawn) ++this.inspected.framesDrawn;
     if (frame) this.events.drawn(frame);
+    return drawn;
   }
 
   /** Turns a switch of the display on and off, as its key does. */
-  toggle(name: "wireframe" | "cells" | "cut"): void {
+  toggle(name: "wireframe" | "cells" | "cut" | "marks"): void {
     this.choices[name] = !this.choices[name];
     this.viewport?.setLook(this.choices);
     this.display?.refresh();
+  }
+
+  private project(x: number, y: number, z: number): { x: number; y: number } | null {
+    return this.viewport?.orbit.project(this.viewport.restBox.min.clone().set(x, y, z)) ?? null;
   }
 
   private seenAt(vertex: number): { x: number; y: number } | null {

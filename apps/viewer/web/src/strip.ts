@@ -14,7 +14,7 @@ export class Strip {
 
   constructor() {
     const chart = (title: string, series: { label: string; unit: string }[]) =>
-      new Chart({ title, series, height: 84, legend: true });
+      new Chart({ title, series, height: 96, legend: true, axis: "time [s]" });
     this.steps = chart("Time of a step [ms]", [{ label: "step", unit: "" }]);
     this.energies = chart("Energy [J]", [
       { label: "elastic", unit: "J" },

@@ -21,6 +21,7 @@ export class Surface {
   private readonly field: THREE.BufferAttribute;
   private readonly drawnTriangles: Uint32Array;
   private lines: THREE.LineSegments[] = [];
+  private veil: THREE.Mesh<THREE.BufferGeometry, THREE.ShaderMaterial> | null = null; // its depth, without colour
 
   constructor(
     readonly part: Part,
@@ -84,10 +85,23 @@ export class Surface {
     this.mesh.material.uniforms.fieldOn.value = frame.fieldValues ? 1 : 0;
   }
 
-  setOpacity(opacity: number): void {
+  /** Of what is seen through, the nearest layer alone is drawn, in whatever order triangles come. */
+  setOpacity(opacity: number, nearestAlone = false): void {
     const { material } = this.mesh;
     material.uniforms.opacity.value = opacity;
     material.transparent = opacity < 1;
+    this.veil?.removeFromParent();
+    if (!nearestAlone || opacity >= 1) return;
+    if (!this.veil) {
+      const depthOnly = material.clone();
+      depthOnly.uniforms = material.uniforms;
+      depthOnly.colorWrite = false;
+      this.veil = new THREE.Mesh(this.mesh.geometry, depthOnly);
+      this.veil.frustumCulled = false;
+      this.veil.renderOrder = -1;
+    }
+    this.veil.material.transparent = true; // drawn behind the opaque ones, as the mesh is
+    this.mesh.parent?.add(this.veil);
   }
 
   /** Lines along the edges; `through`: seen faintly through surfaces, too. */
@@ -132,6 +146,8 @@ export class Surface {
 
   dispose(): void {
     this.showLines(false, false, 0);
+    this.veil?.removeFromParent();
+    this.veil?.material.dispose();
     this.mesh.geometry.dispose();
     this.mesh.material.dispose();
     this.mesh.removeFromParent();

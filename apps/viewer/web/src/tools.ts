@@ -4,6 +4,7 @@ import * as THREE from "three";
 import type { Place } from "./gestures";
 import type { LiveConnection } from "./live";
 import { placeOf, type Hit } from "./picking";
+import { withUnit } from "./numbers";
 import type { State } from "./protocol";
 import type { Viewport } from "./viewport";
 
@@ -26,7 +27,7 @@ export class Tools {
     readonly viewport: Viewport,
     private readonly connection: LiveConnection,
   ) {
-    this.pokeRadius = 0.1 * viewport.extent;
+    this.pokeRadius = Number((0.1 * viewport.extent).toPrecision(2));
   }
 
   get held(): Hit | null {
@@ -63,6 +64,20 @@ export class Tools {
     this.viewport.touch();
   }
 
+  /** By keys: what is held goes on by so many pixels of the window. */
+  nudge(dx: number, dy: number): void {
+    if (!this.isHolding) return;
+    const { x, y } = this.viewport.orbit.project(this.target);
+    this.drag({ x: x + dx, y: y + dy });
+  }
+
+  get isHolding(): boolean {
+    return this.grab !== null || this.poking;
+  }
+
+  /** How strongly the program says that the hand pulls [N]; null: it holds nothing. */
+  force: number | null = null;
+
   release(): void {
     if (this.grab) this.connection.send({ type: "release" });
     if (this.poking) this.connection.send({ type: "poke_end" });
@@ -75,6 +90,8 @@ export class Tools {
     this.poking = this.unsent = false;
     this.viewport.marks.setHand(null, null);
     this.viewport.marks.setPoke(null, 0);
+    this.viewport.labels.set("hand", "", null, "hand");
+    this.force = null;
     this.viewport.touch();
   }
 
@@ -105,7 +122,11 @@ export class Tools {
     }
     const { frame, marks } = this.viewport;
     if (!frame) return;
-    if (this.grab) marks.setHand(this.target, placeOf(this.grab, frame.positions, this.grabbed));
+    if (this.grab) {
+      marks.setHand(this.target, placeOf(this.grab, frame.positions, this.grabbed));
+      const words = this.force === null ? "" : withUnit(this.force, "N");
+      this.viewport.labels.set("hand", words, words ? this.target : null, "hand");
+    }
     if (this.poking) marks.setPoke(this.target, this.pokeRadius);
     marks.setPins(this.pinned.map((vertex) => this.vertexPlace(vertex)));
   }

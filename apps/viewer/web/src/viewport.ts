@@ -7,7 +7,10 @@ import { Ground } from "./ground";
 import { Marks } from "./marks";
 import { Orbit } from "./orbit";
 import { pick, type Hit } from "./picking";
+import { Labels } from "./labels";
 import type { Frame, Header, Topology } from "./protocol";
+import { SceneMarks } from "./scene_marks";
+import { Section } from "./section";
 import { LINES, Surface, type Normals } from "./surface";
 
 /** Body colours, sRGB: flesh, then calm companions. */
@@ -18,6 +21,7 @@ export interface Look {
   cells: boolean;
   ground: boolean;
   colliders: boolean;
+  marks: boolean; // supports, loads and probes
   cut: boolean;
   cutAxis: "x" | "y" | "z";
   cutAt: number; // share of the box, 0 to 1
@@ -29,11 +33,30 @@ export const defaultLook = (): Look => ({
   cells: false,
   ground: true,
   colliders: true,
+  marks: true,
   cut: false,
   cutAxis: "x",
   cutAt: 0.5,
   cutFlip: false,
 });
+
+/** What something lies over of the window, from each side [pixels]. */
+export interface Covered {
+  left: number;
+  right: number;
+  top: number;
+  bottom: number;
+}
+
+function joined(lists: Uint32Array[]): Uint32Array {
+  const all = new Uint32Array(lists.reduce((sum, list) => sum + list.length, 0));
+  let end = 0;
+  for (const list of lists) {
+    all.set(list, end);
+    end += list.length;
+  }
+  return all;
+}
 
 export class Viewport {
   readonly renderer: THREE.WebGLRenderer;
@@ -53,6 +76,14 @@ export class Viewport {
   private changed = true;
   private shadeIsOld = true;
   private groundHeight: number | null = null;
+  private readonly section: Section;
+  private sectionIsOld = true;
+  readonly labels = new Labels();
+  readonly sceneMarks: SceneMarks;
+  /** What a run goes through, for the camera: null where only the shown frame is known. */
+  reach: THREE.Box3 | null = null;
+  private covered: Covered = { left: 0, right: 0, top: 0, bottom: 0 };
+  private finest = 2; // pixels for each of the window's, at most
 
   constructor(
     readonly canvas: HTMLCanvasElement,
@@ -73,11 +104,19 @@ export class Viewport {
     if (this.ground) this.extras.add(this.ground.disk);
     this.uniforms.lit.value = !this.flat;
     this.uniforms.hatch.value = 0.03 * this.extent;
+    this.section = new Section(joined(topology.tetrahedra), this.uniforms);
+    this.sceneMarks = new SceneMarks(
+      header.marks ?? [],
+      topology.restPositions,
+      this.extent,
+      this.uniforms,
+      this.labels,
+    );
+    this.extras.add(this.sceneMarks.group);
     this.buildSurfaces(topology, normals);
     this.colliders = new Colliders(header.colliders ?? [], topology.colliders, this.uniforms, this.flat);
     this.bodies.add(this.colliders.solids);
     this.extras.add(this.colliders.panes);
-    this.resize();
     this.orbit.fit(this.restBox);
     if (header.eye) this.orbit.lookFrom(header.eye);
     this.applyLook();
@@ -119,6 +158,8 @@ export class Viewport {
       if (this.isShown(i) || this.look.cells) surface.update(frame);
     });
     if (frame.colliders) this.colliders.move(frame.colliders);
+    this.sceneMarks.update(frame);
+    this.sectionIsOld = true;
     if (frame.fieldValues) this.uniforms.fieldRange.value.set(frame.least, frame.greatest);
     this.changed = this.shadeIsOld = true;
   }
@@ -134,10 +175,11 @@ export class Viewport {
       const shown = this.isShown(i);
       const carried = surface.part.kind === "cells" && this.hasSkin(surface.part.body);
       surface.mesh.visible = shown;
-      surface.setOpacity(shown && look.cells && surface.part.kind === "skin" ? 0.42 : 1);
+      surface.setOpacity(shown && look.cells && surface.part.kind === "skin" ? 0.42 : 1, true);
       if (carried) surface.showLines(look.cells, true, 0.85);
       else surface.showLines(shown && (look.wireframe || this.flat), false, look.wireframe ? 0.55 : 0.22);
     });
+    this.sceneMarks.setVisible(look.marks);
     if (this.frame) this.setFrame(this.frame);
     this.colliders.setVisible(look.colliders);
     this.applyCut();
@@ -149,12 +191,14 @@ export class Viewport {
     const { look } = this;
     const axis = "xyz".indexOf(look.cutAxis);
     const normal = [0, 0, 0];
-    const low = this.restBox.min.getComponent(axis);
-    const high = this.restBox.max.getComponent(axis);
+    const box = this.reach ?? this.restBox;
+    const low = box.min.getComponent(axis);
+    const high = box.max.getComponent(axis);
     const at = low + look.cutAt * (high - low);
     normal[axis] = look.cutFlip ? -1 : 1;
     this.uniforms.cut.value.set(normal[0], normal[1], normal[2], look.cutFlip ? -at : at);
     this.uniforms.cutOn.value = look.cut && !this.flat;
+    this.sectionIsOld = true;
   }
 
   /** `height` along up [m]; null: there is none. */
@@ -185,8 +229,8 @@ export class Viewport {
 
   /** The camera where the whole scene is seen, with the ground below it. */
   seeAll(): void {
-    const box = this.restBox.clone();
-    if (this.frame) box.setFromArray(this.frame.positions);
+    const box = (this.reach ?? this.restBox).clone();
+    if (this.frame) box.union(this.boxOf(this.frame.positions));
     if (this.look.colliders) this.colliders.widen(box, 2 * this.extent);
     if (this.groundHeight !== null) {
       const up = new THREE.Vector3(...this.header.up);
@@ -197,6 +241,20 @@ export class Viewport {
     const { azimuth, elevation } = this.orbit.pose;
     this.orbit.fit(box, azimuth, elevation);
     this.changed = true;
+  }
+
+  /** Of what is drawn; what is not finite is passed over. */
+  boxOf(positions: Float32Array): THREE.Box3 {
+    const box = new THREE.Box3();
+    const place = new THREE.Vector3();
+    this.header.parts.forEach(({ first_vertex: first, num_vertices: count }, part) => {
+      if (!this.isShown(part)) return;
+      for (let v = first; v < first + count; ++v) {
+        place.fromArray(positions, 3 * v);
+        if (Number.isFinite(place.x + place.y + place.z)) box.expandByPoint(place);
+      }
+    });
+    return box;
   }
 
   touch(): void {
@@ -215,21 +273,31 @@ export class Viewport {
     return pick(this.orbit.ray(x, y), shown, this.frame.positions, cutAway);
   }
 
+  /** The cut through the cells as it is drawn, for tests. */
+  get sectionTriangles() {
+    return this.section.triangles;
+  }
+
   triangleCount(): number {
     return this.surfaces.reduce((sum, s, i) => sum + (this.isShown(i) ? s.triangles.length / 3 : 0), 0);
   }
 
-  resize(): void {
+  /** `covered`: what panels take of the window, at its sides [pixels]. */
+  resize(covered: Covered = this.covered): void {
     const { clientWidth: width, clientHeight: height } = this.canvas;
     if (width === 0 || height === 0) return;
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.covered = covered;
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, this.finest));
     this.renderer.setSize(width, height, false);
-    // The panel at the right and the bars below; on a telephone they are laid over the scene. Flat bodies fill their box,
-    // so they keep clear of the cards at the left, too.
-    const left = this.flat && width > 1000 ? 270 : 0;
-    const covered = width > 720 ? { left, right: 300, bottom: 130 } : { left: 0, right: 0, bottom: 150 };
     this.orbit.resize(width, height, covered);
     this.changed = true;
+  }
+
+  /** Fewer pixels where drawing is slow. */
+  setFinest(pixels: number): void {
+    if (pixels === this.finest) return;
+    this.finest = pixels;
+    this.resize();
   }
 
   /** Draws when something has changed; true when it drew. */
@@ -238,6 +306,11 @@ export class Viewport {
     this.changed = false;
     const { camera } = this.orbit;
     this.marks.follow(this.orbit);
+    this.labels.follow(this.orbit);
+    if (this.sectionIsOld)
+      this.section.update(this.look.cut && !this.flat ? this.frame : null, this.uniforms.cut.value);
+    this.sectionIsOld = false;
+    this.section.render(this.renderer, camera);
     this.uniforms.up.value.set(...this.header.up).transformDirection(camera.matrixWorldInverse);
     if (this.ground?.disk.visible && this.shadeIsOld) this.ground.shade(this.renderer, this.bodies);
     this.shadeIsOld = false;
@@ -250,6 +323,9 @@ export class Viewport {
   dispose(): void {
     this.surfaces.forEach((surface) => surface.dispose());
     this.colliders.dispose();
+    this.sceneMarks.dispose();
+    this.section.dispose();
+    this.labels.clear();
   }
 }
 

@@ -86,7 +86,7 @@ test("a slider follows the hand and the program", async () => {
     await watched.page.mouse.up();
     await watched.until("resilin.state.values.youngs_modulus > 1e6");
     await watched.value("resilin.send({ type: 'set', key: 'youngs_modulus', value: 30000 })");
-    const field = 'document.querySelector("[data-testid=set-youngs_modulus] .log-field")';
+    const field = 'document.querySelector("[data-testid=set-youngs_modulus] .number-field")';
     await watched.until(`${field}.value === "30 kPa"`);
   });
 });
@@ -116,7 +116,7 @@ test("colours differ by field; wireframe and cut change the picture", async () =
     await watched.restingTime();
     const pictures = new Map([["body colour", await watched.picture()]]);
     const select = page.getByTestId("show-field").locator("select");
-    for (const name of ["displacement", "von Mises stress", "volume ratio"]) {
+    for (const name of ["displacement", "von Mises stress, averaged", "volume ratio, averaged"]) {
       await select.selectOption({ label: name });
       const place = await watched.value<number>(`resilin.header.fields.findIndex((f) => f.label === "${name}")`);
       await watched.until(`resilin.shownField === ${place}`);

@@ -47,7 +47,9 @@ export class Program {
       child.on("exit", (code) => failed(new Error(`resilin view ended with ${code}: ${output}`)));
       setTimeout(() => failed(new Error(`resilin view said no address: ${output}`)), 60_000).unref();
     });
-    return new Program(child, address);
+    const started = new Program(child, address);
+    started.output = output;
+    return started;
   }
 
   get port(): string {
@@ -62,10 +64,11 @@ export class Program {
   }
 }
 
-/** Runs `resilin ARGS` to its end. */
-export function runProgram(...args: string[]): void {
+/** Runs `resilin ARGS` to its end; what it has printed. */
+export function runProgram(...args: string[]): string {
   const run = spawnSync(program, args, { encoding: "utf8" });
   if (run.status !== 0) throw new Error(`resilin ${args.join(" ")}: ${run.status}: ${run.stderr}`);
+  return run.stdout;
 }
 
 export class TestBrowser {

@@ -34,13 +34,10 @@ export interface Grip {
 
 /** A place of the body that is seen near the middle of what the panel leaves free. */
 export async function grip(watched: Watched): Promise<Grip> {
-  const { width, height } = watched.page.viewportSize()!;
-  const middle = width > 720 ? (width - 300) / 2 : width / 2;
-  for (const share of [0.4, 0.44, 0.48, 0.36, 0.52, 0.56, 0.32]) {
-    const [x, y] = [Math.round(middle), Math.round(share * height)];
-    const vertex = await watched.value<number | null>(`resilin.pickAt(${x}, ${y})?.vertex ?? null`);
-    if (vertex !== null) return { vertex, x, y };
-  }
+  const middle = await watched.value<{ x: number; y: number }>("resilin.middleOfBody()");
+  const [x, y] = [Math.round(middle.x), Math.round(middle.y)];
+  const vertex = await watched.value<number | null>(`resilin.pickAt(${x}, ${y})?.vertex ?? null`);
+  if (vertex !== null) return { vertex, x, y };
   throw new Error("the body is not in the middle of the window");
 }
 

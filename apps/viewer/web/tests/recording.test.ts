@@ -107,6 +107,22 @@ test("components of the displacement are formed from the places", async () => {
   assert.ok(Math.abs(values.value(4, 0, tip) - 0.3) < 2 * QUANTUM + 0.3 / 65534);
 });
 
+test("results open on the frame where most happens, and shapes swing about the first frame", async () => {
+  const away = bendingBeam(5, 0.3);
+  const [first, , , , last] = away.frames;
+  const back = {
+    ...away,
+    frames: [first, ...away.frames.slice(1, 4), { ...last, places: first.places, field: first.field }],
+  };
+  const values = new RecordedValues(await read(writeRecording(back)));
+  assert.equal(values.mostTelling(1), 3, "not the last, where it is at rest again");
+  assert.equal(values.mostTelling(0), 3);
+  const tip = beam.rest.length - 2; // y of the last vertex
+  const whole = values.frame(3, 0).positions[tip] - beam.rest[tip];
+  assert.ok(Math.abs(values.frame(3, 0, -1).positions[tip] - beam.rest[tip] + whole) < 1e-6);
+  assert.ok(Math.abs(values.frame(3, 0, 0).positions[tip] - beam.rest[tip]) < 1e-6);
+});
+
 test("values of another surface are refused", async () => {
   const { frames } = await read(recording);
   assert.throws(() => decodeFieldFrames(fieldBytes(3, [0]), frames, 4), /another surface/);

@@ -68,7 +68,7 @@ export function writeRecording(beam: Beam): Buffer {
     withLength(topology),
   ];
   const neighbours = lowerNeighbours(
-    { triangles: [beam.triangles], edges: [], restPositions: beam.rest, colliders: [] },
+    { triangles: [beam.triangles], edges: [], tetrahedra: [], restPositions: beam.rest, colliders: [] },
     beam.rest.length / 3,
   );
   const less = (numbers: number[], v: number) => numbers[v] - (neighbours[v] < 0 ? 0 : numbers[neighbours[v]]);

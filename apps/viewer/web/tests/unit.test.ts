@@ -5,17 +5,19 @@ import { readFileSync } from "node:fs";
 import path from "node:path";
 import { test } from "node:test";
 import * as THREE from "three";
-import { readAddress, writeAddress } from "../src/address";
+import { nameOfField, readAddress, writeAddress } from "../src/address";
 import type { SceneUniforms } from "../src/body_shader";
 import { color, viridis } from "../src/color_map";
 import { Colliders } from "../src/colliders";
 import { splitAtCreases, uniqueEdges, vertexNormals } from "../src/creases";
-import { readNumber } from "../src/log_slider";
-import { fixed, plain, scaledUnit, withUnit } from "../src/numbers";
+import { readNumber } from "../src/number_slider";
+import { modeWords, swingAt } from "../src/modes";
+import { fixed, plain, scaledUnit, withoutRounding, withUnit } from "../src/numbers";
 import { pick } from "../src/picking";
 import { decodeFrame, decodeMessage, decodeTopology, encodeMessage } from "../src/protocol";
 import { curvesOf, timeAxis } from "../src/report";
-import { repository } from "./harness";
+import { cutTetrahedra } from "../src/section";
+import { repository, webFolder } from "./harness";
 
 /** A box with corners at 0 and 1, two triangles on each side, seen from outside counter-clockwise. */
 function box(): { triangles: Uint32Array; places: Float32Array } {
@@ -307,4 +309,123 @@ test("curves come from what the report holds", () => {
     ]).label,
     "load",
   );
+});
+
+test("curves of vibrations are their frequencies, without those of rigid modes", () => {
+  const mode = (number: number, frequency: number, rigid: boolean) => ({
+    time: 0,
+    load: 1,
+    mode: { number, frequency, rigid },
+  });
+  const frames = [{ time: 0, load: 1, newton_iterations: 3 }, mode(1, 0, true), mode(2, 440, false)];
+  const [only, ...others] = curvesOf({ status: "done", frames });
+  assert.equal(only.title, "Frequency [Hz]");
+  assert.deepEqual(only.values, [[NaN, NaN, 440]]);
+  assert.deepEqual(others, []);
+  assert.equal(timeAxis(frames).label, "mode");
+  const third = { number: 2, frequency: 440, isRigid: false, isUnstable: false };
+  assert.equal(modeWords(third, 12), "mode 2 of 12 · 440 Hz");
+  assert.equal(modeWords({ ...third, isRigid: true }, 12), "mode 2 of 12 · moves as a rigid body");
+  assert.deepEqual([swingAt(0), Math.round(swingAt(0.5)), swingAt(1)], [1, -1, 1]);
+});
+
+test("a range that is rounding becomes one that is not", () => {
+  assert.deepEqual(withoutRounding([0, 5], 1e5), [0, 5]);
+  assert.deepEqual(withoutRounding([0, 1e-30], 10), [0, 1e-8]);
+  withoutRounding([1, 1 + 1e-12], 1).forEach((end, i) => assert.ok(Math.abs(end - [1 - 5e-7, 1 + 5e-7][i]) < 1e-11));
+  const [low, high] = withoutRounding([-1e-20, 1e-20], 1e6);
+  assert.ok(low < -4e-4 && high > 4e-4);
+});
+
+test("a plane through a tetrahedron meets it in a triangle or a quadrilateral, with the values between", () => {
+  const positions = Float32Array.from([0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1]);
+  const corners = Uint32Array.from([0, 1, 2, 3]);
+  const fieldValues = Uint16Array.from([1, 65535, 1, 1]); // x
+  const triangle = cutTetrahedra(corners, { positions, fieldValues }, { x: 1, y: 0, z: 0, w: 0.25 });
+  assert.equal(triangle.count, 3);
+  for (let i = 0; i < 3; ++i) {
+    assert.equal(triangle.places[3 * i], 0.25);
+    assert.ok(Math.abs(triangle.values[i] - 0.25) < 1e-4);
+  }
+  const [x, y] = [1, 1].map((one) => one / Math.SQRT2);
+  const quadrilateral = cutTetrahedra(corners, { positions, fieldValues }, { x, y: -y, z: 0.1, w: 0.05 });
+  const separate = new Set(
+    [...Array(quadrilateral.count).keys()].map((i) => quadrilateral.places.slice(3 * i, 3 * i + 3).join()),
+  );
+  assert.equal(quadrilateral.count, 6);
+  assert.equal(separate.size, 4);
+  fieldValues[1] = 0; // not a number
+  assert.ok(cutTetrahedra(corners, { positions, fieldValues }, { x: 1, y: 0, z: 0, w: 0.25 }).values.includes(-1));
+  assert.equal(cutTetrahedra(corners, { positions, fieldValues }, { x: 1, y: 0, z: 0, w: 2 }).count, 0);
+});
+
+test("an old link finds the field by its new name", () => {
+  const fields = [{ name: "displacement" }, { name: "averaged_von_mises" }];
+  assert.equal(nameOfField(fields, "von_mises"), "averaged_von_mises");
+  assert.equal(nameOfField(fields, "displacement"), "displacement");
+  assert.equal(nameOfField(fields, "pressure"), "");
+});
+
+/** Linear RGB. */
+function linear(hex: string): number[] {
+  return [1, 3, 5].map((i) => {
+    const x = parseInt(hex.slice(i, i + 2), 16) / 255;
+    return x <= 0.04045 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4;
+  });
+}
+
+/** Of Oklab (Ottosson 2020). */
+function oklab([r, g, b]: number[]): number[] {
+  const cones = [
+    [0.4122214708, 0.5363325363, 0.0514459929],
+    [0.2119034982, 0.6806995451, 0.1073969566],
+    [0.0883024619, 0.2817188376, 0.6299787005],
+  ].map(([x, y, z]) => Math.cbrt(x * Math.max(r, 0) + y * Math.max(g, 0) + z * Math.max(b, 0)));
+  return [
+    [0.2104542553, 0.793617785, -0.0040720468],
+    [1.9779984951, -2.428592205, 0.4505937099],
+    [0.0259040371, 0.7827717662, -0.808675766],
+  ].map((row) => row.reduce((sum, share, i) => sum + share * cones[i], 0));
+}
+
+/** What is left of colours without one kind of cones. Source: Machado, Oliveira & Fernandes 2009, severity 1. */
+const BLINDNESS: Record<string, number[][]> = {
+  none: [
+    [1, 0, 0],
+    [0, 1, 0],
+    [0, 0, 1],
+  ],
+  protanopia: [
+    [0.152286, 1.052583, -0.204868],
+    [0.114503, 0.786281, 0.099216],
+    [-0.003882, -0.048116, 1.051998],
+  ],
+  deuteranopia: [
+    [0.367322, 0.860646, -0.227968],
+    [0.280085, 0.672501, 0.047413],
+    [-0.01182, 0.04294, 0.968881],
+  ],
+  tritanopia: [
+    [1.255528, -0.076749, -0.178779],
+    [-0.078411, 0.930809, 0.147602],
+    [0.004733, 0.691367, 0.3039],
+  ],
+};
+
+test("colours of curves stay apart for the colour blind", () => {
+  const style = readFileSync(path.join(webFolder, "src/style.css"), "utf8");
+  const colors = [...style.matchAll(/--series-\d: (#[0-9a-f]{6});/g)].map((match) => match[1]);
+  assert.equal(colors.length, 12);
+  for (const theme of [colors.slice(0, 6), colors.slice(6)])
+    for (const [kind, matrix] of Object.entries(BLINDNESS)) {
+      const seen = theme.map((hex) =>
+        oklab(matrix.map((row) => row.reduce((sum, x, i) => sum + x * linear(hex)[i], 0))),
+      );
+      seen.forEach((a, i) =>
+        seen.slice(i + 1).forEach((b, j) => {
+          const apart = Math.hypot(...a.map((x, k) => x - b[k]));
+          assert.ok(apart > 0.07, `${kind}: ${theme[i]} and ${theme[i + 1 + j]} are ${apart.toFixed(3)} apart`);
+        }),
+      );
+    }
 });

@@ -1,0 +1,229 @@
+/** What the page shows of a scene, found by content: shade, stresses, modes, the inside, marks. */
+
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import path from "node:path";
+import { after, before, test } from "node:test";
+import { difference, Program, runProgram, TestBrowser, type Watched, webFolder } from "./harness";
+import { jelly, withPage } from "./live_pages";
+
+let browser: TestBrowser;
+
+before(async () => {
+  browser = await TestBrowser.start();
+});
+
+after(() => browser?.stop());
+
+const scene = (name: string) => path.join(webFolder, "tests/scenes", name);
+
+/** Runs a scene and opens its result.html. */
+async function withResults(name: string, work: (page: Watched, folder: string) => Promise<void>, more = {}) {
+  const folder = path.join(browser.scratch, name.replace(".toml", ""));
+  runProgram("run", scene(name), "--out", folder, "--quiet");
+  const watched = await browser.open(`file://${folder}/result.html`, more);
+  try {
+    await watched.firstFrame();
+    await work(watched, folder);
+    assert.deepEqual(watched.faults, []);
+    assert.deepEqual(await watched.value("resilin.errors"), []);
+  } finally {
+    await watched.close();
+  }
+}
+
+/** Mean lightness of the page's canvas around places of the scene, 0 to 255 of what is drawn on white. */
+async function lightnessAt(watched: Watched, places: number[][]): Promise<number[]> {
+  return watched.value(`(() => {
+    resilin.drawNow();
+    const canvas = document.querySelector("canvas.scene");
+    const gl = canvas.getContext("webgl2");
+    const scale = canvas.width / canvas.clientWidth;
+    return ${JSON.stringify(places)}.map((place) => {
+      const { x, y } = resilin.project(...place);
+      const pixel = new Uint8Array(4);
+      gl.readPixels(Math.round(x * scale), canvas.height - 1 - Math.round(y * scale), 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+      return (pixel[0] + pixel[1] + pixel[2]) / 3 + 255 - pixel[3];
+    });
+  })()`);
+}
+
+test("the shade on the ground lies under what is near it, not mirrored", async () => {
+  const program = await Program.start(scene("hovering.toml"), "--port", "0");
+  try {
+    await withPage(browser, program.address, async (watched) => {
+      const { page } = watched;
+      await page.getByTestId("scene").focus();
+      await watched.value("resilin.send({ type: 'pause' })");
+      await page.keyboard.press("g");
+      await watched.until("resilin.state.ground !== null && resilin.state.paused");
+      await page.waitForTimeout(300);
+      // The ground before the box that lies on it, and as far before the one that hovers.
+      const xs = [0.05, 0.15, 0.25, 0.35];
+      const [near, far] = [-0.03, 1.23].map((y) => xs.map((x) => [x, y, 0]));
+      const [atNear, atFar] = [await lightnessAt(watched, near), await lightnessAt(watched, far)];
+      xs.forEach((x, i) => assert.ok(atNear[i] < atFar[i] - 12, `at x = ${x}: ${atNear[i]} and ${atFar[i]}`));
+    });
+  } finally {
+    await program.stop();
+  }
+});
+
+test("page, picture and report name a stress alike and agree to the digits shown", async () => {
+  await withResults("tower.toml", async (watched, folder) => {
+    const report = JSON.parse(readFileSync(path.join(folder, "report.json"), "utf8"));
+    const { extremes } = report.frames[report.frames.length - 1];
+    const { page } = watched;
+    const select = page.getByTestId("show-field").locator("select");
+    assert.ok(extremes.von_mises.max.value > 1.02 * extremes.averaged_von_mises.max.value, "cells have higher peaks");
+    const bar = page.getByTestId("color-bar");
+    await page.getByTestId("show-range").locator("select").selectOption("this frame");
+    for (const [name, label] of [
+      ["averaged_von_mises", "von Mises stress, averaged"],
+      ["displacement", "displacement"],
+    ]) {
+      await select.selectOption({ label });
+      await watched.until(`resilin.header.fields[resilin.shownField].label === "${label}"`);
+      assert.ok((await bar.innerText()).startsWith(label), await bar.innerText());
+      const unit = /\[(.*)\]/.exec(await bar.innerText())![1];
+      const factor = { k: 1e3, m: 1e-3 }[unit[0]] ?? 1;
+      for (const [end, place] of [
+        ["greatest", "max"],
+        ["least", "min"],
+      ] as const) {
+        const shown = await page.getByTestId(`bar-${end}`).inputValue();
+        const reported = extremes[name][place].value / (unit === "m" ? 1 : factor);
+        assert.ok(agrees(shown, reported), `${label}: the page has ${shown} ${unit}, the report ${reported}`);
+      }
+      const picture = path.join(folder, "picture.png");
+      const said = runProgram("picture", folder, "--field", name, "--out", picture);
+      const [, title, drawnUnit, drawn] = /pixels; (.*) \[(.*)\]: min \S+ +max (\S+)/.exec(said)!;
+      assert.equal(title, label);
+      const drawnFactor = { k: 1e3, m: 1e-3 }[drawnUnit[0]] ?? 1;
+      const largest = extremes[name].max.value / (drawnUnit === "m" ? 1 : drawnFactor);
+      assert.ok(agrees(drawn, largest), `${label}: the picture has ${drawn} ${drawnUnit}, the report ${largest}`);
+    }
+    const said = runProgram("picture", folder, "--field", "von_mises", "--out", path.join(folder, "cells.png"));
+    const [, title, drawn] = /pixels; (.*) \[kPa\]: min \S+ +max (\S+)/.exec(said)!;
+    assert.equal(title, "von Mises stress, by cell");
+    assert.ok(agrees(drawn, extremes.von_mises.max.value / 1e3));
+    const labels = await select.locator("option").allInnerTexts();
+    assert.ok(!labels.some((label) => label.trim() === "von Mises stress"), "no name without what it is");
+  });
+});
+
+/** Whether `shown` is `value`, rounded to as many digits. */
+function agrees(shown: string, value: number): boolean {
+  const text = shown.replace("\u2212", "-");
+  const decimals = (text.split(".")[1] ?? "").length;
+  return Math.abs(Number(text) - value) <= 0.51 * 10 ** -decimals;
+}
+
+test("modes have their frequencies, swing and sound", async () => {
+  await withResults("chime.toml", async (watched, folder) => {
+    const { page } = watched;
+    const report = JSON.parse(readFileSync(path.join(folder, "report.json"), "utf8"));
+    const words = page.getByTestId("timeline-words");
+    const bending = report.modes.find((mode: { rigid: boolean }) => !mode.rigid);
+    assert.match(await words.innerText(), new RegExp(`^mode ${bending.number} of 9 · [\\d.]+ k?Hz$`));
+    const [, number, prefix] = /· ([\d.]+) (k?)Hz/.exec(await words.innerText())!;
+    const shown = Number(number) * (prefix ? 1000 : 1);
+    assert.ok(Math.abs(shown / bending.frequency - 1) < 1e-3, `${shown} for ${bending.frequency} Hz`);
+    const plots = await page.getByTestId("plots").innerText();
+    assert.match(plots, /Frequency \[Hz\]/);
+    assert.doesNotMatch(plots, /Energy|Newton/);
+    // It swings to both sides of its rest.
+    await page.getByTestId("scene").focus();
+    await page.keyboard.press(" ");
+    await watched.until("resilin.swing < -0.5");
+    await watched.until("resilin.swing > 0.5");
+    await page.keyboard.press(" ");
+    await page.getByTestId("button-sound").click();
+    assert.ok(Math.abs((await watched.value<number>("resilin.tone()")) / bending.frequency - 1) < 1e-9);
+    await page.getByTestId("timeline").fill("1");
+    assert.match(await words.innerText(), /rigid body/);
+    assert.equal(await watched.value("resilin.tone()"), null);
+    const said = runProgram(
+      "picture",
+      folder,
+      "--frame",
+      String(bending.number),
+      "--out",
+      path.join(folder, "mode.png"),
+    );
+    assert.match(said, /displacement|von Mises/);
+  });
+});
+
+test("a cut shows the field inside, and coarse cells do not depend on the order of triangles", async () => {
+  await withResults("tower.toml", async (watched) => {
+    const { page } = watched;
+    await page.getByTestId("scene").focus();
+    await page.keyboard.press("x");
+    await watched.until("resilin.section() !== null");
+    const { least, greatest, count } = await watched.value<{ least: number; greatest: number; count: number }>(`(() => {
+      resilin.drawNow();
+      const { values, count } = resilin.section();
+      return { least: Math.min(...values), greatest: Math.max(...values), count };
+    })()`);
+    assert.ok(
+      count > 100 && least >= 0 && greatest <= 1 && greatest > least + 0.3,
+      `${count}: ${least} to ${greatest}`,
+    );
+    const withField = await watched.picture();
+    await page.getByTestId("show-field").locator("select").selectOption({ label: "body colour" });
+    await watched.until("resilin.shownField === -1 && resilin.section() === null");
+    assert.ok(difference(withField, await watched.picture()) > 1);
+  });
+});
+
+test("supports, loads and probes are drawn where they are, and the hand says how strongly it pulls", async () => {
+  const program = await Program.start(scene("tower.toml"), "--port", "0");
+  try {
+    await withPage(browser, program.address, async (watched) => {
+      const { page } = watched;
+      const marks = await watched.value<{ kind: string; name: string; y: number }[]>("resilin.marksSeen()");
+      const kinds = Object.fromEntries(marks.map((mark) => [`${mark.kind} ${mark.name}`, mark]));
+      assert.deepEqual(Object.keys(kinds).sort(), ["load wind", "probe top", "support foot"]);
+      assert.ok(kinds["support foot"].y > kinds["probe top"].y + 100, "the foot is below the top");
+      assert.equal(await page.getByTestId("label-probe-top").innerText(), "top");
+      const drawn = await watched.picture();
+      await page.getByTestId("scene").focus();
+      await page.keyboard.press("m");
+      assert.ok(difference(drawn, await watched.picture()) > 0.2, "the marks go");
+      assert.ok(!(await page.getByTestId("label-probe-top").isVisible()));
+      const { x, y } = await watched.value<{ x: number; y: number }>("resilin.middleOfBody()");
+      await page.mouse.move(x, y);
+      await page.mouse.down();
+      await page.mouse.move(x + 80, y, { steps: 4 });
+      await page.getByTestId("label-hand").waitFor({ state: "visible" });
+      assert.match(await page.getByTestId("label-hand").innerText(), /^[\d.]+ [mk]?N$/);
+      await page.mouse.up();
+      await page.getByTestId("label-hand").waitFor({ state: "hidden" });
+    });
+  } finally {
+    await program.stop();
+  }
+});
+
+test("what is nothing up to rounding has no colours of rounding", async () => {
+  const program = await Program.start(jelly, "--port", "0", "--set", "simulation.gravity=[0,0,0]");
+  try {
+    await withPage(browser, program.address, async (watched) => {
+      const { page } = watched;
+      for (const label of ["velocity", "von Mises stress, averaged"]) {
+        await page.getByTestId("show-field").locator("select").selectOption({ label });
+        await watched.until(`resilin.header.fields[resilin.shownField]?.label === "${label}"`);
+        const scale = await watched.value<number>(`resilin.header.fields[resilin.shownField].scale`);
+        const [unit] = /\[.*\]/.exec(await page.getByTestId("color-bar").innerText())!;
+        const factor = { n: 1e-9, µ: 1e-6, m: 1e-3, k: 1e3 }[unit[1]] ?? 1;
+        const width =
+          Number(await page.getByTestId("bar-greatest").inputValue()) -
+          Number(await page.getByTestId("bar-least").inputValue());
+        assert.ok(width * (unit === "[m/s]" ? 1 : factor) >= 0.9e-9 * scale, `${label}: ${width} ${unit} of ${scale}`);
+      }
+    });
+  } finally {
+    await program.stop();
+  }
+});

@@ -1,0 +1,48 @@
+#include "resilin/live/hand_patch.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+namespace resilin {
+
+MaterialPoint hand_patch(const World& world, const MaterialPoint& touched) {
+  const int dim = world.dimension;
+  const VectorX& X = world.rest_positions;
+  const Body& body = world.body_of(touched.nodes.front());
+  const Vector3 middle = touched.position(dim, X);
+  const auto distance = [&](Index node) { return (node_position(dim, node, X) - middle).norm(); };
+  const double cell = std::pow(body.elastic->total_rest_volume() / body.num_cells(), 1.0 / dim);
+  double reach = std::max(1.5 * cell, 0.05 * largest_extent(body, X, dim));
+  for (std::size_t a = 0; a < touched.nodes.size(); ++a)
+    if (touched.weights[a] > 0) reach = std::max(reach, 1.2 * distance(touched.nodes[a]));
+
+  std::vector<bool> is_taken(static_cast<std::size_t>(body.num_nodes), false);
+  const auto place_of = [&](Index node) { return static_cast<std::size_t>(node - body.first_node); };
+  for (const Index node : touched.nodes) is_taken[place_of(node)] = distance(node) < reach;
+  const auto width = static_cast<std::size_t>(num_nodes(body.cell_kind));
+  for (bool grows = true; grows;) {  // as often as the patch is cells wide
+    grows = false;
+    for (std::size_t first = 0; first < body.cells.size(); first += width) {
+      const auto nodes = std::span(body.cells).subspan(first, width);
+      if (std::ranges::none_of(nodes, [&](Index node) { return is_taken[place_of(node)]; })) continue;
+      for (const Index node : nodes) {
+        if (is_taken[place_of(node)] || distance(node) >= reach) continue;
+        is_taken[place_of(node)] = grows = true;
+      }
+    }
+  }
+  MaterialPoint patch;
+  double sum = 0;
+  for (Index i = 0; i < body.num_nodes; ++i) {
+    if (!is_taken[static_cast<std::size_t>(i)]) continue;
+    const double share = distance(body.first_node + i) / reach;
+    patch.nodes.push_back(body.first_node + i);
+    patch.weights.push_back((1 - share * share) * (1 - share * share));
+    sum += patch.weights.back();
+  }
+  for (double& weight : patch.weights) weight /= sum;
+  return patch;
+}
+
+}  // namespace resilin

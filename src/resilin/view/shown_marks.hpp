@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "resilin/view/shown_surface.hpp"
+#include "resilin/world/world.hpp"
+
+namespace resilin {
+
+/// Something of a scene that a page draws at vertices: what is held, pulled or watched.
+struct ShownMark {
+  enum class Kind { support, load, probe };
+  Kind kind = Kind::support;
+  std::string name;
+  std::vector<Index> vertices;      ///< of the shown surface
+  std::vector<Vector3> directions;  ///< of a load: its force at each vertex over the greatest one
+  double greatest = 0;              ///< that force [N]; at load factor 1, or when it is greatest in time
+};
+
+/// The supports, loads (but for gravity) and probes of a world. Of many vertices some hundred are taken
+/// evenly.
+std::vector<ShownMark> shown_marks(const World& world, const ShownSurface& surface);
+
+}  // namespace resilin
