@@ -21,7 +21,8 @@ def test_arrays_give_back_the_law_that_they_are_made_of():
     fit = resilin.fit(neo_hookean_test(0.4), laws=["neo_hookean", "gent"])
     constant = fit["neo_hookean"].constants["shear_modulus"]
     assert constant.value == pytest.approx(4e5, rel=1e-12)
-    assert constant.interval[0] <= 4e5 <= constant.interval[1]
+    assert constant.interval == pytest.approx((4e5, 4e5))
+    assert constant.half_width_95 > 0
     assert fit["neo_hookean"].r_squared == {"uniaxial": pytest.approx(1)}
     assert fit["neo_hookean"].points == 80
     curve = fit["neo_hookean"].curves["uniaxial"]

@@ -128,6 +128,27 @@ TEST(FitOutput, ShowsSoManyDigitsAsAreKnown) {
   EXPECT_EQ(value_text(0, 0.1), "0");
 }
 
+// A free optimum that is no solid is told, and commented out.
+TEST(FitOutput, LeavesOutWhatNoSceneTakes) {
+  FitDescription description;
+  MaterialTest test;
+  test.place = test.name = "pulled";
+  test.has_unit = true;
+  for (const double l : {1.5, 2.0, 4.0, 6.0}) {
+    test.load.push_back(l);
+    test.stress.push_back(2e5 * (l - 1 / (l * l)) * (0.4 - 1 / l));
+  }
+  description.tests = {test};
+  description.laws = {"mooney_rivlin", "neo_hookean"};
+  description.stability = StabilityRule::report;
+  const FitReport report = fit_materials(description);
+  EXPECT_FALSE(report.laws[0].is_usable && report.laws[1].is_usable);
+  const std::string text = material_toml(report);
+  EXPECT_THAT(text, HasSubstr("# material = { law = \"mooney_rivlin\""));
+  EXPECT_THAT(text, HasSubstr("\nmaterial = { law = \"neo_hookean\""));
+  EXPECT_THAT(fit_page(report), HasSubstr("no scene takes these constants"));
+}
+
 // The same numbers, whatever was fitted before and after.
 TEST(FitOutput, IsTheSameEachTime) {
   const FitReport again = fit_materials(read_fit(testing::source_folder() / "examples" / "fit_rubber.toml"));

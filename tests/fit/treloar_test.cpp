@@ -200,7 +200,8 @@ TEST_F(TreloarFits, NameWhatTheTestsDoNotDetermine) {
        {std::pair("ogden2", "UT"), std::pair("ogden3", "UT"), std::pair("ogden3", "PS"),
         std::pair("ogden3", "ET"), std::pair("ogden2", "PS")}) {
     const LawFit poor = fit(law, data);
-    EXPECT_TRUE(says(poor.warnings, "determine")) << law << " " << data;
+    EXPECT_TRUE(says(poor.warnings, "determine") || says(poor.remarks, "is not different from 0"))
+        << law << " " << data;
   }
   // In determined fits nothing of the kind is said.
   EXPECT_FALSE(says(fit("yeoh", "all").warnings, "determine"));

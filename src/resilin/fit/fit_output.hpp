@@ -33,6 +33,9 @@ ShownUnit shown_unit(const FitReport& report);
 /// "0.35264", "7.28e-07": so many digits as the interval makes known.
 std::string value_text(double value, double half_width);
 
+/// Four digits; "-" for a test whose points all have one stress, which has none.
+std::string r_squared_text(double r_squared);
+
 /// "absolute residuals P_model - P_measured" ..., and the weights.
 std::string objective_text(const FitReport& report);
 

@@ -43,7 +43,7 @@ std::string ranking_html(const FitReport& report) {
     rows.push_back({fit.name, std::to_string(fit.num_fitted),
                     std::isfinite(fit.aicc) ? fmt::format("{:.1f}", fit.aicc) : "-",
                     fmt::format("{:.3f}", fit.akaike_weight)});
-    for (const TestQuality& test : fit.tests) rows.back().push_back(fmt::format("{:.4f}", test.r_squared));
+    for (const TestQuality& test : fit.tests) rows.back().push_back(r_squared_text(test.r_squared));
     rows.back().push_back(fmt::format("{:.4g}", fit.youngs_modulus / unit.in_pascal));
     rows.back().push_back(fmt::format("{:.4g}", fit.poissons_ratio));
   }

@@ -47,6 +47,7 @@ class Plot {
     }
     is_tested_ = data_.low < data_.high;
     for (const LawFit& fit : report.laws) include_curve(curve_of(fit));
+    if (!(y_.high - y_.low > 0) || !std::isfinite(y_.high - y_.low)) y_ = {0, 1};  // nothing to be seen
     const double margin = 0.06 * (y_.high - y_.low);
     y_ = {y_.low < 0 ? y_.low - margin : 0, y_.high + margin};
   }

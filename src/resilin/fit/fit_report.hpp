@@ -78,6 +78,7 @@ struct LawFit {
 
   double shear_modulus = 0, bulk_modulus = 0;     ///< at small strain [Pa]; bulk: infinite in the limit
   double youngs_modulus = 0, poissons_ratio = 0;  ///< of the fit, in the incompressible limit 3 mu and 0.5
+  bool is_usable = true;                          ///< a scene takes the material
   bool is_bounded = false;                        ///< stability or a range holds it
   std::optional<double> free_sum_of_squares;      ///< without that
   std::vector<std::string> remarks, warnings;     ///< one line each

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <ostream>
+#include <system_error>
 
+#include "resilin/core/error.hpp"
 #include "resilin/core/spelling.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/fit/fit_output.hpp"
@@ -47,7 +49,7 @@ void add_law(const LawFit& fit, const FitReport& report, const ShownUnit& unit, 
   std::string stable;
   for (const StabilityRange& range : fit.stability)
     stable += (stable.empty() ? "" : "; ") + stability_text(range);
-  if (!stable.empty()) rows.push_back({"  stability", stable});
+  if (!stable.empty()) rows.push_back({"  stable", stable});
   text += format_table(rows);
   for (std::size_t i = 0; i < std::min(fit.correlations.size(), most_correlations_told); ++i)
     text += "  " + fit.correlations[i].text + "\n";
@@ -73,7 +75,7 @@ std::vector<std::vector<std::string>> ranking(const FitReport& report, const Sho
     std::vector<std::string> row = {fit.name, std::to_string(fit.num_fitted),
                                     std::isfinite(fit.aicc) ? fmt::format("{:.1f}", fit.aicc) : "-",
                                     fmt::format("{:.3f}", fit.akaike_weight)};
-    for (const TestQuality& quality : fit.tests) row.push_back(fmt::format("{:.4f}", quality.r_squared));
+    for (const TestQuality& quality : fit.tests) row.push_back(r_squared_text(quality.r_squared));
     row.push_back(fmt::format("{:.4g}", fit.youngs_modulus / unit.in_pascal));
     row.push_back(fmt::format("{:.4g}", fit.poissons_ratio));
     const bool is_told = !fit.stability.empty();
@@ -96,6 +98,10 @@ ShownUnit shown_unit(const FitReport& report) {
   };
   const auto most = std::ranges::max_element(tests, {}, uses);
   return {most->unit, most->unit_in_pascal};
+}
+
+std::string r_squared_text(double r_squared) {
+  return std::isfinite(r_squared) ? fmt::format("{:.4f}", r_squared) : "-";
 }
 
 std::string value_text(double value, double half_width) {
@@ -148,6 +154,8 @@ std::string fit_text(const FitReport& report) {
   if (!report.description.title.empty()) text += one_line(report.description.title) + "\n";
   text += tests_line(report) + "\n" + objective_text(report) + "\n\n";
   text += format_table(ranking(report, unit));
+  if (report.description.stability != StabilityRule::off)
+    text += "\nStability is looked at for stretches from 1/12 to 12; everywhere means there.\n";
   for (const LawFit& fit : report.laws) add_law(fit, report, unit, text);
   for (const LawNotFitted& law : report.not_fitted)
     text += "\n" + law.name + " was not fitted: " + law.reason + "\n";
@@ -155,11 +163,14 @@ std::string fit_text(const FitReport& report) {
 }
 
 std::string material_toml(const FitReport& report) {
-  std::string text = "# " + objective_text(report) + ".\n# Tests: " + tests_line(report) +
-                     ".\n# To be pasted under a [[body]]; the laws after the first are commented out.\n";
+  std::string text =
+      "# " + objective_text(report) + ".\n# Tests: " + tests_line(report) +
+      ".\n# To be pasted under a [[body]]; all laws but the first that a scene takes are commented out.\n";
   bool is_first = true;
   for (const LawFit& fit : report.laws) {
-    text += "\n# " + fit.name + ": AICc " + format_short(fit.aicc) +
+    const bool is_shown = is_first && fit.is_usable;
+    text += "\n# " + fit.name + ": " +
+            (std::isfinite(fit.aicc) ? "AICc " + format_short(fit.aicc) : "too few points for AICc") +
             ", E = " + format_short(fit.youngs_modulus) + " Pa at small strain.\n";
     if (fit.volume_is_assumed)
       text +=
@@ -167,19 +178,21 @@ std::string material_toml(const FitReport& report) {
           format_number(report.description.poissons_ratio) + " is assumed; use " +
           (fit.material.law->has_volume_energy ? "element = \"P2P0\" or \"Q1P0\".\n" : "element = \"P2\".\n");
     for (const std::string& warning : fit.warnings) text += "# warning: " + one_line(warning) + "\n";
-    text += std::string(is_first ? "" : "# ") + "material = { law = \"" +
+    text += std::string(is_shown ? "" : "# ") + "material = { law = \"" +
             std::string(fit.material.law->name) + "\"";
     for (std::size_t p = 0; p < fit.material.constants.size(); ++p)
       text += ", " + std::string(fit.material.law->constants[p].name) + " = " +
               format_number(fit.material.constants[p]);
     text += " }\n";
-    is_first = false;
+    is_first = is_first && !is_shown;
   }
   return text;
 }
 
 void write_fit(const FitReport& report, const std::filesystem::path& folder) {
-  std::filesystem::create_directories(folder);
+  std::error_code failure;
+  std::filesystem::create_directories(folder, failure);
+  if (failure) throw FileError(one_line(folder.string()), "cannot be made: " + failure.message());
   const auto write = [&](const char* name, const std::string& text) {
     write_atomically(folder / name, [&text](std::ostream& out) { out << text; });
   };

@@ -73,6 +73,7 @@ void make_material(const LawChoice& choice, std::vector<double> constants, const
   try {
     resolve_constants(law, given, fit.name);
   } catch (const InputError& error) {
+    fit.is_usable = false;
     fit.warnings.push_back(std::string("no scene takes these constants: ") + error.what());
   }
 }
@@ -131,6 +132,7 @@ void tell_stability(const LawChoice& choice, const std::vector<double>& constant
     const StabilityRange stable =
         find_stability_range(*choice.law, choice.is_compressible, constants, mode, furthest);
     fit.stability.push_back(stable);
+    if (!(fit.shear_modulus > 0)) continue;  // said already: it is unstable everywhere
     const std::string what =
         range.is_tested ? " within the data" : ", as far as the tests go; no test shows this mode";
     if (stable.above && *stable.above < range.most * (1 - 1e-9))
