@@ -65,7 +65,8 @@ std::optional<double> measured_seconds(const Sweep& sweep, const Shard& shard) {
 int dry_run(const Sweep& sweep, const SweepOptions& options, const Shard& shard) {
   const std::filesystem::path path = sweep_out_folder(options);
   SweepCount count{.scenes = shard.num_scenes(sweep.size())};
-  if (std::filesystem::exists(path)) count = SweepFolder(path, sweep, options.updates).count(shard);
+  if (std::filesystem::exists(path / "sweep.json"))
+    count = SweepFolder(path, sweep, options.updates, true).count(shard);
   const int jobs = jobs_of(options, sweep);
   const std::uint64_t left = count.left() + (options.retries_failed ? count.failed : 0);
   print_line(fmt::format("{} scenes, {}; {} to run", count.scenes, count_text(count), left));

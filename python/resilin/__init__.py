@@ -6,6 +6,7 @@ Simulation  a scene step by step; `run` simulates it to the end
 Mesh        from arrays, files, meshio objects and recipes
 fit         constants of laws from tests, with intervals
 value_and_gradient   an objective of a scene and its exact gradient by numbers of the scene
+sweep       many scenes, here or on a Dask cluster
 embed       weights that carry fine points by the cells of a mesh
 """
 
@@ -23,6 +24,7 @@ from resilin.material import Material
 from resilin.mesh import Mesh, MeshReport, read_mesh
 from resilin.picture import Picture, picture
 from resilin.simulation import Result, Simulation, Step, run
+from resilin.sweeps import SweepTable, read_sweep, sweep
 from resilin.threads import num_threads, set_num_threads
 
 InputError.__module__ = __name__
@@ -40,6 +42,7 @@ __all__ = [
     "Result",
     "Simulation",
     "Step",
+    "SweepTable",
     "__version__",
     "embed",
     "fit",
@@ -49,7 +52,9 @@ __all__ = [
     "parameter_names",
     "picture",
     "read_mesh",
+    "read_sweep",
     "run",
     "set_num_threads",
+    "sweep",
     "value_and_gradient",
 ]

@@ -74,6 +74,44 @@ class Progress:
         self._width = 0
 
 
+class SweepProgress:
+    """One line about a sweep that goes on: overwritten in a terminal and in a notebook, else repeated now and then."""
+
+    BETWEEN_DRAWS = 0.1  # [s]
+    BETWEEN_LINES = 5.0  # [s]
+
+    def __init__(self, is_shown: bool | None) -> None:
+        self._overwrites = sys.stdout.isatty() or is_notebook()
+        self.is_shown = self._overwrites if is_shown is None else is_shown
+        self._width = 0
+        self._text = ""
+        self._next = 0.0
+
+    def show(self, done: int, failed: int, scenes: int, seconds_left: float | None) -> None:
+        """Says how many have ended; `seconds_left` is None as long as nobody knows."""
+        now = time.monotonic()
+        if not self.is_shown or (now < self._next and done + failed < scenes):
+            return
+        self._next = now + (self.BETWEEN_DRAWS if self._overwrites else self.BETWEEN_LINES)
+        text = f"{100 * (done + failed) / max(scenes, 1):3.0f} %  {done} of {scenes} done"
+        text += f", {failed} failed" if failed else ""
+        text += f", {seconds_left:.3g} s left" if seconds_left is not None and done + failed < scenes else ""
+        if text == self._text:
+            return
+        self._text = text
+        if self._overwrites:
+            print("\r" + text.ljust(self._width), end="", flush=True)
+            self._width = len(text)
+        else:
+            print(text, flush=True)
+
+    def end(self) -> None:
+        """Ends the line that was drawn."""
+        if self._width:
+            print(flush=True)
+        self._width = 0
+
+
 def is_notebook() -> bool:
     ipython = sys.modules.get("IPython")
     shell = ipython.get_ipython() if ipython is not None else None

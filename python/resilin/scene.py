@@ -56,6 +56,12 @@ def plain_values(table: Table) -> dict[str, object]:
     return _plain_table(table, "", 3, 0)
 
 
+def plain_value(value: object, path: str) -> object:
+    """A value of a scene, or a whole one, as the core takes it; `path` is its key, for messages and meshes."""
+    dimension = _dimension_of(value) if isinstance(value, Mapping) else 3
+    return _plain(value, "" if path == "base" else path, dimension)
+
+
 def _dimension_of(scene: Table) -> Any:
     simulation = scene.get("simulation")
     return simulation.get("dimension", 3) if isinstance(simulation, Mapping) else 3

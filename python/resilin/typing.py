@@ -50,6 +50,11 @@ ColorMap: TypeAlias = Literal["auto", "viridis", "diverging"]
 StressKind: TypeAlias = Literal["nominal", "cauchy"]
 Loss: TypeAlias = Literal["stress_drops", "directions_part", "not_elliptic", "no_state"]
 StepStatus: TypeAlias = Literal["converged", "not_converged"]
+SweepMethod: TypeAlias = Literal["grid", "list", "latin_hypercube", "sobol"]
+#: {"body.beam.scale": [1, 2, 3]} or {"body.beam.scale": {"uniform": [1, 3]}}
+SweepParameters: TypeAlias = "Mapping[str, Sequence[object] | NDArray[Any] | Mapping[str, Sequence[object]]]"
+#: "probe.tip.displacement.z" or {"name": ..., "of": ..., "over": ...}
+SweepQuantity: TypeAlias = "str | Mapping[str, str]"
 RunStatus: TypeAlias = Literal["done", "not_converged", "budget"]
 Triplets: TypeAlias = tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float64]]
 

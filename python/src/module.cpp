@@ -38,4 +38,5 @@ NB_MODULE(_core, module) {
   python::bind_picture(module);
   python::bind_simulation(module);
   python::bind_derivatives(module);
+  python::bind_sweep(module);
 }

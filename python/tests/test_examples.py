@@ -74,3 +74,22 @@ def test_the_python_lines_of_a_page_run(page, tmp_path, monkeypatch):
         if "import torch" in block and find_spec("torch") is None:
             continue
         exec(compile(block, page, "exec"), names)
+
+
+def test_perforated_sheets_soften_with_their_holes(tmp_path):
+    pytest.importorskip("matplotlib").use("Agg")
+    h5py = pytest.importorskip("h5py")
+    example = runpy.run_path(str(ROOT / "examples" / "python" / "perforated_sheet.py"))
+    parameters, table = example["main"](tmp_path, 12)
+    assert set(table["status"]) == {"done"}
+    assert (tmp_path / "stiffness.png").read_bytes().startswith(b"\x89PNG")
+    stiffness = example["stiffness"](table, 1)
+    assert np.all((stiffness > 0) & (stiffness < 1))
+    # More and rounder holes leave less: but for noise the order is that of the share.
+    share = parameters[:, 0] ** 2 * parameters[:, 1]
+    assert np.corrcoef(share, stiffness)[0, 1] < -0.9
+    with h5py.File(tmp_path / "perforated_sheet.h5") as file:
+        assert file["displacements"].shape[0] == len(file["parameters"]) == 12
+        moved = file["rest_positions"][:] + file["displacements"][:]
+        right = file["rest_positions"][0, :, 0] > 1 - 1e-9
+        np.testing.assert_allclose(moved[:, right, 0], 1.15, rtol=1e-9)

@@ -76,7 +76,12 @@ TEST_F(SweepCommand, SaysHowManyAndHowLong) {
   EXPECT_THAT(before.out, HasSubstr("one scene took"));
   EXPECT_FALSE(std::filesystem::exists(folder / "out"));
   sweep({"--shard", "1/4"});
+  const std::string before_looking = read_text_file(folder / "out" / "sweep.json");
   EXPECT_THAT(sweep({"--dry-run"}).out, HasSubstr("40 scenes, 10 of 40 done; 30 to run"));
+  folder.write("box.toml", box_scene + "[newton]\ntolerance = 1e-9\n");
+  EXPECT_EQ(sweep({"--dry-run"}).exit_code, 1);
+  EXPECT_THAT(sweep({"--dry-run", "--update"}).out, HasSubstr("40 to run"));
+  EXPECT_EQ(read_text_file(folder / "out" / "sweep.json"), before_looking);
 }
 
 TEST_F(SweepCommand, EndsWithTwoWhenScenesFail) {

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace resilin {
@@ -116,6 +118,31 @@ TEST(Parallel, AtLeastOneThreadIsLeft) {
     EXPECT_EQ(num_threads(), 1);
   }
   set_num_threads(before);
+}
+
+/// Three jobs of two threads each: no more than six are ever at work, two for each job.
+TEST(ThreadShares, BoundTheThreadsOfEachJob) {
+  const int before = num_threads();
+  std::atomic<int> num_wrong = 0;
+  {
+    const ThreadShare share(3, 2);
+    EXPECT_EQ(num_threads(), 2);
+    std::vector<std::thread> jobs;
+    for (int job = 0; job < 3; ++job)
+      jobs.emplace_back([&] {
+        share.run([&] {
+          std::atomic<int> at_work = 0;
+          parallel_tasks(200, [&](std::size_t) {
+            if (++at_work > 2) ++num_wrong;
+            std::this_thread::sleep_for(std::chrono::microseconds(50));
+            --at_work;
+          });
+        });
+      });
+    for (std::thread& job : jobs) job.join();
+  }
+  EXPECT_EQ(num_wrong, 0);
+  EXPECT_EQ(num_threads(), before);
 }
 
 }  // namespace

@@ -40,6 +40,17 @@ TEST(Override, IsThePlaceOfTheErrorThatItCauses) {
             "--set body.0.scale=-2: body[0].scale: expected a number > 0, got -2");
 }
 
+TEST(Override, TakesAPartInQuotesWithItsDots) {
+  SceneValue scene = parse_toml("[[body]]\nname = \"a.b\"\n", "scene.toml");
+  apply_override(scene, "body.\"a.b\".scale=2");
+  EXPECT_EQ(std::get<std::int64_t>(scene.find("body")->array()[0].find("scale")->data), 2);
+  EXPECT_EQ(numbered_key(scene, "body.\"a.b\".scale", "here"), "body.0.scale");
+}
+
+TEST(Override, NamesTheNearestEntry) {
+  EXPECT_THAT(error_with({"body.bean.scale=2"}), HasSubstr("did you mean \"beam\"?"));
+}
+
 TEST(Override, RefusesAPathThatLeadsNowhere) {
   EXPECT_THAT(error_with({"body.bean.scale=2"}), HasSubstr("there are 0 (beam)"));
   EXPECT_THAT(error_with({"body.1.scale=2"}), HasSubstr("there are 0 (beam)"));

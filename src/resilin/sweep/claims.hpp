@@ -1,5 +1,7 @@
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <filesystem>
 
 #include "resilin/sweep/scene_hash.hpp"
@@ -37,7 +39,7 @@ class Claims {
   bool lock(short kind, std::int64_t place, bool waits);
 
   int descriptor_ = -1;
-  bool has_locks_ = true;
+  std::atomic<bool> has_locks_ = true;
 };
 
 }  // namespace resilin

@@ -91,12 +91,21 @@ void read_form(const SceneNode& node, const std::string& form, Parameter& parame
   parameter.values = node.value->array();
 }
 
+/// A word that is nearly a form is no key of a scene; `value` beside `values` is one.
+void refuse_misspelt_form(const SceneNode& node, const std::string& word) {
+  if (!node.value->is_array()) return;  // the name of a body, say
+  const std::vector<std::string> forms(form_names().begin() + 1, form_names().end());
+  if (const std::string cure = did_you_mean(word, forms); !cure.empty())
+    node.fail_with("expected one of " + join(form_names()) + ", got \"" + one_line(word) + "\"; " + cure);
+}
+
 void read_into(const SceneNode& node, const std::string& key, std::vector<Parameter>& parameters) {
   if (!is_parameter_values(*node.value)) {
     if (!node.value->is_table() || node.value->table().empty())
       node.fail("a list of values or a table with one of " + join(form_names()),
                 "a single value belongs into the base scene, or is a list of one");
     for (const SceneMember& member : node.value->table()) {
+      refuse_misspelt_form(node.child(member.key), member.key);
       const bool has_dots = member.key.find('.') != std::string::npos;
       // A key in quotes is a path already, "body.0.scale", unless it continues one.
       const std::string part = has_dots && !key.empty() ? "\"" + member.key + "\"" : member.key;
@@ -111,20 +120,6 @@ void read_into(const SceneNode& node, const std::string& key, std::vector<Parame
   parameter.origin = origin_of(node);
   read_parameter_values(node, parameter);
   parameters.push_back(std::move(parameter));
-}
-
-int line_of(const SceneValue& value) {
-  if (value.line > 0 || !value.is_table() || value.table().empty()) return value.line;
-  return line_of(value.table().front().value);
-}
-
-/// TOML tables come in the order of the alphabet: back into that of the file.
-SceneValue in_order_of_lines(SceneValue value) {
-  if (!value.is_table()) return value;
-  for (SceneMember& member : value.table()) member.value = in_order_of_lines(std::move(member.value));
-  std::ranges::stable_sort(value.table(), {},
-                           [](const SceneMember& member) { return line_of(member.value); });
-  return value;
 }
 
 }  // namespace
@@ -161,10 +156,11 @@ void read_parameter_values(const SceneNode& node, Parameter& parameter) {
 
 void read_parameters(const SceneNode& node, std::vector<Parameter>& parameters) {
   expect_table(node);
-  const SceneValue ordered = in_order_of_lines(*node.value);
-  if (ordered.table().empty()) node.fail("keys of the scene with their values");
-  for (const SceneMember& member : ordered.table())
-    read_into({&member.value, node.path + "." + member.key, node.context}, member.key, parameters);
+  if (node.value->table().empty()) node.fail("keys of the scene with their values");
+  for (const SceneMember& member : node.value->table())
+    read_into(node.child(member.key), member.key, parameters);
+  // TOML tables come in the order of the alphabet.
+  std::ranges::stable_sort(parameters, {}, [](const Parameter& parameter) { return parameter.origin.line; });
 }
 
 Parameter read_parameter(const SceneNode& node) {

@@ -15,7 +15,7 @@ namespace resilin {
 /// The rows of a sweep in a folder that several processes share: each appends to a file of its own, so that a
 /// process that is killed leaves at worst one line that is not whole, which counts for nothing.
 ///
-/// Keeps in memory where each row stands (32 bytes), not the rows.
+/// Keeps in memory where each row stands (40 bytes), not the rows.
 class RowStore {
  public:
   /// @param folder  is there; others may be writing into it

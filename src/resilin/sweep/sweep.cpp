@@ -197,6 +197,10 @@ Fingerprint Sweep::identity() const {
   for (const Quantity& quantity : description_.quantities)
     identity.emplace_back("quantity " + quantity.name, quantity.of + ", " + spelling(quantity.over));
   append_leaves("base", description_.base, *files_, identity);
+  for (auto& [name, text] : identity) {  // as sweep.json holds it
+    name = one_line(name);
+    text = one_line(text);
+  }
   return identity;
 }
 

@@ -29,7 +29,7 @@ Json manifest_json(const Sweep& sweep) {
                        {"of", quantity.of},
                        {"over", spelling(quantity.over)}});
   Json identity = Json::array();
-  for (const auto& [name, text] : sweep.identity()) identity.push_back({one_line(name), one_line(text)});
+  for (const auto& [name, text] : sweep.identity()) identity.push_back({name, text});
   return {{"format", "resilin sweep 1"},
           {"version", version()},
           {"scenes", sweep.size()},
@@ -79,7 +79,7 @@ Shard parse_shard(const std::string& text) {
   return shard;
 }
 
-SweepFolder::SweepFolder(std::filesystem::path folder, const Sweep& sweep, bool update)
+SweepFolder::SweepFolder(std::filesystem::path folder, const Sweep& sweep, bool update, bool is_looked_at)
     : path_(std::move(folder)), sweep_(sweep) {
   if (std::filesystem::exists(path_ / "report.json"))
     throw InputError(path_.string(), "a folder of a sweep, or a new one", "the results of a run",
@@ -88,10 +88,10 @@ SweepFolder::SweepFolder(std::filesystem::path folder, const Sweep& sweep, bool 
   std::filesystem::create_directories(path_, error);
   if (error)
     throw FileError(path_.string(), "the folder for the results cannot be made (" + error.message() + ")");
-  open(update);
+  open(update, is_looked_at);
 }
 
-void SweepFolder::open(bool update) {
+void SweepFolder::open(bool update, bool is_looked_at) {
   claims_.emplace(path_ / "claims.lock");
   {
     const Claims::Whole whole(*claims_);  // two that start at once see one of them first
@@ -99,7 +99,7 @@ void SweepFolder::open(bool update) {
     if (std::filesystem::exists(manifest) && !update)
       refuse_other(read_identity(read_file(manifest), manifest.string()), sweep_.identity(), path_.string());
     const std::string text = manifest_json(sweep_).dump(1) + "\n";
-    if (!std::filesystem::exists(manifest) || read_file(manifest) != text)
+    if (!is_looked_at && (!std::filesystem::exists(manifest) || read_file(manifest) != text))
       write_atomically(manifest, [&text](std::ostream& stream) { stream << text; });
   }
   rows_.emplace(path_ / "rows");

@@ -38,7 +38,9 @@ class SweepFolder {
  public:
   /// Makes or opens it. @throws InputError when it is of another sweep or version, unless `update` says that
   /// the sweep has been changed: what has become of scenes that are the same is then kept
-  SweepFolder(std::filesystem::path folder, const Sweep& sweep, bool update = false);
+  /// @param is_looked_at  a folder that is there; nothing is written into it
+  SweepFolder(std::filesystem::path folder, const Sweep& sweep, bool update = false,
+              bool is_looked_at = false);
 
   const std::filesystem::path& path() const { return path_; }
   const Sweep& sweep() const { return sweep_; }
@@ -67,7 +69,7 @@ class SweepFolder {
   void refresh();  ///< looks at what others have added
 
  private:
-  void open(bool update);
+  void open(bool update, bool is_looked_at);
 
   std::filesystem::path path_;
   const Sweep& sweep_;
