@@ -157,6 +157,23 @@ TEST(StaticDerivatives, OfAMeshWithMiddlesOfEdgesAreTakenByItsVertices) {
   expect_right_derivatives(short_bar(3, false, "P2"), {"body.body.rest_positions"});
 }
 
+/// What stood on a plane is held although it has moved off it.
+TEST(StaticDerivatives, ByRestPositionsKeepWhatWasSelectedByPlace) {
+  for (const std::string element : {"P1", "P2"}) {
+    Description scene = short_bar(3, false, element);
+    scene.fixes[0].where.kind = Where::Kind::plane;
+    LoadDescription pull;
+    pull.name = "pull";
+    pull.kind = "traction";
+    pull.where.kind = Where::Kind::box;
+    pull.where.min = {0.4, -1, -1};
+    pull.where.max = {1, 1, 1};
+    pull.value = {500, 0, 100};
+    scene.loads.push_back(pull);
+    expect_right_derivatives(scene, {"body.body.rest_positions", "load.pull.value"});
+  }
+}
+
 TEST(StaticDerivatives, OfATurnedSupportAreRight) {
   Description scene = short_bar(3, false);
   FixDescription turn;

@@ -7,6 +7,7 @@
 #include "resilin/core/error.hpp"
 #include "resilin/sensitivity/constant_slopes.hpp"
 #include "resilin/world/body_mesh.hpp"
+#include "resilin/world/selection.hpp"
 
 namespace resilin {
 namespace {
@@ -167,6 +168,49 @@ Parameter constant_of_body(const World& world, std::size_t body, const std::stri
   return parameter;
 }
 
+/// A selection by place, and the vertices that it has in the scene as it is.
+struct Selection {
+  std::size_t number;  ///< of the fix or of the load
+  std::vector<Index> vertices;
+};
+
+/// Of the fixes, or loads, of a body: where its vertices move, who was selected stays so. Left out is a
+/// selection that no list of vertices can say, of middles of edges without their ends.
+template <class Table>
+std::vector<Selection> selections_by_place(const World& world, std::size_t body_number,
+                                           const std::vector<Table>& tables) {
+  const Body& body = world.bodies[body_number];
+  const VectorX places = plus_origin(world, world.rest_positions);
+  const auto select = [&](const Where& where, const std::string& place) {
+    return select_vertices(where, description_of(world, body_number).mesh, body, places, world.dimension,
+                           place);
+  };
+  std::vector<Selection> found;
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    const Table& table = tables[i];
+    const bool is_own = table.body == body.name || (table.body.empty() && world.bodies.size() == 1);
+    const bool is_by_place = table.where.kind == Where::Kind::box || table.where.kind == Where::Kind::plane ||
+                             table.where.kind == Where::Kind::sphere;
+    if (!is_own || !is_by_place) continue;
+    const std::vector<Index> nodes = select(table.where, table.place);
+    Where listed;
+    listed.kind = Where::Kind::vertices;
+    for (const Index node : nodes)
+      if (node < body.num_vertices) listed.vertices.push_back(node);
+    if (!listed.vertices.empty() && select(listed, table.place) == nodes)
+      found.push_back({i, std::move(listed.vertices)});
+  }
+  return found;
+}
+
+template <class Table>
+void select_by_number(const std::vector<Selection>& selections, std::vector<Table>& tables) {
+  for (const Selection& selection : selections) {
+    tables[selection.number].where.kind = Where::Kind::vertices;
+    tables[selection.number].where.vertices = selection.vertices;
+  }
+}
+
 Parameter rest_positions_of_body(const World& world, std::size_t body, const std::string& name) {
   const VertexMap map(world, body);
   const BodyDescription& description = description_of(world, body);
@@ -177,6 +221,8 @@ Parameter rest_positions_of_body(const World& world, std::size_t body, const std
              speeds_start = description.initial_velocities.empty();
   const Eigen::MatrixXd G = description.velocity_gradient.topLeftCorner(world.dimension, world.dimension);
   const Eigen::Index dim = world.dimension;
+  const std::vector<Selection> fixes = selections_by_place(world, body, world.made_from->fixes),
+                               loads = selections_by_place(world, body, world.made_from->loads);
   parameter.ask = [=](WorldChange& change) {
     make_room(change.rest_positions, num_unknowns);
     make_room(change.start_positions, num_unknowns);
@@ -211,6 +257,8 @@ Parameter rest_positions_of_body(const World& world, std::size_t body, const std
       place.head(dim) = to.segment(static_cast<Eigen::Index>(v) * dim, dim);
       of.mesh.vertices[v] = back * (place - origin);
     }
+    select_by_number(fixes, changed.fixes);
+    select_by_number(loads, changed.loads);
   };
   return parameter;
 }

@@ -54,8 +54,7 @@ class StaticDerivatives final : public Derivatives {
 void StaticDerivatives::form_tangent(std::size_t frame, const Potential& at) {
   check_goes_on();
   if (formed_ == frame) return;
-  const bool has_factors =
-      frame + 1 == places_.size() && last_matrix_is_near_ && simulation_.newton().solver_is_direct();
+  const bool has_factors = frame + 1 == places_.size() && last_matrix_is_near_;
   tangent_.form(at, places_[frame], has_factors ? &simulation_.newton() : nullptr);
   formed_ = frame;
 }

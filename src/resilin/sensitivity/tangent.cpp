@@ -10,9 +10,10 @@
 namespace resilin {
 namespace {
 
-constexpr double tolerance = 1e-13;        ///< asked of solvers
-constexpr double largest_residual = 1e-9;  ///< with which a solution is still taken
-constexpr int most_skew_iterations = 60;   ///< of GMRES
+constexpr double tight_tolerance = 1e-13;     ///< asked of solvers
+constexpr double iterative_tolerance = 1e-8;  ///< of those that iterate, at rest, as of equilibria themselves
+constexpr double largest_residual = 1e-7;     ///< with which a solution is still taken
+constexpr int most_skew_iterations = 60;      ///< of GMRES
 
 LinearOptions options(const World& world, const std::string& kind, bool is_definite) {
   return {.kind = kind,
@@ -96,10 +97,32 @@ VectorX Tangent::times(const VectorX& p, bool is_transposed) const {
   return product;
 }
 
-/// Nocedal & Wright 2006, algorithm 5.3.
+double Tangent::tolerance() const {
+  const bool is_direct = near_ != nullptr ? near_->solver_is_direct() : solver_->is_direct();
+  // Mass makes iterations few.
+  return is_direct || world_.is_dynamic ? tight_tolerance : iterative_tolerance;
+}
+
+/// Nocedal & Wright 2006, algorithm 5.3; with a solver that iterates, whose answers are no linear function of
+/// what it is asked, the residual is solved for again and again.
 std::optional<VectorX> Tangent::solve_near(const VectorX& b) {
   constexpr int most_iterations = 20;
+  constexpr double inner_tolerance = 1e-4;
   const double size = b.norm();
+  if (!near_->solver_is_direct()) {
+    VectorX p = VectorX::Zero(b.size()), residual = b, product;
+    for (double left = size; left > tolerance() * size;) {
+      const std::optional<VectorX> z = near_->response(residual, world_.is_fixed, inner_tolerance);
+      if (!z) return std::nullopt;
+      p += *z;
+      multiply(free_, p, product);
+      residual = b - product;
+      const double before = left;
+      left = residual.norm();
+      if (!(left < 0.3 * before)) return std::nullopt;
+    }
+    return p;
+  }
   VectorX p = VectorX::Zero(b.size()), residual = b, direction, product;
   double last = 1;
   for (int k = 0; k < most_iterations; ++k) {
@@ -114,7 +137,7 @@ std::optional<VectorX> Tangent::solve_near(const VectorX& b) {
     p += along / curvature * direction;
     residual -= along / curvature * product;
     last = along;
-    if (residual.norm() <= tolerance * size) return p;
+    if (residual.norm() <= tight_tolerance * size) return p;
   }
   return std::nullopt;
 }
@@ -128,14 +151,14 @@ VectorX Tangent::solve_symmetric(const VectorX& b) {
     near_ = nullptr;
     factorize();
   }
-  LinearReport report = solver_->solve(free_, b, p, tolerance);
+  LinearReport report = solver_->solve(free_, b, p, tolerance());
   // An iterative solver ends at its rounding; what is left is solved for once more.
   VectorX rest;
   for (int refinement = 0; refinement < 2 && report.status != LinearReport::Status::indefinite;
        ++refinement) {
     multiply(free_, p, rest);
     rest = b - rest;
-    if (rest.norm() <= tolerance * size) break;
+    if (rest.norm() <= tolerance() * size) break;
     VectorX more = VectorX::Zero(b.size());
     report = solver_->solve(free_, rest, more, 1e-6);
     p += more;
@@ -161,7 +184,7 @@ VectorX Tangent::solve(VectorX b, bool is_transposed) {
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(most_skew_iterations + 1, most_skew_iterations);
   Eigen::VectorXd y;
   double left = 1;
-  for (int k = 0; k < most_skew_iterations && left > tolerance; ++k) {
+  for (int k = 0; k < most_skew_iterations && left > tolerance(); ++k) {
     corrections.push_back(solve_symmetric(basis.back()));
     VectorX next = times(corrections.back(), is_transposed);
     set_fixed_to_zero(world_.is_fixed, next);

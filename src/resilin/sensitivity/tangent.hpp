@@ -48,8 +48,9 @@ class Tangent {
 
  private:
   void factorize();
+  double tolerance() const;
   VectorX solve_symmetric(const VectorX& b);
-  /// Conjugate gradients with the factors that are near; none: they take too long.
+  /// With the factors that are near; none: they take too long.
   std::optional<VectorX> solve_near(const VectorX& b);
 
   const World& world_;
