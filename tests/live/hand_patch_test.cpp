@@ -69,10 +69,10 @@ TEST(HandPatch, DrawsNoThorn) {
   const Description scene = standing_block(8, 0);
   LiveScene by_node(scene), by_patch(scene);
   const World& world = by_node.world();
-  const Index touched = node_at(world, {0.2, 0, 0.8});
+  const Index touched = node_at(world, {0.2, 0, 0.8125});
   std::vector<Index> beside;
   for (const auto& [dx, dz] : {std::pair(0.05, 0.0), {-0.05, 0.0}, {0.0, 0.0625}, {0.0, -0.0625}})
-    beside.push_back(node_at(world, {0.2 + dx, 0, 0.8 + dz}));
+    beside.push_back(node_at(world, {0.2 + dx, 0, 0.8125 + dz}));
   const MaterialPoint node{{touched}, {1.0}};
   const double sharp = thorn(by_node, node, touched, beside);
   const double blunt = thorn(by_patch, hand_patch(world, node), touched, beside);

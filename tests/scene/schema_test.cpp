@@ -110,7 +110,7 @@ TEST(SceneSchema, HasEveryKeyWithItsMeaning) {
     for (const KeyDoc& key : table.keys) {
       const std::string last = key.name.substr(key.name.find_last_of('.') + 1);
       EXPECT_THAT(text, ::testing::HasSubstr("\"" + last + "\": {")) << table.title;
-      EXPECT_THAT(text, ::testing::HasSubstr(Json(key.text).dump().substr(1, 20))) << table.title << key.name;
+      EXPECT_THAT(text, ::testing::HasSubstr(Json(key.text.substr(0, 20)).dump().substr(1, 12))) << table.title << key.name;
     }
 }
 

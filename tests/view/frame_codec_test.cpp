@@ -133,10 +133,11 @@ TEST(Topology, HoldsTrianglesAndEdgesOfEachPartAndRestPlaces) {
   const ShownSurface::Part& part = surface.parts()[0];
   const auto triangles = static_cast<std::size_t>(part.num_triangles),
              edges = static_cast<std::size_t>(part.num_edges),
+             tetrahedra = static_cast<std::size_t>(part.num_tetrahedra),
              vertices = static_cast<std::size_t>(surface.num_vertices());
-  EXPECT_EQ(bytes.size(), 8 + 12 * triangles + 8 * edges + 12 * vertices);
+  EXPECT_EQ(bytes.size(), 8 + 12 * triangles + 8 * edges + 16 * tetrahedra + 12 * vertices);
   float first_place = -1;
-  std::memcpy(&first_place, bytes.data() + 8 + 12 * triangles + 8 * edges, 4);
+  std::memcpy(&first_place, bytes.data() + 8 + 12 * triangles + 8 * edges + 16 * tetrahedra, 4);
   EXPECT_EQ(first_place, surface.rest_positions()[0]);
 }
 

@@ -72,7 +72,7 @@ struct ServedLiveSceneTest : ::testing::Test {
 TEST_F(ServedLiveSceneTest, DescribesTheScene) {
   const json header = scene.header();
   EXPECT_EQ(header["title"], "jelly.toml");
-  EXPECT_EQ(header["parts"][0]["num_vertices"], 26);
+  EXPECT_EQ(header["parts"][0]["num_vertices"], 27);
   EXPECT_EQ(header["fields"].size(), scene.field_names().size());
   const json state = scene.state();
   EXPECT_TRUE(state["ground"].is_null());
@@ -171,10 +171,10 @@ TEST_F(ServedLiveSceneTest, SetsEachControl) {
 TEST_F(ServedLiveSceneTest, RefusesWhatCannotBeAndStaysAsItWas) {
   const json before = scene.state();
   const std::vector<std::pair<SceneMessage, std::string>> cases = {
-      {Grab{26, Vector3::Zero()}, "grab: vertex: expected a number from 0 to 25, got 26"},
+      {Grab{27, Vector3::Zero()}, "grab: vertex: expected a number from 0 to 26, got 27"},
       {Grab{0, Vector3(1e30, 0, 0)}, "within a thousand sizes of the bodies"},
       {Pin{4294967295U}, "got 4294967295"},
-      {Unpin{26}, "unpin: vertex"},
+      {Unpin{27}, "unpin: vertex"},
       {Poke{Vector3(0, 0, 1e9), 0.1}, "poke: center"},
       {set("youngs_modulus", -1.0), "youngs_modulus"},
       {set("poissons_ratio", 0.5), "poissons_ratio"},
@@ -195,7 +195,7 @@ TEST_F(ServedLiveSceneTest, FramesCarryTheFieldThatIsAskedFor) {
   for (std::size_t i = 0; i < scene.field_names().size(); ++i) {
     const DecodedFrame shown = frame(i);
     EXPECT_EQ(shown.field_number, i);
-    EXPECT_EQ(shown.field.size(), 26U) << scene.field_names()[i];
+    EXPECT_EQ(shown.field.size(), 27U) << scene.field_names()[i];
   }
 }
 

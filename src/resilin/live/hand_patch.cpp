@@ -1,10 +1,32 @@
 #include "resilin/live/hand_patch.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <span>
 
 namespace resilin {
+namespace {
+
+/// Mean distance between the nodes of the cells that have a touched one, at rest [m].
+double mean_edge(const World& world, const Body& body, const MaterialPoint& touched) {
+  const int dim = world.dimension;
+  const auto width = static_cast<std::size_t>(num_nodes(body.cell_kind));
+  double sum = 0, count = 0;
+  for (std::size_t first = 0; first < body.cells.size(); first += width) {
+    const auto nodes = std::span(body.cells).subspan(first, width);
+    const auto is_touched = [&](Index node) {
+      return std::ranges::find(touched.nodes, node) != touched.nodes.end();
+    };
+    if (std::ranges::none_of(nodes, is_touched)) continue;
+    for (std::size_t a = 0; a < width; ++a)
+      for (std::size_t b = a + 1; b < width; ++b, ++count)
+        sum += (node_position(dim, nodes[a], world.rest_positions) -
+                node_position(dim, nodes[b], world.rest_positions))
+                   .norm();
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+}  // namespace
 
 MaterialPoint hand_patch(const World& world, const MaterialPoint& touched) {
   const int dim = world.dimension;
@@ -12,8 +34,7 @@ MaterialPoint hand_patch(const World& world, const MaterialPoint& touched) {
   const Body& body = world.body_of(touched.nodes.front());
   const Vector3 middle = touched.position(dim, X);
   const auto distance = [&](Index node) { return (node_position(dim, node, X) - middle).norm(); };
-  const double cell = std::pow(body.elastic->total_rest_volume() / body.num_cells(), 1.0 / dim);
-  double reach = std::max(1.5 * cell, 0.05 * largest_extent(body, X, dim));
+  double reach = std::max(1.5 * mean_edge(world, body, touched), 0.05 * largest_extent(body, X, dim));
   for (std::size_t a = 0; a < touched.nodes.size(); ++a)
     if (touched.weights[a] > 0) reach = std::max(reach, 1.2 * distance(touched.nodes[a]));
 

@@ -12,7 +12,7 @@ export class Pace {
   choice: DrawingChoice = "auto";
   private isSlow = false;
   private slowFrames = 0;
-  private last: number | null = null; // [ms] when the frame before was drawn, where one was drawn just before
+  private lastDrawn: number | null = null; // [ms] when the browser's frame before began; null: nothing was drawn in it
 
   /** `changed`: with the pixels for each of the window's. */
   constructor(private readonly changed: (isLight: boolean, pixels: number) => void) {}
@@ -28,15 +28,11 @@ export class Pace {
     this.tell();
   }
 
-  /** Once per frame of the browser; `drawn`: something was drawn in it. */
+  /** Once per frame of the browser; `drawn`: something was drawn in it. What counts is the time until the next one. */
   frame(now: number, drawn: boolean): void {
-    if (!drawn || document.hidden) {
-      this.last = null;
-      return;
-    }
-    const took = this.last === null ? 0 : now - this.last;
-    this.last = now;
-    if (took > LONGEST) return;
+    const took = this.lastDrawn === null ? 0 : now - this.lastDrawn;
+    this.lastDrawn = drawn && !document.hidden ? now : null;
+    if (took === 0 || took > LONGEST) return;
     this.slowFrames = took > SLOW ? this.slowFrames + 1 : 0;
     if (this.slowFrames < PATIENCE || this.isSlow || this.choice !== "auto") return;
     this.isSlow = true;

@@ -63,7 +63,7 @@ export class Shell {
     this.left.append(heading, this.bar.root);
     document
       .getElementById("app")!
-      .append(this.canvas, this.labels, this.left, this.panelPlace, this.bottom, overlays.root);
+      .append(this.canvas, this.labels, this.left, this.bottom, this.panelPlace, overlays.root);
     this.theme = new Theme((dark) => {
       this.viewport?.setDark(dark);
       this.events.themeChanged();
