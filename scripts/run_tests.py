@@ -20,6 +20,7 @@ import check_docs
 import check_examples
 import check_format
 import check_includes
+import check_petsc
 import check_python
 import check_repository
 import check_setup
@@ -181,6 +182,10 @@ def run_browser():
     ]
 
 
+def run_petsc():
+    return [run_check(f"processes: {name}", check) for name, check in check_petsc.all_checks().items()]
+
+
 def run_wheel():
     return run_pytest("wheel", check_python.run_in_empty_environment())
 
@@ -194,13 +199,14 @@ STEPS = {
     "validation": run_validation,
     "consumer": run_consumer,
     "python": run_python,
+    "petsc": run_petsc,
     "wheel": run_wheel,
     "browser": run_browser,
     "sanitizers": run_sanitizers,
 }
 NEEDED_BUILD = {
     step: "release" for step in ("release", "examples", "docs", "validation", "consumer", "python", "wheel", "browser")
-} | {"sanitizers": "asan"}
+} | {"petsc": "petsc", "sanitizers": "asan"}
 
 
 def spent_time(text):

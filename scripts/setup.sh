@@ -6,6 +6,7 @@ build_packages=(g++ cmake ninja-build libeigen3-dev libsuitesparse-dev libopenbl
   ccache)  # what ./run compiles, ./test and the wheel need not compile again
 test_packages=(libgtest-dev libgmock-dev python3 python3-venv)
 browser_packages=(nodejs npm chromium)
+petsc_packages=(libpetsc-real-dev openmpi-bin pkg-config)  # of the preset petsc alone
 python_packages=(python3-dev python3-venv python3-numpy python3-scipy python3-matplotlib python3-torch)
 
 say() { printf '%s\n' "$*" >&2; }

@@ -11,6 +11,7 @@
 #include "resilin/linear/linear_solver.hpp"
 #include "resilin/results/build_info.hpp"
 #include "resilin/scene/scene.hpp"
+#include "run_together.hpp"
 #include "terminal.hpp"
 
 namespace resilin::cli {
@@ -29,6 +30,7 @@ int print_info(bool as_json) {
                                          {"compiled_instruction_sets", names(compiled_instruction_sets())},
                                          {"blas_kernel", blas},
                                          {"solvers", solvers},
+                                         {"several_processes", distribution_text()},
                                          {"threads", num_threads()}};
     print_line(json.dump(1));
     return done;
@@ -38,6 +40,7 @@ int print_info(bool as_json) {
                            {"elements, iterative solvers", in_use + " (of " + join(available) + ")"},
                            {"direct solvers, BLAS", blas},
                            {"linear solvers", join(solvers)},
+                           {"one scene on several processes", distribution_text()},
                            {"threads", std::to_string(num_threads())}}));
   return done;
 }

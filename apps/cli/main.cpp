@@ -16,6 +16,9 @@
 #include "resilin/linear/blas.hpp"
 #include "resilin/results/build_info.hpp"
 #include "terminal.hpp"
+#ifdef RESILIN_HAS_PETSC
+#include "resilin/petsc/gamg_solver.hpp"
+#endif
 
 /// OpenBLAS asks for this when it is loaded, before `main`, and would start a thread for each core: with 8
 /// MiB of stack and 128 MiB to work in each, and where it cannot have them it tries for ever or ends the
@@ -99,6 +102,9 @@ int run_command(int argc, char** argv) {
 int main(int argc, char** argv) {
   std::set_terminate(end_at_once);
   report_failed_writes();
+#ifdef RESILIN_HAS_PETSC
+  register_petsc_solver();
+#endif
   const int code = run_command(argc, argv);
   if (flush_output()) return code;
   return fail(code == done ? wrong_input : code, output_problem());

@@ -17,39 +17,11 @@
 #include "resilin/results/results.hpp"
 #include "resilin/results/run.hpp"
 #include "resilin/scene/scene.hpp"
+#include "run_together.hpp"
 #include "terminal.hpp"
 
 namespace resilin::cli {
 namespace {
-
-struct RunOptions {
-  std::string scene;
-  std::string out;
-  std::vector<std::string> overrides;
-  std::vector<std::string> formats;  ///< empty: as the scene says
-  int threads = 0;
-  int steps = 0;
-  std::string resume;  ///< empty: from the start
-  bool quiet = false;
-
-  bool resumes() const { return !resume.empty(); }
-};
-
-constexpr const char* resume_anyway = "anyway";
-
-std::filesystem::path out_folder(const RunOptions& options) {
-  if (!options.out.empty()) return options.out;
-  return std::filesystem::path("out") / std::filesystem::path(options.scene).stem();
-}
-
-std::vector<std::string> overrides(const RunOptions& options) {
-  std::vector<std::string> all = options.overrides;
-  if (options.formats.empty()) return all;
-  std::string list;
-  for (const std::string& format : options.formats) list += (list.empty() ? "\"" : ", \"") + format + '"';
-  all.push_back("output.formats=[" + list + "]");
-  return all;
-}
 
 RunOutcome simulate(Simulation& simulation, ResultFolder& results, Progress& progress, int max_steps) {
   results.record(simulation, false);
@@ -91,12 +63,6 @@ void print_start(const RunOptions& options, const Simulation& simulation) {
              (num_threads() == 1 ? " thread" : " threads"));
 }
 
-std::string vector_text(const Vector3& vector, int dimension) {
-  std::string text;
-  for (int i = 0; i < dimension; ++i) text += (i == 0 ? "" : ", ") + format_short(vector[i]);
-  return "(" + text + ")";
-}
-
 void print_modes(const std::vector<VibrationMode>& modes) {
   for (std::size_t k = 0; k < modes.size(); ++k) {
     const VibrationMode& mode = modes[k];
@@ -120,13 +86,7 @@ void print_end(const Simulation& simulation, const ResultFolder& results, const 
   const Frame& frame = simulation.frame();
   const int dim = simulation.world().dimension;
   print_modes(simulation.modes());
-  for (const Frame::ProbeValue& probe : frame.probes) {
-    print_line("probe " + one_line(probe.name) + ": displacement " + vector_text(probe.displacement, dim) +
-               " m");
-  }
-  for (const auto& [name, force] : frame.reactions) {
-    print_line("reaction " + one_line(name) + ": " + vector_text(force, dim) + " N");
-  }
+  print_probes_and_reactions(frame, dim);
   for (const SurfaceContact::BodyContact& contact : frame.contacts) {
     const auto name_of = [&](Index body) {
       return one_line(simulation.world().bodies[static_cast<std::size_t>(body)].name);
@@ -157,6 +117,7 @@ void print_end(const Simulation& simulation, const ResultFolder& results, const 
 }
 
 int run(const RunOptions& options) {
+  if (const std::optional<int> code = run_together(options)) return *code;
   catch_interrupts();
   const Stopwatch stopwatch;
   if (options.threads > 0) set_num_threads(options.threads);

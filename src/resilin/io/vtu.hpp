@@ -36,6 +36,11 @@ struct VtuData {
 void write_vtu(const std::filesystem::path& path, const VtuData& data);
 void write_vtu(std::ostream& stream, const VtuData& data);  ///< a stream of the classic locale, binary
 
+/// The file that joins pieces, each a .vtu file with the arrays of `piece`, into one result (.pvtu).
+/// @param sources  of the pieces, relative to the file
+void write_pvtu(const std::filesystem::path& path, const VtuData& piece,
+                std::span<const std::string> sources);
+
 /// Values read from a file: `components` numbers for each point or cell, one after another.
 struct VtuValues {
   std::string name;

@@ -232,6 +232,28 @@ void write_vtu_mesh(std::ostream& stream, const Mesh& mesh) {
   write_vtu(stream, data);
 }
 
+void write_pvtu(const std::filesystem::path& path, const VtuData& piece,
+                std::span<const std::string> sources) {
+  write_atomically(path, [&](std::ostream& stream) {
+    const auto write_arrays = [&](const char* name, std::span<const VtuArray> arrays) {
+      stream << '<' << name << ">\n";
+      for (const VtuArray& array : arrays)
+        stream << "<PDataArray type=\"Float64\" Name=\"" << escaped(array.name) << "\" NumberOfComponents=\""
+               << array.components << "\"/>\n";
+      stream << "</" << name << ">\n";
+    };
+    stream << "<?xml version=\"1.0\"?>\n<VTKFile type=\"PUnstructuredGrid\" version=\"1.0\" byte_order=\""
+           << (std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian")
+           << "\" header_type=\"UInt64\">\n<PUnstructuredGrid GhostLevel=\"0\">\n";
+    write_arrays("PPointData", piece.point_data);
+    write_arrays("PCellData", piece.cell_data);
+    stream
+        << "<PPoints>\n<PDataArray type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\"/>\n</PPoints>\n";
+    for (const std::string& source : sources) stream << "<Piece Source=\"" << escaped(source) << "\"/>\n";
+    stream << "</PUnstructuredGrid>\n</VTKFile>\n";
+  });
+}
+
 void write_pvd(const std::filesystem::path& path, std::span<const PvdEntry> entries) {
   write_atomically(path, [&](std::ostream& stream) {
     stream << "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n";

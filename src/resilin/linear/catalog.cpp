@@ -47,6 +47,18 @@ std::vector<LinearSolverKind> kinds() {
   return catalog().kinds;
 }
 
+/// The solver of this name, or the first, of those that several processes share.
+std::unique_ptr<LinearSolver> make_distributed(const LinearOptions& options) {
+  std::vector<std::string> names = {"\"auto\""};
+  for (const LinearSolverKind& kind : kinds()) {
+    if (!kind.is_distributed) continue;
+    if (options.kind == "auto" || options.kind == kind.name) return kind.make(options);
+    names.push_back('"' + kind.name + '"');
+  }
+  throw InputError("solver.kind", join(names, " or ") + " for a scene on several processes",
+                   '"' + options.kind + '"', "let it be \"auto\", or run it on one process");
+}
+
 }  // namespace
 
 void require_memory(const LinearReport& report) {
@@ -64,6 +76,7 @@ void register_linear_solver(LinearSolverKind kind) {
 }
 
 std::unique_ptr<LinearSolver> make_linear_solver(const LinearOptions& options, Index num_unknowns) {
+  if (!options.share.is_whole()) return make_distributed(options);
   if (options.kind == "auto") return make_auto(options, num_unknowns);
   require_linear_solver(options.kind, "solver.kind");
   const std::vector<LinearSolverKind> all = kinds();

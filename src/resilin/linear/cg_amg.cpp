@@ -3,6 +3,7 @@
 #include "resilin/core/dense.hpp"
 #include "resilin/linear/catalog.hpp"
 #include "resilin/linear/conjugate_gradients.hpp"
+#include "resilin/linear/decoupled.hpp"
 #include "resilin/linear/diagonal_check.hpp"
 #include "resilin/linear/merged_pattern.hpp"
 #include "resilin/linear/multigrid_level.hpp"
@@ -74,42 +75,6 @@ void SmoothedAggregation::analyze_pattern() {
   levels_.clear();
 }
 
-/// Unknowns that are coupled with no other, as `eliminate` leaves them.
-std::vector<std::uint8_t> find_fixed(const BlockMatrix& A) {
-  const int dim = A.dim;
-  const BlockPattern& pattern = *A.pattern;
-  std::vector<std::uint8_t> is_fixed(static_cast<std::size_t>(A.num_unknowns()), 1);
-  const auto look_at_row = [&](const double* block, int r, int diagonal, std::uint8_t& fixed) {
-    for (int c = 0; c < dim; ++c)
-      if (block[r * dim + c] != 0 && c != diagonal) fixed = 0;
-  };
-  const auto look_at_column = [&](const double* block, int c, std::uint8_t& fixed) {
-    for (int r = 0; r < dim; ++r)
-      if (block[r * dim + c] != 0) fixed = 0;
-  };
-  constexpr int none = -1;
-  parallel_for(
-      static_cast<std::size_t>(A.num_nodes()), nodes_per_chunk, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i)
-          for (int d = 0; d < dim; ++d) {
-            std::uint8_t& fixed = is_fixed[i * dim + d];
-            look_at_row(A.block(pattern.row_begin[i]), d, d, fixed);
-            for (Offset s = pattern.row_begin[i] + 1; fixed != 0 && s < pattern.row_begin[i + 1]; ++s)
-              look_at_row(A.block(s), d, none, fixed);
-            for (Offset k = pattern.lower_begin[i]; fixed != 0 && k < pattern.lower_begin[i + 1]; ++k)
-              look_at_column(A.block(pattern.lower_slots[k]), d, fixed);
-          }
-      });
-  for (const BlockMatrix::ExtraBlock& extra : A.extra) {
-    const double* block = A.extra_values.data() + extra.begin;
-    for (int d = 0; d < dim; ++d) {
-      look_at_row(block, d, extra.row == extra.column ? d : none, is_fixed[extra.row * dim + d]);
-      if (extra.row != extra.column) look_at_column(block, d, is_fixed[extra.column * dim + d]);
-    }
-  }
-  return is_fixed;
-}
-
 void SmoothedAggregation::build_levels(int dim) {
   const Index num_nodes = permuted_.num_nodes();
   std::vector<std::uint8_t> is_active(static_cast<std::size_t>(num_nodes), 0);
@@ -179,7 +144,7 @@ LinearReport SmoothedAggregation::factorize(const BlockMatrix& A) {
     return report;
   }
   scale_ = 1 / diagonal.largest;
-  std::vector<std::uint8_t> is_fixed = find_fixed(A);
+  std::vector<std::uint8_t> is_fixed = decoupled_unknowns(A);
   if (levels_.empty() || is_fixed != is_fixed_) {
     is_fixed_ = std::move(is_fixed);
     build_levels(A.dim);

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "resilin/core/share.hpp"
 #include "resilin/linear/block_matrix.hpp"
 
 namespace resilin {
@@ -14,6 +15,7 @@ struct LinearOptions {
   bool is_dynamic = false;    ///< helps "auto": mass makes iterative solvers quick
   bool is_definite = true;    ///< false: negative eigenvalues are solved with and counted, not refused
   int max_iterations = 2000;  ///< of an iterative solver
+  Share share = {};  ///< whose nodes the matrix couples: its entries are then this process's part of them
 };
 
 /// What became of a factorisation or a solve.
@@ -69,6 +71,7 @@ struct LinearSolverKind {
   std::string name;
   std::unique_ptr<LinearSolver> (*make)(const LinearOptions& options);
   bool solves_indefinite = false;  ///< takes matrices that need not be definite, and counts negative pivots
+  bool is_distributed = false;     ///< takes a share of a matrix that several processes have
 };
 
 /// Adds a solver from outside this module, such as one of an optional library, to those that scenes may name.

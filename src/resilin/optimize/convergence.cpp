@@ -62,7 +62,14 @@ Index Convergence::worst_unknown() const {
     worst = static_cast<Index>(i);
     if (std::isnan(size)) break;
   }
-  return worst;
+  const Share& share = parts_->share();
+  if (share.is_whole()) return worst;
+  // One process knows it: nan is the largest, and the first process goes before others.
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const double size = std::isnan(largest) ? infinity : largest;
+  const bool has_largest = worst >= 0 && size == share.largest(size);
+  const double rank = share.exchange().rank();
+  return share.smallest(has_largest ? rank : infinity) == rank ? worst : -1;
 }
 
 Convergence::Verdict Convergence::verdict(const VectorX& diagonal, bool look_closer) {

@@ -46,7 +46,8 @@ class Convergence {
   /// only rounding is left, `verdict` leaves here what exceeds it: zero.
   double residual() const { return residuals_[worst_]; }
   double force_scale() const { return scales_[worst_]; }
-  Index worst_unknown() const;  ///< the free unknown of that part with the largest residual; -1: none
+  /// The free unknown of that part with the largest residual; -1: none, or one of another process.
+  Index worst_unknown() const;
 
   /// The residual of all parts in a measure in which all count alike, and the force scale in it [N]. With one
   /// part these are the residual and the scale.

@@ -73,11 +73,11 @@ double Newton::Search::longest_step(bool boundary_moves) {
       linear = newton.solver_->solve(newton.hessian_, scaled(forces), correction, forcing_of_corrections);
     }
     report.linear_iterations += linear.iterations;
-    if (linear.status == LinearReport::Status::indefinite || !correction.allFinite()) break;
+    if (linear.status == LinearReport::Status::indefinite || !share.all(correction.allFinite())) break;
     correction += step;
     objective.prepare(x, correction);
     const double longer = objective.max_step(x, correction);
-    if (!(longer > 2 * length) || !(boundary_moves || correction.dot(right_side) > 0)) break;
+    if (!(longer > 2 * length) || !(boundary_moves || share.dot(correction, right_side) > 0)) break;
     step.swap(correction);
     length = longer;
   }
@@ -90,12 +90,12 @@ bool Newton::Search::use_true_tangent() {
     p.setZero(b.size());
     const LinearReport linear = newton.solver_->solve(newton.hessian_, scaled(b), p, 1e-3);
     report.linear_iterations += linear.iterations;
-    return linear.status != LinearReport::Status::indefinite && p.allFinite();
+    return linear.status != LinearReport::Status::indefinite && share.all(p.allFinite());
   };
   VectorX p;
   const double tolerance = std::clamp(0.01 * weighted_residual / convergence.weighted_scale(), 1e-3, 0.01);
   const TangentReport tangent =
-      solve_with_true_tangent(objective, is_fixed, x, right_side, near, tolerance, p);
+      solve_with_true_tangent(objective, is_fixed, share, x, right_side, near, tolerance, p);
   report.tangent_iterations += tangent.iterations;
   if (!(tangent.relative_residual < 0.3)) return false;
   step.swap(p);
@@ -210,7 +210,7 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
   newton.last_measure_.reset();  // there is no matrix yet
   int blocked_steps = 0, giving_way = 0;
   VectorX gap = boundary_gap();
-  bool boundary_moves = (gap.array() != 0).any();
+  bool boundary_moves = is_any_missing(gap);
   objective.prepare(x, VectorX::Zero(x.size()));
   objective.gradient(x, gradient);
   measure_residual();
@@ -274,7 +274,7 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
         }
       }
       gap = boundary_gap();
-      boundary_moves = (gap.array() != 0).any();
+      boundary_moves = is_any_missing(gap);
       if (!boundary_moves) {
         last_residual = 0;
         giving_way = 0;
@@ -286,9 +286,10 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
   }
 }
 
-Newton::Newton(int dim, std::shared_ptr<const BlockPattern> pattern, std::unique_ptr<LinearSolver> solver)
+Newton::Newton(int dim, std::shared_ptr<const BlockPattern> pattern, std::unique_ptr<LinearSolver> solver,
+               const Share& share)
     : hessian_(dim, foreseen(dim, std::move(pattern), *solver)),
-      parts_(*hessian_.pattern),
+      parts_(*hessian_.pattern, share),
       solver_(std::move(solver)) {}
 
 NewtonReport Newton::minimize(Objective& objective, std::span<const std::uint8_t> is_fixed,
@@ -331,7 +332,8 @@ std::optional<VectorX> Newton::response(VectorX forces, std::span<const std::uin
   if (last_measure_->parts) scale_parts(*last_measure_->parts, last_measure_->weights, forces);
   VectorX way = VectorX::Zero(forces.size());
   const LinearReport linear = solver_->solve(hessian_, forces, way, tolerance);
-  if (linear.status == LinearReport::Status::indefinite || !way.allFinite()) return std::nullopt;
+  if (linear.status == LinearReport::Status::indefinite || !parts_.share().all(way.allFinite()))
+    return std::nullopt;
   return way;
 }
 

@@ -71,7 +71,9 @@ using NewtonObserver = std::function<bool(const NewtonReport& so_far)>;
 /// Nothing that it keeps changes a result: two calls with the same arguments give the same bits.
 class Newton {
  public:
-  Newton(int dim, std::shared_ptr<const BlockPattern> pattern, std::unique_ptr<LinearSolver> solver);
+  /// @param share  of the scene, to which the nodes of the pattern belong
+  Newton(int dim, std::shared_ptr<const BlockPattern> pattern, std::unique_ptr<LinearSolver> solver,
+         const Share& share = {});
 
   /// Minimises over the unknowns with is_fixed[i] == 0 from x, which is moved. The fixed ones are led to
   /// `targets[i]`, all at once where the domain allows, else in several steps.

@@ -37,6 +37,7 @@ struct Newton::Search {
   VectorX& x;
 
   Parts parts{newton.parts_};
+  const Share share{parts.share()};
   Convergence convergence{objective, is_fixed, parts, settings.tolerance};
   NewtonReport report{};
   ProjectionChooser chooser{settings.projection};
@@ -70,6 +71,8 @@ struct Newton::Search {
       if (!is_free(i)) gap[i] = targets[i] - x[i];
     return gap;
   }
+
+  bool is_any_missing(const VectorX& gap) const { return share.any((gap.array() != 0).any()); }
 
   void measure_residual() {
     convergence.measure(x, gradient);
@@ -120,11 +123,12 @@ struct Newton::Search {
       const Stopwatch watch(report.assembly_seconds);
       newton.hessian_.set_zero();
       objective.hessian_at(internal, x, projection, newton.hessian_);
-      diagonal = free_diagonal(newton.hessian_, is_fixed);
+      diagonal = free_diagonal(newton.hessian_, is_fixed, share);
       right_side = -gradient;
       if (boundary_moves) {
         VectorX pull;
         multiply(newton.hessian_, gap, pull);
+        share.add_copies(pull);
         right_side -= pull;
       }
       set_fixed_to_zero(is_fixed, right_side);
@@ -144,11 +148,11 @@ struct Newton::Search {
     last_forcing = forcing_term();
     linear = solver.solve(newton.hessian_, scaled_right_side, step, last_forcing);
     report.linear_iterations += linear.iterations;
-    direction.found = linear.status != LinearReport::Status::indefinite && step.allFinite();
+    direction.found = linear.status != LinearReport::Status::indefinite && share.all(step.allFinite());
     if (direction.found && boundary_moves) {
       step += gap;
     } else if (direction.found) {
-      direction.found = step.dot(right_side) > 0;
+      direction.found = share.dot(step, right_side) > 0;
     }
     return direction;
   }
@@ -170,7 +174,8 @@ struct Newton::Search {
     BlockMatrix& H = newton.hessian_;
     const VectorX largest = parts.largest(diagonal);
     for (Index node = 0; node < H.num_nodes(); ++node)
-      for (int k = 0; k < H.dim; ++k) H.add_to_diagonal(node, k, shift * largest[parts.of_node(node)]);
+      for (int k = 0; k < H.dim; ++k)
+        if (share.owns(node)) H.add_to_diagonal(node, k, shift * largest[parts.of_node(node)]);
   }
 
   /// In the measure of `convergence`, in which all parts count alike.
@@ -299,7 +304,8 @@ struct Newton::Search {
     LineSearch result;
     double magnitude = -1;
     result.length = longest_step(/*boundary_moves=*/false);
-    const double slope = -step.dot(right_side);  // right side is minus the gradient, zero at fixed unknowns
+    const double slope =
+        -share.dot(step, right_side);  // right side is minus the gradient, zero at fixed unknowns
     if (passes_whole(slope, result) || watchdog.steps > 0) return result;
     const int max_halvings = internal_is_old ? max_halvings_of_carried_values : settings.max_halvings;
     for (int halving = 0; halving <= max_halvings; ++halving) {
@@ -320,10 +326,7 @@ struct Newton::Search {
       }
       if (magnitude < 0) magnitude = objective.magnitude(x);
       if (-t * slope <= 1e3 * epsilon * magnitude && std::isfinite(decrease) && knows_finite_forces()) {
-        double trial_slope = 0;
-        for (Eigen::Index i = 0; i < step.size(); ++i) {
-          if (is_free(i)) trial_slope += step[i] * trial_gradient[i];
-        }
+        const double trial_slope = slope_along_step(trial_gradient);
         if (std::abs(trial_slope) <= (1 - settings.armijo) * std::abs(slope)) {
           result.accepted = true;
           return result;
@@ -333,6 +336,14 @@ struct Newton::Search {
       ++report.line_search_halvings;
     }
     return result;
+  }
+
+  double slope_along_step(const VectorX& at_trial) const {
+    const Eigen::Index dim = step.size() / parts.num_nodes();
+    double slope = 0;
+    for (Eigen::Index i = 0; i < step.size(); ++i)
+      if (is_free(i) && share.owns(static_cast<Index>(i / dim))) slope += step[i] * at_trial[i];
+    return share.sum(slope);
   }
 
   /// While the boundary moves there is no energy to compare with: the step goes as far as the domain allows.

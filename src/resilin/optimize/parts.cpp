@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
+#include <utility>
 
+#include "resilin/core/archive.hpp"
 #include "resilin/core/parallel.hpp"
 
 namespace resilin {
@@ -43,7 +46,8 @@ double unit_for_squares(double largest) {
 
 }  // namespace
 
-Parts::Parts(const BlockPattern& pattern) : part_of_(static_cast<std::size_t>(pattern.num_nodes()), 0) {
+Parts::Parts(const BlockPattern& pattern, Share share)
+    : share_(std::move(share)), part_of_(static_cast<std::size_t>(pattern.num_nodes()), 0) {
   Sets sets(pattern.num_nodes());
   std::vector<bool> is_coupled(part_of_.size(), false);
   for (Index i = 0; i < pattern.num_nodes(); ++i) {
@@ -63,6 +67,55 @@ Parts::Parts(const BlockPattern& pattern) : part_of_(static_cast<std::size_t>(pa
     part_of_[static_cast<std::size_t>(i)] = number;
   }
   count_ = std::max(Index{1}, found);
+  if (!share_.is_whole()) join_across(is_coupled);
+}
+
+void Parts::join_across(const std::vector<bool>& is_coupled) {
+  constexpr double none = std::numeric_limits<double>::infinity();
+  const auto part_at = [this](std::size_t node) { return static_cast<std::size_t>(part_of_[node]); };
+  // Each piece is known by the smallest number of its nodes, which goes from copy to copy.
+  std::vector<double> label(static_cast<std::size_t>(count_), none);
+  for (std::size_t node = 0; node < part_of_.size(); ++node)
+    if (is_coupled[node])
+      label[part_at(node)] =
+          std::min(label[part_at(node)], static_cast<double>(share_.number_of(static_cast<Index>(node))));
+  for (bool is_changed = true; is_changed;) {
+    VectorX labels = VectorX::Constant(num_nodes(), none);
+    for (std::size_t node = 0; node < part_of_.size(); ++node)
+      if (is_coupled[node]) labels[static_cast<Eigen::Index>(node)] = label[part_at(node)];
+    share_.exchange().combine_copies(labels, Exchange::Combine::smallest);
+    is_changed = false;
+    for (std::size_t node = 0; node < part_of_.size(); ++node) {
+      if (!is_coupled[node] || labels[static_cast<Eigen::Index>(node)] >= label[part_at(node)]) continue;
+      label[part_at(node)] = labels[static_cast<Eigen::Index>(node)];
+      is_changed = true;
+    }
+    is_changed = share_.any(is_changed);
+  }
+  // All labels there are, in order.
+  ArchiveWriter mine;
+  mine(label);
+  std::vector<double> all;
+  for (const std::string& bytes : share_.exchange().gather(mine.take())) {
+    std::vector<double> theirs;
+    ArchiveReader(bytes, "labels")(theirs);
+    all.insert(all.end(), theirs.begin(), theirs.end());
+  }
+  std::ranges::sort(all);
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  if (all.size() > 1 && all.back() == none) all.pop_back();
+  ArchiveWriter sorted;
+  sorted(all);
+  const std::string bytes = share_.exchange().tell(0, sorted.take());
+  ArchiveReader(bytes, "labels")(all);
+  const auto number_of = [&](double value) {
+    const auto found = std::ranges::lower_bound(all, value);
+    return found == all.end() ? Index{0} : static_cast<Index>(found - all.begin());
+  };
+  for (Index& part : part_of_) part = number_of(label[static_cast<std::size_t>(part)]);
+  for (std::size_t node = 0; node < part_of_.size(); ++node)
+    if (!is_coupled[node]) part_of_[node] = 0;
+  count_ = std::max(Index{1}, static_cast<Index>(all.size()));
 }
 
 Parts Parts::joined_by(const BlockMatrix& hessian) const {
@@ -81,8 +134,8 @@ Parts Parts::joined_by(const BlockMatrix& hessian) const {
   return joined;
 }
 
-VectorX Parts::squares(const VectorX& values, const VectorX& units, std::span<const std::uint8_t> is_fixed,
-                       Unknowns which) const {
+VectorX Parts::own_squares(const VectorX& values, const VectorX& units,
+                           std::span<const std::uint8_t> is_fixed, Unknowns which) const {
   struct Sums : VectorX {
     Sums& operator+=(const Sums& other) {
       if (size() == 0) return *this = other;
@@ -95,6 +148,7 @@ VectorX Parts::squares(const VectorX& values, const VectorX& units, std::span<co
     Sums sums;
     sums.setZero(count_);
     for (std::size_t node = begin; node < end; ++node) {
+      if (!share_.owns(static_cast<Index>(node))) continue;
       double sum = 0;  // by node: the additions of a part wait for each other
       const Index part = part_of_[node];
       for (std::size_t k = node * dim; k < (node + 1) * dim; ++k) {
@@ -106,6 +160,13 @@ VectorX Parts::squares(const VectorX& values, const VectorX& units, std::span<co
     }
     return sums;
   });
+}
+
+VectorX Parts::squares(const VectorX& values, const VectorX& units, std::span<const std::uint8_t> is_fixed,
+                       Unknowns which) const {
+  VectorX sums = own_squares(values, units, is_fixed, which);
+  share_.sum(std::span(sums.data(), static_cast<std::size_t>(sums.size())));
+  return sums;
 }
 
 VectorX Parts::norms(const VectorX& values, std::span<const std::uint8_t> is_fixed, Unknowns which) const {
@@ -127,6 +188,7 @@ VectorX Parts::largest(const VectorX& values) const {
     for (Eigen::Index i = node * dim; i < (node + 1) * dim; ++i)
       so_far = std::max(so_far, std::abs(values[i]));
   }
+  share_.largest(std::span(largest.data(), static_cast<std::size_t>(largest.size())));
   return largest;
 }
 

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "resilin/core/share.hpp"
 #include "resilin/linear/block_matrix.hpp"
 
 namespace resilin {
@@ -15,13 +16,15 @@ enum class Unknowns { all, free, fixed };
 /// part is in balance or not whatever becomes of the others.
 class Parts {
  public:
-  /// The pieces that hang together in the pattern. Nodes that are coupled with none belong to the first
-  /// piece.
-  explicit Parts(const BlockPattern& pattern);
+  /// The pieces that hang together in the pattern, over all processes of a scene. Nodes that are coupled with
+  /// none belong to the first piece.
+  explicit Parts(const BlockPattern& pattern, Share share = {});
 
   Index count() const { return count_; }
   Index num_nodes() const { return static_cast<Index>(part_of_.size()); }
   Index of_node(Index node) const { return part_of_[static_cast<std::size_t>(node)]; }
+  /// Of the scene whose nodes these are: vectors and sums over them are those of all its processes.
+  const Share& share() const { return share_; }
 
   /// The parts when the extra blocks of a matrix couple some of them.
   Parts joined_by(const BlockMatrix& hessian) const;
@@ -37,6 +40,13 @@ class Parts {
   VectorX squares(const VectorX& values, const VectorX& units, std::span<const std::uint8_t> is_fixed,
                   Unknowns which) const;
 
+  /// The same over the nodes that this process owns.
+  VectorX own_squares(const VectorX& values, const VectorX& units, std::span<const std::uint8_t> is_fixed,
+                      Unknowns which) const;
+  /// Pieces of one process that hang together through others become one.
+  void join_across(const std::vector<bool>& is_coupled);
+
+  Share share_;
   std::vector<Index> part_of_;
   Index count_ = 1;
 };

@@ -84,7 +84,7 @@ struct PathFollower::Search {
       return follower.stiffness_.solve(right_side, solution).status == LinearReport::Status::ok;
     };
     VectorX better;
-    const TangentReport tangent = solve_with_true_tangent(objective, is_fixed, x, b, near, 1e-6, better);
+    const TangentReport tangent = solve_with_true_tangent(objective, is_fixed, {}, x, b, near, 1e-6, better);
     report.tangent_iterations += tangent.iterations;
     if (tangent.relative_residual < 0.3) p.swap(better);
   }

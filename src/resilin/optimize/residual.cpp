@@ -1,7 +1,5 @@
 #include "resilin/optimize/residual.hpp"
 
-#include <cmath>
-
 #include "resilin/core/parallel.hpp"
 
 namespace resilin {
@@ -12,7 +10,8 @@ void set_fixed_to_zero(std::span<const std::uint8_t> is_fixed, VectorX& values) 
   }
 }
 
-VectorX free_diagonal(const BlockMatrix& hessian, std::span<const std::uint8_t> is_fixed) {
+VectorX free_diagonal(const BlockMatrix& hessian, std::span<const std::uint8_t> is_fixed,
+                      const Share& share) {
   constexpr std::size_t nodes_per_chunk = 8192;
   const int dim = hessian.dim;
   VectorX diagonal(hessian.num_unknowns());
@@ -21,9 +20,11 @@ VectorX free_diagonal(const BlockMatrix& hessian, std::span<const std::uint8_t> 
                  for (std::size_t node = first; node < last; ++node) {
                    const double* block = hessian.block(hessian.pattern->row_begin[node]);
                    for (int d = 0; d < dim; ++d)
-                     diagonal[static_cast<Eigen::Index>(node) * dim + d] = std::abs(block[d * (dim + 1)]);
+                     diagonal[static_cast<Eigen::Index>(node) * dim + d] = block[d * (dim + 1)];
                  }
                });
+  share.add_copies(diagonal);
+  diagonal = diagonal.cwiseAbs();
   set_fixed_to_zero(is_fixed, diagonal);
   return diagonal;
 }

@@ -11,10 +11,10 @@ namespace {
 constexpr int most_iterations = 30;
 
 /// J p by a central difference that moves no node farther than 1e-8 of the body's extent: far less than gaps.
-void multiply_tangent(const Objective& objective, std::span<const std::uint8_t> is_fixed, const VectorX& x,
-                      const VectorX& p, VectorX& product) {
-  const double extent = x.maxCoeff() - x.minCoeff();
-  const double length = 1e-8 * extent / p.cwiseAbs().maxCoeff();
+void multiply_tangent(const Objective& objective, std::span<const std::uint8_t> is_fixed, const Share& share,
+                      const VectorX& x, const VectorX& p, VectorX& product) {
+  const double extent = share.largest(x.maxCoeff()) - share.smallest(x.minCoeff());
+  const double length = 1e-8 * extent / share.largest(p.cwiseAbs().maxCoeff());
   VectorX before;
   objective.gradient(x + length * p, product);
   objective.gradient(x - length * p, before);
@@ -40,11 +40,11 @@ struct Givens {
 }  // namespace
 
 TangentReport solve_with_true_tangent(const Objective& objective, std::span<const std::uint8_t> is_fixed,
-                                      const VectorX& x, const VectorX& b, const NearSolve& near,
-                                      double tolerance, VectorX& p) {
+                                      const Share& share, const VectorX& x, const VectorX& b,
+                                      const NearSolve& near, double tolerance, VectorX& p) {
   TangentReport report;
   p.setZero(b.size());
-  const double size = b.norm();
+  const double size = share.norm(b);
   if (size == 0) return {0, 0};
   std::vector<VectorX> basis = {b / size}, corrections;
   Eigen::MatrixXd R = Eigen::MatrixXd::Zero(most_iterations + 1, most_iterations);
@@ -54,18 +54,18 @@ TangentReport solve_with_true_tangent(const Objective& objective, std::span<cons
   while (report.iterations < most_iterations && report.relative_residual > tolerance) {
     const int k = report.iterations;
     VectorX correction, next;
-    if (!near(basis.back(), correction) || !(correction.norm() > 0)) break;
-    multiply_tangent(objective, is_fixed, x, correction, next);
-    if (!next.allFinite()) break;
+    if (!near(basis.back(), correction) || !(share.norm(correction) > 0)) break;
+    multiply_tangent(objective, is_fixed, share, x, correction, next);
+    if (!share.all(next.allFinite())) break;
     corrections.push_back(std::move(correction));
     for (int i = 0; i <= k; ++i) {
-      R(i, k) = basis[static_cast<std::size_t>(i)].dot(next);
+      R(i, k) = share.dot(basis[static_cast<std::size_t>(i)], next);
       next -= R(i, k) * basis[static_cast<std::size_t>(i)];
     }
-    R(k + 1, k) = next.norm();
+    const double left = share.norm(next);
+    R(k + 1, k) = left;
     for (int i = 0; i < k; ++i) rotations[static_cast<std::size_t>(i)].turn(R(i, k), R(i + 1, k));
     rotations.push_back(Givens::of(R(k, k), R(k + 1, k)));
-    const double left = next.norm();
     rotations.back().turn(R(k, k), R(k + 1, k));
     rotations.back().turn(rest[k], rest[k + 1]);
     ++report.iterations;
@@ -77,7 +77,7 @@ TangentReport solve_with_true_tangent(const Objective& objective, std::span<cons
   if (n == 0) return report;
   const Eigen::VectorXd y = R.topLeftCorner(n, n).triangularView<Eigen::Upper>().solve(rest.head(n));
   for (int i = 0; i < n; ++i) p += y[i] * corrections[static_cast<std::size_t>(i)];
-  if (!p.allFinite()) report.relative_residual = 1;
+  if (!share.all(p.allFinite())) report.relative_residual = 1;
   return report;
 }
 

@@ -138,8 +138,8 @@ RunOutcome run_to_end(Simulation& simulation, const RunHooks& hooks) {
   const World& world = simulation.world();
   RunOutcome outcome = step_to_end(simulation, hooks);
   outcome.warnings = oddities(world, simulation.state());
-  if (world.modes) return outcome;
-  simulation.release_solver();  // so does the estimate below
+  if (world.modes || !world.share.is_whole()) return outcome;  // the estimate needs whole bodies
+  simulation.release_solver();                                 // so does the estimate below
   outcome.discretisation_errors = discretisation_errors(world, telling_positions(simulation));
   for (const std::string& text : coarseness_texts(world, outcome.discretisation_errors))
     outcome.warnings.push_back(world.place + ": " + text);

@@ -48,7 +48,7 @@ double largest_free_distance(const World& world, const VectorX& vectors) {
     }
     largest = square > largest || std::isnan(square) ? square : largest;
   }
-  return std::sqrt(largest);
+  return std::sqrt(world.share.is_whole() || std::isnan(largest) ? largest : world.share.largest(largest));
 }
 
 VectorX contact_accelerations(const World& world, const State& state) {
@@ -85,22 +85,23 @@ class LengthChoice {
 double TimeStepper::step_error(const World& world, Newton& newton, const State& state, const Attempt& found,
                                double time_step) const {
   History start = start_of_step(world, state, time_step);
-  const bool is_new = start.now.accelerations != state.accelerations;
+  const bool is_new = world.share.any(start.now.accelerations != state.accelerations);
   if (is_new) start.previous_time_step = 0;  // what was before an event says nothing about what follows
   VectorX by_contact = contact_accelerations(world, state) / 3;
   if (found.contact_accelerations.size() > 0) by_contact += found.contact_accelerations / 6;
   const VectorX error =
       found.scheme->local_error(start, found.end, time_step) - time_step * time_step * by_contact;
-  if (!by_contact.isZero(0)) {  // which may let go within the step: it holds no error back
+  if (world.share.any(!by_contact.isZero(0))) {  // which may let go within the step: it holds no error back
     const Conditions end{.time = state.time + time_step, .load = 1};
     const Terms terms = terms_without(EnergyCategory::contact, world.terms);
-    newton.form_matrix(Potential(terms, world.is_fixed, end, found.last_stage), world.is_fixed,
+    newton.form_matrix(Potential(terms, world.is_fixed, end, found.last_stage, world.share), world.is_fixed,
                        found.end.positions);
   }
   // (M/c^2 + K)^-1 M/c^2 e, (I.8)
   const auto filtered_distance = [&](const VectorX& way) {
     VectorX forces;
     world.mass->multiply(way / found.last_stage.scale(), forces);
+    world.share.add_copies(forces);
     const std::optional<VectorX> filtered =
         newton.response(std::move(forces), world.is_fixed, filter_tolerance);
     return largest_free_distance(world, filtered ? *filtered : way);

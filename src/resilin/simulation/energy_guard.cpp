@@ -22,7 +22,7 @@ VectorX free_part(const World& world, VectorX values) {
 double product(const World& world, const VectorX& a, const VectorX& b) {
   VectorX momentum;
   world.mass->multiply(a, momentum);
-  return momentum.dot(b);
+  return world.share.sum(momentum.dot(b));  // each process multiplies by the mass of its own cells
 }
 
 /// 1/2 |v|^2_M of the free unknowns [J].
@@ -38,12 +38,12 @@ std::optional<double> work_of_supports(const World& world, const State& start, c
   VectorX way = end.positions - start.positions;
   VectorX free_way = free_part(world, way);
   way -= free_way;
-  if (way.isZero(0)) return std::nullopt;
+  if (world.share.all(way.isZero(0))) return std::nullopt;
   VectorX reactions;
   after.gradient(end.positions, reactions);
-  const double work_after = reactions.dot(way);
+  const double work_after = world.share.dot(reactions, way);
   Potential(world, before, static_stage(start.positions)).gradient(start.positions, reactions);
-  const double work_before = reactions.dot(way);
+  const double work_before = world.share.dot(reactions, way);
   double work = std::max(work_before, work_after);
   if (!world.mass->is_lumped()) {
     const VectorX pull = end.accelerations - free_part(world, end.accelerations);
@@ -66,6 +66,14 @@ std::vector<VectorX> motions_of_body(const World& world, const Body& body, const
   return motions;
 }
 
+double num_owned_nodes(const World& world, const Body& body) {
+  if (world.share.is_whole()) return body.num_nodes;
+  double count = 0;
+  for (Index node = body.first_node; node < body.first_node + body.num_nodes; ++node)
+    count += world.share.owns(node) ? 1 : 0;
+  return world.share.sum(count);
+}
+
 /// What is left of velocities without the rigid motion that has the momenta of each body. Bodies with
 /// supports keep all.
 VectorX without_rigid_motion(const World& world, const VectorX& positions, VectorX velocities) {
@@ -73,17 +81,19 @@ VectorX without_rigid_motion(const World& world, const VectorX& positions, Vecto
     if (!is_free(world, body, world.is_fixed)) continue;
     const int dim = world.dimension;
     Vector3 center = Vector3::Zero();
+    const double num_nodes = num_owned_nodes(world, body);
     for (Index node = body.first_node; node < body.first_node + body.num_nodes; ++node)
-      center += node_position(dim, node, positions) / body.num_nodes;
+      if (world.share.owns(node)) center += node_position(dim, node, positions) / num_nodes;
+    center = world.share.sum(center);
     const std::vector<VectorX> motions = motions_of_body(world, body, positions, center);
     const auto count = static_cast<Eigen::Index>(motions.size());
     Eigen::MatrixXd masses(count, count);
     VectorX momenta(count), momentum;
     for (Eigen::Index i = 0; i < count; ++i) {
       world.mass->multiply(motions[static_cast<std::size_t>(i)], momentum);
-      momenta[i] = momentum.dot(velocities);
+      momenta[i] = world.share.sum(momentum.dot(velocities));
       for (Eigen::Index j = 0; j < count; ++j)
-        masses(i, j) = momentum.dot(motions[static_cast<std::size_t>(j)]);
+        masses(i, j) = world.share.sum(momentum.dot(motions[static_cast<std::size_t>(j)]));
     }
     const VectorX rates = dense::solve(masses, momenta);
     for (Eigen::Index i = 0; i < count; ++i) velocities -= rates[i] * motions[static_cast<std::size_t>(i)];
@@ -109,19 +119,21 @@ EnergyChange energy_change(const World& world, const State& start, const Motion&
 
 double strain_stiffness(const World& world) {
   constexpr double strain = 1e-6;
-  const Vector3 center = node_position(world.dimension, 0, world.rest_positions);
+  Vector3 center = node_position(world.dimension, 0, world.rest_positions);
+  if (!world.share.is_whole())
+    center = world.share.sum(world.share.is_first() ? center : Vector3(Vector3::Zero()));
   const VectorX origin = center.head(world.dimension).replicate(world.num_nodes(), 1);
   const VectorX strained = world.rest_positions + strain * (world.rest_positions - origin);
   double energy = 0;
   for (const Body& body : world.bodies) energy += body.elastic->value(strained, {});
-  return energy / (strain * strain);
+  return world.share.sum(energy) / (strain * strain);
 }
 
 double round_off_energy(const World& world, double strain_stiffness, const VectorX& positions,
                         double time_step) {
   constexpr double strain = 1e-10, digits = 1e3 * std::numeric_limits<double>::epsilon();
-  const double speed = digits * positions.cwiseAbs().maxCoeff() / time_step;
-  return strain_stiffness * strain * strain + 0.5 * world.mass->total() * speed * speed;
+  const double speed = digits * world.share.largest(positions.cwiseAbs().maxCoeff()) / time_step;
+  return strain_stiffness * strain * strain + 0.5 * world.share.sum(world.mass->total()) * speed * speed;
 }
 
 // 1/2 |v - t d|^2_M = 1/2 |v|^2_M - t v.M d + t^2/2 |d|^2_M

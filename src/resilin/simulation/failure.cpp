@@ -74,8 +74,31 @@ std::string describe_unsettled_friction(const StageReport& stage) {
          "contact.friction_iterations, help";
 }
 
+namespace {
+
+/// With parts of the scene on several processes: the place of the largest residual, told by the one that has
+/// it.
+std::string place_of_worst(const World& world, const NewtonReport& report) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const Share& share = world.share;
+  const double rank = share.exchange().rank();
+  const double teller = share.smallest(report.worst_unknown >= 0 ? rank : infinity);
+  if (!(teller < infinity)) return {};
+  std::string text;
+  if (teller == rank) {
+    const Index node = report.worst_unknown / world.dimension;
+    text = "; the force residual is " + format_short(report.residual) + " N (" +
+           format_short(report.relative_residual()) + " of the load), largest in \"" +
+           world.body_of(node).name + "\" at " + world.place_text(node, world.rest_positions);
+  }
+  return share.exchange().tell(static_cast<int>(teller), text);
+}
+
+}  // namespace
+
 std::string describe_failure(const World& world, const NewtonReport& report, const VectorX& positions) {
   std::string text = report.reason;
+  if (!world.share.is_whole()) return text + place_of_worst(world, report);
   const Body* worst = nullptr;
   if (report.worst_unknown >= 0) {
     const Index node = report.worst_unknown / world.dimension;

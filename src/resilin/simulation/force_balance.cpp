@@ -37,13 +37,13 @@ class EnergyRate {
  public:
   EnergyRate(const World& world, const Body& body, const Conditions& conditions, const VectorX& x,
              const VectorX& displacement)
-      : body_(body), conditions_(conditions), x_(x), displacement_(displacement) {
-    const double largest = displacement
-                               .segment(Eigen::Index{body.first_node} * world.dimension,
-                                        Eigen::Index{body.num_nodes} * world.dimension)
-                               .cwiseAbs()
-                               .maxCoeff();
-    const double way = least_way * largest_extent(body, world.rest_positions, world.dimension);
+      : share_(world.share), body_(body), conditions_(conditions), x_(x), displacement_(displacement) {
+    const double largest = world.share.largest(displacement
+                                                   .segment(Eigen::Index{body.first_node} * world.dimension,
+                                                            Eigen::Index{body.num_nodes} * world.dimension)
+                                                   .cwiseAbs()
+                                                   .maxCoeff());
+    const double way = least_way * world.largest_extent(body);
     if (way * std::numeric_limits<double>::epsilon() > largest) return;  // moves nothing
     smallest_part_ = way / largest;
     part_ = std::max(part_of_displacement, smallest_part_);
@@ -74,16 +74,32 @@ class EnergyRate {
   }
   void measure() {
     const VectorX step = part_ * displacement_;
-    after_ = body_.elastic->difference(x_, x_ + step, conditions_);
-    before_ = body_.elastic->difference(x_, x_ - step, conditions_);
+    after_ = share_.sum(body_.elastic->difference(x_, x_ + step, conditions_));
+    before_ = share_.sum(body_.elastic->difference(x_, x_ - step, conditions_));
   }
 
+  const Share& share_;
   const Body& body_;
   const Conditions& conditions_;
   const VectorX& x_;
   const VectorX& displacement_;
   double part_ = part_of_displacement, smallest_part_ = part_of_displacement, after_ = 0, before_ = 0;
 };
+
+/// Numbers of a body's unknowns become zero where another process owns their node.
+void leave_copies_out(const World& world, const Body& body, VectorX& values) {
+  if (world.share.is_whole()) return;
+  for (Eigen::Index i = 0; i < values.size(); ++i)
+    if (!world.share.owns(body.first_node + static_cast<Index>(i / world.dimension))) values[i] = 0;
+}
+
+/// Of numbers of a body's unknowns.
+double norm_of_body(const World& world, const Body& body, const Eigen::Ref<const VectorX>& values) {
+  if (world.share.is_whole()) return values.norm();
+  VectorX owned = values;
+  leave_copies_out(world, body, owned);
+  return std::sqrt(world.share.sum(owned.squaredNorm()));
+}
 
 }  // namespace
 
@@ -94,6 +110,7 @@ std::vector<ForceBalance> measure_balance(const World& world, const VectorX& gra
     ForceBalance balance;
     double held = 0;  // supports may press against each other: their forces then cancel in the sum
     for (Index node = body.first_node; node < body.first_node + body.num_nodes; ++node) {
+      if (!world.share.owns(node)) continue;
       for (int k = 0; k < world.dimension; ++k) {
         const Eigen::Index i = Eigen::Index{node} * world.dimension + k;
         if (world.support_of[static_cast<std::size_t>(i)] < 0) continue;
@@ -101,15 +118,19 @@ std::vector<ForceBalance> measure_balance(const World& world, const VectorX& gra
         held += gradient[i] * gradient[i];
       }
     }
-    balance.scale = std::max(balance.reaction.norm(), std::sqrt(held));
+    balance.reaction = world.share.sum(balance.reaction);
+    balance.scale = std::max(balance.reaction.norm(), std::sqrt(world.share.sum(held)));
     for (const VectorX& forces : acting) {
       Vector3 sum = Vector3::Zero();
       double size = 0;
       for (Index node = body.first_node; node < body.first_node + body.num_nodes; ++node) {
+        if (!world.share.owns(node)) continue;
         const Vector3 force = node_position(world.dimension, node, forces);
         sum -= force;
         size += force.squaredNorm();
       }
+      sum = world.share.sum(sum);
+      size = world.share.sum(size);
       balance.load += sum;
       balance.scale = std::max({balance.scale, sum.norm(), std::sqrt(size)});
     }
@@ -133,16 +154,20 @@ std::vector<WorkBalance> measure_work(const World& world, const Potential& poten
     const Eigen::Index count = Eigen::Index{body.num_nodes} * world.dimension;
     double held = 0;
     for (Eigen::Index i = first; i < first + count; ++i) {
+      if (!world.share.owns(static_cast<Index>(i / world.dimension))) continue;
       balance.rounding += digits * magnitude[i] * std::abs(displacement[i]);
       if (world.is_fixed[static_cast<std::size_t>(i)] == 0) continue;
       balance.work += gradient[i] * displacement[i];
       held += std::abs(gradient[i] * displacement[i]);
     }
-    balance.scale = std::max(balance.scale, held);
+    balance.rounding = world.share.sum(balance.rounding);
+    balance.work = world.share.sum(balance.work);
+    balance.scale = std::max(balance.scale, world.share.sum(held));
     for (const VectorX& forces : acting) {  // one by one: a weight and its inertia are large and cancel
-      const auto works = forces.segment(first, count).cwiseProduct(displacement.segment(first, count));
-      balance.work -= works.sum();
-      balance.scale = std::max(balance.scale, works.cwiseAbs().sum());
+      VectorX works = forces.segment(first, count).cwiseProduct(displacement.segment(first, count));
+      leave_copies_out(world, body, works);
+      balance.work -= world.share.sum(works.sum());
+      balance.scale = std::max(balance.scale, world.share.sum(works.cwiseAbs().sum()));
     }
     const double precision = precision_of_doubt * largest_balance_error * balance.scale;
     if (!(balance.gap() <= precision)) {
@@ -160,7 +185,8 @@ std::string describe_imbalance(const World& world, const Potential& potential, c
   const auto is_missing = [](double gap, double scale, double rounding) {
     return !(gap <= std::max(largest_balance_error * scale, rounding));
   };
-  const double rounding = report.rounding * std::sqrt(static_cast<double>(x.size()));
+  const double num_unknowns = world.share.sum(static_cast<double>(x.size()));
+  const double rounding = report.rounding * std::sqrt(num_unknowns);
   const std::vector<VectorX> acting = potential.gradients_without(EnergyCategory::elastic, x);
   const std::vector<ForceBalance> forces = measure_balance(world, gradient, acting);
   for (std::size_t b = 0; b < forces.size(); ++b) {
@@ -168,17 +194,18 @@ std::string describe_imbalance(const World& world, const Potential& potential, c
     if (!is_missing(balance.gap(), balance.scale, rounding)) continue;
     return gap_text(world.bodies[b], balance);
   }
-  if (displacement.size() == 0 || displacement.isZero(0)) return {};
+  if (displacement.size() == 0 || world.share.all(displacement.isZero(0))) return {};
   const std::vector<WorkBalance> works = measure_work(world, potential, x, gradient, acting, displacement);
   for (std::size_t b = 0; b < works.size(); ++b) {
     const WorkBalance& balance = works[b];
     // A body that slides across its forces goes a long way on which they do no work but that of what the
     // search may leave of them.
     const Eigen::Index first = Eigen::Index{world.bodies[b].first_node} * world.dimension;
-    const double way =
-        displacement.segment(first, Eigen::Index{world.bodies[b].num_nodes} * world.dimension).norm();
-    const double left = std::max(
-        {balance.rounding, rounding * displacement.norm(), world.newton.tolerance * forces[b].scale * way});
+    const auto of_body =
+        displacement.segment(first, Eigen::Index{world.bodies[b].num_nodes} * world.dimension);
+    const double way = norm_of_body(world, world.bodies[b], of_body);
+    const double left = std::max({balance.rounding, rounding * world.share.norm(displacement),
+                                  world.newton.tolerance * forces[b].scale * way});
     if (!is_missing(balance.gap(), balance.scale, left)) continue;
     return "the strain energy of \"" + world.bodies[b].name + "\" would change by " +
            format_short(balance.strain_energy) + " J where the forces on it do " +
@@ -194,7 +221,7 @@ std::vector<std::string> describe_lost_digits(const World& world, const State& s
   potential.form_lag(x);
   VectorX gradient;
   potential.gradient(x, gradient);
-  const Parts parts(*world.pattern);
+  const Parts parts(*world.pattern, world.share);
   const VectorX scales = potential.distinct_acting_scales(x, VectorX::Zero(parts.count()), parts);
   const double notable = std::max(notable_balance_error, 10 * world.newton.tolerance);
   std::vector<std::string> texts;
@@ -205,6 +232,7 @@ std::vector<std::string> describe_lost_digits(const World& world, const State& s
     double load = 0;  // what supports exert may be rounding itself
     for (Index node = body.first_node; node < body.first_node + body.num_nodes; ++node)
       load = std::max(load, scales[parts.of_node(node)]);
+    load = world.share.largest(load);
     if (load > 0 && !(forces[b].gap() <= notable * std::max(load, forces[b].scale)))
       texts.push_back(gap_text(body, forces[b]) + ": the positions have no digits for less");
   }

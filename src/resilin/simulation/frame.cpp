@@ -2,6 +2,8 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
 
 #include "resilin/mesh/facet.hpp"
@@ -52,6 +54,25 @@ void add_friction(const World& world, const LaggedFriction& friction, const Vect
   });
 }
 
+/// The worst cell of all processes, by its number in the whole scene; the first of them where several are
+/// alike.
+void find_worst_of_all(const World& world, Frame& frame) {
+  if (world.share.is_whole()) return;
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const bool is_number = !std::isnan(frame.min_volume_ratio);
+  const bool are_numbers = world.share.all(is_number);
+  const double least = world.share.smallest(is_number ? frame.min_volume_ratio : infinity);
+  const bool has_worst =
+      frame.worst_cell >= 0 && (are_numbers ? frame.min_volume_ratio == least : !is_number);
+  frame.min_volume_ratio = are_numbers ? least : std::numeric_limits<double>::quiet_NaN();
+  const double body = world.share.smallest(has_worst ? frame.worst_body : infinity);
+  const bool is_here = has_worst && frame.worst_body == body;
+  const double cell = world.share.smallest(
+      is_here ? world.cell_number(static_cast<std::size_t>(frame.worst_body), frame.worst_cell) : infinity);
+  frame.worst_body = static_cast<int>(body);
+  frame.worst_cell = static_cast<Index>(cell);
+}
+
 }  // namespace
 
 Frame measure_frame(const World& world, const State& state, const VectorX* step_gradient) {
@@ -66,12 +87,14 @@ Frame measure_frame(const World& world, const State& state, const VectorX* step_
 
   VectorX momentum;
   world.mass->multiply(state.velocities, momentum);
-  frame.kinetic_energy = 0.5 * momentum.dot(state.velocities);
+  frame.kinetic_energy = world.share.sum(0.5 * momentum.dot(state.velocities));
   for (Index i = 0; i < world.num_nodes(); ++i) {
     const Vector3 p = node_position(dim, i, momentum);
     frame.linear_momentum += p;
     frame.angular_momentum += node_position(dim, i, state.positions).cross(p);
   }
+  frame.linear_momentum = world.share.sum(frame.linear_momentum);
+  frame.angular_momentum = world.share.sum(frame.angular_momentum);
   const Potential potential(world, conditions, static_stage(state.positions));
   frame.elastic_energy = potential.energy(EnergyCategory::elastic, state.positions);
   frame.external_energy = potential.energy(EnergyCategory::external, state.positions);
@@ -86,11 +109,15 @@ Frame measure_frame(const World& world, const State& state, const VectorX* step_
       frame.worst_body = static_cast<int>(b);
     }
   }
+  find_worst_of_all(world, frame);
   for (const Probe& probe : world.probes) {
-    frame.probes.push_back({.name = probe.name,
-                            .displacement = node_position(dim, probe.node, state.positions) -
-                                            node_position(dim, probe.node, world.rest_positions),
-                            .velocity = node_position(dim, probe.node, state.velocities)});
+    const auto at_probe = [&](const VectorX& values) {
+      return probe.node < 0 ? Vector3(Vector3::Zero()) : node_position(dim, probe.node, values);
+    };
+    frame.probes.push_back(
+        {.name = probe.name,
+         .displacement = world.share.sum(at_probe(state.positions) - at_probe(world.rest_positions)),
+         .velocity = world.share.sum(at_probe(state.velocities))});
   }
 
   if (world.contact) frame.contacts = world.contact->body_contacts(state.positions, conditions);
@@ -110,17 +137,22 @@ Frame measure_frame(const World& world, const State& state, const VectorX* step_
     if (world.support_of[i] < 0) continue;
     const auto support = static_cast<std::size_t>(world.support_of[i]);
     const auto node = static_cast<Index>(i / static_cast<std::size_t>(dim));
+    if (!world.share.owns(node)) continue;
     Vector3 force = Vector3::Zero();
     force[static_cast<int>(i % static_cast<std::size_t>(dim))] =
         (*step_gradient)[static_cast<Eigen::Index>(i)];
     frame.reactions[support].second += force;
     frame.reaction_torques[support] += node_position(dim, node, state.positions).cross(force);
   }
+  for (std::size_t k = 0; k < frame.reactions.size() && !world.share.is_whole(); ++k) {
+    frame.reactions[k].second = world.share.sum(frame.reactions[k].second);
+    frame.reaction_torques[k] = world.share.sum(frame.reaction_torques[k]);
+  }
   for (const auto& term : world.terms) {
     const std::optional<Reaction> reaction = term->reaction(state.positions, conditions);
     if (!reaction) continue;
-    frame.reactions.emplace_back(term->name(), reaction->force);
-    frame.reaction_torques.push_back(reaction->torque);
+    frame.reactions.emplace_back(term->name(), world.share.sum(reaction->force));
+    frame.reaction_torques.push_back(world.share.sum(reaction->torque));
   }
   if (friction) add_friction(world, *friction, state.positions, frame);
   move_to_scene_coordinates(world.origin, frame);

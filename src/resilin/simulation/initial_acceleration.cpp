@@ -19,7 +19,9 @@ VectorX solve_with_mass(const World& world, const VectorX& b) {
   BlockMatrix matrix(world.dimension, world.mass->pattern);
   world.mass->add_to(1, matrix);
   eliminate(matrix, world.is_fixed);
-  const auto solver = make_linear_solver({.kind = "cg_jacobi"}, world.num_free_unknowns());
+  const bool is_whole = world.share.is_whole();
+  const auto solver = make_linear_solver({.kind = is_whole ? "cg_jacobi" : "auto", .share = world.share},
+                                         world.num_free_unknowns());
   solver->analyze(matrix, world.start_positions);
   solver->factorize(matrix);
   VectorX a = VectorX::Zero(b.size());
@@ -44,8 +46,10 @@ VectorX accelerations_by(const World& world, const VectorX& forces) {
   VectorX right_side = forces;
   set_fixed_to_zero(world.is_fixed, right_side);
   if (!world.mass->is_lumped()) return solve_with_mass(world, right_side);
+  VectorX masses = world.mass->nodal;
+  world.share.add_copies(masses);
   for (Eigen::Index i = 0; i < right_side.size(); ++i)
-    if (right_side[i] != 0) right_side[i] /= world.mass->nodal[i / world.dimension];
+    if (right_side[i] != 0) right_side[i] /= masses[i / world.dimension];
   return right_side;
 }
 
@@ -53,15 +57,17 @@ VectorX accelerations_at(const World& world, const State& state, const VectorX& 
   const Conditions conditions = conditions_of(state);
   const Stage stage = stage_at_once(state.positions, state.velocities);
   const Terms smooth = smooth_terms(world);
-  const Potential potential(smooth, world.is_fixed, conditions, stage);
+  const Potential potential(smooth, world.is_fixed, conditions, stage, world.share);
   VectorX gradient;
   potential.gradient(state.positions, gradient);
-  if (!gradient.allFinite()) gradient.setZero();  // a start outside the domain pulls nowhere in particular
+  if (!world.share.all(gradient.allFinite()))
+    gradient.setZero();  // a start outside the domain pulls nowhere in particular
   VectorX a = VectorX::Zero(gradient.size());
   for (Eigen::Index i = 0; i < a.size(); ++i)
     if (world.is_fixed[static_cast<std::size_t>(i)] != 0) a[i] = prescribed[i];
   VectorX pull;
   world.mass->multiply(a, pull);
+  world.share.add_copies(pull);
   return a + accelerations_by(world, -gradient - pull);
 }
 

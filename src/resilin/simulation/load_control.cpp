@@ -186,7 +186,10 @@ void LoadControl::count_unstable_modes(const World& world, const Newton& newton,
   Potential potential(world, world.at_load(state.load), stage_of(world, state));
   potential.form_lag(state.positions);
   // Without a potential the eigenvalues of the symmetric part say nothing of stability.
-  if (world.unstable_modes == UnstableModes::skip || !potential.has_potential(state.positions)) return;
+  // A factorisation of the whole scene is none that several processes share.
+  if (world.unstable_modes == UnstableModes::skip || !world.share.is_whole() ||
+      !potential.has_potential(state.positions))
+    return;
   if (world.unstable_modes == UnstableModes::automatic && world.num_free_unknowns() > most_unknowns_counted &&
       !follower_) {
     // A Cholesky factorisation of the last step's exact matrix has shown that there are none.

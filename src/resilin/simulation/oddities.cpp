@@ -1,6 +1,7 @@
 #include "resilin/simulation/oddities.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <span>
 
 #include "resilin/contact/crossing.hpp"
@@ -14,24 +15,44 @@ namespace {
 
 constexpr const char* kept_apart = "although contact keeps them apart: this is a fault of the program";
 
+/// Of a body, also of its parts with other processes.
+Index num_cells_of_all(const World& world, const Body& body) {
+  return static_cast<Index>(world.share.sum(static_cast<double>(body.num_cells())));
+}
+
 std::string inversion_text(const World& world, const Body& body, const InvertedCells& inverted) {
-  return world.place + ": " + std::to_string(inverted.count) + " of " + std::to_string(body.num_cells()) +
-         " cells of \"" + body.name + "\" " + (inverted.count == 1 ? "is" : "are") + " inside out, cell " +
-         std::to_string(inverted.worst) + " most, with volume ratio " + format_short(inverted.ratio) +
-         ": no real body does that, and " + body.law +
-         " allows it; take a law that needs J > 0, such as neo_hookean, or load it less";
+  return world.place + ": " + std::to_string(inverted.count) + " of " +
+         std::to_string(num_cells_of_all(world, body)) + " cells of \"" + body.name + "\" " +
+         (inverted.count == 1 ? "is" : "are") + " inside out, cell " + std::to_string(inverted.worst) +
+         " most, with volume ratio " + format_short(inverted.ratio) + ": no real body does that, and " +
+         body.law + " allows it; take a law that needs J > 0, such as neo_hookean, or load it less";
 }
 
 std::string folding_text(const World& world, const Body& body, const InvertedCells& folded) {
-  return world.place + ": " + std::to_string(folded.count) + " of " + std::to_string(body.num_cells()) +
-         " cells of \"" + body.name + "\" " + (folded.count == 1 ? "is" : "are") +
-         " folded between the points where energy is taken, cell " + std::to_string(folded.worst) +
-         " with volume ratio " + format_short(folded.ratio) + (folded.count == 1 ? "" : " among them") +
+  return world.place + ": " + std::to_string(folded.count) + " of " +
+         std::to_string(num_cells_of_all(world, body)) + " cells of \"" + body.name + "\" " +
+         (folded.count == 1 ? "is" : "are") + " folded between the points where energy is taken, cell " +
+         std::to_string(folded.worst) + " with volume ratio " + format_short(folded.ratio) +
+         (folded.count == 1 ? "" : " among them") +
          (world.newton.inversion_bound == InversionBound::everywhere
               ? ", although newton.inversion_bound = \"everywhere\" holds them back: finer cells need not "
                 "fold"
               : ": newton.inversion_bound = \"everywhere\" keeps them right with laws that need J > 0, finer "
                 "cells need not fold");
+}
+
+/// Those of all processes, the worst by its number in the whole body.
+InvertedCells of_all(const World& world, const Body& body, InvertedCells found) {
+  if (world.share.is_whole()) return found;
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const auto number = static_cast<std::size_t>(&body - world.bodies.data());
+  const double ratio = world.share.smallest(found.worst >= 0 ? found.ratio : infinity);
+  const bool is_here = found.worst >= 0 && found.ratio == ratio;
+  const double worst = world.share.smallest(is_here ? world.cell_number(number, found.worst) : infinity);
+  found.count = static_cast<Index>(world.share.sum(static_cast<double>(found.count)));
+  found.worst = worst < infinity ? static_cast<Index>(worst) : -1;
+  found.ratio = ratio;
+  return found;
 }
 
 }  // namespace
@@ -58,7 +79,7 @@ Index num_inverted_cells(const World& world, const State& state) {
   Index count = 0;
   if (world.modes) return count;
   for (const Body& body : world.bodies) count += inverted_cells(body, state.positions).count;
-  return count;
+  return static_cast<Index>(world.share.sum(static_cast<double>(count)));
 }
 
 InvertedCells folded_cells(const Body& body, const World& world, const VectorX& x) {
@@ -94,14 +115,17 @@ std::vector<std::string> oddities(const World& world, const State& state) {
   std::vector<std::string> found;
   if (world.modes) return found;  // drawn, not reached
   for (const Body& body : world.bodies)
-    if (const InvertedCells inverted = inverted_cells(body, state.positions); inverted.count > 0)
+    if (const InvertedCells inverted = of_all(world, body, inverted_cells(body, state.positions));
+        inverted.count > 0)
       found.push_back(inversion_text(world, body, inverted));
   for (const Body& body : world.bodies)
-    if (const InvertedCells folded = folded_cells(body, world, state.positions); folded.count > 0)
+    if (const InvertedCells folded = of_all(world, body, folded_cells(body, world, state.positions));
+        folded.count > 0)
       found.push_back(folding_text(world, body, folded));
   if (!world.is_dynamic)
     for (const std::string& text : describe_lost_digits(world, state))
       found.push_back(world.place + ": " + text);
+  if (!world.share.is_whole()) return found;  // bodies that meet are none that several processes share
   std::vector<std::shared_ptr<const SurfaceContact>> contacts(world.mesh_colliders.begin(),
                                                               world.mesh_colliders.end());
   if (world.contact) contacts.push_back(world.contact);

@@ -19,8 +19,12 @@ constexpr double forces_round_off = 10 * std::numeric_limits<double>::epsilon();
 }  // namespace
 
 Potential::Potential(std::span<const std::shared_ptr<const Energy>> terms,
-                     std::span<const std::uint8_t> is_fixed, const Conditions& conditions, const Stage& stage)
-    : is_fixed_(is_fixed), conditions_(conditions), base_positions_(stage.base_positions) {
+                     std::span<const std::uint8_t> is_fixed, const Conditions& conditions, const Stage& stage,
+                     Share share)
+    : share_(std::move(share)),
+      is_fixed_(is_fixed),
+      conditions_(conditions),
+      base_positions_(stage.base_positions) {
   for (const auto& term : terms) {
     std::unique_ptr<Energy> own = term->begin_stage(stage);
     if (acts_as_impulse(term->properties().category) && EndOfStage::is_needed(stage)) {
@@ -68,23 +72,25 @@ void Potential::prepare(const VectorX& x, const VectorX& p) {
 double Potential::difference(const VectorX& from, const VectorX& to) const {
   double sum = 0;
   for (const Energy* term : terms_) sum += term->difference(from, to, conditions_);
-  return sum;
+  return share_.sum(sum);
 }
 
 double Potential::magnitude(const VectorX& x) const {
   double sum = 0;
   for (const Energy* term : terms_) sum += term->magnitude(x, conditions_);
-  return sum;
+  return share_.sum(sum);
 }
 
 void Potential::gradient(const VectorX& x, VectorX& gradient) const {
   gradient.setZero(x.size());
   for (const Energy* term : terms_) term->add_gradient(x, conditions_, gradient);
+  share_.add_copies(gradient);
 }
 
 void Potential::gradient_magnitude(const VectorX& x, VectorX& magnitude) const {
   magnitude.setZero(x.size());
   for (const Energy* term : terms_) term->add_gradient_magnitude(x, conditions_, magnitude);
+  share_.add_copies(magnitude);
 }
 
 void Potential::hessian(const VectorX& x, Projection projection, BlockMatrix& hessian) const {
@@ -130,7 +136,7 @@ bool Potential::has_potential(const VectorX& x) const {
   std::vector<const Energy*> doubtful;
   for (const Energy* term : terms_)
     if (!term->properties().has_potential) doubtful.push_back(term);
-  if (doubtful.empty()) return true;
+  if (share_.all(doubtful.empty())) return true;
   // A symmetric tangent T has a.T b = b.T a for any a, b. The force is quadratic in x: its central difference
   // is T, for a step of any length.
   const auto tangent_times = [&](const VectorX& p) {
@@ -139,29 +145,36 @@ bool Potential::has_potential(const VectorX& x) const {
       term->add_gradient(x + p, conditions_, after);
       term->add_gradient(x - p, conditions_, before);
     }
-    return VectorX(0.5 * (after - before));
+    VectorX product = 0.5 * (after - before);
+    share_.add_copies(product);
+    return product;
   };
-  const double extent = x.maxCoeff() - x.minCoeff();
+  const double extent = share_.largest(x.maxCoeff()) - share_.smallest(x.minCoeff());
+  const Eigen::Index dim = share_.is_whole() ? 1 : x.size() / share_.num_nodes();
   VectorX a(x.size()), b(x.size());
   for (Eigen::Index i = 0; i < x.size(); ++i) {
     const bool is_free = is_fixed_[static_cast<std::size_t>(i)] == 0;
-    a[i] = is_free ? extent * std::sin(1.0 + 12.9898 * static_cast<double>(i)) : 0;
-    b[i] = is_free ? extent * std::cos(2.0 + 78.233 * static_cast<double>(i)) : 0;
+    const auto number = static_cast<double>(share_.number_of(static_cast<Index>(i / dim)) * dim + i % dim);
+    a[i] = is_free ? extent * std::sin(1.0 + 12.9898 * number) : 0;
+    b[i] = is_free ? extent * std::cos(2.0 + 78.233 * number) : 0;
   }
   const VectorX Ta = tangent_times(a), Tb = tangent_times(b);
   constexpr double round_off = 1e-9;
-  return std::abs(a.dot(Tb) - b.dot(Ta)) <= round_off * (a.norm() * Tb.norm() + b.norm() * Ta.norm());
+  const double gap = std::abs(share_.dot(a, Tb) - share_.dot(b, Ta));
+  return gap <= round_off * (share_.norm(a) * share_.norm(Tb) + share_.norm(b) * share_.norm(Ta));
 }
 
 double Potential::max_step(const VectorX& x, const VectorX& p) const {
   double step = 1;
   for (const Energy* term : terms_) step = std::min(step, term->max_step(x, p, conditions_));
-  return step;
+  return share_.smallest(step);
 }
 
 bool Potential::add_second_order_forces(const VectorX& x, const VectorX& p, VectorX& forces) const {
   bool are_any = false;
   for (const Energy* term : terms_) are_any |= term->add_second_order_forces(x, p, conditions_, forces);
+  are_any = share_.any(are_any);
+  if (are_any) share_.add_copies(forces);
   return are_any;
 }
 
@@ -172,6 +185,7 @@ VectorX Potential::force_scales(const VectorX& x, const VectorX& gradient, const
     if (term->properties().category == EnergyCategory::elastic) continue;
     force.setZero(x.size());
     term->add_gradient(x, conditions_, force);
+    share_.add_copies(force);
     scales = scales.cwiseMax(parts.norms(force, is_fixed_, Unknowns::all));
   }
   return scales;
@@ -188,12 +202,15 @@ VectorX Potential::distinct_acting_scales(const VectorX& x, const VectorX& round
     magnitude.setZero(x.size());
     term->add_gradient(x, conditions_, force);
     term->add_gradient_magnitude(x, conditions_, magnitude);
+    share_.add_copies(force);
+    share_.add_copies(magnitude);
     VectorX rounding = forces_round_off * parts.norms(magnitude, is_fixed_, Unknowns::all);
     VectorX sizes = parts.norms(force, is_fixed_, Unknowns::all);
     // What moves evenly has no inertial force, but momentum; over the step that is a force, too.
     if (category == EnergyCategory::inertia) {
       at_base.setZero(x.size());
       term->add_gradient(base_positions_, conditions_, at_base);
+      share_.add_copies(at_base);
       sizes = sizes.cwiseMax(parts.norms(force - at_base, is_fixed_, Unknowns::all));
       // Accelerations and velocities are what all forces left, their rounding included.
       rounding = rounding.cwiseMax(roundings);
@@ -208,20 +225,21 @@ double Potential::energy(EnergyCategory category, const VectorX& x) const {
   double sum = 0;
   for (const Energy* term : terms_)
     if (term->properties().category == category) sum += term->value(x, conditions_);
-  return sum;
+  return share_.sum(sum);
 }
 
 double Potential::difference_without(EnergyCategory category, const VectorX& from, const VectorX& to) const {
   double sum = 0;
   for (const Energy* term : terms_)
     if (term->properties().category != category) sum += term->difference(from, to, conditions_);
-  return sum;
+  return share_.sum(sum);
 }
 
 VectorX Potential::gradient_of(EnergyCategory category, const VectorX& x) const {
   VectorX gradient = VectorX::Zero(x.size());
   for (const Energy* term : terms_)
     if (term->properties().category == category) term->add_gradient(x, conditions_, gradient);
+  share_.add_copies(gradient);
   return gradient;
 }
 
@@ -229,6 +247,7 @@ VectorX Potential::impulses(const VectorX& x) const {
   VectorX gradient = VectorX::Zero(x.size());
   for (const Energy* term : terms_)
     if (acts_as_impulse(term->properties().category)) term->add_gradient(x, conditions_, gradient);
+  share_.add_copies(gradient);
   return gradient;
 }
 
@@ -236,7 +255,7 @@ double Potential::heat_of_friction(const VectorX& from, const VectorX& x, double
   double sum = 0;
   for (const Energy* term : terms_)
     if (term->properties().category == EnergyCategory::friction) sum += term->dissipation(from, x, duration);
-  return sum;
+  return share_.sum(sum);
 }
 
 std::vector<VectorX> Potential::gradients_without(EnergyCategory category, const VectorX& x) const {
@@ -245,6 +264,7 @@ std::vector<VectorX> Potential::gradients_without(EnergyCategory category, const
     if (term->properties().category == category) continue;
     gradients.push_back(VectorX::Zero(x.size()));
     term->add_gradient(x, conditions_, gradients.back());
+    share_.add_copies(gradients.back());
   }
   return gradients;
 }
@@ -257,13 +277,14 @@ Potential::Gain Potential::gain(const VectorX& from, const Conditions& before, c
                              : term->difference(from, to, conditions_);
     gain.is_driven |= work.has_value();
   }
+  gain.beyond_work = share_.sum(gain.beyond_work);
   return gain;
 }
 
 bool Potential::is_in_domain(const VectorX& x) const {
   double sum = 0;
   for (const Energy* term : terms_) sum += term->value(x, conditions_);
-  return std::isfinite(sum);
+  return share_.all(std::isfinite(sum));
 }
 
 // What turns or swings may be clear of bodies now and later, but not between: all are asked again about the
@@ -277,6 +298,7 @@ double Potential::least_delay(const VectorX& x) const {
     wanted.collider_delay -= delay;
     double more = 0;
     for (const Energy* term : terms_) more = std::max(more, term->least_delay(x, wanted));
+    more = share_.largest(more);
     if (more <= round_off_of_delay * behind) return delay;
     delay += more;
     if (delay >= behind) break;

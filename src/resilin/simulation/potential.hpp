@@ -14,11 +14,12 @@ namespace resilin {
 class Potential final : public Objective {
  public:
   /// @param terms, is_fixed  kept by reference
+  /// @param share            what this process has of the scene; sums are those over all processes
   Potential(std::span<const std::shared_ptr<const Energy>> terms, std::span<const std::uint8_t> is_fixed,
-            const Conditions& conditions, const Stage& stage);
+            const Conditions& conditions, const Stage& stage, Share share = {});
   /// Of a world's own terms and fixed unknowns; kept by reference.
   Potential(const World& world, const Conditions& conditions, const Stage& stage)
-      : Potential(world.terms, world.is_fixed, conditions, stage) {}
+      : Potential(world.terms, world.is_fixed, conditions, stage, world.share) {}
 
   const Conditions& conditions() const { return conditions_; }
   /// Within the stage: what lags stays where it is.
@@ -78,6 +79,7 @@ class Potential final : public Objective {
   double least_delay(const VectorX& x) const;
 
  private:
+  Share share_;
   std::span<const std::uint8_t> is_fixed_;
   Conditions conditions_;
   VectorX base_positions_;                    ///< of the stage

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "resilin/core/dense.hpp"
 
@@ -23,17 +24,29 @@ Eigen::MatrixXd best_rotation(const Eigen::MatrixXd& A) {
   return Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix();
 }
 
+VectorX summed(const Share& share, VectorX values) {
+  share.sum(std::span(values.data(), static_cast<std::size_t>(values.size())));
+  return values;
+}
+
+/// So that all processes go on from the same bits.
+VectorX of_first_process(const Share& share, VectorX values) {
+  if (!share.is_first()) values.setZero();
+  return summed(share, std::move(values));
+}
+
 }  // namespace
 
 bool is_free(const World& world, const Body& body, std::span<const std::uint8_t> is_fixed) {
   const Eigen::Index dim = world.dimension;
-  for (Index node = body.first_node; node < body.first_node + body.num_nodes; ++node) {
+  bool is_held = false;
+  for (Index node = body.first_node; node < body.first_node + body.num_nodes && !is_held; ++node) {
     if (!(world.mass->nodal[node] > 0)) continue;
     const auto unknowns =
         is_fixed.subspan(static_cast<std::size_t>(node * dim), static_cast<std::size_t>(dim));
-    if (std::ranges::any_of(unknowns, [](std::uint8_t fixed) { return fixed != 0; })) return false;
+    is_held = std::ranges::any_of(unknowns, [](std::uint8_t fixed) { return fixed != 0; });
   }
-  return true;
+  return !world.share.any(is_held);
 }
 
 VectorX rigidly_fitted(const World& world, std::span<const std::uint8_t> is_fixed, const VectorX& shape,
@@ -49,19 +62,21 @@ VectorX rigidly_fitted(const World& world, std::span<const std::uint8_t> is_fixe
   for (const Body& body : world.bodies)
     for (VectorX* places : {&held, &wanted}) {
       auto nodes = block(*places, body);
-      const VectorX first = nodes.col(0);
+      const VectorX first = of_first_process(world.share, nodes.col(0));
       nodes.colwise() -= first;
-      const VectorX center =
-          nodes.cwiseProduct(block(weights, body)).rowwise().sum() / block(weights, body).row(0).sum();
+      const VectorX moment = summed(world.share, nodes.cwiseProduct(block(weights, body)).rowwise().sum());
+      const VectorX center = moment / world.share.sum(block(weights, body).row(0).sum());
       nodes.colwise() -= center;
     }
   VectorX momenta;
   world.mass->multiply(wanted, momenta);
   for (const Body& body : world.bodies) {
     if (!is_free(world, body, is_fixed)) continue;
-    const Eigen::MatrixXd A = block(momenta, body) * block(held, body).transpose();
+    Eigen::MatrixXd A = block(momenta, body) * block(held, body).transpose();
+    world.share.sum(std::span(A.data(), static_cast<std::size_t>(A.size())));
     const Eigen::MatrixXd turned = best_rotation(A) * block(held, body);
-    const VectorX center = block(target, body).col(0) - block(wanted, body).col(0);
+    const VectorX center =
+        of_first_process(world.share, block(target, body).col(0) - block(wanted, body).col(0));
     block(fitted, body) = turned.colwise() + center;
   }
   return fitted;

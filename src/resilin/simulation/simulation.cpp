@@ -27,8 +27,10 @@ Simulation::Simulation(World world)
       newton_(world_.dimension, world_.pattern,
               make_linear_solver({.kind = world_.solver.kind,
                                   .is_dynamic = world_.is_dynamic,
-                                  .max_iterations = world_.solver.max_iterations},
-                                 world_.num_free_unknowns())) {
+                                  .max_iterations = world_.solver.max_iterations,
+                                  .share = world_.share},
+                                 world_.num_free_unknowns()),
+              world_.share) {
   state_.positions = world_.start_positions;
   state_.velocities =
       world_.is_dynamic ? world_.start_velocities : VectorX::Zero(world_.start_positions.size());

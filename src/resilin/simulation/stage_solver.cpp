@@ -40,7 +40,8 @@ bool fit_to_flight(Potential& potential, std::span<const std::uint8_t> is_fixed,
   if (flight.world == nullptr) return false;
   const VectorX held = x;
   VectorX fitted = rigidly_fitted(*flight.world, is_fixed, shape, flight.places, x);
-  if (fitted == x) return false;  // no body is free
+  const Share& share = flight.world->share;
+  if (share.all(fitted == x)) return false;  // no body is free
   if (choose_lower_start(potential, is_fixed, held, fitted, x)) return true;
   // What one body touches is no reason against the flight of others.
   if (flight.world->bodies.size() == 1) return false;
@@ -49,7 +50,8 @@ bool fit_to_flight(Potential& potential, std::span<const std::uint8_t> is_fixed,
   for (const Body& body : flight.world->bodies) {
     const Eigen::Index dim = flight.world->dimension;
     const Eigen::Index first = body.first_node * dim, count = body.num_nodes * dim;
-    if (!touched.segment(first, count).isZero(0)) fitted.segment(first, count) = x.segment(first, count);
+    if (share.any(!touched.segment(first, count).isZero(0)))
+      fitted.segment(first, count) = x.segment(first, count);
   }
   return choose_lower_start(potential, is_fixed, held, fitted, x);
 }
@@ -79,7 +81,8 @@ Flight flight(const World& world, std::span<const std::uint8_t> is_fixed, const 
   for (const Body& body : world.bodies) {
     VectorX force = VectorX::Zero(dim);
     for (Index node = body.first_node; node < body.first_node + body.num_nodes; ++node)
-      force -= pull.segment(node * dim, dim);
+      if (world.share.owns(node)) force -= pull.segment(node * dim, dim);
+    world.share.sum(std::span(force.data(), static_cast<std::size_t>(dim)));
     if (!is_free(world, body, is_fixed) || !(force.dot(g) > 0.5 * body.mass * g.squaredNorm())) continue;
     flight.places.segment(body.first_node * dim, body.num_nodes * dim) +=
         stage.scale() * g.replicate(body.num_nodes, 1);

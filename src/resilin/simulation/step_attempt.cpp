@@ -12,7 +12,7 @@ namespace {
 double dissipation(const World& world, const State& state, const Motion& end, double time_step) {
   double sum = 0;
   for (const auto& term : world.terms) sum += term->dissipation(state.positions, end.positions, time_step);
-  return sum;
+  return world.share.sum(sum);
 }
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -39,7 +39,8 @@ bool TimeStepper::Attempt::keeps_energy(const World& world, const State& start, 
   const double least = converged() && !touches && !change.is_driven ? -infinity : 0;
   const double found = std::max(least, start.energy_excess) + change.added;
   // What Newton's method leaves of the forces does work, too.
-  const double left = converged() ? report.newton.residual * (end.positions - start.positions).norm() : 0;
+  const double left =
+      converged() ? report.newton.residual * world.share.norm(end.positions - start.positions) : 0;
   const double kinetic_without = std::max(before, change.kinetic_after - std::max(0.0, found));
   const double allowed = energy_tolerance * kinetic_without + left + round_off;
   energy_excess = std::max(least, found);

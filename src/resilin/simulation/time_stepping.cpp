@@ -20,9 +20,10 @@ namespace {
 
 /// Whether supports are where they should be.
 bool follows(const World& world, const VectorX& positions, const VectorX& prescribed) {
-  for (Eigen::Index i = 0; i < positions.size(); ++i)
-    if (world.is_fixed[static_cast<std::size_t>(i)] != 0 && positions[i] != prescribed[i]) return false;
-  return true;
+  bool is_astray = false;
+  for (Eigen::Index i = 0; i < positions.size() && !is_astray; ++i)
+    is_astray = world.is_fixed[static_cast<std::size_t>(i)] != 0 && positions[i] != prescribed[i];
+  return !world.share.any(is_astray);
 }
 
 /// So often is a step cut in two that has no solution.
@@ -138,7 +139,7 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
     Motion found = stage.motion(std::move(x));
     attempt.jump.resize(0);
     attempt.contact_accelerations.resize(0);
-    if (!contact.isZero(0)) {
+    if (world.share.any(!contact.isZero(0))) {
       attempt.touches = true;
       // How often a stage takes the forces of contact, so that they act as long as the stage lasts.
       const double often = stage.contact_weight * stage.end_slope();

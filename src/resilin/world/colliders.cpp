@@ -10,6 +10,15 @@
 #include "resilin/world/mesh_collider.hpp"
 
 namespace resilin {
+namespace {
+
+ContactPoints points_of(const ContactPart& part) {
+  ContactPoints points;
+  for (std::size_t i = 0; i < part.nodes.size(); ++i) points.add({part.nodes[i], part.stiffness[i]});
+  return points;
+}
+
+}  // namespace
 
 ColliderMotion motion_of(const ColliderDescription& description, double end_time) {
   ColliderMotion motion{.velocity = description.velocity,
@@ -25,7 +34,7 @@ ColliderMotion motion_of(const ColliderDescription& description, double end_time
   return motion;
 }
 
-void add_collider(const ColliderDescription& description, World& world) {
+void add_collider(const ColliderDescription& description, World& world, const ContactPart* part) {
   const ShapeKind* kind = find_shape_kind(description.kind);
   if (kind == nullptr) {
     std::vector<std::string> names;
@@ -48,12 +57,13 @@ void add_collider(const ColliderDescription& description, World& world) {
     world.terms.push_back(world.mesh_colliders.back());
     return;
   }
-  world.colliders.push_back(
-      std::make_shared<ColliderBarrier>(description.name, world.dimension, kind->make(description.shape),
-                                        contact_points(world, description.stiffness), activation_distance,
-                                        motion_of(description, world.end_time), description.friction));
+  world.colliders.push_back(std::make_shared<ColliderBarrier>(
+      description.name, world.dimension, kind->make(description.shape),
+      part != nullptr ? points_of(*part) : contact_points(world, description.stiffness), activation_distance,
+      motion_of(description, world.end_time), description.friction));
   world.terms.push_back(world.colliders.back());
-  check_is_outside(*world.colliders.back(), world, world.start_positions, {}, description.place);
+  if (part == nullptr)
+    check_is_outside(*world.colliders.back(), world, world.start_positions, {}, description.place);
 }
 
 void check_is_outside(const ColliderBarrier& collider, const World& world, const VectorX& positions,

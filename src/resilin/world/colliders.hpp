@@ -12,7 +12,7 @@ ColliderMotion motion_of(const ColliderDescription& description, double end_time
 
 /// Adds it to the world, which is complete but for colliders and what moves; throws InputError for a collider
 /// that cannot be, and for a body that starts through it.
-void add_collider(const ColliderDescription& description, World& world);
+void add_collider(const ColliderDescription& description, World& world, const ContactPart* part = nullptr);
 
 /// Throws InputError at `place` naming the vertex that is deepest inside the collider, if one is inside.
 void check_is_outside(const ColliderBarrier& collider, const World& world, const VectorX& positions,

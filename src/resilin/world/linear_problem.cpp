@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "resilin/core/text.hpp"
 
@@ -54,7 +55,16 @@ std::optional<Inversion> first_inversion(const World& world, const VectorX& posi
                         .cell = static_cast<Index>(k) / elastic.num_points()};
     }
   }
-  return first;
+  if (world.share.is_whole()) return first;
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const double load_of_all = world.share.smallest(first ? first->load : infinity);
+  if (!(load_of_all < infinity)) return std::nullopt;
+  const bool is_here = first && first->load == load_of_all;
+  const double body = world.share.smallest(is_here ? first->body : infinity);
+  const bool is_cell_here = is_here && first->body == body;
+  const double cell = world.share.smallest(
+      is_cell_here ? world.cell_number(static_cast<std::size_t>(first->body), first->cell) : infinity);
+  return Inversion{.load = load_of_all, .body = static_cast<int>(body), .cell = static_cast<Index>(cell)};
 }
 
 std::string describe(const World& world, const Inversion& inversion) {

@@ -19,22 +19,26 @@ std::shared_ptr<Energy> dead_load(std::shared_ptr<const LoadedRegion> region, co
 
 std::shared_ptr<Energy> make_body_force(const LoadDescription& load, const LoadSite& site) {
   std::vector<Index> cells = select_cells(site.vertices, site.body);
-  if (cells.empty()) {
+  if (cells.empty() && site.part == nullptr) {
     throw InputError(site.where, "a part of the volume (cells with all their vertices selected)",
                      std::to_string(site.vertices.size()) + " vertices that fill no cell");
   }
   return dead_load(std::make_shared<LoadedCells>(site.body.elastic->element(), std::move(cells)), load, site);
 }
 
+CellBlock facets_of(const LoadSite& site) {
+  if (site.part == nullptr) return select_facets(site.vertices, site.body, site.where);
+  CellBlock facets{.kind = cell_sides(site.body.cell_kind)[0].kind, .nodes = site.part->facets};
+  for (Index& node : facets.nodes) node += site.body.first_node;
+  return facets;
+}
+
 std::shared_ptr<Energy> make_traction(const LoadDescription& load, const LoadSite& site) {
-  return dead_load(std::make_shared<LoadedFacets>(site.world.dimension,
-                                                  select_facets(site.vertices, site.body, site.where)),
-                   load, site);
+  return dead_load(std::make_shared<LoadedFacets>(site.world.dimension, facets_of(site)), load, site);
 }
 
 std::shared_ptr<Energy> make_pressure(const LoadDescription& load, const LoadSite& site) {
-  return std::make_shared<Pressure>(site.name, site.world.dimension,
-                                    select_facets(site.vertices, site.body, site.where), load.pressure,
+  return std::make_shared<Pressure>(site.name, site.world.dimension, facets_of(site), load.pressure,
                                     site.world.rest_positions, site.active);
 }
 
@@ -56,13 +60,14 @@ const std::vector<LoadKind>& load_kinds() {
       {"body_force", "per rest volume", {"value"}, {"where"}, false, make_body_force},
       {"traction", "per rest area", {"value", "where"}, {}, false, make_traction},
       {"pressure", "follows the surface", {"value", "where"}, {}, true, make_pressure},
-      {"nodal_force", "on each vertex", {"value", "where"}, {}, false, make_nodal_force},
+      {"nodal_force", "on each vertex", {"value", "where"}, {}, false, make_nodal_force, true},
       {"spring",
        "pulls each vertex to its rest position + displacement",
        {"stiffness", "where"},
        {"displacement", "velocity"},
        false,
-       make_spring},
+       make_spring,
+       true},
   };
   return kinds;
 }

@@ -19,6 +19,7 @@ struct LoadSite {
   std::vector<Index> nodes;     ///< selected, in the world's numbering
   std::vector<Index> vertices;  ///< the same in the body's mesh
   ActiveTime active;
+  const SelectionPart* part = nullptr;  ///< of a scene that several processes share; else null
 };
 
 /// A kind of [[load]]: what it is called, which keys it has and the term that it adds.
@@ -29,6 +30,7 @@ struct LoadKind {
   std::vector<std::string> has;    ///< keys that it may have besides
   bool value_is_number = false;    ///< its `value` is a number, not a vector
   std::shared_ptr<Energy> (*make)(const LoadDescription& load, const LoadSite& site);
+  bool is_on_each_node = false;  ///< acts on nodes, not on cells or their sides
 };
 
 /// Every kind of load. The scene reader, the reference and the property tests walk this list.

@@ -16,17 +16,19 @@ ActiveTime active_time(const LoadDescription& load) {
 }  // namespace
 
 std::shared_ptr<Energy> make_load(const LoadDescription& load, const World& world, const Body& body,
-                                  const Mesh& mesh) {
+                                  const Mesh& mesh, const SelectionPart* part) {
   const LoadKind& kind = require_load_kind(load.kind, load.place + ".kind");
   const std::string where = load.place + ".where";
-  LoadSite site{
-      .world = world,
-      .body = body,
-      .name = load.name.empty() ? load.place : load.name,
-      .where = where,
-      .nodes = {},
-      .vertices = select_vertices(load.where, mesh, body, world.rest_positions, world.dimension, where),
-      .active = active_time(load)};
+  LoadSite site{.world = world,
+                .body = body,
+                .name = load.name.empty() ? load.place : load.name,
+                .where = where,
+                .nodes = {},
+                .vertices = part != nullptr ? part->nodes
+                                            : select_vertices(load.where, mesh, body, world.rest_positions,
+                                                              world.dimension, where),
+                .active = active_time(load),
+                .part = part};
   for (const Index vertex : site.vertices) site.nodes.push_back(body.first_node + vertex);
   return kind.make(load, site);
 }

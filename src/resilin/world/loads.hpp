@@ -9,7 +9,7 @@ namespace resilin {
 
 /// The energy of one [[load]] on `body`, whose mesh is `mesh`.
 std::shared_ptr<Energy> make_load(const LoadDescription& load, const World& world, const Body& body,
-                                  const Mesh& mesh);
+                                  const Mesh& mesh, const SelectionPart* part = nullptr);
 
 /// The weight of all bodies [N] as dead nodal forces. In motion M g with the mass matrix that inertia has, so
 /// that what falls freely keeps its shape; at rest, where no inertia acts, integral N_a rho g dV, however

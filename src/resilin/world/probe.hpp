@@ -12,7 +12,7 @@ class World;
 /// A vertex whose motion is written down.
 struct Probe {
   std::string name;
-  Index node = 0;
+  Index node = 0;  ///< -1: one of another process
 };
 
 /// The vertex of `body` nearest to the place of `probe`; `world` gets a warning when it is far from there.

@@ -93,15 +93,17 @@ void check_modes(const Description& description, const ModesOptions& modes, Worl
 /// Makes a world out of its description, part by part.
 class Builder {
  public:
-  Builder(const Description& description, World& world) : description_(description), world_(world) {}
+  /// @param part  of a scene that several processes share; null: the whole
+  Builder(const Description& description, World& world, const ScenePart* part = nullptr)
+      : description_(description), world_(world), part_(part) {}
   void build();
 
  private:
   std::size_t find_body(const std::string& name, const std::string& place) const;
   void add_body(const BodyDescription& body);
-  void add_support(const FixDescription& fix);
-  void add_load(const LoadDescription& load);
-  void add_probe(const ProbeDescription& probe);
+  void add_support(std::size_t number);
+  void add_load(std::size_t number);
+  void add_probe(std::size_t number);
   void add_section(const SectionDescription& section);
   void build_pattern();
   void add_masses();
@@ -110,6 +112,7 @@ class Builder {
 
   const Description& description_;  ///< in the world's coordinates
   World& world_;
+  const ScenePart* part_;
   std::vector<BodyMesh> meshes_;
   std::vector<std::vector<double>> constants_;     ///< of each body's law, once or for each cell
   std::vector<std::shared_ptr<Energy>> coupling_;  ///< terms whose couplings make up the pattern
@@ -122,11 +125,11 @@ void Builder::build() {
   // Once all bodies are placed, so that every energy sees the whole world's vertices.
   for (std::size_t b = 0; b < world_.bodies.size(); ++b)
     coupling_.push_back(give_material(world_, description_.bodies[b], constants_[b], world_.bodies[b]));
-  check_start(description_, world_);
-  for (const FixDescription& fix : description_.fixes) add_support(fix);
+  if (part_ == nullptr) check_start(description_, world_);
+  for (std::size_t i = 0; i < description_.fixes.size(); ++i) add_support(i);
   check_support_conflicts(world_.dimension, world_.supports, world_.rest_positions);
-  for (const LoadDescription& load : description_.loads) add_load(load);
-  for (const ProbeDescription& probe : description_.probes) add_probe(probe);
+  for (std::size_t i = 0; i < description_.loads.size(); ++i) add_load(i);
+  for (std::size_t i = 0; i < description_.probes.size(); ++i) add_probe(i);
   for (const SectionDescription& section : description_.sections) add_section(section);
   build_pattern();
   add_masses();
@@ -135,7 +138,8 @@ void Builder::build() {
     world_.terms.push_back(make_gravity(description_.gravity, world_, world_.is_dynamic));
   for (std::size_t b = 0; b < world_.bodies.size(); ++b)
     check_contact_skin(world_.bodies[b], world_, description_.bodies[b].place);
-  for (const ColliderDescription& collider : description_.colliders) add_collider(collider, world_);
+  for (std::size_t i = 0; i < description_.colliders.size(); ++i)
+    add_collider(description_.colliders[i], world_, part_ == nullptr ? nullptr : &part_->colliders[i]);
   world_.contact = make_contact(description_.contact, world_);
   if (world_.contact) world_.terms.push_back(world_.contact);
   world_.friction = make_friction(description_.contact, world_);
@@ -146,6 +150,7 @@ void Builder::build() {
   }
   find_fixed_unknowns();
   find_events(description_, world_);
+  if (part_ != nullptr) return;  // the whole has been checked
   if (world_.modes) check_modes(description_, *world_.modes, world_);
   const bool finds_equilibrium = !world_.is_dynamic && (!world_.modes || world_.modes->is_loaded);
   if (finds_equilibrium) check_is_held(world_);
@@ -222,13 +227,16 @@ void Builder::add_body(const BodyDescription& description) {
   world_.bodies.push_back(std::move(body));
 }
 
-void Builder::add_support(const FixDescription& fix) {
+void Builder::add_support(std::size_t number) {
+  const FixDescription& fix = description_.fixes[number];
   const std::size_t b = find_body(fix.body, fix.place);
   const Body& body = world_.bodies[b];
   Support support{.place = fix.place,
                   .name = fix.name,
-                  .nodes = select_vertices(fix.where, meshes_[b].mesh, body, world_.rest_positions,
-                                           world_.dimension, fix.place + ".where"),
+                  .nodes = part_ != nullptr
+                               ? part_->fixes[number].nodes
+                               : select_vertices(fix.where, meshes_[b].mesh, body, world_.rest_positions,
+                                                 world_.dimension, fix.place + ".where"),
                   .components = fix.components,
                   .displacement = fix.displacement,
                   .gradient = fix.gradient,
@@ -242,12 +250,19 @@ void Builder::add_support(const FixDescription& fix) {
   world_.supports.push_back(std::move(support));
 }
 
-void Builder::add_load(const LoadDescription& load) {
+void Builder::add_load(std::size_t number) {
+  const LoadDescription& load = description_.loads[number];
   const std::size_t b = find_body(load.body, load.place);
-  coupling_.push_back(make_load(load, world_, world_.bodies[b], meshes_[b].mesh));
+  coupling_.push_back(make_load(load, world_, world_.bodies[b], meshes_[b].mesh,
+                                part_ == nullptr ? nullptr : &part_->loads[number]));
 }
 
-void Builder::add_probe(const ProbeDescription& probe) {
+void Builder::add_probe(std::size_t number) {
+  const ProbeDescription& probe = description_.probes[number];
+  if (part_ != nullptr) {
+    world_.probes.push_back({.name = probe.name, .node = part_->probes[number]});
+    return;
+  }
   const Body& body = world_.bodies[find_body(probe.body, probe.place)];
   world_.probes.push_back(find_probe(probe, body, world_));
 }
@@ -298,7 +313,8 @@ void Builder::find_fixed_unknowns() {
 
 }  // namespace
 
-World::World(const Description& description, std::shared_ptr<const Description> shared)
+World::World(const Description& description, std::shared_ptr<const Description> shared, const ScenePart* part,
+             Share share_of_part)
     : dimension(description.dimension),
       is_dynamic(description.is_dynamic),
       title(description.title),
@@ -318,7 +334,18 @@ World::World(const Description& description, std::shared_ptr<const Description> 
       modes(description.modes),
       newton(description.newton),
       solver(description.solver),
-      output(description.output) {
+      output(description.output),
+      share(std::move(share_of_part)) {
+  if (part != nullptr) {
+    for (const BodyPart& body : part->bodies) cell_numbers.push_back(body.cells);
+    Builder(description, *this, part).build();
+    for (std::size_t b = 0; b < bodies.size(); ++b) bodies[b].mass = part->bodies[b].mass;
+    origin = part->origin;
+    fingerprint = part->fingerprint;
+    warnings.clear();  // those of the whole scene are told once
+    notes.clear();
+    return;
+  }
   origin = find_scene_origin(description);
   if (origin.isZero(0)) {
     Builder(description, *this).build();
@@ -327,6 +354,9 @@ World::World(const Description& description, std::shared_ptr<const Description> 
   }
   fingerprint = fingerprint_of(description);
 }
+
+World::World(ScenePart part, Share share_of_part)
+    : World(part.description, nullptr, &part, std::move(share_of_part)) {}
 
 double largest_turn(const World& world, const Conditions& from, const Conditions& to) {
   double turn = largest_turn(world.supports, from, to);
@@ -352,37 +382,6 @@ std::vector<std::string> names_of_terms(const World& world, EnergyCategory categ
 
 Index World::num_free_unknowns() const {
   return static_cast<Index>(std::count(is_fixed.begin(), is_fixed.end(), std::uint8_t{0}));
-}
-
-Reach reach_along(int axis, const Body& body, const VectorX& positions, int dim) {
-  const auto coordinates =
-      positions(Eigen::seqN(Eigen::Index{body.first_node} * dim + axis, body.num_nodes, dim));
-  return {coordinates.minCoeff(), coordinates.maxCoeff()};
-}
-
-double largest_extent(const Body& body, const VectorX& positions, int dim) {
-  double extent = 0;
-  for (int k = 0; k < dim; ++k) extent = std::max(extent, reach_along(k, body, positions, dim).length());
-  return extent;
-}
-
-Vector3 World::place_of(Index node, const VectorX& positions) const {
-  return origin + node_position(dimension, node, positions);
-}
-
-std::string World::place_text(const Vector3& point) const { return format_point(point, dimension); }
-
-std::string World::place_text(Index vertex, const VectorX& places) const {
-  return place_text(place_of(vertex, places));
-}
-
-double World::largest_extent() const {
-  double extent = 0;
-  for (int k = 0; k < dimension; ++k) {
-    const auto coordinates = rest_positions(Eigen::seq(k, Eigen::last, dimension));
-    extent = std::max(extent, coordinates.maxCoeff() - coordinates.minCoeff());
-  }
-  return extent;
 }
 
 bool World::meet(std::size_t a, std::size_t b) const {

@@ -8,11 +8,13 @@
 #include "resilin/contact/collider_barrier.hpp"
 #include "resilin/contact/friction.hpp"
 #include "resilin/contact/obstacle_contact.hpp"
+#include "resilin/core/share.hpp"
 #include "resilin/energy/elastic.hpp"
 #include "resilin/energy/mass.hpp"
 #include "resilin/world/description.hpp"
 #include "resilin/world/fingerprint.hpp"
 #include "resilin/world/probe.hpp"
+#include "resilin/world/scene_part.hpp"
 #include "resilin/world/section.hpp"
 #include "resilin/world/skin.hpp"
 #include "resilin/world/support.hpp"
@@ -62,6 +64,8 @@ class World {
   explicit World(Description description)
       : World(std::make_shared<const Description>(std::move(description))) {}
   explicit World(const std::shared_ptr<const Description>& shared) : World(*shared, shared) {}
+  /// One process's part of a scene, which has been checked as a whole. All processes make theirs together.
+  World(ScenePart part, Share share_of_part);
 
   int dimension = 3;
   bool is_dynamic = false;
@@ -85,6 +89,9 @@ class World {
   SolverOptions solver;
   OutputOptions output;
   Fingerprint fingerprint;  ///< of the description; a caller's own terms are not in it
+
+  Share share;                                   ///< the whole scene, unless other processes have parts of it
+  std::vector<std::vector<Index>> cell_numbers;  ///< of a part, by body: numbers of its cells in the whole
 
   /// Where the coordinates of positions begin, in those of the scene: zero, but for scenes far from there
   /// (find_scene_origin). Whatever goes out to the user as a place adds it [m].
@@ -123,13 +130,19 @@ class World {
   /// Of a node, or of a vertex of a surface, the places being those of its vertices.
   std::string place_text(Index vertex, const VectorX& places) const;
   Index num_free_unknowns() const;
-  double largest_extent() const;  ///< of the rest shapes of all bodies, along the axes [m]
+  double largest_extent() const;                  ///< of the rest shapes of all bodies, along the axes [m]
+  double largest_extent(const Body& body) const;  ///< likewise, of a body
+  /// Of a cell in the whole body.
+  Index cell_number(std::size_t body, Index cell) const {
+    return share.is_whole() ? cell : cell_numbers[body][static_cast<std::size_t>(cell)];
+  }
   const Body& body_of(Index node) const;
   /// Whether two bodies, by their numbers, keep each other apart.
   bool meet(std::size_t a, std::size_t b) const;
 
  private:
-  World(const Description& description, std::shared_ptr<const Description> shared);
+  World(const Description& description, std::shared_ptr<const Description> shared,
+        const ScenePart* part = nullptr, Share share_of_part = {});
 };
 
 /// The angle by which any support or collider turns on the way between two conditions [degrees].
