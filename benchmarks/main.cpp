@@ -13,6 +13,7 @@
 #include "resilin/core/memory.hpp"
 #include "resilin/core/parallel.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/core/thread_count.hpp"
 #include "resilin/linear/blas.hpp"
 
 /// The program that `resilin bench` starts.
@@ -74,12 +75,13 @@ int main(int argc, char** argv) {
   app.add_option("--element", command.options.element,
                  "Element of the kernels, the bar and the damping: P1, P2 or P2P0");
   app.add_option("--threads", command.threads, "Number of threads; default all cores")
-      ->check(CLI::Range(1, 1024));
+      ->check(CLI::Range(1, max_threads));
   app.add_flag("--json", command.json, "Print JSON");
   app.footer("Example:\n  resilin bench cube --threads 1 --json");
   try {
     app.parse(argc, argv);
     preferred_instruction_set();
+    num_threads();
     choose_blas_kernel();
     run(command);
   } catch (const CLI::Success& success) {

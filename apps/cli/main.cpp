@@ -13,6 +13,7 @@
 #include "resilin/core/cpu.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/memory.hpp"
+#include "resilin/core/parallel.hpp"
 #include "resilin/linear/blas.hpp"
 #include "resilin/results/build_info.hpp"
 #include "terminal.hpp"
@@ -55,6 +56,7 @@ bool is_out_of_memory(const std::system_error& error) {
 int run_action(const Action& action) {
   try {
     preferred_instruction_set();  // what cannot be had is said before any work is done
+    num_threads();
     choose_blas_kernel();
     return action();
   } catch (const InputError& error) {

@@ -14,6 +14,7 @@
 #include "resilin/core/log.hpp"
 #include "resilin/core/parallel.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/core/thread_count.hpp"
 #include "resilin/results/results.hpp"
 #include "resilin/results/run.hpp"
 #include "resilin/scene/scene.hpp"
@@ -173,7 +174,7 @@ void add_run(CommandLine& line, Action& action) {
       .one_of({"vtu", "html", "usda"})
       .values(1, 1)
       .joins_repeats();
-  command.option("--threads", options->threads, "Number of threads; default all cores").between(1, 1024);
+  command.option("--threads", options->threads, "Number of threads; default all cores").between(1, max_threads);
   command.option("--steps", options->steps, "Stop after this many steps").between(1, 1000000000);
   command
       .flag_with_word("--resume", options->resume, "same",

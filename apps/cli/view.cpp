@@ -11,6 +11,7 @@
 #include "resilin/core/error.hpp"
 #include "resilin/core/parallel.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/core/thread_count.hpp"
 #include "resilin/io/catalog.hpp"
 #include "resilin/scene/scene.hpp"
 #include "terminal.hpp"
@@ -139,7 +140,8 @@ void add_view(CommandLine& line, Action& action) {
   command.option("--set", options->overrides, "Change a value of the scene; may be given several times")
       .type_name("KEY=VALUE")
       .repeatable();
-  command.option("--threads", options->threads, "Number of threads; default all cores").between(1, 1024);
+  command.option("--threads", options->threads, "Number of threads; default all cores")
+      .between(1, max_threads);
   command.flag("--no-browser", options->has_no_browser, "Print the address and open nothing");
   command.footer(
       "Examples:\n  resilin view examples/heap.toml\n  resilin view out/spot --port 8000 --no-browser\n\nThe "

@@ -13,7 +13,7 @@ from resilin.arrays import refuse
 from resilin.evaluation import ENERGY, STRESS, Quantity, States, energy_slope, evaluated, stress_slope, tangent
 from resilin.law_at_arrays import LawAtArrays
 from resilin.tensor_constants import TensorConstants
-from resilin.tensors import array_of, arrays_of, real_tensor, square_tensors, tensor_of
+from resilin.tensors import array_of, arrays_of, plain_arrays, real_tensor, square_tensors, tensor_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -26,8 +26,13 @@ class LawAtTensors:
 
     def __init__(self, law: LawAtArrays | TensorConstants) -> None:
         self._law = law
+        self._shared_law = law.shared_law if isinstance(law, LawAtArrays) else None
 
     def energy_density(self, F: object, is_H: bool, out: object) -> torch.Tensor:
+        if out is None and self._shared_law is not None and (arrays := plain_arrays(F)):
+            psi = self._shared_law.new_energy_densities(*arrays, is_H)
+            if psi is not None:
+                return tensor_of(psi, None)
         states = square_tensors(F, "F")
         read = self._read(states)
         if read is None:
@@ -36,6 +41,10 @@ class LawAtTensors:
         return tensor_of(law.energy_density(array, is_H, array_of(out)), out)
 
     def first_piola_kirchhoff_stress(self, F: object, is_H: bool, out: object) -> torch.Tensor:
+        if out is None and self._shared_law is not None and (arrays := plain_arrays(F)):
+            P = self._shared_law.new_first_piola_kirchhoff_stresses(*arrays, is_H)
+            if P is not None:
+                return tensor_of(P, None)
         states = square_tensors(F, "F")
         read = self._read(states)
         if read is None:
@@ -52,6 +61,11 @@ class LawAtTensors:
         return tensor_of(law.stress_tangent(array, projection, is_H, array_of(out)), out)
 
     def elastic_forces(self, F: object, Dm_inv: object, volume: object, is_H: bool, out: object) -> torch.Tensor:
+        if out is None and self._shared_law is not None and (arrays := plain_arrays(F, Dm_inv, volume)):
+            array, *others = arrays
+            new_forces = self._shared_law.new_elastic_forces(array, is_H, *others)
+            if new_forces is not None:
+                return tensor_of(new_forces, None)
         states, inverses = square_tensors(F, "F"), square_tensors(Dm_inv, "Dm_inv")
         volumes = real_tensor(volume, "volume")
         read = self._read(states, inverses, volumes)

@@ -75,6 +75,16 @@ def arrays_of(tensors: Iterable[torch.Tensor]) -> list[NDArray[Any]] | None:
     return arrays
 
 
+def plain_arrays(*tensors: Any) -> list[NDArray[Any]]:
+    """Views of tensors as arrays; none where one is no tensor, or its numbers are not simply there."""
+    if is_forward_mode():
+        return []
+    try:
+        return [tensor.numpy() for tensor in tensors]
+    except (AttributeError, RuntimeError, TypeError):  # of autograd, torch.func or another device
+        return []
+
+
 def array_of(out: object) -> NDArray[Any] | None:
     """The memory of a tensor that a result goes to."""
     if out is None:

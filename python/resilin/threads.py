@@ -11,9 +11,14 @@ from resilin.arrays import refuse
 if TYPE_CHECKING:
     from typing import SupportsIndex
 
+_core.num_threads()  # a RESILIN_THREADS that is wrong is told before any work is done
+
 
 def num_threads() -> int:
-    """Number of threads that loops use; all cores unless `set_num_threads` was called."""
+    """Number of threads that loops use.
+
+    All cores unless `set_num_threads` was called or the environment variable RESILIN_THREADS says otherwise.
+    """
     return _core.num_threads()
 
 
@@ -23,6 +28,6 @@ def set_num_threads(count: SupportsIndex) -> None:
         number = operator.index(count)
     except TypeError:
         number = 0
-    if not 1 <= number <= 1024:
-        refuse("count", "a whole number from 1 to 1024", repr(count))
+    if not 1 <= number <= _core.max_threads:
+        refuse("count", f"a whole number from 1 to {_core.max_threads}", repr(count))
     _core.set_num_threads(number)

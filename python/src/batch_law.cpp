@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bindings.hpp"
+#include "plain_array.hpp"
 #include "resilin/material/batch.hpp"
 
 namespace resilin::python {
@@ -34,7 +35,9 @@ class BatchLaw {
   BatchLaw(const std::string& law, std::vector<Numbers> constants, std::optional<Numbers> fibres)
       : law_(require_law(law, "law")), constants_(std::move(constants)), fibres_(std::move(fibres)) {
     require(constants_.size() == law_.constants.size(), "one array for each constant");
+    for (const Numbers& values : constants_) is_uniform_ = is_uniform_ && values.ndim() == 0;
     if (!fibres_) return;
+    is_uniform_ = is_uniform_ && fibres_->ndim() == 2;
     require((fibres_->ndim() == 2 || fibres_->ndim() == 3) && fibres_->shape(fibres_->ndim() - 1) == 3,
             "fibres: (families, 3) or (count, families, 3)");
   }
@@ -65,6 +68,48 @@ class BatchLaw {
       resilin::elastic_forces(states, read<Real>(rest_shape_inverses, states.count * entries(states)),
                               read<Real>(rest_volumes, states.count),
                               written<Real>(forces, states.count * (dim + 1) * dim));
+    });
+  }
+
+  // The same at plain arrays into a new one, the short way; none where something else came, or where states
+  // have constants of their own.
+
+  nb::object new_energy_densities(nb::handle F, bool holds_H) const {
+    return run_plain(F, holds_H, []<class Real>(const StateBatch<Real>& states, const PlainArray& in) {
+      const int leading = in.num_axes() - 2;
+      if (leading == 0) {
+        Real psi = 0;
+        resilin::energy_densities(states, &psi);
+        return nb::object(numpy().scalar<Real>()(static_cast<double>(psi)));
+      }
+      return written_into_new<Real>(states.count, Shape(in, leading), [&](Real* psi) {
+        resilin::energy_densities(states, psi);
+      });
+    });
+  }
+
+  nb::object new_first_piola_kirchhoff_stresses(nb::handle F, bool holds_H) const {
+    return run_plain(F, holds_H, []<class Real>(const StateBatch<Real>& states, const PlainArray& in) {
+      return written_into_new<Real>(states.count, Shape(in, in.num_axes()), [&](Real* P) {
+        resilin::first_piola_kirchhoff_stresses(states, P);
+      });
+    });
+  }
+
+  nb::object new_elastic_forces(nb::handle F, bool holds_H, nb::handle rest_shape_inverses,
+                                nb::handle rest_volumes) const {
+    const PlainArray inverses(rest_shape_inverses), volumes(rest_volumes);
+    return run_plain(F, holds_H, [&]<class Real>(const StateBatch<Real>& states, const PlainArray& in) {
+      const int leading = in.num_axes() - 2;
+      if (!inverses.holds<Real>() || !volumes.holds<Real>() || inverses.num_axes() != in.num_axes() ||
+          volumes.num_axes() != leading || !inverses.begins_like(in, in.num_axes()) ||
+          !volumes.begins_like(in, leading))
+        return nb::object(nb::none());
+      Shape shape(in, leading);
+      shape.with(in.dim() + 1).with(in.dim());
+      return written_into_new<Real>(states.count, shape, [&](Real* forces) {
+        resilin::elastic_forces(states, inverses.data<const Real>(), volumes.data<const Real>(), forces);
+      });
     });
   }
 
@@ -111,9 +156,13 @@ class BatchLaw {
     require(axes >= 2 && F.shape(axes - 1) == F.shape(axes - 2), "square matrices");
     const std::size_t dim = F.shape(axes - 1);
     require(dim == 2 || dim == 3, "matrices of two or three dimensions");
-    const std::size_t count = F.size() / (dim * dim);
-    StateBatch<Real> batch{&law_, static_cast<int>(dim), count, static_cast<const Real*>(F.data()), holds_H,
-                           {}};
+    return states(static_cast<const Real*>(F.data()), dim, F.size() / (dim * dim), holds_H);
+  }
+
+  template <class Real>
+  StateBatch<Real> states(const Real* F, std::size_t dim, std::size_t count, bool holds_H) const {
+    StateBatch<Real> batch{&law_, static_cast<int>(dim), count, F, holds_H, {}};
+    batch.constants.reserve(constants_.size());
     for (const Numbers& values : constants_) {
       const bool is_one = values.ndim() == 0;
       require(is_one || values.size() == count, "one value of each constant for every state");
@@ -142,7 +191,38 @@ class BatchLaw {
     run_as(float{});
   }
 
+  /// Result of function(states, F), or none.
+  template <class Function>
+  nb::object run_plain(nb::handle F, bool holds_H, const Function& function) const {
+    const PlainArray in(F);
+    if (!is_uniform_ || !in.holds_square_matrices()) return nb::none();
+    const auto run_as = [&]<class Real>(Real) {
+      std::size_t count = 1;
+      for (int axis = 0; axis < in.num_axes() - 2; ++axis)
+        count *= static_cast<std::size_t>(in.length(axis));
+      return function(states<Real>(in.data<const Real>(), in.dim(), count, holds_H), in);
+    };
+    if (in.holds<double>()) return run_as(double{});
+    return in.holds<float>() ? run_as(float{}) : nb::object(nb::none());
+  }
+
+  template <class Real, class Write>
+  static nb::object written_into_new(std::size_t count, const Shape& shape, const Write& write) {
+    constexpr std::size_t few = 512;  // states that are done before another thread could be woken
+    nb::object array = new_array<Real>(shape);
+    const PlainArray out(array, true);
+    require(out.holds<Real>(), "a new array of another type");
+    if (count <= few) {
+      write(out.data<Real>());
+    } else {
+      const nb::gil_scoped_release others_run;
+      write(out.data<Real>());
+    }
+    return array;
+  }
+
   const LawInfo& law_;
+  bool is_uniform_ = true;  ///< all states share the constants and the fibres
   std::vector<Numbers> constants_;
   std::optional<Numbers> fibres_;
 };
@@ -157,6 +237,9 @@ void bind_batch_law(nb::module_& module) {
       .def("first_piola_kirchhoff_stresses", &BatchLaw::first_piola_kirchhoff_stresses)
       .def("stress_tangents", &BatchLaw::stress_tangents)
       .def("elastic_forces", &BatchLaw::elastic_forces)
+      .def("new_energy_densities", &BatchLaw::new_energy_densities)
+      .def("new_first_piola_kirchhoff_stresses", &BatchLaw::new_first_piola_kirchhoff_stresses)
+      .def("new_elastic_forces", &BatchLaw::new_elastic_forces)
       .def("constant_derivatives", &BatchLaw::constant_derivatives)
       .def("second_constant_derivatives", &BatchLaw::second_constant_derivatives);
 }

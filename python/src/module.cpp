@@ -6,6 +6,7 @@
 #include "resilin/core/error.hpp"
 #include "resilin/core/memory.hpp"
 #include "resilin/core/parallel.hpp"
+#include "resilin/core/thread_count.hpp"
 #include "resilin/results/build_info.hpp"
 
 namespace nb = nanobind;
@@ -27,6 +28,7 @@ NB_MODULE(_core, module) {
          const std::string& cure) { return std::string(InputError(place, expected, got, cure).what()); },
       nb::arg("place"), nb::arg("expected"), nb::arg("got"), nb::arg("cure"));
   module.def("version", [] { return std::string(version()); });
+  module.attr("max_threads") = max_threads;
   module.def("num_threads", &num_threads);
   module.def("set_num_threads", &set_num_threads, nb::arg("count"));
   python::bind_material(module);

@@ -1,5 +1,6 @@
 import ast
 import importlib.metadata
+import os
 import pathlib
 import re
 import subprocess
@@ -85,3 +86,18 @@ def test_bundled_libraries_are_listed_with_their_licences():
 def test_the_number_of_threads_is_a_whole_number(wrong):
     with pytest.raises(resilin.InputError, match="a whole number from 1 to 1024"):
         resilin.set_num_threads(wrong)
+
+
+@pytest.mark.parametrize("wrong", ["0", "-1", "1000000", "abc"])
+def test_a_wrong_number_of_threads_in_the_environment_is_told_in_one_line(wrong):
+    run = subprocess.run(
+        [sys.executable, "-c", "import resilin"],
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "RESILIN_THREADS": wrong},
+    )
+    assert run.returncode == 1
+    last = run.stderr.strip().splitlines()[-1]
+    expected = f'environment variable RESILIN_THREADS: expected a whole number from 1 to 1024, got "{wrong}"'
+    assert last.endswith(f"InputError: {expected}; correct it or unset it")

@@ -30,6 +30,13 @@ TEST_F(Commands, ThatDoNotExistAreRefusedInOneLine) {
                                              {"run"},
                                              {"run", "a.toml", "b.toml"},
                                              {"run", "a.toml", "--threads", "0"},
+                                             {"run", "a.toml", "--threads", "-1"},
+                                             {"run", "a.toml", "--threads", "1000000"},
+                                             {"run", "a.toml", "--threads", "abc"},
+                                             {"run", "a.toml", "--threads", "1.5"},
+                                             {"run", "a.toml", "--threads", ""},
+                                             {"bench", "cube", "--threads", "0"},
+                                             {"bench", "cube", "--threads", "abc"},
                                              {"run", "a.toml", "--what"},
                                              {"view", "a.toml"},
                                              {"mesh", "a.msh"},
@@ -224,6 +231,22 @@ TEST_F(Commands, FitFindsConstantsAndWritesThem) {
   EXPECT_EQ(json.exit_code, 0) << json.err;
   EXPECT_EQ(nlohmann::json::parse(json.out)["residual"], "relative");
   EXPECT_THAT(run({"fit", example, "--laws", "yeo"}).err, HasSubstr("did you mean \"yeoh\""));
+}
+
+TEST_F(Commands, TakeTheNumberOfThreadsFromTheEnvironmentOrRefuseItInOneLine) {
+  const auto info_with = [&](const std::string& threads) {
+    return run_program(folder.path(), {"info", "--json"}, {"RESILIN_THREADS=" + threads});
+  };
+  for (const int threads : {1, 3})
+    EXPECT_EQ(nlohmann::json::parse(info_with(std::to_string(threads)).out)["threads"], threads);
+  EXPECT_EQ(info_with("").exit_code, 0) << "the same as none";
+  for (const std::string wrong : {"0", "-1", "1000000", "99999999999999999999", "abc", "2x", "1.5", " 2"}) {
+    const ProgramResult result = info_with(wrong);
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_EQ(result.err,
+              "resilin: environment variable RESILIN_THREADS: expected a whole number from 1 to 1024, got \"" +
+                  wrong + "\"; correct it or unset it\n");
+  }
 }
 
 }  // namespace

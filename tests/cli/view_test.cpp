@@ -61,6 +61,8 @@ TEST_F(View, RefusesWhatItCannotShowInOneLine) {
       {{"view", "jelly.toml", "--port", "70000"}, "70000"},
       {{"view", "jelly.toml", "--port", "http"}, "--port"},
       {{"view", "jelly.toml", "--threads", "0"}, "--threads"},
+      {{"view", "jelly.toml", "--threads", "1000000"}, "--threads"},
+      {{"view", "jelly.toml", "--threads", "abc"}, "--threads"},
   };
   for (const auto& [arguments, expected] : cases) {
     const ProgramResult result = run(arguments);

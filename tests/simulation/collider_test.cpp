@@ -6,8 +6,8 @@
 #include <random>
 
 #include "every_integrator.hpp"
-#include "resilin/core/parallel.hpp"
 #include "resilin/world/colliders.hpp"
+#include "same_bits.hpp"
 #include "small_scenes.hpp"
 
 namespace resilin::testing {
@@ -210,26 +210,13 @@ TEST(ABodyBetweenClosingPlanes, HoldsThemUpAndIsNotPierced) {
 }
 
 TEST(ABodyOnTheGround, MovesInTheSameBitsForAnyNumberOfThreadsAndAfterARestart) {
-  const int before = num_threads();
   Description scene = dropped_bar(3);
   scene.end_time = 0.3;
   ColliderDescription pusher = ball({0.3, 0.1, 0.9}, 0.3);
   pusher.velocity = {0, 0, -1};
   scene.colliders.push_back(pusher);
-  std::vector<VectorX> ends;
-  for (const int threads : {1, 2}) {
-    set_num_threads(threads);
-    ends.push_back(run_all(scene).state().positions);
-  }
-  Simulation first(scene);
-  for (int i = 0; i < 7; ++i) first.step();
-  Simulation second(scene);
-  second.resume_from(deserialize_state(serialize(first.state()), "memory"), "memory");
-  while (!second.is_finished()) second.step();
-  ends.push_back(second.state().positions);
-  set_num_threads(before);
-  EXPECT_EQ(ends[0], ends[1]);
-  EXPECT_EQ(ends[0], ends[2]);
+  expect_same_bits_for_any_number_of_threads(scene);
+  expect_same_bits_after_a_checkpoint(scene, 7);
 }
 
 TEST(ABodyInsideACollider, IsRefusedWithItsDeepestVertex) {

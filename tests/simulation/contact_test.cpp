@@ -7,7 +7,7 @@
 
 #include "every_integrator.hpp"
 #include "resilin/contact/crossing.hpp"
-#include "resilin/core/parallel.hpp"
+#include "same_bits.hpp"
 #include "small_scenes.hpp"
 
 namespace resilin::testing {
@@ -223,14 +223,7 @@ TEST(ARing, TouchesItselfWhenItIsSqueezedFlat) {
 
 TEST(BodiesThatTouch, GiveTheSameBitsForAnyNumberOfThreadsAndAfterACheckpoint) {
   const Description scene = thrown_bars(3, "P1");
-  const auto end = [&](int threads) {
-    set_num_threads(threads);
-    const Simulation simulation = converged_end_of(scene);
-    return serialize(simulation.state());
-  };
-  const int before = num_threads();
-  EXPECT_EQ(end(1), end(3));
-  set_num_threads(before);
+  expect_same_bits_for_any_number_of_threads(scene);
   expect_same_bits_after_a_checkpoint(scene, 14);
 }
 

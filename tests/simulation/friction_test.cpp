@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "every_integrator.hpp"
-#include "resilin/core/parallel.hpp"
 #include "resilin/world/friction.hpp"
+#include "same_bits.hpp"
 #include "small_scenes.hpp"
 
 namespace resilin::testing {
@@ -343,16 +343,9 @@ TEST(Friction, HoldsAStaticBodySideways) {
 }
 
 TEST(Friction, MovesInTheSameBitsForAnyNumberOfThreadsAndAfterARestart) {
-  const int before = num_threads();
   Description scene = block(3, slope_angle, 0.4);
   scene.end_time = 0.2;
-  std::vector<std::string> ends;
-  for (const int threads : {1, 2}) {
-    set_num_threads(threads);
-    ends.push_back(serialize(run_all(scene).state()));
-  }
-  set_num_threads(before);
-  EXPECT_EQ(ends[0], ends[1]);
+  expect_same_bits_for_any_number_of_threads(scene);
   expect_same_bits_after_a_checkpoint(scene, 7);
 }
 

@@ -1,4 +1,4 @@
-// What must not change a result: threads, restarts, numbering, the place in space, the units.
+// What must not change a result: restarts, numbering, the place in space, the units.
 
 #include <gtest/gtest.h>
 
@@ -6,35 +6,11 @@
 #include <numeric>
 #include <random>
 
-#include "resilin/core/parallel.hpp"
 #include "resilin/material/law.hpp"
 #include "small_scenes.hpp"
 
 namespace resilin::testing {
 namespace {
-
-bool same_bits(const VectorX& a, const VectorX& b) {
-  return a.size() == b.size() && (a.array() == b.array()).all();
-}
-
-TEST(SameBits, ForOneAndTwoThreads) {
-  const int threads = num_threads();
-  for (const int dimension : {2, 3}) {
-    for (const bool is_dynamic : {false, true}) {
-      for (const std::string solver : {"cholesky", "cg_ic0", "cg_amg"}) {
-        Description scene = small_bar(dimension, is_dynamic);
-        scene.solver.kind = solver;
-        set_num_threads(1);
-        const Simulation one = run_all(scene);
-        set_num_threads(2);
-        const Simulation two = run_all(scene);
-        EXPECT_TRUE(same_bits(one.state().positions, two.state().positions)) << dimension << "D " << solver;
-        EXPECT_TRUE(same_bits(one.state().velocities, two.state().velocities)) << dimension << "D " << solver;
-      }
-    }
-  }
-  set_num_threads(threads);
-}
 
 TEST(SameBits, AfterARestartFromACheckpoint) {
   for (const bool is_dynamic : {false, true}) {

@@ -6,10 +6,15 @@
 
 #include <algorithm>
 #include <atomic>
+#include <charconv>
+#include <cstdlib>
 #include <memory>
 #include <mutex>
+#include <string>
 
+#include "resilin/core/error.hpp"
 #include "resilin/core/memory.hpp"
+#include "resilin/core/thread_count.hpp"
 
 namespace resilin {
 namespace {
@@ -22,15 +27,29 @@ int threads_with_room(int wanted) {
   return fitting < wanted ? std::max(1, static_cast<int>(fitting)) : wanted;
 }
 
+/// What RESILIN_THREADS asks for, else as many as there are cores.
+int wanted_threads() {
+  const char* const variable = std::getenv("RESILIN_THREADS");
+  const std::string text = variable == nullptr ? "" : variable;
+  if (text.empty()) return tbb::this_task_arena::max_concurrency();
+  int count = 0;
+  const char* const end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data(), end, count);
+  if (error != std::errc() || rest != end || count < 1 || count > max_threads)
+    throw InputError("environment variable RESILIN_THREADS",
+                     "a whole number from 1 to " + std::to_string(max_threads), '"' + text + '"',
+                     "correct it or unset it");
+  return count;
+}
+
 /// The limit belongs to the process, as the cores do; everything else in the library is a value.
 struct ThreadLimit {
   std::mutex mutex;
-  std::atomic<int> count =
-      threads_with_room(tbb::this_task_arena::max_concurrency());  // read without the lock
+  std::atomic<int> count = threads_with_room(wanted_threads());  // read without the lock
   std::unique_ptr<tbb::global_control> control;
 
   ThreadLimit() {
-    if (count < tbb::this_task_arena::max_concurrency()) enforce();
+    if (count != tbb::this_task_arena::max_concurrency()) enforce();
   }
   void enforce() { enforce(count); }
   void enforce(int threads) {

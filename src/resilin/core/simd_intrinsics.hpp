@@ -7,9 +7,45 @@
 #include <immintrin.h>
 #endif
 
+#include <cstddef>
+
 #include "resilin/core/simd.hpp"
 
 namespace resilin::RESILIN_SIMD_NAMESPACE {
+
+/// Copies past the caches: for much that is written and not read again soon, so that the lines it goes to
+/// need not be fetched first. `complete_streams` before another thread reads it.
+RESILIN_INLINE void stream_copy(const void* from, std::size_t bytes, void* to) {
+  const auto* source = static_cast<const char*>(from);
+  auto* target = static_cast<char*>(to);
+#if defined(__SSE2__)
+  constexpr std::size_t line = 64;
+  std::size_t head = -reinterpret_cast<std::size_t>(target) % line;
+  if (head > bytes) head = bytes;
+  __builtin_memcpy(target, source, head);  // lines that are not whole are the business of two calls
+  source += head, target += head, bytes -= head;
+  for (; bytes >= line; source += line, target += line, bytes -= line) {
+#if defined(__AVX512F__)
+    _mm512_stream_si512(reinterpret_cast<__m512i*>(target), _mm512_loadu_si512(source));
+#elif defined(__AVX2__)
+    for (std::size_t k = 0; k < line; k += sizeof(__m256i))
+      _mm256_stream_si256(reinterpret_cast<__m256i*>(target + k),
+                          _mm256_loadu_si256(reinterpret_cast<const __m256i_u*>(source + k)));
+#else
+    for (std::size_t k = 0; k < line; k += sizeof(__m128i))
+      _mm_stream_si128(reinterpret_cast<__m128i*>(target + k),
+                       _mm_loadu_si128(reinterpret_cast<const __m128i_u*>(source + k)));
+#endif
+  }
+#endif
+  __builtin_memcpy(target, source, bytes);
+}
+
+RESILIN_INLINE void complete_streams() {
+#if defined(__SSE2__)
+  _mm_sfence();
+#endif
+}
 
 RESILIN_INLINE bool any(Mask mask) {
 #if defined(__AVX512DQ__) && RESILIN_SIMD_WIDTH == 8

@@ -47,11 +47,44 @@ void lump_slopes(const ElementInfo& element, std::span<const double> products, s
           weighted / diagonal + (a == b ? volume / diagonal * (c[a] - weighted / diagonal) : 0.0);
 }
 
+/// y = M x in the chunks of the pattern's product plan, as products with matrices of blocks are.
+template <int dimension, class Entry>
+void multiply_slots(const MassMatrix& mass, const Entry& entry, const VectorX& x, VectorX& y) {
+  const BlockPattern& pattern = *mass.pattern;
+  const BlockPattern::ProductPlan& plan = pattern.product_plan;
+  const Index num_nodes = pattern.num_nodes();
+  const auto node = [](auto& v, Index i) {
+    return v.template segment<dimension>(Eigen::Index{i} * dimension);
+  };
+  VectorX work = VectorX::Zero(Eigen::Index{dimension} * (num_nodes + plan.chunk_places.back()));
+  parallel_tasks(static_cast<std::size_t>(plan.num_chunks()), [&](std::size_t chunk) {
+    for (Index i = plan.chunk_begin[chunk]; i < plan.chunk_begin[chunk + 1]; ++i) {
+      const auto row = static_cast<std::size_t>(i);
+      for (auto s = static_cast<std::size_t>(pattern.row_begin[row]);
+           s < static_cast<std::size_t>(pattern.row_begin[row + 1]); ++s) {
+        const Index j = pattern.columns[s];
+        const double m = entry(mass.slots[s]);
+        node(work, i) += m * node(x, j);
+        if (j != i) node(work, plan.targets[s]) += m * node(x, i);
+      }
+    }
+  });
+  parallel_for(static_cast<std::size_t>(num_nodes), nodes_per_chunk, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      Vector<dimension> sum = node(work, static_cast<Index>(i));
+      for (auto k = static_cast<std::size_t>(plan.gather_begin[i]);
+           k < static_cast<std::size_t>(plan.gather_begin[i + 1]); ++k)
+        sum += node(work, num_nodes + plan.gather_places[k]);
+      node(y, static_cast<Index>(i)) = sum;
+    }
+  });
+}
+
 }  // namespace
 
 template <class Entry>
 void MassMatrix::multiply_with(const Entry& entry, const VectorX& x, VectorX& y) const {
-  y.setZero(x.size());
+  y.resize(x.size());
   const auto node = [this](auto& v, Index i) { return v.segment(Eigen::Index{i} * dim, dim); };
   if (is_lumped()) {
     parallel_for(static_cast<std::size_t>(nodal.size()), nodes_per_chunk,
@@ -61,15 +94,7 @@ void MassMatrix::multiply_with(const Entry& entry, const VectorX& x, VectorX& y)
                  });
     return;
   }
-  for (Index i = 0; i < pattern->num_nodes(); ++i) {
-    for (Offset s = pattern->row_begin[static_cast<std::size_t>(i)];
-         s < pattern->row_begin[static_cast<std::size_t>(i) + 1]; ++s) {
-      const Index j = pattern->columns[static_cast<std::size_t>(s)];
-      const double m = entry(slots[static_cast<std::size_t>(s)]);
-      node(y, i) += m * node(x, j);
-      if (j != i) node(y, j) += m * node(x, i);
-    }
-  }
+  dim == 3 ? multiply_slots<3>(*this, entry, x, y) : multiply_slots<2>(*this, entry, x, y);
 }
 
 void MassMatrix::multiply(const VectorX& x, VectorX& y) const {

@@ -27,7 +27,10 @@ class SolverChain : public LinearSolver {
 
   std::string_view name() const override { return candidates_.front().solver->name(); }
   bool is_direct() const override { return candidates_.front().solver->is_direct(); }
-  void begin_search() override { current_ = 0; }
+  void begin_search() override {
+    current_ = 0;
+    for (const Candidate& candidate : candidates_) candidate.solver->begin_search();
+  }
   double expected_bytes(const BlockPattern& pattern, int dim) const override {
     return candidates_.front().solver->expected_bytes(pattern, dim);
   }

@@ -82,11 +82,13 @@ void SmoothedAggregation::build_levels(int dim) {
     for (int d = 0; d < dim; ++d)
       if (is_fixed_[permuted_.node_at[i] * dim + d] == 0) is_active[i] = 1;
   groups_.clear();
+  // The finest level takes over the pattern, and hands it on when levels are made anew.
+  MultigridLevel finest;
+  finest.dim = dim;
+  finest.row_begin = std::move(levels_.empty() ? permuted_.row_begin : levels_[0].row_begin);
+  finest.columns = std::move(levels_.empty() ? permuted_.columns : levels_[0].columns);
   levels_.clear();
-  levels_.emplace_back();
-  levels_[0].dim = dim;
-  levels_[0].row_begin = permuted_.row_begin;
-  levels_[0].columns = permuted_.columns;
+  levels_.push_back(std::move(finest));
   levels_[0].sweeps = sweeps_;
   levels_[0].along_layers = along_layers_;
   for (;;) {

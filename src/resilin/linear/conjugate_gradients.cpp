@@ -1,5 +1,6 @@
 #include "resilin/linear/conjugate_gradients.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "resilin/core/memory.hpp"
@@ -10,6 +11,9 @@ namespace resilin {
 namespace {
 
 constexpr std::size_t numbers_per_chunk = 1 << 14;
+/// A matrix that has changed by no more than this share of its diagonals is served by the preconditioner of
+/// the one before: at 0.1 a bar under load took a quarter more iterations, at 0.03 as many as before.
+constexpr double near_enough = 0.03;
 
 /// The node that contributes most to a negative curvature p^T A p.
 Index most_negative_node(const VectorX& p, const VectorX& Ap, int dim) {
@@ -43,19 +47,35 @@ void ConjugateGradients::analyze(const BlockMatrix& A, const VectorX& node_posit
   } catch (const OutOfMemory&) {
     return;  // `factorize` says it
   }
-  preconditioner_->analyze(A, node_positions);
+  if (!factorized_.is_near(A, near_enough)) preconditioner_->analyze(A, node_positions);
 }
 
 LinearReport ConjugateGradients::factorize(const BlockMatrix& A) {
   LinearReport report;
   try {
     foresee(A);
-    return preconditioner_->factorize(A);
+    if (factorized_.is_near(A, near_enough)) return report;
+    factorized_.forget();
+    report = preconditioner_->factorize(A);
+    if (report.status == LinearReport::Status::ok) factorized_.take(A);
+    iterations_per_digit_ = 0;
+    return report;
   } catch (const OutOfMemory& shortage) {
     report.shortage = shortage.what();
   }
   report.status = LinearReport::Status::out_of_memory;
   return report;
+}
+
+/// One that has become worse for a later matrix than it was for its own is not kept any longer.
+void ConjugateGradients::judge_preconditioner(int iterations, double relative_tolerance) {
+  constexpr double much_worse = 1.5, few = 2;
+  const double per_digit = iterations / std::max(1.0, -std::log10(relative_tolerance));
+  if (iterations_per_digit_ == 0) {
+    iterations_per_digit_ = per_digit;
+  } else if (per_digit > much_worse * iterations_per_digit_ + few) {
+    factorized_.forget();
+  }
 }
 
 LinearReport ConjugateGradients::solve(const BlockMatrix& A, const VectorX& b, VectorX& x,
@@ -114,6 +134,7 @@ LinearReport ConjugateGradients::solve(const BlockMatrix& A, const VectorX& b, V
     }
   }
   report.relative_residual = r_norm / b_norm;
+  judge_preconditioner(report.iterations, relative_tolerance);
   return report;
 }
 

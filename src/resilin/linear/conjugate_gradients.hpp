@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "resilin/linear/linear_solver.hpp"
+#include "resilin/linear/matrix_sample.hpp"
 
 namespace resilin {
 
@@ -21,7 +22,8 @@ class Preconditioner {
   virtual void apply(const VectorX& r, double norm, VectorX& z) = 0;
 };
 
-/// Conjugate gradients with the preconditioner given. All memory is kept between solves.
+/// Conjugate gradients with the preconditioner given. All memory is kept between solves, and within a search
+/// the preconditioner of one matrix for those that are near to it.
 ///
 /// Source: Saad 2003, algorithm 9.1. Stops where p^T A p <= 0, and returns the iterate so far (the
 /// preconditioned right side when that is the start): Nocedal & Wright 2006, algorithm 7.1.
@@ -35,7 +37,11 @@ class ConjugateGradients : public LinearSolver {
   double expected_bytes(const BlockPattern& pattern, int dim) const override {
     return preconditioner_->bytes_per_coupling(dim) * static_cast<double>(pattern.num_slots());
   }
-  void release() override { preconditioner_->release(); }
+  void begin_search() override { factorized_.forget(); }
+  void release() override {
+    factorized_.forget();
+    preconditioner_->release();
+  }
   void analyze(const BlockMatrix& A, const VectorX& node_positions) override;
   LinearReport factorize(const BlockMatrix& A) override;
   LinearReport solve(const BlockMatrix& A, const VectorX& b, VectorX& x, double relative_tolerance) override;
@@ -47,6 +53,10 @@ class ConjugateGradients : public LinearSolver {
   std::shared_ptr<const BlockPattern> foreseen_;  ///< there was memory for it
   int max_iterations_;
   std::unique_ptr<Preconditioner> preconditioner_;
+  void judge_preconditioner(int iterations, double relative_tolerance);
+
+  MatrixSample factorized_;  ///< whose preconditioner is held; nothing where none is, or in another search
+  double iterations_per_digit_ = 0;  ///< of the first solve with it; 0 before
   VectorX r_, z_, p_, product_;
   std::vector<double> work_;
 };

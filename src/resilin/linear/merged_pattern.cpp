@@ -27,26 +27,29 @@ bool MergedPattern::update(const BlockMatrix& A, Keep keep) {
   base_ = A.pattern;
   extra_pairs_ = std::move(pairs);
   base_slots_.clear();
+  merged_row_begin_.clear();
+  merged_columns_.clear();
   if (extra_pairs_.empty()) {
     row_begin = base_->row_begin;
     columns = base_->columns;
     return true;
   }
   const Index n = base_->num_nodes();
-  row_begin.assign(1, 0);
-  columns.clear();
+  merged_row_begin_.push_back(0);
   base_slots_.reserve(base_->columns.size());
   auto pair = extra_pairs_.begin();
   for (Index i = 0; i < n; ++i) {
     for (Offset s = base_->row_begin[i]; s < base_->row_begin[i + 1]; ++s) {
       for (; pair != extra_pairs_.end() && pair->first == i && pair->second < base_->columns[s]; ++pair)
-        columns.push_back(pair->second);
-      base_slots_.push_back(static_cast<Offset>(columns.size()));
-      columns.push_back(base_->columns[s]);
+        merged_columns_.push_back(pair->second);
+      base_slots_.push_back(static_cast<Offset>(merged_columns_.size()));
+      merged_columns_.push_back(base_->columns[s]);
     }
-    for (; pair != extra_pairs_.end() && pair->first == i; ++pair) columns.push_back(pair->second);
-    row_begin.push_back(static_cast<Offset>(columns.size()));
+    for (; pair != extra_pairs_.end() && pair->first == i; ++pair) merged_columns_.push_back(pair->second);
+    merged_row_begin_.push_back(static_cast<Offset>(merged_columns_.size()));
   }
+  row_begin = merged_row_begin_;
+  columns = merged_columns_;
   return true;
 }
 

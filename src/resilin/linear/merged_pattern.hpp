@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -12,6 +13,13 @@ namespace resilin {
 /// The upper pattern of a matrix with its extra blocks merged in: what a factorisation sees.
 class MergedPattern {
  public:
+  MergedPattern() = default;
+  MergedPattern(MergedPattern&&) = default;
+  MergedPattern& operator=(MergedPattern&&) = default;
+  MergedPattern(const MergedPattern&) = delete;
+  MergedPattern& operator=(const MergedPattern&) = delete;
+  ~MergedPattern() = default;
+
   /// Which change of the extra couplings asks for a new analysis.
   enum class Keep {
     same_pairs,  ///< any change
@@ -42,11 +50,13 @@ class MergedPattern {
       visit(find_slot(extra.row, extra.column), A.extra_values.data() + extra.begin);
   }
 
-  std::vector<Offset> row_begin;  ///< as in BlockPattern
-  std::vector<Index> columns;
+  std::span<const Offset> row_begin;  ///< as in BlockPattern, and that of the matrix where nothing is merged
+  std::span<const Index> columns;
 
  private:
   std::shared_ptr<const BlockPattern> base_;
+  std::vector<Offset> merged_row_begin_;
+  std::vector<Index> merged_columns_;
   std::vector<std::pair<Index, Index>> extra_pairs_;  ///< sorted, each once
   std::vector<Offset> base_slots_;                    ///< slot by base slot; empty when they are the same
 };

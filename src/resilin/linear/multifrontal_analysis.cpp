@@ -1,7 +1,9 @@
 #include "resilin/linear/multifrontal_analysis.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <numeric>
+#include <ranges>
 
 #include "resilin/linear/ordering.hpp"
 
@@ -144,6 +146,67 @@ std::vector<Columns> relax(std::vector<Columns> supernodes) {
   return result;
 }
 
+std::vector<Columns> find_supernodes(const OrderedGraph& ordered) {
+  return relax(fundamental_supernodes(ordered, elimination_tree(ordered)));
+}
+
+Offset update_blocks(Index num_rows) {
+  return TrapezoidLayout{num_rows, TrapezoidLayout::nodes_per_block}.size(num_rows);
+}
+
+/// Puts the children of every supernode into the order in which the stacks of update matrices grow least: the
+/// highest peak above what is left of it first. Renumbers the columns, children before parents as before.
+///
+/// Source: Liu 1986 (ACM Trans. Math. Softw. 12, 249).
+std::vector<Columns> order_children(std::vector<Columns> supernodes, std::vector<Index>& node_at) {
+  const auto n = supernodes.size();
+  std::vector<Index> supernode_of(node_at.size());
+  for (std::size_t s = 0; s < n; ++s)
+    for (Index i = 0; i < supernodes[s].count; ++i)
+      supernode_of[supernodes[s].first + i] = static_cast<Index>(s);
+  std::vector<std::vector<Index>> children(n + 1);  // the last: the roots
+  std::vector<Offset> update(n), peak(n);
+  const auto sort = [&](std::vector<Index>& siblings) {
+    std::ranges::stable_sort(siblings, std::greater(), [&](Index s) { return peak[s] - update[s]; });
+  };
+  for (std::size_t s = 0; s < n; ++s) {
+    update[s] = update_blocks(static_cast<Index>(supernodes[s].rows.size()));
+    sort(children[s]);
+    Offset used = 0;
+    for (const Index child : children[s]) {
+      peak[s] = std::max(peak[s], used + peak[child]);
+      used += update[child];
+    }
+    peak[s] = std::max(peak[s], used + update[s]);
+    children[supernodes[s].rows.empty() ? n : static_cast<std::size_t>(supernode_of[supernodes[s].rows[0]])]
+        .push_back(static_cast<Index>(s));
+  }
+  // Parents first and the last child before the others, then backwards.
+  std::vector<Index> sequence, stack = children[n];
+  while (!stack.empty()) {
+    const Index s = stack.back();
+    stack.pop_back();
+    sequence.push_back(s);
+    stack.insert(stack.end(), children[s].begin(), children[s].end());
+  }
+  std::vector<Columns> result;
+  std::vector<Index> new_node_at, position(node_at.size());
+  for (const Index s : std::views::reverse(sequence)) {
+    Columns& columns = supernodes[s];
+    const auto first = static_cast<Index>(new_node_at.size());
+    for (Index i = columns.first; i < columns.first + columns.count; ++i) {
+      position[i] = static_cast<Index>(new_node_at.size());
+      new_node_at.push_back(node_at[i]);
+    }
+    columns.first = first;
+    result.push_back(std::move(columns));
+  }
+  for (Columns& columns : result)  // of ancestors, whose order is as it was
+    for (Index& row : columns.rows) row = position[row];
+  node_at = std::move(new_node_at);
+  return result;
+}
+
 double flops_of(const Supernode& supernode) {
   const double c = supernode.num_columns, r = supernode.num_rows();
   return c * c * c / 3 + c * c * r + c * r * r;
@@ -184,10 +247,6 @@ void split_tree(MultifrontalAnalysis& analysis) {
   }
 }
 
-Offset update_blocks(const Supernode& supernode) {
-  return TrapezoidLayout{supernode.num_rows(), TrapezoidLayout::nodes_per_block}.size(supernode.num_rows());
-}
-
 /// Plays the factorisation through to see how high the stacks grow.
 void size_stacks(MultifrontalAnalysis& analysis) {
   const auto n = static_cast<Index>(analysis.supernodes.size());
@@ -198,17 +257,17 @@ void size_stacks(MultifrontalAnalysis& analysis) {
   analysis.root_update_begin.assign(static_cast<std::size_t>(n), -1);
   for (const auto& [first, last] : analysis.subtrees) {
     analysis.root_update_begin[last - 1] = analysis.root_update_blocks;
-    analysis.root_update_blocks += update_blocks(analysis.supernodes[last - 1]);
+    analysis.root_update_blocks += update_blocks(analysis.supernodes[last - 1].num_rows());
   }
   using Sizes = MultifrontalAnalysis::StackSizes;
   const auto visit = [&](Index s, bool roots_are_apart, Sizes& used, Sizes& peak) {
     const auto is_on_stack = [&](Index t) { return !roots_are_apart || analysis.root_update_begin[t] < 0; };
     const int own = analysis.stack_of[s];
-    if (is_on_stack(s)) used.blocks[own] += update_blocks(analysis.supernodes[s]);
+    if (is_on_stack(s)) used.blocks[own] += update_blocks(analysis.supernodes[s].num_rows());
     peak.blocks[own] = std::max(peak.blocks[own], used.blocks[own]);
     for (Index k = analysis.child_begin[s]; k < analysis.child_begin[s + 1]; ++k)
       if (is_on_stack(analysis.children[k]))
-        used.blocks[1 - own] -= update_blocks(analysis.supernodes[analysis.children[k]]);
+        used.blocks[1 - own] -= update_blocks(analysis.supernodes[analysis.children[k]].num_rows());
   };
   Sizes used_by_all, used_by_top;
   for (Index s = 0; s < n; ++s) visit(s, false, used_by_all, analysis.all_stacks);
@@ -225,8 +284,8 @@ MultifrontalAnalysis::MultifrontalAnalysis(const MergedPattern& pattern) {
   const NodeGraph graph(pattern);
   const std::vector<Index> order = fill_reducing_order(graph);
   for (const Index i : postorder(elimination_tree(OrderedGraph(graph, order)))) node_at.push_back(order[i]);
+  const std::vector<Columns> columns = order_children(find_supernodes(OrderedGraph(graph, node_at)), node_at);
   const OrderedGraph ordered(graph, node_at);
-  const std::vector<Columns> columns = relax(fundamental_supernodes(ordered, elimination_tree(ordered)));
 
   std::vector<Index> supernode_of(node_at.size());
   for (const Columns& column : columns) {

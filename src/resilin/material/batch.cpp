@@ -18,6 +18,9 @@ constexpr std::size_t states_per_tile = blocks_per_tile * block_size;
 /// into it for the next one (23 against 13 ns per state, measured).
 constexpr std::size_t states_per_short_tile = 2 * block_size;
 constexpr std::size_t states_per_chunk = 2048;  ///< of a parallel loop
+/// Results from here on go past the caches: written through them, each line would be fetched first and others
+/// put out for it.
+constexpr std::size_t long_result = std::size_t{16} << 20;  // bytes
 
 /// What one tile needs. Uninitialised: each kernel writes what the next one reads.
 struct Scratch {
@@ -31,6 +34,11 @@ struct Scratch {
   alignas(64) Rows<fibre_rows> directions;
   alignas(64) Rows<9> P;
 };
+
+template <class Real>
+bool is_long_result(const StateBatch<Real>& states, std::size_t entries) {
+  return states.count * entries * sizeof(Real) >= long_result;
+}
 
 /// One tile of a batch: reads its states and calls the law for them.
 template <class Real>
@@ -56,10 +64,12 @@ class Tile {
       kernels_.read_double(in + begin_ * entries, count_, entries, rows);
   }
   void write(const double* rows, std::size_t entries, Real* out) const {
+    const bool is_long = is_long_result(states_, entries);
     if constexpr (std::is_same_v<Real, float>)
-      kernels_.write_float(rows, count_, entries, out + begin_ * entries);
+      (is_long ? kernels_.stream_float : kernels_.write_float)(rows, count_, entries, out + begin_ * entries);
     else
-      kernels_.write_double(rows, count_, entries, out + begin_ * entries);
+      (is_long ? kernels_.stream_double : kernels_.write_double)(rows, count_, entries,
+                                                                 out + begin_ * entries);
   }
 
   StateTile states() const {
@@ -150,6 +160,7 @@ void for_tiles(const StateBatch<Real>& states, bool wants_frames, const Prefetch
       tile.measure(wants_frames);
       body(tile, scratch);
     }
+    point_kernels(states.dim, states.instruction_set).complete_streams();
   });
 }
 
@@ -166,8 +177,9 @@ void energy_densities(const StateBatch<Real>& states, Real* psi) {
 template <class Real>
 void first_piola_kirchhoff_stresses(const StateBatch<Real>& states, Real* P) {
   const auto entries = static_cast<std::size_t>(states.dim * states.dim);
-  const auto prefetch_result = [&](std::size_t begin, std::size_t end) {
-    prefetch<true>(P, begin * entries, end * entries);
+  const auto prefetch_result = [&, is_long = is_long_result(states, entries)](std::size_t begin,
+                                                                              std::size_t end) {
+    if (!is_long) prefetch<true>(P, begin * entries, end * entries);
   };
   for_tiles<states_per_tile>(states, true, prefetch_result, [&](const Tile<Real>& tile, Scratch& scratch) {
     tile.law().gradient(tile.law_batch(scratch.law.data()));
@@ -190,12 +202,13 @@ template <class Real>
 void elastic_forces(const StateBatch<Real>& states, const Real* rest_shape_inverses, const Real* rest_volumes,
                     Real* forces) {
   const auto dim = static_cast<std::size_t>(states.dim);
-  const auto prefetch_next = [&](std::size_t begin, std::size_t end) {
+  const auto prefetch_next = [&, is_long = is_long_result(states, (dim + 1) * dim)](std::size_t begin,
+                                                                                    std::size_t end) {
     begin = std::min(begin + states_per_short_tile, states.count);
     end = std::min(end + states_per_short_tile, states.count);
     prefetch<false>(rest_shape_inverses, begin * dim * dim, end * dim * dim);
     prefetch<false>(rest_volumes, begin, end);
-    prefetch<true>(forces, begin * (dim + 1) * dim, end * (dim + 1) * dim);
+    if (!is_long) prefetch<true>(forces, begin * (dim + 1) * dim, end * (dim + 1) * dim);
   };
   for_tiles<states_per_short_tile>(
       states, true, prefetch_next, [&](const Tile<Real>& tile, Scratch& scratch) {

@@ -2,6 +2,7 @@
 #include "resilin/material/kernels/point_kernels.hpp"
 
 #include "resilin/core/simd_arrays.hpp"
+#include "resilin/core/simd_intrinsics.hpp"
 #include "resilin/material/kernels/lane_tangent.hpp"
 
 namespace resilin::RESILIN_SIMD_NAMESPACE {
@@ -105,9 +106,25 @@ void write(const double* rows, std::size_t count, std::size_t entries, Real* out
                 out + first * entries);
 }
 
+/// Blocks are gathered into whole lines of the cache before they leave.
+template <class Real>
+void stream(const double* rows, std::size_t count, std::size_t entries, Real* out) {
+  constexpr std::size_t most_entries = 81;
+  alignas(64) Real numbers[most_entries * block_size];
+  const std::size_t step = most_entries / entries * block_size;
+  for (std::size_t first = 0; first < count; first += step) {
+    const std::size_t size = count - first < step ? count - first : step;
+    write(rows + first * entries, size, entries, numbers);
+    stream_copy(numbers, size * entries * sizeof(Real), out + first * entries);
+  }
+}
+
+void complete() { complete_streams(); }
+
 template <int dim>
 constexpr PointKernels kernels = {variables<dim>, stresses<dim>, tangents<dim>, corner_forces<dim>,
-                                  read<double>,   read<float>,   write<double>, write<float>};
+                                  read<double>,   read<float>,   write<double>, write<float>,
+                                  stream<double>, stream<float>, complete};
 
 }  // namespace
 

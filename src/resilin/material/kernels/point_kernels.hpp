@@ -42,6 +42,10 @@ struct PointKernels {
   void (*read_float)(const float* in, std::size_t count, std::size_t entries, double* rows);
   void (*write_double)(const double* rows, std::size_t count, std::size_t entries, double* out);
   void (*write_float)(const double* rows, std::size_t count, std::size_t entries, float* out);
+  // The same past the caches, for long results; whole once `complete_streams` was called.
+  void (*stream_double)(const double* rows, std::size_t count, std::size_t entries, double* out);
+  void (*stream_float)(const double* rows, std::size_t count, std::size_t entries, float* out);
+  void (*complete_streams)();
 };
 
 const PointKernels& point_kernels(int dim, InstructionSet set);
