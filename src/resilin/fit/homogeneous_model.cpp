@@ -127,7 +127,7 @@ HomogeneousModel::HomogeneousModel(const LawInfo& law, bool is_compressible, std
     : law_(law), is_compressible_(is_compressible), states_(std::move(states)) {
   for (const LoadedState& state : states_) {
     const std::array<double, 9> H = isochoric_state(state), w = stress_weights(state, is_compressible);
-    H_.insert(H_.end(), H.begin(), H.end());
+    gradients_.insert(gradients_.end(), H.begin(), H.end());
     weights_.insert(weights_.end(), w.begin(), w.end());
   }
 }
@@ -168,7 +168,7 @@ bool HomogeneousModel::lateral_step(std::span<const double> constants, Numbers& 
 }
 
 bool HomogeneousModel::solve_lateral(std::span<const double> constants, Numbers& H) const {
-  H = H_;
+  H = gradients_;
   if (!is_compressible_) return true;
   std::vector<bool> is_done;
   for (const LoadedState& state : states_) is_done.push_back(!has_free_edges(state.mode));

@@ -53,8 +53,8 @@ class HomogeneousModel : public PredictedValues {
   const LawInfo& law_;
   bool is_compressible_;
   std::vector<LoadedState> states_;
-  Numbers H_;        ///< displacement gradients at J = 1, (states, 3, 3)
-  Numbers weights_;  ///< of the entries of P in the nominal stress, (states, 9)
+  Numbers gradients_;  ///< displacement gradients at J = 1, (states, 3, 3)
+  Numbers weights_;    ///< of the entries of P in the nominal stress, (states, 9)
 };
 
 }  // namespace resilin

@@ -47,6 +47,11 @@ void tell_moduli(const LawChoice& choice, const std::vector<double>& constants, 
     fit.bulk_modulus = moduli.bulk;
     fit.youngs_modulus = 9 * moduli.bulk * moduli.shear / (3 * moduli.bulk + moduli.shear);
     fit.poissons_ratio = (3 * moduli.bulk - 2 * moduli.shear) / (2 * (3 * moduli.bulk + moduli.shear));
+    if (fit.poissons_ratio < 0)
+      fit.warnings.push_back(
+          "a Poisson's ratio of " + format_short(fit.poissons_ratio) +
+          " at small strain: the tests do not hold the volume; add one that changes it, or set "
+          "volume = \"incompressible\"");
   } else {
     fit.bulk_modulus = std::numeric_limits<double>::infinity();
     fit.youngs_modulus = 3 * moduli.shear;

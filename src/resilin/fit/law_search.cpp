@@ -171,9 +171,14 @@ std::vector<std::vector<double>> rivals_of(const LawProblem& problem, const std:
     sort_terms(choice, constants);
     return constants;
   };
-  const auto is_near = [](const std::vector<double>& a, const std::vector<double>& b) {
-    for (std::size_t p = 0; p < a.size(); ++p)
+  // A bulk modulus of a thousand times the stresses is as good as any larger one.
+  const double as_good_as_infinite = 1e3 * problem.stress_scale();
+  const auto is_near = [&](const std::vector<double>& a, const std::vector<double>& b) {
+    for (std::size_t p = 0; p < a.size(); ++p) {
+      const bool is_volume = static_cast<int>(p) == choice.volume_constant;
+      if (is_volume && std::min(a[p], b[p]) > as_good_as_infinite) continue;
       if (std::abs(a[p] - b[p]) > 0.02 * std::max(std::abs(a[p]), std::abs(b[p]))) return false;
+    }
     return true;
   };
   std::vector<std::vector<double>> seen = {sorted_constants(best)};

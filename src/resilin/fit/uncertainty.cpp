@@ -79,11 +79,10 @@ Uncertainty uncertainty_of(const DenseMatrix& slopes, double variance, const Den
 }
 
 std::string combination_text(const VectorX& weights, const std::vector<std::string>& names) {
-  const double largest = weights.cwiseAbs().maxCoeff();
   std::string text;
   double first = 0;
   for (Eigen::Index i = 0; i < weights.size(); ++i) {
-    if (!(std::abs(weights[i]) > 1e-3 * largest)) continue;
+    if (weights[i] == 0) continue;
     if (first == 0) {
       first = weights[i];
       text = names[static_cast<std::size_t>(i)];
@@ -120,8 +119,9 @@ void tell_open_constants(const Uncertainty& uncertainty, const std::vector<std::
       if (!uncertainty.is_determined[i])
         weights[static_cast<Eigen::Index>(i)] =
             uncertainty.determined(static_cast<Eigen::Index>(i), k) / units[i];
-    if (weights.cwiseAbs().maxCoeff() > 0 && uncertainty.determined.cols() == 1)
-      combinations = combination_text(weights, names);
+    const double largest = weights.cwiseAbs().maxCoeff();
+    weights = (weights.array().abs() > 1e-3 * largest).select(weights, 0.0);
+    if (largest > 0 && uncertainty.determined.cols() == 1) combinations = combination_text(weights, names);
   }
   fit.warnings.push_back(combinations.empty()
                              ? join(open) + ": not determined by these tests"

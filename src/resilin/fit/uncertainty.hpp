@@ -29,7 +29,7 @@ struct Uncertainty {
 /// @param reached   rows of limits that hold the constants; the covariance is along them
 Uncertainty uncertainty_of(const DenseMatrix& slopes, double variance, const DenseMatrix& reached);
 
-/// "c10 + 2 c01": of the names whose weight counts, the first with weight 1.
+/// "c10 + 2 c01": of the names whose weight is not zero, the first with weight 1.
 std::string combination_text(const VectorX& weights, const std::vector<std::string>& names);
 
 /// Fills standard errors, intervals, correlations and what is said about them.
