@@ -108,8 +108,11 @@ void read_into(const SceneNode& node, const std::string& key, std::vector<Parame
       refuse_misspelt_form(node.child(member.key), member.key);
       const bool has_dots = member.key.find('.') != std::string::npos;
       // A key in quotes is a path already, "body.0.scale", unless it continues one.
-      const std::string part = has_dots && !key.empty() ? "\"" + member.key + "\"" : member.key;
-      read_into(node.child(member.key), key.empty() ? part : key + "." + part, parameters);
+      const std::string part = has_dots && !key.empty() ? '"' + member.key + '"' : member.key;
+      std::string longer = key;
+      if (!key.empty()) longer += '.';
+      longer += part;
+      read_into(node.child(member.key), longer, parameters);
     }
     return;
   }

@@ -92,7 +92,7 @@ SweepFolder::SweepFolder(std::filesystem::path folder, const Sweep& sweep, bool 
 }
 
 void SweepFolder::open(bool update, bool is_looked_at) {
-  claims_.emplace(path_ / "claims.lock");
+  claims_ = std::make_unique<Claims>(path_ / "claims.lock");
   {
     const Claims::Whole whole(*claims_);  // two that start at once see one of them first
     const std::filesystem::path manifest = path_ / manifest_name;
@@ -102,7 +102,7 @@ void SweepFolder::open(bool update, bool is_looked_at) {
     if (!is_looked_at && (!std::filesystem::exists(manifest) || read_file(manifest) != text))
       write_atomically(manifest, [&text](std::ostream& stream) { stream << text; });
   }
-  rows_.emplace(path_ / "rows");
+  rows_ = std::make_unique<RowStore>(path_ / "rows");
 }
 
 std::filesystem::path kept_path(const std::filesystem::path& folder, const SceneHash& hash) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -74,8 +75,8 @@ class SweepFolder {
   std::filesystem::path path_;
   const Sweep& sweep_;
   mutable std::mutex mutex_;
-  std::optional<Claims> claims_;
-  std::optional<RowStore> rows_;
+  std::unique_ptr<Claims> claims_;
+  std::unique_ptr<RowStore> rows_;
   std::set<SceneHash> own_claims_;
 };
 
