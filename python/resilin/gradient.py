@@ -60,7 +60,8 @@ class Differentiated:
         values: Mapping[str, RealArray] | None = None,
         checkpoints: int = 0,
     ) -> None:
-        names = [plain_text(name, "wrt") for name in ([wrt] if isinstance(wrt, str) else wrt)]
+        given = [wrt] if isinstance(wrt, str) else wrt
+        names = list(dict.fromkeys(plain_text(name, "wrt") for name in given))
         numbers = {
             name: np.ascontiguousarray(np.ravel(np.asarray(real_array(value, name), dtype=np.float64)))
             for name, value in (values or {}).items()
@@ -173,7 +174,7 @@ class Differentiated:
                     before = kept[i]
                     kept[i] = part if before is None else before + part
         num_warnings = len(self._run.warnings)
-        found = self._run.transposed([(frame, *parts) for frame, parts in sorted(frames.items())])
+        found = self._run.transposed([(frame, kept[0], kept[1], kept[2]) for frame, kept in sorted(frames.items())])
         warn(self._run.warnings[num_warnings:])
         return {name: self._shaped(name, values) for name, values in zip(self._shapes, found, strict=True)}
 

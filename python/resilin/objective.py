@@ -56,9 +56,9 @@ class Measure:
             self.target = target.ravel()
             return
         component = entries.get("component")
-        if size > 1 and component not in tuple(AXES[:dim]):
+        if size > 1 and not (isinstance(component, str) and component in tuple(AXES[:dim])):
             refuse(f"{place}.component", 'a target, or a component such as "z"', repr(component))
-        self.weights[(AXES.index(component) if size > 1 else 0) :: dim] = float(entries.get("weight", 1.0))
+        self.weights[(AXES.index(str(component)) if size > 1 else 0) :: dim] = float(entries.get("weight", 1.0))
 
     def numbers(self, run: _core.DifferentiatedRun) -> Floats:
         raise NotImplementedError

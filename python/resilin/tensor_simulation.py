@@ -26,7 +26,7 @@ class _Simulate(torch.autograd.Function):
         return torch.from_numpy(run.positions)
 
     @staticmethod
-    @once_differentiable  # type: ignore[misc]
+    @once_differentiable
     def backward(ctx: Any, by_positions: torch.Tensor) -> tuple[torch.Tensor | None, ...]:
         gradients = ctx.run.vjp(by_positions.detach().contiguous().numpy())
         found = [

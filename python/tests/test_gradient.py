@@ -1,40 +1,16 @@
-"""Gradients of whole runs: against differences of runs, and through torch."""
+"""Gradients of whole runs, against differences of runs."""
 
 import pathlib
 import runpy
 
 import numpy as np
 import pytest
+from gradient_scenes import E, bar, motion
 from numpy.testing import assert_allclose
 
 import resilin
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-E = "body.bar.material.youngs_modulus"
-
-
-def bar(kind="static", modulus=1e5, **simulation):
-    return {
-        "simulation": {"kind": kind, "gravity": [0, 0, -9.81], **simulation},
-        "body": [
-            {
-                "name": "bar",
-                "mesh": {"box": {"size": [1, 0.25, 0.25], "cells": [4, 1, 1]}},
-                "element": "P1",
-                "material": {"law": "neo_hookean", "youngs_modulus": modulus, "poissons_ratio": 0.3, "density": 1000},
-            }
-        ],
-        "fix": [{"name": "wall", "where": {"plane": {"axis": "x", "at": 0}}}],
-        "load": [{"name": "pull", "kind": "body_force", "value": [10, 0, 0]}],
-        "probe": [{"name": "tip", "at": [1, 0.25, 0.25]}],
-        "newton": {"tolerance": 1e-12},
-    }
-
-
-def motion(modulus=1e5, **simulation):
-    return bar("dynamic", modulus, **{"time_step": 0.01, "end_time": 0.05, **simulation})
-
-
 OBJECTIVE = {
     "position": {"at": [[0.9, 0.1, 0.1], [0.5, 0.2, 0.2]], "target": np.ones((2, 3)), "sigma": 0.5},
     "displacement": {"at": [1, 0, 0], "component": "z", "weight": 3},
@@ -95,6 +71,14 @@ def test_a_function_is_an_objective():
     assert_allclose(gradients["simulation.gravity"][2] - without["simulation.gravity"][2], -62.5, rtol=1e-9)
 
 
+def test_names_may_be_one_or_repeated_and_frames_any():
+    first = {"probe": {"name": "tip", "component": "z", "frame": 1}}
+    gradients = [resilin.gradient(bar(load_steps=3), first, wrt) for wrt in (E, [E, E], [E, "simulation.gravity"])]
+    assert len({gradient[E] for gradient in gradients}) == 1
+    full = resilin.gradient(bar(load_steps=3), {"probe": {"name": "tip", "component": "z"}}, [E])
+    assert full[E] > 1.5 * gradients[0][E]
+
+
 def test_checkpoints_change_no_bit():
     whole = resilin.gradient(motion(), OBJECTIVE, WRT)
     parts = resilin.gradient(motion(), OBJECTIVE, WRT, checkpoints=2)
@@ -127,30 +111,6 @@ def test_bad_input_is_refused_in_one_line(objective, wrt, text):
     with pytest.raises(resilin.InputError, match=text) as error:
         resilin.value_and_gradient(bar(), objective, wrt)
     assert "\n" not in str(error.value)
-
-
-@pytest.mark.parametrize("scene", [bar, motion])
-def test_torch_goes_through_statics_and_motion(scene):
-    torch = pytest.importorskip("torch")
-    import resilin.torch
-
-    names = [E, "load.pull.value", "fix.wall.displacement"]
-
-    def positions(*tensors):
-        return resilin.torch.simulate(scene(), **dict(zip(names, tensors, strict=True)))
-
-    def scaled(modulus, pull, shift):  # numbers of about 1, whose differences have digits
-        return positions(1e5 * modulus, 30 * pull, 0.1 * shift)[-1]
-
-    inputs = [
-        torch.tensor(values, dtype=torch.float64, requires_grad=True)
-        for values in (1.0, [1.0, 0.5, 0.2], [0.1, 0.0, 0.2])
-    ]
-    assert torch.autograd.gradcheck(scaled, inputs, eps=1e-5, atol=1e-7, rtol=1e-5)
-
-    field = torch.full((24,), 1e5, dtype=torch.float64, requires_grad=True)
-    resilin.torch.simulate(scene(), **{E: field})[-1, :, 2].sum().backward()
-    assert field.grad.shape == (24,)
 
 
 def test_two_moduli_are_found_from_markers():

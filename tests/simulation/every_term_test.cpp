@@ -300,7 +300,9 @@ TEST_P(EveryTerm, HasProductsWithItsParametersThatAreTransposed) {
     energy->add_parameter_forces(parameter.name, x, change, conditions, forces);
     energy->add_parameter_slopes(parameter.name, x, w, conditions, slopes);
     EXPECT_TRUE(forces.allFinite());
-    EXPECT_GT(forces.norm(), 0);
+    if (parameter.name != "rest_positions") {  // forces on vertices know nothing of the shape
+      EXPECT_GT(forces.norm(), 0);
+    }
     EXPECT_NEAR(slopes.dot(change), w.dot(forces), 1e-12 * w.norm() * forces.norm());
   }
 }

@@ -27,9 +27,6 @@ Parameter vector_parameter(const std::string& name, int dim, const Vector3& valu
 }
 
 Parameter gravity(const World& world, const std::string& name) {
-  if (world.gravity.head(world.dimension).isZero(0))
-    throw InputError(name, "a scene with gravity", "none",
-                     "give simulation.gravity, however small: without it there is no weight to change");
   return vector_parameter(
       name, world.dimension, world.gravity, [](auto& of) -> auto& { return of.gravity; },
       [](WorldChange& of) { of.has_gravity = true; }, [](Description& of) -> Vector3& { return of.gravity; });
@@ -123,6 +120,13 @@ std::vector<Entry> entries(const World& world) {
   return all;
 }
 
+/// Throws InputError for what the scene is without.
+void check_gravity(const World& world, const std::string& name) {
+  if (name != "simulation.gravity" || !world.gravity.head(world.dimension).isZero(0)) return;
+  throw InputError(name, "a scene with gravity", "none",
+                   "give simulation.gravity, however small: without it there is no weight to change");
+}
+
 /// Of these the barrier has its stiffness and its reach where the scene leaves them out.
 void check_barrier(const World& world, const std::string& name) {
   const Description& description = *world.made_from;
@@ -143,7 +147,14 @@ void check_barrier(const World& world, const std::string& name) {
 
 std::vector<std::string> parameter_names(const World& world) {
   std::vector<std::string> names;
-  for (const Entry& entry : entries(world)) names.push_back(entry.name);
+  for (const Entry& entry : entries(world)) {
+    try {
+      check_gravity(world, entry.name);
+      check_barrier(world, entry.name);
+      names.push_back(entry.name);
+    } catch (const InputError&) {  // `find_parameter` says why
+    }
+  }
   return names;
 }
 
@@ -156,6 +167,7 @@ Parameter find_parameter(const World& world, const std::string& name) {
     wanted.replace(name.size() - in_material.size(), std::string::npos, ".density");
   for (const Entry& entry : entries(world)) {
     if (entry.name == wanted) {
+      check_gravity(world, wanted);
       check_barrier(world, wanted);
       Parameter parameter = entry.make();
       parameter.name = name;

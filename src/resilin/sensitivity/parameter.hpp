@@ -34,6 +34,7 @@ struct Parameter {
 ///   fix.NAME.displacement, .velocity, .gradient
 ///   simulation.gravity
 ///
+/// Those by which this scene can be differentiated.
 /// @param world  made of a description that it still has
 std::vector<std::string> parameter_names(const World& world);
 

@@ -1,0 +1,31 @@
+"""Simulations as functions of tensors."""
+
+import pytest
+from gradient_scenes import E, bar, motion
+
+torch = pytest.importorskip("torch")
+
+import resilin.torch  # noqa: E402
+
+pytestmark = pytest.mark.torch
+
+
+@pytest.mark.parametrize("scene", [bar, motion])
+def test_torch_goes_through_statics_and_motion(scene):
+    names = [E, "load.pull.value", "fix.wall.displacement"]
+
+    def positions(*tensors):
+        return resilin.torch.simulate(scene(), **dict(zip(names, tensors, strict=True)))
+
+    def scaled(modulus, pull, shift):  # numbers of about 1, whose differences have digits
+        return positions(1e5 * modulus, 30 * pull, 0.1 * shift)[-1]
+
+    inputs = [
+        torch.tensor(values, dtype=torch.float64, requires_grad=True)
+        for values in (1.0, [1.0, 0.5, 0.2], [0.1, 0.0, 0.2])
+    ]
+    assert torch.autograd.gradcheck(scaled, inputs, eps=1e-5, atol=1e-7, rtol=1e-5)
+
+    field = torch.full((24,), 1e5, dtype=torch.float64, requires_grad=True)
+    resilin.torch.simulate(scene(), **{E: field})[-1, :, 2].sum().backward()
+    assert field.grad.shape == (24,)
