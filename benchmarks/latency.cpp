@@ -92,7 +92,7 @@ void measure(int n, int num_drags, const std::string& name, Measurements& measur
   const int num_vertices = 6 * (n + 1) * (n + 1);
   const viewer::LiveServer live(std::move(scene), {});
   PageClient page(live.server().port(), live.server().token());
-  page.send_text(R"({"type": "field", "name": "von_mises"})");
+  page.send_text(R"({"type": "field", "name": "averaged_von_mises"})");
   // The middle of the upper side, the last of the six.
   const int vertex = num_vertices - (n + 1) * (n + 1) / 2;
   page.send_text(R"({"type": "grab", "vertex": )" + std::to_string(vertex) + R"(, "point": [0.5, 0.5, 1]})");

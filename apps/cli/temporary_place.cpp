@@ -9,7 +9,8 @@
 namespace resilin::cli {
 
 TemporaryPlace::TemporaryPlace(const std::string& purpose) {
-  std::string name = (std::filesystem::temp_directory_path() / (purpose + "-")).string() + std::string(6, 'X');
+  std::string name =
+      (std::filesystem::temp_directory_path() / (purpose + "-")).string() + std::string(6, 'X');
   if (mkdtemp(name.data()) == nullptr) throw FileError(name, "no temporary folder can be made");
   path_ = name;
 }

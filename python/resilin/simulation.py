@@ -117,9 +117,9 @@ class Result:
         ----------
         field : str or None
             Any of `fields`, with a component where it has several: "displacement" (its length), "displacement.z",
-            "cauchy_stress.xy", "principal_stress.1". "von_mises" has one colour in each cell, "averaged_von_mises" is the
-            mean of the cells around each vertex, "nodal_von_mises" is smooth. The skin is drawn where a body has one,
-            but for fields by cell.
+            "cauchy_stress.xy", "principal_stress.1". "von_mises" has one colour in each cell, "averaged_von_mises" is
+            the mean of the cells around each vertex, "nodal_von_mises" is smooth. The skin is drawn where a body has
+            one, but for fields by cell.
         frame : int
             Number of the frame; -1 is the last.
         size : (int, int)

@@ -163,7 +163,7 @@ TEST_F(View, ComputesFieldsOfARunThatItsRecordingDoesNotHold) {
     EXPECT_EQ(bytes.size(), size) << field;
   }
   std::uint32_t counts[2];  // vertices, frames
-  std::memcpy(counts, get("/field?name=pressure&").second.data() + 4, sizeof counts);
+  std::memcpy(counts, get("/field?name=averaged_pressure&").second.data() + 4, sizeof counts);
   EXPECT_EQ(counts[1], 4U);
   EXPECT_EQ(size, 12 + counts[1] * (12 + 2 * (counts[0] + counts[0] % 2)));
   for (const char* wrong : {"", "nothing", "cauchy_stress", "von_mises.x", "../report"}) {

@@ -52,9 +52,9 @@ TEST(HandPatch, DoesNotReachOverAGap) {
   for (const Index node : patch.nodes) EXPECT_LT(node_position(3, node, world.rest_positions).x(), 0.4005);
 }
 
-/// How far the touched node is drawn out beyond those beside it, in the sense of a thorn.
+/// How far the touched node is drawn out beyond those beside it [m].
 double thorn(LiveScene& scene, const MaterialPoint& held, Index touched, const std::vector<Index>& beside) {
-  const auto moved = [&](Index node) {
+  const auto moved = [&](Index node) -> Vector3 {
     return node_position(3, node, scene.state().positions) -
            node_position(3, node, scene.world().rest_positions);
   };
@@ -62,7 +62,7 @@ double thorn(LiveScene& scene, const MaterialPoint& held, Index touched, const s
   for (int i = 0; i < 60; ++i) scene.step(unhurried);
   Vector3 mean = Vector3::Zero();
   for (const Index node : beside) mean += moved(node) / static_cast<double>(beside.size());
-  return (moved(touched) - mean).norm() / moved(touched).norm();
+  return (moved(touched) - mean).norm();
 }
 
 TEST(HandPatch, DrawsNoThorn) {

@@ -260,6 +260,25 @@ TEST(SceneFile, ReadsPressureAsANumber) {
             20);
 }
 
+/// docs/scene.md gives both small-strain constants a default; the formula's own constants have none beside
+/// them.
+TEST(SceneFile, GivesTheSmallStrainSolidItsDefaults) {
+  const TemporaryFolder folder;
+  const auto constants_of_text = [&](const std::string& material) {
+    const std::filesystem::path path = folder.write(
+        "scene.toml", "[[body]]\nmesh = { box = { size = [1, 1, 1], cells = [1, 1, 1] } }\nmaterial = { " +
+                          material + " }\n");
+    return read_scene(path).description.bodies[0].material.constants;
+  };
+  using Constants = std::map<std::string, double>;
+  EXPECT_EQ(constants_of_text("youngs_modulus = 2e5"),
+            (Constants{{"youngs_modulus", 2e5}, {"poissons_ratio", 0.4}}));
+  EXPECT_EQ(constants_of_text("poissons_ratio = 0.3"),
+            (Constants{{"youngs_modulus", 1e5}, {"poissons_ratio", 0.3}}));
+  EXPECT_EQ(constants_of_text("law = \"neo_hookean\", shear_modulus = 1e4, lame_lambda = 2e4"),
+            (Constants{{"shear_modulus", 1e4}, {"lame_lambda", 2e4}}));
+}
+
 TEST(SceneFile, ReadsTablesOfVerticesAndCellsBesideTheScene) {
   const TemporaryFolder folder;
   folder.write("velocities.csv", "vx, vy, vz\n1,2,3\n4,5,6\n7,8,9\n-1,0,1e-3\n0,0,0\n0,0,0\n0,0,0\n0,0,0\n");

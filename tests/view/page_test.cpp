@@ -48,13 +48,11 @@ TEST(ViewHeader, DescribesPartsAndFields) {
   EXPECT_EQ(header["parts"][0]["kind"], "cells");
   EXPECT_EQ(header["parts"][0]["num_vertices"], surface.num_vertices());
   ASSERT_EQ(header["fields"].size(), fields.size());
-  EXPECT_EQ(
-      header["fields"][0],
-      json({{"name", "displacement"},
-            {"label", "displacement"},
-            {"unit", "m"},
-            {"group", "displacement"},
-            {"scale", 1.0}}));
+  EXPECT_EQ(header["fields"][0], json({{"name", "displacement"},
+                                       {"label", "displacement"},
+                                       {"unit", "m"},
+                                       {"group", "displacement"},
+                                       {"scale", 1.0}}));
   EXPECT_EQ(header["parts"][0]["num_tetrahedra"], surface.parts()[0].num_tetrahedra);
   EXPECT_EQ(header["marks"].size(), 2U) << "wall and tip";
   EXPECT_EQ(header["fields"][1]["label"], "displacement x");

@@ -128,7 +128,8 @@ TEST(SurfaceFields, AreNotANumberWhereACellHasNone) {
   Description scene = small_bar(3, true);
   scene.bodies[0].material.law = "neo_hookean";
   const World world(scene);
-  const std::vector<float> values = field_of(world, state_at(-1.0 * world.rest_positions), "averaged_energy_density");
+  const std::vector<float> values =
+      field_of(world, state_at(-1.0 * world.rest_positions), "averaged_energy_density");
   EXPECT_THAT(values, ::testing::Each(::testing::IsNan()));  // turned inside out: the logarithm has no value
 }
 

@@ -34,7 +34,7 @@ MaterialPoint hand_patch(const World& world, const MaterialPoint& touched) {
   const Body& body = world.body_of(touched.nodes.front());
   const Vector3 middle = touched.position(dim, X);
   const auto distance = [&](Index node) { return (node_position(dim, node, X) - middle).norm(); };
-  double reach = std::max(1.5 * mean_edge(world, body, touched), 0.05 * largest_extent(body, X, dim));
+  double reach = std::max(1.25 * mean_edge(world, body, touched), 0.05 * largest_extent(body, X, dim));
   for (std::size_t a = 0; a < touched.nodes.size(); ++a)
     if (touched.weights[a] > 0) reach = std::max(reach, 1.2 * distance(touched.nodes[a]));
 

@@ -12,7 +12,8 @@ error that names the nearest known one. Any value can be set from the command li
     resilin run beam.toml --set newton.tolerance=1e-6 --set body.beam.scale=2 --set fix.0.displacement=[0,0,1]
 
 A *vector* is a list of as many numbers as `simulation.dimension`, a *matrix* a list of such rows.
-This page is printed by `resilin info --scene-reference` from the table that reads the file.
+This page is printed by `resilin info --scene-reference` from the table that reads the file. `resilin info --schema > scene.schema.json`
+prints the same as a JSON schema: with `#:schema scene.schema.json` as its first line, editors with taplo (Even Better TOML) complete and check a scene.
 
 ```toml
 title = "A beam under its own weight"

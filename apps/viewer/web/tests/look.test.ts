@@ -75,7 +75,7 @@ test("page, picture and report name a stress alike and agree to the digits shown
     const { extremes } = report.frames[report.frames.length - 1];
     const { page } = watched;
     const select = page.getByTestId("show-field").locator("select");
-    assert.notEqual(extremes.von_mises.max.value, extremes.averaged_von_mises.max.value);
+    assert.notEqual(extremes.von_mises.min.value, extremes.averaged_von_mises.min.value);
     const bar = page.getByTestId("color-bar");
     await page.getByTestId("show-range").locator("select").selectOption("this frame");
     for (const [name, label] of [
@@ -182,6 +182,11 @@ test("supports, loads and probes are drawn where they are, and the hand says how
   try {
     await withPage(browser, program.address, async (watched) => {
       const { page } = watched;
+      // As it stands at the start: the tower bends far.
+      await watched.value("resilin.send({ type: 'pause' })");
+      await watched.until("resilin.state.paused");
+      await watched.value("resilin.send({ type: 'reset' })");
+      await watched.until("resilin.time === 0 && resilin.position(0).length === 3");
       const marks = await watched.value<{ kind: string; name: string; y: number }[]>("resilin.marksSeen()");
       const kinds = Object.fromEntries(marks.map((mark) => [`${mark.kind} ${mark.name}`, mark]));
       assert.deepEqual(Object.keys(kinds).sort(), ["load wind", "probe top", "support foot"]);
@@ -192,6 +197,7 @@ test("supports, loads and probes are drawn where they are, and the hand says how
       await page.keyboard.press("m");
       assert.ok(difference(drawn, await watched.picture()) > 0.2, "the marks go");
       assert.ok(!(await page.getByTestId("label-probe-top").isVisible()));
+      await watched.value("resilin.send({ type: 'play' })");
       const { x, y } = await watched.value<{ x: number; y: number }>("resilin.middleOfBody()");
       await page.mouse.move(x, y);
       await page.mouse.down();

@@ -264,6 +264,7 @@ test("a mesh without a scene is shown, soft and weightless", async () => {
   try {
     assert.match(bare.output, /is a mesh without a scene/);
     await withPage(browser, bare.address, async (watched) => {
+      await watched.until("resilin.position(0).length === 3");
       assert.ok((await watched.picture()).covered > 0.02);
       assert.equal(await watched.value("Math.hypot(...resilin.state.values.gravity)"), 0);
     });
