@@ -74,7 +74,7 @@ int main(int argc, char** argv) {
   app.add_flag("--dynamic", command.options.dynamic, "Motion instead of statics, where a benchmark has both");
   app.add_option("--element", command.options.element,
                  "Element of the kernels, the bar and the damping: P1, P2 or P2P0");
-  app.add_option("--threads", command.threads, "Number of threads; default all cores")
+  app.add_option("--threads", command.threads, "Number of threads; default RESILIN_THREADS or all cores")
       ->check(CLI::Range(1, max_threads));
   app.add_flag("--json", command.json, "Print JSON");
   app.footer("Example:\n  resilin bench cube --threads 1 --json");

@@ -174,7 +174,8 @@ void add_run(CommandLine& line, Action& action) {
       .one_of({"vtu", "html", "usda"})
       .values(1, 1)
       .joins_repeats();
-  command.option("--threads", options->threads, "Number of threads; default all cores").between(1, max_threads);
+  command.option("--threads", options->threads, "Number of threads; default RESILIN_THREADS or all cores")
+      .between(1, max_threads);
   command.option("--steps", options->steps, "Stop after this many steps").between(1, 1000000000);
   command
       .flag_with_word("--resume", options->resume, "same",

@@ -140,7 +140,7 @@ void add_view(CommandLine& line, Action& action) {
   command.option("--set", options->overrides, "Change a value of the scene; may be given several times")
       .type_name("KEY=VALUE")
       .repeatable();
-  command.option("--threads", options->threads, "Number of threads; default all cores")
+  command.option("--threads", options->threads, "Number of threads; default RESILIN_THREADS or all cores")
       .between(1, max_threads);
   command.flag("--no-browser", options->has_no_browser, "Print the address and open nothing");
   command.footer(

@@ -46,7 +46,8 @@ class LawAtArrays:
             shapes["fibres"] = fibres[..., 0, 0]
         self.states_shape: tuple[int, ...] = common_shape(shapes, info.name)
         self._law = batch_law(info, self.own.values(), fibres, self.states_shape)
-        self.shared_law: _core.BatchLaw | None = None if self.states_shape else self._law  # the same for all states
+        # One for all states, which has a short way for plain arrays; None where states have constants of their own.
+        self.shared_law: _core.BatchLaw | None = None if self.states_shape else self._law
 
     def constants(self) -> dict[str, float | NDArray[np.float64]]:
         """Those of the law's formula in its order."""

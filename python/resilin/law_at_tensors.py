@@ -30,7 +30,7 @@ class LawAtTensors:
 
     def energy_density(self, F: object, is_H: bool, out: object) -> torch.Tensor:
         if out is None and self._shared_law is not None and (arrays := plain_arrays(F)):
-            psi = self._shared_law.new_energy_densities(*arrays, is_H)
+            psi = self._shared_law.new_energy_densities(arrays[0], is_H)
             if psi is not None:
                 return tensor_of(psi, None)
         states = square_tensors(F, "F")
@@ -42,7 +42,7 @@ class LawAtTensors:
 
     def first_piola_kirchhoff_stress(self, F: object, is_H: bool, out: object) -> torch.Tensor:
         if out is None and self._shared_law is not None and (arrays := plain_arrays(F)):
-            P = self._shared_law.new_first_piola_kirchhoff_stresses(*arrays, is_H)
+            P = self._shared_law.new_first_piola_kirchhoff_stresses(arrays[0], is_H)
             if P is not None:
                 return tensor_of(P, None)
         states = square_tensors(F, "F")
@@ -62,8 +62,8 @@ class LawAtTensors:
 
     def elastic_forces(self, F: object, Dm_inv: object, volume: object, is_H: bool, out: object) -> torch.Tensor:
         if out is None and self._shared_law is not None and (arrays := plain_arrays(F, Dm_inv, volume)):
-            array, *others = arrays
-            new_forces = self._shared_law.new_elastic_forces(array, is_H, *others)
+            array, inverse_array, volume_array = arrays
+            new_forces = self._shared_law.new_elastic_forces(array, is_H, inverse_array, volume_array)
             if new_forces is not None:
                 return tensor_of(new_forces, None)
         states, inverses = square_tensors(F, "F"), square_tensors(Dm_inv, "Dm_inv")

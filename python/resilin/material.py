@@ -92,7 +92,6 @@ class Material:
         else:
             self._law = LawAtArrays(info, self._given, self._fibres)
         self._tensor_law: LawAtTensors | None = None  # made when the first tensor comes
-        # The core's own short way for plain arrays; it gives None where anything else comes.
         self._shared_law = self._law.shared_law if isinstance(self._law, LawAtArrays) else None
 
     @property
@@ -110,8 +109,7 @@ class Material:
         """The constants of the law's formula in its order: floats, arrays, or tensors where one requires grad."""
         if isinstance(self._law, LawAtArrays):
             return {**self._law.constants()}
-        names = (constant.name for constant in self._info.constants)
-        return dict(zip(names, self._law.own(), strict=True))
+        return dict(zip((constant.name for constant in self._info.constants), self._law.own(), strict=True))
 
     @property
     def fibres(self) -> NDArray[np.float64] | None:
@@ -149,10 +147,9 @@ class Material:
         array (...)
             Zero at rest; inf outside the law's domain.
         """
-        if out is None and self._shared_law is not None:
-            psi = self._shared_law.new_energy_densities(F, displacement_gradient)
-            if psi is not None:
-                return psi
+        law = self._shared_law if out is None else None
+        if law is not None and (psi := law.new_energy_densities(F, displacement_gradient)) is not None:
+            return psi
         if is_tensor(F):
             return self._at_tensors().energy_density(F, displacement_gradient, out)
         return self._at_arrays().energy_density(F, displacement_gradient, out)
@@ -177,10 +174,9 @@ class Material:
 
         Parameters are those of `energy_density`; the result and `out` are (..., d, d), nan outside the law's domain.
         """
-        if out is None and self._shared_law is not None:
-            P = self._shared_law.new_first_piola_kirchhoff_stresses(F, displacement_gradient)
-            if P is not None:
-                return P
+        law = self._shared_law if out is None else None
+        if law is not None and (P := law.new_first_piola_kirchhoff_stresses(F, displacement_gradient)) is not None:
+            return P
         if is_tensor(F):
             return self._at_tensors().first_piola_kirchhoff_stress(F, displacement_gradient, out)
         return self._at_arrays().first_piola_kirchhoff_stress(F, displacement_gradient, out)
@@ -290,10 +286,9 @@ class Material:
         array (..., d + 1, d)
             One row for each corner, which sum to zero.
         """
-        if out is None and self._shared_law is not None:
-            forces = self._shared_law.new_elastic_forces(F, displacement_gradient, Dm_inv, volume)
-            if forces is not None:
-                return forces
+        law = self._shared_law if out is None else None
+        if law is not None and (f := law.new_elastic_forces(F, displacement_gradient, Dm_inv, volume)) is not None:
+            return f
         if is_tensor(F):
             return self._at_tensors().elastic_forces(F, Dm_inv, volume, displacement_gradient, out)
         return self._at_arrays().elastic_forces(F, Dm_inv, volume, displacement_gradient, out)

@@ -95,7 +95,7 @@ def array_of(out: object) -> NDArray[Any] | None:
     return memory
 
 
-def tensor_of(result: NDArray[Any], out: object) -> torch.Tensor:
+def tensor_of(result: object, out: object) -> torch.Tensor:
     """`out`, which holds the result already, or the result."""
     return out if isinstance(out, torch.Tensor) else torch.from_numpy(np.asarray(result))
 

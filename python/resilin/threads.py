@@ -28,6 +28,6 @@ def set_num_threads(count: SupportsIndex) -> None:
         number = operator.index(count)
     except TypeError:
         number = 0
-    if not 1 <= number <= _core.max_threads:
-        refuse("count", f"a whole number from 1 to {_core.max_threads}", repr(count))
+    if not 1 <= number <= _core.max_threads():
+        refuse("count", f"a whole number from 1 to {_core.max_threads()}", repr(count))
     _core.set_num_threads(number)

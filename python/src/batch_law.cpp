@@ -82,17 +82,15 @@ class BatchLaw {
         resilin::energy_densities(states, &psi);
         return nb::object(numpy().scalar<Real>()(static_cast<double>(psi)));
       }
-      return written_into_new<Real>(states.count, Shape(in, leading), [&](Real* psi) {
-        resilin::energy_densities(states, psi);
-      });
+      return written_into_new<Real>(states.count, Shape(in, leading),
+                                    [&](Real* psi) { resilin::energy_densities(states, psi); });
     });
   }
 
   nb::object new_first_piola_kirchhoff_stresses(nb::handle F, bool holds_H) const {
     return run_plain(F, holds_H, []<class Real>(const StateBatch<Real>& states, const PlainArray& in) {
-      return written_into_new<Real>(states.count, Shape(in, in.num_axes()), [&](Real* P) {
-        resilin::first_piola_kirchhoff_stresses(states, P);
-      });
+      return written_into_new<Real>(states.count, Shape(in, in.num_axes()),
+                                    [&](Real* P) { resilin::first_piola_kirchhoff_stresses(states, P); });
     });
   }
 
@@ -198,8 +196,7 @@ class BatchLaw {
     if (!is_uniform_ || !in.holds_square_matrices()) return nb::none();
     const auto run_as = [&]<class Real>(Real) {
       std::size_t count = 1;
-      for (int axis = 0; axis < in.num_axes() - 2; ++axis)
-        count *= static_cast<std::size_t>(in.length(axis));
+      for (int axis = 0; axis < in.num_axes() - 2; ++axis) count *= static_cast<std::size_t>(in.length(axis));
       return function(states<Real>(in.data<const Real>(), in.dim(), count, holds_H), in);
     };
     if (in.holds<double>()) return run_as(double{});
@@ -237,9 +234,11 @@ void bind_batch_law(nb::module_& module) {
       .def("first_piola_kirchhoff_stresses", &BatchLaw::first_piola_kirchhoff_stresses)
       .def("stress_tangents", &BatchLaw::stress_tangents)
       .def("elastic_forces", &BatchLaw::elastic_forces)
-      .def("new_energy_densities", &BatchLaw::new_energy_densities)
-      .def("new_first_piola_kirchhoff_stresses", &BatchLaw::new_first_piola_kirchhoff_stresses)
-      .def("new_elastic_forces", &BatchLaw::new_elastic_forces)
+      .def("new_energy_densities", &BatchLaw::new_energy_densities, nb::arg().none(), nb::arg())
+      .def("new_first_piola_kirchhoff_stresses", &BatchLaw::new_first_piola_kirchhoff_stresses,
+           nb::arg().none(), nb::arg())
+      .def("new_elastic_forces", &BatchLaw::new_elastic_forces, nb::arg().none(), nb::arg(), nb::arg().none(),
+           nb::arg().none())
       .def("constant_derivatives", &BatchLaw::constant_derivatives)
       .def("second_constant_derivatives", &BatchLaw::second_constant_derivatives);
 }

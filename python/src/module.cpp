@@ -28,7 +28,7 @@ NB_MODULE(_core, module) {
          const std::string& cure) { return std::string(InputError(place, expected, got, cure).what()); },
       nb::arg("place"), nb::arg("expected"), nb::arg("got"), nb::arg("cure"));
   module.def("version", [] { return std::string(version()); });
-  module.attr("max_threads") = max_threads;
+  module.def("max_threads", [] { return max_threads; });
   module.def("num_threads", &num_threads);
   module.def("set_num_threads", &set_num_threads, nb::arg("count"));
   python::bind_material(module);

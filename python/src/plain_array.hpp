@@ -98,7 +98,8 @@ struct Shape {
   int num_axes = 0;
 
   Shape(const PlainArray& array, int leading_axes) : num_axes(leading_axes) {
-    for (int axis = 0; axis < leading_axes; ++axis) lengths[static_cast<std::size_t>(axis)] = array.length(axis);
+    for (int axis = 0; axis < leading_axes; ++axis)
+      lengths[static_cast<std::size_t>(axis)] = array.length(axis);
   }
   Shape& with(std::size_t length) {
     lengths[static_cast<std::size_t>(num_axes++)] = static_cast<Py_ssize_t>(length);

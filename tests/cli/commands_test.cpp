@@ -243,9 +243,10 @@ TEST_F(Commands, TakeTheNumberOfThreadsFromTheEnvironmentOrRefuseItInOneLine) {
   for (const std::string wrong : {"0", "-1", "1000000", "99999999999999999999", "abc", "2x", "1.5", " 2"}) {
     const ProgramResult result = info_with(wrong);
     EXPECT_EQ(result.exit_code, 1);
-    EXPECT_EQ(result.err,
-              "resilin: environment variable RESILIN_THREADS: expected a whole number from 1 to 1024, got \"" +
-                  wrong + "\"; correct it or unset it\n");
+    EXPECT_EQ(
+        result.err,
+        "resilin: environment variable RESILIN_THREADS: expected a whole number from 1 to 1024, got \"" +
+            wrong + "\"; correct it or unset it\n");
   }
 }
 

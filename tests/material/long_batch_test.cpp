@@ -69,17 +69,15 @@ using Reals = ::testing::Types<double, float>;
 TYPED_TEST_SUITE(LongBatch, Reals);
 
 TYPED_TEST(LongBatch, OfStressesHasTheNumbersOfShortOnes) {
-  expect_the_numbers_of_short_batches<TypeParam>(this->count_for(9), 9,
-                                                 [](const auto& states, std::size_t, TypeParam* P) {
-                                                   first_piola_kirchhoff_stresses(states, P);
-                                                 });
+  expect_the_numbers_of_short_batches<TypeParam>(
+      this->count_for(9), 9,
+      [](const auto& states, std::size_t, TypeParam* P) { first_piola_kirchhoff_stresses(states, P); });
 }
 
 TYPED_TEST(LongBatch, OfTangentsHasTheNumbersOfShortOnes) {
-  expect_the_numbers_of_short_batches<TypeParam>(this->count_for(81), 81,
-                                                 [](const auto& states, std::size_t, TypeParam* A) {
-                                                   stress_tangents(states, Projection::clamp, A);
-                                                 });
+  expect_the_numbers_of_short_batches<TypeParam>(
+      this->count_for(81), 81,
+      [](const auto& states, std::size_t, TypeParam* A) { stress_tangents(states, Projection::clamp, A); });
 }
 
 TYPED_TEST(LongBatch, OfForcesHasTheNumbersOfShortOnes) {

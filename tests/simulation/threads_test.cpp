@@ -13,8 +13,8 @@
 namespace resilin::testing {
 namespace {
 
-/// 4,641 nodes: nineteen chunks of cells, a sweep in several chunks of two colours, and incomplete Cholesky in
-/// two halves.
+/// 4,641 nodes: nineteen chunks of cells, a sweep in several chunks of two colours, and incomplete Cholesky
+/// in two halves.
 Description large_bar(bool is_dynamic) {
   Description scene = small_bar(3, is_dynamic);
   scene.bodies[0].mesh = make_box({1, 0.25, 0.25}, {40, 10, 10});

@@ -11,8 +11,8 @@
 
 namespace resilin::testing {
 
-/// Everything that a checkpoint holds of the end of a run, or of where it does not converge, is the same for 1,
-/// 2, 3, 4 and 8 threads.
+/// Everything that a checkpoint holds of the end of a run, or of where it does not converge, is the same for
+/// 1, 2, 3, 4 and 8 threads.
 inline void expect_same_bits_for_any_number_of_threads(const Description& scene) {
   const int before = num_threads();
   std::string expected;

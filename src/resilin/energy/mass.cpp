@@ -69,15 +69,16 @@ void multiply_slots(const MassMatrix& mass, const Entry& entry, const VectorX& x
       }
     }
   });
-  parallel_for(static_cast<std::size_t>(num_nodes), nodes_per_chunk, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i) {
-      Vector<dimension> sum = node(work, static_cast<Index>(i));
-      for (auto k = static_cast<std::size_t>(plan.gather_begin[i]);
-           k < static_cast<std::size_t>(plan.gather_begin[i + 1]); ++k)
-        sum += node(work, num_nodes + plan.gather_places[k]);
-      node(y, static_cast<Index>(i)) = sum;
-    }
-  });
+  parallel_for(static_cast<std::size_t>(num_nodes), nodes_per_chunk,
+               [&](std::size_t first, std::size_t last) {
+                 for (std::size_t i = first; i < last; ++i) {
+                   Vector<dimension> sum = node(work, static_cast<Index>(i));
+                   for (auto k = static_cast<std::size_t>(plan.gather_begin[i]);
+                        k < static_cast<std::size_t>(plan.gather_begin[i + 1]); ++k)
+                     sum += node(work, num_nodes + plan.gather_places[k]);
+                   node(y, static_cast<Index>(i)) = sum;
+                 }
+               });
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ class Preconditioner {
 };
 
 /// Conjugate gradients with the preconditioner given. All memory is kept between solves, and within a search
-/// the preconditioner of one matrix for those that are near to it.
+/// the preconditioner of one matrix, with the positions that it was made for, for those that are near to it.
 ///
 /// Source: Saad 2003, algorithm 9.1. Stops where p^T A p <= 0, and returns the iterate so far (the
 /// preconditioned right side when that is the start): Nocedal & Wright 2006, algorithm 7.1.

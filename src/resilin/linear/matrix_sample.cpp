@@ -60,13 +60,12 @@ bool MatrixSample::is_near(const BlockMatrix& A, double share) const {
     bool are_near = true;
     void operator+=(const AllNear& other) { are_near = are_near && other.are_near; }
   };
-  return parallel_sum<AllNear>(static_cast<std::size_t>(A.num_nodes()), nodes_per_chunk,
-                               [&](std::size_t begin, std::size_t end) {
-                                 return AllNear{A.dim == 3 ? nodes_are_near<3>(A, scale_, share, numbers_.data(),
-                                                                               begin, end)
-                                                           : nodes_are_near<2>(A, scale_, share, numbers_.data(),
-                                                                               begin, end)};
-                               })
+  return parallel_sum<AllNear>(
+             static_cast<std::size_t>(A.num_nodes()), nodes_per_chunk,
+             [&](std::size_t begin, std::size_t end) {
+               return AllNear{A.dim == 3 ? nodes_are_near<3>(A, scale_, share, numbers_.data(), begin, end)
+                                         : nodes_are_near<2>(A, scale_, share, numbers_.data(), begin, end)};
+             })
       .are_near;
 }
 
