@@ -22,7 +22,8 @@ TIP = '[[probe]]\nname = "tip"\nat = [2, 0.5, 0.5]\n'
 
 def box(element, law="neo_hookean", nu=0.3, more="", cells="[6, 3, 3]", body=""):
     return (
-        f'[[body]]\nname = "bar"\nelement = "{element}"\nmesh = {{ box = {{ size = [2, 1, 1], cells = {cells}{more} }} }}\n'
+        f'[[body]]\nname = "bar"\nelement = "{element}"\n'
+        f"mesh = {{ box = {{ size = [2, 1, 1], cells = {cells}{more} }} }}\n"
         f'material = {{ law = "{law}", youngs_modulus = 1e6, poissons_ratio = {nu}, density = 1000 }}\n{body}'
     )
 
@@ -37,7 +38,7 @@ def moving(integrator, end=0.06, more=""):
 BENT = (
     '[[load]]\nname = "pull"\nkind = "traction"\nwhere = { plane = { axis = "x", at = 2 } }\nvalue = [0, 2e4, -3e4]\n'
 )
-PRESSED = '[[load]]\nname = "gas"\nkind = "pressure"\nwhere = { plane = { axis = "z", at = 0 } }\nvalue = -3e4\n'
+PRESSED = '[[load]]\nname = "gas"\nkind = "pressure"\nwhere = { plane = { axis = "z", at = 0 } }\nvalue = -6e3\n'
 HUNG = (
     '[[load]]\nname = "rope"\nkind = "nodal_force"\nwhere = { plane = { axis = "x", at = 2 } }\nvalue = [0, 0, -300]\n'
     '[[load]]\nname = "spring"\nkind = "spring"\nwhere = { plane = { axis = "y", at = 1 } }\nstiffness = 2e3\n'
@@ -49,12 +50,14 @@ TURN = (
 )
 GROUND = (
     '[[collider]]\nname = "ground"\nkind = "half_space"\npoint = [0, 0, -0.02]\nnormal = [0, 0, 1]\n'
-    '[[collider]]\nname = "ball"\nkind = "sphere"\ncenter = [1, 0.5, 1.32]\nradius = 0.3\nvelocity = [0, 0, -2]\nuntil = 0.03\n'
+    '[[collider]]\nname = "ball"\nkind = "sphere"\ncenter = [1, 0.5, 1.32]\nradius = 0.3\n'
+    "velocity = [0, 0, -2]\nuntil = 0.03\n"
 )
 FREE = "velocity = [1, 0, 3]\nvelocity_gradient = [[0, 0, 2], [0, 0, 0], [-2, 0, 0]]\n"
 FLAT = HEAD + (
     '[simulation]\nkind = "static"\ndimension = 2\n'
-    '[[body]]\nname = "sheet"\nelement = "Q1"\nmesh = { box = { size = [2, 1], cells = [12, 6], kind = "quadrilaterals" } }\n'
+    '[[body]]\nname = "sheet"\nelement = "Q1"\n'
+    'mesh = { box = { size = [2, 1], cells = [12, 6], kind = "quadrilaterals" } }\n'
     'material = { law = "saint_venant_kirchhoff", youngs_modulus = 1e6, poissons_ratio = 0.3 }\n'
     '[[fix]]\nname = "wall"\nwhere = { plane = { axis = "x", at = 0 } }\n'
     '[[load]]\nname = "pull"\nkind = "traction"\nwhere = { plane = { axis = "x", at = 2 } }\nvalue = [0, -2e4]\n'
@@ -87,7 +90,7 @@ SCENES = [
     SharedScene("Q1 turned by its ends", STATIC + box("Q1", "yeoh", more=', kind = "hexahedra"') + CLAMP + TURN + TIP),
     SharedScene("Q1 in the plane", FLAT, (2, 3)),
     SharedScene("linear elasticity", STATIC + box("P1", "linear_elastic") + CLAMP + BENT + TIP),
-    SharedScene("fibres", FIBRES + CLAMP + BENT + TIP, slack=10),
+    SharedScene("fibres", FIBRES + CLAMP + BENT.replace("[0, 2e4, -3e4]", "[0, 3e3, -4e3]") + TIP, slack=10),
     SharedScene("falls on colliders", moving("backward_euler", 0.1) + box("P1") + GROUND + TIP, (3,), slack=100),
     SharedScene(
         "spins freely with damping",

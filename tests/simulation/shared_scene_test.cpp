@@ -78,7 +78,7 @@ VectorX bent(const World& world, double size) {
 struct EveryElementInParts : ::testing::TestWithParam<const char*> {};
 
 /// Relative: what sums in another order leave.
-constexpr double rounding = 1e-12;
+constexpr double summing_error = 1e-12;
 
 TEST_P(EveryElementInParts, HasTheEnergiesForcesAndVerdictsOfTheWhole) {
   for (const MassKind mass : {MassKind::lumped, MassKind::consistent}) {
@@ -126,24 +126,25 @@ TEST_P(EveryElementInParts, HasTheEnergiesForcesAndVerdictsOfTheWhole) {
       for (Eigen::Index i = 0; i < forces.size(); ++i) {
         const Eigen::Index of_whole =
             Eigen::Index{world.share.number_of(static_cast<Index>(i / 3))} * 3 + i % 3;
-        ASSERT_NEAR(forces[i], gradient[of_whole], rounding * size);
-        ASSERT_NEAR(sizes[i], magnitude[of_whole], rounding * magnitude.maxCoeff());
+        ASSERT_NEAR(forces[i], gradient[of_whole], summing_error * size);
+        ASSERT_NEAR(sizes[i], magnitude[of_whole], summing_error * magnitude.maxCoeff());
         ASSERT_EQ(world.is_fixed[static_cast<std::size_t>(i)],
                   whole.is_fixed[static_cast<std::size_t>(of_whole)]);
       }
       EXPECT_NEAR(energy, potential.difference(whole.rest_positions, state.positions),
-                  rounding * std::abs(energy));
-      EXPECT_NEAR(norm, gradient.norm(), rounding * norm);
+                  summing_error * std::abs(energy));
+      EXPECT_NEAR(norm, gradient.norm(), summing_error * norm);
       EXPECT_EQ(has_potential, potential.has_potential(state.positions));
       EXPECT_EQ(extent, whole.largest_extent());
       ASSERT_EQ(own_parts.count(), 2);
       for (Index part = 0; part < 2; ++part)
-        EXPECT_NEAR(own_scales[part], scales[part], rounding * scales[part]);
-      EXPECT_NEAR(measured.kinetic_energy, frame.kinetic_energy, rounding * frame.kinetic_energy);
-      EXPECT_NEAR(measured.elastic_energy, frame.elastic_energy, rounding * frame.elastic_energy);
-      EXPECT_NEAR(measured.contact_energy, frame.contact_energy, rounding * std::abs(frame.contact_energy));
+        EXPECT_NEAR(own_scales[part], scales[part], summing_error * scales[part]);
+      EXPECT_NEAR(measured.kinetic_energy, frame.kinetic_energy, summing_error * frame.kinetic_energy);
+      EXPECT_NEAR(measured.elastic_energy, frame.elastic_energy, summing_error * frame.elastic_energy);
+      EXPECT_NEAR(measured.contact_energy, frame.contact_energy,
+                  summing_error * std::abs(frame.contact_energy));
       EXPECT_GT(frame.contact_energy, 0);
-      EXPECT_NEAR(measured.min_volume_ratio, frame.min_volume_ratio, rounding);
+      EXPECT_NEAR(measured.min_volume_ratio, frame.min_volume_ratio, summing_error);
       EXPECT_EQ(measured.worst_cell, frame.worst_cell);
       EXPECT_EQ(measured.worst_body, frame.worst_body);
       EXPECT_EQ(measured.probes.at(0).displacement, frame.probes.at(0).displacement);
@@ -154,7 +155,7 @@ TEST_P(EveryElementInParts, HasTheEnergiesForcesAndVerdictsOfTheWhole) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, EveryElementInParts, ::testing::Values("P1", "P2", "P2P0"),
-                         [](const auto& info) { return std::string(info.param); });
+                         [](const auto& element) { return std::string(element.param); });
 
 TEST(ASceneInParts, OwnsEveryNodeOnce) {
   const World whole(crowded_scene("P2", MassKind::lumped));

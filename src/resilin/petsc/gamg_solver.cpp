@@ -38,8 +38,8 @@ class Owned {
 };
 
 /// Conjugate gradients preconditioned by PETSc's GAMG: smoothed aggregation (Vanek, Mandel & Brezina 1996)
-/// with the rigid motions of the present shape. The groups of nodes and the interpolation are made for the
-/// first matrix of a search and kept for those that follow.
+/// with the rigid motions of the present shape, made anew for each matrix: interpolation and smoothers of the
+/// one before turn the preconditioner indefinite where a body stiffens.
 ///
 /// The matrix is assembled from what each process has of it (MatSetValuesCOO): blocks of nodes that another
 /// process owns are sent there.
@@ -53,7 +53,6 @@ class PetscGamg final : public LinearSolver {
 
   std::string_view name() const override { return "petsc_gamg"; }
   bool is_direct() const override { return false; }
-  void begin_search() override { solver_.reset(); }
   /// The values once more with their places, PETSc's own matrix, and about half as much for the coarse
   /// levels.
   double expected_bytes(const BlockPattern& pattern, int dim) const override {
@@ -85,10 +84,8 @@ class PetscGamg final : public LinearSolver {
     });
     require_petsc(MatSetValuesCOO(matrix_, values_.data(), INSERT_VALUES));
     find_fixed(A);
-    if (solver_ == nullptr) {
-      if (positions_.size() > 0) set_rigid_motions(dim);
-      make_solver();
-    }
+    if (positions_.size() > 0) set_rigid_motions(dim);
+    make_solver();
     require_petsc(KSPSetOperators(solver_, matrix_, matrix_));
     require_petsc(KSPSetUp(solver_));
     KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
@@ -229,7 +226,6 @@ class PetscGamg final : public LinearSolver {
     PC preconditioner = nullptr;
     require_petsc(KSPGetPC(solver_, &preconditioner));
     require_petsc(PCSetType(preconditioner, PCGAMG));
-    require_petsc(PCGAMGSetReuseInterpolation(preconditioner, PETSC_TRUE));
     require_petsc(KSPSetFromOptions(solver_));
   }
 
