@@ -188,9 +188,10 @@ void tell_sign_twins(const LawChoice& choice, const std::vector<double>& constan
       if (!(std::abs(sum_at(choice, turned, data) - sum) <= 1e-9 * sum)) continue;
       const std::string a(choice.law->constants[static_cast<std::size_t>(p)].name);
       const std::string b(choice.law->constants[static_cast<std::size_t>(q)].name);
-      fit.warnings.push_back(
-          "(" + a + ", " + b + ") and (-" + a + ", -" + b +
-          ") give the same stresses in these tests; a uniaxial or equibiaxial test tells them apart");
+      std::string text("(");
+      text.append(a).append(", ").append(b).append(") and (-").append(a).append(", -").append(b);
+      text += ") give the same stresses in these tests; a uniaxial or equibiaxial test tells them apart";
+      fit.warnings.push_back(text);
     }
 }
 

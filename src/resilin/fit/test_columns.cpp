@@ -78,7 +78,7 @@ class ColumnFinder {
   Found require(const std::vector<ColumnRole>& roles, std::size_t place_without_names) const {
     std::optional<Found> found;
     for (const ColumnRole role : roles)
-      if (is_said(role)) return *find(role);
+      if (std::optional<Found> column = find(role); column && is_said(role)) return *column;
     for (const ColumnRole role : roles)
       if (std::optional<Found> column = find(role)) {
         if (found) refuse_both(found->role, role);
