@@ -71,7 +71,7 @@ TEST_F(SweepRunTest, GivesWhatRunsOfTheScenesGive) {
   }
 }
 
-TEST_F(SweepRunTest, GivesTheSameRowsHoweverManyAtOnce) {
+TEST_F(SweepRunTest, GivesTheSameBitsHoweverManyAtOnce) {
   run(twelve, {.jobs = 1, .threads = 1}, "one");
   run(twelve, {.jobs = 4, .threads = 4}, "four");
   run(twelve, {.jobs = 2, .threads = 6}, "two");

@@ -5,6 +5,7 @@
 #include "resilin/linear/blas.hpp"
 #include "resilin/linear/catalog.hpp"
 #include "resilin/linear/direct_solver.hpp"
+#include "resilin/linear/ordering.hpp"
 #include "resilin/linear/scalar_columns.hpp"
 
 namespace resilin {
@@ -83,7 +84,10 @@ void CholmodSolver::analyze_pattern(int dim) {
   std::vector<SuiteSparse_long> node_rows(pattern_.columns.begin(), pattern_.columns.end());
   cholmod_sparse nodes = lower_triangle(node_begin, node_rows);
   std::vector<SuiteSparse_long> node_order(nodes.nrow), order;
-  cholmod_l_metis(&nodes, nullptr, 0, 1, node_order.data(), &common_);
+  {
+    const std::unique_lock turn = turn_of_metis();
+    cholmod_l_metis(&nodes, nullptr, 0, 1, node_order.data(), &common_);
+  }
   for (const SuiteSparse_long node : node_order)
     for (int d = 0; d < dim; ++d) order.push_back(node * dim + d);
   columns_.set_pattern(pattern_, dim);

@@ -73,6 +73,11 @@ LayeredOrder reverse_cuthill_mckee(const NodeGraph& graph) {
   return result;
 }
 
+std::unique_lock<std::mutex> turn_of_metis() {
+  static std::mutex mutex;
+  return std::unique_lock(mutex);
+}
+
 std::vector<Index> inverse_of(std::span<const Index> node_at) {
   std::vector<Index> position(node_at.size());
   for (std::size_t i = 0; i < node_at.size(); ++i) position[node_at[i]] = static_cast<Index>(i);
@@ -98,6 +103,7 @@ std::vector<Index> fill_reducing_order(const NodeGraph& graph) {
   // coarse and cut in two, take some five times the first one; the workspace about as much.
   constexpr std::size_t small = std::size_t{1} << 20, graphs = 6;
   if (!can_allocate(small + graphs * sizeof(idx_t) * (neighbours.size() * 2 + n * 5))) throw std::bad_alloc();
+  const std::unique_lock turn = turn_of_metis();
   const int status = METIS_NodeND(&num_nodes, begin.data(), neighbours.data(), nullptr, options,
                                   node_at.data(), position.data());
   if (status == METIS_ERROR_MEMORY) throw std::bad_alloc();
