@@ -101,7 +101,8 @@ void bind_sweep(nb::module_& module) {
       .def_prop_ro("parameter_names",
                    [](const Sweep& sweep) {
                      std::vector<std::string> names;
-                     for (const Parameter& parameter : sweep.parameters()) names.push_back(parameter.name);
+                     for (const SweepParameter& parameter : sweep.parameters())
+                       names.push_back(parameter.name);
                      return names;
                    })
       .def_prop_ro("quantity_names", [](const Sweep& sweep) {

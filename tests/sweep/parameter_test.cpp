@@ -13,15 +13,15 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-std::vector<Parameter> read(const std::string& text) {
+std::vector<SweepParameter> read(const std::string& text) {
   const SceneValue values = parse_toml(text, "sweep.toml");
   SceneContext context;
-  std::vector<Parameter> parameters;
+  std::vector<SweepParameter> parameters;
   read_parameters({&values, "parameters", &context}, parameters);
   return parameters;
 }
 
-std::vector<double> numbers(const Parameter& parameter) {
+std::vector<double> numbers(const SweepParameter& parameter) {
   std::vector<double> numbers;
   for (std::uint64_t i = 0; i < parameter.size(); ++i) {
     const SceneValue value = parameter.value(i);
@@ -32,11 +32,11 @@ std::vector<double> numbers(const Parameter& parameter) {
 }
 
 TEST(Parameters, StandInTheOrderOfTheFile) {
-  const std::vector<Parameter> parameters = read(
+  const std::vector<SweepParameter> parameters = read(
       "simulation.gravity = [[0, 0, 1]]\nbody.b.scale = [1, 2]\n\"body.0.mass\" = [\"lumped\"]\nbody.a.scale "
       "= [3]\n");
   std::vector<std::string> keys;
-  for (const Parameter& parameter : parameters) keys.push_back(parameter.keys.front());
+  for (const SweepParameter& parameter : parameters) keys.push_back(parameter.keys.front());
   EXPECT_THAT(keys, ElementsAre("simulation.gravity", "body.b.scale", "body.0.mass", "body.a.scale"));
 }
 
@@ -58,18 +58,18 @@ TEST(Parameters, RangesHoldTheirLastValueWhereStepsReachIt) {
   EXPECT_THAT(numbers(read("x = { range = [1, 4] }").front()), ElementsAre(1, 2, 3, 4));
   EXPECT_THAT(numbers(read("x = { range = [5, 0, -2] }").front()), ElementsAre(5, 3, 1));
   EXPECT_EQ(read("x = { range = [0.0, 1.0, 0.1] }").front().size(), 11u);
-  const Parameter whole = read("x = { range = [2, 8, 3] }").front();
+  const SweepParameter whole = read("x = { range = [2, 8, 3] }").front();
   EXPECT_TRUE(std::holds_alternative<std::int64_t>(whole.value(1).data));
   EXPECT_TRUE(std::holds_alternative<double>(read("x = { range = [2, 8.0, 3] }").front().value(1).data));
 }
 
 TEST(Parameters, DrawFromIntervalsAndLists) {
-  const Parameter even = read("x = { uniform = [2, 4] }").front();
+  const SweepParameter even = read("x = { uniform = [2, 4] }").front();
   EXPECT_EQ(std::get<double>(even.at(0).data), 2);
   EXPECT_EQ(std::get<double>(even.at(0.75).data), 3.5);
-  const Parameter decades = read("x = { log_uniform = [1, 100] }").front();
+  const SweepParameter decades = read("x = { log_uniform = [1, 100] }").front();
   EXPECT_NEAR(std::get<double>(decades.at(0.5).data), 10, 1e-13 * 10);
-  const Parameter laws = read("x = [\"a\", \"b\", \"c\"]").front();
+  const SweepParameter laws = read("x = [\"a\", \"b\", \"c\"]").front();
   EXPECT_EQ(std::get<std::string>(laws.at(0.34).data), "b");
   EXPECT_EQ(std::get<std::string>(laws.at(std::nextafter(1, 0)).data), "c");
 }

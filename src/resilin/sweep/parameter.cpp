@@ -36,7 +36,7 @@ SceneValue origin_of(const SceneNode& node) {
 
 double number_at(const SceneNode& list, std::size_t i) { return read_number(list.element(i)); }
 
-void read_ends(const SceneNode& node, bool is_logarithmic, Parameter& parameter) {
+void read_ends(const SceneNode& node, bool is_logarithmic, SweepParameter& parameter) {
   parameter.from = number_at(node, 0);
   parameter.to = number_at(node, 1);
   parameter.is_logarithmic = is_logarithmic;
@@ -45,16 +45,16 @@ void read_ends(const SceneNode& node, bool is_logarithmic, Parameter& parameter)
                    format_number(std::min(parameter.from, parameter.to)));
 }
 
-void read_spaced(const SceneNode& node, bool is_logarithmic, Parameter& parameter) {
+void read_spaced(const SceneNode& node, bool is_logarithmic, SweepParameter& parameter) {
   expect_list(node, "numbers: the first value, the last value, how many", 3);
-  parameter.kind = Parameter::Kind::spaced;
+  parameter.kind = SweepParameter::Kind::spaced;
   read_ends(node, is_logarithmic, parameter);
   parameter.count = static_cast<std::uint64_t>(read_integer(node.element(2), at_least_one));
 }
 
-void read_interval(const SceneNode& node, bool is_logarithmic, Parameter& parameter) {
+void read_interval(const SceneNode& node, bool is_logarithmic, SweepParameter& parameter) {
   expect_list(node, "numbers: the ends of the interval", 2);
-  parameter.kind = Parameter::Kind::interval;
+  parameter.kind = SweepParameter::Kind::interval;
   read_ends(node, is_logarithmic, parameter);
   if (!(parameter.from < parameter.to))
     node.fail_with("expected ends that rise, got " + format_number(parameter.from) + " and " +
@@ -62,7 +62,7 @@ void read_interval(const SceneNode& node, bool is_logarithmic, Parameter& parame
 }
 
 /// [first, last] or [first, last, step]; the last is one of the values where the steps reach it.
-void read_range(const SceneNode& node, Parameter& parameter) {
+void read_range(const SceneNode& node, SweepParameter& parameter) {
   expect_list(node, "numbers: the first value, the last value and, unless 1, the step");
   const SceneValue::Array& entries = node.value->array();
   if (entries.size() != 2 && entries.size() != 3) node.fail("a list of 2 or 3 numbers");
@@ -73,7 +73,7 @@ void read_range(const SceneNode& node, Parameter& parameter) {
     node.fail_with("expected a step that leads from the first value to the last");
   if (steps >= static_cast<double>(most_values)) node.fail_with("expected fewer than 1e12 values");
   const double whole_steps = std::floor(steps * (1 + 4e-16) + 1e-9);  // 0.1 is none of the doubles
-  parameter.kind = Parameter::Kind::spaced;
+  parameter.kind = SweepParameter::Kind::spaced;
   parameter.from = first;
   parameter.to = first + whole_steps * step;
   parameter.count = static_cast<std::uint64_t>(whole_steps) + 1;
@@ -81,7 +81,7 @@ void read_range(const SceneNode& node, Parameter& parameter) {
       entries, [](const SceneValue& entry) { return std::holds_alternative<std::int64_t>(entry.data); });
 }
 
-void read_form(const SceneNode& node, const std::string& form, Parameter& parameter) {
+void read_form(const SceneNode& node, const std::string& form, SweepParameter& parameter) {
   if (form == "linspace" || form == "logspace") return read_spaced(node, form == "logspace", parameter);
   if (form == "uniform" || form == "log_uniform")
     return read_interval(node, form == "log_uniform", parameter);
@@ -99,7 +99,7 @@ void refuse_misspelt_form(const SceneNode& node, const std::string& word) {
     node.fail_with("expected one of " + join(form_names()) + ", got \"" + one_line(word) + "\"; " + cure);
 }
 
-void read_into(const SceneNode& node, const std::string& key, std::vector<Parameter>& parameters) {
+void read_into(const SceneNode& node, const std::string& key, std::vector<SweepParameter>& parameters) {
   if (!is_parameter_values(*node.value)) {
     if (!node.value->is_table() || node.value->table().empty())
       node.fail("a list of values or a table with one of " + join(form_names()),
@@ -116,7 +116,7 @@ void read_into(const SceneNode& node, const std::string& key, std::vector<Parame
     }
     return;
   }
-  Parameter parameter;
+  SweepParameter parameter;
   parameter.keys = {key};
   parameter.name = key;
   parameter.place = node.place();
@@ -127,7 +127,7 @@ void read_into(const SceneNode& node, const std::string& key, std::vector<Parame
 
 }  // namespace
 
-SceneValue Parameter::value(std::uint64_t i) const {
+SceneValue SweepParameter::value(std::uint64_t i) const {
   if (kind == Kind::list) return values[static_cast<std::size_t>(i)];
   const double share = count == 1 ? 0 : static_cast<double>(i) / static_cast<double>(count - 1);
   if (is_whole)
@@ -138,7 +138,7 @@ SceneValue Parameter::value(std::uint64_t i) const {
   return number_value(from + share * (to - from), origin);
 }
 
-SceneValue Parameter::at(double x) const {
+SceneValue SweepParameter::at(double x) const {
   if (kind == Kind::interval)
     return number_value(is_logarithmic ? from * std::pow(to / from, x) : from + x * (to - from), origin);
   const auto i = static_cast<std::uint64_t>(x * static_cast<double>(size()));
@@ -151,27 +151,28 @@ bool is_parameter_values(const SceneValue& value) {
          std::ranges::find(form_names(), value.table().front().key) != form_names().end();
 }
 
-void read_parameter_values(const SceneNode& node, Parameter& parameter) {
+void read_parameter_values(const SceneNode& node, SweepParameter& parameter) {
   if (!node.value->is_table()) return read_form(node, "values", parameter);
   const std::string form = node.value->table().front().key;
   read_form(node.child(form), form, parameter);
 }
 
-void read_parameters(const SceneNode& node, std::vector<Parameter>& parameters) {
+void read_parameters(const SceneNode& node, std::vector<SweepParameter>& parameters) {
   expect_table(node);
   if (node.value->table().empty()) node.fail("keys of the scene with their values");
   for (const SceneMember& member : node.value->table())
     read_into(node.child(member.key), member.key, parameters);
   // TOML tables come in the order of the alphabet.
-  std::ranges::stable_sort(parameters, {}, [](const Parameter& parameter) { return parameter.origin.line; });
+  std::ranges::stable_sort(parameters, {},
+                           [](const SweepParameter& parameter) { return parameter.origin.line; });
 }
 
-Parameter read_parameter(const SceneNode& node) {
+SweepParameter read_parameter(const SceneNode& node) {
   expect_table(node);
   std::vector<std::string> known = form_names();
   known.insert(known.begin(), {"key", "name"});
   refuse_unknown_keys(node, known);
-  Parameter parameter;
+  SweepParameter parameter;
   parameter.place = node.place();
   parameter.origin = origin_of(node);
   if (!node.has("key")) node.fail_with("the key \"key\" is missing; give the key of the scene that varies");
@@ -195,8 +196,8 @@ Parameter read_parameter(const SceneNode& node) {
   return parameter;
 }
 
-std::string describe_values(const Parameter& parameter) {
-  if (parameter.kind == Parameter::Kind::list) {
+std::string describe_values(const SweepParameter& parameter) {
+  if (parameter.kind == SweepParameter::Kind::list) {
     std::string list;
     FileHashes no_files{""};
     for (const SceneValue& value : parameter.values)
@@ -207,7 +208,8 @@ std::string describe_values(const Parameter& parameter) {
   }
   std::string text = parameter.is_logarithmic ? "logarithmic " : parameter.is_whole ? "whole " : "";
   text += "from " + format_number(parameter.from) + " to " + format_number(parameter.to);
-  if (parameter.kind == Parameter::Kind::spaced) text += ", " + std::to_string(parameter.count) + " values";
+  if (parameter.kind == SweepParameter::Kind::spaced)
+    text += ", " + std::to_string(parameter.count) + " values";
   return text;
 }
 

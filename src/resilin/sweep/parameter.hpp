@@ -12,7 +12,7 @@ namespace resilin {
 
 /// What varies from scene to scene: one or more keys of the scene that take the same value, out of a list or
 /// of an interval.
-struct Parameter {
+struct SweepParameter {
   enum class Kind { list, spaced, interval };
 
   std::vector<std::string> keys;  ///< as after --set
@@ -34,19 +34,19 @@ struct Parameter {
 
 /// Reads one parameter's values: a list, or a table with one of linspace, logspace, range, uniform,
 /// log_uniform. @throws InputError
-void read_parameter_values(const SceneNode& node, Parameter& parameter);
+void read_parameter_values(const SceneNode& node, SweepParameter& parameter);
 
 /// Whether a value says which values a parameter takes; a table of tables leads on to longer keys.
 bool is_parameter_values(const SceneValue& value);
 
 /// The parameters of a sweep: a table [parameters] by keys, nested as TOML has them, in the order of the
 /// file.
-void read_parameters(const SceneNode& node, std::vector<Parameter>& parameters);
+void read_parameters(const SceneNode& node, std::vector<SweepParameter>& parameters);
 
 /// An entry of [[parameter]].
-Parameter read_parameter(const SceneNode& node);
+SweepParameter read_parameter(const SceneNode& node);
 
 /// All that the values of a parameter follow from, as text, for comparison.
-std::string describe_values(const Parameter& parameter);
+std::string describe_values(const SweepParameter& parameter);
 
 }  // namespace resilin

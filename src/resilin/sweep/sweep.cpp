@@ -91,14 +91,14 @@ std::uint64_t Sweep::counted() const {
     throw InputError(description_.place + ": samples", "a method that draws (latin_hypercube, sobol)",
                      spelling(description_.method), "leave out samples or choose another method");
   std::uint64_t count = 1;
-  for (const Parameter& parameter : description_.parameters) {
-    if (parameter.kind == Parameter::Kind::interval)
+  for (const SweepParameter& parameter : description_.parameters) {
+    if (parameter.kind == SweepParameter::Kind::interval)
       throw InputError(parameter.place,
                        "a list of values, linspace, logspace or range for " + spelling(description_.method),
                        "an interval", "method = \"sobol\" draws from intervals");
     const std::uint64_t size = parameter.size();
     if (description_.method == SweepMethod::list) {
-      const Parameter& first = description_.parameters.front();
+      const SweepParameter& first = description_.parameters.front();
       if (size != first.size())
         throw InputError(parameter.place,
                          std::to_string(first.size()) + " values, as many as for " + first.name,
@@ -118,7 +118,7 @@ std::vector<SceneValue> Sweep::values(std::uint64_t i) const {
   std::vector<SceneValue> values(description_.parameters.size());
   std::uint64_t rest = i;
   for (std::size_t p = values.size(); p-- > 0;) {
-    const Parameter& parameter = description_.parameters[p];
+    const SweepParameter& parameter = description_.parameters[p];
     const auto seed = static_cast<std::uint64_t>(description_.seed);
     switch (description_.method) {
       case SweepMethod::grid:  // the last parameter varies fastest
@@ -189,7 +189,7 @@ Fingerprint Sweep::identity() const {
     identity.emplace_back("samples", std::to_string(description_.samples));
     identity.emplace_back("seed", std::to_string(description_.seed));
   }
-  for (const Parameter& parameter : description_.parameters) {
+  for (const SweepParameter& parameter : description_.parameters) {
     identity.emplace_back("parameter " + parameter.name, describe_values(parameter));
     if (parameter.keys != std::vector{parameter.name})
       identity.emplace_back("keys of " + parameter.name, join(parameter.keys));
@@ -212,14 +212,14 @@ void Sweep::check_columns() const {
       throw InputError(place, "a column of its own", '"' + one_line(name) + '"',
                        "the table has such a column already; give another `name`");
   };
-  for (const Parameter& parameter : description_.parameters) check(parameter.name, parameter.place);
+  for (const SweepParameter& parameter : description_.parameters) check(parameter.name, parameter.place);
   for (const Quantity& quantity : description_.quantities) check(quantity.name, quantity.place);
 }
 
 /// No two parameters may set the same value: the second would make the first idle.
 void Sweep::check_targets() const {
   std::set<std::string> targets;
-  for (const Parameter& parameter : description_.parameters)
+  for (const SweepParameter& parameter : description_.parameters)
     for (const std::string& key : parameter.keys)
       if (!targets.insert(numbered_key(description_.base, key, parameter.place)).second)
         throw InputError(parameter.place, "a key of its own", '"' + one_line(key) + '"',
@@ -254,7 +254,7 @@ std::optional<Description> Sweep::readable_scene() const {
 /// other parameters, such as another law; `message` says of what they are unknown.
 bool Sweep::is_known(std::size_t parameter, std::string& message) const {
   constexpr std::uint64_t most_tries = 64;
-  const Parameter& looked_at = description_.parameters[parameter];
+  const SweepParameter& looked_at = description_.parameters[parameter];
   SceneOptions options;
   options.meshes = meshes_.get();
   const auto is_known_in = [&](SceneValue scene) {

@@ -40,7 +40,7 @@ struct SweepDescription {
   SceneValue base;
   std::string base_name;         ///< for messages
   std::filesystem::path folder;  ///< that the paths in the scene start at
-  std::vector<Parameter> parameters;
+  std::vector<SweepParameter> parameters;
   SweepMethod method = SweepMethod::grid;
   std::int64_t samples = 0;  ///< of latin_hypercube and sobol
   std::int64_t seed = 0;     ///< of the same
@@ -57,7 +57,7 @@ class Sweep {
 
   std::uint64_t size() const { return size_; }
   const std::string& place() const { return description_.place; }
-  const std::vector<Parameter>& parameters() const { return description_.parameters; }
+  const std::vector<SweepParameter>& parameters() const { return description_.parameters; }
   const std::vector<Quantity>& quantities() const { return description_.quantities; }
   const KeptScenes& kept() const { return description_.keep; }
 

@@ -21,7 +21,7 @@ constexpr const char* manifest_name = "sweep.json";
 
 Json manifest_json(const Sweep& sweep) {
   Json columns = Json::array();
-  for (const Parameter& parameter : sweep.parameters())
+  for (const SweepParameter& parameter : sweep.parameters())
     columns.push_back({{"name", parameter.name}, {"kind", "parameter"}, {"keys", parameter.keys}});
   for (const Quantity& quantity : sweep.quantities())
     columns.push_back({{"name", quantity.name},

@@ -52,7 +52,7 @@ const std::vector<const char*>& numbers() {
 void write_csv(const SweepFolder& folder, std::ostream& stream) {
   const Sweep& sweep = folder.sweep();
   std::vector<std::string> cells = {"scene", "hash"};
-  for (const Parameter& parameter : sweep.parameters()) cells.push_back(cell(parameter.name));
+  for (const SweepParameter& parameter : sweep.parameters()) cells.push_back(cell(parameter.name));
   cells.emplace_back("status");
   for (const Quantity& quantity : sweep.quantities()) cells.push_back(cell(quantity.name));
   for (const char* name : numbers()) cells.emplace_back(name);
@@ -64,7 +64,7 @@ void write_csv(const SweepFolder& folder, std::ostream& stream) {
     const Json row = Json::parse(line, nullptr, false);
     if (!row.is_object()) continue;
     cells = {std::to_string(i), hash.text()};
-    for (const Parameter& parameter : sweep.parameters())
+    for (const SweepParameter& parameter : sweep.parameters())
       cells.push_back(cell(part(row, "parameters", parameter.name)));
     cells.push_back(cell(row.value("status", Json(nullptr))));
     for (const Quantity& quantity : sweep.quantities())
