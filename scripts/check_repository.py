@@ -20,6 +20,8 @@ SKIPPED_TEST = re.compile(r"D[I]SABLED_|GTEST_S[K]IP\(\)(?! <<)|pytest\.mark\.(s
 # Tests run side by side: each has a folder of its own, from one helper.
 SHARED_FOLDER = re.compile(r"Temp[D]ir\(|temp_directory_[p]ath|mk[d]temp|[t]mpnam|gettemp[d]ir|[\"']/t[m]p/")
 HOME_OF_FOLDERS = "tests/support/temporary_folder.cpp"
+NAMESPACE = re.compile(r"^namespace ([\w:]+) \{", re.MULTILINE)
+TYPE = re.compile(r"^(?:struct|class|enum class) (\w+)(?: final)?(?: :[^;{]*)? \{", re.MULTILINE)
 LINK = re.compile(r"\]\(([^)#\s]+)(#[^)]*)?\)")
 
 EXECUTABLES = ("run", "test", ".ci/run")
@@ -68,8 +70,22 @@ def broken_links(name, text, folder):
     ]
 
 
+def types_with_two_homes(headers):
+    """Types of one name and namespace in two of `headers`, (name, text): the linker takes either and says nothing."""
+    homes, problems = {}, []
+    for name, text in headers:
+        namespace = NAMESPACE.search(text)
+        for found in TYPE.findall(text):
+            home = homes.setdefault((namespace and namespace[1], found), name)
+            if home != name:
+                problems.append(f"{name}: {found} is a type of {home}, too; give one of them another name")
+    return problems
+
+
 def find_problems():
-    problems = [f"{name}: not executable" for name in EXECUTABLES if not os.access(ROOT / name, os.X_OK)]
+    headers = [(relative(path), path.read_text(encoding="utf-8")) for path in repository_files(".hpp")]
+    problems = types_with_two_homes([header for header in headers if header[0].startswith(("src/", "apps/"))])
+    problems += [f"{name}: not executable" for name in EXECUTABLES if not os.access(ROOT / name, os.X_OK)]
     for path in repository_files():
         name = relative(path)
         if path.stat().st_size > MAX_BYTES:
@@ -105,6 +121,9 @@ def find_faults_of_this_check():
         found = problems_of_text(name, text)
         if len(found) != expected:
             faults.append(f"{name} with {text[:40]!r}: expected {expected} problems, got {found}")
+    twice = [(f"src/{name}.hpp", "namespace resilin {\nstruct Both {\n};\n}") for name in ("a", "b")]
+    if len(types_with_two_homes(twice)) != 1 or types_with_two_homes(twice[:1]):
+        faults.append("a type with two homes is not found, or one with one is")
     if not broken_links("a.md", "[x](no-such-file.md)", pathlib.Path(ROOT)):
         faults.append("a broken link is not found")
     return faults
