@@ -93,7 +93,7 @@ void History::finish(const Simulation& simulation, const RunOutcome& outcome, do
   Json frames = Json::array();
   FieldEvaluator evaluator(world());
   for (std::size_t i = 0; i < frames_.size(); ++i) {
-    const std::vector<FieldValues> fields = evaluator.evaluate(states_[i], world().output.fields);
+    const std::vector<FieldValues> fields = evaluator.evaluate(states_[i], fields_of_report(world()));
     frames.push_back(frame_json(frames_[i], world(), states_[i], fields));
   }
   frames_.clear();

@@ -208,7 +208,7 @@ std::pair<Index, Index> vertex_range(const Simulation& simulation, const std::st
 
 std::string frame(const Simulation& simulation) {
   const World& world = simulation.world();
-  const auto fields = FieldEvaluator(world).evaluate(simulation.state(), world.output.fields);
+  const auto fields = FieldEvaluator(world).evaluate(simulation.state(), fields_of_report(world));
   return frame_json(simulation.frame(), world, simulation.state(), fields).dump();
 }
 

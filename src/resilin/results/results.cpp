@@ -19,6 +19,14 @@
 #include "resilin/world/shown_colliders.hpp"
 
 namespace resilin {
+std::vector<std::string> fields_of_report(const World& world) {
+  std::vector<std::string> names = world.output.fields;
+  if (!world.output.writes(OutputFormat::html)) return names;
+  for (const ScalarField& shown : recorded_fields(world))
+    if (std::ranges::find(names, shown.field->name) == names.end()) names.push_back(shown.field->name);
+  return names;
+}
+
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -36,15 +44,6 @@ void write_text(const std::filesystem::path& path, const std::string& text) {
 }
 
 std::string frame_name(std::size_t number) { return "frames/" + numbered_vtu(number); }
-
-/// What the scene asks for, and then what the page shows of it: the report has the ranges of both.
-std::vector<std::string> fields_of_report(const World& world) {
-  std::vector<std::string> names = world.output.fields;
-  if (!world.output.writes(OutputFormat::html)) return names;
-  for (const ScalarField& shown : recorded_fields(world))
-    if (std::ranges::find(names, shown.field->name) == names.end()) names.push_back(shown.field->name);
-  return names;
-}
 
 /// The lists of frames that ParaView opens, of bodies and of colliders; statics count in load factors, or in
 /// steps where the load falls or where they show vibrations.

@@ -13,6 +13,9 @@
 
 namespace resilin {
 
+/// What the scene asks for, and then what the page shows of it: the report has the ranges of both.
+std::vector<std::string> fields_of_report(const World& world);
+
 /// The folder that a run leaves: report.json, frames/NNNN.vtu, frames.pvd, where there are colliders
 /// colliders/NNNN.vtu and colliders.pvd, checkpoint.bin and, as output.formats asks, recording.bin and
 /// result.html, result.usda. It records one world, which must outlive it.

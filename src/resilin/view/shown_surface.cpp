@@ -74,8 +74,9 @@ std::size_t num_nodes_of_cells(const World& world) {
 
 }  // namespace
 
-ShownSurface::ShownSurface(const World& world) : dim_(world.dimension) {
-  const bool with_inside = dim_ == 3 && num_nodes_of_cells(world) <= most_inside_vertices;
+ShownSurface::ShownSurface(const World& world, Inside inside) : dim_(world.dimension) {
+  const bool with_inside =
+      inside == Inside::shown_by_cuts && dim_ == 3 && num_nodes_of_cells(world) <= most_inside_vertices;
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     const Body& body = world.bodies[b];
     if (body.skin) {

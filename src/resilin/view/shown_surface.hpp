@@ -43,7 +43,8 @@ class ShownSurface {
 
   /// Keeps no reference to the world: a world with the same bodies and cells may take its place later (such
   /// as one with other materials). A body's skin stands before its cells.
-  explicit ShownSurface(const World& world);
+  enum class Inside { shown_by_cuts, left_out };
+  explicit ShownSurface(const World& world, Inside inside = Inside::shown_by_cuts);
 
   int dimension() const { return dim_; }
   std::span<const Part> parts() const { return parts_; }

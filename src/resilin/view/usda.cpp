@@ -98,7 +98,10 @@ std::string usd_identifier(std::string_view name) {
 }
 
 UsdaWriter::UsdaWriter(std::filesystem::path points_path, const World& world, const Vector3& up)
-    : path_(std::move(points_path)), world_(world), surface_(world), up_(up) {}
+    : path_(std::move(points_path)),
+      world_(world),
+      surface_(world, ShownSurface::Inside::left_out),
+      up_(up) {}
 
 std::size_t UsdaWriter::frame_size() const {
   return sizeof(double) + surface_.rest_positions().size() * sizeof(float);
