@@ -87,7 +87,11 @@ SCENES = [
         STATIC + box("P2P0", "mooney_rivlin", 0.49, cells="[4, 2, 2]") + CLAMP + PRESSED + TIP,
         slack=10,
     ),
-    SharedScene("Q1 turned by its ends", STATIC + box("Q1", "yeoh", more=', kind = "hexahedra"') + CLAMP + TURN + TIP),
+    SharedScene(
+        "Q1 turned by its ends",
+        STATIC + box("Q1", "yeoh", more=', kind = "hexahedra"') + CLAMP + TURN + TIP,
+        ties=True,
+    ),
     SharedScene("Q1 in the plane", FLAT, (2, 3)),
     SharedScene("linear elasticity", STATIC + box("P1", "linear_elastic") + CLAMP + BENT + TIP),
     SharedScene("fibres", FIBRES + CLAMP + BENT.replace("[0, 2e4, -3e4]", "[0, 3e3, -4e3]") + TIP, slack=10),
