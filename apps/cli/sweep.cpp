@@ -13,6 +13,7 @@
 #include "resilin/core/error.hpp"
 #include "resilin/core/parallel.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/core/thread_count.hpp"
 #include "resilin/sweep/scene_run.hpp"
 #include "resilin/sweep/sweep_folder.hpp"
 #include "resilin/sweep/sweep_run.hpp"
@@ -129,9 +130,11 @@ void add_sweep(CommandLine& line, Action& action) {
   command.option("--out", options->out, "Folder for the results; default out/<name of the sweep>");
   command.option("--shard", options->shard, "Run part i of n; all parts share the folder").type_name("i/n");
   command.option("--jobs", options->jobs, "Scenes at once; default one for each thread where they are small")
-      .between(1, 1024);
-  command.option("--threads", options->threads, "Number of threads of all scenes together; default all cores")
-      .between(1, 1024);
+      .between(1, max_threads);
+  command
+      .option("--threads", options->threads,
+              "Number of threads of all scenes together; default RESILIN_THREADS or all cores")
+      .between(1, max_threads);
   command.flag("--dry-run", options->is_dry, "Say how many scenes there are and how long they will take");
   command.flag("--retry-failed", options->retries_failed, "Run those that failed once more");
   command.flag("--update", options->updates,

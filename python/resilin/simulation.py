@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, NoReturn
@@ -96,7 +97,12 @@ class Result:
         self.times: Floats = core.times()
         self.loads: Floats = core.loads()
         self.fields: Fields = Fields(core.field)
-        self.report: Report = json.loads(core.report())
+
+    @functools.cached_property
+    def report(self) -> Report:
+        """As report.json; made when it is first asked for."""
+        report: Report = json.loads(self._core.report())
+        return report
 
     @property
     def status(self) -> RunStatus:
@@ -239,7 +245,7 @@ class Simulation:
             result = Result(self._core.run(folder, how, int(steps or 0), line.after_step))
         finally:
             line.end()
-        warn(result.report["warnings"][len(self._core.warnings) :])
+        warn(result._core.warnings()[len(self._core.warnings) :])
         return result
 
     def set_material(self, body: str, material: Material, density: float | None = None) -> None:

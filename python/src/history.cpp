@@ -90,19 +90,21 @@ void History::record(const Simulation& simulation, bool is_last) {
 void History::finish(const Simulation& simulation, const RunOutcome& outcome, double total_seconds,
                      double output_seconds) {
   summary_ = summary_of(simulation, outcome, total_seconds, output_seconds);
+}
+
+const std::string& History::report() const {
+  if (!report_.empty()) return report_;
   Json frames = Json::array();
   FieldEvaluator evaluator(world());
-  for (std::size_t i = 0; i < frames_.size(); ++i) {
-    const std::vector<FieldValues> fields = evaluator.evaluate(states_[i], fields_of_report(world()));
-    frames.push_back(frame_json(frames_[i], world(), states_[i], fields));
-  }
-  frames_.clear();
-  report_ = report_json(world(), std::move(frames), summary_).dump();
+  const std::vector<std::string> names = fields_of_report(world());
+  for (std::size_t i = 0; i < frames_.size(); ++i)
+    frames.push_back(frame_json(frames_[i], world(), states_[i], evaluator.evaluate(states_[i], names)));
+  return report_ = report_json(world(), std::move(frames), summary_).dump();
 }
 
 void History::save(const std::filesystem::path& path) const {
   ResultFolder folder(path, summary_.total_seconds);
-  const Json report = Json::parse(report_);
+  const Json report = Json::parse(this->report());
   for (std::size_t i = 0; i < states_.size(); ++i)
     folder.add(world(), states_[i], report["frames"][i].dump());
   folder.finish(world(), states_.back(), summary_);
@@ -113,7 +115,7 @@ std::string History::image() const {
   std::vector<std::string> states;
   for (const State& state : states_) states.push_back(serialize(state));
   ArchiveWriter writer;
-  writer(serialize(*world().made_from), states, report_, summary_);
+  writer(serialize(*world().made_from), states, report(), summary_);
   return writer.take();
 }
 
@@ -157,8 +159,16 @@ NumpyArray<double> History::scalar(double State::* member) const {
 void bind_history(nb::module_& module) {
   module.def("field_names", &field_names);
   nb::class_<History>(module, "History")
-      .def("save", &History::save, nb::arg("folder"), nb::call_guard<nb::gil_scoped_release>())
+      .def(
+          "save",
+          [](const History& history, const std::filesystem::path& folder) {
+            history.report();  // made by one thread
+            const nb::gil_scoped_release release;
+            history.save(folder);
+          },
+          nb::arg("folder"))
       .def("report", &History::report)
+      .def("warnings", &History::warnings)
       .def("__getstate__",
            [](const History& history) {
              const std::string image = history.image();

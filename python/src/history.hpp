@@ -38,7 +38,9 @@ class History {
 
   /// Writes the folder that the run would have left.
   void save(const std::filesystem::path& folder) const;
-  const std::string& report() const { return report_; }  ///< as in report.json
+  /// As in report.json. Made when it is first asked for: ranges of fields cost as much as a light step.
+  const std::string& report() const;
+  const std::vector<std::string>& warnings() const { return summary_.outcome.warnings; }
   /// @param frame  from 0, or from the end: -1 is the last
   Image draw(int frame, const PictureOptions& options) const;
 
@@ -55,9 +57,9 @@ class History {
 
   std::shared_ptr<const World> world_;  // which no step changes
   std::vector<State> states_;
-  std::vector<Frame> frames_;  // emptied by `finish`
+  std::vector<Frame> frames_;
   RunSummary summary_;
-  std::string report_;  // once the run has ended
+  mutable std::string report_;  // empty until it is asked for
 };
 
 void bind_history(nb::module_& module);

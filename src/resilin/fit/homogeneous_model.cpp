@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "resilin/material/batch.hpp"
+#include "resilin/fit/state_batch.hpp"
 
 namespace resilin {
 namespace {
@@ -82,18 +82,6 @@ std::array<double, 9> stress_weights(const LoadedState& state, bool is_compressi
       break;
   }
   return w;
-}
-
-StateBatch<double> batch_at(const LawInfo& law, std::span<const double> constants,
-                            const std::vector<double>& H) {
-  StateBatch<double> batch{.law = &law,
-                           .dim = 3,
-                           .count = H.size() / 9,
-                           .deformation_gradients = H.data(),
-                           .holds_displacement_gradients = true,
-                           .constants = {}};
-  for (const double& constant : constants) batch.constants.push_back({&constant, 0});
-  return batch;
 }
 
 double weighted_sum(const double* weights, const double* P) {

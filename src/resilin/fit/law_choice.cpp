@@ -7,7 +7,7 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
-#include "resilin/material/batch.hpp"
+#include "resilin/fit/state_batch.hpp"
 
 namespace resilin {
 namespace {
@@ -37,18 +37,6 @@ std::vector<double> probe_states() {
   return H;
 }
 
-StateBatch<double> probe_batch(const LawInfo& law, const std::vector<double>& constants,
-                               const std::vector<double>& H) {
-  StateBatch<double> batch{.law = &law,
-                           .dim = 3,
-                           .count = H.size() / 9,
-                           .deformation_gradients = H.data(),
-                           .holds_displacement_gradients = true,
-                           .constants = {}};
-  for (const double& constant : constants) batch.constants.push_back({&constant, 0});
-  return batch;
-}
-
 /// Whether Psi's second derivative by these two constants vanishes: Psi is then linear in them.
 bool is_bilinear_free(const StateBatch<double>& batch, int p, int q) {
   std::array<double, 3> second{};
@@ -59,7 +47,7 @@ bool is_bilinear_free(const StateBatch<double>& batch, int p, int q) {
 /// The constant of which all Kirchhoff stresses dW/dh_i are the same at J = 1, as of a pressure.
 int find_volume_constant(const LawInfo& law, const std::vector<double>& constants) {
   const std::vector<double> H = probe_states();
-  const StateBatch<double> batch = probe_batch(law, constants, H);
+  const StateBatch<double> batch = batch_at(law, constants, H);
   std::vector<double> dP(H.size());
   for (std::size_t p = 0; p < law.constants.size(); ++p) {
     if (law.constants[p].unit.empty()) continue;
@@ -81,7 +69,7 @@ void sort_into_kinds(LawChoice& choice, const std::vector<double>& sample) {
   choice.linear.clear();
   choice.nonlinear.clear();
   const std::vector<double> H = probe_states();
-  const StateBatch<double> batch = probe_batch(*choice.law, sample, H);
+  const StateBatch<double> batch = batch_at(*choice.law, sample, H);
   for (const int p : fitted) {
     const bool is_linear =
         !choice.is_compressible && is_bilinear_free(batch, p, p) &&

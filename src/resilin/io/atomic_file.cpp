@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <fstream>
 #include <new>
+#include <ostream>
 #include <string_view>
 #include <system_error>
 
@@ -164,6 +165,10 @@ std::string read_file(const std::filesystem::path& path) {
   if (stream.bad()) throw FileError(path.string(), "cannot be read: " + reason(errno));
   bytes.resize(static_cast<std::size_t>(stream.gcount()));
   return bytes;
+}
+
+void write_text(const std::filesystem::path& path, const std::string& text) {
+  write_atomically(path, [&text](std::ostream& stream) { stream << text; });
 }
 
 }  // namespace resilin

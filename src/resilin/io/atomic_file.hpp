@@ -18,6 +18,9 @@ namespace resilin {
 /// @throws FileError naming the path
 void write_atomically(const std::filesystem::path& path, const std::function<void(std::ostream&)>& write);
 
+/// The same of a text that is there.
+void write_text(const std::filesystem::path& path, const std::string& text);
+
 /// The ending of the name of a file that is not whole yet; numbers may follow.
 inline constexpr std::string_view partial_ending = ".partial";
 

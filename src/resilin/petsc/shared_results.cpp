@@ -9,6 +9,7 @@
 #include "resilin/io/atomic_file.hpp"
 #include "resilin/io/vtu.hpp"
 #include "resilin/results/build_info.hpp"
+#include "resilin/results/file_names.hpp"
 #include "resilin/results/folder_lock.hpp"
 #include "resilin/results/frame_file.hpp"
 #include "resilin/results/report.hpp"
@@ -21,13 +22,6 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-constexpr const char* checkpoint_name = "checkpoint.bin";
-constexpr const char* report_name = "report.json";
-
-void write_text(const std::filesystem::path& path, const std::string& text) {
-  write_atomically(path, [&text](std::ostream& stream) { stream << text; });
 }
 
 /// "0007": the folder of a frame's pieces; the frame itself ends with .pvtu.

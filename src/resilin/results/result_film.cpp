@@ -9,6 +9,7 @@
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/io/atomic_file.hpp"
+#include "resilin/results/file_names.hpp"
 #include "resilin/results/report.hpp"
 #include "resilin/results/result_picture.hpp"
 #include "resilin/results/saved_run.hpp"
@@ -31,7 +32,7 @@ void check(const FilmOptions& options) {
 
 /// The report's frames; an empty list where there is no report.
 Json frames_of_report(const std::filesystem::path& folder) {
-  const std::filesystem::path file = folder / "report.json";
+  const std::filesystem::path file = folder / report_name;
   if (!std::filesystem::is_regular_file(file)) return Json::array();
   const Json report = Json::parse(read_file(file), nullptr, /*allow_exceptions=*/false);
   return report.is_object() && report.contains("frames") ? report["frames"] : Json::array();

@@ -13,6 +13,7 @@
 #include "resilin/io/atomic_file.hpp"
 #include "resilin/picture/picture_field.hpp"
 #include "resilin/results/collider_file.hpp"
+#include "resilin/results/file_names.hpp"
 #include "resilin/results/frame_file.hpp"
 #include "resilin/results/report.hpp"
 #include "resilin/results/saved_run.hpp"
@@ -106,7 +107,7 @@ Image draw_state(const World& world, const State& state, const Mesh& colliders, 
 /// "Mode 7: 523 Hz" for a frame of vibrations; else nothing.
 std::string caption_of(const std::filesystem::path& frame) {
   const std::filesystem::path report =
-      std::filesystem::absolute(frame).parent_path().parent_path() / "report.json";
+      std::filesystem::absolute(frame).parent_path().parent_path() / report_name;
   if (!std::filesystem::is_regular_file(report)) return {};
   const Json json = Json::parse(read_file(report), nullptr, /*allow_exceptions=*/false);
   std::size_t number = 0;

@@ -10,6 +10,7 @@
 #include "resilin/io/vtu.hpp"
 #include "resilin/results/build_info.hpp"
 #include "resilin/results/collider_file.hpp"
+#include "resilin/results/file_names.hpp"
 #include "resilin/results/folder_lock.hpp"
 #include "resilin/results/frame_file.hpp"
 #include "resilin/results/report.hpp"
@@ -35,13 +36,7 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-constexpr const char* checkpoint_name = "checkpoint.bin";
-constexpr const char* report_name = "report.json";
 constexpr const char* collider_list_name = "colliders.pvd";
-
-void write_text(const std::filesystem::path& path, const std::string& text) {
-  write_atomically(path, [&text](std::ostream& stream) { stream << text; });
-}
 
 std::string frame_name(std::size_t number) { return "frames/" + numbered_vtu(number); }
 

@@ -11,6 +11,7 @@
 #include "resilin/core/text.hpp"
 #include "resilin/io/atomic_file.hpp"
 #include "resilin/results/build_info.hpp"
+#include "resilin/results/file_names.hpp"
 #include "resilin/sweep/table.hpp"
 
 namespace resilin {
@@ -81,7 +82,7 @@ Shard parse_shard(const std::string& text) {
 
 SweepFolder::SweepFolder(std::filesystem::path folder, const Sweep& sweep, bool update, bool is_looked_at)
     : path_(std::move(folder)), sweep_(sweep) {
-  if (std::filesystem::exists(path_ / "report.json"))
+  if (std::filesystem::exists(path_ / report_name))
     throw InputError(path_.string(), "a folder of a sweep, or a new one", "the results of a run",
                      "choose another folder (--out)");
   std::error_code error;

@@ -1,0 +1,9 @@
+#pragma once
+
+namespace resilin {
+
+// Of what stands at the top of a folder of results.
+constexpr const char* report_name = "report.json";
+constexpr const char* checkpoint_name = "checkpoint.bin";
+
+}  // namespace resilin
