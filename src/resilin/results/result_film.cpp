@@ -93,29 +93,31 @@ FilmPlan plan_film(const std::filesystem::path& folder, const FilmOptions& optio
   scout.width = scout.height = 64;
   scout.edges = "off";
   const std::size_t stride = std::max<std::size_t>(1, plan.shots.size() / most_scouted);
-  std::optional<Image::View> all;
-  for (std::size_t i = 0; i < plan.shots.size(); i += stride) {
+  const auto look = [&](std::size_t i) {
     scout.scale = options.picture.scale * plan.shots[i].swing;
     const Image::View seen = draw_result(folder, plan.shots[i].frame, scout).view;
-    if (!all) all = seen;
-    // The direction is that of the frame in which most has moved: the box of displaced places is largest.
-    if ((seen.high - seen.low).norm() >= (all->high - all->low).norm()) all->toward = seen.toward;
-    all->low = all->low.cwiseMin(seen.low);
-    all->high = all->high.cwiseMax(seen.high);
-    all->extremes = {std::min(all->extremes[0], seen.extremes[0]),
-                     std::max(all->extremes[1], seen.extremes[1])};
-    all->up = seen.up;
     if (progress) progress(i, plan.shots.size());
+    return seen;
+  };
+  Image::View all = look(0);
+  for (std::size_t i = stride; i < plan.shots.size(); i += stride) {
+    const Image::View seen = look(i);
+    // The direction is that of the frame in which most has moved: the box of displaced places is largest.
+    if ((seen.high - seen.low).norm() >= (all.high - all.low).norm()) all.toward = seen.toward;
+    all.low = all.low.cwiseMin(seen.low);
+    all.high = all.high.cwiseMax(seen.high);
+    all.extremes = {std::min(all.extremes[0], seen.extremes[0]), std::max(all.extremes[1], seen.extremes[1])};
+    all.up = seen.up;
   }
-  plan.toward = all->toward;
-  plan.picture.vertical = all->up;
-  plan.picture.reach = {all->low, all->high};
+  plan.toward = all.toward;
+  plan.picture.vertical = all.up;
+  plan.picture.reach = {all.low, all.high};
   if (options.turn != 0) {  // what the box sweeps while it is gone around
-    const Vector3 middle = 0.5 * (all->low + all->high);
-    const Vector3 half = Vector3::Constant(0.5 * (all->high - all->low).norm());
+    const Vector3 middle = 0.5 * (all.low + all.high);
+    const Vector3 half = Vector3::Constant(0.5 * (all.high - all.low).norm());
     plan.picture.reach = {middle - half, middle + half};
   }
-  if (!plan.picture.range && all->extremes[0] < all->extremes[1]) plan.picture.range = all->extremes;
+  if (!plan.picture.range && all.extremes[0] < all.extremes[1]) plan.picture.range = all.extremes;
   return plan;
 }
 
