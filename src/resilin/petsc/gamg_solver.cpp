@@ -3,6 +3,7 @@
 #include <petscksp.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -37,9 +38,14 @@ class Owned {
   Handle handle_ = nullptr;
 };
 
+/// A preconditioner is worn when a digit takes so many iterations more than with the matrix that it was made
+/// for: its set-up costs about thirty.
+constexpr double worn_after_per_digit = 5;
+
 /// Conjugate gradients preconditioned by PETSc's GAMG: smoothed aggregation (Vanek, Mandel & Brezina 1996)
-/// with the rigid motions of the present shape, made anew for each matrix: interpolation and smoothers of the
-/// one before turn the preconditioner indefinite where a body stiffens.
+/// with the rigid motions of the present shape. One matrix's preconditioner serves those that follow in a
+/// search as it is, until iterations cost more than another: parts of it for new values (GAMG's
+/// `reuse_interpolation`) turn it indefinite where a body stiffens, the whole of it stays definite.
 ///
 /// The matrix is assembled from what each process has of it (MatSetValuesCOO): blocks of nodes that another
 /// process owns are sent there.
@@ -59,6 +65,7 @@ class PetscGamg final : public LinearSolver {
     constexpr double bytes_per_entry = 8 + 8 + 12 + 6 + 24;
     return 2.0 * static_cast<double>(pattern.num_slots()) * dim * dim * bytes_per_entry;
   }
+  void begin_search() override { is_worn_ = true; }
   void release() override {
     solver_.reset();
     matrix_.reset();
@@ -84,33 +91,28 @@ class PetscGamg final : public LinearSolver {
     });
     require_petsc(MatSetValuesCOO(matrix_, values_.data(), INSERT_VALUES));
     find_fixed(A);
-    if (positions_.size() > 0) set_rigid_motions(dim);
-    make_solver();
+    if (solver_ == nullptr || is_worn_) return make_solver(dim);
+    is_kept_ = true;
+    require_petsc(KSPSetReusePreconditioner(solver_, PETSC_TRUE));
     require_petsc(KSPSetOperators(solver_, matrix_, matrix_));
-    require_petsc(KSPSetUp(solver_));
-    KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
-    require_petsc(KSPGetConvergedReason(solver_, &reason));
-    LinearReport report;
-    if (reason == KSP_DIVERGED_PC_FAILED) report.status = LinearReport::Status::indefinite;
-    return report;
+    return {};
   }
 
   LinearReport solve(const BlockMatrix& A, const VectorX& b, VectorX& x, double relative_tolerance) override {
     const int dim = A.dim;
     put_owned(b, dim, right_side_);
     put_owned(x, dim, solution_);
-    require_petsc(KSPSetTolerances(solver_, relative_tolerance, PETSC_DEFAULT, 1e10, max_iterations_));
-    require_petsc(KSPSolve(solver_, right_side_, solution_));
     LinearReport report;
-    PetscInt iterations = 0;
-    require_petsc(KSPGetIterationNumber(solver_, &iterations));
-    report.iterations = static_cast<int>(iterations);
+    KSPConvergedReason reason = run_solver(relative_tolerance, report.iterations);
+    if (reason < 0 && is_kept_ && reason != KSP_DIVERGED_INDEFINITE_MAT) {
+      // With its own preconditioner from where the other has led to.
+      if (make_solver(dim).status == LinearReport::Status::ok)
+        reason = run_solver(relative_tolerance, report.iterations);
+    }
     double residual = 0, size = 0;
     require_petsc(KSPGetResidualNorm(solver_, &residual));
     require_petsc(VecNorm(right_side_, NORM_2, &size));
     report.relative_residual = size > 0 ? residual / size : 0;
-    KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
-    require_petsc(KSPGetConvergedReason(solver_, &reason));
     report.status = status_of(reason);
     get_all(dim, x);
     // What is fixed does not move, by no rounding either.
@@ -219,7 +221,28 @@ class PetscGamg final : public LinearSolver {
     require_petsc(MatSetNearNullSpace(matrix_, motions));
   }
 
-  void make_solver() {
+  /// Conjugate gradients from what `solution_` holds; adds what it took to `iterations`.
+  KSPConvergedReason run_solver(double relative_tolerance, int& iterations) {
+    const double digits = std::max(1.0, -std::log10(relative_tolerance));
+    const double allowed = (iterations_per_digit_ + worn_after_per_digit) * digits;
+    const int most = is_kept_ ? std::min(max_iterations_, static_cast<int>(2 * allowed)) : max_iterations_;
+    require_petsc(KSPSetTolerances(solver_, relative_tolerance, PETSC_DEFAULT, 1e10, most));
+    require_petsc(KSPSetInitialGuessNonzero(solver_, iterations > 0 ? PETSC_TRUE : PETSC_FALSE));
+    require_petsc(KSPSolve(solver_, right_side_, solution_));
+    PetscInt taken = 0;
+    require_petsc(KSPGetIterationNumber(solver_, &taken));
+    iterations += static_cast<int>(taken);
+    if (!is_kept_ && iterations_per_digit_ == 0) iterations_per_digit_ = taken / digits;
+    if (is_kept_ && taken > allowed) is_worn_ = true;
+    KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
+    require_petsc(KSPGetConvergedReason(solver_, &reason));
+    return reason;
+  }
+
+  LinearReport make_solver(int dim) {
+    if (positions_.size() > 0) set_rigid_motions(dim);
+    is_worn_ = is_kept_ = false;
+    iterations_per_digit_ = 0;
     require_petsc(KSPCreate(communicator_, solver_.to()));
     require_petsc(KSPSetType(solver_, KSPCG));
     require_petsc(KSPSetNormType(solver_, KSP_NORM_UNPRECONDITIONED));
@@ -227,6 +250,13 @@ class PetscGamg final : public LinearSolver {
     require_petsc(KSPGetPC(solver_, &preconditioner));
     require_petsc(PCSetType(preconditioner, PCGAMG));
     require_petsc(KSPSetFromOptions(solver_));
+    require_petsc(KSPSetOperators(solver_, matrix_, matrix_));
+    require_petsc(KSPSetUp(solver_));
+    KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
+    require_petsc(KSPGetConvergedReason(solver_, &reason));
+    LinearReport report;
+    if (reason == KSP_DIVERGED_PC_FAILED) report.status = LinearReport::Status::indefinite;
+    return report;
   }
 
   void put_owned(const VectorX& values, int dim, Vec to) const {
@@ -262,6 +292,9 @@ class PetscGamg final : public LinearSolver {
   Owned<Mat, MatDestroy> matrix_;
   Owned<Vec, VecDestroy> solution_, right_side_;
   Owned<KSP, KSPDestroy> solver_;
+  bool is_worn_ = true;              ///< the next matrix gets its own preconditioner
+  bool is_kept_ = false;             ///< it was made for a matrix before this one
+  double iterations_per_digit_ = 0;  ///< of the first solve with it
 };
 
 std::unique_ptr<LinearSolver> make_petsc_gamg(const LinearOptions& options) {
