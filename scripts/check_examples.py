@@ -25,7 +25,8 @@ def all_checks():
 
 
 def problems_of_fit(path):
-    """Tests of a material, `resilin fit`: every law is fitted, and the page and the material are there."""
+    """Tests of a material, `resilin fit`: every law is fitted, and the page and the material are there. Experiments
+    with a scene: the search converges, and nothing is odd about it."""
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "out"
         command = [PROGRAM, "fit", path, "--out", out, "--quiet"]
@@ -33,12 +34,14 @@ def problems_of_fit(path):
         if run.returncode != 0:
             return [f"{path.name}: exit code {run.returncode}: {run.stderr.strip()}"]
         report = json.loads((out / "fit.json").read_text(encoding="utf-8"))
+        tomllib.loads((out / "material.toml").read_text(encoding="utf-8"))
+        if "parameters" in report:
+            return [f"{path.name}: warning: {warning}" for warning in report["warnings"]]
         problems = [f"{path.name}: {law['name']} was not fitted" for law in report["not_fitted"]]
         if not report["laws"] or not all(test["r_squared"] > 0.95 for test in report["laws"][0]["tests"]):
             problems.append(f"{path.name}: no law meets the tests")
         if "<svg" not in (out / "fit.html").read_text(encoding="utf-8"):
             problems.append(f"{path.name}: fit.html shows no curves")
-        tomllib.loads((out / "material.toml").read_text(encoding="utf-8"))
         return problems
 
 

@@ -1,14 +1,18 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "command.hpp"
+#include "interrupt.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/fit/fit_file.hpp"
 #include "resilin/fit/fit_output.hpp"
 #include "resilin/fit/fit_report.hpp"
+#include "resilin/fit/scene_fit.hpp"
 #include "terminal.hpp"
 
 namespace resilin::cli {
@@ -31,21 +35,14 @@ std::string laws_override(const std::vector<std::string>& laws) {
   return "fit.laws=[" + list + "]";
 }
 
-int fit(const FitOptions& options) {
-  if (options.reference) {
-    print_text(fit_reference());
-    return done;
-  }
-  if (options.data.empty())
-    throw InputError("fit", "the file of the tests", "nothing",
-                     "for example resilin fit examples/fit_rubber.toml");
-  const Stopwatch watch;
-  std::vector<std::string> overrides = options.overrides;
-  if (!options.laws.empty()) overrides.push_back(laws_override(options.laws));
-  const FitReport report = fit_materials(read_fit(options.data, overrides));
-  const std::filesystem::path folder =
-      options.out.empty() ? std::filesystem::path("out") / std::filesystem::path(options.data).stem()
-                          : std::filesystem::path(options.out);
+std::filesystem::path folder_of(const FitOptions& options) {
+  return options.out.empty() ? std::filesystem::path("out") / std::filesystem::path(options.data).stem()
+                             : std::filesystem::path(options.out);
+}
+
+int fit_tests(FitDescription description, const FitOptions& options, const Stopwatch& watch) {
+  const FitReport report = fit_materials(std::move(description));
+  const std::filesystem::path folder = folder_of(options);
   write_fit(report, folder);
   if (options.json) {
     print_text(fit_json_text(report));
@@ -58,18 +55,60 @@ int fit(const FitOptions& options) {
   return done;
 }
 
+int fit_experiments(SceneFitDescription description, const FitOptions& options, const Stopwatch& watch) {
+  print_warnings(description.warnings);
+  catch_interrupts();
+  const bool is_told = !options.json && !options.quiet;
+  const SceneFitReport report =
+      fit_scenes(std::move(description), {.on_solve =
+                                              [is_told](const SceneFitStep& step) {
+                                                if (!is_told) return;
+                                                print_line(scene_fit_step_text(step));
+                                                flush_output();
+                                              },
+                                          .goes_on = [] { return !is_interrupted(); }});
+  const std::filesystem::path folder = folder_of(options);
+  write_scene_fit(report, folder);
+  if (options.json) {
+    print_text(scene_fit_json_text(report));
+  } else if (is_told) {
+    print_text("\n" + scene_fit_text(report));
+    print_line("\n" + one_line((folder / "material.toml").string()) + " and fit.json are written; " +
+               format_seconds(watch.seconds()));
+  }
+  print_warnings(report.estimates.warnings);
+  return report.is_converged ? done : not_converged;
+}
+
+int fit(const FitOptions& options) {
+  if (options.reference) {
+    print_text(fit_reference());
+    return done;
+  }
+  if (options.data.empty())
+    throw InputError("fit", "the file of the tests", "nothing",
+                     "for example resilin fit examples/fit_rubber.toml");
+  const Stopwatch watch;
+  std::vector<std::string> overrides = options.overrides;
+  if (!options.laws.empty()) overrides.push_back(laws_override(options.laws));
+  AnyFit asked = read_any_fit(options.data, overrides);
+  if (auto* scenes = std::get_if<SceneFitDescription>(&asked))
+    return fit_experiments(std::move(*scenes), options, watch);
+  return fit_tests(std::move(std::get<FitDescription>(asked)), options, watch);
+}
+
 }  // namespace
 
 void add_fit(CommandLine& line, Action& action) {
   auto options = std::make_shared<FitOptions>();
   const Command command = line.command(
-      "fit", "Find the constants of laws from tests, with intervals and their range of stability");
-  command.option("data", options->data, "The tests (.toml)");
-  command.option("--laws", options->laws, "Laws to fit, or all; default: those of the file")
+      "fit", "Find constants from material tests, or parameters of whole scenes from markers and forces");
+  command.option("data", options->data, "The tests, or experiments with their scenes (.toml)");
+  command.option("--laws", options->laws, "Laws to fit to tests, or all; default: those of the file")
       .separated_by(',')
       .type_name("LAW,...");
   command.option("--out", options->out,
-                 "Folder of fit.html, fit.json and material.toml; default: out/NAME of the file");
+                 "Folder of fit.json, material.toml and, of tests, fit.html; default: out/NAME of the file");
   command.option("--set", options->overrides, "Change a value of the file first; may be given several times")
       .type_name("KEY=VALUE")
       .repeatable();
@@ -77,8 +116,12 @@ void add_fit(CommandLine& line, Action& action) {
   command.flag("--quiet", options->quiet, "Print nothing but warnings");
   command.flag("--reference", options->reference, "Print the page docs/fit_keys.md");
   command.footer(
-      "Example:\n  resilin fit examples/fit_rubber.toml --laws yeoh,ogden2\n\nExit codes: 0 fitted; 1 the "
-      "data are wrong.");
+      "A file with [[test]] fits laws to homogeneous tests and ranks them. One with [[experiment]] and\n"
+      "[[parameter]] fits numbers of scenes to displacements of markers, reactions and probes; a line is\n"
+      "printed for each solve.\n"
+      "Examples:\n  resilin fit examples/fit_rubber.toml --laws yeoh,ogden2\n"
+      "  resilin fit examples/fit_bar.toml\n\n"
+      "Exit codes: 0 fitted; 1 the data are wrong; 2 the search in scenes has not converged.");
   command.on_chosen([options, &action] { action = [options] { return fit(*options); }; });
 }
 

@@ -5,6 +5,7 @@ Elastic     the energy of a mesh: value, gradient, Hessian
 Simulation  a scene step by step; `run` simulates it to the end
 Mesh        from arrays, files, meshio objects and recipes
 fit         constants of laws from tests, with intervals
+fit_scenes  numbers of whole scenes from markers, reactions and probes
 value_and_gradient   an objective of a scene and its exact gradient by numbers of the scene
 sweep       many scenes, here or on a Dask cluster
 embed       weights that carry fine points by the cells of a mesh
@@ -23,6 +24,7 @@ from resilin.gradient import Differentiated, gradient, parameter_names, value_an
 from resilin.material import Material
 from resilin.mesh import Mesh, MeshReport, read_mesh
 from resilin.picture import Picture, picture
+from resilin.scene_fit import SceneFit, fit_scenes
 from resilin.simulation import Result, Simulation, Step, run
 from resilin.sweeps import SweepTable, read_sweep, sweep
 from resilin.threads import num_threads, set_num_threads
@@ -40,12 +42,14 @@ __all__ = [
     "MeshReport",
     "Picture",
     "Result",
+    "SceneFit",
     "Simulation",
     "Step",
     "SweepTable",
     "__version__",
     "embed",
     "fit",
+    "fit_scenes",
     "gradient",
     "laws",
     "num_threads",

@@ -1,12 +1,15 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <exception>
 #include <string>
 #include <vector>
 
 #include "bindings.hpp"
+#include "interruptible.hpp"
 #include "resilin/fit/fit_file.hpp"
 #include "resilin/fit/fit_output.hpp"
+#include "resilin/fit/scene_fit.hpp"
 #include "scene_value.hpp"
 
 namespace resilin::python {
@@ -31,6 +34,38 @@ nb::typed<nb::dict, nb::str, nb::str> fit(const FitDescription& description) {
   return result;
 }
 
+/// What a fit of scenes gives, as texts; `on_solve`, or None, is told a line for each solve.
+nb::typed<nb::dict, nb::str, nb::str> fit_experiments(const SceneFitDescription& description,
+                                                      const nb::object& on_solve) {
+  std::string json, text, material;
+  Interruptible interruptible;
+  std::exception_ptr failure;
+  {
+    const nb::gil_scoped_release others_run;
+    try {
+      const SceneFitReport report =
+          fit_scenes(description, {.on_solve =
+                                       [&](const SceneFitStep& step) {
+                                         if (!on_solve.is_none())
+                                           interruptible.call(on_solve, scene_fit_step_text(step));
+                                       },
+                                   .goes_on = [&] { return !interruptible.is_stopped(); }});
+      json = scene_fit_json_text(report);
+      text = scene_fit_text(report);
+      material = scene_material_toml(report);
+    } catch (...) {
+      failure = std::current_exception();
+    }
+  }
+  interruptible.rethrow();
+  if (failure) std::rethrow_exception(failure);
+  nb::dict result;
+  result["json"] = json;
+  result["text"] = text;
+  result["material"] = material;
+  return result;
+}
+
 }  // namespace
 
 void bind_fit(nb::module_& module) {
@@ -46,6 +81,19 @@ void bind_fit(nb::module_& module) {
         return fit(read_fit_from_values(scene_value(values), "data", "", overrides));
       },
       nb::arg("values"), nb::arg("overrides"));
+  module.def(
+      "fit_scenes_file",
+      [](const std::string& path, const std::vector<std::string>& overrides, const nb::object& on_solve) {
+        return fit_experiments(read_scene_fit(path, overrides), on_solve);
+      },
+      nb::arg("path"), nb::arg("overrides"), nb::arg("on_solve").none());
+  module.def(
+      "fit_scenes_values",
+      [](nb::handle values, const std::vector<std::string>& overrides, const nb::object& on_solve) {
+        return fit_experiments(read_scene_fit_from_values(scene_value(values), "data", "", overrides),
+                               on_solve);
+      },
+      nb::arg("values"), nb::arg("overrides"), nb::arg("on_solve").none());
 }
 
 }  // namespace resilin::python

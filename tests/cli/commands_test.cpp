@@ -234,6 +234,21 @@ TEST_F(Commands, FitFindsConstantsAndWritesThem) {
   EXPECT_THAT(run({"fit", example, "--laws", "yeo"}).err, HasSubstr("did you mean \"yeoh\""));
 }
 
+TEST_F(Commands, FitFindsNumbersOfScenesAndTellsEachSolve) {
+  const std::string example = (source_folder() / "examples" / "fit_bar.toml").string();
+  const ProgramResult result = run({"fit", example, "--out", "fitted"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, AllOf(HasSubstr("solve 1: "), HasSubstr("E root"), HasSubstr("converged after 5"),
+                                HasSubstr("fitted/material.toml")));
+  EXPECT_EQ(read_json(folder / "fitted/fit.json")["parameters"].size(), 2U);
+  EXPECT_THAT(folder.read("fitted/material.toml"), HasSubstr("bar_youngs_modulus.csv"));
+  EXPECT_EQ(std::ranges::count(folder.read("fitted/bar_youngs_modulus.csv"), '\n'), 40);
+  const ProgramResult json = run({"fit", example, "--json"});
+  EXPECT_EQ(nlohmann::json::parse(json.out)["solves"], 5);
+  EXPECT_EQ(run({"fit", example, "--quiet", "--set", "fit.max_solves=2"}).exit_code, 2);
+  EXPECT_THAT(run({"run", example}).err, HasSubstr("this is the file of a fit"));
+}
+
 TEST_F(Commands, TakeTheNumberOfThreadsFromTheEnvironmentOrRefuseItInOneLine) {
   const auto info_with = [&](const std::string& threads) {
     return run_program(folder.path(), {"info", "--json"}, {"RESILIN_THREADS=" + threads});

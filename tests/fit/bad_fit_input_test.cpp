@@ -65,11 +65,6 @@ TEST_F(BadFitInput, NamesTheNearestOfWhatItDoesNotKnow) {
               HasSubstr("did you mean \"residual\""));
 }
 
-TEST_F(BadFitInput, SaysThatScenesAreNotFittedYet) {
-  EXPECT_THAT(error_of("[[experiment]]\nscene = \"pull.toml\""),
-              AllOf(HasSubstr("experiment"), HasSubstr("[[test]]")));
-}
-
 TEST_F(BadFitInput, WantsATestAndItsMode) {
   EXPECT_THAT(error_of("title = \"a\""), HasSubstr("no [[test]]"));
   EXPECT_THAT(error_of("[[test]]\nfile = \"a.csv\""), HasSubstr("\"mode\" is missing"));

@@ -77,22 +77,21 @@ Keys<FitDescription> fit_keys() {
            "By the name of a constant, or \"LAW.CONSTANT\" for one law: { limit = { bounds = [50, 200] } }; "
            "keys are start, bounds and value."},
           [](const SceneNode& node, F& f) { read_constant_settings(node, f.constants); }),
-      later_key<F>("regularise", "table", "A prior for fields of constants.",
-                   "it belongs to fits of whole scenes; homogeneous tests do without"),
+      later_key<F>("regularise", "table", "A prior for fields of constants.", "homogeneous tests do without"),
   };
 }
 
 FitDescription read_fit_root(const SceneNode& root) {
   FitDescription fit;
   fit.place = root.place();
-  refuse_unknown_keys(root, {"title", "test", "fit", "experiment"});
-  if (root.has("experiment"))
-    refuse_later(
-        root.child("experiment"),
-        "fits of whole scenes are not there yet; homogeneous tests are: [[test]] with mode and file");
+  refuse_unknown_keys(root, {"title", "test", "fit"});
   if (root.has("title")) fit.title = read_text(root.child("title"));
   if (root.has("fit")) read_table(root.child("fit"), fit_keys(), fit);
-  if (!root.has("test")) root.fail_with("there is no [[test]]; a fit needs at least one, with mode and file");
+  if (!root.has("test"))
+    root.fail_with(
+        "there is no [[test]], with mode and file, and no [[experiment]], with scene and markers; a fit "
+        "needs "
+        "at least one");
   const SceneNode tests = root.child("test");
   if (!tests.value->is_array() || tests.value->array().empty())
     tests.fail("a list of tables, each headed [[test]]");
@@ -112,40 +111,93 @@ void make_names_unique(std::vector<MaterialTest>& tests) {
                     std::count(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), names[i]) + 1);
 }
 
-}  // namespace
+/// What a scene has and a fit has not.
+void refuse_scene(const SceneNode& root) {
+  for (const char* key : {"body", "simulation"})
+    if (root.has(key))
+      root.fail_with(std::string("this is a scene, for it has \"") + key +
+                     "\"; resilin run takes it, and resilin fit a file with [[experiment]] and scene = \"" +
+                     "FILE\"");
+}
 
-FitDescription read_fit_from_values(SceneValue values, const std::string& name,
-                                    const std::filesystem::path& folder,
-                                    const std::vector<std::string>& overrides) {
+AnyFit read_any_fit_from_values(SceneValue values, const std::string& name,
+                                const std::filesystem::path& folder,
+                                const std::vector<std::string>& overrides) {
   for (const std::string& assignment : overrides) apply_override(values, assignment);
   SceneContext context;
   context.folder = folder;
   values.source = std::make_shared<const std::string>(name);
   values.line = 0;
-  FitDescription fit = read_fit_root({&values, "", &context});
+  const SceneNode root{&values, "", &context};
+  refuse_scene(root);
+  if (root.has("experiment")) {
+    if (root.has("test"))
+      throw InputError(root.place(), "[[test]] or [[experiment]]", "both",
+                       "fit homogeneous tests and whole scenes by files of their own");
+    SceneFitDescription fit = read_scene_fit_root(root);
+    fit.warnings = std::move(context.warnings);
+    return fit;
+  }
+  FitDescription fit = read_fit_root(root);
   make_names_unique(fit.tests);
   fit.warnings = std::move(context.warnings);
   return fit;
 }
 
+FitDescription of_tests(AnyFit fit) {
+  if (auto* tests = std::get_if<FitDescription>(&fit)) return std::move(*tests);
+  throw InputError(std::get<SceneFitDescription>(fit).place, "[[test]]", "[[experiment]]",
+                   "whole scenes are fitted by fit_scenes");
+}
+
+SceneFitDescription of_scenes(AnyFit fit) {
+  if (auto* scenes = std::get_if<SceneFitDescription>(&fit)) return std::move(*scenes);
+  throw InputError(std::get<FitDescription>(fit).place, "[[experiment]]", "[[test]]",
+                   "homogeneous tests are fitted by fit_materials, in Python resilin.fit");
+}
+
+}  // namespace
+
+FitDescription read_fit_from_values(SceneValue values, const std::string& name,
+                                    const std::filesystem::path& folder,
+                                    const std::vector<std::string>& overrides) {
+  return of_tests(read_any_fit_from_values(std::move(values), name, folder, overrides));
+}
+
+SceneFitDescription read_scene_fit_from_values(SceneValue values, const std::string& name,
+                                               const std::filesystem::path& folder,
+                                               const std::vector<std::string>& overrides) {
+  return of_scenes(read_any_fit_from_values(std::move(values), name, folder, overrides));
+}
+
+AnyFit read_any_fit(const std::filesystem::path& path, const std::vector<std::string>& overrides) {
+  return read_any_fit_from_values(parse_toml(read_file(path), path.string()), path.string(),
+                                  path.parent_path(), overrides);
+}
+
 FitDescription read_fit(const std::filesystem::path& path, const std::vector<std::string>& overrides) {
-  return read_fit_from_values(parse_toml(read_file(path), path.string()), path.string(), path.parent_path(),
-                              overrides);
+  return of_tests(read_any_fit(path, overrides));
+}
+
+SceneFitDescription read_scene_fit(const std::filesystem::path& path,
+                                   const std::vector<std::string>& overrides) {
+  return of_scenes(read_any_fit(path, overrides));
 }
 
 std::string fit_reference() {
   std::string page = R"(# The file of a fit
 
-A fit is a TOML file of tests, read by `resilin fit` ([fit.md](fit.md)); `title` stands above its results. Paths in it are
-beside the file; constants are in SI. A key that is not listed here is an error that names the nearest known one. Any value can
+A fit is a TOML file of tests, or of experiments that are whole scenes, read by `resilin fit` ([fit.md](fit.md)); `title` stands above its
+results. Paths in it are beside the file; constants are in SI. A key that is not listed here is an error that names the nearest known one. Any value can
 be set from the command line: `--set fit.residual=relative`.
 This page is printed by `resilin fit --reference` from the table that reads the file.
 )";
   for (const TableDoc& table :
-       {material_test_doc(), document("[fit]", "What is fitted, and how.", fit_keys()),
+       {material_test_doc(), document("[fit]", "What is fitted to tests, and how.", fit_keys()),
         document("fit.parameters", "What is known of a constant; units of its law.",
                  constant_setting_keys())})
     page += reference_text(table);
+  for (const TableDoc& table : scene_fit_docs()) page += reference_text(table);
   return page;
 }
 

@@ -2,22 +2,35 @@
 
 #include <filesystem>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "resilin/fit/description.hpp"
+#include "resilin/fit/scene_experiment.hpp"
 #include "resilin/scene/key.hpp"
 #include "resilin/scene/value.hpp"
 
 namespace resilin {
 
-/// Reads what is to be fitted: [[test]] and [fit] of a TOML file, the columns of its CSV files, in SI units.
-/// `overrides` as in `read_scene`. Throws InputError.
+/// What a file asks for: laws from homogeneous tests, or parameters of scenes from experiments.
+using AnyFit = std::variant<FitDescription, SceneFitDescription>;
+
+/// Reads what is to be fitted: [[test]] or [[experiment]], and [fit] of a TOML file, the columns of its CSV
+/// files, in SI units. `overrides` as in `read_scene`. Throws InputError.
+AnyFit read_any_fit(const std::filesystem::path& path, const std::vector<std::string>& overrides = {});
+
+/// Of homogeneous tests alone, or of experiments alone: the other is refused.
 FitDescription read_fit(const std::filesystem::path& path, const std::vector<std::string>& overrides = {});
+SceneFitDescription read_scene_fit(const std::filesystem::path& path,
+                                   const std::vector<std::string>& overrides = {});
 
 /// The same from values, such as a Python dict; `folder` is where relative paths begin.
 FitDescription read_fit_from_values(SceneValue values, const std::string& name,
                                     const std::filesystem::path& folder,
                                     const std::vector<std::string>& overrides = {});
+SceneFitDescription read_scene_fit_from_values(SceneValue values, const std::string& name,
+                                               const std::filesystem::path& folder,
+                                               const std::vector<std::string>& overrides = {});
 
 /// The page docs/fit_keys.md: every key of such a file.
 std::string fit_reference();
@@ -25,5 +38,9 @@ std::string fit_reference();
 // test_table.cpp
 MaterialTest read_material_test(const SceneNode& node);
 TableDoc material_test_doc();
+
+// experiment_table.cpp
+SceneFitDescription read_scene_fit_root(const SceneNode& root);
+std::vector<TableDoc> scene_fit_docs();
 
 }  // namespace resilin

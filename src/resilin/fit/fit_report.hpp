@@ -58,21 +58,26 @@ struct FittedCurve {
   std::vector<bool> is_stable;
 };
 
-/// One law, fitted.
-struct LawFit {
-  std::string name;   ///< "ogden2"
-  Material material;  ///< ready for a scene
+/// What data say about several numbers.
+struct Estimates {
   std::vector<ConstantEstimate> constants;
+  double condition = 1;  ///< of the normal matrix with columns of length 1
+  /// (fitted, fitted) between the estimates, row by row, in the order of the fitted constants.
+  std::vector<double> correlation_matrix;
+  std::vector<Correlation> correlations;  ///< above 0.95, the strongest first
+  std::vector<std::string> warnings;      ///< one line each
+};
+
+/// One law, fitted.
+struct LawFit : Estimates {
+  std::string name;                ///< "ogden2"
+  Material material;               ///< ready for a scene
   bool volume_is_assumed = false;  ///< the constant of the volume comes from poissons_ratio
 
   double sum_of_squares = 0;  ///< of weighted residuals; [Pa^2] where they are absolute
   int num_points = 0, num_fitted = 0;
   double aicc = 0, akaike_weight = 0;
-  double condition = 1;  ///< of the normal matrix with columns of length 1
-  /// (fitted, fitted) between the estimates, row by row, in the order of the fitted constants.
-  std::vector<double> correlation_matrix;
-  std::vector<Correlation> correlations;  ///< above 0.95, the strongest first
-  std::vector<TestQuality> tests;         ///< one for each test
+  std::vector<TestQuality> tests;  ///< one for each test
   std::vector<StabilityRange> stability;
   std::vector<FittedCurve> curves;  ///< one for each mode that is shown
 
@@ -81,7 +86,7 @@ struct LawFit {
   bool is_usable = true;                          ///< a scene takes the material
   bool is_bounded = false;                        ///< stability or a range holds it
   std::optional<double> free_sum_of_squares;      ///< without that
-  std::vector<std::string> remarks, warnings;     ///< one line each
+  std::vector<std::string> remarks;               ///< one line each
 };
 
 struct LawNotFitted {

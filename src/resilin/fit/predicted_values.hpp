@@ -10,7 +10,7 @@ namespace resilin {
 using DenseMatrix = Eigen::MatrixXd;
 
 /// What a law predicts for measured numbers, as a function of its constants. The solvers know nothing else of
-/// an experiment: homogeneous tests are one kind (homogeneous_model.hpp); scenes with markers may be another.
+/// a homogeneous test (homogeneous_model.hpp).
 class PredictedValues {
  public:
   virtual ~PredictedValues() = default;

@@ -100,7 +100,7 @@ namespace {
 
 /// Constants that the tests leave open, and what of them they do determine.
 void tell_open_constants(const Uncertainty& uncertainty, const std::vector<std::string>& names,
-                         const std::vector<double>& units, LawFit& fit) {
+                         const std::vector<double>& units, Estimates& fit) {
   std::vector<std::string> open;
   for (std::size_t i = 0; i < names.size(); ++i)
     if (!uncertainty.is_determined[i]) open.push_back(names[i]);
@@ -131,7 +131,7 @@ void tell_open_constants(const Uncertainty& uncertainty, const std::vector<std::
 }  // namespace
 
 void tell_uncertainty(const Uncertainty& uncertainty, const std::vector<double>& units, double factor_95,
-                      LawFit& fit) {
+                      Estimates& fit) {
   std::vector<ConstantEstimate*> fitted;
   std::vector<std::string> names;
   for (ConstantEstimate& constant : fit.constants)

@@ -35,6 +35,6 @@ std::string combination_text(const VectorX& weights, const std::vector<std::stri
 /// Fills standard errors, intervals, correlations and what is said about them.
 /// @param units  of the constants in `slopes`, in SI
 void tell_uncertainty(const Uncertainty& uncertainty, const std::vector<double>& units, double factor_95,
-                      LawFit& fit);
+                      Estimates& fit);
 
 }  // namespace resilin

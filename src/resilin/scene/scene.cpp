@@ -29,7 +29,17 @@ void read_optional(const SceneNode& root, const char* key, const Keys<T>& keys, 
   if (root.has(key)) read_table(root.child(key), keys, target);
 }
 
+/// A file of a fit is no scene with a slip of the pen.
+void refuse_fit(const SceneNode& root) {
+  if (root.has("body")) return;
+  for (const char* key : {"experiment", "test", "fit"})
+    if (root.has(key))
+      root.fail_with(std::string("this is the file of a fit, for it has \"") + key +
+                     "\" and no [[body]]; resilin fit FILE takes it");
+}
+
 void read_root(const SceneNode& root, Description& d) {
+  refuse_fit(root);
   refuse_unknown_keys(root, {"title", "simulation", "body", "fix", "load", "collider", "contact", "newton",
                              "solver", "probe", "section", "output"});
   if (root.has("title")) d.title = read_text(root.child("title"));

@@ -43,6 +43,11 @@ std::unique_ptr<Derivatives> Derivatives::run(Description description, const std
                                 : differentiate_statics(std::move(description), wrt, options);
 }
 
+std::vector<FrameChange> Derivatives::forward(const std::vector<VectorX>& changes) {
+  const std::vector<bool> all_frames(frames_.size(), true);
+  return forward_all({changes}, all_frames).front();
+}
+
 void Derivatives::check_goes_on() const {
   if (options_.goes_on && !options_.goes_on()) throw Interrupted();
 }

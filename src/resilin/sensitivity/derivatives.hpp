@@ -60,7 +60,11 @@ class Derivatives {
   virtual std::vector<VectorX> transposed(const std::vector<FrameChange>& slopes) = 0;
 
   /// What changes of the parameters do to the frames, to first order.
-  virtual std::vector<FrameChange> forward(const std::vector<VectorX>& changes) = 0;
+  std::vector<FrameChange> forward(const std::vector<VectorX>& changes);
+
+  /// The same along several directions; at least of the frames that are wanted, the others may stay empty.
+  virtual std::vector<std::vector<FrameChange>> forward_all(
+      const std::vector<std::vector<VectorX>>& directions, const std::vector<bool>& is_wanted) = 0;
 
  protected:
   Derivatives(Description description, const std::vector<std::string>& wrt, const DerivativeOptions& options);

@@ -29,18 +29,29 @@ const Probe& probe_named(const World& world, const std::string& name, const std:
 }
 
 Marker marker_at(const World& world, const std::string& name, const Vector3& at, const std::string& place) {
-  const Body& body = body_named(world, name, place + ".body");
-  Vector3 point = at - world.origin;
-  if (world.dimension == 2) point[2] = 0;
-  const Embedding embedding(body.elastic->element(), body.cells, world.rest_positions, {&point, 1});
-  if (embedding.outside().count > 0)
+  return markers_at(world, body_named(world, name, place + ".body"), {at}, {place + ".at"}).front();
+}
+
+std::vector<Marker> markers_at(const World& world, const Body& body, const std::vector<Vector3>& points,
+                               const std::vector<std::string>& places, double tolerance) {
+  std::vector<Vector3> centred = points;
+  for (Vector3& point : centred) {
+    point -= world.origin;
+    if (world.dimension == 2) point[2] = 0;
+  }
+  const Embedding embedding(body.elastic->element(), body.cells, world.rest_positions, centred);
+  if (const Embedding::Outside& outside = embedding.outside();
+      outside.count > 0 && outside.distance > tolerance) {
+    const auto worst = static_cast<std::size_t>(outside.point);
     throw InputError(
-        place + ".at", "a point inside " + body.name + " at rest",
-        format_point(at, world.dimension) + ", " + format_short(embedding.outside().distance) + " m outside",
+        places[worst], "a point inside " + body.name + " at rest",
+        format_point(points[worst], world.dimension) + ", " + format_short(outside.distance) + " m outside",
         "markers are named by where they are in the rest shape");
-  Marker marker;
-  embedding.append_weights(0, marker.nodes, marker.weights);
-  return marker;
+  }
+  std::vector<Marker> markers(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i)
+    embedding.append_weights(static_cast<Index>(i), markers[i].nodes, markers[i].weights);
+  return markers;
 }
 
 double volume_of(const Body& body, int dim, const VectorX& x, VectorX& slopes) {

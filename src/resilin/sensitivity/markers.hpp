@@ -21,6 +21,12 @@ const Body& body_named(const World& world, const std::string& name, const std::s
 /// @throws InputError  at `place`, for a point outside the body: by how much
 Marker marker_at(const World& world, const std::string& body, const Vector3& at, const std::string& place);
 
+/// Those of many points: found together. A point may be `tolerance` [m] outside, and is then carried by the
+/// nearest cell.
+/// @throws InputError  at the one of `places` whose point is farthest outside
+std::vector<Marker> markers_at(const World& world, const Body& body, const std::vector<Vector3>& points,
+                               const std::vector<std::string>& places, double tolerance = 0);
+
 /// The probe of this name. Throws InputError at `place`.
 const Probe& probe_named(const World& world, const std::string& name, const std::string& place);
 

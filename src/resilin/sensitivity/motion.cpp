@@ -24,10 +24,12 @@ class MotionDerivatives final : public Derivatives {
 
   VectorX positions(int frame) override { return trajectory_.positions(frame); }
   std::vector<VectorX> transposed(const std::vector<FrameChange>& slopes) override;
-  std::vector<FrameChange> forward(const std::vector<VectorX>& changes) override;
+  std::vector<std::vector<FrameChange>> forward_all(const std::vector<std::vector<VectorX>>& directions,
+                                                    const std::vector<bool>& is_wanted) override;
 
  private:
   void take_step();
+  std::vector<FrameChange> forward_along(const std::vector<VectorX>& changes);
 
   std::unique_ptr<Integrator> scheme_;
   Trajectory trajectory_;
@@ -76,7 +78,14 @@ std::vector<VectorX> MotionDerivatives::transposed(const std::vector<FrameChange
   return gathered(term_slopes, std::move(world_slopes));
 }
 
-std::vector<FrameChange> MotionDerivatives::forward(const std::vector<VectorX>& changes) {
+std::vector<std::vector<FrameChange>> MotionDerivatives::forward_all(
+    const std::vector<std::vector<VectorX>>& directions, const std::vector<bool>& /*is_wanted*/) {
+  std::vector<std::vector<FrameChange>> all;
+  for (const std::vector<VectorX>& changes : directions) all.push_back(forward_along(changes));
+  return all;
+}
+
+std::vector<FrameChange> MotionDerivatives::forward_along(const std::vector<VectorX>& changes) {
   const WorldChange change = spread(changes);
   const TermChanges of_terms = links_.spread(change);
   std::vector<FrameChange> all(1);

@@ -29,7 +29,8 @@ class StaticDerivatives final : public Derivatives {
 
   VectorX positions(int frame) override { return places_[static_cast<std::size_t>(frame)]; }
   std::vector<VectorX> transposed(const std::vector<FrameChange>& slopes) override;
-  std::vector<FrameChange> forward(const std::vector<VectorX>& changes) override;
+  std::vector<std::vector<FrameChange>> forward_all(const std::vector<std::vector<VectorX>>& directions,
+                                                    const std::vector<bool>& is_wanted) override;
 
  private:
   Conditions conditions(std::size_t frame) const { return world().at_load(frames_[frame].load); }
@@ -131,23 +132,31 @@ void StaticDerivatives::estimate_error(const std::vector<FrameChange>& slopes,
   }
 }
 
-std::vector<FrameChange> StaticDerivatives::forward(const std::vector<VectorX>& changes) {
-  const WorldChange change = spread(changes);
-  const TermChanges of_terms = links_.spread(change);
+std::vector<std::vector<FrameChange>> StaticDerivatives::forward_all(
+    const std::vector<std::vector<VectorX>>& directions, const std::vector<bool>& is_wanted) {
+  std::vector<WorldChange> changes;
+  std::vector<TermChanges> of_terms;
   const VectorX zero = VectorX::Zero(world().rest_positions.size());
-  std::vector<FrameChange> all(places_.size());
-  all[0].positions = change.start_positions.size() > 0 ? change.start_positions : zero;
-  all[0].reactions.assign(world().supports.size(), Vector3::Zero());
+  std::vector<std::vector<FrameChange>> all(directions.size(), std::vector<FrameChange>(places_.size()));
+  for (std::size_t d = 0; d < directions.size(); ++d) {
+    changes.push_back(spread(directions[d]));
+    of_terms.push_back(links_.spread(changes[d]));
+    all[d][0].positions = changes[d].start_positions.size() > 0 ? changes[d].start_positions : zero;
+    all[d][0].reactions.assign(world().supports.size(), Vector3::Zero());
+  }
   for (std::size_t frame = 1; frame < places_.size(); ++frame) {
+    if (!is_wanted[frame]) continue;
     const Potential at = potential(frame);
     form_tangent(frame, at);
-    VectorX force = zero;
-    add_stage_forces({world(), at}, places_[frame], of_terms, {}, force);
-    Motion prescribed{zero, zero, zero};
-    place_prescribed_changes(world(), change, conditions(frame), prescribed);
-    VectorX& dx = all[frame].positions;
-    dx = prescribed.positions - solve(frame, force + tangent_.times(prescribed.positions, false), false);
-    all[frame].reactions = reactions_of(force + tangent_.times(dx, false));
+    for (std::size_t d = 0; d < directions.size(); ++d) {
+      VectorX force = zero;
+      add_stage_forces({world(), at}, places_[frame], of_terms[d], {}, force);
+      Motion prescribed{zero, zero, zero};
+      place_prescribed_changes(world(), changes[d], conditions(frame), prescribed);
+      VectorX& dx = all[d][frame].positions;
+      dx = prescribed.positions - solve(frame, force + tangent_.times(prescribed.positions, false), false);
+      all[d][frame].reactions = reactions_of(force + tangent_.times(dx, false));
+    }
   }
   return all;
 }

@@ -1,0 +1,60 @@
+"""Scenes fitted to markers; the numbers themselves are checked in C++ (tests/fit)."""
+
+import pathlib
+import tomllib
+
+import numpy as np
+import pytest
+
+import resilin
+
+EXAMPLES = pathlib.Path(__file__).resolve().parents[2] / "examples"
+EXAMPLE = EXAMPLES / "fit_bar.toml"
+
+
+def test_the_example_finds_the_two_moduli_of_its_bar():
+    lines = []
+    fit = resilin.fit_scenes(EXAMPLE, on_solve=lines.append)
+    assert fit.is_converged
+    assert fit.solves == len(lines) <= 6
+    assert lines[0].startswith("solve 1: sum of squares")
+    for name, truth in (("E root", 8e5), ("E tip", 3e5)):
+        low, high = fit[name].interval
+        assert low < truth < high
+        assert fit[name].value == pytest.approx(truth, rel=0.05)
+    assert fit.warnings == ()
+    assert fit.correlation.shape == (2, 2)
+    assert fit.tables[0].measured.shape == fit.tables[0].model.shape == (33,)
+    residuals = (fit.tables[0].model - fit.tables[0].measured) / 1e-3
+    assert np.sum(residuals**2) == pytest.approx(fit.sum_of_squares)
+    assert "E tip" in fit.text
+    assert tomllib.loads(fit.material_toml)["material"]["law"] == "neo_hookean"
+
+
+def test_a_dict_is_fitted_as_the_file_is():
+    with EXAMPLE.open("rb") as file:
+        data = tomllib.load(file)
+    experiment = data["experiment"][0]
+    experiment["scene"] = str(EXAMPLES / experiment["scene"])
+    experiment["markers"]["file"] = str(EXAMPLES / experiment["markers"]["file"])
+    fit = resilin.fit_scenes(data, overrides={"fit.max_solves": 20})
+    assert fit["E root"].value == resilin.fit_scenes(EXAMPLE)["E root"].value
+
+
+def test_what_is_wrong_is_said_in_one_line():
+    with pytest.raises(resilin.InputError, match="resilin.fit"):
+        resilin.fit_scenes(EXAMPLES / "fit_rubber.toml")
+    with pytest.raises(resilin.InputError, match="fit_scenes"):
+        resilin.fit(EXAMPLE)
+    with pytest.raises(resilin.InputError, match="a path or a dict"):
+        resilin.fit_scenes(3)
+    with pytest.raises(resilin.InputError, match="one of E root, E tip"):
+        resilin.fit_scenes(EXAMPLE)["E"]
+
+
+def test_an_exception_of_the_callback_ends_the_fit():
+    def stop(line):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        resilin.fit_scenes(EXAMPLE, on_solve=stop)

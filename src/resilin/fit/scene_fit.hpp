@@ -1,0 +1,87 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "resilin/fit/fit_report.hpp"
+#include "resilin/fit/scene_model.hpp"
+
+namespace resilin {
+
+/// The scenes have been solved once more.
+struct SceneFitStep {
+  int solve = 0;  ///< from 1
+  std::vector<std::string> names;
+  VectorX values;             ///< of the parameters
+  double sum_of_squares = 0;  ///< of weighted residuals; infinite where a scene has no solution
+  bool is_better = true;      ///< than what there was before
+  std::string problem;        ///< why there is no solution
+};
+
+/// How well the scenes meet one table of measurements.
+struct TableQuality {
+  std::string name;
+  MeasuredKind kind;
+  int num_values = 0;
+  double root_mean_square = 0;  ///< of model - measured [m] or [N]
+  double largest = 0;           ///< likewise ...
+  std::string worst;            ///< ... in this row
+};
+
+/// One parameter, with its interval: by the logarithm where that was sought.
+struct FittedParameter {
+  std::string name, key, unit;
+  double start = 0, value = 0;
+  double standard_error = 0;          ///< infinite: not determined
+  double lower_95 = 0, upper_95 = 0;  ///< of the interval of 95 %
+  bool is_held = false;               ///< by a bound
+};
+
+/// What a fit of scenes finds.
+struct SceneFitReport {
+  SceneFitDescription description;
+  std::vector<FittedParameter> parameters;
+  Estimates estimates;  ///< of those that no bound holds: correlations, condition, warnings
+  bool has_sigma = false;
+  double sum_of_squares = 0;  ///< of residuals over sigma, where there are sigmas [m^2 or N^2 else]
+  double noise = 0;           ///< standard deviation that the residuals show, without sigmas [m or N]
+  int num_values = 0, degrees_of_freedom = 0;
+  int solves = 0;  ///< of each scene
+  bool is_converged = false;
+  std::string why_not;  ///< converged
+  std::vector<TableQuality> tables;
+  std::vector<double> measured, predicted;  ///< in the order of the tables
+  std::vector<Description> scenes;          ///< with the parameters found
+};
+
+struct SceneFitOptions {
+  std::function<void(const SceneFitStep&)> on_solve{};
+  std::function<bool()> goes_on{};  ///< false: Interrupted is thrown
+};
+
+/// Finds parameters of scenes from what was measured: least squares by Levenberg and Marquardt with exact
+/// slopes, in logarithms of what is positive.
+///
+/// Each iterate is solved as its scene says, from the start; slopes are tangent solves with its factors.
+/// @throws InputError   for data and parameters that do not fit each other, such as a parameter that no datum
+///                      feels
+/// @throws Interrupted
+SceneFitReport fit_scenes(SceneFitDescription description, const SceneFitOptions& options = {});
+
+/// Parameters, intervals, how well each table is met, and what is to be said.
+std::string scene_fit_text(const SceneFitReport& report);
+std::string scene_fit_step_text(const SceneFitStep& step);  ///< one line
+
+/// Everything, with all digits; SI. What is infinite is null.
+std::string scene_fit_json_text(const SceneFitReport& report);
+
+/// The materials found, to be pasted under their [[body]], and the other parameters.
+std::string scene_material_toml(const SceneFitReport& report);
+
+/// fit.json and material.toml, and a table of cell values where a constant has them; each written beside and
+/// renamed.
+void write_scene_fit(const SceneFitReport& report, const std::filesystem::path& folder);
+
+}  // namespace resilin

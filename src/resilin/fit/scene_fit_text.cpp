@@ -1,0 +1,217 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <ostream>
+#include <set>
+#include <system_error>
+
+#include "resilin/core/error.hpp"
+#include "resilin/core/spelling.hpp"
+#include "resilin/core/text.hpp"
+#include "resilin/fit/fit_output.hpp"
+#include "resilin/fit/scene_fit.hpp"
+#include "resilin/io/atomic_file.hpp"
+
+namespace resilin {
+namespace {
+
+using FitJson = nlohmann::ordered_json;
+
+FitJson number_json(double value) { return std::isfinite(value) ? FitJson(value) : FitJson(nullptr); }
+
+std::string with_unit(const std::string& text, const std::string& unit) {
+  return unit.empty() ? text : text + " " + unit;
+}
+
+/// So many digits as an interval of this half width makes known.
+std::string rounded_text(double value, double half_width) {
+  const double size = std::max(std::abs(value), std::abs(half_width));
+  if (!(half_width > 0) || !std::isfinite(half_width) || size >= 1e9 || half_width < 1e-6)
+    return value_text(value, half_width);
+  const int decimals = 1 - static_cast<int>(std::floor(std::log10(half_width)));
+  const double step = std::pow(10, -decimals);
+  return fmt::format("{:.{}f}", std::round(value / step) * step, std::max(decimals, 0));
+}
+
+/// Of values that have one unit; empty where they have not.
+std::string unit_of(const SceneFitReport& report) {
+  if (report.has_sigma || report.tables.empty()) return "";
+  return report.tables.front().kind == MeasuredKind::reaction ? "N" : "m";
+}
+
+std::string table_unit(const TableQuality& table) { return table.kind == MeasuredKind::reaction ? "N" : "m"; }
+
+std::string objective_of(const SceneFitReport& report) {
+  return report.has_sigma ? "residuals over sigma, (model - measured) / sigma"
+                          : "absolute residuals, model - measured";
+}
+
+std::vector<std::string> parameter_row(const FittedParameter& parameter) {
+  const double half = (parameter.upper_95 - parameter.lower_95) / 2;
+  const std::string value = with_unit(rounded_text(parameter.value, half), parameter.unit);
+  if (parameter.is_held)
+    return {parameter.name, value, "-", "held by a bound", format_number(parameter.start)};
+  if (!std::isfinite(parameter.standard_error))
+    return {parameter.name, value, "-", "not determined", format_number(parameter.start)};
+  return {parameter.name, value, rounded_text(parameter.standard_error, parameter.standard_error),
+          rounded_text(parameter.lower_95, half) + " to " + rounded_text(parameter.upper_95, half),
+          format_number(parameter.start)};
+}
+
+std::string cell_file_name(const std::string& body, const std::string& constant) {
+  std::string name = body + "_" + constant + ".csv";
+  std::ranges::replace_if(name, [](char c) { return c == '/' || c == '\\'; }, '_');
+  return name;
+}
+
+/// Of the keys that are sought, the constants of this body's material.
+std::vector<std::string> sought_constants(const SceneFitReport& report, const std::string& body) {
+  std::vector<std::string> constants;
+  const std::string begin = "body." + body + ".material.";
+  for (const SceneParameter& parameter : report.description.parameters)
+    if (parameter.key.starts_with(begin)) constants.push_back(parameter.key.substr(begin.size()));
+  return constants;
+}
+
+/// Calls `use(body)` for each body of the scenes whose material is sought, once.
+template <class Use>
+void for_each_fitted_body(const SceneFitReport& report, const Use& use) {
+  std::set<std::string> done;
+  for (const Description& scene : report.scenes)
+    for (const BodyDescription& body : scene.bodies)
+      if (!sought_constants(report, body.name).empty() && done.insert(body.name).second) use(body);
+}
+
+}  // namespace
+
+std::string scene_fit_step_text(const SceneFitStep& step) {
+  std::string text = "solve " + std::to_string(step.solve) + ": ";
+  text += std::isfinite(step.sum_of_squares) ? "sum of squares " + fmt::format("{:.6g}", step.sum_of_squares)
+                                             : "no solution";
+  for (std::size_t i = 0; i < step.names.size(); ++i)
+    text += ", " + step.names[i] + " " + fmt::format("{:.6g}", step.values[static_cast<Eigen::Index>(i)]);
+  if (!step.problem.empty())
+    text += " (" + step.problem + "); a shorter step is tried";
+  else if (!step.is_better)
+    text += "; no better, a shorter step is tried";
+  return one_line(text);
+}
+
+std::string scene_fit_text(const SceneFitReport& report) {
+  std::string text;
+  if (!report.description.title.empty()) text += one_line(report.description.title) + "\n";
+  text += objective_of(report) + "; intervals of 95 %\n\n";
+  std::vector<std::vector<std::string>> rows = {
+      {"parameter", "found", "standard error", "interval", "start"}};
+  for (const FittedParameter& parameter : report.parameters) rows.push_back(parameter_row(parameter));
+  text += format_table(rows) + "\n";
+  rows = {{"measured", "numbers", "root mean square off", "most", "where"}};
+  for (const TableQuality& table : report.tables)
+    rows.push_back({table.name, std::to_string(table.num_values),
+                    with_unit(format_short(table.root_mean_square), table_unit(table)),
+                    with_unit(format_short(table.largest), table_unit(table)), table.worst});
+  text += format_table(rows) + "\n";
+  const std::string unit = unit_of(report);
+  text += "sum of squares " +
+          with_unit(fmt::format("{:.6g}", report.sum_of_squares), unit.empty() ? "" : unit + "^2");
+  if (report.degrees_of_freedom > 0)
+    text += report.has_sigma
+                ? ", per degree of freedom (" + std::to_string(report.degrees_of_freedom) + ") " +
+                      format_short(report.sum_of_squares / report.degrees_of_freedom) + " (1 is noise alone)"
+                : "; noise of " + with_unit(format_short(report.noise), unit) + " by the residuals";
+  text += "\n" + std::string(report.is_converged ? "converged" : "not converged") + " after " +
+          std::to_string(report.solves) + " solves" +
+          (report.scenes.size() > 1 ? " of each of the " + std::to_string(report.scenes.size()) + " scenes\n"
+                                    : "\n");
+  for (const Correlation& pair : report.estimates.correlations) text += pair.text + "\n";
+  return text;
+}
+
+std::string scene_fit_json_text(const SceneFitReport& report) {
+  FitJson json = {{"title", report.description.title},
+                  {"objective", objective_of(report)},
+                  {"parameters", FitJson::array()},
+                  {"sum_of_squares", number_json(report.sum_of_squares)},
+                  {"has_sigma", report.has_sigma},
+                  {"values", report.num_values},
+                  {"degrees_of_freedom", report.degrees_of_freedom},
+                  {"solves", report.solves},
+                  {"is_converged", report.is_converged},
+                  {"condition", number_json(report.estimates.condition)},
+                  {"correlation_matrix", report.estimates.correlation_matrix},
+                  {"correlations", FitJson::array()},
+                  {"tables", FitJson::array()},
+                  {"warnings", report.estimates.warnings}};
+  for (const FittedParameter& parameter : report.parameters)
+    json["parameters"].push_back({{"name", parameter.name},
+                                  {"key", parameter.key},
+                                  {"unit", parameter.unit},
+                                  {"start", parameter.start},
+                                  {"value", parameter.value},
+                                  {"standard_error", number_json(parameter.standard_error)},
+                                  {"lower_95", number_json(parameter.lower_95)},
+                                  {"upper_95", number_json(parameter.upper_95)},
+                                  {"is_held", parameter.is_held}});
+  for (const Correlation& pair : report.estimates.correlations)
+    json["correlations"].push_back(
+        {{"first", pair.first}, {"second", pair.second}, {"value", pair.value}, {"text", pair.text}});
+  std::size_t first = 0;
+  for (const TableQuality& table : report.tables) {
+    const auto begin = static_cast<std::ptrdiff_t>(first);
+    first += static_cast<std::size_t>(table.num_values);
+    const auto end = static_cast<std::ptrdiff_t>(first);
+    json["tables"].push_back(
+        {{"name", table.name},
+         {"kind", spelling(table.kind)},
+         {"unit", table_unit(table)},
+         {"root_mean_square", table.root_mean_square},
+         {"largest", table.largest},
+         {"measured", std::vector<double>(report.measured.begin() + begin, report.measured.begin() + end)},
+         {"model", std::vector<double>(report.predicted.begin() + begin, report.predicted.begin() + end)}});
+  }
+  return json.dump(1, ' ', false, FitJson::error_handler_t::replace) + "\n";
+}
+
+std::string scene_material_toml(const SceneFitReport& report) {
+  std::string text = "# " + objective_of(report) + ".\n";
+  for (const FittedParameter& parameter : report.parameters)
+    text +=
+        one_line("# " + parameter.name + " = " + with_unit(format_number(parameter.value), parameter.unit) +
+                 (parameter.is_held                         ? ", held by a bound"
+                  : std::isfinite(parameter.standard_error) ? ", 95 %: " + parameter_row(parameter)[3]
+                                                            : ", not determined")) +
+        "\n";
+  for (const std::string& warning : report.estimates.warnings)
+    text += "# warning: " + one_line(warning) + "\n";
+  for_each_fitted_body(report, [&](const BodyDescription& body) {
+    text += "\n# Under the [[body]] \"" + one_line(body.name) + "\":\nmaterial = { law = \"" +
+            body.material.law + "\"";
+    for (const auto& [name, value] : body.material.constants)
+      text += ", " + name + " = " + format_number(value);
+    for (const auto& [name, values] : body.material.cell_constants)
+      text += ", " + name + " = { file = \"" + cell_file_name(body.name, name) + "\" }";
+    text += ", density = " + format_number(body.material.density) +
+            (body.material.fibres.empty() ? "" : ", fibres = ... as in the scene") + " }\n";
+  });
+  return text;
+}
+
+void write_scene_fit(const SceneFitReport& report, const std::filesystem::path& folder) {
+  std::error_code failure;
+  std::filesystem::create_directories(folder, failure);
+  if (failure) throw FileError(one_line(folder.string()), "cannot be made: " + failure.message());
+  write_text(folder / "fit.json", scene_fit_json_text(report));
+  write_text(folder / "material.toml", scene_material_toml(report));
+  for_each_fitted_body(report, [&](const BodyDescription& body) {
+    for (const auto& [name, values] : body.material.cell_constants) {
+      std::string rows;
+      for (const double value : values) rows += format_number(value) + "\n";
+      write_text(folder / cell_file_name(body.name, name), rows);
+    }
+  });
+}
+
+}  // namespace resilin

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "resilin/fit/scene_experiment.hpp"
+#include "resilin/sensitivity/parameter.hpp"
+
+/// What the keys of a fit mean in a scene.
+namespace resilin {
+
+/// What a key means in a scene: a parameter of it, and which component of a vector.
+struct FoundKey {
+  Parameter parameter;
+  std::optional<Eigen::Index> component;
+};
+
+/// Throws InputError, with the nearest key of the scene, for one that is none.
+FoundKey find_key(const World& world, const SceneParameter& sought);
+
+/// A constant that the scene has for each cell.
+bool is_of_cells(const Parameter& parameter);
+
+/// What a parameter may be, by its key: limits, and its unit.
+struct KindOfNumber {
+  double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();
+  bool is_above_lower = false;
+  std::string unit{};
+};
+KindOfNumber kind_of(const World& world, const std::string& key);
+
+/// The different values, in the order of the cells; one more than `most` where there are more.
+std::vector<double> different_values(const VectorX& values, std::size_t most);
+
+}  // namespace resilin
