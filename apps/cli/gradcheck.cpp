@@ -20,6 +20,8 @@ struct GradcheckOptions {
   std::vector<std::string> wrt, overrides;
 };
 
+using Verdict = GradientCheck::Verdict;
+
 std::string number_text(double number) { return fmt::format("{:.10g}", number); }
 
 int gradcheck(const GradcheckOptions& options) {
@@ -36,20 +38,33 @@ int gradcheck(const GradcheckOptions& options) {
         check.size == 1 ? "" : " (along one change of all " + std::to_string(check.size) + ")";
     std::vector<std::string> row = {one_line(check.parameter) + size, number_text(check.slope)};
     for (const double difference : check.differences) row.push_back(number_text(difference));
-    row.push_back(std::to_string(static_cast<int>(check.digits)));
+    row.push_back(check.verdict() == Verdict::no_digits ? "-"
+                                                        : std::to_string(static_cast<int>(check.digits)));
     rows.push_back(std::move(row));
   }
   print_text(format_table(rows));
-  const auto wrong =
-      std::ranges::count_if(checks, [](const GradientCheck& check) { return !check.agrees(); });
-  if (wrong == 0) {
-    print_line("all derivatives agree with differences of runs");
-    return done;
+  const auto count = [&](Verdict verdict) {
+    return std::ranges::count(checks, verdict, &GradientCheck::verdict);
+  };
+  const auto total = std::to_string(checks.size());
+  const auto agree = count(Verdict::agrees), unseen = count(Verdict::no_digits),
+             wrong = count(Verdict::differs);
+  if (unseen > 0)
+    print_line(
+        std::to_string(unseen) + " of " + total +
+        ": the differences have no digits here: the result hardly depends on it, and at three steps they "
+        "disagree among themselves; they neither confirm the derivative nor contradict it");
+  if (wrong > 0) {
+    print_line(
+        std::to_string(wrong) + " of " + total +
+        " do not agree with differences of runs: a step may cross a kink (contact that begins or ends, "
+        "buckling), or the derivative is wrong");
+    return not_converged;
   }
-  print_line(std::to_string(wrong) + " of " + std::to_string(checks.size()) +
-             " do not agree with differences of runs: a step may cross a kink (contact that begins or ends, "
-             "buckling), or the derivative is wrong");
-  return not_converged;
+  if (agree > 0)
+    print_line((unseen > 0 ? "all other" : std::string("all")) +
+               " derivatives agree with differences of runs");
+  return done;
 }
 
 }  // namespace
@@ -72,7 +87,8 @@ void add_gradcheck(CommandLine& line, Action& action) {
       "What is differentiated is a sum of the places of all nodes at the end, each with a weight of its "
       "own.\n"
       "Example:\n  resilin gradcheck beam.toml --wrt body.beam.material.youngs_modulus\n\n"
-      "Exit codes: 0 they agree; 1 the input is wrong; 2 they do not agree.");
+      "Exit codes: 0 they agree, or have no digits to compare with; 1 the input is wrong; 2 they do not "
+      "agree.");
   command.on_chosen([options, &action] { action = [options] { return gradcheck(*options); }; });
 }
 

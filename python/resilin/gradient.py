@@ -69,6 +69,7 @@ class Differentiated:
         if checkpoints < 0:
             refuse("checkpoints", "a number of at least 0", str(checkpoints))
         self._run = _core.DifferentiatedRun(read_scene(scene, overrides), names, numbers, int(checkpoints))
+        warn(self._run.warnings)
         self._shapes: dict[str, tuple[int, ...]] = {}
         self.parameters: dict[str, Numbers] = {}
         for name, shape, value in self._run.parameters():

@@ -123,3 +123,14 @@ def test_a_finger_finds_its_pressure():
     found = runpy.run_path(str(ROOT / "examples" / "python" / "finger.py"))
     assert found["forward_solves"] <= 8
     assert abs(found["height"] - found["TARGET"]) < 1e-9
+
+
+def test_bodies_that_are_equally_stiff_are_warned_about():
+    scene = bar()
+    other = {**scene["body"][0], "name": "other", "translate": [0, 0, 0.3]}
+    scene["body"].append(other)
+    for part in ("fix", "load", "probe"):
+        scene[part][0]["body"] = "bar"
+    scene["fix"].append({**scene["fix"][0], "name": "wall of the other", "body": "other"})
+    with pytest.warns(UserWarning, match=r"equally stiff.*contact.stiffness = 1e\+?05"):
+        resilin.gradient(scene, {"displacement": {"at": [0.9, 0.1, 0.1], "body": "bar", "component": "z"}}, [E])

@@ -83,6 +83,13 @@ TEST_F(Commands, GradcheckPutsDerivativesBesideDifferences) {
   EXPECT_EQ(all.exit_code, 0) << all.out << all.err;
   EXPECT_THAT(all.out, HasSubstr("material.youngs_modulus"));
   EXPECT_THAT(all.out, HasSubstr("all derivatives agree"));
+  // Hardly any weight beside what a support presses: nothing is contradicted.
+  const ProgramResult unseen =
+      run({"gradcheck", "box.toml", "--set", "simulation.gravity=[0, 0, -1e-12]", "--set",
+           "fix.0.gradient=[[0.01, 0, 0], [0, 0.01, 0], [0, 0, 0]]", "--wrt", "body.box.density"});
+  EXPECT_EQ(unseen.exit_code, 0) << unseen.out << unseen.err;
+  EXPECT_THAT(unseen.out, HasSubstr("1 of 1: the differences have no digits here"));
+  EXPECT_THAT(unseen.out, Not(HasSubstr("derivatives agree")));
   const ProgramResult unknown = run({"gradcheck", "box.toml", "--wrt", "simulation.gravitation"});
   EXPECT_EQ(unknown.exit_code, 1);
   EXPECT_THAT(unknown.err, HasSubstr("simulation.gravity"));

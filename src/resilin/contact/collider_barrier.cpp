@@ -121,6 +121,25 @@ void ColliderBarrier::add_hessian(const VectorX& x, const Conditions& c, Project
   });
 }
 
+// The energy is linear in the stiffness of each point.
+void ColliderBarrier::add_parameter_slopes(std::string_view /*name*/, const VectorX& x, const VectorX& w,
+                                           const Conditions& c, VectorX& slopes) const {
+  const RigidPlace place = rigid_place(c);
+  for_each_near(x, c, [&](Index point, const Vector3& y, double d) {
+    slopes[point] += c.contact_weight * barrier_.slope(d) * place.turned(shape_->normal(y)).dot(at(point, w));
+  });
+}
+
+void ColliderBarrier::add_parameter_forces(std::string_view /*name*/, const VectorX& x, const VectorX& change,
+                                           const Conditions& c, VectorX& gradient) const {
+  const RigidPlace place = rigid_place(c);
+  for_each_near(x, c, [&](Index point, const Vector3& y, double d) {
+    const Vector3 slope =
+        c.contact_weight * change[point] * barrier_.slope(d) * place.turned(shape_->normal(y));
+    points_.places.add_to_nodes(dim_, point, slope, gradient);
+  });
+}
+
 double ColliderBarrier::max_step(const VectorX& x, const VectorX& p, const Conditions& c) const {
   if (!is_active_) return 1;
   const RigidPlace place = rigid_place(c);

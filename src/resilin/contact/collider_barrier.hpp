@@ -35,6 +35,13 @@ class ColliderBarrier final : public Energy, public FrictionSource {
                    BlockMatrix& hessian) const override;
   double max_step(const VectorX& x, const VectorX& p, const Conditions& c) const override;
 
+  /// "barrier_stiffness": kappa A of each point [N], in 2D [N/m].
+  std::vector<EnergyParameter> parameters() const override { return {{"barrier_stiffness", points_.size()}}; }
+  void add_parameter_slopes(std::string_view name, const VectorX& x, const VectorX& w, const Conditions& c,
+                            VectorX& slopes) const override;
+  void add_parameter_forces(std::string_view name, const VectorX& x, const VectorX& change,
+                            const Conditions& c, VectorX& gradient) const override;
+
   /// What the collider does to the bodies.
   std::optional<Reaction> reaction(const VectorX& x, const Conditions& c) const override;
 

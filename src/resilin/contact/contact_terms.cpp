@@ -198,6 +198,19 @@ ContactTerms contact_terms(const ContactSurface& surface, const SurfaceCandidate
   return list.take();
 }
 
+// A term is linear in min(kappa_a, kappa_b).
+SofterBodies softer_bodies(const ContactSurface& surface, const ContactTerm& term) {
+  const auto body_of = [&](std::size_t k) {
+    return surface.parts.bodies[static_cast<std::size_t>(term.vertices[k])];
+  };
+  const Index a = body_of(0), b = body_of(static_cast<std::size_t>(num_first(term.kind)));
+  const double kappa_a = surface.stiffness[static_cast<std::size_t>(a)],
+               kappa_b = surface.stiffness[static_cast<std::size_t>(b)];
+  if (kappa_a < kappa_b) return {{a, b}, {1 / kappa_a, 0}};
+  if (kappa_b < kappa_a) return {{a, b}, {0, 1 / kappa_b}};
+  return {{a, b}, {0.5 / kappa_a, 0.5 / kappa_b}};
+}
+
 std::vector<ContactTerm> terms_of_change(const ContactTerms& all, const ContactTerms& merged_before,
                                          const ContactTerms& merged_after) {
   std::vector<ContactTerm> terms;

@@ -66,6 +66,14 @@ NearCandidates near_candidates(const ContactSurface& surface, const SurfaceCandi
 ContactTerms contact_terms(const ContactSurface& surface, const SurfaceCandidates& candidates,
                            const NearCandidates& near, double activation_distance);
 
+/// What the stiffness of a term follows, relative to its own: that of the softer body, or half of each of two
+/// that are alike, the mean of the slopes to both sides.
+struct SofterBodies {
+  std::array<Index, 2> bodies;
+  std::array<double, 2> shares;  ///< d(log stiffness of the term)/d(stiffness of the body) [1/Pa]
+};
+SofterBodies softer_bodies(const ContactSurface& surface, const ContactTerm& term);
+
 /// The same sum of fewer terms, for vertices in these places: what several terms of a point have of one
 /// feature (a corner of six triangles) is one term, and what is nothing is left out.
 ContactTerms merged_terms(const ContactSurface& surface, const ContactTerms& terms, const VectorX& places);

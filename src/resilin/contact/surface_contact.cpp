@@ -152,6 +152,34 @@ void SurfaceContact::add_hessian(const VectorX& x, const Conditions& c, Projecti
   });
 }
 
+void SurfaceContact::add_parameter_slopes(std::string_view /*name*/, const VectorX& x, const VectorX& w,
+                                          const Conditions& c, VectorX& slopes) const {
+  with_memory([&](Memory& memory) {
+    const State& state = state_at(memory, x, c);
+    const TermSet set = set_of(state);
+    const std::vector<double> along = slopes_along(set, state.places, surface_->displacements(w));
+    for (std::size_t k = 0; k < along.size(); ++k) {
+      const SofterBodies softer = softer_bodies(*surface_, set.terms[k]);
+      for (std::size_t side = 0; side < 2; ++side)
+        slopes[softer.bodies[side]] += c.contact_weight * softer.shares[side] * along[k];
+    }
+  });
+}
+
+void SurfaceContact::add_parameter_forces(std::string_view /*name*/, const VectorX& x, const VectorX& change,
+                                          const Conditions& c, VectorX& gradient) const {
+  with_memory([&](Memory& memory) {
+    const State& state = state_at(memory, x, c);
+    std::vector<ContactTerm> changes = state.merged.terms;
+    for (ContactTerm& term : changes) {
+      const SofterBodies softer = softer_bodies(*surface_, term);
+      term.stiffness *=
+          softer.shares[0] * change[softer.bodies[0]] + softer.shares[1] * change[softer.bodies[1]];
+    }
+    surface_->add_to_nodes(c.contact_weight * sum_of_gradients({*surface_, changes}, state.places), gradient);
+  });
+}
+
 double SurfaceContact::free_share(Memory& memory, const VectorX& places, const VectorX& displacements,
                                   double share_left) const {
   cover(memory, places, places + displacements);

@@ -41,6 +41,16 @@ class SurfaceContact : public Energy, public FrictionSource {
   bool add_second_order_forces(const VectorX& x, const VectorX& p, const Conditions& c,
                                VectorX& forces) const override;
 
+  /// "barrier_stiffness": kappa of each body's layer [Pa], that of an obstacle included, which counts
+  /// nowhere.
+  std::vector<EnergyParameter> parameters() const override {
+    return {{"barrier_stiffness", static_cast<Eigen::Index>(surface_->stiffness.size())}};
+  }
+  void add_parameter_slopes(std::string_view name, const VectorX& x, const VectorX& w, const Conditions& c,
+                            VectorX& slopes) const override;
+  void add_parameter_forces(std::string_view name, const VectorX& x, const VectorX& change,
+                            const Conditions& c, VectorX& gradient) const override;
+
   std::unique_ptr<Energy> begin_stage(const Stage& stage) const override;
   void prepare(const VectorX& x, const VectorX& p, const Conditions& c) override;
 

@@ -161,6 +161,25 @@ VectorX sum_of_gradients(const TermSet& set, const VectorX& places, GradientPart
   return sum;
 }
 
+std::vector<double> slopes_along(const TermSet& set, const VectorX& places, const VectorX& along) {
+  std::vector<double> slopes(set.terms.size());
+  in_dimension(set, [&](auto dim) {
+    parallel_for(slopes.size(), terms_per_chunk, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) {
+        const ContactTerm& term = set.terms[k];
+        const PairVector<dim> gradient = barrier_of<dim>(term, places).gradient();
+        double sum = 0;
+        Eigen::Index corner = 0;
+        for (const Index v : term.used_vertices())
+          sum +=
+              gradient.template segment<dim>(dim * corner++).dot(along.segment<dim>(Eigen::Index{v} * dim));
+        slopes[k] = sum;
+      }
+    });
+  });
+  return slopes;
+}
+
 void add_node_hessian(const TermSet& set, const VectorX& places, double weight, Projection projection,
                       BlockMatrix& hessian) {
   in_dimension(set, [&](auto dim) {

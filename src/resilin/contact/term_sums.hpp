@@ -27,6 +27,9 @@ enum class GradientParts { signed_sum, magnitudes };
 VectorX sum_of_gradients(const TermSet& set, const VectorX& places,
                          GradientParts parts = GradientParts::signed_sum);
 
+/// dE/dy . along [J] of each term, `along` one number for each of the vertices' coordinates [m].
+std::vector<double> slopes_along(const TermSet& set, const VectorX& places, const VectorX& along);
+
 /// Adds `weight` d2E/dx2 [N/m] of the nodes that the vertices follow, projected term by term.
 void add_node_hessian(const TermSet& set, const VectorX& places, double weight, Projection projection,
                       BlockMatrix& hessian);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "resilin/world/damping.hpp"
+#include "resilin/world/meeting_surface.hpp"
 
 namespace resilin {
 namespace {
@@ -77,6 +78,25 @@ Eigen::Matrix2Xd rest_stiffness_slopes(const Material& material) {
           changed.constants[p] = x;
           const Viscosity rest = rest_stiffness(changed);
           return Eigen::VectorXd(Eigen::Vector2d(rest.eta, rest.zeta));
+        });
+  }
+  return slopes;
+}
+
+VectorX log_modulus_slopes(const Body& body) {
+  const LawInfo& law = body.elastic->law();
+  std::vector<double> constants;
+  for (const auto& [name, value] : body.constants) constants.push_back(value);
+  const double modulus = youngs_modulus(body);
+  double largest = 0;
+  for (const double constant : constants) largest = std::max(largest, std::abs(constant));
+  VectorX slopes(static_cast<Eigen::Index>(constants.size()));
+  for (std::size_t p = 0; p < constants.size(); ++p) {
+    std::vector<double> changed = constants;
+    slopes.segment<1>(static_cast<Eigen::Index>(p)) =
+        slope(constants[p], step_of("", constants[p], largest), [&](double x) {
+          changed[p] = x;
+          return Eigen::VectorXd(Eigen::VectorXd::Constant(1, youngs_modulus(law, changed) / modulus));
         });
   }
   return slopes;

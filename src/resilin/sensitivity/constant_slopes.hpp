@@ -4,6 +4,7 @@
 #include <string>
 
 #include "resilin/material/derive.hpp"
+#include "resilin/world/world.hpp"
 
 /// Derivatives of the small formulas between the constants that a user gives and those that kernels have. A
 /// law states them for numbers alone (`from`); they are smooth functions of at most a handful of numbers, and
@@ -17,5 +18,8 @@ Eigen::MatrixXd constant_slopes(const LawInfo& law, const std::map<std::string, 
 
 /// d(eta, zeta)/d(constants) of `rest_stiffness`.
 Eigen::Matrix2Xd rest_stiffness_slopes(const Material& material);
+
+/// d(log E)/d(means of the constants) of a body's `youngs_modulus`.
+VectorX log_modulus_slopes(const Body& body);
 
 }  // namespace resilin

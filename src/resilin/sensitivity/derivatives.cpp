@@ -33,6 +33,7 @@ Derivatives::Derivatives(Description description, const std::vector<std::string>
     : options_(options), simulation_(std::move(description)), links_(simulation_.world()) {
   check_has_no_friction(world());
   for (const std::string& name : wrt) parameters_.push_back(find_parameter(world(), name));
+  if (const std::string kink = kink_of_barrier(world(), asked()); !kink.empty()) warnings_.push_back(kink);
   frames_.push_back(simulation_.frame());
 }
 

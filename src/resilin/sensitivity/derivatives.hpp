@@ -49,8 +49,8 @@ class Derivatives {
   int num_frames() const { return static_cast<int>(frames_.size()); }
   /// Of the frame; of motion with checkpoints, the last one's alone are kept and the others computed again.
   virtual VectorX positions(int frame) = 0;
-  /// What is odd about the gradients so far, one line each: estimates of their error where forces do not
-  /// balance well.
+  /// What is odd about the gradients so far, one line each: from the start, bodies that are equally stiff
+  /// (kink_of_barrier); estimates of their error where forces do not balance well.
   const std::vector<std::string>& warnings() const { return warnings_; }
   const Frame& frame(int frame) const { return frames_[static_cast<std::size_t>(frame)]; }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "resilin/core/error.hpp"
 
@@ -39,7 +40,39 @@ double result_of(Description description, const VectorX& by, const VectorX& base
   return by.dot(simulation.state().positions - base);
 }
 
+/// Differences of runs carry some eight digits at best; a wrong derivative has none or one.
+constexpr double digits_to_agree = 4;
+/// Differences that are nearer than this part of the larger one have a digit in common.
+constexpr double one_digit = 0.1;
+/// Of how far the two nearest differences are apart, that the derivative may be from them.
+constexpr double reach_of_differences = 3;
+/// Of the ways of nodes, what runs that are solved to `newton_tolerance` leave open; of the scene's extent,
+/// what is rounded of their places.
+constexpr double noise_of_ways = 1e-8, rounding_of_places = 1e-15;
+
 }  // namespace
+
+// Three differences without a digit in common bound the derivative by the two that are nearest to each other.
+// It may be theirs, if noise is what parts them: where a step crosses a kink or meets another solution, runs
+// differ by more than that. Comparisons with NaN are false.
+GradientCheck::Verdict GradientCheck::verdict() const {
+  if (!std::isfinite(slope)) return Verdict::differs;
+  if (digits >= digits_to_agree) return Verdict::agrees;
+  double nearest = std::numeric_limits<double>::infinity(), distance = nearest, reach = 0;
+  for (std::size_t i = 0; i < differences.size(); ++i)
+    for (std::size_t k = i + 1; k < differences.size(); ++k) {
+      const double a = differences[i], b = differences[k], apart = std::abs(a - b);
+      const double larger = std::max(std::abs(a), std::abs(b));
+      const bool share_a_digit = apart <= one_digit * larger && larger > 0;
+      if (!std::isfinite(apart) || share_a_digit) return Verdict::differs;
+      if (!(apart < nearest)) continue;
+      nearest = apart;
+      distance = std::min(std::abs(slope - a), std::abs(slope - b));
+      reach = std::max(reach_of_differences * apart, rounding / steps[i]);
+    }
+  const bool is_noise = std::abs(differences.back()) * steps.back() <= noise;
+  return is_noise && distance <= reach ? Verdict::no_digits : Verdict::differs;
+}
 
 std::vector<GradientCheck> check_gradients(Description description, std::vector<std::string> parameters,
                                            const std::function<bool()>& goes_on,
@@ -51,6 +84,9 @@ std::vector<GradientCheck> check_gradients(Description description, std::vector<
   std::vector<FrameChange> slopes(static_cast<std::size_t>(run->num_frames()));
   slopes.back().positions = weights(base.size(), 1);
   const std::vector<VectorX> gradient = run->transposed(slopes);
+  const VectorX sizes = slopes.back().positions.cwiseAbs();
+  const double rounding = rounding_of_places * sizes.sum() * run->world().largest_extent();
+  const double noise = rounding + noise_of_ways * sizes.dot((base - run->world().rest_positions).cwiseAbs());
   std::vector<GradientCheck> checks;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const Parameter& parameter = run->parameters()[i];
@@ -59,7 +95,9 @@ std::vector<GradientCheck> check_gradients(Description description, std::vector<
     GradientCheck check{.parameter = parameter.name,
                         .size = change.size(),
                         .slope = gradient[i].dot(change) / unit,
-                        .steps = relative_steps};
+                        .steps = relative_steps,
+                        .noise = noise / std::abs(unit),
+                        .rounding = rounding / std::abs(unit)};
     // A weighted sum of numbers of about this size has rounding of its own.
     const double largest = gradient[i].cwiseAbs().dot(change.cwiseAbs()) / std::abs(unit);
     for (std::size_t k = 0; k < check.steps.size(); ++k) {

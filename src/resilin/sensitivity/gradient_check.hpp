@@ -17,9 +17,16 @@ struct GradientCheck {
   std::array<double, 3> steps{};        ///< of the differences, relative to the size of the parameter
   std::array<double, 3> differences{};  ///< central ones
   double digits = 0;                    ///< to which the best of them agrees
+  /// What a difference may be off by, times the length of its step: because forces of its two runs balance to
+  /// a tolerance, and because places are rounded.
+  double noise = 0, rounding = 0;
 
-  /// Differences of runs carry some eight digits at best; a wrong derivative has none or one.
-  bool agrees() const { return digits >= 4; }
+  enum class Verdict {
+    agrees,
+    no_digits,  ///< the derivative is so small that differences hold none of its digits: they say nothing
+    differs
+  };
+  Verdict verdict() const;
 };
 
 /// The result that is differentiated is a sum of all places of the last frame, each with a weight of its own

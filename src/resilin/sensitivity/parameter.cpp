@@ -127,20 +127,12 @@ void check_gravity(const World& world, const std::string& name) {
                    "give simulation.gravity, however small: without it there is no weight to change");
 }
 
-/// Of these the barrier has its stiffness and its reach where the scene leaves them out.
+/// Barriers take their reach and the areas that they bear from the rest shape.
 void check_barrier(const World& world, const std::string& name) {
-  const Description& description = *world.made_from;
-  const bool is_rest = name.ends_with(".rest_positions");
-  const bool is_stiffness = name.find(".material.") != std::string::npos;
-  if (!is_rest && !is_stiffness) return;
-  if (is_rest && (world.contact || !description.colliders.empty()))
-    throw InputError(name, "a scene without contact", "colliders or bodies that meet",
-                     "derivatives of barriers by the rest shape are not there yet");
-  const auto is_given = [](const auto& of) { return of.stiffness && of.activation_distance; };
-  if ((world.contact && !is_given(description.contact)) ||
-      !std::ranges::all_of(description.colliders, is_given))
-    throw InputError(name, "stiffness and activation_distance of contact and colliders given as numbers",
-                     "none", "left out they follow the material, and are no constants of the derivative");
+  if (!name.ends_with(".rest_positions") || (!world.contact && world.made_from->colliders.empty())) return;
+  throw InputError(name, "a scene without contact", "colliders or bodies that meet",
+                   "barriers bear areas of the rest shape, by which they are not differentiated yet; where "
+                   "nothing touches, leave colliders out and set contact.enabled = false");
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ bool WorldChange::has_mass() const {
   return rest_positions.size() > 0 || std::ranges::any_of(bodies, &OfBody::has_density);
 }
 
-TermLinks::TermLinks(const World& world) : world_(world), description_(*world.made_from) {
+TermLinks::TermLinks(const World& world) : world_(world), description_(*world.made_from), barriers_(world) {
   std::vector<std::size_t> viscous_bodies;
   for (std::size_t b = 0; b < description_.bodies.size(); ++b) {
     const DampingDescription& damping = description_.bodies[b].damping;
@@ -74,6 +74,8 @@ TermChanges TermLinks::zero(const WorldChange& asked) const {
     if (moves_viscosity(asked, body)) add(term, "viscosities", Eigen::Index{2} * num_sets);
     if (asked.rest_positions.size() > 0) add(term, "rest_positions", num_unknowns);
   }
+  for (const BarrierLinks::Barrier& barrier : barriers_.all())
+    if (BarrierLinks::moves(barrier, asked)) add(barrier.term, "barrier_stiffness", barrier.stiffness.size());
   return terms;
 }
 
@@ -103,6 +105,9 @@ TermChanges TermLinks::spread(const WorldChange& change) const {
   }
   for (const auto& [term, body] : viscous_)
     if (moves_viscosity(change, body)) spread_viscosities(change, body, terms[term]["viscosities"]);
+  for (const BarrierLinks::Barrier& barrier : barriers_.all())
+    if (BarrierLinks::moves(barrier, change))
+      barriers_.spread(barrier, change, terms[barrier.term]["barrier_stiffness"]);
   return terms;
 }
 
@@ -134,6 +139,9 @@ void TermLinks::gather(const TermChanges& terms, WorldChange& slopes) const {
   for (const auto& [term, body] : viscous_)
     if (moves_viscosity(slopes, body))
       gather_viscosities(terms[term].find("viscosities")->second, body, slopes);
+  for (const BarrierLinks::Barrier& barrier : barriers_.all())
+    if (BarrierLinks::moves(barrier, slopes))
+      barriers_.gather(barrier, terms[barrier.term].find("barrier_stiffness")->second, slopes);
 }
 
 // In motion gravity is M g, at rest integral N_a rho g dV (world/loads.hpp).

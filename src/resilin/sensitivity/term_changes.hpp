@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "resilin/sensitivity/barrier_links.hpp"
 #include "resilin/sensitivity/world_change.hpp"
 
 namespace resilin {
@@ -44,6 +45,7 @@ class TermLinks {
   const Description& description_;
   int gravity_ = -1, inertia_ = -1, mass_damping_ = -1;  ///< numbers of terms
   std::vector<Viscous> viscous_;
+  BarrierLinks barriers_;
 };
 
 }  // namespace resilin

@@ -12,9 +12,12 @@
 namespace resilin {
 
 double youngs_modulus(const Body& body) {
-  const LawInfo& law = require_law(body.law, body.name);
   std::vector<double> constants;
   for (const auto& [name, value] : body.constants) constants.push_back(value);
+  return youngs_modulus(require_law(body.law, body.name), constants);
+}
+
+double youngs_modulus(const LawInfo& law, const std::vector<double>& constants) {
   double E = 0;
   for_each_rest_tangent(law, constants, [&E](std::size_t, const double* A) {
     E = Hooke{A[9 + 1], A[4]}.youngs_modulus();  // dP_01/dF_01, dP_00/dF_11

@@ -14,6 +14,8 @@ namespace resilin {
 
 /// Of a body's material at small strain, by the means of its constants [Pa].
 double youngs_modulus(const Body& body);
+/// Of other constants of its law's formula.
+double youngs_modulus(const LawInfo& law, const std::vector<double>& constants);
 
 /// Per node: whether supports hold it in all directions. Their support says where they are, and no collider
 /// pushes them.
@@ -21,7 +23,8 @@ std::vector<std::uint8_t> held_nodes(const World& world);
 
 /// The points of all bodies' surfaces with their barrier stiffness times area, body by body: nodes,
 /// ascending, or vertices of skins. Held ones are left out.
-/// @param stiffness  of the barrier [Pa]; none: a tenth of each body's Young's modulus at small strain
+/// @param stiffness  of the barrier [Pa]; none: a tenth of each body's Young's modulus at small strain.
+///                   Whatever is chosen is in proportion to that modulus (sensitivity/barrier_links.hpp)
 ContactPoints contact_points(const World& world, std::optional<double> stiffness = {});
 
 /// The vertices of a body's skin, by the nodes that carry them.

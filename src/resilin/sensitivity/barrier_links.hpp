@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "resilin/sensitivity/world_change.hpp"
+
+namespace resilin {
+
+/// How barriers whose stiffness the scene leaves out follow the constants of the bodies' materials: it is in
+/// proportion to Young's modulus at small strain of the means of these (world/meeting_surface.hpp).
+class BarrierLinks {
+ public:
+  /// A collider's barrier, or what keeps bodies apart.
+  struct Barrier {
+    std::size_t term;           ///< its number
+    std::vector<Index> bodies;  ///< of each number of the parameter "barrier_stiffness"; -1: of none
+    VectorX stiffness;          ///< these numbers
+  };
+
+  /// @param world  made of a description that it still has; kept by reference
+  explicit BarrierLinks(const World& world);
+
+  /// Those that follow a material.
+  const std::vector<Barrier>& all() const { return barriers_; }
+  static bool moves(const Barrier& barrier, const WorldChange& change);
+  void spread(const Barrier& barrier, const WorldChange& change, VectorX& stiffness) const;
+  void gather(const Barrier& barrier, const VectorX& stiffness, WorldChange& slopes) const;
+
+ private:
+  const World& world_;
+  std::vector<Barrier> barriers_;
+  std::vector<VectorX> modulus_slopes_;  ///< of each body: d(log E)/d(means of its constants)
+};
+
+/// One line on the first two bodies that are equally stiff, if `change` is one of a material of theirs: the
+/// layer between them is as stiff as the softer one, which has a kink there. Empty where there are none.
+std::string kink_of_barrier(const World& world, const WorldChange& change);
+
+}  // namespace resilin

@@ -1,0 +1,220 @@
+// Derivatives by materials where barriers have the stiffness that follows them: nothing is said of it in the
+// scene.
+
+#include "derivative_checks.hpp"
+#include "resilin/sensitivity/barrier_links.hpp"
+#include "small_scenes.hpp"
+
+namespace resilin::testing {
+namespace {
+
+/// Level, below the bars: three lines, or four triangles.
+Mesh sheet(int dimension, double height) {
+  Mesh mesh;
+  if (dimension == 2) {
+    mesh.vertices = {{-1, height, 0}, {0.3, height, 0}, {2, height, 0}};
+    mesh.block(CellKind::line).nodes = {0, 1, 1, 2};
+  } else {
+    mesh.vertices = {{-1, -1, height}, {2, -1, height}, {0.5, 0.1, height}, {0.5, 3, height}};
+    mesh.block(CellKind::triangle).nodes = {0, 1, 2, 1, 3, 2, 3, 0, 2};
+  }
+  return mesh;
+}
+
+/// A soft bar next to a floor, held at x = 0, onto which one that is three times as stiff is pressed.
+Description pressed_bars(int dimension, bool is_dynamic, const std::string& floor_kind = "half_space") {
+  const int up = dimension - 1;
+  Description scene = small_bar(dimension, is_dynamic);
+  scene.newton.tolerance = 1e-12;
+  scene.load_steps = 4;
+  scene.time_step = 0.01;
+  scene.end_time = 0.04;
+  scene.probes.clear();
+  BodyDescription& lower = scene.bodies[0];
+  lower.name = "lower";
+  lower.mesh = dimension == 3 ? make_box({0.5, 0.25, 0.25}, {2, 1, 1}) : make_rectangle({0.5, 0.25}, {3, 2});
+  lower.material.constants["youngs_modulus"] = 1e4;
+  BodyDescription upper = lower;
+  upper.name = "upper";
+  upper.material.constants["youngs_modulus"] = 3e4;
+  upper.translate = 0.02 * Vector3::UnitX() + 0.2515 * Vector3::Unit(up);
+  if (dimension == 3) upper.translate[1] = 0.013;
+  scene.fixes[0].body = "lower";
+  FixDescription press = scene.fixes[0];
+  press.name = "press";
+  press.body = "upper";
+  press.where.at = 0.02;
+  if (is_dynamic) {
+    press.velocity = -0.5 * Vector3::Unit(up);
+    upper.velocity = press.velocity;
+  } else {
+    press.displacement = -0.006 * Vector3::Unit(up);
+  }
+  scene.bodies.push_back(upper);
+  scene.fixes.push_back(press);
+  ColliderDescription floor;
+  floor.name = "floor";
+  floor.kind = floor_kind;
+  floor.shape.point = -0.002 * Vector3::Unit(up);
+  floor.shape.normal = Vector3::Unit(up);
+  if (floor_kind == "mesh") floor.shape.mesh = sheet(dimension, -0.002);
+  scene.colliders.push_back(floor);
+  return scene;
+}
+
+/// All barriers press at the end: else there is nothing to differentiate.
+void expect_contact(const Description& scene) {
+  const Simulation end = converged_end_of(scene);
+  for (const auto& term : end.world().terms) {
+    if (term->properties().category != EnergyCategory::contact) continue;
+    EXPECT_GT(term->value(end.state().positions, end.world().at_load(1)), 0) << term->name();
+  }
+}
+
+const std::vector<std::string> constants_of_both = {
+    "body.lower.material.youngs_modulus", "body.lower.material.poissons_ratio",
+    "body.upper.material.youngs_modulus", "body.upper.material.poissons_ratio"};
+
+TEST(BarrierDerivatives, AreRightAtRestAndInMotion) {
+  for (const int dimension : {2, 3})
+    for (const bool is_dynamic : {false, true})
+      for (const std::string floor : {"half_space", "mesh"}) {
+        SCOPED_TRACE(std::to_string(dimension) + "D, " + floor + (is_dynamic ? ", in motion" : ", at rest"));
+        const Description scene = pressed_bars(dimension, is_dynamic, floor);
+        expect_contact(scene);
+        expect_right_derivatives(scene, constants_of_both);
+      }
+}
+
+/// By every constant that a law can be given, of the softer body, on which the layers depend.
+TEST(BarrierDerivatives, AreRightForEveryLaw) {
+  for (const LawInfo* law : laws()) {
+    SCOPED_TRACE(law->name);
+    Description scene = pressed_bars(2, false);
+    MaterialDescription& material = scene.bodies[0].material;
+    material = material_of(*law);
+    material.constants["youngs_modulus"] = 1e4;
+    if (!material.constants.contains("poissons_ratio")) material.constants["poissons_ratio"] = 0.3;
+    if (law->has_volume_energy) scene.bodies[0].element = "P2P0";
+    std::vector<std::string> names;
+    for (const auto& [name, value] : material.constants)
+      if (std::isnan(law->only_poissons_ratio) || name != "poissons_ratio")
+        names.push_back("body.lower.material." + name);
+    expect_right_derivatives(scene, names);
+  }
+}
+
+/// The layers follow the means over the cells.
+TEST(BarrierDerivatives, ByFieldsAreRight) {
+  Description scene = pressed_bars(2, false);
+  const std::size_t num_cells = scene.bodies[0].mesh.find_solid(2)->nodes.size() / 3;
+  MaterialDescription& material = scene.bodies[0].material;
+  material.constants.erase("youngs_modulus");
+  for (const double noise : random_numbers(static_cast<Eigen::Index>(num_cells), 5))
+    material.cell_constants["youngs_modulus"].push_back(1e4 * (1 + 0.2 * noise));
+  expect_right_derivatives(scene, constants_of_both);
+}
+
+/// Two arms that are joined at the left, of which the upper one is pressed onto the lower one.
+TEST(BarrierDerivatives, OfABodyThatMeetsItselfAreRight) {
+  Description scene = pressed_bars(2, false);
+  scene.colliders.clear();
+  scene.bodies.pop_back();
+  scene.contact.with_themselves = true;
+  scene.gravity.setZero();
+  Mesh mesh = make_rectangle({0.3, 0.15}, {6, 3});
+  std::vector<Index>& nodes = mesh.block(CellKind::triangle).nodes;
+  std::vector<Index> kept;
+  for (std::size_t first = 0; first < nodes.size(); first += 3) {
+    Vector3 middle = Vector3::Zero();
+    for (std::size_t k = first; k < first + 3; ++k)
+      middle += mesh.vertices[static_cast<std::size_t>(nodes[k])] / 3;
+    if (middle.x() > 0.05 && middle.y() > 0.05 && middle.y() < 0.1) continue;
+    kept.insert(kept.end(), &nodes[first], &nodes[first] + 3);
+  }
+  nodes = kept;
+  for (Vector3& vertex : mesh.vertices)
+    if (vertex.y() > 0.09) vertex.y() -= 0.048;  // what is left of the slot
+  scene.bodies[0].mesh = mesh;
+  FixDescription& press = scene.fixes[1];
+  press.body = "lower";
+  press.where.kind = Where::Kind::box;
+  press.where.min = {0.29, 0.09, -1};
+  press.where.max = {0.31, 0.2, 1};
+  press.displacement = {0, -0.006, 0};
+  expect_contact(scene);
+  expect_right_derivatives(scene, {constants_of_both[0], constants_of_both[1]});
+}
+
+/// Where two bodies are alike, the layer between them has a kink: the derivative is the mean of the two.
+TEST(BarrierDerivatives, OfBodiesThatAreAlikeAreTheMeanOfBothSides) {
+  Description scene = pressed_bars(2, false);
+  scene.bodies[1].material.constants["youngs_modulus"] = 1e4;
+  const std::string name = "body.upper.material.youngs_modulus";
+  std::vector<double> slopes;
+  for (const double factor : {1.0, 1 - 1e-8, 1 + 1e-8}) {
+    Description near = scene;
+    near.bodies[1].material.constants["youngs_modulus"] *= factor;
+    const auto run = Derivatives::run(near, {name});
+    EXPECT_EQ(run->warnings().size(), factor == 1 ? 1 : 0);
+    slopes.push_back(run->transposed(random_slopes(*run))[0][0]);
+  }
+  EXPECT_GT(std::abs(slopes[1] - slopes[2]), 1e-4 * std::abs(slopes[0]));
+  EXPECT_NEAR(slopes[0], 0.5 * (slopes[1] + slopes[2]), 1e-6 * std::abs(slopes[0]));
+}
+
+/// Beside the worlds that are made of changed constants.
+TEST(BarrierLinks, FollowWhatAWorldWouldHave) {
+  for (const LawInfo* law : laws()) {
+    Description scene = pressed_bars(3, false, "mesh");
+    scene.colliders.push_back(scene.colliders[0]);
+    scene.colliders[1].kind = "half_space";
+    scene.bodies[0].material = material_of(*law);
+    for (const ConstantText& constant : law->constants)  // inside of its range
+      if (constant.is_free && constant.fallback == 0)
+        scene.bodies[0].material.constants[std::string(constant.name)] = 0.1;
+    const World world{Description(scene)};
+    const BarrierLinks links(world);
+    ASSERT_EQ(links.all().size(), 3);
+    const std::vector<double> constants =
+        resolve_constants(*law, scene.bodies[0].material.constants, "material");
+    scene.bodies[0].material.constants.clear();
+    for (std::size_t k = 0; k < constants.size(); ++k)
+      scene.bodies[0].material.constants[std::string(law->constants[k].name)] = constants[k];
+    const World by_formula{Description(scene)};
+    for (const ConstantText& constant : law->constants) {
+      const std::string name = "body.lower.material." + std::string(constant.name);
+      SCOPED_TRACE(std::string(law->name) + ", " + name);
+      const Parameter parameter = find_parameter(by_formula, name);
+      WorldChange change(by_formula);
+      parameter.ask(change);
+      parameter.spread(VectorX::Ones(1), change);
+      const double h = 1e-4 * (parameter.value[0] == 0 ? 1 : std::abs(parameter.value[0]));
+      std::vector<std::vector<BarrierLinks::Barrier>> sides;
+      for (const double way : {h, -h}) {
+        Description changed = scene;
+        parameter.set(parameter.value + VectorX::Constant(1, way), changed);
+        sides.push_back(BarrierLinks(World{std::move(changed)}).all());
+      }
+      for (std::size_t b = 0; b < sides[0].size(); ++b) {
+        const BarrierLinks::Barrier& barrier = links.all()[b];
+        ASSERT_TRUE(BarrierLinks::moves(barrier, change));
+        VectorX slopes = VectorX::Zero(barrier.stiffness.size());
+        links.spread(barrier, change, slopes);
+        const VectorX differences = (sides[0][b].stiffness - sides[1][b].stiffness) / (2 * h);
+        EXPECT_LE((slopes - differences).norm(),
+                  1e-6 * differences.norm() + 1e-9 * barrier.stiffness.norm() / h);
+        const VectorX w = random_numbers(slopes.size(), 3);
+        WorldChange gathered(by_formula);
+        parameter.ask(gathered);
+        links.gather(barrier, w, gathered);
+        VectorX by_number = VectorX::Zero(1);
+        parameter.gather(gathered, by_number);
+        EXPECT_NEAR(by_number[0], w.dot(slopes), 1e-12 * w.norm() * slopes.norm());
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace resilin::testing
