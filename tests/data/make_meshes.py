@@ -4,6 +4,7 @@ cube*: the unit cube with the physical groups "body" (volume), "left" (the side 
 "corner" (the origin), saved by Gmsh in every version of its format; second order in cube_p2*.
 """
 
+import struct
 from pathlib import Path
 
 import gmsh
@@ -166,3 +167,32 @@ Corners
 1
 End
 """)
+
+# Surfaces: the 12 triangles of the unit cube, by meshio; PLY of the other byte order, with quadrilaterals, properties
+# and an element that are passed over, by hand.
+corners = np.array([[i & 1, i >> 1 & 1, i >> 2] for i in range(8)], dtype=float)
+quads = np.array([[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]])
+surface = meshio.Mesh(corners, [("triangle", np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]).astype(np.int32))])
+for name, binary in (("ascii", False), ("binary", True)):
+    meshio.write(folder / f"cube_{name}.stl", surface, binary=binary)
+    meshio.write(folder / f"cube_{name}.ply", surface, binary=binary)
+header = """ply
+format binary_big_endian 1.0
+comment the unit cube
+element vertex 8
+property double x
+property uchar red
+property double y
+property list uchar short used_by
+property double z
+element note 2
+property float value
+element face 6
+property int flags
+property list uchar uint vertex_indices
+end_header
+"""
+body = b"".join(struct.pack(">dBdBhhd", x, 200, y, 2, 1, -1, z) for x, y, z in corners)
+body += struct.pack(">ff", 1, 2)
+body += b"".join(struct.pack(">iB4I", i, 4, *quad) for i, quad in enumerate(quads))
+(folder / "cube_big_endian.ply").write_bytes(header.encode() + body)

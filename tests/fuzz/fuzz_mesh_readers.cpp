@@ -90,7 +90,7 @@ void read_and_use(const std::string& name, std::string_view bytes, const Compani
 
 /// Entry for libFuzzer and its kin: the first byte chooses the extension.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  constexpr std::array extensions = {"msh", "mesh", "vtu", "vtk", "node", "ele", "veg", "obj"};
+  constexpr std::array extensions = {"msh", "mesh", "vtu", "vtk", "node", "ele", "veg", "obj", "stl", "ply"};
   if (size == 0) return 0;
   const std::string_view bytes(reinterpret_cast<const char*>(data) + 1, size - 1);
   const std::string name = std::string("input.") + extensions[data[0] % extensions.size()];

@@ -24,9 +24,9 @@ TEST(Formats, AreToldByTheirFirstBytesBeforeTheirExtension) {
 }
 
 TEST(Formats, AreListedWhenAFileIsOfNone) {
-  EXPECT_THAT(refusal("a.stl", "solid"), AllOf(HasSubstr("a.stl"), HasSubstr(".msh"), HasSubstr(".veg")));
+  EXPECT_THAT(refusal("a.dxf", "solid"), AllOf(HasSubstr("a.dxf"), HasSubstr(".msh"), HasSubstr(".veg")));
   const testing::TemporaryFolder folder;
-  EXPECT_THROW(write_mesh(folder / "a.stl", Mesh{}), InputError);
+  EXPECT_THROW(write_mesh(folder / "a.dxf", Mesh{}), InputError);
 }
 
 TEST(Formats, AMissingFileIsNamed) {

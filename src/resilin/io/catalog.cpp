@@ -15,6 +15,8 @@ bool starts_with(std::string_view bytes) {
   return bytes.starts_with(start);
 }
 
+bool is_ply(std::string_view bytes) { return bytes.starts_with("ply\n") || bytes.starts_with("ply\r"); }
+
 }  // namespace
 
 std::span<const MeshFormat> mesh_formats() {
@@ -30,6 +32,18 @@ std::span<const MeshFormat> mesh_formats() {
                  .has_signature = nullptr,
                  .read = read_obj,
                  .write = write_obj,
+                 .holds_surfaces = true},
+      MeshFormat{.name = "STL",
+                 .extensions = {"stl"},
+                 .has_signature = nullptr,
+                 .read = read_stl,
+                 .write = nullptr,
+                 .holds_surfaces = true},
+      MeshFormat{.name = "PLY",
+                 .extensions = {"ply"},
+                 .has_signature = is_ply,
+                 .read = read_ply,
+                 .write = nullptr,
                  .holds_surfaces = true},
   };
   return formats;

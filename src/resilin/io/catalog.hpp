@@ -35,6 +35,8 @@ std::span<const MeshFormat> mesh_formats();
 MeshFile read_medit(const MeshSource& source);
 MeshFile read_msh(const MeshSource& source);
 MeshFile read_obj(const MeshSource& source);
+MeshFile read_ply(const MeshSource& source);
+MeshFile read_stl(const MeshSource& source);
 MeshFile read_tetgen(const MeshSource& source);
 MeshFile read_vega(const MeshSource& source);
 MeshFile read_vtk(const MeshSource& source);

@@ -12,7 +12,8 @@
 
 namespace resilin {
 
-/// A mesh as a file gives it: nothing re-oriented, joined or left out.
+/// A mesh as a file gives it: nothing re-oriented, joined (but the corners of STL, which has no vertices) or
+/// left out.
 struct MeshFile {
   Mesh mesh;
   Numbering numbering;                ///< what the file calls its vertices and cells
@@ -48,8 +49,8 @@ void prepare_solid_mesh(MeshFile& file, int dimension);
 /// Reduces second-order cells to their corners, with a warning when there are any.
 void use_corners_only(MeshFile& file);
 
-/// What there is to say about a file of which only the name is known: one of a surface format (OBJ) is
-/// examined as a surface, cells of space as a 3D solid, cells in the plane z = 0 as a 2D one, triangles in
+/// What there is to say about a file of which only the name is known: one of a surface format (OBJ, STL, PLY)
+/// is examined as a surface, cells of space as a 3D solid, cells in the plane z = 0 as a 2D one, triangles in
 /// space as a surface.
 MeshReport check_mesh_file(const MeshFile& file);
 

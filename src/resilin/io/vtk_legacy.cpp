@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "resilin/core/error.hpp"
+#include "resilin/io/binary_value.hpp"
 #include "resilin/io/catalog.hpp"
 #include "resilin/io/mesh_builder.hpp"
 #include "resilin/io/text_scanner.hpp"
@@ -88,14 +89,7 @@ class VtkReader {
     }
   }
 
-  /// Size, and whether it is a floating point type, of a data type name.
-  struct Type {
-    std::size_t size;
-    bool is_real;
-    bool is_signed;
-  };
-
-  Type type() {
+  BinaryType type() {
     const std::string_view name = text_.word("a data type");
     if (name == "double") return {8, true, true};
     if (name == "float") return {4, true, true};
@@ -110,19 +104,8 @@ class VtkReader {
     text_.fail("a data type such as double or int", name);
   }
 
-  /// One binary value; integers beyond 2^53 lose digits, which no index that is right has.
-  static double decoded(std::string_view bytes, const Type& type) {
-    std::uint64_t bits = 0;
-    for (const char c : bytes) bits = bits << 8 | static_cast<unsigned char>(c);
-    if (type.is_real && type.size == 8) return std::bit_cast<double>(bits);
-    if (type.is_real) return std::bit_cast<float>(static_cast<std::uint32_t>(bits));
-    if (!type.is_signed) return static_cast<double>(bits);
-    const auto shift = static_cast<int>(64 - 8 * type.size);
-    return static_cast<double>(std::bit_cast<std::int64_t>(bits << shift) >> shift);
-  }
-
   /// The next `count` numbers, of any kind, not a number and infinity among them.
-  std::vector<double> read_reals(const Type& type, std::size_t count) {
+  std::vector<double> read_reals(const BinaryType& type, std::size_t count) {
     text_.checked_count(static_cast<std::int64_t>(std::min(count, std::size_t{1} << 62)), "values",
                         is_binary_ ? type.size : 2);
     std::vector<double> values;
@@ -130,7 +113,7 @@ class VtkReader {
     if (is_binary_) text_.skip_line_end();
     for (std::size_t i = 0; i < count; ++i) {
       if (is_binary_) {
-        values.push_back(decoded(text_.bytes(type.size, "a value"), type));
+        values.push_back(decoded(text_.bytes(type.size, "a value"), type, std::endian::big));
         continue;
       }
       const std::string_view word = text_.word("a value");
@@ -142,7 +125,7 @@ class VtkReader {
   }
 
   /// The next `count` indices; a binary one that is no index becomes -1.
-  std::vector<std::int64_t> read_integers(const Type& type, std::size_t count, std::string_view what) {
+  std::vector<std::int64_t> read_integers(const BinaryType& type, std::size_t count, std::string_view what) {
     std::vector<std::int64_t> values;
     if (!is_binary_) {
       text_.checked_count(static_cast<std::int64_t>(std::min(count, std::size_t{1} << 62)), what, 2);
@@ -159,7 +142,7 @@ class VtkReader {
     if (has_points_) text_.fail("one section POINTS", "a second one");
     has_points_ = true;
     const std::size_t count = text_.count("points", is_binary_ ? 12 : 6);
-    const Type point_type = type();
+    const BinaryType point_type = type();
     if (!is_binary_) {
       for (std::size_t i = 0; i < count; ++i) {
         mesh_.add_vertex(static_cast<std::int64_t>(i),
@@ -269,7 +252,7 @@ class VtkReader {
 
   void read_scalars() {
     const std::string name(text_.word("a name"));
-    const Type value_type = type();
+    const BinaryType value_type = type();
     const std::size_t components = text_.is_line_done() ? 1 : text_.count("components", 1);
     if (text_.peek() == "LOOKUP_TABLE") {
       text_.word("");
