@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+
+#include "resilin/mesh/mesh.hpp"
+
+namespace resilin {
+
+/// A surface of triangles as the rim of a solid: every place once, no triangle that has collapsed,
+/// neighbours wound alike.
+struct SolidSurface {
+  Mesh mesh;                       ///< triangles alone
+  double area = 0;                 ///< [m^2]
+  double volume = 0;               ///< that it encloses; of an open one a guess [m^3]
+  Index num_turned = 0;            ///< triangles that were wound against their neighbours
+  std::size_t num_open_edges = 0;  ///< edges of one triangle only
+  double open_share = 0;           ///< least area of lids on its holes, by its own; 1 for a flat sheet
+
+  const CellBlock& triangles() const { return mesh.blocks[0]; }
+};
+
+/// Of each patch whose triangles hang together the winding of most of its area stays, so that the skin of a
+/// cavity, which is wound the other way, stays one.
+///
+/// @param name  of the file, opens every message
+/// @throws InputError  when there are no triangles, or none with an area, or coordinates too large to compute
+/// with
+SolidSurface make_solid_surface(const Mesh& mesh, const std::string& name);
+
+}  // namespace resilin

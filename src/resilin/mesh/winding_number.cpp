@@ -1,0 +1,105 @@
+#include "resilin/mesh/winding_number.hpp"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+namespace resilin {
+namespace {
+
+constexpr Index leaf_size = 8;
+constexpr double far = 2;  // radii from the centre: from there on a node is taken as a dipole
+constexpr std::size_t max_depth = 64;
+
+Vector3 area_vector(const std::array<Vector3, 3>& X) { return 0.5 * (X[1] - X[0]).cross(X[2] - X[0]); }
+
+/// Source: Van Oosterom & Strackee 1983, "The solid angle of a plane triangle", eq. 8.
+double solid_angle(const std::array<Vector3, 3>& corners, const Vector3& X) {
+  const Vector3 a = corners[0] - X, b = corners[1] - X, c = corners[2] - X;
+  const double la = a.norm(), lb = b.norm(), lc = c.norm();
+  const double divisor = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+  return 2 * std::atan2(a.dot(b.cross(c)), divisor);
+}
+
+}  // namespace
+
+WindingNumber::WindingNumber(const Mesh& mesh, const CellBlock& triangles) {
+  std::vector<Vector3> middles;
+  std::vector<Index> order(static_cast<std::size_t>(triangles.num_cells()));
+  std::iota(order.begin(), order.end(), Index{0});
+  for (Index t = 0; t < triangles.num_cells(); ++t) {
+    const auto X = [&](std::size_t i) -> const Vector3& {
+      return mesh.vertices[static_cast<std::size_t>(triangles.cell(t)[i])];
+    };
+    corners_.push_back({X(0), X(1), X(2)});
+    middles.emplace_back((X(0) + X(1) + X(2)) / 3);
+  }
+  if (order.empty()) return;
+  nodes_.push_back({.first = 0, .last = triangles.num_cells()});
+  build(0, order, middles);
+  std::vector<std::array<Vector3, 3>> sorted;
+  for (const Index t : order) sorted.push_back(corners_[static_cast<std::size_t>(t)]);
+  corners_ = std::move(sorted);
+}
+
+void WindingNumber::build(Index node, std::vector<Index>& order, const std::vector<Vector3>& middles) {
+  Node made = nodes_[static_cast<std::size_t>(node)];
+  const auto begin = order.begin() + made.first, end = order.begin() + made.last;
+  const auto middle = [&](Index t) -> const Vector3& { return middles[static_cast<std::size_t>(t)]; };
+  double area = 0;
+  Vector3 sum = Vector3::Zero(), low = middle(*begin), high = low;
+  for (auto t = begin; t != end; ++t) {
+    const Vector3 vector = area_vector(corners_[static_cast<std::size_t>(*t)]);
+    made.dipole += vector;
+    area += vector.norm();
+    sum += vector.norm() * middle(*t);
+    low = low.cwiseMin(middle(*t));
+    high = high.cwiseMax(middle(*t));
+  }
+  made.center = area > 0 ? Vector3(sum / area) : Vector3(0.5 * (low + high));
+  for (auto t = begin; t != end; ++t)
+    for (const Vector3& X : corners_[static_cast<std::size_t>(*t)])
+      made.radius = std::max(made.radius, (X - made.center).norm());
+  if (made.last - made.first > leaf_size) {
+    Eigen::Index axis = 0;
+    (high - low).maxCoeff(&axis);
+    const Index half = (made.first + made.last) / 2;
+    std::nth_element(begin, order.begin() + half, end, [&](Index a, Index b) {
+      return middle(a)[axis] != middle(b)[axis] ? middle(a)[axis] < middle(b)[axis] : a < b;
+    });
+    made.left = static_cast<Index>(nodes_.size());
+    nodes_.push_back({.first = made.first, .last = half});
+    nodes_.push_back({.first = half, .last = made.last});
+  }
+  nodes_[static_cast<std::size_t>(node)] = made;
+  if (made.left < 0) return;
+  build(made.left, order, middles);
+  build(made.left + 1, order, middles);
+}
+
+double WindingNumber::operator()(const Vector3& X) const {
+  std::array<Index, max_depth> stack;
+  std::size_t size = 0;
+  if (!nodes_.empty()) stack[size++] = 0;
+  double angle = 0;
+  while (size > 0) {
+    const Node& node = nodes_[static_cast<std::size_t>(stack[--size])];
+    const Vector3 arm = node.center - X;
+    const double distance = arm.norm();
+    if (distance > far * node.radius) {
+      angle += node.dipole.dot(arm) / (distance * distance * distance);
+    } else if (node.left < 0) {
+      for (Index t = node.first; t < node.last; ++t)
+        angle += solid_angle(corners_[static_cast<std::size_t>(t)], X);
+    } else {
+      stack[size++] = node.left + 1;
+      stack[size++] = node.left;
+    }
+  }
+  return angle / (4 * std::numbers::pi);
+}
+
+}  // namespace resilin
