@@ -65,15 +65,17 @@ bool is_mesh(const std::filesystem::path& path) {
   });
 }
 
-/// 3 for cells that fill space, 2 for cells of a plane; a surface is refused with what to do.
+/// 3 for cells that fill space and files of surfaces, 2 for cells of a plane; triangles in space are refused
+/// with what to do.
 int dimension_of(const std::string& path) {
   const MeshFile file = read_mesh(path);
-  if (file.mesh.find_solid(3) != nullptr) return 3;
+  if (file.is_surface || file.mesh.find_solid(3) != nullptr) return 3;  // a surface gets cells
   const bool is_flat =
       std::ranges::all_of(file.mesh.vertices, [](const Vector3& vertex) { return vertex.z() == 0; });
-  if (!file.is_surface && is_flat && file.mesh.find_solid(2) != nullptr) return 2;
+  if (is_flat && file.mesh.find_solid(2) != nullptr) return 2;
   throw InputError(path, "a mesh whose cells fill the body, a scene (TOML) or a folder of results",
-                   "a surface", "`resilin mesh " + path + " body.msh --tets 5000` fills it");
+                   "a surface",
+                   "`resilin mesh " + path + " surface.obj --surface` makes a file of a surface of it");
 }
 
 std::string quoted(const std::string& text) {
@@ -133,7 +135,8 @@ void add_view(CommandLine& line, Action& action) {
       line.command("view", "Show the page in the browser: a scene to play with, or the results of a run");
   command
       .option("shown", options->shown,
-              "Scene file (TOML), a mesh, or folder of a run with formats = [\"html\"]")
+              "Scene file (TOML), a mesh, a surface (STL, PLY, OBJ), or folder of a run with formats = "
+              "[\"html\"]")
       .required()
       .type_name("SCENE.toml|MESH|DIR");
   command.option("--port", options->port, "Port on 127.0.0.1; default 0, any free one").between(0, 65535);

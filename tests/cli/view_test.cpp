@@ -51,10 +51,14 @@ TEST_F(View, RefusesWhatItCannotShowInOneLine) {
   const std::filesystem::path results = folder.path() / "results";
   std::filesystem::create_directory(results);
   folder.write("broken.toml", "[simulation]\nkynd = 1\n");
+  folder.write("sheet.stl",
+               "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n"
+               "endfacet\nendsolid\n");
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
       {{"view"}, "see resilin view --help"},
       {{"view", "nothing.toml"}, "nothing.toml"},
       {{"view", "broken.toml"}, "broken.toml:2: simulation.kynd"},
+      {{"view", "sheet.stl"}, "open sheet"},
       {{"view", "results"}, "run the scene again with formats = [\"vtu\", \"html\"]"},
       {{"view", "results", "--set", "a=1"}, "--set: expected a scene to change"},
       {{"view", "jelly.toml", "--set", "simulation.kynd=1"}, "simulation.kynd"},

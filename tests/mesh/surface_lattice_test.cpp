@@ -309,7 +309,8 @@ TEST(SurfaceLattice, WhatEnclosesNothingIsRefusedInWords) {
   EXPECT_THAT(refusal_of(Mesh{}), HasSubstr("a surface of triangles, got none"));
   Mesh huge = ball_surface(1e150, Vector3::Zero(), 1);
   EXPECT_THAT(refusal_of(huge), HasSubstr("finite"));
-  EXPECT_THAT(refusal_of(ball_surface(1, Vector3::Zero(), 1), 0), HasSubstr("cells >= 1"));
+  EXPECT_THAT(refusal_of(ball_surface(1, Vector3::Zero(), 1), 0), HasSubstr("from 1 to 2000000, got 0"));
+  EXPECT_THAT(refusal_of(ball_surface(1, Vector3::Zero(), 1), 2000001), HasSubstr("got 2000001"));
 }
 
 /// Against the sum over all triangles.

@@ -160,8 +160,9 @@ class LatticeMaker {
 
 SurfaceLattice make_surface_lattice(const Mesh& surface, const std::string& name,
                                     const LatticeOptions& options) {
-  if (options.cells < 1)
-    throw InputError(name, "a whole number of cells >= 1", std::to_string(options.cells));
+  if (options.cells < 1 || options.cells > LatticeOptions::most_cells)
+    throw InputError(name, "a number of cells from 1 to " + std::to_string(LatticeOptions::most_cells),
+                     std::to_string(options.cells));
   return LatticeMaker(surface, name).make(options.cells);
 }
 

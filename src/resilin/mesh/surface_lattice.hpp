@@ -8,6 +8,8 @@
 namespace resilin {
 
 struct LatticeOptions {
+  static constexpr int most_cells = 2000000;
+
   int cells = 4000;  ///< tetrahedra that are wanted; as a rule what comes is within a third of it
 };
 

@@ -48,8 +48,10 @@ Keys<BodyDescription> body_keys() {
            "Rule of the points at which the energy is sampled, one of the [element](#element)'s; exact has "
            "no error but rounding for smooth energies."},
           [](const SceneNode& node, B& b) { b.quadrature = read_choice(node, quadrature_names()); }),
-      key<B>({"mesh", "text or [box](#mesh)", "", "required",
-              "A mesh file beside the scene, or `{ box = { size, cells } }`."},
+      key<B>({"mesh", "text or [table](#mesh)", "", "required",
+              "A mesh file beside the scene, `{ box = { size, cells } }` or `{ surface = FILE, cells = "
+              "NUMBER }`; a "
+              "surface is enclosed by cells and carried as skin."},
              read_body_mesh),
       key<B>({"material", "[material](#material)", "", "see there", "What the body is made of."},
              [](const SceneNode& node, B& b) { read_material(node, b.mesh, b.material); }),
@@ -99,6 +101,7 @@ void read_body(const SceneNode& node, BodyDescription& body) {
   body.place = node.place();
   body.material.place = node.place() + ".material";
   read_table(node, body_keys(), body);
+  remark_on_unit(node, body);
   if (node.has("initial_velocities") && (node.has("velocity") || node.has("velocity_gradient"))) {
     node.child("initial_velocities")
         .fail_with("comes in place of velocity and velocity_gradient; leave out one or the other");

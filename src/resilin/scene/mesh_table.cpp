@@ -1,6 +1,7 @@
 #include "resilin/element/catalog.hpp"
 #include "resilin/io/mesh_file.hpp"
 #include "resilin/mesh/generators.hpp"
+#include "resilin/mesh/surface_lattice.hpp"
 #include "resilin/scene/mesh_cache.hpp"
 #include "resilin/scene/tables.hpp"
 
@@ -70,21 +71,61 @@ Mesh read_box(const SceneNode& node) {
   return make_rectangle(box.size.head<2>(), squares, box.origin.head<2>());
 }
 
-Keys<Mesh> mesh_keys() {
-  return {key<Mesh>(
-      {"box", "table", "", "", "A box (a rectangle in 2D) with the groups `x_min`, `x_max`, `y_min`, ..."},
-      [](const SceneNode& node, Mesh& mesh) { mesh = read_box(node); })};
-}
+/// What a table says of a body's mesh.
+struct MeshTable {
+  std::optional<Mesh> box;
+  std::optional<MeshFile> surface;
+  int cells = LatticeOptions{}.cells;
+};
 
 /// A file, or the mesh that a program hands over.
-Mesh read_mesh_of(const SceneNode& node, bool uses_corners_only) {
-  MeshFile file;
-  if (const auto* mesh = std::get_if<SceneValue::MeshHandle>(&node.value->data)) {
-    file = **mesh;
-  } else {
-    const std::filesystem::path path = read_path(node);
-    file = node.context->meshes != nullptr ? *node.context->meshes->read(path) : read_mesh(path);
+MeshFile read_file_of(const SceneNode& node) {
+  if (const auto* mesh = std::get_if<SceneValue::MeshHandle>(&node.value->data)) return **mesh;
+  const std::filesystem::path path = read_path(node);
+  return node.context->meshes != nullptr ? *node.context->meshes->read(path) : read_mesh(path);
+}
+
+Keys<MeshTable> mesh_keys() {
+  using M = MeshTable;
+  return {
+      key<M>({"box", "table", "", "",
+              "A box (a rectangle in 2D) with the groups `x_min`, `x_max`, `y_min`, ..."},
+             [](const SceneNode& node, M& m) { m.box = read_box(node); }),
+      key<M>({"surface", "text", "", "",
+              "In place of a box: a file with the surface of a body, which a lattice of tetrahedra encloses "
+              "and carries as its skin ([skin.md](skin.md#from-a-surface-alone)). The name of an OBJ, STL or "
+              "PLY file alone means the same."},
+             [](const SceneNode& node, M& m) { m.surface = read_file_of(node); }),
+      key<M>({"cells", "whole number >= 1", "", default_text(M{}.cells),
+              "Of the lattice: about so many tetrahedra."},
+             [](const SceneNode& node, M& m) {
+               m.cells = read_integer(node, {.min = 1, .max = LatticeOptions::most_cells});
+             }),
+  };
+}
+
+void read_mesh_table(const SceneNode& node, BodyDescription& body) {
+  if (node.has("box") == node.has("surface"))
+    node.fail(
+        "either { box = { size, cells } } or { surface = FILE, cells = NUMBER }, or the name of a mesh file");
+  if (node.has("box") && node.has("cells"))
+    node.child("cells").fail_with("is for a surface; a box has its own, box.cells");
+  MeshTable table;
+  read_table(node, mesh_keys(), table);
+  if (table.box) {
+    body.mesh_name = "box";
+    body.mesh = std::move(*table.box);
+    return;
   }
+  const SceneNode surface = node.child("surface");
+  const bool is_text = std::holds_alternative<std::string>(surface.value->data);
+  body.mesh_name = is_text ? read_text(surface) : table.surface->numbering.file;
+  for (const std::string& warning : table.surface->warnings) node.context->warnings.push_back(warning);
+  enclose_surface(node, *table.surface, table.cells, body);
+}
+
+/// Of a file of cells.
+Mesh prepared(const SceneNode& node, MeshFile file, bool uses_corners_only) {
   if (uses_corners_only) resilin::use_corners_only(file);
   prepare_solid_mesh(file, node.context->dimension);
   for (const std::string& warning : file.warnings) node.context->warnings.push_back(warning);
@@ -94,20 +135,21 @@ Mesh read_mesh_of(const SceneNode& node, bool uses_corners_only) {
 }  // namespace
 
 void read_body_mesh(const SceneNode& node, BodyDescription& body) {
-  if (node.value->is_table()) {
-    if (!node.has("box")) node.fail("{ box = { size, cells } } or the name of a mesh file");
-    body.mesh_name = "box";
-    return read_table(node, mesh_keys(), body.mesh);
-  }
+  if (node.value->is_table()) return read_mesh_table(node, body);
   if (const auto* mesh = std::get_if<SceneValue::MeshHandle>(&node.value->data)) {
     body.mesh_name = (*mesh)->numbering.file;
   } else if (std::holds_alternative<std::string>(node.value->data)) {
     body.mesh_name = read_text(node);
   } else {
-    node.fail("the name of a mesh file or { box = { size, cells } }");
+    node.fail("the name of a mesh file, { box = { size, cells } } or { surface = FILE, cells = NUMBER }");
+  }
+  MeshFile file = read_file_of(node);
+  if (file.is_surface && node.context->dimension == 3) {
+    for (const std::string& warning : file.warnings) node.context->warnings.push_back(warning);
+    return enclose_surface(node, file, LatticeOptions{}.cells, body);
   }
   const ElementInfo* element = find_element(body.element, node.context->dimension);
-  body.mesh = read_mesh_of(node, element != nullptr && element->degree == 1);
+  body.mesh = prepared(node, std::move(file), element != nullptr && element->degree == 1);
 }
 
 TableDoc mesh_doc() {

@@ -42,7 +42,8 @@ Keys<SkinDescription> skin_keys() {
   using S = SkinDescription;
   return {
       key<S>({"surface", "text", "", "required",
-              "A file of triangles beside the scene, such as OBJ; in 2D triangles or lines in the plane."},
+              "A file of triangles beside the scene, such as OBJ, STL or PLY; in 2D triangles or lines in "
+              "the plane."},
              read_surface),
       key<S>({"smooth", "true or false", "", default_text(S{}.is_smooth),
               "Bends the skin between the vertices of the cells too, so that coarse linear cells do not show "

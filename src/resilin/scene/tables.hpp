@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "resilin/io/mesh_file.hpp"
 #include "resilin/scene/key.hpp"
 #include "resilin/world/description.hpp"
 
@@ -29,6 +30,12 @@ void read_body(const SceneNode& node, BodyDescription& body);
 /// Reads a file or makes a box, and checks what came: troubles are errors, oddities are warnings.
 void read_body_mesh(const SceneNode& node, BodyDescription& body);
 TableDoc mesh_doc();
+
+// surface_mesh.cpp
+/// Makes the body a lattice of about `cells` tetrahedra that carries the surface as its skin.
+void enclose_surface(const SceneNode& node, const MeshFile& file, int cells, BodyDescription& body);
+/// Warns where the surface of `body`, the table that is read, is of a size that tells of another unit.
+void remark_on_unit(const SceneNode& body_node, const BodyDescription& body);
 
 // material_table.cpp
 /// `mesh` is that of the body, for values per cell.

@@ -1,0 +1,48 @@
+#include "resilin/core/error.hpp"
+#include "resilin/mesh/edit.hpp"
+#include "resilin/mesh/surface_lattice.hpp"
+#include "resilin/scene/tables.hpp"
+
+namespace resilin {
+namespace {
+
+constexpr double largest_usual = 10;     // [m]
+constexpr double smallest_usual = 1e-3;  // [m]
+constexpr double heavier = 1.05;         // lattice by surface: from there on it is told
+
+}  // namespace
+
+void enclose_surface(const SceneNode& node, const MeshFile& file, int cells, BodyDescription& body) {
+  const std::string& name = file.numbering.file;
+  if (node.context->dimension != 3)
+    throw InputError(node.place(), "cells of the plane in a scene of dimension 2", "the surface " + name);
+  Mesh surface = file.mesh;
+  to_first_order(surface);
+  check_surface(surface, file.numbering).require_no_errors();
+  SurfaceLattice lattice = make_surface_lattice(surface, name, {.cells = cells});
+  for (const std::string& remark : lattice.remarks) node.context->warnings.push_back(remark);
+  if (lattice.volume_ratio > heavier)
+    node.context->warnings.push_back(
+        name + ": " + std::to_string(lattice.mesh.blocks[0].num_cells()) + " cells around it have " +
+        format_short(lattice.volume_ratio) +
+        " times its volume, and its mass and stiffness as much; more cells come nearer (docs/skin.md)");
+  body.mesh = std::move(lattice.mesh);
+  body.skin.emplace();
+  body.skin->place = node.place();
+  body.skin->surface = std::move(surface);
+  body.skin->surface_name = body.mesh_name;
+}
+
+void remark_on_unit(const SceneNode& body_node, const BodyDescription& body) {
+  const SceneNode node = body_node.child("mesh");
+  const bool is_of_mesh = body.skin && body.skin->place == node.place();
+  if (!is_of_mesh) return;
+  const BoundingBox box = bounding_box(body.skin->surface);
+  const double extent = body.scale * (box.max - box.min).maxCoeff();
+  if (extent >= smallest_usual && extent <= largest_usual) return;
+  node.warn(body.mesh_name + " is " + format_short(extent) +
+            " m long: files of surfaces have no unit and are read as metres; scale = 0.001 is "
+            "for millimetres");
+}
+
+}  // namespace resilin

@@ -1,0 +1,157 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <fstream>
+
+#include "resilin/io/mesh_file.hpp"
+#include "resilin/mesh/edit.hpp"
+#include "resilin/simulation/simulation.hpp"
+#include "resilin/world/skin.hpp"
+#include "round_skin.hpp"
+#include "scene_text.hpp"
+#include "temporary_folder.hpp"
+#include "test_names.hpp"
+
+// From a file that holds nothing but a surface to a simulation.
+
+namespace resilin::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// Little-endian, as the format wants it and every machine that we test on has it.
+void write_binary_stl(const std::filesystem::path& path, const Mesh& surface) {
+  static_assert(std::endian::native == std::endian::little);
+  std::ofstream stream(path, std::ios::binary);
+  stream << std::string(80, ' ');
+  const auto count = static_cast<std::uint32_t>(surface.blocks[0].num_cells());
+  stream.write(reinterpret_cast<const char*>(&count), 4);
+  for (Index t = 0; t < surface.blocks[0].num_cells(); ++t) {
+    std::array<float, 12> numbers{};
+    for (std::size_t i = 0; i < 9; ++i) {
+      const auto vertex = static_cast<std::size_t>(surface.blocks[0].cell(t)[i / 3]);
+      numbers[3 + i] = static_cast<float>(surface.vertices[vertex][static_cast<Eigen::Index>(i % 3)]);
+    }
+    stream.write(reinterpret_cast<const char*>(numbers.data()), sizeof numbers);
+    stream.write("\0\0", 2);
+  }
+}
+
+/// A static scene of one body, 0.1 m long, that is held at its lowest tenth and hangs on it or stands.
+Scene scene_of(const std::filesystem::path& file, const Mesh& surface, const std::string& mesh) {
+  const BoundingBox box = bounding_box(surface);
+  const Vector3 size = box.max - box.min;
+  const double scale = 0.1 / size.maxCoeff();
+  const double top = scale * (box.min.y() + 0.1 * size.y());
+  return read_scene_from_text("[simulation]\ngravity = [0, -9.81, 0]\n[[body]]\nmesh = " + mesh +
+                                  "\nscale = " + std::to_string(scale) +
+                                  "\n[[fix]]\nwhere = { box = [[-1e9, -1e9, -1e9], [1e9, " +
+                                  std::to_string(top) + ", 1e9]] }\n",
+                              "a.toml", file.parent_path(), {});
+}
+
+void expect_converged(const Scene& scene) {
+  Simulation simulation(scene.description);
+  const Skin& skin = *simulation.world().bodies[0].skin;
+  EXPECT_EQ(skin.embedding.outside().count, 0);
+  while (!simulation.is_finished()) ASSERT_EQ(simulation.step().status, StepReport::Status::converged);
+}
+
+struct SurfaceMesh : ::testing::Test {
+  const TemporaryFolder folder;
+  const Mesh ball = ball_surface(1, Vector3::Zero(), 3);
+
+  std::filesystem::path write_ball() {
+    write_binary_stl(folder / "ball.stl", ball);
+    return folder / "ball.stl";
+  }
+};
+
+TEST_F(SurfaceMesh, BecomesCellsThatCarryItAsSkin) {
+  const Scene scene = scene_of(write_ball(), ball, "\"ball.stl\"");
+  const BodyDescription& body = scene.description.bodies[0];
+  EXPECT_NEAR(body.mesh.find_solid(3)->num_cells(), 4000, 1000);
+  ASSERT_TRUE(body.skin);
+  EXPECT_EQ(body.skin->surface.vertices.size(), ball.vertices.size());
+  EXPECT_THAT(scene.warnings, Contains(AllOf(HasSubstr("ball.stl"), HasSubstr("times its volume"))));
+  expect_converged(scene);
+}
+
+TEST_F(SurfaceMesh, HasAsManyCellsAsItsTableSays) {
+  const Scene scene = scene_of(write_ball(), ball, "{ surface = \"ball.stl\", cells = 600 }");
+  EXPECT_NEAR(scene.description.bodies[0].mesh.find_solid(3)->num_cells(), 600, 200);
+}
+
+TEST_F(SurfaceMesh, ASkinOfTheBodysOwnGoesFirst) {
+  write_ball();
+  write_mesh(folder / "other.obj", ball_surface(0.5, Vector3::Zero(), 1));
+  const Scene scene = read_scene_from_text("[[body]]\nmesh = \"ball.stl\"\nskin = \"other.obj\"\n", "a.toml",
+                                           folder.path(), {});
+  EXPECT_EQ(scene.description.bodies[0].skin->surface_name, "other.obj");
+}
+
+TEST_F(SurfaceMesh, OfAnotherUnitIsTold) {
+  write_ball();
+  const auto warnings_at = [&](const std::string& scale) {
+    return read_scene_from_text("[[body]]\nmesh = \"ball.stl\"\nscale = " + scale + "\n", "a.toml",
+                                folder.path(), {})
+        .warnings;
+  };
+  const auto is_told = Contains(AllOf(HasSubstr("a.toml:2"), HasSubstr("no unit")));
+  EXPECT_THAT(warnings_at("20"), is_told);
+  EXPECT_THAT(warnings_at("1e-4"), is_told);
+  EXPECT_THAT(warnings_at("1"), Not(is_told));
+}
+
+TEST_F(SurfaceMesh, WhatIsNoBodyIsRefusedInOneLine) {
+  write_ball();
+  Mesh sheet = ball;
+  sheet.blocks[0].nodes.resize(3 * 20);
+  remove_unused_nodes(sheet);
+  write_binary_stl(folder / "sheet.stl", sheet);
+  folder.write("empty.stl", "");
+  folder.write("cut.stl", std::string(80, ' ') + std::string("\5\0\0\0", 4) + std::string(60, '\0'));
+  const auto message = [&](const std::string& mesh, const std::string& simulation = "") {
+    return input_error([&] {
+      read_scene_from_text(simulation + "[[body]]\nmesh = " + mesh + "\n", "a.toml", folder.path(), {});
+    });
+  };
+  EXPECT_THAT(message("\"sheet.stl\""), HasSubstr("open sheet"));
+  EXPECT_THAT(message("\"empty.stl\""), HasSubstr("the file is empty"));
+  EXPECT_THAT(message("\"cut.stl\""), HasSubstr("the file is cut"));
+  EXPECT_THAT(message("{ surface = \"ball.stl\", cells = 0 }"), HasSubstr("body[0].mesh.cells"));
+  EXPECT_THAT(message("{ surface = \"ball.stl\", cells = 2000001 }"), HasSubstr("body[0].mesh.cells"));
+  EXPECT_THAT(message("{ surface = \"ball.stl\", box = {} }"), HasSubstr("either"));
+  EXPECT_THAT(message("{ cells = 10 }"), HasSubstr("either"));
+  EXPECT_THAT(message("{ surface = \"ball.stl\" }", "[simulation]\ndimension = 2\n"),
+              HasSubstr("dimension 2"));
+}
+
+/// Surfaces of other projects, as they are or as the rim of a mesh.
+struct SharedSurfaceMesh : ::testing::TestWithParam<std::string> {
+  const TemporaryFolder folder;
+};
+
+TEST_P(SharedSurfaceMesh, GoesFromAnStlToAConvergedResult) {
+  RESILIN_NEEDS_SHARED_DATA();
+  Mesh surface = read_mesh(*shared_folder() / "meshes" / GetParam()).mesh;
+  if (surface.find_solid(3) != nullptr) surface = extract_surface(surface).mesh;
+  write_binary_stl(folder / "a.stl", surface);
+  expect_converged(scene_of(folder / "a.stl", surface, "{ surface = \"a.stl\", cells = 1500 }"));
+}
+
+INSTANTIATE_TEST_SUITE_P(OfOtherProjects, SharedSurfaceMesh,
+                         ::testing::Values("armadillo_skin.obj", "spot_surface.obj", "coarse_bunny.mesh",
+                                           "bunny.mesh", "armadillo_13k.msh", "armadillo_coarse.node",
+                                           "spot.mesh", "liver.mesh", "liver_small.mesh", "mat40x40.msh",
+                                           "beam3_tet.veg"),
+                         [](const auto& test) { return as_test_name(test.param); });
+
+}  // namespace
+}  // namespace resilin::testing
