@@ -16,6 +16,7 @@ using Action = std::function<int()>;
 void add_run(CommandLine& line, Action& action);
 void add_sweep(CommandLine& line, Action& action);
 void add_check(CommandLine& line, Action& action);
+void add_new(CommandLine& line, Action& action);
 void add_mesh(CommandLine& line, Action& action);
 void add_view(CommandLine& line, Action& action);
 void add_picture(CommandLine& line, Action& action);

@@ -87,6 +87,7 @@ int run_command(int argc, char** argv) {
   add_view(line, action);
   add_picture(line, action);
   add_film(line, action);
+  add_new(line, action);
   add_mesh(line, action);
   add_gradcheck(line, action);
   add_materials(line, action);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "bare_mesh.hpp"
 #include "command.hpp"
 #include "interrupt.hpp"
 #include "resilin/core/error.hpp"
@@ -65,35 +66,13 @@ bool is_mesh(const std::filesystem::path& path) {
   });
 }
 
-/// 3 for cells that fill space and files of surfaces, 2 for cells of a plane; triangles in space are refused
-/// with what to do.
-int dimension_of(const std::string& path) {
-  const MeshFile file = read_mesh(path);
-  if (file.is_surface || file.mesh.find_solid(3) != nullptr) return 3;  // a surface gets cells
-  const bool is_flat =
-      std::ranges::all_of(file.mesh.vertices, [](const Vector3& vertex) { return vertex.z() == 0; });
-  if (is_flat && file.mesh.find_solid(2) != nullptr) return 2;
-  throw InputError(path, "a mesh whose cells fill the body, a scene (TOML) or a folder of results",
-                   "a surface",
-                   "`resilin mesh " + path + " surface.obj --surface` makes a file of a surface of it");
-}
-
-std::string quoted(const std::string& text) {
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') quoted += '\\';
-    quoted += c;
-  }
-  return quoted + '"';
-}
-
 /// A mesh alone as a scene to play with: soft, weightless, held by nothing.
 Scene scene_of_mesh(const ViewOptions& options) {
   const std::filesystem::path path = std::filesystem::absolute(options.shown);
   const std::string name = quoted(path.filename().string());
   const std::string text =
-      "title = " + name +
-      "\n[simulation]\nkind = \"dynamic\"\ndimension = " + std::to_string(dimension_of(options.shown)) +
+      "title = " + name + "\n[simulation]\nkind = \"dynamic\"\ndimension = " +
+      std::to_string(dimension_of(read_mesh(options.shown))) +
       "\ntime_step = 0.0166667\nend_time = 1\n[[body]]\nname = \"body\"\nmesh = " + name +
       "\ndamping = { mass = 2 }\n";
   return read_scene_from_text(text, one_line(options.shown), path.parent_path(),
@@ -111,7 +90,7 @@ int view_scene(const ViewOptions& options) {
     print_line(
         one_line(options.shown) +
         " is a mesh without a scene: it is shown soft (Young's modulus 100 kPa), weightless and held by "
-        "nothing; pins (key 2) hold it. A scene that names it says more: docs/scene.md");
+        "nothing; pins (key 2) hold it. `resilin new` writes a scene of it");
   print_warnings(scene->warnings());
   Offset cells = 0;
   for (const Body& body : scene->world().bodies) cells += body.num_cells();

@@ -1,0 +1,29 @@
+#include "bare_mesh.hpp"
+
+#include <algorithm>
+
+#include "resilin/core/error.hpp"
+
+namespace resilin::cli {
+
+int dimension_of(const MeshFile& file) {
+  if (file.is_surface || file.mesh.find_solid(3) != nullptr) return 3;  // a surface gets cells
+  const bool is_flat =
+      std::ranges::all_of(file.mesh.vertices, [](const Vector3& vertex) { return vertex.z() == 0; });
+  if (is_flat && file.mesh.find_solid(2) != nullptr) return 2;
+  const std::string& name = file.numbering.file;
+  throw InputError(name, "a mesh whose cells fill the body, or a file of a surface (STL, PLY, OBJ)",
+                   "triangles in space",
+                   "`resilin mesh " + name + " surface.obj --surface` makes such a file of them");
+}
+
+std::string quoted(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c;
+  }
+  return quoted + '"';
+}
+
+}  // namespace resilin::cli
