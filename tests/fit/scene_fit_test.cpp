@@ -14,6 +14,7 @@ namespace resilin::testing {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::HasSubstr;
 
 class SceneFit : public SceneFitFiles {};
@@ -249,6 +250,21 @@ TEST_F(SceneFit, GoesAroundPlacesWithoutASolution) {
   EXPECT_TRUE(report.is_converged);
   EXPECT_NEAR(report.parameters[0].value, 8e5, 1e-5 * 8e5);
   EXPECT_NEAR(report.parameters[1].value, 3e5, 1e-5 * 3e5);
+}
+
+/// Where "auto" would change the element on the way, the sum of squares does not jump.
+TEST_F(SceneFit, KeepsTheElementsOfTheStart) {
+  folder.write("young.csv", moduli_csv(3e5, 3e5));
+  Description true_scene = scene(sagging_strip);
+  true_scene.bodies[0].element = "Q1";
+  true_scene.bodies[0].material.constants["poissons_ratio"] = 0.46;
+  folder.write("markers.csv", markers_csv(run_to_the_end(true_scene), middle_line(), 0, random));
+  const SceneFitReport report =
+      fit("[[experiment]]\nscene = \"scene.toml\"\nmarkers = { file = \"markers.csv\" }\n"
+          "[[parameter]]\nkey = \"body.bar.material.poissons_ratio\"\nbounds = [0, 0.49]\n");
+  EXPECT_TRUE(report.is_converged);
+  EXPECT_NEAR(report.parameters[0].value, 0.46, 1e-6);
+  EXPECT_THAT(report.estimates.warnings, Contains(HasSubstr("bar: the fit kept element = \"Q1\"")));
 }
 
 /// A strip that swings: its density and modulus from where the probe is at several times.

@@ -88,5 +88,15 @@ TEST(GradientChecks, OfWhatHardlyMattersHaveNoDigits) {
   }
 }
 
+/// Its differences reach numbers with which "auto" would choose another element.
+TEST(GradientChecks, KeepTheElementsOfTheScene) {
+  Description scene = small_bar(2, false);
+  scene.bodies[0].element = "auto";
+  scene.bodies[0].material.constants["poissons_ratio"] = 0.4499;
+  scene.gravity = {0, -9.81, 0};
+  const std::vector<GradientCheck> checks = check_gradients(scene, {"body.body.material.poissons_ratio"});
+  EXPECT_EQ(checks[0].verdict(), Verdict::agrees);
+}
+
 }  // namespace
 }  // namespace resilin::testing

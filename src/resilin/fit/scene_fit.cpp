@@ -166,6 +166,7 @@ class Search {
     const auto left = std::max<Eigen::Index>(1, r_.size() - z_.size());
     const double variance = model_.data().sigma.size() > 0 ? 1.0 : sum / static_cast<double>(left);
     std::string problem;
+    VectorX tried;
     for (; damping_ < most_damping; damping_ = std::max(damping_after_failure, 10 * damping_)) {
       const VectorX change = damped_step(damping_);
       const double gain = sum - (r_ + slopes_ * change).squaredNorm();
@@ -177,6 +178,8 @@ class Search {
           why_not_ = "no step lowers the sum of squares" + (problem.empty() ? "" : ": " + problem);
         return false;
       }
+      if (tried.size() > 0 && tried == change) continue;  // bounds cut it to the same step
+      tried = change;
       if (solves_ >= description_.max_solves) {
         why_not_ =
             std::to_string(solves_) + " solves were not enough: raise max_solves in [fit], or start nearer";
@@ -313,6 +316,8 @@ SceneFitReport fit_scenes(SceneFitDescription description, const SceneFitOptions
   }
   if (!report.is_converged)
     report.estimates.warnings.push_back("the search has not converged: " + report.why_not);
+  for (std::string& other : model.other_elements(values))
+    report.estimates.warnings.push_back(std::move(other));
   estimate_errors(model, search, report);
   judge_tables(model, search.solved().values, report);
   report.measured.assign(data.measured.begin(), data.measured.end());

@@ -260,7 +260,8 @@ void SceneModel::collect_data() {
                      std::to_string(measured.size()), "measure more, or seek fewer");
 }
 
-Description SceneModel::description_with(std::size_t e, const VectorX& unknowns) const {
+/// As the scene says which elements.
+Description SceneModel::changed(std::size_t e, const VectorX& unknowns) const {
   Description changed = description_.experiments[e].description;
   for (const auto& [p, found] : experiments_[e].parameters) {
     VectorX value = found.parameter.value;
@@ -272,6 +273,29 @@ Description SceneModel::description_with(std::size_t e, const VectorX& unknowns)
     found.parameter.set(value, changed);
   }
   return changed;
+}
+
+Description SceneModel::description_with(std::size_t e, const VectorX& unknowns) const {
+  Description description = changed(e, unknowns);
+  keep_elements(description, experiments_[e].world);
+  return description;
+}
+
+std::vector<std::string> SceneModel::other_elements(const VectorX& unknowns) const {
+  std::vector<std::string> others;
+  for (std::size_t e = 0; e < experiments_.size(); ++e) {
+    const std::vector<Body>& kept = experiments_[e].world.bodies;
+    if (std::ranges::all_of(kept, [](const Body& body) { return body.element_reason.empty(); })) continue;
+    const World chosen(changed(e, unknowns));
+    for (std::size_t b = 0; b < kept.size(); ++b)
+      if (chosen.bodies[b].element != kept[b].element)
+        others.push_back(experiments_[e].world.place + ": " + kept[b].name + ": the fit kept element = \"" +
+                         kept[b].element +
+                         "\", which \"auto\" chooses at the start; with the numbers found it would be \"" +
+                         chosen.bodies[b].element + "\" (" + chosen.bodies[b].element_reason +
+                         "): name one in the scene and fit again");
+  }
+  return others;
 }
 
 SceneModel::Solved SceneModel::solve(const VectorX& unknowns, const std::function<bool()>& goes_on) const {

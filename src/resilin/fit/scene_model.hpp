@@ -59,8 +59,10 @@ class SceneModel {
   /// By the unknowns, a column each: tangent solves with the factors of the solution.
   DenseMatrix slopes(const Solved& solved) const;
 
-  /// The scene of an experiment with these unknowns.
+  /// The scene of an experiment with these unknowns, and the elements of the start.
   Description description_with(std::size_t experiment, const VectorX& unknowns) const;
+  /// Bodies for which `element = "auto"` would choose others with these unknowns, in words with the cure.
+  std::vector<std::string> other_elements(const VectorX& unknowns) const;
 
  private:
   struct OfExperiment;
@@ -68,6 +70,7 @@ class SceneModel {
   void find_unknowns();
   void add_unknowns(std::size_t parameter);
   void collect_data();
+  Description changed(std::size_t experiment, const VectorX& unknowns) const;
 
   const SceneFitDescription& description_;
   std::vector<OfExperiment> experiments_;

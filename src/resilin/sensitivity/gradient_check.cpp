@@ -78,7 +78,9 @@ std::vector<GradientCheck> check_gradients(Description description, std::vector<
                                            const std::function<bool()>& goes_on,
                                            const std::function<void(const GradientCheck&)>& done) {
   description.newton.tolerance = std::min(description.newton.tolerance, newton_tolerance);
-  if (parameters.empty()) parameters = parameter_names(World(Description(description)));
+  const World world{Description(description)};
+  keep_elements(description, world);
+  if (parameters.empty()) parameters = parameter_names(world);
   const auto run = Derivatives::run(description, parameters, {.checkpoints = 0, .goes_on = goes_on});
   const VectorX base = run->positions(run->num_frames() - 1);
   std::vector<FrameChange> slopes(static_cast<std::size_t>(run->num_frames()));

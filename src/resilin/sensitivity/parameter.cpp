@@ -170,6 +170,11 @@ Parameter find_parameter(const World& world, const std::string& name) {
   refuse_word("parameter", name, names);
 }
 
+void keep_elements(Description& description, const World& world) {
+  for (std::size_t b = 0; b < description.bodies.size(); ++b)
+    description.bodies[b].element = world.bodies[b].element;
+}
+
 Description with_values(const Description& description, const std::map<std::string, VectorX>& values) {
   Description changed = description;
   if (values.empty()) return changed;

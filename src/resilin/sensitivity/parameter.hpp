@@ -42,6 +42,11 @@ std::vector<std::string> parameter_names(const World& world);
 /// which this scene cannot be differentiated.
 Parameter find_parameter(const World& world, const std::string& name);
 
+/// Names the elements that the world has chosen for "auto": with other numbers the choice may be another, and
+/// results would jump.
+/// @param world  made of this description
+void keep_elements(Description& description, const World& world);
+
 /// The same scene with other numbers, by the names of their parameters.
 Description with_values(const Description& description, const std::map<std::string, VectorX>& values);
 
