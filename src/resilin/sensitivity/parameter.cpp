@@ -1,6 +1,7 @@
 #include "resilin/sensitivity/parameter.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "resilin/core/error.hpp"
 #include "resilin/sensitivity/body_parameters.hpp"
@@ -17,7 +18,7 @@ std::string prefix(const std::string& kind, const std::string& name, std::size_t
 template <class Change>
 Parameter vector_parameter(const std::string& name, int dim, const Vector3& value, Change change,
                            std::function<void(WorldChange&)> ask,
-                           std::function<Vector3&(Description&)> member) {
+                           const std::function<Vector3&(Description&)>& member) {
   Parameter parameter{.name = name, .shape = {dim}, .value = value.head(dim)};
   parameter.ask = std::move(ask);
   parameter.spread = [=](const VectorX& by, WorldChange& world) { change(world).head(dim) += by; };
@@ -120,33 +121,26 @@ std::vector<Entry> entries(const World& world) {
   return all;
 }
 
-/// Throws InputError for what the scene is without.
-void check_gravity(const World& world, const std::string& name) {
-  if (name != "simulation.gravity" || !world.gravity.head(world.dimension).isZero(0)) return;
-  throw InputError(name, "a scene with gravity", "none",
-                   "give simulation.gravity, however small: without it there is no weight to change");
-}
-
-/// Barriers take their reach and the areas that they bear from the rest shape.
-void check_barrier(const World& world, const std::string& name) {
-  if (!name.ends_with(".rest_positions") || (!world.contact && world.made_from->colliders.empty())) return;
-  throw InputError(name, "a scene without contact", "colliders or bodies that meet",
-                   "barriers bear areas of the rest shape, by which they are not differentiated yet; where "
-                   "nothing touches, leave colliders out and set contact.enabled = false");
+/// Why the scene cannot be differentiated by an entry, where it cannot.
+std::optional<InputError> refusal_of(const World& world, const std::string& name) {
+  if (name == "simulation.gravity" && world.gravity.head(world.dimension).isZero(0))
+    return InputError(name, "a scene with gravity", "none",
+                      "give simulation.gravity, however small: without it there is no weight to change");
+  // Barriers take their reach and the areas that they bear from the rest shape.
+  if (name.ends_with(".rest_positions") && (world.contact || !world.made_from->colliders.empty()))
+    return InputError(
+        name, "a scene without contact", "colliders or bodies that meet",
+        "barriers bear areas of the rest shape, by which they are not differentiated yet; where "
+        "nothing touches, leave colliders out and set contact.enabled = false");
+  return {};
 }
 
 }  // namespace
 
 std::vector<std::string> parameter_names(const World& world) {
   std::vector<std::string> names;
-  for (const Entry& entry : entries(world)) {
-    try {
-      check_gravity(world, entry.name);
-      check_barrier(world, entry.name);
-      names.push_back(entry.name);
-    } catch (const InputError&) {  // `find_parameter` says why
-    }
-  }
+  for (const Entry& entry : entries(world))
+    if (!refusal_of(world, entry.name)) names.push_back(entry.name);
   return names;
 }
 
@@ -159,8 +153,7 @@ Parameter find_parameter(const World& world, const std::string& name) {
     wanted.replace(name.size() - in_material.size(), std::string::npos, ".density");
   for (const Entry& entry : entries(world)) {
     if (entry.name == wanted) {
-      check_gravity(world, wanted);
-      check_barrier(world, wanted);
+      if (const auto refusal = refusal_of(world, wanted)) throw *refusal;
       Parameter parameter = entry.make();
       parameter.name = name;
       return parameter;
