@@ -17,13 +17,4 @@ int dimension_of(const MeshFile& file) {
                    "`resilin mesh " + name + " surface.obj --surface` makes such a file of them");
 }
 
-std::string quoted(const std::string& text) {
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') quoted += '\\';
-    quoted += c;
-  }
-  return quoted + '"';
-}
-
 }  // namespace resilin::cli

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <string>
-
 #include "resilin/io/mesh_file.hpp"
 
 /// Files of meshes and surfaces that a command takes in place of a scene.
@@ -10,8 +8,5 @@ namespace resilin::cli {
 /// 3 for cells that fill space and files of surfaces, 2 for cells of a plane; triangles in space are refused
 /// with what to do.
 int dimension_of(const MeshFile& file);
-
-/// As a text of TOML.
-std::string quoted(const std::string& text);
 
 }  // namespace resilin::cli

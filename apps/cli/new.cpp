@@ -14,6 +14,7 @@
 #include "bare_mesh.hpp"
 #include "command.hpp"
 #include "resilin/core/error.hpp"
+#include "resilin/core/quoted_text.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/io/mesh_file.hpp"
 #include "resilin/mesh/edit.hpp"
@@ -64,7 +65,7 @@ std::string mesh_text(const NewOptions& options, const MeshFile& file, const std
   std::error_code failure;
   std::filesystem::path path = std::filesystem::relative(options.mesh, folder, failure);
   if (failure || path.empty()) path = std::filesystem::absolute(options.mesh);
-  const std::string name = quoted(path.string());
+  const std::string name = quoted_text(path.string());
   return file.is_surface ? "{ surface = " + name + ", cells = " + std::to_string(options.cells) + " }" : name;
 }
 
@@ -129,7 +130,7 @@ std::string scene_text(const NewOptions& options, const std::string& mesh, bool 
   std::string text;
   text += "# " + one_line(name) +
           " sags under its own weight, held at its lowest part. All keys: docs/scene.md\n";
-  text += "title = " + quoted(one_line(name)) + "\n\n[simulation]\n";
+  text += "title = " + quoted_text(one_line(name)) + "\n\n[simulation]\n";
   text += "kind = \"static\"          # at rest; \"dynamic\", time_step and end_time for motion\n";
   if (m.dim == 2) text += "dimension = 2\n";
   text += "gravity = " + vector_text(-gravity * Vector3::Unit(m.up), m.dim) + "  # [m/s^2]\n";

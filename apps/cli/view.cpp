@@ -11,6 +11,7 @@
 #include "interrupt.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/parallel.hpp"
+#include "resilin/core/quoted_text.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/core/thread_count.hpp"
 #include "resilin/io/catalog.hpp"
@@ -69,7 +70,7 @@ bool is_mesh(const std::filesystem::path& path) {
 /// A mesh alone as a scene to play with: soft, weightless, held by nothing.
 Scene scene_of_mesh(const ViewOptions& options) {
   const std::filesystem::path path = std::filesystem::absolute(options.shown);
-  const std::string name = quoted(path.filename().string());
+  const std::string name = quoted_text(path.filename().string());
   const std::string text =
       "title = " + name + "\n[simulation]\nkind = \"dynamic\"\ndimension = " +
       std::to_string(dimension_of(read_mesh(options.shown))) +

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from resilin import _core
-from resilin.arrays import file_path, refuse
+from resilin.arrays import refuse
 from resilin.material import Material
-from resilin.scene import override_lines, plain_values
+from resilin.scene import of_file_or_dict, override_lines
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -148,12 +146,9 @@ def fit(data: Scene, laws: str | Sequence[str] | None = None, overrides: Overrid
     if laws is not None:
         names = [laws] if isinstance(laws, str) and laws != "all" else laws
         lines.append(f"fit.laws={json.dumps(names if isinstance(names, str) else list(names))}")
-    if isinstance(data, Mapping):
-        found = _core.fit_values(plain_values(data), lines)
-    elif isinstance(data, str | os.PathLike):
-        found = _core.fit_file(file_path(data, "data"), lines)
-    else:
-        refuse("data", "a path or a dict", type(data).__name__)
+    found = of_file_or_dict(
+        data, lambda path: _core.fit_file(path, lines), lambda values: _core.fit_values(values, lines)
+    )
     content = json.loads(found["json"])
     return Fit(
         laws=tuple(_law(entry) for entry in content["laws"]),

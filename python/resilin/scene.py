@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -14,11 +14,15 @@ from resilin.material import Material, number_constants
 from resilin.mesh import Mesh
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from resilin.typing import Overrides, Scene
 
     Table = Mapping[str, object]
+
+_T = TypeVar("_T")
 
 LIST_SIZE = 64  # longer arrays of floating-point numbers are handed over as they are
 MAX_DEPTH = 16
@@ -49,6 +53,15 @@ def override_lines(overrides: Overrides) -> list[str]:
     if isinstance(overrides, Mapping):
         overrides = [f"{key}={_toml(value)}" for key, value in overrides.items()]
     return [plain_text(override, "overrides") for override in overrides]
+
+
+def of_file_or_dict(data: Scene, of_file: Callable[[str], _T], of_values: Callable[[dict[str, object]], _T]) -> _T:
+    """What `of_file` makes of a path, or `of_values` of a dict with the keys of such a file."""
+    if isinstance(data, Mapping):
+        return of_values(plain_values(data))
+    if not isinstance(data, str | os.PathLike):
+        refuse("data", "a path or a dict", type(data).__name__)
+    return of_file(file_path(data, "data"))
 
 
 def plain_values(table: Table) -> dict[str, object]:

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import json
-import os
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from resilin import _core
-from resilin.arrays import file_path, refuse
-from resilin.scene import override_lines, plain_values
+from resilin.arrays import refuse
+from resilin.scene import of_file_or_dict, override_lines
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -90,12 +88,11 @@ def fit_scenes(data: Scene, overrides: Overrides = (), on_solve: Callable[[str],
         For data that are wrong, in one line with what to do.
     """
     lines = override_lines(overrides)
-    if isinstance(data, Mapping):
-        found = _core.fit_scenes_values(plain_values(data), lines, on_solve)
-    elif isinstance(data, str | os.PathLike):
-        found = _core.fit_scenes_file(file_path(data, "data"), lines, on_solve)
-    else:
-        refuse("data", "a path or a dict", type(data).__name__)
+    found = of_file_or_dict(
+        data,
+        lambda path: _core.fit_scenes_file(path, lines, on_solve),
+        lambda values: _core.fit_scenes_values(values, lines, on_solve),
+    )
     content = json.loads(found["json"])
     size = len(content["parameters"])
     return SceneFit(

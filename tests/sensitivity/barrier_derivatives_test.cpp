@@ -8,19 +8,6 @@
 namespace resilin::testing {
 namespace {
 
-/// Level, below the bars: three lines, or four triangles.
-Mesh sheet(int dimension, double height) {
-  Mesh mesh;
-  if (dimension == 2) {
-    mesh.vertices = {{-1, height, 0}, {0.3, height, 0}, {2, height, 0}};
-    mesh.block(CellKind::line).nodes = {0, 1, 1, 2};
-  } else {
-    mesh.vertices = {{-1, -1, height}, {2, -1, height}, {0.5, 0.1, height}, {0.5, 3, height}};
-    mesh.block(CellKind::triangle).nodes = {0, 1, 2, 1, 3, 2, 3, 0, 2};
-  }
-  return mesh;
-}
-
 /// A soft bar next to a floor, held at x = 0, onto which one that is three times as stiff is pressed.
 Description pressed_bars(int dimension, bool is_dynamic, const std::string& floor_kind = "half_space") {
   const int up = dimension - 1;
@@ -57,7 +44,7 @@ Description pressed_bars(int dimension, bool is_dynamic, const std::string& floo
   floor.kind = floor_kind;
   floor.shape.point = -0.002 * Vector3::Unit(up);
   floor.shape.normal = Vector3::Unit(up);
-  if (floor_kind == "mesh") floor.shape.mesh = sheet(dimension, -0.002);
+  if (floor_kind == "mesh") floor.shape.mesh = level_sheet(dimension, -0.002);
   scene.colliders.push_back(floor);
   return scene;
 }

@@ -19,19 +19,6 @@ namespace {
 
 constexpr double time_step = 0.01;  // [s]
 
-/// Level, below the bar.
-Mesh sheet(int dimension, double height) {
-  Mesh mesh;
-  if (dimension == 2) {
-    mesh.vertices = {{-1, height, 0}, {0.3, height, 0}, {2, height, 0}};
-    mesh.block(CellKind::line).nodes = {0, 1, 1, 2};
-  } else {
-    mesh.vertices = {{-1, -1, height}, {2, -1, height}, {0.5, 0.1, height}, {0.5, 3, height}};
-    mesh.block(CellKind::triangle).nodes = {0, 1, 2, 1, 3, 2, 3, 0, 2};
-  }
-  return mesh;
-}
-
 /// A bar in motion with a load of every kind on its end, all colliders near its underside, another bar above
 /// it, and damping.
 Description crowded_scene(int dimension, const std::string& element) {
@@ -74,7 +61,7 @@ Description crowded_scene(int dimension, const std::string& element) {
     collider.shape.size = {1, 1, 1};
     collider.shape.start = collider.shape.center - Vector3(0.3, 0, 0);
     collider.shape.end = collider.shape.center + Vector3(0.3, 0, 0);
-    collider.shape.mesh = sheet(dimension, -0.02);
+    collider.shape.mesh = level_sheet(dimension, -0.02);
     collider.rotate = ColliderTurn{.axis = dimension == 3 ? Vector3(0.1, 0.2, 1) : Vector3::UnitZ(),
                                    .degrees_per_second = 20};
     collider.activation_distance = 0.1;

@@ -95,4 +95,17 @@ inline void expect_same_bits_after_a_checkpoint(const Description& scene, int st
   EXPECT_EQ(serialize(unbroken.state()), serialize(second.state()));
 }
 
+/// Level, below `small_bar`: three lines, or four triangles.
+inline Mesh level_sheet(int dimension, double height) {
+  Mesh mesh;
+  if (dimension == 2) {
+    mesh.vertices = {{-1, height, 0}, {0.3, height, 0}, {2, height, 0}};
+    mesh.block(CellKind::line).nodes = {0, 1, 1, 2};
+  } else {
+    mesh.vertices = {{-1, -1, height}, {2, -1, height}, {0.5, 0.1, height}, {0.5, 3, height}};
+    mesh.block(CellKind::triangle).nodes = {0, 1, 2, 1, 3, 2, 3, 0, 2};
+  }
+  return mesh;
+}
+
 }  // namespace resilin::testing

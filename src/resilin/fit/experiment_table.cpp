@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <iterator>
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/spelling.hpp"
@@ -19,6 +20,18 @@ struct RawMeasurements {
 };
 
 using Raw = RawMeasurements;
+
+/// What `read` makes of one value, or of each of a list of them.
+template <class Read>
+auto read_one_or_more(const SceneNode& node, const Read& read) {
+  std::vector<decltype(read(node))> all;
+  if (!node.value->is_array()) {
+    all.push_back(read(node));
+    return all;
+  }
+  for (std::size_t i = 0; i < node.value->array().size(); ++i) all.push_back(read(node.element(i)));
+  return all;
+}
 
 Key<Raw> file_key(const char* columns) {
   return key<Raw>({"file", "text", "", "required",
@@ -107,16 +120,6 @@ MeasuredTable read_measurements(const SceneNode& node, MeasuredKind kind) {
   return table;
 }
 
-/// One table of the kind, or a list of them.
-void read_kind(const SceneNode& node, MeasuredKind kind, SceneExperiment& experiment) {
-  if (!node.value->is_array()) {
-    experiment.tables.push_back(read_measurements(node, kind));
-    return;
-  }
-  for (std::size_t i = 0; i < node.value->array().size(); ++i)
-    experiment.tables.push_back(read_measurements(node.element(i), kind));
-}
-
 struct RawExperiment {
   SceneExperiment experiment;
   std::vector<std::string> overrides;
@@ -126,7 +129,11 @@ Key<RawExperiment> measured_key(MeasuredKind kind, const char* text) {
   const std::string name = spelling(kind);
   return key<RawExperiment>(
       {name, "[experiment." + name + "](#experiment" + name + ")", "", "none", text},
-      [kind](const SceneNode& node, RawExperiment& raw) { read_kind(node, kind, raw.experiment); });
+      [kind](const SceneNode& node, RawExperiment& raw) {
+        std::ranges::move(
+            read_one_or_more(node, [kind](const SceneNode& one) { return read_measurements(one, kind); }),
+            std::back_inserter(raw.experiment.tables));
+      });
 }
 
 Keys<RawExperiment> experiment_keys() {
@@ -140,8 +147,7 @@ Keys<RawExperiment> experiment_keys() {
            "loads."},
           [](const SceneNode& node, R& raw) {
             expect_list(node, "texts");
-            for (std::size_t i = 0; i < node.value->array().size(); ++i)
-              raw.overrides.push_back(read_text(node.element(i)));
+            raw.overrides = read_one_or_more(node, read_text);
           }),
       key<R>({"scene", "text", "", "required", "A scene file (.toml): the experiment as it was done."},
              [](const SceneNode& node, R& raw) {
@@ -170,22 +176,10 @@ Keys<SceneParameter> parameter_keys() {
               "sought for each of its different values."},
              [](const SceneNode& node, P& p) { p.key = read_text(node); }),
       key<P>({"name", "text or list of texts", "", "the key", "In results; a list where several are sought."},
-             [](const SceneNode& node, P& p) {
-               if (!node.value->is_array()) {
-                 p.names = {read_text(node)};
-                 return;
-               }
-               for (std::size_t i = 0; i < node.value->array().size(); ++i)
-                 p.names.push_back(read_text(node.element(i)));
-             }),
+             [](const SceneNode& node, P& p) { p.names = read_one_or_more(node, read_text); }),
       key<P>({"start", "number or list of numbers", "SI", "as in the scene", "Where the search starts."},
              [](const SceneNode& node, P& p) {
-               if (!node.value->is_array()) {
-                 p.start = {read_number(node)};
-                 return;
-               }
-               for (std::size_t i = 0; i < node.value->array().size(); ++i)
-                 p.start.push_back(read_number(node.element(i)));
+               p.start = read_one_or_more(node, [](const SceneNode& one) { return read_number(one); });
              }),
       key<P>({"bounds", "list of 2 numbers", "SI", "those of the law", "It stays between them."},
              [](const SceneNode& node, P& p) {

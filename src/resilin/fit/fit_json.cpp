@@ -1,3 +1,5 @@
+#include "resilin/fit/fit_json.hpp"
+
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -6,11 +8,6 @@
 
 namespace resilin {
 namespace {
-
-using FitJson = nlohmann::ordered_json;
-
-/// What is infinite or no number is null.
-FitJson number_json(double value) { return std::isfinite(value) ? FitJson(value) : FitJson(nullptr); }
 
 FitJson numbers_json(const std::vector<double>& values) {
   FitJson list = FitJson::array();
@@ -48,7 +45,7 @@ FitJson law_fit_json(const LawFit& fit) {
                   {"akaike_weight", fit.akaike_weight},
                   {"condition", number_json(fit.condition)},
                   {"correlation_matrix", numbers_json(fit.correlation_matrix)},
-                  {"correlations", FitJson::array()},
+                  {"correlations", correlations_json(fit.correlations)},
                   {"tests", FitJson::array()},
                   {"stability", FitJson::array()},
                   {"curves", FitJson::array()},
@@ -60,9 +57,6 @@ FitJson law_fit_json(const LawFit& fit) {
                   {"free_sum_of_squares", optional_json(fit.free_sum_of_squares)},
                   {"remarks", fit.remarks},
                   {"warnings", fit.warnings}};
-  for (const Correlation& pair : fit.correlations)
-    json["correlations"].push_back(
-        {{"first", pair.first}, {"second", pair.second}, {"value", pair.value}, {"text", pair.text}});
   for (const TestQuality& test : fit.tests)
     json["tests"].push_back({{"test", test.test},
                              {"r_squared", number_json(test.r_squared)},
@@ -86,6 +80,16 @@ FitJson test_json(const MaterialTest& test) {
 }
 
 }  // namespace
+
+FitJson number_json(double value) { return std::isfinite(value) ? FitJson(value) : FitJson(nullptr); }
+
+FitJson correlations_json(const std::vector<Correlation>& correlations) {
+  FitJson list = FitJson::array();
+  for (const Correlation& pair : correlations)
+    list.push_back(
+        {{"first", pair.first}, {"second", pair.second}, {"value", pair.value}, {"text", pair.text}});
+  return list;
+}
 
 std::string fit_json_text(const FitReport& report) {
   FitJson json = {{"title", report.description.title},

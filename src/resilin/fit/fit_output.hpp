@@ -20,6 +20,9 @@ std::string material_toml(const FitReport& report);
 /// One page, without a network: curves with data, dashed where unstable, and the table.
 std::string fit_page(const FitReport& report);
 
+/// With those above it. Throws FileError.
+void make_fit_folder(const std::filesystem::path& folder);
+
 /// fit.json, fit.html and material.toml, each written beside and renamed.
 void write_fit(const FitReport& report, const std::filesystem::path& folder);
 

@@ -189,16 +189,17 @@ std::string material_toml(const FitReport& report) {
   return text;
 }
 
-void write_fit(const FitReport& report, const std::filesystem::path& folder) {
+void make_fit_folder(const std::filesystem::path& folder) {
   std::error_code failure;
   std::filesystem::create_directories(folder, failure);
   if (failure) throw FileError(one_line(folder.string()), "cannot be made: " + failure.message());
-  const auto write = [&](const char* name, const std::string& text) {
-    write_atomically(folder / name, [&text](std::ostream& out) { out << text; });
-  };
-  write("fit.json", fit_json_text(report));
-  write("material.toml", material_toml(report));
-  write("fit.html", fit_page(report));
+}
+
+void write_fit(const FitReport& report, const std::filesystem::path& folder) {
+  make_fit_folder(folder);
+  write_text(folder / "fit.json", fit_json_text(report));
+  write_text(folder / "material.toml", material_toml(report));
+  write_text(folder / "fit.html", fit_page(report));
 }
 
 }  // namespace resilin

@@ -6,21 +6,17 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 #include <set>
-#include <system_error>
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/spelling.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/fit/fit_json.hpp"
 #include "resilin/fit/fit_output.hpp"
 #include "resilin/fit/scene_fit.hpp"
 #include "resilin/io/atomic_file.hpp"
 
 namespace resilin {
 namespace {
-
-using FitJson = nlohmann::ordered_json;
-
-FitJson number_json(double value) { return std::isfinite(value) ? FitJson(value) : FitJson(nullptr); }
 
 std::string with_unit(const std::string& text, const std::string& unit) {
   return unit.empty() ? text : text + " " + unit;
@@ -142,7 +138,7 @@ std::string scene_fit_json_text(const SceneFitReport& report) {
                   {"is_converged", report.is_converged},
                   {"condition", number_json(report.estimates.condition)},
                   {"correlation_matrix", report.estimates.correlation_matrix},
-                  {"correlations", FitJson::array()},
+                  {"correlations", correlations_json(report.estimates.correlations)},
                   {"tables", FitJson::array()},
                   {"warnings", report.estimates.warnings}};
   for (const FittedParameter& parameter : report.parameters)
@@ -155,9 +151,6 @@ std::string scene_fit_json_text(const SceneFitReport& report) {
                                   {"lower_95", number_json(parameter.lower_95)},
                                   {"upper_95", number_json(parameter.upper_95)},
                                   {"is_held", parameter.is_held}});
-  for (const Correlation& pair : report.estimates.correlations)
-    json["correlations"].push_back(
-        {{"first", pair.first}, {"second", pair.second}, {"value", pair.value}, {"text", pair.text}});
   std::size_t first = 0;
   for (const TableQuality& table : report.tables) {
     const auto begin = static_cast<std::ptrdiff_t>(first);
@@ -200,9 +193,7 @@ std::string scene_material_toml(const SceneFitReport& report) {
 }
 
 void write_scene_fit(const SceneFitReport& report, const std::filesystem::path& folder) {
-  std::error_code failure;
-  std::filesystem::create_directories(folder, failure);
-  if (failure) throw FileError(one_line(folder.string()), "cannot be made: " + failure.message());
+  make_fit_folder(folder);
   write_text(folder / "fit.json", scene_fit_json_text(report));
   write_text(folder / "material.toml", scene_material_toml(report));
   for_each_fitted_body(report, [&](const BodyDescription& body) {

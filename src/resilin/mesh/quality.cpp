@@ -80,8 +80,8 @@ bool has_equal_nodes(std::span<const Index> nodes) {
 }
 
 template <class Function>
-std::vector<double> per_cell(const CellBlock& block, const Function& function) {
-  std::vector<double> values(static_cast<std::size_t>(block.num_cells()));
+auto per_cell(const CellBlock& block, const Function& function) {
+  std::vector<decltype(function(Index{}))> values(static_cast<std::size_t>(block.num_cells()));
   for (Index cell = 0; cell < block.num_cells(); ++cell)
     values[static_cast<std::size_t>(cell)] = function(cell);
   return values;
@@ -105,13 +105,19 @@ std::vector<double> signed_volumes(const Mesh& mesh, const CellBlock& block) {
   return per_cell(block, [&](Index cell) { return signed_volume(mesh, block, cell); });
 }
 
-std::vector<double> triangle_areas(const Mesh& mesh, const CellBlock& block) {
+std::vector<Vector3> triangle_area_vectors(const Mesh& mesh, const CellBlock& block) {
   return per_cell(block, [&](Index cell) {
     const auto nodes = block.cell(cell);
     const Vector3 a = corner(mesh, nodes, 1) - corner(mesh, nodes, 0);
     const Vector3 b = corner(mesh, nodes, 2) - corner(mesh, nodes, 0);
-    return 0.5 * a.cross(b).norm();
+    return Vector3(0.5 * a.cross(b));
   });
+}
+
+std::vector<double> triangle_areas(const Mesh& mesh, const CellBlock& block) {
+  std::vector<double> areas;
+  for (const Vector3& vector : triangle_area_vectors(mesh, block)) areas.push_back(vector.norm());
+  return areas;
 }
 
 double volume_round_off(const Mesh& mesh, const CellBlock& block, Index cell) {

@@ -12,6 +12,9 @@ namespace resilin {
 /// second-order cells that of the corners.
 std::vector<double> signed_volumes(const Mesh& mesh, const CellBlock& block);
 
+/// Half the product of two sides of each triangle in space, by corners [m^2].
+std::vector<Vector3> triangle_area_vectors(const Mesh& mesh, const CellBlock& block);
+
 /// Area [m^2] of each triangle in space, by corners.
 std::vector<double> triangle_areas(const Mesh& mesh, const CellBlock& block);
 

@@ -102,12 +102,7 @@ void drop_collapsed(CellBlock& triangles) {
 /// What lids on the holes must have at least: the area vectors of a closed surface sum to zero.
 double area_of_lids(const Mesh& mesh, const CellBlock& triangles) {
   Vector3 sum = Vector3::Zero();
-  for (Index t = 0; t < triangles.num_cells(); ++t) {
-    const auto X = [&](std::size_t i) -> const Vector3& {
-      return mesh.vertices[static_cast<std::size_t>(triangles.cell(t)[i])];
-    };
-    sum += 0.5 * (X(1) - X(0)).cross(X(2) - X(0));
-  }
+  for (const Vector3& vector : triangle_area_vectors(mesh, triangles)) sum += vector;
   return sum.norm();
 }
 

@@ -7,14 +7,14 @@
 #include <numbers>
 #include <numeric>
 
+#include "resilin/mesh/quality.hpp"
+
 namespace resilin {
 namespace {
 
 constexpr Index leaf_size = 8;
 constexpr double far = 2;  // radii from the centre: from there on a node is taken as a dipole
 constexpr std::size_t max_depth = 64;
-
-Vector3 area_vector(const std::array<Vector3, 3>& X) { return 0.5 * (X[1] - X[0]).cross(X[2] - X[0]); }
 
 /// Source: Van Oosterom & Strackee 1983, "The solid angle of a plane triangle", eq. 8.
 double solid_angle(const std::array<Vector3, 3>& corners, const Vector3& X) {
@@ -39,20 +39,22 @@ WindingNumber::WindingNumber(const Mesh& mesh, const CellBlock& triangles) {
   }
   if (order.empty()) return;
   nodes_.push_back({.first = 0, .last = triangles.num_cells()});
-  build(0, order, middles);
+  build(0, order, {middles, triangle_area_vectors(mesh, triangles)});
   std::vector<std::array<Vector3, 3>> sorted;
   for (const Index t : order) sorted.push_back(corners_[static_cast<std::size_t>(t)]);
   corners_ = std::move(sorted);
 }
 
-void WindingNumber::build(Index node, std::vector<Index>& order, const std::vector<Vector3>& middles) {
+void WindingNumber::build(Index node, std::vector<Index>& order, const Triangles& triangles) {
   Node made = nodes_[static_cast<std::size_t>(node)];
   const auto begin = order.begin() + made.first, end = order.begin() + made.last;
-  const auto middle = [&](Index t) -> const Vector3& { return middles[static_cast<std::size_t>(t)]; };
+  const auto middle = [&](Index t) -> const Vector3& {
+    return triangles.middles[static_cast<std::size_t>(t)];
+  };
   double area = 0;
   Vector3 sum = Vector3::Zero(), low = middle(*begin), high = low;
   for (auto t = begin; t != end; ++t) {
-    const Vector3 vector = area_vector(corners_[static_cast<std::size_t>(*t)]);
+    const Vector3& vector = triangles.areas[static_cast<std::size_t>(*t)];
     made.dipole += vector;
     area += vector.norm();
     sum += vector.norm() * middle(*t);
@@ -76,8 +78,8 @@ void WindingNumber::build(Index node, std::vector<Index>& order, const std::vect
   }
   nodes_[static_cast<std::size_t>(node)] = made;
   if (made.left < 0) return;
-  build(made.left, order, middles);
-  build(made.left + 1, order, middles);
+  build(made.left, order, triangles);
+  build(made.left + 1, order, triangles);
 }
 
 double WindingNumber::operator()(const Vector3& X) const {

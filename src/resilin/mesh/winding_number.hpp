@@ -30,7 +30,11 @@ class WindingNumber {
     Index first = 0, last = 0;         ///< triangles, in `corners_`
     Index left = -1;                   ///< children are left and left + 1; -1 for a leaf
   };
-  void build(Index node, std::vector<Index>& order, const std::vector<Vector3>& middles);
+  /// In the order of the mesh.
+  struct Triangles {
+    std::vector<Vector3> middles, areas;  ///< areas as vectors [m^2]
+  };
+  void build(Index node, std::vector<Index>& order, const Triangles& triangles);
 
   std::vector<Node> nodes_;
   std::vector<std::array<Vector3, 3>> corners_;  ///< of triangles, in the order of the leaves

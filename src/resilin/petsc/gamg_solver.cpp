@@ -104,11 +104,10 @@ class PetscGamg final : public LinearSolver {
     put_owned(x, dim, solution_);
     LinearReport report;
     KSPConvergedReason reason = run_solver(relative_tolerance, report.iterations);
-    if (reason < 0 && is_kept_ && reason != KSP_DIVERGED_INDEFINITE_MAT) {
-      // With its own preconditioner from where the other has led to.
-      if (make_solver(dim).status == LinearReport::Status::ok)
-        reason = run_solver(relative_tolerance, report.iterations);
-    }
+    // With its own preconditioner from where the other has led to.
+    if (reason < 0 && reason != KSP_DIVERGED_INDEFINITE_MAT && is_kept_ &&
+        make_solver(dim).status == LinearReport::Status::ok)
+      reason = run_solver(relative_tolerance, report.iterations);
     double residual = 0, size = 0;
     require_petsc(KSPGetResidualNorm(solver_, &residual));
     require_petsc(VecNorm(right_side_, NORM_2, &size));

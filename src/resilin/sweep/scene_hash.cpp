@@ -12,6 +12,7 @@
 #include "resilin/core/error.hpp"
 #include "resilin/core/hash.hpp"
 #include "resilin/core/overloaded.hpp"
+#include "resilin/core/quoted_text.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/io/atomic_file.hpp"
 #include "resilin/io/mesh_file.hpp"
@@ -89,15 +90,6 @@ void append_canonical(const SceneValue& value, FileHashes& files, std::string& o
                           out.append("m").append(hash_text(files.of_mesh(mesh)));
                         }},
              value.data);
-}
-
-std::string quoted(const std::string& text) {
-  std::string out(1, '"');
-  for (const char c : one_line(text)) {
-    if (c == '"' || c == '\\') out += '\\';
-    out += c;
-  }
-  return out + '"';
 }
 
 }  // namespace
@@ -182,7 +174,7 @@ std::string shown_value(const SceneValue& value, FileHashes& files) {
                  },
                  [&](const std::string& text) {
                    const auto hash = files.of_file(text);
-                   return quoted(text) + (hash ? " (hash " + hash_text(*hash) + ")" : "");
+                   return quoted_text(one_line(text)) + (hash ? " (hash " + hash_text(*hash) + ")" : "");
                  },
                  [&](const SceneValue::Array& array) {
                    std::string text = "[";
