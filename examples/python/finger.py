@@ -1,4 +1,9 @@
-"""The pressure that bends a soft finger until its tip meets a target: Newton's method on one exact derivative."""
+"""The pressure that bends a soft finger until its tip meets a target: Newton's method on one exact derivative.
+
+python examples/python/finger.py [finger.png]
+"""
+
+import sys
 
 import resilin
 
@@ -31,3 +36,6 @@ for forward_solves in range(1, 20):
     if abs(height - TARGET) < 1e-9:
         break
     pressure += (TARGET - height) / slopes["load.air.value"]
+
+if __name__ == "__main__" and len(sys.argv) > 1:
+    resilin.run(finger(pressure)).plot("displacement.y", rest=True, size=(900, 450)).save(sys.argv[1])

@@ -7,6 +7,7 @@ Mesh        from arrays, files, meshio objects and recipes
 fit         constants of laws from tests, with intervals
 fit_scenes  numbers of whole scenes from markers, reactions and probes
 value_and_gradient   an objective of a scene and its exact gradient by numbers of the scene
+find_rest_shape  the rest shape that its loads deform into what was drawn
 sweep       many scenes, here or on a Dask cluster
 embed       weights that carry fine points by the cells of a mesh
 """
@@ -24,6 +25,7 @@ from resilin.gradient import Differentiated, gradient, parameter_names, value_an
 from resilin.material import Material
 from resilin.mesh import Mesh, MeshReport, read_mesh
 from resilin.picture import Picture, picture
+from resilin.rest_shape import RestShape, find_rest_shape
 from resilin.scene_fit import SceneFit, fit_scenes
 from resilin.simulation import Result, Simulation, Step, run
 from resilin.sweeps import SweepTable, read_sweep, sweep
@@ -41,6 +43,7 @@ __all__ = [
     "Mesh",
     "MeshReport",
     "Picture",
+    "RestShape",
     "Result",
     "SceneFit",
     "Simulation",
@@ -48,6 +51,7 @@ __all__ = [
     "SweepTable",
     "__version__",
     "embed",
+    "find_rest_shape",
     "fit",
     "fit_scenes",
     "gradient",

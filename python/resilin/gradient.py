@@ -100,7 +100,9 @@ class Differentiated:
         forces = np.array([self._run.reactions(frame) for frame in frames])
         names = self._run.supports()
         reactions = {name: forces[:, i] for i, name in enumerate(names)}
-        return Outcome(self.positions, clock[:, 0], clock[:, 1], reactions)
+        speeds = [self._run.velocities(frame) for frame in frames]
+        moving = [of_frame for of_frame in speeds if of_frame is not None]
+        return Outcome(self.positions, clock[:, 0], clock[:, 1], reactions, np.array(moving) if moving else None)
 
     def vjp(self, seed: RealArray | Mapping[str, Any]) -> dict[str, Numbers]:
         """The gradient of a number of which only its slopes are known.
@@ -168,15 +170,18 @@ class Differentiated:
     def _transposed(self, slopes: Sequence[FrameSlopes]) -> dict[str, Numbers]:
         # One entry for each frame.
         frames: dict[int, list[Floats | None]] = {}
-        for frame, *parts in slopes:
-            kept = frames.setdefault(frame, [None, None, None])
-            for i, part in enumerate(parts):
+        for of in slopes:
+            kept = frames.setdefault(of.frame, [None, None, None])
+            for i, part in enumerate((of.positions, of.velocities, of.reactions)):
                 if part is not None:
                     before = kept[i]
                     kept[i] = part if before is None else before + part
         num_warnings = len(self._run.warnings)
         found = self._run.transposed([(frame, kept[0], kept[1], kept[2]) for frame, kept in sorted(frames.items())])
         warn(self._run.warnings[num_warnings:])
+        for of in slopes:
+            for values, direct in zip(found, of.parameters or (), strict=of.parameters is not None):
+                values += direct
         return {name: self._shaped(name, values) for name, values in zip(self._shapes, found, strict=True)}
 
     def _forward(self, direction: Mapping[str, RealArray]) -> list[Any]:
@@ -189,7 +194,7 @@ class Differentiated:
             if array.ndim > 0 and array.shape != shape:
                 refuse(f"direction.{name}", f"an array {shape}", str(array.shape))
             changes.append(np.ascontiguousarray(np.broadcast_to(array, shape)).ravel())
-        return list(self._run.forward(changes))
+        return [(*frame, changes) for frame in self._run.forward(changes)]
 
     def __repr__(self) -> str:
         return f"<resilin.Differentiated {self.value}: by {', '.join(self._shapes)}>"
@@ -213,7 +218,9 @@ def value_and_gradient(
         As for `run`.
     objective : dict or function
         Terms by kind: "position", "displacement" (of markers `at` places of the rest shape), "probe" (`name`),
-        "reaction" (`of` a support), "volume"; each with `target` and `sigma`, or a list of such. The value is
+        "reaction" (`of` a support), "volume" (of a `body`), "energy" (`kind` "elastic" or "kinetic", of a `body` or of
+        all), "stress" (`at` places, `component` "von_mises", "xx", "xy" ...), "section" (the force through the section
+        `name`); each with `target` and `sigma`, or a list of such. The value is
         1/2 sum ((y - target) / sigma)^2; a term without target adds its `component` itself. `frame` is the last unless
         given. Or a function of an `Outcome` that gives its value and {"positions": slopes (T, N, d)}.
     wrt : list of str

@@ -15,12 +15,20 @@ if TYPE_CHECKING:
     from resilin import _core
 
     Floats = NDArray[np.float64]
-    #: frame, then slopes by positions (N, d), velocities (N, d) and reactions (S, 3)
-    FrameSlopes = tuple[int, Floats | None, Floats | None, Floats | None]
-    FrameChange = tuple[Floats, Floats | None, Floats]
+    #: changes of positions, velocities (None at rest), reactions, and of each parameter
+    FrameChange = tuple[Floats, Floats | None, Floats, list[Floats]]
 
-TERMS = ("displacement", "position", "probe", "reaction", "volume")
 AXES = "xyz"
+
+
+class FrameSlopes(NamedTuple):
+    """Slopes of a number by what comes out at a frame, and by the parameters with that held."""
+
+    frame: int
+    positions: Floats | None = None  #: (N, d)
+    velocities: Floats | None = None  #: (N, d)
+    reactions: Floats | None = None  #: (S, 3)
+    parameters: list[Floats] | None = None  #: each flat
 
 
 class Outcome(NamedTuple):
@@ -30,6 +38,7 @@ class Outcome(NamedTuple):
     times: Floats  #: (T,) [s]
     loads: Floats  #: (T,) load factors of a static run
     reactions: dict[str, Floats]  #: (T, 3) [N] of each support
+    velocities: Floats | None = None  #: (T, N, d) [m/s]; None at rest
 
 
 class Measure:
@@ -55,10 +64,14 @@ class Measure:
                 refuse(f"{place}.target", f"{size} numbers", str(target.size))
             self.target = target.ravel()
             return
+        weight = float(entries.get("weight", 1.0))
         component = entries.get("component")
-        if size > 1 and not (isinstance(component, str) and component in tuple(AXES[:dim])):
+        if dim == 1:
+            self.weights[:] = weight
+        elif isinstance(component, str) and component in tuple(AXES[:dim]):
+            self.weights[AXES.index(component) :: dim] = weight
+        else:
             refuse(f"{place}.component", 'a target, or a component such as "z"', repr(component))
-        self.weights[(AXES.index(str(component)) if size > 1 else 0) :: dim] = float(entries.get("weight", 1.0))
 
     def numbers(self, run: _core.DifferentiatedRun) -> Floats:
         raise NotImplementedError
@@ -96,7 +109,7 @@ class PlaceMeasure(Measure):
         nodes = np.zeros((self.num_nodes, self.offset.shape[1]))
         for (ids, weights), row in zip(self.markers, by.reshape(self.offset.shape), strict=True):
             np.add.at(nodes, np.asarray(ids), np.outer(weights, row))
-        return self.frame, nodes, None, None
+        return FrameSlopes(self.frame, nodes)
 
     def change(self, of: FrameChange) -> Floats:
         return self._at(of[0]).ravel()
@@ -115,37 +128,72 @@ class ReactionMeasure(Measure):
     def slopes(self, by: Floats) -> FrameSlopes:
         rows = np.zeros((self.count, 3))
         rows[self.support, : self.dim] = by
-        return self.frame, None, None, rows
+        return FrameSlopes(self.frame, reactions=rows)
 
     def change(self, of: FrameChange) -> Floats:
         return of[2][self.support, : self.dim]
 
 
-class VolumeMeasure(Measure):
-    """The volume of a body."""
+class DirectMeasure(Measure):
+    """Numbers that come with all their slopes, those by the parameters with the places held included.
+
+    `measured`: for each its value and its slopes by positions, velocities (None: by none) and parameters.
+    """
 
     def __init__(
-        self, frame: int, entries: Mapping[str, Any], place: str, body: str, run: _core.DifferentiatedRun
+        self,
+        frame: int,
+        entries: Mapping[str, Any],
+        place: str,
+        measured: Sequence[tuple[float, Floats | None, Floats | None, list[Floats]]],
+        dim: int = 1,
     ) -> None:
-        super().__init__(frame, entries, place, 1, 1)
-        self.volume, self.by_positions = run.volume(body, frame)
+        super().__init__(frame, entries, place, len(measured), dim)
+        self.measured = measured
 
-    def numbers(self, run: _core.DifferentiatedRun) -> Floats:
-        return np.array([self.volume])
+    def numbers(self, run: _core.DifferentiatedRun) -> Floats:  # noqa: ARG002
+        return np.array([value for value, *_ in self.measured])
 
     def slopes(self, by: Floats) -> FrameSlopes:
-        return self.frame, by[0] * self.by_positions, None, None
+        return FrameSlopes(
+            self.frame,
+            self._sum(by, [one[1] for one in self.measured]),
+            self._sum(by, [one[2] for one in self.measured]),
+            None,
+            [weighted(by, of_one) for of_one in zip(*(one[3] for one in self.measured), strict=True)],
+        )
+
+    @staticmethod
+    def _sum(by: Floats, slopes: Sequence[Floats | None]) -> Floats | None:
+        given = [one for one in slopes if one is not None]
+        return weighted(by, given) if given else None
 
     def change(self, of: FrameChange) -> Floats:
-        return np.array([np.sum(self.by_positions * of[0])])
+        changes = []
+        for _, by_positions, by_velocities, by_parameters in self.measured:
+            change = sum((slopes @ d for slopes, d in zip(by_parameters, of[3], strict=True)), 0.0)
+            if by_positions is not None:
+                change += np.sum(by_positions * of[0])
+            if by_velocities is not None and of[1] is not None:
+                change += np.sum(by_velocities * of[1])
+            changes.append(change)
+        return np.array(changes)
+
+
+def weighted(by: Floats, arrays: Sequence[Floats]) -> Floats:
+    """sum_i by_i arrays_i"""
+    total: Floats = np.zeros_like(arrays[0])
+    for weight, array in zip(by, arrays, strict=True):
+        total += weight * array
+    return total
 
 
 def _tables(objective: Mapping[str, Any]) -> list[tuple[str, str, Mapping[str, Any]]]:
     """(kind, place, entries) of each term; a kind may have a list of them."""
     tables = []
     for kind, entries in objective.items():
-        if kind not in TERMS:
-            refuse(f"objective.{kind}", "one of " + ", ".join(TERMS), "an unknown term")
+        if kind not in KEYS:
+            refuse(f"objective.{kind}", "one of " + ", ".join(sorted(KEYS)), "an unknown term")
         for i, one in enumerate(entries if isinstance(entries, Sequence) else [entries]):
             place = f"objective.{kind}" + (f"[{i}]" if isinstance(entries, Sequence) else "")
             if not isinstance(one, Mapping):
@@ -160,6 +208,9 @@ KEYS = {
     "probe": {"name"},
     "reaction": {"of"},
     "volume": {"body"},
+    "energy": {"kind", "body"},
+    "stress": {"body", "at"},
+    "section": {"name"},
 }
 COMMON_KEYS = {"target", "sigma", "frame", "component", "weight"}
 
@@ -178,9 +229,7 @@ def measures_of(objective: Mapping[str, Any], run: _core.DifferentiatedRun) -> l
         start = run.positions(0)
         dim = start.shape[1]
         if kind in ("position", "displacement"):
-            at = np.atleast_2d(np.asarray(real_array(entries.get("at", ()), f"{place}.at"), dtype=np.float64))
-            if at.shape[1] != dim:
-                refuse(f"{place}.at", f"places of {dim} numbers, in the rest shape", f"{at.shape[1]} numbers")
+            at = _places(entries, place, dim)
             body = plain_text(entries.get("body", ""), f"{place}.body")
             markers = [run.marker(body, row.tolist()) for row in at]
             offset = at if kind == "displacement" else np.zeros_like(at)
@@ -196,9 +245,34 @@ def measures_of(objective: Mapping[str, Any], run: _core.DifferentiatedRun) -> l
                 refuse(f"{place}.of", "one of " + ", ".join(names), repr(name))
             measures.append(ReactionMeasure(frame, entries, place, names.index(name), len(names), dim))
         else:
-            body = plain_text(entries.get("body", ""), f"{place}.body")
-            measures.append(VolumeMeasure(frame, entries, place, body, run))
+            measures.append(_direct_measure(kind, frame, entries, place, run, dim))
     return measures
+
+
+def _places(entries: Mapping[str, Any], place: str, dim: int) -> Floats:
+    at = np.atleast_2d(np.asarray(real_array(entries.get("at", ()), f"{place}.at"), dtype=np.float64))
+    if at.shape[1] != dim:
+        refuse(f"{place}.at", f"places of {dim} numbers, in the rest shape", f"{at.shape[1]} numbers")
+    return at
+
+
+def _direct_measure(
+    kind: str, frame: int, entries: Mapping[str, Any], place: str, run: _core.DifferentiatedRun, dim: int
+) -> DirectMeasure:
+    body = plain_text(entries.get("body", ""), f"{place}.body")
+    if kind == "volume":
+        volume, by_positions = run.volume(body, frame)
+        none = [np.zeros(numbers.size) for _, _, numbers in run.parameters()]
+        return DirectMeasure(frame, entries, place, [(volume, by_positions, None, none)])
+    if kind == "energy":
+        which = plain_text(entries.get("kind", ""), f"{place}.kind")
+        return DirectMeasure(frame, entries, place, run.energy(which, body or None, frame))
+    if kind == "section":
+        name = plain_text(entries.get("name", ""), f"{place}.name")
+        return DirectMeasure(frame, entries, place, run.section(name, frame), dim)
+    component = plain_text(entries.get("component", ""), f"{place}.component")
+    stresses = run.stress(body, _places(entries, place, dim).tolist(), component, frame)
+    return DirectMeasure(frame, entries, place, stresses)
 
 
 class Sum:
@@ -258,7 +332,7 @@ class Seeds:
                     refuse(f"seed.{key}", f"an array {shape} or, of the last frame, {start.shape}", str(array.shape))
                 for frame, row in rows:
                     whole = np.ascontiguousarray(row)
-                    self.parts.append((frame, whole, None, None) if key == "positions" else (frame, None, whole, None))
+                    self.parts.append(FrameSlopes(frame, **{key: whole}))
             else:
                 refuse(f"seed.{key}", "positions, velocities or reactions", "an unknown key")
 
@@ -278,7 +352,7 @@ class Seeds:
                 if np.any(row):
                     all_rows = np.zeros((len(names), 3))
                     all_rows[names.index(name)] = row
-                    self.parts.append((frame, None, None, all_rows))
+                    self.parts.append(FrameSlopes(frame, reactions=all_rows))
 
     def slopes(self) -> list[FrameSlopes]:
         return self.parts

@@ -21,6 +21,8 @@
 #include "resilin/core/error.hpp"
 #include "resilin/scene/scene.hpp"
 #include "resilin/sensitivity/markers.hpp"
+#include "resilin/sensitivity/measured_number.hpp"
+#include "resilin/sensitivity/rest_shape.hpp"
 
 namespace resilin::python {
 namespace {
@@ -44,6 +46,36 @@ NumpyArray<double> rows_of(const std::vector<Vector3>& rows) {
   return numpy_array(std::move(all), {rows.size(), 3});
 }
 
+/// Name, shape, values.
+using ParameterArray = std::tuple<std::string, std::vector<Eigen::Index>, NumpyArray<double>>;
+
+ParameterArray parameter_array(const Parameter& parameter) {
+  return {parameter.name, parameter.shape, array_of(parameter.value)};
+}
+
+/// (name, rest, deformed) of each body, then distance, size and iterations.
+std::tuple<std::vector<std::tuple<std::string, NumpyArray<double>, NumpyArray<double>>>, double, double, int>
+rest_shape(const Scene& scene) {
+  RestShape found;
+  Interruptible interruptible;
+  std::exception_ptr failure;
+  {
+    const nb::gil_scoped_release release;
+    try {
+      found = find_rest_shape(scene.description, {.goes_on = [&] { return !interruptible.is_stopped(); }});
+    } catch (...) {
+      failure = std::current_exception();
+    }
+  }
+  interruptible.rethrow();
+  if (failure) std::rethrow_exception(failure);
+  std::vector<std::tuple<std::string, NumpyArray<double>, NumpyArray<double>>> bodies;
+  const int dim = scene.description.dimension;
+  for (const RestShape::OfBody& body : found.bodies)
+    bodies.emplace_back(body.name, node_array(body.rest, dim), node_array(body.deformed, dim));
+  return {std::move(bodies), found.distance, found.size, found.iterations};
+}
+
 /// A run and its derivatives. Long calls leave the GIL to others, and Ctrl-C ends them.
 class DifferentiatedRun {
  public:
@@ -59,10 +91,9 @@ class DifferentiatedRun {
   }
 
   const World& world() const { return run_->world(); }
-  std::vector<std::tuple<std::string, std::vector<Eigen::Index>, NumpyArray<double>>> parameters() const {
-    std::vector<std::tuple<std::string, std::vector<Eigen::Index>, NumpyArray<double>>> all;
-    for (const Parameter& parameter : run_->parameters())
-      all.emplace_back(parameter.name, parameter.shape, array_of(parameter.value));
+  std::vector<ParameterArray> parameters() const {
+    std::vector<ParameterArray> all;
+    for (const Parameter& parameter : run_->parameters()) all.push_back(parameter_array(parameter));
     return all;
   }
   const std::vector<std::string>& warnings() const { return run_->warnings(); }
@@ -76,6 +107,13 @@ class DifferentiatedRun {
     VectorX found;
     interruptibly([&] { found = run_->positions(frame); });
     return node_array(scene_places(world(), std::move(found)), world().dimension);
+  }
+  std::optional<NumpyArray<double>> velocities(int frame) {
+    VectorX found;
+    interruptibly([&] { found = run_->velocities(frame); });
+    std::optional<NumpyArray<double>> array;
+    if (found.size() > 0) array = node_array(found, world().dimension);
+    return array;
   }
   std::pair<double, double> time_and_load(int frame) const {
     return {run_->frame(frame).time, run_->frame(frame).load};
@@ -125,10 +163,7 @@ class DifferentiatedRun {
   /// Nodes of the world and their weights, which give the place of a marker.
   std::pair<std::vector<Index>, std::vector<double>> marker(const std::string& body,
                                                             const std::vector<double>& at) const {
-    Vector3 place = Vector3::Zero();
-    for (std::size_t k = 0; k < std::min<std::size_t>(3, at.size()); ++k)
-      place[static_cast<Eigen::Index>(k)] = at[k];
-    const Marker found = marker_at(world(), body, place, "marker");
+    const Marker found = marker_at(world(), body, point(at), "marker");
     return {found.nodes, found.weights};
   }
   /// (3,) [m]
@@ -136,6 +171,28 @@ class DifferentiatedRun {
     return array_of(world().place_of(node, world().rest_positions));
   }
   Index probe(const std::string& name) const { return probe_named(world(), name, "probe").node; }
+
+  /// Values, and slopes by positions, velocities (None where by none) and each parameter, for each number.
+  using MeasuredArrays = std::tuple<double, std::optional<NumpyArray<double>>,
+                                    std::optional<NumpyArray<double>>, std::vector<NumpyArray<double>>>;
+  std::vector<MeasuredArrays> energy(const std::string& kind, const std::optional<std::string>& body,
+                                     int frame) {
+    return measured([&] {
+      const Body* of = body ? &body_named(world(), *body, "energy.body") : nullptr;
+      return std::vector<MeasuredNumber>{energy_at(*run_, kind, of, frame)};
+    });
+  }
+  std::vector<MeasuredArrays> stress(const std::string& body, const std::vector<std::vector<double>>& at,
+                                     const std::string& component, int frame) {
+    std::vector<Vector3> points;
+    for (const std::vector<double>& row : at) points.push_back(point(row));
+    return measured([&] {
+      return stresses_at(*run_, body_named(world(), body, "stress.body"), points, component, frame);
+    });
+  }
+  std::vector<MeasuredArrays> section(const std::string& name, int frame) {
+    return measured([&] { return section_force_at(*run_, name, frame); });
+  }
 
   /// The volume of a body at a frame and its slopes by the positions.
   std::pair<double, NumpyArray<double>> volume(const std::string& body, int frame) {
@@ -146,6 +203,32 @@ class DifferentiatedRun {
   }
 
  private:
+  static Vector3 point(const std::vector<double>& numbers) {
+    Vector3 place = Vector3::Zero();
+    for (std::size_t k = 0; k < std::min<std::size_t>(3, numbers.size()); ++k)
+      place[static_cast<Eigen::Index>(k)] = numbers[k];
+    return place;
+  }
+
+  template <class Measure>
+  std::vector<MeasuredArrays> measured(const Measure& measure) {
+    std::vector<MeasuredNumber> found;
+    interruptibly([&] { found = measure(); });
+    const auto nodes = [&](const VectorX& slopes) {
+      std::optional<NumpyArray<double>> array;
+      if (slopes.size() > 0) array = node_array(slopes, world().dimension);
+      return array;
+    };
+    std::vector<MeasuredArrays> all;
+    for (const MeasuredNumber& number : found) {
+      std::vector<NumpyArray<double>> direct;
+      for (const VectorX& slopes : number.by_parameters) direct.push_back(array_of(slopes));
+      all.emplace_back(number.value, nodes(number.by_positions), nodes(number.by_velocities),
+                       std::move(direct));
+    }
+    return all;
+  }
+
   bool goes_on() { return !interruptible_ || !interruptible_->is_stopped(); }
 
   template <class Work>
@@ -177,6 +260,7 @@ void bind_derivatives(nb::module_& module) {
       "parameter_names",
       [](const Scene& scene) { return parameter_names(World(Description(scene.description))); },
       nb::arg("scene"), nb::call_guard<nb::gil_scoped_release>());
+  module.def("find_rest_shape", &rest_shape, nb::arg("scene"));
   nb::class_<DifferentiatedRun>(module, "DifferentiatedRun")
       .def(nb::init<const Scene&, const std::vector<std::string>&,
                     const std::map<std::string, Vector1d<double>>&, int>(),
@@ -184,6 +268,7 @@ void bind_derivatives(nb::module_& module) {
       .def("parameters", &DifferentiatedRun::parameters)
       .def("supports", &DifferentiatedRun::supports)
       .def("positions", &DifferentiatedRun::positions, nb::arg("frame"))
+      .def("velocities", &DifferentiatedRun::velocities, nb::arg("frame"))
       .def("time_and_load", &DifferentiatedRun::time_and_load, nb::arg("frame"))
       .def("reactions", &DifferentiatedRun::reactions, nb::arg("frame"))
       .def("vertex_range", &DifferentiatedRun::vertex_range, nb::arg("body"))
@@ -192,6 +277,10 @@ void bind_derivatives(nb::module_& module) {
       .def("marker", &DifferentiatedRun::marker, nb::arg("body"), nb::arg("at"))
       .def("rest_position", &DifferentiatedRun::rest_position, nb::arg("node"))
       .def("probe", &DifferentiatedRun::probe, nb::arg("name"))
+      .def("energy", &DifferentiatedRun::energy, nb::arg("kind"), nb::arg("body").none(), nb::arg("frame"))
+      .def("stress", &DifferentiatedRun::stress, nb::arg("body"), nb::arg("at"), nb::arg("component"),
+           nb::arg("frame"))
+      .def("section", &DifferentiatedRun::section, nb::arg("name"), nb::arg("frame"))
       .def("volume", &DifferentiatedRun::volume, nb::arg("body"), nb::arg("frame"))
       .def_prop_ro("warnings", &DifferentiatedRun::warnings)
       .def_prop_ro("num_frames", &DifferentiatedRun::num_frames);

@@ -16,6 +16,7 @@ def bar(kind="static", modulus=1e5, **simulation):
         ],
         "fix": [{"name": "wall", "where": {"plane": {"axis": "x", "at": 0}}}],
         "load": [{"name": "pull", "kind": "body_force", "value": [10, 0, 0]}],
+        "section": [{"name": "middle", "plane": {"axis": "x", "at": 0.5}}],
         "probe": [{"name": "tip", "at": [1, 0.25, 0.25]}],
         "newton": {"tolerance": 1e-12},
     }

@@ -78,6 +78,13 @@ class ElasticEnergy final : public Energy {
                             VectorX& slopes) const override;
   void add_parameter_forces(std::string_view name, const VectorX& x, const VectorX& change,
                             const Conditions& c, VectorX& gradient) const override;
+  /// slopes += dE/dp of one of `parameters`, x held: the slopes of `value` itself.
+  void add_energy_slopes(std::string_view name, const VectorX& x, VectorX& slopes) const;
+  /// slopes += the slopes of sum_cells by_cell V by the rest positions of the world.
+  void add_volume_slopes(std::span<const double> by_cell, VectorX& slopes) const;
+
+  /// forces += d2E/dx2 w, unprojected, without a matrix.
+  void add_tangent_forces(const VectorX& x, const VectorX& w, VectorX& forces) const;
 
   /// For laws that need J > 0: the largest t in (0, 1] such that no cell loses more than nine tenths of its
   /// volume at a quadrature point along x + t p; J > 0 at x + t p is checked there in the arithmetic of
@@ -146,6 +153,17 @@ class ElasticEnergy final : public Energy {
   void add_hessian_to(const VectorX& x, Projection projection, const double* pressures,
                       std::span<const CellMatrices* const> along, BlockMatrix& hessian) const;
   void add_constant_slopes(const VectorX& x, const VectorX& w, VectorX& slopes) const;
+  void add_constant_energies(const VectorX& x, VectorX& slopes) const;
+  /// slopes += what `fill` writes of each constant of a tile, by entry, times the weights of the points.
+  using FillSlopes =
+      std::function<void(const ElasticTiles::Tile&, std::size_t p, ElasticTiles::Scratch&, double* by_entry)>;
+  void add_weighted_slopes(const FillSlopes& fill, VectorX& slopes) const;
+  template <int dim>
+  void add_tangent_products(const VectorX& x, const VectorX& w, VectorX& forces) const;
+  template <int dim>
+  void add_shape_energies(const VectorX& x, VectorX& slopes) const;
+  template <int dim>
+  void add_shape_volumes(std::span<const double> by_cell, VectorX& slopes) const;
   template <int dim>
   void add_constant_forces(const VectorX& x, const VectorX& change, VectorX& gradient) const;
   template <int dim>

@@ -70,42 +70,73 @@ void ElasticEnergy::add_parameter_forces(std::string_view name, const VectorX& x
            : add_shape_forces<3>(x, change, false, gradient);
 }
 
-void ElasticEnergy::add_constant_slopes(const VectorX& x, const VectorX& w, VectorX& slopes) const {
+void ElasticEnergy::add_energy_slopes(std::string_view name, const VectorX& x, VectorX& slopes) const {
+  if (name == "constants") return add_constant_energies(x, slopes);
+  tiles_.blocks.dim == 2 ? add_shape_energies<2>(x, slopes) : add_shape_energies<3>(x, slopes);
+}
+
+void ElasticEnergy::add_tangent_forces(const VectorX& x, const VectorX& w, VectorX& forces) const {
+  tiles_.blocks.dim == 2 ? add_tangent_products<2>(x, w, forces) : add_tangent_products<3>(x, w, forces);
+}
+
+void ElasticEnergy::add_volume_slopes(std::span<const double> by_cell, VectorX& slopes) const {
+  tiles_.blocks.dim == 2 ? add_shape_volumes<2>(by_cell, slopes) : add_shape_volumes<3>(by_cell, slopes);
+}
+
+void ElasticEnergy::add_weighted_slopes(const FillSlopes& fill, VectorX& slopes) const {
   const ElementBlocks& blocks = tiles_.blocks;
-  const std::size_t n = law().constants.size(), size = static_cast<std::size_t>(blocks.dim * blocks.dim);
+  const std::size_t n = law().constants.size();
   const bool is_uniform = tiles_.constant_stride == 0;
-  const std::vector<double> u = blocks.local_displacements(x), v = blocks.local_values(w);
   const ConstantSlopes sum = parallel_sum<ConstantSlopes>(
       all_blocks_.size(), blocks_per_chunk, [&](std::size_t begin, std::size_t end) {
         ConstantSlopes of_chunk;
         ElasticTiles::Scratch scratch(tiles_);
         for_tiles(tiles_, all_blocks_.data() + begin, end - begin, [&](const ElasticTiles::Tile& tile) {
           for (std::size_t p = 0; p < n; ++p) {
-            tiles_.constant_stresses(tile, u.data(), p, scratch);
-            tiles_.gradients(tile, v.data(), scratch, scratch.G);
-            for (std::size_t e = 0; e < tiles_.num_entries(tile); ++e) {
+            fill(tile, p, scratch, scratch.energy);
+            for (std::size_t i = 0; i < tiles_.num_entries(tile) * block_size; ++i) {
+              const std::size_t e = i / block_size, lane = i % block_size;
               const auto block = static_cast<std::size_t>(tile.blocks[e / blocks.num_points]);
-              LaneRow power = LaneRow::Zero();
-              for (std::size_t i = e * size; i < (e + 1) * size; ++i)
-                power += Eigen::Map<const LaneRow>(scratch.stress + i * block_size) *
-                         Eigen::Map<const LaneRow>(scratch.G + i * block_size);
-              for (std::size_t lane = 0; lane < block_size; ++lane) {
-                const Index cell = blocks.cells[block * block_size + lane];
-                if (cell < 0) continue;
-                const double share =
-                    power[static_cast<Eigen::Index>(lane)] *
-                    blocks.weights[(block * blocks.num_points + e % blocks.num_points) * block_size + lane];
-                if (is_uniform)
-                  of_chunk.sums[p] += share;
-                else
-                  slopes[static_cast<Eigen::Index>(static_cast<std::size_t>(cell) * n + p)] += share;
-              }
+              const Index cell = blocks.cells[block * block_size + lane];
+              if (cell < 0) continue;
+              const double share =
+                  scratch.energy[i] *
+                  blocks.weights[(block * blocks.num_points + e % blocks.num_points) * block_size + lane];
+              if (is_uniform)
+                of_chunk.sums[p] += share;
+              else
+                slopes[static_cast<Eigen::Index>(static_cast<std::size_t>(cell) * n + p)] += share;
             }
           }
         });
         return of_chunk;
       });
   for (std::size_t p = 0; is_uniform && p < n; ++p) slopes[static_cast<Eigen::Index>(p)] += sum.sums[p];
+}
+
+void ElasticEnergy::add_constant_slopes(const VectorX& x, const VectorX& w, VectorX& slopes) const {
+  const std::vector<double> u = tiles_.blocks.local_displacements(x), v = tiles_.blocks.local_values(w);
+  const auto size = static_cast<std::size_t>(tiles_.blocks.dim * tiles_.blocks.dim);
+  add_weighted_slopes(
+      [&](const ElasticTiles::Tile& tile, std::size_t p, ElasticTiles::Scratch& scratch, double* powers) {
+        tiles_.constant_stresses(tile, u.data(), p, scratch);
+        tiles_.gradients(tile, v.data(), scratch, scratch.G);
+        for (std::size_t e = 0; e < tiles_.num_entries(tile); ++e) {
+          LaneRow power = LaneRow::Zero();
+          for (std::size_t i = e * size; i < (e + 1) * size; ++i)
+            power += Eigen::Map<const LaneRow>(scratch.stress + i * block_size) *
+                     Eigen::Map<const LaneRow>(scratch.G + i * block_size);
+          Eigen::Map<LaneRow>(powers + e * block_size) = power;
+        }
+      },
+      slopes);
+}
+
+void ElasticEnergy::add_constant_energies(const VectorX& x, VectorX& slopes) const {
+  const std::vector<double> u = tiles_.blocks.local_displacements(x);
+  add_weighted_slopes([&](const ElasticTiles::Tile& tile, std::size_t p, ElasticTiles::Scratch& scratch,
+                          double* psi) { tiles_.constant_energies(tile, u.data(), p, scratch, psi); },
+                      slopes);
 }
 
 template <int dim>
@@ -179,6 +210,94 @@ void ElasticEnergy::add_shape_forces(const VectorX& x, const VectorX& direction,
         }
       },
       result);
+}
+
+/// dE = sum_q W (Psi tr L - P : (F L)), so that X_a gets sum_q W (Psi I - F^T P) g_a. With a mean volume P
+/// holds U'(J_mean) cof F, of which dJ_mean leaves U'(J_mean) (J - J_mean) tr L.
+template <int dim>
+void ElasticEnergy::add_shape_energies(const VectorX& x, VectorX& slopes) const {
+  const ElementBlocks& blocks = tiles_.blocks;
+  const std::vector<double> u = blocks.local_displacements(x);
+  constexpr std::size_t size = static_cast<std::size_t>(dim * dim) * block_size;
+  const LaneRow one = LaneRow::Ones(), minus = -one;
+  add_by_owner(
+      [&](const ElasticTiles::Tile& tile, const OwnedNodes& owned, ElasticTiles::Scratch& scratch,
+          double* local) {
+        tiles_.energies(tile, u.data(), scratch, scratch.energy);
+        tiles_.stresses_and_tangents(tile, u.data(), scratch);
+        for (std::size_t e = 0; e < tiles_.num_entries(tile); ++e) {
+          const std::size_t i = e / blocks.num_points;
+          const auto F = LaneMatrix<dim>::load(scratch.H + e * size).plus_identity(one);
+          const auto P = LaneMatrix<dim>::load(scratch.stress + e * size);
+          LaneRow of_identity = Eigen::Map<const LaneRow>(scratch.energy + e * block_size);
+          if (tiles_.has_mean_volume())
+            of_identity += Eigen::Map<const LaneRow>(scratch.mean_volume + (i * 3 + 1) * block_size) *
+                           (Eigen::Map<const LaneRow>(scratch.j + e * block_size) -
+                            Eigen::Map<const LaneRow>(scratch.mean_j + i * block_size));
+          LanePoint<dim>(blocks, static_cast<std::size_t>(tile.blocks[i]), e % blocks.num_points)
+              .add((minus * (F.transposed() * P)).plus_identity(of_identity), owned, local);
+        }
+      },
+      slopes);
+}
+
+/// sum_q W (dP/dF : G) g_a; with a mean volume its pressure changes by U'' dJ_mean besides.
+template <int dim>
+void ElasticEnergy::add_tangent_products(const VectorX& x, const VectorX& w, VectorX& forces) const {
+  const ElementBlocks& blocks = tiles_.blocks;
+  const std::vector<double> u = blocks.local_displacements(x), v = blocks.local_values(w);
+  constexpr std::size_t size = static_cast<std::size_t>(dim * dim) * block_size;
+  const LaneRow one = LaneRow::Ones();
+  add_by_owner(
+      [&](const ElasticTiles::Tile& tile, const OwnedNodes& owned, ElasticTiles::Scratch& scratch,
+          double* local) {
+        tiles_.stresses_and_tangents(tile, u.data(), scratch);
+        tiles_.gradients(tile, v.data(), scratch, scratch.G);
+        for (std::size_t i = 0; i < tile.num_blocks; ++i) {
+          const auto block = static_cast<std::size_t>(tile.blocks[i]);
+          const std::size_t first = i * blocks.num_points;
+          LaneRow change_of_pressure = LaneRow::Zero();
+          if (tiles_.has_mean_volume()) {
+            LaneRow volume = LaneRow::Zero(), sum = LaneRow::Zero();
+            for (std::size_t q = 0; q < blocks.num_points; ++q) {
+              const LaneRow W = LanePoint<dim>(blocks, block, q).weight();
+              const auto F = LaneMatrix<dim>::load(scratch.H + (first + q) * size).plus_identity(one);
+              volume += W;
+              sum += W * contracted(cofactor(F), LaneMatrix<dim>::load(scratch.G + (first + q) * size));
+            }
+            const Eigen::Map<const LaneRow> second(scratch.mean + i * block_size);
+            change_of_pressure = (volume > 0).select(second * sum / volume, 0.0);
+          }
+          for (std::size_t q = 0; q < blocks.num_points; ++q) {
+            const std::size_t e = first + q;
+            const auto F = LaneMatrix<dim>::load(scratch.H + e * size).plus_identity(one);
+            auto M = contracted<dim>(scratch.tangent + e * size * dim * dim,
+                                     LaneMatrix<dim>::load(scratch.G + e * size));
+            if (tiles_.has_mean_volume()) M = M + change_of_pressure * cofactor(F);
+            LanePoint<dim>(blocks, block, q).add(M, owned, local);
+          }
+        }
+      },
+      forces);
+}
+
+template <int dim>
+void ElasticEnergy::add_shape_volumes(std::span<const double> by_cell, VectorX& slopes) const {
+  const ElementBlocks& blocks = tiles_.blocks;
+  add_by_owner(
+      [&](const ElasticTiles::Tile& tile, const OwnedNodes& owned, ElasticTiles::Scratch&, double* local) {
+        for (std::size_t e = 0; e < tiles_.num_entries(tile); ++e) {
+          const auto block = static_cast<std::size_t>(tile.blocks[e / blocks.num_points]);
+          LaneRow by;
+          for (std::size_t lane = 0; lane < block_size; ++lane) {
+            const Index cell = blocks.cells[block * block_size + lane];
+            by[static_cast<Eigen::Index>(lane)] = cell < 0 ? 0 : by_cell[static_cast<std::size_t>(cell)];
+          }
+          LanePoint<dim>(blocks, block, e % blocks.num_points)
+              .add(LaneMatrix<dim>::zero().plus_identity(by), owned, local);
+        }
+      },
+      slopes);
 }
 
 }  // namespace resilin

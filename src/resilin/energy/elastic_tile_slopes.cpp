@@ -19,10 +19,11 @@ constexpr double stencil_step = 1e-2;
 
 }  // namespace
 
-/// d2U/(dj dp) of the law's volume energy into `slopes`, one row of lanes for each row of `j`, to its digits
-/// but two. The law says nothing of it by itself.
-void ElasticTiles::pressure_slopes(const Tile& tile, const double* j, bool is_per_entry, std::size_t p,
-                                   Scratch& scratch, std::vector<double>& slopes) const {
+/// d/dp of this derivative by j of the law's volume energy into `slopes`, one row of lanes for each row of
+/// `j`, to its digits but two. The law says nothing of it by itself.
+void ElasticTiles::volume_slopes(const Tile& tile, const double* j, bool is_per_entry, std::size_t p,
+                                 std::size_t derivative, Scratch& scratch,
+                                 std::vector<double>& slopes) const {
   const LawBatch given = law_batch(tile, j, is_per_entry, scratch, nullptr);
   const std::size_t set_size = law->constants.size() * block_size;
   const std::size_t num_sets = given.constant_stride == 0 ? 1 : given.num_blocks;
@@ -46,8 +47,8 @@ void ElasticTiles::pressure_slopes(const Tile& tile, const double* j, bool is_pe
     law_kernels_->volume({given.num_blocks, j, sets.data(), given.constant_stride, results.data()});
     for (std::size_t i = 0; i < slopes.size(); ++i) {
       const std::size_t row = i / block_size, lane = i % block_size;
-      slopes[i] +=
-          stencil(k) * results[(row * 3 + 1) * block_size + lane] / step(num_sets == 1 ? 0 : row, lane);
+      slopes[i] += stencil(k) * results[(row * 3 + derivative) * block_size + lane] /
+                   step(num_sets == 1 ? 0 : row, lane);
     }
   }
 }
@@ -64,8 +65,8 @@ void ElasticTiles::constant_stresses(const Tile& tile, const double* u, std::siz
   if (has_mean_volume_) {
     call_volume(tile, scratch);
     std::vector<double> own, mean;
-    pressure_slopes(tile, scratch.j, true, p, scratch, own);
-    pressure_slopes(tile, scratch.mean_j, false, p, scratch, mean);
+    volume_slopes(tile, scratch.j, true, p, 1, scratch, own);
+    volume_slopes(tile, scratch.mean_j, false, p, 1, scratch, mean);
     for (std::size_t i = 0; i < own.size(); ++i) {
       const std::size_t e = i / block_size, lane = i % block_size;
       scratch.law[(e * n + volume_slope_row) * block_size + lane] +=
@@ -73,6 +74,23 @@ void ElasticTiles::constant_stresses(const Tile& tile, const double* u, std::siz
     }
   }
   point_kernels_->stresses(state_tile(tile, scratch), scratch.law, scratch.stress);
+}
+
+void ElasticTiles::constant_energies(const Tile& tile, const double* u, std::size_t p, Scratch& scratch,
+                                     double* psi) const {
+  measure(tile, u, false, scratch);
+  const auto rows = static_cast<std::size_t>(num_slopes(law->kind)) + 1;
+  law_kernels_->constant_gradient(law_batch(tile, scratch.variables, true, scratch, scratch.law),
+                                  static_cast<int>(p));
+  for (std::size_t e = 0; e < num_entries(tile); ++e)
+    std::copy_n(scratch.law + e * rows * block_size, block_size, psi + e * block_size);
+  if (!has_mean_volume_) return;
+  call_volume(tile, scratch);
+  std::vector<double> own, mean;
+  volume_slopes(tile, scratch.j, true, p, 0, scratch, own);
+  volume_slopes(tile, scratch.mean_j, false, p, 0, scratch, mean);
+  for (std::size_t i = 0; i < own.size(); ++i)
+    psi[i] += mean[i / block_size / blocks.num_points * block_size + i % block_size] - own[i];
 }
 
 void ElasticTiles::stresses_and_tangents(const Tile& tile, const double* u, Scratch& scratch) const {

@@ -75,6 +75,9 @@ class ElasticTiles {
   // [entry][dim * dim][lane].
   /// dP/dp into scratch.stress, p being the constant of this place.
   void constant_stresses(const Tile& tile, const double* u, std::size_t p, Scratch& scratch) const;
+  /// dPsi/dp by entry, likewise; with a mean volume its share of the slope of the cell's energy.
+  void constant_energies(const Tile& tile, const double* u, std::size_t p, Scratch& scratch,
+                         double* psi) const;
   /// P into scratch.stress and dP/dF, [entry][dim^4][lane], into scratch.tangent; with a mean volume its
   /// pressure is held. Then the means of J - 1 are in scratch.mean_j and the second derivatives of the
   /// volume energy there in scratch.mean, one row of lanes for each tile block.
@@ -100,8 +103,8 @@ class ElasticTiles {
                 Scratch& scratch, double* results) const {
     kernel(law_batch(tile, variables, is_per_entry, scratch, results));
   }
-  void pressure_slopes(const Tile& tile, const double* j, bool is_per_entry, std::size_t p, Scratch& scratch,
-                       std::vector<double>& slopes) const;
+  void volume_slopes(const Tile& tile, const double* j, bool is_per_entry, std::size_t p,
+                     std::size_t derivative, Scratch& scratch, std::vector<double>& slopes) const;
   void call_volume(const Tile& tile, Scratch& scratch) const;
   void replace_volume(const Tile& tile, int row, int rows, int derivative, const double* mean,
                       Scratch& scratch, double* law_rows) const;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "resilin/core/simd.hpp"
+#include "resilin/material/kernels/law_kernels.hpp"
 #include "resilin/world/damping.hpp"
 #include "resilin/world/meeting_surface.hpp"
 
@@ -81,6 +83,26 @@ Eigen::Matrix2Xd rest_stiffness_slopes(const Material& material) {
         });
   }
   return slopes;
+}
+
+VolumeEnergySlopes volume_energy(const Material& material, double j) {
+  const std::vector<double> variables(block_size, j);
+  std::vector<double> constants, results(3 * block_size);
+  for (const double constant : material.constants) constants.insert(constants.end(), block_size, constant);
+  law_kernels(material.law->index, preferred_instruction_set())
+      .volume({1, variables.data(), constants.data(), 0, results.data()});
+  return {results[block_size], results[2 * block_size]};
+}
+
+double pressure_slope(const Material& material, double j, std::size_t constant) {
+  Material changed = material;
+  double largest = 0;
+  for (const double number : material.constants) largest = std::max(largest, std::abs(number));
+  return slope(material.constants[constant], step_of("", material.constants[constant], largest),
+               [&](double x) {
+                 changed.constants[constant] = x;
+                 return Eigen::VectorXd(Eigen::VectorXd::Constant(1, volume_energy(changed, j).first));
+               })[0];
 }
 
 VectorX log_modulus_slopes(const Body& body) {

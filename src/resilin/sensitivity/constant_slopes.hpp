@@ -19,6 +19,15 @@ Eigen::MatrixXd constant_slopes(const LawInfo& law, const std::map<std::string, 
 /// d(eta, zeta)/d(constants) of `rest_stiffness`.
 Eigen::Matrix2Xd rest_stiffness_slopes(const Material& material);
 
+/// First and second derivative by j = J - 1 of the volume energy of a law where it stands apart [Pa].
+struct VolumeEnergySlopes {
+  double first, second;
+};
+VolumeEnergySlopes volume_energy(const Material& material, double j);
+
+/// d/dc of its first derivative, c being the constant of this place.
+double pressure_slope(const Material& material, double j, std::size_t constant);
+
 /// d(log E)/d(means of the constants) of a body's `youngs_modulus`.
 VectorX log_modulus_slopes(const Body& body);
 

@@ -85,6 +85,10 @@ WorldChange Derivatives::spread(const std::vector<VectorX>& changes) const {
 
 std::vector<VectorX> Derivatives::gathered(const TermChanges& terms, WorldChange slopes) const {
   links_.gather(terms, slopes);
+  return by_parameters(slopes);
+}
+
+std::vector<VectorX> Derivatives::by_parameters(const WorldChange& slopes) const {
   std::vector<VectorX> all;
   for (const Parameter& parameter : parameters_) {
     all.push_back(VectorX::Zero(parameter.value.size()));

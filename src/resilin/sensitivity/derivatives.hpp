@@ -49,10 +49,18 @@ class Derivatives {
   int num_frames() const { return static_cast<int>(frames_.size()); }
   /// Of the frame; of motion with checkpoints, the last one's alone are kept and the others computed again.
   virtual VectorX positions(int frame) = 0;
+  /// Likewise [m/s]; empty at rest.
+  virtual VectorX velocities(int /*frame*/) { return {}; }
   /// What is odd about the gradients so far, one line each: from the start, bodies that are equally stiff
   /// (kink_of_barrier); estimates of their error where forces do not balance well.
   const std::vector<std::string>& warnings() const { return warnings_; }
   const Frame& frame(int frame) const { return frames_[static_cast<std::size_t>(frame)]; }
+
+  /// Room for slopes by what the parameters ask for ...
+  WorldChange asked() const;
+  /// ... and the slopes by each parameter that these are. For results that depend on numbers of the world not
+  /// through the frames alone.
+  std::vector<VectorX> by_parameters(const WorldChange& slopes) const;
 
   /// The slopes of a result by each parameter, from its slopes by the numbers of the frames: one for each
   /// frame, or fewer.
@@ -74,8 +82,6 @@ class Derivatives {
   void check_goes_on() const;
   WorldChange spread(const std::vector<VectorX>& changes) const;
   std::vector<VectorX> gathered(const TermChanges& terms, WorldChange slopes) const;
-  /// Room for what the parameters ask for.
-  WorldChange asked() const;
   /// Weights of the gradient at the fixed unknowns that make these weighted reactions.
   VectorX weights_of(const std::vector<Vector3>& reactions) const;
   std::vector<Vector3> reactions_of(const VectorX& gradient) const;

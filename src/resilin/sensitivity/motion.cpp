@@ -22,7 +22,8 @@ class MotionDerivatives final : public Derivatives {
         trajectory_(simulation_, *scheme_, options.checkpoints, [this] { take_step(); }),
         steps_(world(), *scheme_, links_.inertia()) {}
 
-  VectorX positions(int frame) override { return trajectory_.positions(frame); }
+  VectorX positions(int frame) override { return trajectory_.end_of(frame).positions; }
+  VectorX velocities(int frame) override { return trajectory_.end_of(frame).velocities; }
   std::vector<VectorX> transposed(const std::vector<FrameChange>& slopes) override;
   std::vector<std::vector<FrameChange>> forward_all(const std::vector<std::vector<VectorX>>& directions,
                                                     const std::vector<bool>& is_wanted) override;

@@ -60,16 +60,18 @@ void Trajectory::load(int chunk) {
     steps_.push_back(
         replay_step(world, scheme_, start, time, world.time_step, places_[static_cast<std::size_t>(step)]));
     start = history_after(world, scheme_, steps_.back());
-    ends_.push_back(start.now.positions);
+    ends_.push_back(start.now);
   }
   loaded_ = chunk;
 }
 
-VectorX Trajectory::positions(int step) {
-  if (step == 0) return checkpoints_.empty() ? end_.positions : checkpoints_.front().positions;
-  if (step == num_steps_) return end_.positions;
+Trajectory::End Trajectory::end_of(int step) {
+  if (step == 0 && !checkpoints_.empty())
+    return {checkpoints_.front().positions, checkpoints_.front().velocities};
+  if (step == 0 || step == num_steps_) return {end_.positions, end_.velocities};
   load(chunk_of(step));
-  return ends_[static_cast<std::size_t>((step - 1) % length_)];
+  const Motion& end = ends_[static_cast<std::size_t>((step - 1) % length_)];
+  return {end.positions, end.velocities};
 }
 
 const StepReplay& Trajectory::step(int number) {

@@ -21,8 +21,11 @@ class Trajectory {
   Trajectory(Simulation& simulation, const Integrator& scheme, int checkpoints, TakeStep take_step);
 
   int num_steps() const { return num_steps_; }
-  /// Where the step ended, from 1; 0: the start.
-  VectorX positions(int step);
+  struct End {
+    const VectorX &positions, &velocities;
+  };
+  /// Of the step, from 1; 0: the start. Valid until steps are asked for.
+  End end_of(int step);
   /// The step of this number, from 1.
   const StepReplay& step(int number);
 
@@ -46,7 +49,7 @@ class Trajectory {
   int segment_ = -1;
   int loaded_ = -1;  ///< the chunk of `steps_`
   std::vector<StepReplay> steps_;
-  std::vector<VectorX> ends_;  ///< of these steps
+  std::vector<Motion> ends_;  ///< of these steps
 };
 
 }  // namespace resilin

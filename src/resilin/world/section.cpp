@@ -33,26 +33,6 @@ std::vector<bool> cells_below(const SectionDescription& section, const Body& bod
   return is_below;
 }
 
-/// The elastic energy of some cells of a body.
-std::shared_ptr<const ElasticEnergy> energy_of(const Body& body, const std::vector<Index>& cells, int dim,
-                                               const VectorX& rest_positions) {
-  const ElasticEnergy& whole = *body.elastic;
-  std::vector<Index> nodes;
-  std::vector<double> constants;
-  FibreDirections fibres;
-  for (const Index cell : cells) {
-    const auto of_cell = cell_nodes(body, static_cast<std::size_t>(cell));
-    nodes.insert(nodes.end(), of_cell.begin(), of_cell.end());
-    const Material material = whole.material(cell);
-    constants.insert(constants.end(), material.constants.begin(), material.constants.end());
-    fibres.directions.insert(fibres.directions.end(), material.fibres.begin(), material.fibres.end());
-    fibres.num_families = material.fibres.size();
-  }
-  return std::make_shared<const ElasticEnergy>(
-      dim, ElementChoice(whole.element().name, whole.quadrature().name), nodes, rest_positions, whole.law(),
-      constants, fibres, whole.instruction_set());
-}
-
 /// Volumes of the cells at each node of the world: below the plane, and all.
 struct NodeVolumes {
   std::map<Index, double> below, all;
@@ -71,9 +51,32 @@ NodeVolumes node_volumes(const Body& body, const std::vector<bool>& is_below) {
 
 }  // namespace
 
+Section::Side Section::side_of(const Body& body, std::vector<Index> cells, int dim,
+                               const VectorX& rest_positions) {
+  const ElasticEnergy& whole = *body.elastic;
+  Side side{.cells = std::move(cells), .nodes = {}, .energy = {}};
+  std::vector<double> constants;
+  FibreDirections fibres;
+  for (const Index cell : side.cells) {
+    const auto of_cell = cell_nodes(body, static_cast<std::size_t>(cell));
+    side.nodes.insert(side.nodes.end(), of_cell.begin(), of_cell.end());
+    const Material material = whole.material(cell);
+    constants.insert(constants.end(), material.constants.begin(), material.constants.end());
+    fibres.directions.insert(fibres.directions.end(), material.fibres.begin(), material.fibres.end());
+    fibres.num_families = material.fibres.size();
+  }
+  side.energy = std::make_shared<const ElasticEnergy>(
+      dim, ElementChoice(whole.element().name, whole.quadrature().name), side.nodes, rest_positions,
+      whole.law(), constants, fibres, whole.instruction_set());
+  return side;
+}
+
 Section::Section(const SectionDescription& description, const Body& body, int dim,
                  const VectorX& rest_positions)
-    : name_(description.name), dim_(dim) {
+    : name_(description.name),
+      dim_(dim),
+      is_uniform_(body.elastic->parameters().front().size ==
+                  static_cast<Eigen::Index>(body.elastic->law().constants.size())) {
   require_axis(description.axis, dim, description.place + ".plane.axis");
   const std::vector<bool> is_below = cells_below(description, body, dim, rest_positions);
   if (std::ranges::find(is_below, true) == is_below.end() ||
@@ -102,15 +105,15 @@ Section::Section(const SectionDescription& description, const Body& body, int di
   for (const auto& [node, sides] : sides_at) {
     if (!sides[0] || !sides[1]) continue;
     is_cut_node[static_cast<std::size_t>(node)] = true;
-    nodes_.push_back({node, share(node)});
+    nodes_.push_back({node, share(node), volumes.all.at(node)});
   }
   std::vector<Index> lower, upper;
   for (std::size_t cell = 0; cell < is_below.size(); ++cell)
     if (std::ranges::any_of(cell_nodes(body, cell),
                             [&](Index node) { return is_cut_node[static_cast<std::size_t>(node)]; }))
       (is_below[cell] ? lower : upper).push_back(static_cast<Index>(cell));
-  lower_ = energy_of(body, lower, dim, rest_positions);
-  upper_ = energy_of(body, upper, dim, rest_positions);
+  lower_ = side_of(body, std::move(lower), dim, rest_positions);
+  upper_ = side_of(body, std::move(upper), dim, rest_positions);
 
   const CellBlock block{.kind = body.cell_kind, .nodes = body.cells};
   visit_facets(block, [&](std::span<const resilin::Facet> uses) {
@@ -138,19 +141,65 @@ Vector3 Section::center(const VectorX& x) const {
   return total > 0 ? Vector3(sum / total) : sum;
 }
 
+const Body& Section::body(const World& world) const { return world.body_of(nodes_.front().node); }
+
 SectionForce Section::measure(const VectorX& x) const {
   const Conditions any;
   VectorX lower = VectorX::Zero(x.size()), upper = VectorX::Zero(x.size());
-  lower_->add_gradient(x, any, lower);
-  upper_->add_gradient(x, any, upper);
+  lower_.energy->add_gradient(x, any, lower);
+  upper_.energy->add_gradient(x, any, upper);
   SectionForce result{.name = name_, .center = center(x)};
-  for (const auto& [node, share] : nodes_) {
+  for (const auto& [node, share, volume] : nodes_) {
     const Vector3 force =
         (1 - share) * node_position(dim_, node, lower) - share * node_position(dim_, node, upper);
     result.force += force;
     result.moment += (node_position(dim_, node, x) - result.center).cross(force);
   }
   return result;
+}
+
+/// slopes += those of the sum over the cut's nodes of by_node times the volume of the side's cells there.
+void Section::add_volume_slopes(const Side& side, const std::vector<double>& by_node, VectorX& slopes) const {
+  std::map<Index, double> by;
+  for (std::size_t i = 0; i < nodes_.size(); ++i) by[nodes_[i].node] = by_node[i];
+  std::vector<double> by_cell(side.cells.size(), 0.0);
+  const std::size_t width = side.nodes.size() / side.cells.size();
+  for (std::size_t k = 0; k < side.nodes.size(); ++k)
+    if (const auto found = by.find(side.nodes[k]); found != by.end()) by_cell[k / width] += found->second;
+  side.energy->add_volume_slopes(by_cell, slopes);
+}
+
+// by . force = w_lower . dE_lower/dx + w_upper . dE_upper/dx with w_lower = (1 - s) by, w_upper = -s by at
+// the cut's nodes; s = V_lower / V, whose change takes by . (g + h) ds off.
+void Section::add_slopes(const Vector3& by, const VectorX& x, Slopes& slopes) const {
+  const Conditions any;
+  std::vector<double> of_lower_volume, of_volume;
+  VectorX forces = VectorX::Zero(x.size());
+  for (const Side* side : {&lower_, &upper_}) {
+    side->energy->add_gradient(x, any, forces);
+    VectorX w = VectorX::Zero(x.size());
+    for (const auto& [node, share, volume] : nodes_)
+      w.segment(Eigen::Index{node} * dim_, dim_) = (side == &lower_ ? 1 - share : -share) * by.head(dim_);
+    if (slopes.positions.size() > 0) side->energy->add_tangent_forces(x, w, slopes.positions);
+    if (slopes.rest_positions.size() > 0)
+      side->energy->add_parameter_slopes("rest_positions", x, w, any, slopes.rest_positions);
+    if (slopes.constants.size() == 0) continue;
+    VectorX of_cells = VectorX::Zero(side->energy->parameters().front().size);
+    side->energy->add_parameter_slopes("constants", x, w, any, of_cells);
+    const auto cells = static_cast<Eigen::Index>(side->cells.size()), n = of_cells.size() / cells;
+    for (Eigen::Index i = 0; i < cells; ++i) {
+      const Eigen::Index set = is_uniform_ ? 0 : side->cells[static_cast<std::size_t>(i)];
+      slopes.constants.segment(set * n, n) += of_cells.segment(i * n, n);
+    }
+  }
+  if (slopes.rest_positions.size() == 0) return;
+  for (const auto& [node, share, volume] : nodes_) {
+    const double power = by.dot(node_position(dim_, node, forces)) / volume;
+    of_lower_volume.push_back(-(1 - share) * power);
+    of_volume.push_back(share * power);
+  }
+  add_volume_slopes(lower_, of_lower_volume, slopes.rest_positions);
+  add_volume_slopes(upper_, of_volume, slopes.rest_positions);
 }
 
 }  // namespace resilin

@@ -11,6 +11,7 @@
 namespace resilin {
 
 struct Body;
+class World;
 
 /// What one side of a body exerts on the other through a plane cut.
 struct SectionForce {
@@ -37,13 +38,32 @@ class Section {
   Section(const SectionDescription& description, const Body& body, int dim, const VectorX& rest_positions);
 
   const std::string& name() const { return name_; }
+  /// The body that it cuts.
+  const Body& body(const World& world) const;
   SectionForce measure(const VectorX& x) const;
+
+  /// Slopes of a number by what a force depends on. What is empty is not asked for.
+  struct Slopes {
+    VectorX positions{}, rest_positions{};  ///< of the world
+    VectorX constants{};                    ///< of the body's law, as the parameter of ElasticEnergy
+  };
+  /// Adds those of by . force, as long as no cell changes sides.
+  void add_slopes(const Vector3& by, const VectorX& x, Slopes& slopes) const;
 
  private:
   struct Node {
-    Index node;    ///< of the world
-    double share;  ///< s
+    Index node;     ///< of the world
+    double share;   ///< s
+    double volume;  ///< of the cells at the node, at rest [m^3]
   };
+  /// The cells at the cut on one side.
+  struct Side {
+    std::vector<Index> cells;  ///< of the body
+    std::vector<Index> nodes;  ///< of these, in the world
+    std::shared_ptr<const ElasticEnergy> energy;
+  };
+  static Side side_of(const Body& body, std::vector<Index> cells, int dim, const VectorX& rest_positions);
+  void add_volume_slopes(const Side& side, const std::vector<double>& by_node, VectorX& slopes) const;
   /// The corners of a side between a lower and an upper cell.
   struct Facet {
     CellKind kind;
@@ -53,7 +73,8 @@ class Section {
 
   std::string name_;
   int dim_;
-  std::shared_ptr<const ElasticEnergy> lower_, upper_;  ///< the cells at the cut
+  bool is_uniform_;  ///< one set of constants for the whole body
+  Side lower_, upper_;
   std::vector<Node> nodes_;
   std::vector<Facet> facets_;
 };

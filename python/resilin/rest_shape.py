@@ -1,0 +1,63 @@
+"""Inverse design: the rest shape that becomes what was drawn once its loads act."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from resilin import _core
+from resilin.scene import read_scene
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from resilin.typing import Overrides, Scene
+
+    Floats = NDArray[np.float64]
+
+
+class RestShape(NamedTuple):
+    """A rest shape that its loads deform into what was drawn."""
+
+    positions: dict[str, Floats]  #: by body, (V, d) [m]: its vertices at rest, in the order of its mesh
+    deformed: dict[str, Floats]  #: likewise, where a run of the scene from that shape leads them
+    distance: float  #: the largest of a deformed vertex from where it was drawn [m]
+    size: float  #: of the bodies as drawn, along the axes [m]
+    iterations: int  #: of Newton's method
+
+
+def find_rest_shape(scene: Scene, *, overrides: Overrides = ()) -> RestShape:
+    """Finds the rest shape of the bodies of a scene whose deformed shape is what the scene draws.
+
+    Newton's method on the balance of forces in the shape as drawn, whose unknowns are the rest places; where the loads
+    cannot be taken at once, they are raised in parts. The shape found is judged by a run of the scene from it, in the
+    scene's own load steps, which has to end within 1e-8 of the size.
+
+    Parameters
+    ----------
+    scene : path or dict
+        Of statics; its meshes are the target. Loads act as always: a weight is that of the mass at rest, and what was
+        selected by place as drawn stays selected.
+    overrides : dict or list of str
+        As for `run`.
+
+    Returns
+    -------
+    RestShape
+        Its positions are places in the scene: they make a mesh that is neither scaled, turned nor moved there.
+
+    Raises
+    ------
+    InputError
+        For motion and for contact, and when no such shape is found: up to which part of the loads there was one, and
+        what stopped the search.
+
+    Examples
+    --------
+    >>> found = resilin.find_rest_shape(scene)
+    >>> rest = resilin.Mesh(found.positions["beam"], mesh.cells, mesh.groups)
+    """
+    bodies, distance, size, iterations = _core.find_rest_shape(read_scene(scene, overrides))
+    return RestShape(
+        {name: rest for name, rest, _ in bodies}, {name: moved for name, _, moved in bodies}, distance, size, iterations
+    )

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "resilin/sensitivity/derivatives.hpp"
+
+/// Numbers of a frame that depend on the parameters not through places and velocities alone.
+namespace resilin {
+
+/// A number and its slopes by all that it depends on.
+struct MeasuredNumber {
+  double value = 0;
+  VectorX by_positions{}, by_velocities{};  ///< of all nodes; empty: by none
+  std::vector<VectorX> by_parameters{};     ///< with places and velocities held
+
+  /// What changes of the frame and of the parameters do to it, to first order.
+  double change(const FrameChange& frame, const std::vector<VectorX>& parameters) const;
+};
+
+/// "elastic" and "kinetic".
+std::vector<std::string> energy_kinds();
+
+/// An energy [J] of a body, or of all bodies together; null: of all.
+/// @throws InputError  for an unknown kind, and for a kinetic energy at rest
+MeasuredNumber energy_at(Derivatives& run, const std::string& kind, const Body* body, int frame);
+
+/// A component (`stress_components`) of the Cauchy stress [Pa] at points of a body at rest.
+/// @throws InputError  for a point outside the body or an unknown component
+std::vector<MeasuredNumber> stresses_at(Derivatives& run, const Body& body, const std::vector<Vector3>& at,
+                                        const std::string& component, int frame);
+
+/// The force [N] through a section of the scene by its name: dim numbers.
+/// @throws InputError  for an unknown section
+std::vector<MeasuredNumber> section_force_at(Derivatives& run, const std::string& section, int frame);
+
+}  // namespace resilin

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "resilin/world/description.hpp"
+
+namespace resilin {
+
+struct RestShapeOptions {
+  double meets = 1e-8;          ///< of the size: how near to the target a run from the shape found must end
+  double step = 1e-10;          ///< of the size: Newton's method ends with a step below
+  int max_iterations = 30;      ///< of Newton's method, for each part of the loads
+  int max_products = 150;       ///< of GMRES
+  double smallest_part = 0.01;  ///< of the loads, by which they are raised
+  /// Asked between iterations; false: the search is given up (Interrupted).
+  std::function<bool()> goes_on{};
+};
+
+/// A rest shape that its loads deform into what was drawn.
+struct RestShape {
+  struct OfBody {
+    std::string name;
+    VectorX rest, deformed;  ///< of its vertices, in the scene [m]
+  };
+  std::vector<OfBody> bodies;
+  double distance = 0;  ///< largest of a deformed vertex from where it was drawn, by a run of its own [m]
+  double size = 0;      ///< of the bodies as drawn, along the axes [m]
+  int iterations = 0;   ///< of Newton's method
+};
+
+/// Finds the rest places X of all vertices whose equilibrium is the shape that a scene of statics draws.
+///
+/// At deformed places x that are given, balance g(x, X) = 0 is an equation in X alone (and in the places of
+/// nodes that an element adds). Newton's method needs no equilibrium on its way; dg/dX acts on vectors, and
+/// GMRES solves with dg/dx as preconditioner, of which it is the negative where nothing is strained. Where
+/// the loads cannot be taken at once, they are raised in parts. The verdict is that of a run of the scene
+/// from the shape found (docs/theory/gradients.md).
+///
+/// @throws InputError  for motion, for contact, and when no such shape is found: why
+RestShape find_rest_shape(Description description, const RestShapeOptions& options = {});
+
+}  // namespace resilin
