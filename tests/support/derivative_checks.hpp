@@ -96,8 +96,9 @@ inline VectorX sample_change(const Parameter& parameter, unsigned seed) {
 
 /// Both identities that derivatives of a scene have to satisfy, for all of its parameters: transposed and
 /// forward products agree, and both with differences of runs.
+/// @param step  of the difference quotients, of the parameters
 inline void expect_right_derivatives(const Description& scene, const std::vector<std::string>& wrt = {},
-                                     double tolerance = 1e-6) {
+                                     double tolerance = 1e-6, double step = 2e-4) {
   const auto made = std::make_shared<const Description>(scene);
   const std::vector<std::string> names = wrt.empty() ? parameter_names(World(made)) : wrt;
   const auto run = Derivatives::run(scene, names);
@@ -115,7 +116,7 @@ inline void expect_right_derivatives(const Description& scene, const std::vector
     for (std::size_t k = 0; k < slopes.size(); ++k)
       scale += slopes[k].positions.norm() * frames[k].positions.norm();
     EXPECT_NEAR(forward, transposed, 1e-11 * std::max(scale, std::abs(forward)));
-    const double quotient = difference_quotient(scene, *run, slopes, parameter, changes[i], 2e-4);
+    const double quotient = difference_quotient(scene, *run, slopes, parameter, changes[i], step);
     // Runs are solved to some 1e-14, which the step of the quotient magnifies.
     EXPECT_NEAR(transposed, quotient, tolerance * std::max(scale, std::abs(quotient)) + 1e-10);
   }

@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
+#include "resilin/contact/cross_matrix.hpp"
+#include "resilin/contact/friction_slopes.hpp"
 #include "resilin/core/dense.hpp"
 #include "resilin/mesh/facet.hpp"
 
@@ -102,15 +104,20 @@ void ColliderBarrier::add_gradient_magnitude(const VectorX& x, const Conditions&
 }
 
 // d2/dx2 kappa A b(d(x)) = kappa A (b'' n n^T + b' Hess d); the first term is never negative.
+Eigen::Matrix3d ColliderBarrier::curvature_at(Index point, const Vector3& y, double d,
+                                              const RigidPlace& place, Projection projection) const {
+  const Vector3 n = shape_->normal(y);
+  const Eigen::Matrix3d block =
+      stiffness(point) * (barrier_.curvature(d) * n * n.transpose() +
+                          projected(barrier_.slope(d) * shape_->curvature(y), projection));
+  return place.turn ? Eigen::Matrix3d(*place.turn * block * place.turn->transpose()) : block;
+}
+
 void ColliderBarrier::add_hessian(const VectorX& x, const Conditions& c, Projection projection,
                                   BlockMatrix& hessian) const {
   const RigidPlace place = rigid_place(c);
   for_each_near(x, c, [&](Index point, const Vector3& y, double d) {
-    const Vector3 n = shape_->normal(y);
-    Eigen::Matrix3d block = c.contact_weight * stiffness(point) *
-                            (barrier_.curvature(d) * n * n.transpose() +
-                             projected(barrier_.slope(d) * shape_->curvature(y), projection));
-    if (place.turn) block = *place.turn * block * place.turn->transpose();
+    const Eigen::Matrix3d block = c.contact_weight * curvature_at(point, y, d, place, projection);
     points_.places.for_each_pair_of_nodes(point, point, [&](Index a, Index b, double share) {
       if (a > b) return;  // the other half of the matrix
       std::array<double, 9> values{};
@@ -121,21 +128,44 @@ void ColliderBarrier::add_hessian(const VectorX& x, const Conditions& c, Project
   });
 }
 
-// The energy is linear in the stiffness of each point.
-void ColliderBarrier::add_parameter_slopes(std::string_view /*name*/, const VectorX& x, const VectorX& w,
-                                           const Conditions& c, VectorX& slopes) const {
-  const RigidPlace place = rigid_place(c);
-  for_each_near(x, c, [&](Index point, const Vector3& y, double d) {
-    slopes[point] += c.contact_weight * barrier_.slope(d) * place.turned(shape_->normal(y)).dot(at(point, w));
-  });
+std::vector<EnergyParameter> ColliderBarrier::parameters() const {
+  std::vector<EnergyParameter> all = {{"barrier_stiffness", points_.size()}};
+  for (const std::string_view name : ColliderMotion::parameter_names) all.push_back({name, 3});
+  return all;
 }
 
-void ColliderBarrier::add_parameter_forces(std::string_view /*name*/, const VectorX& x, const VectorX& change,
+// The energy is linear in the stiffness of each point; what the collider goes, points do not go towards it.
+void ColliderBarrier::add_parameter_slopes(std::string_view name, const VectorX& x, const VectorX& w,
+                                           const Conditions& c, VectorX& slopes) const {
+  const RigidPlace place = rigid_place(c);
+  if (name == "barrier_stiffness") {
+    for_each_near(x, c, [&](Index point, const Vector3& y, double d) {
+      slopes[point] +=
+          c.contact_weight * barrier_.slope(d) * place.turned(shape_->normal(y)).dot(at(point, w));
+    });
+    return;
+  }
+  Vector3 by_shift = Vector3::Zero();
+  for_each_near(x, c, [&](Index point, const Vector3& y, double d) {
+    by_shift -= c.contact_weight * curvature_at(point, y, d, place, Projection::none) * at(point, w);
+  });
+  slopes += motion_.slopes_by(name, c.time - c.collider_delay).shift.transpose() * by_shift;
+}
+
+void ColliderBarrier::add_parameter_forces(std::string_view name, const VectorX& x, const VectorX& change,
                                            const Conditions& c, VectorX& gradient) const {
   const RigidPlace place = rigid_place(c);
+  if (name == "barrier_stiffness") {
+    for_each_near(x, c, [&](Index point, const Vector3& y, double d) {
+      const Vector3 slope =
+          c.contact_weight * change[point] * barrier_.slope(d) * place.turned(shape_->normal(y));
+      points_.places.add_to_nodes(dim_, point, slope, gradient);
+    });
+    return;
+  }
+  const Vector3 shift = motion_.slopes_by(name, c.time - c.collider_delay).shift * change;
   for_each_near(x, c, [&](Index point, const Vector3& y, double d) {
-    const Vector3 slope =
-        c.contact_weight * change[point] * barrier_.slope(d) * place.turned(shape_->normal(y));
+    const Vector3 slope = -c.contact_weight * (curvature_at(point, y, d, place, Projection::none) * shift);
     points_.places.add_to_nodes(dim_, point, slope, gradient);
   });
 }
@@ -174,6 +204,34 @@ void ColliderBarrier::add_friction_contacts(const VectorX& x, const VectorX& /*s
                   .limit = -friction_ * stiffness(point) * barrier_.slope(d),
                   .velocity = motion_.velocity_at(at(point, x), c.time - c.collider_delay)},
                  points_.places.weighted_nodes(point));
+  });
+}
+
+void ColliderBarrier::add_friction_slopes(const VectorX& x, const VectorX& start, const Conditions& c,
+                                          std::vector<FrictionContactSlopes>& slopes) const {
+  FrictionContacts contacts;
+  add_friction_contacts(x, start, c, contacts);
+  const RigidPlace place = rigid_place(c);
+  const Eigen::Matrix3d turning = cross_matrix(motion_.spin(c.time - c.collider_delay));
+  std::size_t next = 0;
+  for_each_near(x, c, [&](Index point, const Vector3& y, double d) {
+    if (next == contacts.size() || d <= 0) return;
+    const FrictionContact& contact = contacts[next++].contact;
+    FrictionContactSlopes of{.contact = contact,
+                             .coefficient = 0,
+                             .mu = friction_,
+                             .share_of_rate = 1,
+                             .vertices = {{1, points_.places.weighted_nodes(point)}},
+                             .places = {},
+                             .stiffness = {{point, -friction_ * barrier_.slope(d)}}};
+    FrictionContactSlopes::Place here{.nodes = of.vertices[0].nodes};
+    here.limit = -friction_ * stiffness(point) * barrier_.curvature(d) * contact.normal;
+    here.normal = shape_->curvature(y);
+    if (place.turn) here.normal = *place.turn * here.normal * place.turn->transpose();
+    FrictionContactSlopes::Place there{.limit = -here.limit, .normal = -here.normal};
+    here.velocity = turning;
+    of.places = {std::move(here), std::move(there)};
+    slopes.push_back(std::move(of));
   });
 }
 

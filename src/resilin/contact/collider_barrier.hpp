@@ -35,8 +35,8 @@ class ColliderBarrier final : public Energy, public FrictionSource {
                    BlockMatrix& hessian) const override;
   double max_step(const VectorX& x, const VectorX& p, const Conditions& c) const override;
 
-  /// "barrier_stiffness": kappa A of each point [N], in 2D [N/m].
-  std::vector<EnergyParameter> parameters() const override { return {{"barrier_stiffness", points_.size()}}; }
+  /// "barrier_stiffness": kappa A of each point [N], in 2D [N/m]; and those of its motion.
+  std::vector<EnergyParameter> parameters() const override;
   void add_parameter_slopes(std::string_view name, const VectorX& x, const VectorX& w, const Conditions& c,
                             VectorX& slopes) const override;
   void add_parameter_forces(std::string_view name, const VectorX& x, const VectorX& change,
@@ -50,6 +50,10 @@ class ColliderBarrier final : public Energy, public FrictionSource {
   /// Each point that is near enough to feel it.
   void add_friction_contacts(const VectorX& x, const VectorX& start, const Conditions& c,
                              FrictionContacts& contacts) const override;
+  void add_friction_slopes(const VectorX& x, const VectorX& start, const Conditions& c,
+                           std::vector<FrictionContactSlopes>& slopes) const override;
+  Eigen::Index num_stiffnesses() const override { return points_.size(); }
+  const ColliderMotion* motion_of_its_own() const override { return &motion_; }
   double friction() const { return friction_; }
 
   /// Across its surface, the points that are near enough to feel it.
@@ -110,6 +114,9 @@ class ColliderBarrier final : public Energy, public FrictionSource {
   /// Calls `visit(point, y, d)` for points nearer than the activation distance; y is relative to the shape.
   template <class Visit>
   void for_each_near(const VectorX& x, const Conditions& c, const Visit& visit) const;
+  /// d2/dx2 of a point's energy that is as far away, y being relative to the shape.
+  Eigen::Matrix3d curvature_at(Index point, const Vector3& y, double d, const RigidPlace& place,
+                               Projection projection) const;
 
   std::string name_;
   int dim_;

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <limits>
 #include <optional>
+#include <string_view>
 
 #include "resilin/core/types.hpp"
 #include "resilin/energy/time_function.hpp"
@@ -48,6 +50,17 @@ struct ColliderMotion {
   RigidPlace place(double time) const;
   /// With which what is at x came there: where rates jump, that from before [m/s].
   Vector3 velocity_at(const Vector3& x, double time) const;
+  /// With which it turns then, about its axis [1/s].
+  Vector3 spin(double time) const;
+
+  /// To first order in its numbers of a name.
+  struct Slopes {
+    Eigen::Matrix3d shift;  ///< of its place
+    Eigen::Matrix3d rate;   ///< of the velocity of what stays where it is [1/s]
+  };
+  /// "place": of what moves, as it was made; "velocity"; "displacement".
+  static constexpr std::array<std::string_view, 3> parameter_names = {"place", "velocity", "displacement"};
+  Slopes slopes_by(std::string_view name, double time) const;
   double degrees_between(double from, double to) const;
 
  private:

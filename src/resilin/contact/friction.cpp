@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "resilin/contact/friction_slopes.hpp"
 #include "resilin/mesh/facet.hpp"
 
 namespace resilin {
@@ -34,21 +35,6 @@ Tangents tangents(int dim, const Vector3& normal) {
 Slip unit(const Slip& u) {
   const double y = u.norm();
   return y > 0 ? Slip(u / y) : Slip::Zero();
-}
-
-/// f0(y) with f0(0) = 0 [m].
-double mollified_length(double y, double eps) {
-  return y < eps ? y * y / eps * (1 - y / (3 * eps)) : y - eps / 3;
-}
-
-/// f0(end) - f0(y), with its digits where `change` = end - y is small.
-double mollified_length_change(double y, double end, double change, double eps) {
-  if (end < y) return -mollified_length_change(end, y, -change, eps);
-  const auto below = [eps](double from, double to, double way) {
-    return way / eps * (from + to - (from * from + from * to + to * to) / (3 * eps));
-  };
-  if (y >= eps) return change;
-  return end >= eps ? end - eps + below(y, eps, eps - y) : below(y, end, change);
 }
 
 FrictionContacts contacts_of(std::span<const FrictionSource* const> sources, const VectorX& x,
@@ -132,7 +118,8 @@ LaggedFriction::LaggedFriction(const Friction& friction, const Stage& stage)
       start_(stage.base_positions),
       still_(stage.still_end()),
       time_(stage.time_of_slip()),
-      eps_(friction.speed() * stage.time_of_slip()) {
+      slip_{friction.speed() * stage.time_of_slip()},
+      is_mean_(stage.is_mean) {
   for (const auto& source : friction.sources()) sources_.push_back(source.get());
 }
 
@@ -157,7 +144,7 @@ bool LaggedFriction::form_lag(const VectorX& x, const Conditions& c) {
       const Tangents T = tangents(friction_.dim(), contacts_[i].contact.normal);
       const Slip u = slip(contacts_[i], T, x);
       directions_.push_back(known ? before_.directions[*known]
-                                  : Vector3(slope_over_slip(u.norm()) * (T * u)));
+                                  : Vector3(slip_.slope_over_slip(u.norm()) * (T * u)));
     }
   }
   return before_.contacts.size() > 0 || contacts_.size() > 0;
@@ -220,7 +207,7 @@ void LaggedFriction::follow(const VectorX& x, const VectorX& p, double t) {
     const Slip u = slip(entry, T, x), du = T.transpose() * way(entry, VectorX::Zero(x.size()), p);
     const Slip w = direction(i, T, u);
     const double y = u.norm();
-    const Slip end = slope_over_slip(y) * (u + du) - fall_of_slope(y) * unit(u).dot(du) * w;
+    const Slip end = slip_.slope_over_slip(y) * (u + du) - slip_.fall_of_slope(y) * unit(u).dot(du) * w;
     followed[i] = T * (w + t * (end - w));
     const double length = followed[i].norm();
     if (length > 1) followed[i] /= length;
@@ -242,19 +229,15 @@ Eigen::Vector2d LaggedFriction::slip(const FrictionContacts::Entry& entry, const
   return T.transpose() * (way(entry, still_, x) - time_ * entry.contact.velocity);
 }
 
-double LaggedFriction::slope_over_slip(double y) const { return y < eps_ ? (2 - y / eps_) / eps_ : 1 / y; }
-
-double LaggedFriction::fall_of_slope(double y) const { return y < eps_ ? 1 / (2 * eps_ - y) : 1 / y; }
-
 Slip LaggedFriction::direction(std::size_t contact, const Tangents& T, const Slip& slip) const {
-  if (coupled_ || directions_.empty()) return slope_over_slip(slip.norm()) * slip;
+  if (coupled_ || directions_.empty()) return slip_.slope_over_slip(slip.norm()) * slip;
   return T.transpose() * directions_[contact];
 }
 
 Vector3 LaggedFriction::force(const FrictionContacts::Entry& entry, const VectorX& x) const {
   const Tangents T = tangents(friction_.dim(), entry.contact.normal);
   const Slip u = slip(entry, T, x);
-  return -entry.contact.limit * slope_over_slip(u.norm()) * (T * u);
+  return -entry.contact.limit * slip_.slope_over_slip(u.norm()) * (T * u);
 }
 
 double LaggedFriction::value(const VectorX& x, const Conditions& c) const {
@@ -262,7 +245,7 @@ double LaggedFriction::value(const VectorX& x, const Conditions& c) const {
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     const FrictionContacts::Entry entry = contacts_[i];
     const Slip u = slip(entry, tangents(friction_.dim(), entry.contact.normal), x);
-    sum += entry.contact.limit * mollified_length(u.norm(), eps_);
+    sum += entry.contact.limit * slip_.length(u.norm());
   }
   return c.contact_weight * sum;
 }
@@ -280,7 +263,7 @@ double LaggedFriction::difference(const VectorX& from, const VectorX& to, const 
       continue;
     }
     const double change = du.dot(2 * u + du) / (y + end);
-    sum += entry.contact.limit * mollified_length_change(y, end, change, eps_);
+    sum += entry.contact.limit * slip_.length_change(y, end, change);
   }
   return c.contact_weight * sum;
 }
@@ -327,8 +310,8 @@ void LaggedFriction::add_hessian(const VectorX& x, const Conditions& c, Projecti
     const Slip u = slip(entry, T, x), w = direction(i, T, u);
     const double y = u.norm();
     const Eigen::Matrix2d turned = w * unit(u).transpose();
-    const Eigen::Matrix2d inner = slope_over_slip(y) * Eigen::Matrix2d::Identity() -
-                                  0.5 * fall_of_slope(y) * (turned + turned.transpose());
+    const Eigen::Matrix2d inner = slip_.slope_over_slip(y) * Eigen::Matrix2d::Identity() -
+                                  0.5 * slip_.fall_of_slope(y) * (turned + turned.transpose());
     const Eigen::Matrix3d block = c.contact_weight * entry.contact.limit * (T * inner * T.transpose());
     std::array<double, 9> values{};
     for (std::size_t k = 0; k < entry.nodes.size(); ++k)
@@ -339,6 +322,95 @@ void LaggedFriction::add_hessian(const VectorX& x, const Conditions& c, Projecti
         hessian.add_block(entry.nodes[k].node, entry.nodes[l].node, values.data());
       }
   }
+}
+
+std::vector<EnergyParameter> LaggedFriction::parameters() const {
+  Eigen::Index num_coefficients = 0, num_stiffnesses = 0;
+  for (const FrictionSource* source : sources_) {
+    num_coefficients += source->num_coefficients();
+    num_stiffnesses += source->num_stiffnesses();
+  }
+  std::vector<EnergyParameter> all = {{"lag", still_.size()},
+                                      {"base_positions", still_.size()},
+                                      {"coefficients", num_coefficients},
+                                      {"barrier_stiffness", num_stiffnesses}};
+  if (is_mean_) all.push_back({"target", still_.size()});
+  for (const std::string_view name : ColliderMotion::parameter_names)
+    all.push_back({name, 3 * static_cast<Eigen::Index>(sources_.size())});
+  return all;
+}
+
+const FrictionSlopes& LaggedFriction::slopes_at(const VectorX& x, const Conditions& c) const {
+  const double time = c.time - c.collider_delay;
+  if (!slopes_ || slopes_at_ != x || slopes_time_ != time) {
+    slopes_ = std::make_shared<const FrictionSlopes>(friction_.dim(), sources_, x, start_, still_, time_,
+                                                     slip_.eps, c);
+    slopes_at_ = x;
+    slopes_time_ = time;
+  }
+  return *slopes_;
+}
+
+// Facets are where the base of the stage has them, and slip is counted from there too unless the stage is one
+// of a mean.
+void LaggedFriction::add_parameter_slopes(std::string_view name, const VectorX& x, const VectorX& w,
+                                          const Conditions& c, VectorX& slopes) const {
+  const FrictionSlopes& at = slopes_at(x, c);
+  const auto zero = [](Eigen::Index size) { return VectorX(VectorX::Zero(size)); };
+  FrictionSlopes::Change found;
+  const auto add = [&](VectorX FrictionSlopes::Change::* part) {
+    found.*part = zero(slopes.size());
+    at.add_slopes(w, c.contact_weight, found);
+    slopes += found.*part;
+    found.*part = {};
+  };
+  if (name == "lag") return add(&FrictionSlopes::Change::lag);
+  if (name == "coefficients") return add(&FrictionSlopes::Change::coefficients);
+  if (name == "barrier_stiffness") return add(&FrictionSlopes::Change::stiffness);
+  if (name == "target") return add(&FrictionSlopes::Change::still);
+  if (name == "base_positions") {
+    add(&FrictionSlopes::Change::start);
+    if (!is_mean_) add(&FrictionSlopes::Change::still);
+    return;
+  }
+  found.shifts = found.rates = zero(slopes.size());
+  at.add_slopes(w, c.contact_weight, found);
+  for (std::size_t s = 0; s < sources_.size(); ++s) {
+    const ColliderMotion* motion = sources_[s]->motion_of_its_own();
+    if (motion == nullptr) continue;
+    const auto first = 3 * static_cast<Eigen::Index>(s);
+    const ColliderMotion::Slopes by = motion->slopes_by(name, c.time - c.collider_delay);
+    slopes.segment<3>(first) += by.shift.transpose() * found.shifts.segment<3>(first) +
+                                by.rate.transpose() * found.rates.segment<3>(first);
+  }
+}
+
+void LaggedFriction::add_parameter_forces(std::string_view name, const VectorX& x, const VectorX& change,
+                                          const Conditions& c, VectorX& gradient) const {
+  FrictionSlopes::Change of;
+  if (name == "lag") {
+    of.lag = change;
+  } else if (name == "coefficients") {
+    of.coefficients = change;
+  } else if (name == "barrier_stiffness") {
+    of.stiffness = change;
+  } else if (name == "target") {
+    of.still = change;
+  } else if (name == "base_positions") {
+    of.start = change;
+    if (!is_mean_) of.still = change;
+  } else {
+    of.shifts = of.rates = VectorX::Zero(change.size());
+    for (std::size_t s = 0; s < sources_.size(); ++s) {
+      const ColliderMotion* motion = sources_[s]->motion_of_its_own();
+      if (motion == nullptr) continue;
+      const auto first = 3 * static_cast<Eigen::Index>(s);
+      const ColliderMotion::Slopes by = motion->slopes_by(name, c.time - c.collider_delay);
+      of.shifts.segment<3>(first) = by.shift * change.segment<3>(first);
+      of.rates.segment<3>(first) = by.rate * change.segment<3>(first);
+    }
+  }
+  slopes_at(x, c).add_forces(of, c.contact_weight, gradient);
 }
 
 double LaggedFriction::dissipation(const VectorX& from, const VectorX& to, double duration) const {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "resilin/contact/friction_contact.hpp"
+#include "resilin/contact/mollified_slip.hpp"
 #include "resilin/core/relaxation.hpp"
 #include "resilin/energy/stage_term.hpp"
 
@@ -51,6 +52,8 @@ class Friction final : public StageTerm {
   double speed_;
 };
 
+class FrictionSlopes;
+
 /// The friction of one stage.
 class LaggedFriction final : public Energy {
  public:
@@ -74,6 +77,18 @@ class LaggedFriction final : public Energy {
   void couple_lag(bool is_coupled) override;
   void follow(const VectorX& x, const VectorX& p, double t) override;
 
+  /// With everything formed at x itself, as where a stage ends:
+  ///   "lag"                 the place that contacts are formed at; what slips is at x
+  ///   "base_positions", "target"    of the stage: where facets were, and where slip is counted from
+  ///   "coefficients"        of the sources, one after the other, as the following
+  ///   "barrier_stiffness"   as those of the sources themselves
+  ///   "place", "velocity", "displacement"    of what moves by itself, three numbers each
+  std::vector<EnergyParameter> parameters() const override;
+  void add_parameter_slopes(std::string_view name, const VectorX& x, const VectorX& w, const Conditions& c,
+                            VectorX& slopes) const override;
+  void add_parameter_forces(std::string_view name, const VectorX& x, const VectorX& change,
+                            const Conditions& c, VectorX& gradient) const override;
+
   /// Calls `visit(entry, force)` for each contact when bodies stand at x, `force` on its nodes, each by its
   /// weight, along its surface [N].
   template <class Visit>
@@ -94,12 +109,12 @@ class LaggedFriction final : public Energy {
                        VectorX& gradient) const;
   /// By forming contacts the last time: of the limit between each of those that met in this stage [N].
   std::vector<double> change_of_limits();
-  double slope_over_slip(double y) const;  ///< f1(y) / y [1/m]
-  /// The derivative of that over it, times -1 [1/m].
-  double fall_of_slope(double y) const;
   /// Of one contact of the Hessian, along T.
   Eigen::Vector2d direction(std::size_t contact, const Eigen::Matrix<double, 3, 2>& T,
                             const Eigen::Vector2d& slip) const;
+
+  /// How the forces change at x.
+  const FrictionSlopes& slopes_at(const VectorX& x, const Conditions& c) const;
 
   /// The source and the nodes of a contact.
   using Parties = std::pair<std::size_t, std::vector<Index>>;
@@ -116,7 +131,8 @@ class LaggedFriction final : public Energy {
   VectorX start_;  ///< about where bodies stood when it began
   VectorX still_;  ///< where the stage would end that bodies end without velocity
   double time_;    ///< that the slip takes [s]
-  double eps_;     ///< [m]
+  MollifiedSlip slip_;
+  bool is_mean_;  ///< of the stage: slip is counted from its target
   FrictionContacts contacts_{};
   /// Of each contact the force over its limit, less its sign, as the Hessian sees it: as it followed the
   /// search. Empty: those of x.
@@ -125,6 +141,10 @@ class LaggedFriction final : public Energy {
   Relaxation relaxation_{};
   std::map<Parties, std::size_t> numbers_{};   ///< of whom met in this stage
   std::optional<FrictionContacts> coupled_{};  ///< what the Hessian sees while the lag is coupled
+  /// Found last, and where: changes no bit of a result.
+  mutable std::shared_ptr<const FrictionSlopes> slopes_{};
+  mutable VectorX slopes_at_{};
+  mutable double slopes_time_ = 0;
 };
 
 }  // namespace resilin

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <span>
+#include <stdexcept>
 #include <string_view>
 #include <vector>
 
+#include "resilin/contact/collider_motion.hpp"
 #include "resilin/energy/energy.hpp"
 
 namespace resilin {
@@ -63,6 +65,9 @@ class FrictionContacts {
   std::size_t source_ = 0;
 };
 
+/// How a contact changes with the places that it follows (contact/friction_slopes.hpp).
+struct FrictionContactSlopes;
+
 /// Something that presses against bodies.
 class FrictionSource {
  public:
@@ -76,6 +81,19 @@ class FrictionSource {
   /// @param start  where bodies stood when the stage began: they slide along the surfaces that they had there
   virtual void add_friction_contacts(const VectorX& x, const VectorX& start, const Conditions& c,
                                      FrictionContacts& contacts) const = 0;
+
+  // ---- for derivatives
+
+  /// The same contacts, in their order, and how they change.
+  virtual void add_friction_slopes(const VectorX& /*x*/, const VectorX& /*start*/, const Conditions& /*c*/,
+                                   std::vector<FrictionContactSlopes>& /*slopes*/) const {
+    throw std::logic_error("how these contacts change is not known");
+  }
+  /// Coefficients that it was made with, and numbers of its parameter "barrier_stiffness".
+  virtual Eigen::Index num_coefficients() const { return 1; }
+  virtual Eigen::Index num_stiffnesses() const { return 0; }
+  /// How it moves by itself; null: it does not.
+  virtual const ColliderMotion* motion_of_its_own() const { return nullptr; }
 };
 
 }  // namespace resilin

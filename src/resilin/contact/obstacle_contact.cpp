@@ -74,6 +74,34 @@ std::optional<double> ObstacleContact::driven_work(const VectorX& from, const Co
   return std::max({work(from, before), work(to, after), value(to, after) - value(to, before)});
 }
 
+std::vector<EnergyParameter> ObstacleContact::parameters() const {
+  std::vector<EnergyParameter> all = SurfaceContact::parameters();
+  for (const std::string_view name : ColliderMotion::parameter_names) all.push_back({name, 3});
+  return all;
+}
+
+void ObstacleContact::add_parameter_slopes(std::string_view name, const VectorX& x, const VectorX& w,
+                                           const Conditions& c, VectorX& slopes) const {
+  if (name == "barrier_stiffness") return SurfaceContact::add_parameter_slopes(name, x, w, c, slopes);
+  const VectorX forces = vertex_hessian_times(x, c, surface().displacements(w));
+  const int dim = surface().parts.dim;
+  Vector3 by_shift = Vector3::Zero();
+  for (auto v = surface().num_body_vertices(); v < static_cast<Index>(surface().parts.num_vertices()); ++v)
+    by_shift += node_position(dim, v, forces);
+  slopes += obstacle().motion.slopes_by(name, c.time - c.collider_delay).shift.transpose() * by_shift;
+}
+
+void ObstacleContact::add_parameter_forces(std::string_view name, const VectorX& x, const VectorX& change,
+                                           const Conditions& c, VectorX& gradient) const {
+  if (name == "barrier_stiffness") return SurfaceContact::add_parameter_forces(name, x, change, c, gradient);
+  const int dim = surface().parts.dim;
+  const Vector3 shift = obstacle().motion.slopes_by(name, c.time - c.collider_delay).shift * change;
+  VectorX ways = VectorX::Zero(static_cast<Eigen::Index>(surface().parts.num_vertices()) * dim);
+  for (auto v = surface().num_body_vertices(); v < static_cast<Index>(surface().parts.num_vertices()); ++v)
+    ways.segment(Eigen::Index{v} * dim, dim) = shift.head(dim);
+  surface().add_to_nodes(vertex_hessian_times(x, c, ways), gradient);
+}
+
 std::optional<Reaction> ObstacleContact::reaction(const VectorX& x, const Conditions& c) const {
   const VectorX gradient = vertex_gradient(x, c), places = surface().places(x, c);
   const int dim = surface().parts.dim;

@@ -26,6 +26,14 @@ class ObstacleContact final : public SurfaceContact {
 
   std::string_view name_in_reports() const override { return name(); }
 
+  /// Besides those of the surface: those of the obstacle's motion.
+  std::vector<EnergyParameter> parameters() const override;
+  void add_parameter_slopes(std::string_view name, const VectorX& x, const VectorX& w, const Conditions& c,
+                            VectorX& slopes) const override;
+  void add_parameter_forces(std::string_view name, const VectorX& x, const VectorX& change,
+                            const Conditions& c, VectorX& gradient) const override;
+  const ColliderMotion* motion_of_its_own() const override { return &obstacle().motion; }
+
   /// What the obstacle does to the bodies.
   std::optional<Reaction> reaction(const VectorX& x, const Conditions& c) const override;
 

@@ -49,6 +49,20 @@ double PairBarrier<dim>::normal_force() const {
 }
 
 template <int dim>
+PairVector<dim> PairBarrier<dim>::normal_force_gradient() const {
+  if (!is_active()) return PairVector<dim>::Zero();
+  PairVector<dim> g = -stiffness_ * barrier_.curvature(pair_.distance) * pair_.gradient();
+  if constexpr (dim == 3) {
+    if (cross_) {
+      const double c = cross_->squared();
+      g = mollifier_.value(c) * g -
+          stiffness_ * barrier_.slope(pair_.distance) * mollifier_.slope(c) * cross_->gradient();
+    }
+  }
+  return g;
+}
+
+template <int dim>
 PairVector<dim> PairBarrier<dim>::gradient() const {
   if (!is_active()) return PairVector<dim>::Zero();
   PairVector<dim> g = stiffness_ * barrier_.slope(pair_.distance) * pair_.gradient();

@@ -31,6 +31,7 @@ class PairBarrier {
   double value() const;              ///< E [J]; infinite where the parts touch
   PairVector<dim> gradient() const;  ///< dE/dx [N], for d > 0
   double normal_force() const;       ///< -k_b A m b' [N]: what pushes the parts apart along their distance
+  PairVector<dim> normal_force_gradient() const;         ///< its slope by the vertices [N/m]
   PairMatrix<dim> hessian(Projection projection) const;  ///< d2E/dx2 [N/m], for d > 0
 
  private:

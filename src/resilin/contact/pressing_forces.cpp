@@ -5,6 +5,8 @@
 #include <limits>
 #include <span>
 
+#include "resilin/core/dual.hpp"
+
 namespace resilin {
 namespace {
 
@@ -23,53 +25,105 @@ bool has(const PartForce& part, const PartForce& feature) {
   });
 }
 
+// Forces are numbers, or numbers that carry a slope.
+double value_of(double force) { return force; }
+double value_of(const Dual<double, 1>& force) { return force.value; }
+
+template <class Force>
+Force magnitude(const Force& force) {
+  return value_of(force) < 0 ? -1.0 * force : force;
+}
+
 /// Takes what has to be given back from those that reach up to the feature or are a corner of it, the more
 /// the nearer a force is to what they give back: so both vanish together. @return what none of them has [N]
-double take_from_neighbours(const PartForce& feature, std::span<const PartForce> forces,
-                            std::vector<double>& left) {
-  const double back = -feature.force;
-  const auto weight_of = [&](const PartForce& part) {
-    const bool is_near = part.force > 0 && (has(part, feature) || has(feature, part));
-    return is_near ? 1 / (std::abs(part.force - back) / back + epsilon) : 0;
-  };
-  double sum = 0;
-  for (const PartForce& part : forces) sum += weight_of(part);
-  if (sum == 0) return back;
-  for (std::size_t i = 0; i < forces.size(); ++i) left[i] -= back * weight_of(forces[i]) / sum;
-  return 0;
-}
-
-/// Of one point.
-void make_pressing(std::span<PartForce> forces) {
-  const auto gives_back = [](const PartForce& force) { return force.force < 0; };
-  if (std::ranges::none_of(forces, gives_back)) return;
-  std::vector<double> left;
-  for (const PartForce& force : forces) left.push_back(std::max(force.force, 0.0));
-  double back = 0;
-  for (const PartForce& force : forces)
-    if (gives_back(force)) back += take_from_neighbours(force, forces, left);
-  double sum = 0;
-  for (double& force : left) {
-    back += std::max(-force, 0.0);
-    force = std::max(force, 0.0);
-    sum += force;
+template <class Force>
+Force take_from_neighbours(std::size_t feature, std::span<const PartForce> parts,
+                           std::span<const Force> forces, std::vector<Force>& left) {
+  const Force back = -1.0 * forces[feature];
+  std::vector<Force> weights(parts.size(), Force(0.0));
+  Force sum(0.0);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const bool is_near =
+        parts[i].force > 0 && (has(parts[i], parts[feature]) || has(parts[feature], parts[i]));
+    if (is_near) weights[i] = 1.0 / (magnitude(forces[i] - back) / back + Force(epsilon));
+    sum = sum + weights[i];
   }
-  const double share = sum > back ? 1 - back / sum : 0;
-  for (std::size_t i = 0; i < forces.size(); ++i) forces[i].force = share * left[i];
+  if (value_of(sum) == 0) return back;
+  for (std::size_t i = 0; i < parts.size(); ++i) left[i] = left[i] - back * weights[i] / sum;
+  return Force(0.0);
 }
 
-}  // namespace
+/// Of one point: what presses of forces that have these values.
+template <class Force>
+std::vector<Force> pressing(std::span<const PartForce> parts, std::span<const Force> forces) {
+  const auto gives_back = [](const PartForce& part) { return part.force < 0; };
+  if (std::ranges::none_of(parts, gives_back)) return {forces.begin(), forces.end()};
+  std::vector<Force> left;
+  for (const Force& force : forces) left.push_back(value_of(force) > 0 ? force : Force(0.0));
+  Force back(0.0), sum(0.0);
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    if (gives_back(parts[i])) back = back + take_from_neighbours(i, parts, forces, left);
+  for (Force& force : left) {
+    if (value_of(force) < 0) {
+      back = back - force;
+      force = Force(0.0);
+    }
+    sum = sum + force;
+  }
+  const bool is_left = value_of(sum) > value_of(back);
+  for (Force& force : left) force = is_left ? (1.0 - back / sum) * force : Force(0.0);
+  return left;
+}
 
-std::vector<PartForce> pressing_forces(std::vector<PartForce> forces) {
+/// Calls `visit(begin, end)` for the parts of each point, and for each other part by itself.
+template <class Visit>
+void for_each_point(const std::vector<PartForce>& forces, const Visit& visit) {
   for (std::size_t begin = 0, end = 0; begin < forces.size(); begin = end) {
     const auto is_of_point = [&](const PartForce& force) {
       return force.kind != PairKind::edge_edge && force.vertices[0] == forces[begin].vertices[0];
     };
     for (end = begin + 1; end < forces.size() && is_of_point(forces[end]);) ++end;
-    make_pressing(std::span(forces).subspan(begin, end - begin));
+    visit(begin, end);
   }
+}
+
+}  // namespace
+
+std::vector<PartForce> pressing_forces(std::vector<PartForce> forces) {
+  std::vector<double> values;
+  for (const PartForce& part : forces) values.push_back(part.force);
+  const std::vector<PartForce> parts = forces;
+  for_each_point(parts, [&](std::size_t begin, std::size_t end) {
+    const std::size_t count = end - begin;
+    const std::vector<double> left =
+        pressing<double>(std::span(parts).subspan(begin, count), std::span(values).subspan(begin, count));
+    for (std::size_t i = 0; i < count; ++i) forces[begin + i].force = left[i];
+  });
   std::erase_if(forces, [](const PartForce& force) { return !(force.force > 0); });
   return forces;
+}
+
+std::vector<PressingForce> pressing_slopes(const std::vector<PartForce>& forces) {
+  using Force = Dual<double, 1>;
+  std::vector<PressingForce> all;
+  for_each_point(forces, [&](std::size_t begin, std::size_t end) {
+    const std::span<const PartForce> parts = std::span(forces).subspan(begin, end - begin);
+    std::vector<PressingForce> found(parts.size());
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+      std::vector<Force> values;
+      for (std::size_t i = 0; i < parts.size(); ++i)
+        values.push_back(i == k ? Force::variable(parts[i].force, 0) : Force(parts[i].force));
+      const std::vector<Force> left = pressing<Force>(parts, values);
+      for (std::size_t i = 0; i < parts.size(); ++i) {
+        found[i].part = begin + i;
+        found[i].force = left[i].value;
+        if (left[i].slope[0] != 0) found[i].slopes.emplace_back(begin + k, left[i].slope[0]);
+      }
+    }
+    for (PressingForce& force : found)
+      if (force.force > 0) all.push_back(std::move(force));
+  });
+  return all;
 }
 
 }  // namespace resilin

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "resilin/contact/term_sums.hpp"
@@ -14,5 +15,14 @@ namespace resilin {
 /// forces follow the point without a jump.
 /// @param forces  the terms of each point one after the other
 std::vector<PartForce> pressing_forces(std::vector<PartForce> forces);
+
+/// One of them, and how its force follows from those that are given.
+struct PressingForce {
+  std::size_t part;  ///< its number among those
+  double force;      ///< [N]
+  std::vector<std::pair<std::size_t, double>> slopes;
+};
+/// The same, in their order.
+std::vector<PressingForce> pressing_slopes(const std::vector<PartForce>& forces);
 
 }  // namespace resilin

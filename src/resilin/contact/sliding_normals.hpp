@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "resilin/collision/surface.hpp"
@@ -30,9 +32,20 @@ class SlidingNormals {
   /// @return        of length 1, to the side of the first part
   Vector3 normal_at(const PartForce& pair, const VectorX& places) const;
 
+  /// How that changes with the pair and with the places.
+  struct Slopes {
+    std::array<Vector3, most_pair_vertices> weights{};
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+    std::vector<std::pair<Index, Eigen::Matrix3d>> places;  ///< by vertex, some of them more than once
+  };
+  Slopes slopes_at(const PartForce& pair, const VectorX& places) const;
+
  private:
   Vector3 of_part(std::span<const Index> vertices, std::span<const double> weights, const Vector3& apart,
                   const VectorX& places) const;
+
+  Vector3 add_slopes_of_part(const PartForce& pair, std::size_t begin, std::size_t end, const VectorX& places,
+                             Slopes& slopes) const;
 
   const CollisionSurface& parts_;
   std::vector<std::size_t> row_begin_;  ///< of each vertex, in `facets_`, and the end

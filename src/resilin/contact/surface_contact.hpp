@@ -75,12 +75,22 @@ class SurfaceContact : public Energy, public FrictionSource {
     const auto* contact = dynamic_cast<const SurfaceContact*>(&other);
     return contact != nullptr && contact->surface_ == surface_;
   }
+  void add_friction_slopes(const VectorX& x, const VectorX& start, const Conditions& c,
+                           std::vector<FrictionContactSlopes>& slopes) const override;
+  /// Of each body with each, row by row: those of two bodies follow the one of them that stands first.
+  Eigen::Index num_coefficients() const override {
+    return Eigen::Index{meetings().num_bodies()} * meetings().num_bodies();
+  }
+  Eigen::Index num_stiffnesses() const override {
+    return static_cast<Eigen::Index>(surface_->stiffness.size());
+  }
   /// @param coefficients  of each body with each, row by row; without them there is no friction
   void set_friction(std::vector<double> coefficients) {
     friction_ = std::move(coefficients);
     sliding_normals_ = std::make_shared<const SlidingNormals>(surface_->parts);
   }
   bool has_friction() const { return !friction_.empty(); }
+  const std::vector<double>& friction() const { return friction_; }
 
   double activation_distance() const { return barrier_.activation_distance; }
   const ContactSurface& surface() const { return *surface_; }
@@ -111,6 +121,8 @@ class SurfaceContact : public Energy, public FrictionSource {
  protected:
   /// dE/dy [N] of the vertices, the obstacle's included.
   VectorX vertex_gradient(const VectorX& x, const Conditions& c) const;
+  /// d2E/dy2 times displacements of the vertices [N].
+  VectorX vertex_hessian_times(const VectorX& x, const Conditions& c, const VectorX& displacements) const;
   /// How much of a way of the vertices is free, from 0 to 1, all pairs keeping a share of their distance.
   double free_share(const VectorX& places, const VectorX& displacements, double share_left) const;
   /// For the copy of a stage.

@@ -216,6 +216,80 @@ std::vector<PartForce> part_forces(const TermSet& set, const VectorX& places) {
   return forces;
 }
 
+namespace {
+
+/// With f = -k m b', dd = sum_i w_i n.dx_i, and of tangents e_a the free ones first, q_a = sum_i w_i
+/// e_a.dx_i, p_a = sum_i v_ai n.dx_i:
+///
+///   dn = sum_(a not free) e_a q_a / d - sum_(a free) e_a p_a,   dw_i = -sum_(a free) v_ai (q_a + d p_a)
+///
+/// (from Hess d, see PairDistance).
+template <int dim>
+PartForceSlopes slopes_of(const ContactTerm& term, std::size_t number, const VectorX& places) {
+  PartForceSlopes slopes{.term = number, .force = {}, .normal = {}, .weights = {}};
+  const PairBarrier<dim> pair = barrier_of<dim>(term, places);
+  const PairDistance<dim>& at = pair.distance();
+  const auto in_space = [](const Vector<dim>& v) {
+    Vector3 all = Vector3::Zero();
+    all.template head<dim>() = v;
+    return all;
+  };
+  const PairVector<dim> of_force = pair.normal_force_gradient();
+  const Vector3 n = in_space(at.normal);
+  for (std::size_t k = 0; k < most_pair_vertices; ++k) {
+    slopes.force[k] = in_space(of_force.template segment<dim>(static_cast<Eigen::Index>(k) * dim));
+    slopes.normal[k].setZero();
+    for (Vector3& slope : slopes.weights[k]) slope.setZero();
+  }
+  for (int a = 0; a < dim - 1; ++a) {
+    const Vector3 e = in_space(at.tangents[static_cast<std::size_t>(a)]);
+    const auto& v = at.weight_slopes[static_cast<std::size_t>(a)];
+    for (std::size_t k = 0; k < most_pair_vertices; ++k) {
+      if (a >= at.num_free) {
+        slopes.normal[k] += at.weights[k] / at.distance * e * e.transpose();
+        continue;
+      }
+      slopes.normal[k] -= v[k] * e * n.transpose();
+      for (std::size_t i = 0; i < most_pair_vertices; ++i)
+        slopes.weights[i][k] -= v[i] * (at.weights[k] * e + at.distance * v[k] * n);
+    }
+  }
+  return slopes;
+}
+
+}  // namespace
+
+std::vector<PartForceSlopes> part_force_slopes(const TermSet& set, const VectorX& places) {
+  std::vector<PartForceSlopes> all;
+  in_dimension(set, [&](auto dim) {
+    for (std::size_t k = 0; k < set.terms.size(); ++k)
+      if (barrier_of<dim>(set.terms[k], places).is_active())
+        all.push_back(slopes_of<dim>(set.terms[k], k, places));
+  });
+  return all;
+}
+
+VectorX hessian_times(const TermSet& set, const VectorX& places, const VectorX& displacements) {
+  VectorX sum = VectorX::Zero(places.size());
+  in_dimension(set, [&](auto dim) {
+    for_each_term<PairVector<dim>>(
+        set.terms,
+        [&](const ContactTerm& term, PairVector<dim>& product) {
+          PairVector<dim> way = PairVector<dim>::Zero();
+          Eigen::Index k = 0;
+          for (const Index v : term.used_vertices())
+            way.template segment<dim>(dim * k++) = displacements.segment<dim>(Eigen::Index{v} * dim);
+          product = barrier_of<dim>(term, places).hessian(Projection::none) * way;
+        },
+        [&](const ContactTerm& term, const PairVector<dim>& product) {
+          Eigen::Index k = 0;
+          for (const Index v : term.used_vertices())
+            sum.segment<dim>(Eigen::Index{v} * dim) += product.template segment<dim>(dim * k++);
+        });
+  });
+  return sum;
+}
+
 ContactTerms merged_terms(const ContactSurface& surface, const ContactTerms& terms, const VectorX& places) {
   return surface.parts.dim == 3 ? merged_in<3>(terms, places) : merged_in<2>(terms, places);
 }

@@ -45,4 +45,18 @@ struct PartForce {
 };
 std::vector<PartForce> part_forces(const TermSet& set, const VectorX& places);
 
+/// How one of these changes with the places of its vertices.
+struct PartForceSlopes {
+  std::size_t term;                                        ///< its number
+  std::array<Vector3, most_pair_vertices> force;           ///< [N/m]
+  std::array<Eigen::Matrix3d, most_pair_vertices> normal;  ///< [1/m]
+  std::array<std::array<Vector3, most_pair_vertices>, most_pair_vertices>
+      weights;  ///< of each, by each [1/m]
+};
+/// In the order of the forces.
+std::vector<PartForceSlopes> part_force_slopes(const TermSet& set, const VectorX& places);
+
+/// d2E/dy2 times displacements of the vertices [N].
+VectorX hessian_times(const TermSet& set, const VectorX& places, const VectorX& displacements);
+
 }  // namespace resilin

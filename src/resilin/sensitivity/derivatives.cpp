@@ -20,18 +20,11 @@ void check_is_differentiable(const Description& description) {
            "take load_control = \"load\"");
 }
 
-void check_has_no_friction(const World& world) {
-  if (!world.friction) return;
-  throw InputError(world.place + ": derivatives", "a scene without friction", "friction",
-                   "set friction to 0: the normal forces that it lags behind are not differentiated yet");
-}
-
 }  // namespace
 
 Derivatives::Derivatives(Description description, const std::vector<std::string>& wrt,
                          const DerivativeOptions& options)
     : options_(options), simulation_(std::move(description)), links_(simulation_.world()) {
-  check_has_no_friction(world());
   for (const std::string& name : wrt) parameters_.push_back(find_parameter(world(), name));
   if (const std::string kink = kink_of_barrier(world(), asked()); !kink.empty()) warnings_.push_back(kink);
   frames_.push_back(simulation_.frame());

@@ -36,6 +36,7 @@ Motion take_fixed(const World& world, Motion& motion) {
 Potential potential_of(const World& world, const StageReplay& stage) {
   Potential potential(world, stage.conditions, stage.stage);
   potential.prepare(stage.motion.positions, VectorX::Zero(stage.motion.positions.size()));
+  potential.form_lag(stage.motion.positions);
   return potential;
 }
 
@@ -196,7 +197,7 @@ struct SmoothForces {
     potential.hessian(x, Projection::none, hessian);
     VectorX product;
     multiply(hessian, p, product);
-    return product + (is_transposed ? -1 : 1) * SkewPart(world, potential, x).times(p);
+    return product + SkewPart(world, potential, x).times(p, is_transposed);
   }
 };
 

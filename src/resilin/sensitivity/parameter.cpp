@@ -86,11 +86,67 @@ Parameter support_parameter(const World& world, std::size_t s, const std::string
   return parameter;
 }
 
+/// One number of the world's change and of the description.
+template <class Change>
+Parameter number_parameter(const std::string& name, double value, Change change,
+                           std::function<void(WorldChange&)> ask,
+                           const std::function<void(double, Description&)>& set) {
+  Parameter parameter{.name = name, .shape = {}, .value = VectorX::Constant(1, value)};
+  parameter.ask = std::move(ask);
+  parameter.spread = [=](const VectorX& by, WorldChange& world) { change(world) += by[0]; };
+  parameter.gather = [=](const WorldChange& world, VectorX& slopes) { slopes[0] += change(world); };
+  parameter.set = [=](const VectorX& to, Description& description) { set(to[0], description); };
+  return parameter;
+}
+
+Parameter collider_friction(const World& world, std::size_t k, const std::string& name) {
+  return number_parameter(
+      name, world.made_from->colliders[k].friction,
+      [k](auto& of) -> auto& { return of.colliders[k].friction; },
+      [k](WorldChange& of) { of.colliders[k].has_friction = true; },
+      [k](double to, Description& of) { of.colliders[k].friction = to; });
+}
+
+/// @param pair  the number of the pair; -1: of all others
+Parameter contact_friction(const World& world, int pair, const std::string& name) {
+  const auto ask = [](WorldChange& of) { of.contact.has_friction = true; };
+  if (pair < 0)
+    return number_parameter(
+        name, world.made_from->contact.friction, [](auto& of) -> auto& { return of.contact.friction; }, ask,
+        [](double to, Description& of) { of.contact.friction = to; });
+  const auto k = static_cast<std::size_t>(pair);
+  return number_parameter(
+      name, world.made_from->contact.pairs[k].friction.value_or(0),
+      [k](auto& of) -> auto& { return of.contact.pairs[k]; }, ask,
+      [k](double to, Description& of) { of.contact.pairs[k].friction = to; });
+}
+
 /// A parameter and how it is made.
 struct Entry {
   std::string name;
   std::function<Parameter()> make;
+  bool is_friction_of_none = false;  ///< a coefficient that is zero
 };
+
+void add_friction(const World& world, std::vector<Entry>& all) {
+  const Description& description = *world.made_from;
+  for (std::size_t k = 0; k < description.colliders.size(); ++k) {
+    const ColliderDescription& collider = description.colliders[k];
+    const std::string name = prefix("collider", collider.name, k) + "friction";
+    all.push_back(
+        {name, [&world, k, name] { return collider_friction(world, k, name); }, !(collider.friction > 0)});
+  }
+  if (!world.contact) return;
+  all.push_back({"contact.friction", [&world] { return contact_friction(world, -1, "contact.friction"); },
+                 !(description.contact.friction > 0)});
+  for (std::size_t k = 0; k < description.contact.pairs.size(); ++k) {
+    const std::optional<double>& friction = description.contact.pairs[k].friction;
+    const std::string name = prefix("contact.pair", "", k) + "friction";
+    if (!friction) continue;
+    all.push_back({name, [&world, k, name] { return contact_friction(world, static_cast<int>(k), name); },
+                   !(*friction > 0)});
+  }
+}
 
 std::vector<Entry> entries(const World& world) {
   std::vector<Entry> all;
@@ -117,12 +173,17 @@ std::vector<Entry> entries(const World& world) {
       all.push_back({name, [&world, s, name, key] { return support_parameter(world, s, name, key); }});
     }
   }
+  add_friction(world, all);
   all.push_back({"simulation.gravity", [&world] { return gravity(world, "simulation.gravity"); }});
   return all;
 }
 
 /// Why the scene cannot be differentiated by an entry, where it cannot.
-std::optional<InputError> refusal_of(const World& world, const std::string& name) {
+std::optional<InputError> refusal_of(const World& world, const Entry& entry) {
+  const std::string& name = entry.name;
+  if (entry.is_friction_of_none)
+    return InputError(name, "a coefficient of friction that is not zero", "0",
+                      "give it, however small: without it nothing rubs there");
   if (name == "simulation.gravity" && world.gravity.head(world.dimension).isZero(0))
     return InputError(name, "a scene with gravity", "none",
                       "give simulation.gravity, however small: without it there is no weight to change");
@@ -140,7 +201,7 @@ std::optional<InputError> refusal_of(const World& world, const std::string& name
 std::vector<std::string> parameter_names(const World& world) {
   std::vector<std::string> names;
   for (const Entry& entry : entries(world))
-    if (!refusal_of(world, entry.name)) names.push_back(entry.name);
+    if (!refusal_of(world, entry)) names.push_back(entry.name);
   return names;
 }
 
@@ -153,7 +214,7 @@ Parameter find_parameter(const World& world, const std::string& name) {
     wanted.replace(name.size() - in_material.size(), std::string::npos, ".density");
   for (const Entry& entry : entries(world)) {
     if (entry.name == wanted) {
-      if (const auto refusal = refusal_of(world, wanted)) throw *refusal;
+      if (const auto refusal = refusal_of(world, entry)) throw *refusal;
       Parameter parameter = entry.make();
       parameter.name = name;
       return parameter;

@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <utility>
+
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/optimize/residual.hpp"
@@ -13,7 +16,7 @@ namespace {
 constexpr double loose_residual = 1e-7;
 
 /// An elastic equilibrium does not depend on its path: of each that is asked about only its place and its
-/// load count, whatever steps led there.
+/// load count, whatever steps led there. With friction the one before counts, too, by the way since.
 class StaticDerivatives final : public Derivatives {
  public:
   StaticDerivatives(Description description, const std::vector<std::string>& wrt,
@@ -34,11 +37,8 @@ class StaticDerivatives final : public Derivatives {
 
  private:
   Conditions conditions(std::size_t frame) const { return world().at_load(frames_[frame].load); }
-  Potential potential(std::size_t frame) const {
-    Potential made(world(), conditions(frame), static_stage(places_[frame]));
-    made.prepare(places_[frame], VectorX::Zero(places_[frame].size()));
-    return made;
-  }
+  bool follows_way() const { return world().friction != nullptr; }
+  Potential potential(std::size_t frame) const;
   /// Makes `tangent_` that of the frame.
   void form_tangent(std::size_t frame, const Potential& at);
   /// K p = b at the frame, or K^T p = b, of an equilibrium that is stable.
@@ -52,9 +52,21 @@ class StaticDerivatives final : public Derivatives {
   bool last_matrix_is_near_ = false;  ///< Newton's last step was one by the exact Hessian, which was definite
 };
 
+// The stages are those of LoadControl.
+Potential StaticDerivatives::potential(std::size_t frame) const {
+  const Stage stage = follows_way()
+                          ? static_stage(places_[frame - 1],
+                                         world().end_time * (frames_[frame].load - frames_[frame - 1].load))
+                          : static_stage(places_[frame]);
+  Potential made(world(), conditions(frame), stage);
+  made.prepare(places_[frame], VectorX::Zero(places_[frame].size()));
+  made.form_lag(places_[frame]);
+  return made;
+}
+
 void StaticDerivatives::form_tangent(std::size_t frame, const Potential& at) {
   check_goes_on();
-  if (formed_ == frame) return;
+  if (formed_ == frame && !follows_way()) return;
   const bool has_factors = frame + 1 == places_.size() && last_matrix_is_near_;
   tangent_.form(at, places_[frame], has_factors ? &simulation_.newton() : nullptr);
   formed_ = frame;
@@ -76,8 +88,10 @@ std::vector<VectorX> StaticDerivatives::slopes_at_places(const std::vector<Frame
   WorldChange world_slopes = asked();
   TermChanges term_slopes = links_.zero(world_slopes);
   const VectorX zero = VectorX::Zero(world().rest_positions.size());
-  for (std::size_t frame = 0; frame < std::min(slopes.size(), places_.size()); ++frame) {
-    const VectorX by_x = slopes[frame].positions.size() > 0 ? slopes[frame].positions : zero;
+  VectorX by_way = zero;  // slopes by the places of the frame that the next one has
+  for (std::size_t frame = std::min(slopes.size(), places_.size()); frame-- > 0;) {
+    VectorX by_x = slopes[frame].positions.size() > 0 ? slopes[frame].positions : zero;
+    by_x += std::exchange(by_way, zero);
     const VectorX w = weights_of(slopes[frame].reactions);
     if (by_x.isZero(0) && w.isZero(0)) continue;
     if (frame == 0) {
@@ -89,7 +103,9 @@ std::vector<VectorX> StaticDerivatives::slopes_at_places(const std::vector<Frame
     const VectorX pull = w.isZero(0) ? zero : tangent_.times(w, true);
     const VectorX lambda = w - solve(frame, by_x + pull, true);
     Stage stage;
+    if (follows_way()) stage.base_positions = zero;
     add_stage_slopes({world(), at}, places_[frame], lambda, term_slopes, stage);
+    if (follows_way()) by_way = stage.base_positions;
     const Motion prescribed{by_x + tangent_.times(lambda, true), {}, {}};
     add_prescribed_slopes(world(), prescribed, conditions(frame), world_slopes);
   }
@@ -145,12 +161,14 @@ std::vector<std::vector<FrameChange>> StaticDerivatives::forward_all(
     all[d][0].reactions.assign(world().supports.size(), Vector3::Zero());
   }
   for (std::size_t frame = 1; frame < places_.size(); ++frame) {
-    if (!is_wanted[frame]) continue;
+    if (!is_wanted[frame] && !follows_way()) continue;
     const Potential at = potential(frame);
     form_tangent(frame, at);
     for (std::size_t d = 0; d < directions.size(); ++d) {
       VectorX force = zero;
-      add_stage_forces({world(), at}, places_[frame], of_terms[d], {}, force);
+      Stage stage;
+      if (follows_way()) stage.base_positions = all[d][frame - 1].positions;
+      add_stage_forces({world(), at}, places_[frame], of_terms[d], stage, force);
       Motion prescribed{zero, zero, zero};
       place_prescribed_changes(world(), changes[d], conditions(frame), prescribed);
       VectorX& dx = all[d][frame].positions;

@@ -1,6 +1,7 @@
 #include "resilin/sensitivity/tangent.hpp"
 
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 
 #include "resilin/core/error.hpp"
@@ -13,7 +14,7 @@ namespace {
 constexpr double tight_tolerance = 1e-13;     ///< asked of solvers
 constexpr double iterative_tolerance = 1e-8;  ///< of those that iterate, at rest, as of equilibria themselves
 constexpr double largest_residual = 1e-7;     ///< with which a solution is still taken
-constexpr int most_skew_iterations = 60;      ///< of GMRES
+constexpr int most_skew_iterations = 200;     ///< of GMRES
 
 LinearOptions options(const World& world, const std::string& kind, bool is_definite) {
   return {.kind = kind,
@@ -26,6 +27,14 @@ LinearOptions options(const World& world, const std::string& kind, bool is_defin
 
 SkewPart::SkewPart(const World& world, const Potential& potential, const VectorX& x)
     : conditions_(potential.conditions()), x_(x) {
+  for (const Energy* term : potential.terms()) {
+    const auto parameters = term->parameters();
+    if (std::ranges::find(parameters, "lag", &EnergyParameter::name) == parameters.end()) continue;
+    VectorX probe(x.size()), change = VectorX::Zero(x.size());
+    for (Eigen::Index i = 0; i < x.size(); ++i) probe[i] = std::sin(1.0 + 12.9898 * static_cast<double>(i));
+    term->add_parameter_forces("lag", x, probe, conditions_, change);
+    if (!change.isZero(0)) lagging_.push_back(term);
+  }
   if (potential.has_potential(x)) return;
   symmetric_ = BlockMatrix(world.dimension, world.pattern);
   for (const Energy* term : potential.terms()) {
@@ -35,7 +44,18 @@ SkewPart::SkewPart(const World& world, const Potential& potential, const VectorX
   }
 }
 
-VectorX SkewPart::times(const VectorX& p) const {
+VectorX SkewPart::times(const VectorX& p, bool is_transposed) const {
+  VectorX product = (is_transposed ? -1 : 1) * skew_times(p);
+  for (const Energy* term : lagging_) {
+    if (is_transposed)
+      term->add_parameter_slopes("lag", x_, p, conditions_, product);
+    else
+      term->add_parameter_forces("lag", x_, p, conditions_, product);
+  }
+  return product;
+}
+
+VectorX SkewPart::skew_times(const VectorX& p) const {
   const double size = p.cwiseAbs().maxCoeff();
   if (terms_.empty() || !(size > 0)) return VectorX::Zero(p.size());
   const double length = (x_.maxCoeff() - x_.minCoeff()) / size;
@@ -93,7 +113,7 @@ void Tangent::factorize() {
 VectorX Tangent::times(const VectorX& p, bool is_transposed) const {
   VectorX product;
   multiply(whole_, p, product);
-  if (!is_symmetric()) product += (is_transposed ? -1 : 1) * skew_->times(p);
+  if (!is_symmetric()) product += skew_->times(p, is_transposed);
   return product;
 }
 
@@ -203,9 +223,10 @@ VectorX Tangent::solve(VectorX b, bool is_transposed) {
     basis.push_back(next / H(k + 1, k));
   }
   if (!(left <= largest_residual))
-    throw InputError(world_.place, "a stiffness that can be solved with",
-                     "one whose unsymmetric part, of a pressure on an open surface, is too strong",
-                     "take a smaller pressure");
+    throw InputError(
+        world_.place, "a stiffness that can be solved with",
+        "one whose unsymmetric part, of friction or of a pressure on an open surface, is too strong",
+        "take a smaller coefficient or a smaller pressure");
   for (Eigen::Index i = 0; i < y.size(); ++i) p += y[i] * corrections[static_cast<std::size_t>(i)];
   return p;
 }

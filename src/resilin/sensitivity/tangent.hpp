@@ -8,18 +8,25 @@
 
 namespace resilin {
 
-/// What the derivative of a potential's gradient is beside the Hessian, its symmetric part: of forces without
-/// a potential, a pressure that follows an open surface. They are quadratic in x, so that a central
-/// difference gives their derivative times a vector without an error but rounding.
+/// What the derivative of a potential's gradient is beside the Hessian.
+///
+/// Of forces without a potential, a pressure that follows an open surface, the Hessian is the symmetric part.
+/// They are quadratic in x, so that a central difference gives their derivative times a vector without an
+/// error but rounding. Terms that lag something behind, friction, have a Hessian by what it is now: besides,
+/// it follows the places.
 class SkewPart {
  public:
+  /// @param potential  its lag formed at x; to outlive this
   SkewPart(const World& world, const Potential& potential, const VectorX& x);
-  bool is_zero() const { return terms_.empty(); }
-  VectorX times(const VectorX& p) const;
+  bool is_zero() const { return terms_.empty() && lagging_.empty(); }
+  VectorX times(const VectorX& p, bool is_transposed) const;
 
  private:
-  std::vector<const Energy*> terms_;  ///< those without a potential here
-  BlockMatrix symmetric_;             ///< their Hessian
+  VectorX skew_times(const VectorX& p) const;
+
+  std::vector<const Energy*> terms_;    ///< those without a potential here
+  std::vector<const Energy*> lagging_;  ///< those with a parameter "lag" that counts here
+  BlockMatrix symmetric_;               ///< their Hessian
   Conditions conditions_;
   VectorX x_;
 };

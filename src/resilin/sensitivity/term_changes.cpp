@@ -12,7 +12,8 @@ bool WorldChange::has_mass() const {
   return rest_positions.size() > 0 || std::ranges::any_of(bodies, &OfBody::has_density);
 }
 
-TermLinks::TermLinks(const World& world) : world_(world), description_(*world.made_from), barriers_(world) {
+TermLinks::TermLinks(const World& world)
+    : world_(world), description_(*world.made_from), barriers_(world), contacts_(world) {
   std::vector<std::size_t> viscous_bodies;
   for (std::size_t b = 0; b < description_.bodies.size(); ++b) {
     const DampingDescription& damping = description_.bodies[b].damping;
@@ -76,6 +77,7 @@ TermChanges TermLinks::zero(const WorldChange& asked) const {
   }
   for (const BarrierLinks::Barrier& barrier : barriers_.all())
     if (BarrierLinks::moves(barrier, asked)) add(barrier.term, "barrier_stiffness", barrier.stiffness.size());
+  contacts_.add_zero(asked, terms);
   return terms;
 }
 
@@ -108,6 +110,7 @@ TermChanges TermLinks::spread(const WorldChange& change) const {
   for (const BarrierLinks::Barrier& barrier : barriers_.all())
     if (BarrierLinks::moves(barrier, change))
       barriers_.spread(barrier, change, terms[barrier.term]["barrier_stiffness"]);
+  contacts_.spread(change, terms);
   return terms;
 }
 
@@ -139,9 +142,10 @@ void TermLinks::gather(const TermChanges& terms, WorldChange& slopes) const {
   for (const auto& [term, body] : viscous_)
     if (moves_viscosity(slopes, body))
       gather_viscosities(terms[term].find("viscosities")->second, body, slopes);
+  contacts_.gather(terms, slopes);
   for (const BarrierLinks::Barrier& barrier : barriers_.all())
     if (BarrierLinks::moves(barrier, slopes))
-      barriers_.gather(barrier, terms[barrier.term].find("barrier_stiffness")->second, slopes);
+      barriers_.gather(barrier, contacts_.stiffness_slopes(barrier.term, terms), slopes);
 }
 
 // In motion gravity is M g, at rest integral N_a rho g dV (world/loads.hpp).

@@ -5,13 +5,10 @@
 #include <vector>
 
 #include "resilin/sensitivity/barrier_links.hpp"
+#include "resilin/sensitivity/contact_links.hpp"
 #include "resilin/sensitivity/world_change.hpp"
 
 namespace resilin {
-
-/// What the terms of a world hold of a change of it, each under the names of its own parameters; or slopes by
-/// these. Terms that do not change have none.
-using TermChanges = std::vector<std::map<std::string, VectorX, std::less<>>>;
 
 /// How the terms of a world follow from the numbers that it was made of: the linear map from changes of the
 /// world to those of its terms, and its transpose.
@@ -46,6 +43,7 @@ class TermLinks {
   int gravity_ = -1, inertia_ = -1, mass_damping_ = -1;  ///< numbers of terms
   std::vector<Viscous> viscous_;
   BarrierLinks barriers_;
+  ContactLinks contacts_;
 };
 
 }  // namespace resilin

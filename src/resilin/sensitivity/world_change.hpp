@@ -24,14 +24,33 @@ struct WorldChange {
     Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();
   };
 
+  struct OfCollider {
+    bool has_friction = false;
+    double friction = 0;
+    bool has_motion = false;  ///< any of these:
+    Vector3 place = Vector3::Zero(), velocity = Vector3::Zero(), displacement = Vector3::Zero();
+  };
+  /// Of bodies on each other.
+  struct OfContact {
+    bool has_friction = false;
+    double friction = 0;        ///< of all that no pair has
+    std::vector<double> pairs;  ///< of each pair of the description
+  };
+
   explicit WorldChange(const World& world)
-      : bodies(world.bodies.size()), loads(world.made_from->loads.size()), supports(world.supports.size()) {}
+      : bodies(world.bodies.size()),
+        loads(world.made_from->loads.size()),
+        supports(world.supports.size()),
+        colliders(world.made_from->colliders.size()),
+        contact{.pairs = std::vector<double>(world.made_from->contact.pairs.size())} {}
 
   bool has_gravity = false;
   Vector3 gravity = Vector3::Zero();
   std::vector<OfBody> bodies;
   std::vector<std::map<std::string, VectorX>> loads;  ///< by the names of the term's parameters
   std::vector<OfSupport> supports;
+  std::vector<OfCollider> colliders;
+  OfContact contact;
   VectorX rest_positions{};  ///< of all nodes, as the following [m]
   VectorX start_positions{};
   VectorX start_velocities{};  ///< [m/s]

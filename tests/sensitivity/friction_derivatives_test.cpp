@@ -1,0 +1,220 @@
+// Derivatives of what rubs: on colliders of each kind and on bodies, at rest along the path of loads and in
+// motion, the coefficients of friction among the parameters.
+
+#include "derivative_checks.hpp"
+#include "pressed_bars.hpp"
+#include "resilin/contact/catalog.hpp"
+
+namespace resilin::testing {
+namespace {
+
+/// The bars, pressed and dragged along each other.
+Description rubbing_bars(int dimension, bool is_dynamic, const std::string& floor_kind) {
+  Description scene = pressed_bars(dimension, is_dynamic, floor_kind);
+  scene.colliders[0].friction = 0.3;
+  scene.contact.friction = 0.4;
+  FixDescription& press = scene.fixes[1];
+  if (is_dynamic) {
+    press.velocity[0] = 0.3;
+    scene.bodies[1].velocity = press.velocity;
+  } else {
+    press.displacement[0] = 0.004;
+  }
+  return scene;
+}
+
+/// Something rubs on each source at the end: else there is nothing to differentiate.
+void expect_friction(const Description& scene) {
+  const Simulation end = converged_end_of(scene);
+  EXPECT_GT(end.state().friction_work, 0);
+}
+
+const std::vector<std::string> of_bars = {"collider.floor.friction",
+                                          "contact.friction",
+                                          "body.lower.material.youngs_modulus",
+                                          "body.upper.material.poissons_ratio",
+                                          "body.upper.density",
+                                          "simulation.gravity"};
+
+TEST(FrictionDerivatives, AreRightAtRestAndInMotion) {
+  for (const int dimension : {2, 3})
+    for (const bool is_dynamic : {false, true})
+      for (const std::string floor : {"half_space", "mesh"}) {
+        SCOPED_TRACE(std::to_string(dimension) + "D, " + floor + (is_dynamic ? ", in motion" : ", at rest"));
+        const Description scene = rubbing_bars(dimension, is_dynamic, floor);
+        expect_friction(scene);
+        std::vector<std::string> names = of_bars;
+        names.emplace_back(is_dynamic ? "fix.press.velocity" : "fix.press.displacement");
+        if (is_dynamic) names.emplace_back("body.upper.initial_velocities");
+        expect_right_derivatives(scene, names);
+      }
+}
+
+/// Their own numbers have a part in it: a derivative that leaves them out is not right by being small.
+TEST(FrictionDerivatives, ByCoefficientsAreNotNothing) {
+  for (const bool is_dynamic : {false, true}) {
+    const Description scene = rubbing_bars(2, is_dynamic, "half_space");
+    const auto run = Derivatives::run(scene, {"collider.floor.friction", "contact.friction"});
+    for (const VectorX& slope : run->transposed(random_slopes(*run))) EXPECT_GT(std::abs(slope[0]), 1e-5);
+  }
+}
+
+/// A block whose top is led down onto a collider and along it.
+Description block_on(const ShapeKind& kind, int dimension, bool is_dynamic) {
+  const int up = dimension - 1;
+  const double across = dimension == 3 ? 0.1 : 0;
+  Description scene = small_bar(dimension, is_dynamic);
+  scene.newton.tolerance = 1e-12;
+  scene.load_steps = 3;
+  scene.time_step = 0.01;
+  scene.end_time = 0.04;
+  scene.probes.clear();
+  scene.bodies[0].name = "block";
+  scene.bodies[0].mesh =
+      dimension == 3 ? make_box({0.3, 0.2, 0.1}, {3, 2, 1}) : make_rectangle({0.3, 0.1}, {4, 2});
+  FixDescription& press = scene.fixes[0];
+  press.name = "press";
+  press.where.axis = up;
+  press.where.at = 0.1;
+  const Vector3 way = 0.006 * Vector3::UnitX() - 0.006 * Vector3::Unit(up);
+  if (is_dynamic) {
+    press.velocity = way / scene.end_time;
+    scene.bodies[0].velocity = press.velocity;
+  } else {
+    press.displacement = way;
+  }
+  ColliderDescription under;
+  under.name = "under";
+  under.kind = kind.name;
+  under.friction = 0.4;
+  const double gap = 0.0004;  // less than the activation distance
+  ShapeDescription& shape = under.shape;
+  shape.point = -gap * Vector3::Unit(up);
+  shape.normal = Vector3::Unit(up);
+  shape.radius = 0.3;
+  shape.size = {2, 2, 2};
+  shape.size[up] = 0.2;
+  const Vector3 middle(0.14, across, 0);
+  shape.center = middle - ((kind.name == "box" ? 0.1 : 0.3) + gap) * Vector3::Unit(up);
+  shape.start = shape.end = shape.center;
+  shape.start += dimension == 3 ? Vector3(-0.1, -0.6, 0) : Vector3(-0.1, 0, 0);
+  shape.end += dimension == 3 ? Vector3(0.1, 0.6, 0) : Vector3(0.1, 0, 0);
+  shape.mesh = level_sheet(dimension, -gap);
+  scene.colliders.push_back(under);
+  return scene;
+}
+
+TEST(FrictionDerivatives, AreRightOnEveryKindOfCollider) {
+  for (const ShapeKind& kind : shape_kinds())
+    for (const int dimension : {2, 3})
+      for (const bool is_dynamic : {false, true}) {
+        if (dimension == 2 && !kind.is_flat_too) continue;
+        SCOPED_TRACE(std::string(kind.name) + ", " + std::to_string(dimension) + "D" +
+                     (is_dynamic ? ", in motion" : ", at rest"));
+        const Description scene = block_on(kind, dimension, is_dynamic);
+        expect_friction(scene);
+        expect_right_derivatives(scene, {"collider.under.friction", "body.block.material.youngs_modulus",
+                                         is_dynamic ? "fix.press.velocity" : "fix.press.displacement"});
+      }
+}
+
+/// A roller turns where it is, or comes along: only friction feels the one, and both feel the other.
+TEST(FrictionDerivatives, AreRightOnCollidersThatTurnAndMove) {
+  for (const ShapeKind& kind : shape_kinds())
+    for (const int dimension : {2, 3}) {
+      if (dimension == 2 && !kind.is_flat_too) continue;
+      SCOPED_TRACE(std::string(kind.name) + ", " + std::to_string(dimension) + "D");
+      Description scene = block_on(kind, dimension, true);
+      ColliderDescription& under = scene.colliders[0];
+      ColliderTurn turn;
+      turn.axis = dimension == 3 ? Vector3::UnitY() : Vector3::UnitZ();
+      turn.center = under.shape.center;
+      turn.degrees_per_second = kind.name == "sphere" ? 60 : 1;
+      under.rotate = turn;
+      under.velocity = 0.05 * Vector3::UnitX();
+      expect_friction(scene);
+      expect_right_derivatives(scene,
+                               {"collider.under.friction", "body.block.density", "fix.press.velocity"});
+    }
+}
+
+TEST(FrictionDerivatives, AreRightForEveryLaw) {
+  for (const LawInfo* law : laws()) {
+    SCOPED_TRACE(law->name);
+    Description scene = rubbing_bars(2, false, "half_space");
+    MaterialDescription& material = scene.bodies[0].material;
+    material = material_of(*law);
+    material.constants["youngs_modulus"] = 1e4;
+    if (!material.constants.contains("poissons_ratio")) material.constants["poissons_ratio"] = 0.3;
+    if (law->has_volume_energy) scene.bodies[0].element = "P2P0";
+    std::vector<std::string> names = {"contact.friction"};
+    for (const auto& [name, value] : material.constants)
+      if (std::isnan(law->only_poissons_ratio) || name != "poissons_ratio")
+        names.push_back("body.lower.material." + name);
+    expect_right_derivatives(scene, names);
+  }
+}
+
+/// A free block that is thrown at the ground: lands, slips and leaves it, or stays and slides until it
+/// sticks.
+Description thrown_block(int dimension, const Vector3& velocity, double height, double end_time) {
+  Description scene = small_bar(dimension, true);
+  scene.newton.tolerance = 1e-12;
+  scene.time_step = 0.005;
+  scene.end_time = end_time;
+  scene.fixes.clear();
+  scene.probes.clear();
+  BodyDescription& block = scene.bodies[0];
+  block.name = "block";
+  block.mesh = dimension == 3 ? make_box({0.2, 0.1, 0.1}, {2, 1, 1}) : make_rectangle({0.2, 0.1}, {4, 2});
+  block.material.constants["youngs_modulus"] = 5e4;
+  block.velocity = velocity;
+  ColliderDescription ground;
+  ground.name = "ground";
+  ground.kind = "half_space";
+  ground.shape.point = -height * Vector3::Unit(dimension - 1);
+  ground.shape.normal = Vector3::Unit(dimension - 1);
+  ground.friction = 0.3;
+  scene.colliders.push_back(ground);
+  return scene;
+}
+
+const std::vector<std::string> of_block = {
+    "collider.ground.friction", "body.block.material.youngs_modulus", "body.block.material.poissons_ratio",
+    "body.block.density",       "body.block.initial_velocities",      "body.block.initial_positions",
+    "simulation.gravity"};
+
+TEST(FrictionDerivatives, OfABodyThatBouncesAreRight) {
+  for (const int dimension : {2, 3}) {
+    SCOPED_TRACE(dimension);
+    const Vector3 velocity = Vector3::UnitX() - 2 * Vector3::Unit(dimension - 1);
+    const Description scene = thrown_block(dimension, velocity, 0.01, 0.1);
+    expect_friction(scene);
+    const Simulation end = converged_end_of(scene);
+    EXPECT_EQ(end.world().colliders[0]->value(end.state().positions, {}), 0);  // it has left the ground
+    // Over a longer step contacts change between sticking and slipping, where slopes have kinks.
+    expect_right_derivatives(scene, of_block, 1e-6, 2e-5);
+  }
+}
+
+TEST(FrictionDerivatives, OfABodyThatSlidesAreRight) {
+  for (const int dimension : {2, 3}) {
+    SCOPED_TRACE(dimension);
+    const Description scene = thrown_block(dimension, 0.4 * Vector3::UnitX(), 0.0004, 0.1);
+    expect_friction(scene);
+    expect_right_derivatives(scene, of_block);
+  }
+}
+
+TEST(FrictionDerivatives, WithCheckpointsAreTheSameBits) {
+  const Description scene = thrown_block(2, {1, -2, 0}, 0.01, 0.1);
+  std::vector<std::vector<VectorX>> gradients;
+  for (const int checkpoints : {0, 2}) {
+    const auto run = Derivatives::run(scene, of_block, {.checkpoints = checkpoints, .goes_on = {}});
+    gradients.push_back(run->transposed(random_slopes(*run)));
+  }
+  EXPECT_EQ(gradients[0], gradients[1]);
+}
+
+}  // namespace
+}  // namespace resilin::testing
