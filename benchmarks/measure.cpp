@@ -1,3 +1,5 @@
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -40,6 +42,14 @@ Run run(Simulation& simulation) {
   return run;
 }
 
+/// What the process has used at most [bytes]: every benchmark is a process of its own.
+double peak_memory() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  constexpr double kilobyte = 1024;  // what the kernel calls "kB"
+  return kilobyte * static_cast<double>(usage.ru_maxrss);
+}
+
 std::vector<Measurement> summary(const Simulation& simulation, const Run& run, double setup) {
   std::vector<double> sorted = run.step_cpu;
   std::sort(sorted.begin(), sorted.end());
@@ -58,6 +68,7 @@ std::vector<Measurement> summary(const Simulation& simulation, const Run& run, d
           {"linear_solves", run.linear_solves},
           {"linear_iterations", run.linear},
           {"projected_solves", run.projected},
+          {"peak_bytes_per_unknown", peak_memory() / simulation.world().num_free_unknowns()},
           {"steps_not_converged", run.not_converged},
           {"worst_relative_residual", run.worst_residual}};
 }

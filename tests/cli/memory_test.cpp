@@ -86,5 +86,22 @@ TEST_F(ShortMemory, IsForeseenForLargeMeshesAndSaysWhatWouldFit) {
   EXPECT_GT(num_foreseen, 0);
 }
 
+/// So is what a box of very many cells needs before there are equations: its cells, their surface, the body.
+TEST_F(ShortMemory, IsForeseenForBoxesAndBodiesThatAreTooLarge) {
+  const auto refusal = [&](const std::string& cells, const std::string& element,
+                           const std::string& megabytes) {
+    folder.write("box.toml", std::regex_replace(box_scene, std::regex(R"(cells = \[4, 2, 2\])"),
+                                                "cells = [" + cells + "]"));
+    const ProgramResult result = run_limited(megabytes, "--threads 1 --set body.box.element=" + element);
+    EXPECT_EQ(result.exit_code, 1) << cells;
+    EXPECT_THAT(result.err, MatchesRegex("resilin: out of memory: [^\n]+\n"));
+    EXPECT_THAT(result.err, HasSubstr(" cells would fit"));
+    return result.err;
+  };
+  EXPECT_THAT(refusal("240, 60, 60", "P1", "150"), HasSubstr("a box of 5184000 cells needs "));
+  EXPECT_THAT(refusal("160, 40, 40", "P1", "300"), HasSubstr("finding the surface of 1536000 cells needs "));
+  EXPECT_THAT(refusal("40, 20, 20", "P2", "200"), HasSubstr("a body of 96000 cells of P2 needs "));
+}
+
 }  // namespace
 }  // namespace resilin::testing

@@ -117,9 +117,9 @@ TEST(MultigridLevel, LetsNoTwoChunksOfAColourReachOneGroup) {
     fine.row_begin = permuted.row_begin;
     fine.columns = permuted.columns;
     fine.sweeps = order.chunks;
-    fine.full = FullPattern(fine.row_begin, fine.columns);
+    fine.lower = LowerPattern(fine.row_begin, fine.columns);
     const std::vector<std::uint8_t> is_active(permuted.node_at.size(), 1);
-    Aggregates groups = aggregate(fine.full, is_active, order.along_layers);
+    Aggregates groups = aggregate(fine.full(), is_active, order.along_layers);
     ASSERT_TRUE(fine.connect(groups, coarse));
     EXPECT_GT(fine.transfers.chunks.size(), 10U);
     EXPECT_GT(fine.transfers.chunks.size(), 2 * (fine.transfers.color_begin.size() - 1))

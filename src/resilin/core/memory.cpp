@@ -178,8 +178,8 @@ std::unique_ptr<double[]> make_numbers(std::size_t count) {
 
 std::string out_of_memory_text(const std::bad_alloc& error) {
   if (dynamic_cast<const OutOfMemory*>(&error) != nullptr) return error.what();
-  return "out of memory: " + words(memory_room()) +
-         "; take fewer cells or simpler elements, fewer threads, or raise the limit";
+  return "out of memory: more was needed than there is, and " + words(memory_room()) +
+         " once it is given back; take fewer cells or simpler elements, fewer threads, or raise the limit";
 }
 
 }  // namespace resilin

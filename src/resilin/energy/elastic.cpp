@@ -75,6 +75,44 @@ double sum_of_tiles(const ElasticTiles& tiles, std::span<const Index> blocks, co
       .total();
 }
 
+/// The least of the lengths of steps.
+struct StepBound {
+  double step = 1;
+  StepBound& operator+=(const StepBound& other) {
+    step = std::min(step, other.step);
+    return *this;
+  }
+};
+
+/// Shortens the step to what the points of a tile may go from u along v, by local node.
+void bound_by(const ElasticTiles& tiles, const ElasticTiles::Tile& tile, const double* u, const double* v,
+              ElasticTiles::Scratch& scratch, StepBound& bound) {
+  tiles.gradients(tile, v, scratch, scratch.G);
+  tiles.gradients(tile, u, scratch, scratch.H);
+  tiles.volume_cubics(tile, scratch.H, scratch.G, scratch.law);
+  for (std::size_t i = 0; i < tiles.num_entries(tile) * block_size; ++i) {
+    const double* c = scratch.law + i / block_size * 4 * block_size + i % block_size;
+    bound.step = inversion_free_step({c[0], c[block_size], c[2 * block_size], c[3 * block_size]}, bound.step);
+  }
+}
+
+/// How far every quadrature point may go along p: see max_step.
+double inversion_free_length(const ElasticTiles& tiles, std::span<const Index> blocks, const VectorX& x,
+                             const VectorX& p) {
+  const std::vector<double> u = tiles.blocks.local_displacements(x), v = tiles.blocks.local_values(p);
+  return parallel_sum<StepBound>(blocks.size(), blocks_per_chunk,
+                                 [&](std::size_t begin, std::size_t end) {
+                                   StepBound bound;
+                                   ElasticTiles::Scratch scratch(tiles);
+                                   for_tiles(tiles, blocks.data() + begin, end - begin,
+                                             [&](const ElasticTiles::Tile& tile) {
+                                               bound_by(tiles, tile, u.data(), v.data(), scratch, bound);
+                                             });
+                                   return bound;
+                                 })
+      .step;
+}
+
 }  // namespace
 
 ElasticEnergy::ElasticEnergy(int dim, const ElementChoice& choice, std::span<const Index> cells,
@@ -331,30 +369,7 @@ VectorX ElasticEnergy::predicted_internal_values(const VectorX& x, const VectorX
 
 double ElasticEnergy::max_step(const VectorX& x, const VectorX& p, const Conditions&) const {
   if (!law().needs_positive_J) return 1;
-  const std::vector<double> u = tiles_.blocks.local_displacements(x), v = tiles_.blocks.local_values(p);
-  struct Bound {
-    double step = 1;
-    Bound& operator+=(const Bound& other) {
-      step = std::min(step, other.step);
-      return *this;
-    }
-  };
-  double step =
-      parallel_sum<Bound>(all_blocks_.size(), blocks_per_chunk, [&](std::size_t begin, std::size_t end) {
-        Bound bound;
-        ElasticTiles::Scratch scratch(tiles_);
-        for_tiles(tiles_, all_blocks_.data() + begin, end - begin, [&](const ElasticTiles::Tile& tile) {
-          tiles_.gradients(tile, v.data(), scratch, scratch.G);
-          tiles_.gradients(tile, u.data(), scratch, scratch.H);
-          tiles_.volume_cubics(tile, scratch.H, scratch.G, scratch.law);
-          for (std::size_t i = 0; i < tiles_.num_entries(tile) * block_size; ++i) {
-            const double* c = scratch.law + i / block_size * 4 * block_size + i % block_size;
-            bound.step =
-                inversion_free_step({c[0], c[block_size], c[2 * block_size], c[3 * block_size]}, bound.step);
-          }
-        });
-        return bound;
-      }).step;
+  double step = inversion_free_length(tiles_, all_blocks_, x, p);
   if (!(min_volume_ratio(x).ratio > 0)) return step;
   while (step > 0 && !(min_volume_ratio(x + step * p).ratio > 0)) step *= 0.9;
   while (step > 1e-12 && turns_a_cell_inside_out(x, x + step * p)) step *= 0.7;

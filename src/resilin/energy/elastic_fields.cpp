@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <span>
 
 #include "resilin/core/parallel.hpp"
 #include "resilin/core/simd.hpp"
@@ -67,6 +68,40 @@ class PointStates {
   StateBatch<double> batch_;
 };
 
+/// Calls `body(cell, point, J)` for the quadrature points of these blocks. @param u  by local node
+template <class Body>
+void for_volume_ratios(const ElasticTiles& tiles, std::span<const Index> of_blocks, const double* u,
+                       const Body& body) {
+  const ElementBlocks& blocks = tiles.blocks;
+  ElasticTiles::Scratch scratch(tiles);
+  for_tiles(tiles, of_blocks.data(), of_blocks.size(), [&](const ElasticTiles::Tile& tile) {
+    tiles.gradients(tile, u, scratch, scratch.H);
+    tiles.volume_cubics(tile, scratch.H, scratch.H, scratch.law);  // J is the first number
+    for (std::size_t entry = 0; entry < tiles.num_entries(tile); ++entry) {
+      const Index* cells =
+          blocks.cells.data() + static_cast<std::size_t>(tile.blocks[entry / blocks.num_points]) * block_size;
+      for (std::size_t lane = 0; lane < block_size; ++lane)
+        if (cells[lane] >= 0)
+          body(static_cast<std::size_t>(cells[lane]), entry % blocks.num_points,
+               scratch.law[entry * 4 * block_size + lane]);
+    }
+  });
+}
+
+/// The least J and the first point where it is; the first point where it is not a number, if there is one.
+struct LeastRatio {
+  static constexpr std::size_t nowhere = std::numeric_limits<std::size_t>::max();
+  double ratio = std::numeric_limits<double>::infinity();
+  std::size_t place = nowhere;
+
+  LeastRatio& operator+=(const LeastRatio& other) {
+    const bool here = std::isnan(ratio), there = std::isnan(other.ratio);
+    const bool is_alike = here || there ? here && there : ratio == other.ratio;
+    if (is_alike ? other.place < place : there || (!here && other.ratio < ratio)) *this = other;
+    return *this;
+  }
+};
+
 }  // namespace
 
 void ElasticEnergy::for_each_point(const VectorX& x, const PointBody& body) const {
@@ -96,14 +131,18 @@ void ElasticEnergy::for_each_point(const VectorX& x, const PointBody& body) cons
 }
 
 ElasticEnergy::VolumeRatio ElasticEnergy::min_volume_ratio(const VectorX& x) const {
-  const std::vector<double> ratios = volume_ratios(x);
-  VolumeRatio least{std::numeric_limits<double>::infinity(), -1};
-  for (std::size_t i = 0; i < ratios.size(); ++i) {
-    const auto cell = static_cast<Index>(i) / num_points();
-    if (std::isnan(ratios[i])) return {ratios[i], cell};
-    if (ratios[i] < least.ratio) least = {ratios[i], cell};
-  }
-  return least;
+  const std::vector<double> u = tiles_.blocks.local_displacements(x);
+  const LeastRatio least =
+      parallel_sum<LeastRatio>(all_blocks_.size(), blocks_per_chunk, [&](std::size_t begin, std::size_t end) {
+        LeastRatio part;
+        for_volume_ratios(tiles_, std::span(all_blocks_).subspan(begin, end - begin), u.data(),
+                          [&](std::size_t cell, std::size_t point, double J) {
+                            part += LeastRatio{J, place(cell, point)};
+                          });
+        return part;
+      });
+  if (least.place == LeastRatio::nowhere) return {least.ratio, -1};
+  return {least.ratio, static_cast<Index>(least.place) / num_points()};
 }
 
 double ElasticEnergy::total_rest_volume() const {
@@ -146,23 +185,11 @@ std::vector<double> ElasticEnergy::rest_volumes() const {
 }
 
 std::vector<double> ElasticEnergy::volume_ratios(const VectorX& x) const {
-  const ElementBlocks& blocks = tiles_.blocks;
-  const std::vector<double> u = blocks.local_displacements(x);
+  const std::vector<double> u = tiles_.blocks.local_displacements(x);
   std::vector<double> ratios(static_cast<std::size_t>(num_cells() * num_points()));
-  parallel_for(blocks.num_blocks, blocks_per_chunk, [&](std::size_t begin, std::size_t end) {
-    ElasticTiles::Scratch scratch(tiles_);
-    for_tiles(tiles_, all_blocks_.data() + begin, end - begin, [&](const ElasticTiles::Tile& tile) {
-      tiles_.gradients(tile, u.data(), scratch, scratch.H);
-      tiles_.volume_cubics(tile, scratch.H, scratch.H, scratch.law);  // J is the first number
-      for (std::size_t entry = 0; entry < tiles_.num_entries(tile); ++entry) {
-        const Index* cells = blocks.cells.data() +
-                             static_cast<std::size_t>(tile.blocks[entry / blocks.num_points]) * block_size;
-        for (std::size_t lane = 0; lane < block_size; ++lane)
-          if (cells[lane] >= 0)
-            ratios[place(static_cast<std::size_t>(cells[lane]), entry % blocks.num_points)] =
-                scratch.law[entry * 4 * block_size + lane];
-      }
-    });
+  parallel_for(all_blocks_.size(), blocks_per_chunk, [&](std::size_t begin, std::size_t end) {
+    for_volume_ratios(tiles_, std::span(all_blocks_).subspan(begin, end - begin), u.data(),
+                      [&](std::size_t cell, std::size_t point, double J) { ratios[place(cell, point)] = J; });
   });
   return ratios;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "resilin/core/error.hpp"
+#include "resilin/core/memory.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/io/atomic_file.hpp"
 #include "resilin/io/catalog.hpp"
@@ -48,6 +49,16 @@ const MeshFormat& format_of(const MeshSource& source) {
   throw InputError(source.name, "a mesh in one of the formats " + known_formats(false), "something else");
 }
 
+/// Throws OutOfMemory where a mesh file does not fit: its bytes and, in whatever format, half as many for the
+/// mesh.
+void foresee_reading(const std::filesystem::path& path) {
+  std::error_code failure;
+  const std::uintmax_t size = std::filesystem::file_size(path, failure);
+  if (!failure && !fits(1.5 * static_cast<double>(size)))
+    foresee_memory(1.5 * static_cast<double>(size), "reading " + path.string(),
+                   "take a coarser mesh, or raise the limit");
+}
+
 bool is_flat(const Mesh& mesh) {
   return std::all_of(mesh.vertices.begin(), mesh.vertices.end(), [](const Vector3& X) { return X.z() == 0; });
 }
@@ -57,6 +68,7 @@ bool is_flat(const Mesh& mesh) {
 std::string MeshSource::extension() const { return lower_case_extension(name); }
 
 MeshFile read_mesh(const std::filesystem::path& path) {
+  foresee_reading(path);
   const std::string bytes = read_file(path);
   return read_mesh_from_memory(path.string(), bytes, [&path](const std::string& extension) {
     return read_file(std::filesystem::path(path).replace_extension(extension));

@@ -1,31 +1,21 @@
 #include "resilin/linear/aggregation.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 namespace resilin {
 
-FullPattern::FullPattern(const std::vector<Offset>& upper_begin, const std::vector<Index>& upper_columns) {
-  const auto n = static_cast<Index>(upper_begin.size()) - 1;
-  begin.assign(upper_begin.size(), 0);
-  for (Index i = 0; i < n; ++i) {
-    begin[i + 1] += 1 + upper_begin[i + 1] - upper_begin[i];
-    for (Offset k = upper_begin[i]; k < upper_begin[i + 1]; ++k) ++begin[upper_columns[k] + 1];
-  }
-  for (Index i = 0; i < n; ++i) begin[i + 1] += begin[i];
-  blocks.resize(static_cast<std::size_t>(begin[n]));
-  columns.resize(blocks.size());
+LowerPattern::LowerPattern(std::span<const Offset> upper_begin, std::span<const Index> upper_columns)
+    : begin(upper_begin.size(), 0), columns(upper_columns.size()), entries(upper_columns.size()) {
+  for (const Index column : upper_columns) ++begin[column + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
   std::vector<Offset> next(begin.begin(), begin.end() - 1);
-  const auto put = [&](Index row, Index column, Index block) {
-    columns[next[row]] = column;
-    blocks[next[row]++] = block;
-  };
-  for (Index i = 0; i < n; ++i) {  // what stands below row i's diagonal came with the rows before
-    put(i, i, -1);
+  for (Index i = 0; i + 1 < static_cast<Index>(upper_begin.size()); ++i)
     for (Offset k = upper_begin[i]; k < upper_begin[i + 1]; ++k) {
-      put(i, upper_columns[k], static_cast<Index>(k));
-      put(upper_columns[k], i, static_cast<Index>(-2 - k));
+      const Offset place = next[upper_columns[k]]++;
+      columns[place] = i;
+      entries[place] = static_cast<Index>(k);
     }
-  }
 }
 
 Aggregates aggregate(const FullPattern& pattern, std::span<const std::uint8_t> is_active,
@@ -33,8 +23,9 @@ Aggregates aggregate(const FullPattern& pattern, std::span<const std::uint8_t> i
   Aggregates groups;
   groups.of_node.assign(static_cast<std::size_t>(pattern.num_nodes()), -1);
   const auto for_neighbours = [&](Index i, const auto& visit) {
-    for (Offset e = pattern.begin[i]; e < pattern.begin[i + 1]; ++e)
-      if (is_active[pattern.columns[e]] != 0) visit(pattern.columns[e]);
+    pattern.for_row(i, [&](Index j) {
+      if (is_active[j] != 0) visit(j);
+    });
   };
   for (const Index i : order) {
     if (is_active[i] == 0) continue;

@@ -8,16 +8,32 @@
 
 namespace resilin {
 
-/// Both triangles of a symmetric pattern, by rows, columns ascending.
-struct FullPattern {
-  std::vector<Offset> begin;  ///< num_nodes + 1
-  std::vector<Index>
-      blocks;  ///< -1: the diagonal; k: entry k of the strictly upper part; -2 - k: its transpose
-  std::vector<Index> columns;
+/// The strictly lower triangle of a symmetric pattern by rows, columns ascending: transposes of the upper
+/// entries.
+struct LowerPattern {
+  std::vector<Offset> begin;   ///< num_nodes + 1
+  std::vector<Index> columns;  ///< those of the upper entries' rows
+  std::vector<Index> entries;  ///< of the upper part
 
-  FullPattern() = default;
-  FullPattern(const std::vector<Offset>& upper_begin, const std::vector<Index>& upper_columns);
-  Index num_nodes() const { return static_cast<Index>(begin.size()) - 1; }
+  LowerPattern() = default;
+  LowerPattern(std::span<const Offset> upper_begin, std::span<const Index> upper_columns);
+};
+
+/// Both triangles by rows, columns ascending: a view of their arrays.
+struct FullPattern {
+  std::span<const Offset> upper_begin;
+  std::span<const Index> upper_columns;
+  const LowerPattern& lower;
+
+  Index num_nodes() const { return static_cast<Index>(upper_begin.size()) - 1; }
+  std::size_t num_entries() const { return 2 * upper_columns.size() + static_cast<std::size_t>(num_nodes()); }
+  /// Calls visit(column) for the entries of a row.
+  template <class Visit>
+  void for_row(Index row, const Visit& visit) const {
+    for (Offset k = lower.begin[row]; k < lower.begin[row + 1]; ++k) visit(lower.columns[k]);
+    visit(row);
+    for (Offset k = upper_begin[row]; k < upper_begin[row + 1]; ++k) visit(upper_columns[k]);
+  }
 };
 
 /// Groups of neighbouring nodes: the nodes of the next coarser level.

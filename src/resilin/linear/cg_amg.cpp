@@ -95,8 +95,8 @@ void SmoothedAggregation::build_levels(int dim) {
     MultigridLevel& fine = levels_.back();
     fine.allocate();
     if (fine.num_nodes() * fine.block_size() <= most_coarse_unknowns) break;
-    fine.full = FullPattern(fine.row_begin, fine.columns);
-    Aggregates groups = aggregate(fine.full, is_active, fine.along_layers);
+    fine.lower = LowerPattern(fine.row_begin, fine.columns);
+    Aggregates groups = aggregate(fine.full(), is_active, fine.along_layers);
     if (groups.count == 0 || groups.count > fine.num_nodes() * 2 / 3) break;
     MultigridLevel coarse;
     coarse.dim = dim;

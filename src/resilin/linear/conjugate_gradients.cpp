@@ -14,6 +14,8 @@ constexpr std::size_t numbers_per_chunk = 1 << 14;
 /// A matrix that has changed by no more than this share of its diagonals is served by the preconditioner of
 /// the one before: at 0.1 a bar under load took a quarter more iterations, at 0.03 as many as before.
 constexpr double near_enough = 0.03;
+/// Vectors of larger systems cost little beside a solve to be made anew, and much to be held between them.
+constexpr Eigen::Index most_kept_unknowns = 1 << 16;
 
 /// The node that contributes most to a negative curvature p^T A p.
 Index most_negative_node(const VectorX& p, const VectorX& Ap, int dim) {
@@ -80,6 +82,14 @@ void ConjugateGradients::judge_preconditioner(int iterations, double relative_to
 
 LinearReport ConjugateGradients::solve(const BlockMatrix& A, const VectorX& b, VectorX& x,
                                        double relative_tolerance) {
+  const LinearReport report = iterate(A, b, x, relative_tolerance);
+  if (b.size() > most_kept_unknowns) vectors_ = {};
+  return report;
+}
+
+LinearReport ConjugateGradients::iterate(const BlockMatrix& A, const VectorX& b, VectorX& x,
+                                         double relative_tolerance) {
+  auto& [r, z, p, product, work] = vectors_;
   const detail::BlockKernels& kernels = detail::block_kernels();
   const auto n = static_cast<std::size_t>(b.size());
   const auto dot = [&](const VectorX& u, const VectorX& v) {
@@ -89,42 +99,42 @@ LinearReport ConjugateGradients::solve(const BlockMatrix& A, const VectorX& b, V
   };
   LinearReport report;
   if (x.size() != b.size()) x.setZero(b.size());
-  r_ = b;
+  r = b;
   if (!x.isZero(0)) {
-    multiply(A, x, product_, work_);
-    r_ -= product_;
+    multiply(A, x, product, work);
+    r -= product;
   }
   const double b_norm = std::sqrt(dot(b, b));
-  double r_norm = std::sqrt(dot(r_, r_));
+  double r_norm = std::sqrt(dot(r, r));
   if (r_norm <= relative_tolerance * b_norm) {
     report.relative_residual = b_norm > 0 ? r_norm / b_norm : 0;
     return report;
   }
-  p_.setZero(b.size());
+  p.setZero(b.size());
   double previous_rz = 1;
   report.status = LinearReport::Status::not_converged;
   while (report.iterations < max_iterations_) {
-    preconditioner_->apply(r_, r_norm, z_);
-    const double rz = dot(r_, z_);
+    preconditioner_->apply(r, r_norm, z);
+    const double rz = dot(r, z);
     if (!(rz > 0) || !std::isfinite(rz)) break;  // the preconditioner has lost definiteness to round-off
     const double along_last = report.iterations == 0 ? 0.0 : rz / previous_rz;
     parallel_for(n, numbers_per_chunk, [&](std::size_t begin, std::size_t end) {
-      kernels.xpby(z_.data() + begin, along_last, p_.data() + begin, static_cast<Offset>(end - begin));
+      kernels.xpby(z.data() + begin, along_last, p.data() + begin, static_cast<Offset>(end - begin));
     });
-    multiply(A, p_, product_, work_);
-    const double curvature = dot(p_, product_);
+    multiply(A, p, product, work);
+    const double curvature = dot(p, product);
     if (!(curvature > 0)) {
       report.status = LinearReport::Status::indefinite;
-      report.worst_node = most_negative_node(p_, product_, A.dim);
-      if (report.iterations == 0 && x.isZero(0)) x = p_;
+      report.worst_node = most_negative_node(p, product, A.dim);
+      if (report.iterations == 0 && x.isZero(0)) x = p;
       break;
     }
     const double step = rz / curvature;
     r_norm = std::sqrt(parallel_sum<double>(n, numbers_per_chunk, [&](std::size_t begin, std::size_t end) {
       const auto count = static_cast<Offset>(end - begin);
-      kernels.axpy(step, p_.data() + begin, x.data() + begin, count);
-      kernels.axpy(-step, product_.data() + begin, r_.data() + begin, count);
-      return kernels.dot(r_.data() + begin, r_.data() + begin, count);
+      kernels.axpy(step, p.data() + begin, x.data() + begin, count);
+      kernels.axpy(-step, product.data() + begin, r.data() + begin, count);
+      return kernels.dot(r.data() + begin, r.data() + begin, count);
     }));
     previous_rz = rz;
     ++report.iterations;

@@ -22,8 +22,9 @@ class Preconditioner {
   virtual void apply(const VectorX& r, double norm, VectorX& z) = 0;
 };
 
-/// Conjugate gradients with the preconditioner given. All memory is kept between solves, and within a search
-/// the preconditioner of one matrix, with the positions that it was made for, for those that are near to it.
+/// Conjugate gradients with the preconditioner given. Kept between solves are its memory, the vectors of
+/// small systems, and within a search the preconditioner of one matrix, with the positions that it was made
+/// for, for those that are near to it.
 ///
 /// Source: Saad 2003, algorithm 9.1. Stops where p^T A p <= 0, and returns the iterate so far (the
 /// preconditioned right side when that is the start): Nocedal & Wright 2006, algorithm 7.1.
@@ -47,7 +48,12 @@ class ConjugateGradients : public LinearSolver {
   LinearReport solve(const BlockMatrix& A, const VectorX& b, VectorX& x, double relative_tolerance) override;
 
  private:
+  struct Vectors {
+    VectorX r, z, p, product;
+    std::vector<double> work;
+  };
   void foresee(const BlockMatrix& A);
+  LinearReport iterate(const BlockMatrix& A, const VectorX& b, VectorX& x, double relative_tolerance);
 
   std::string name_;
   std::shared_ptr<const BlockPattern> foreseen_;  ///< there was memory for it
@@ -57,8 +63,7 @@ class ConjugateGradients : public LinearSolver {
 
   MatrixSample factorized_;  ///< whose preconditioner is held; nothing where none is, or in another search
   double iterations_per_digit_ = 0;  ///< of the first solve with it; 0 before
-  VectorX r_, z_, p_, product_;
-  std::vector<double> work_;
+  Vectors vectors_;
 };
 
 }  // namespace resilin

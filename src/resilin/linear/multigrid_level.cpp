@@ -57,6 +57,7 @@ bool MultigridLevel::connect(Aggregates& groups, MultigridLevel& coarse) {
     if (group >= 0) group = number[group];
   for (Index& group : prolongation_columns) group = number[group];
   color_transfers(groups.count);
+  narrow_the_places();
   prolongation.resize(prolongation_columns.size() * static_cast<std::size_t>(block_size() * num_modes()) +
                       static_cast<std::size_t>(lanes_of(num_modes())));
   return true;
@@ -66,21 +67,26 @@ bool MultigridLevel::connect(Aggregates& groups, MultigridLevel& coarse) {
 bool MultigridLevel::find_prolongation(const Aggregates& groups) {
   prolongation_begin.assign(1, 0);
   prolongation_columns.clear();
-  smoothing_places.assign(full.columns.size(), -1);
+  const FullPattern pattern = full();
+  constexpr auto none = std::numeric_limits<std::uint16_t>::max();
+  std::vector<std::uint16_t>& places = wide_places.smoothing;
+  places.clear();
+  places.reserve(pattern.num_entries());
   std::vector<Offset> entry_of(static_cast<std::size_t>(groups.count), -1);
   for (Index i = 0; i < num_nodes(); ++i) {
     const Offset begin = prolongation_begin.back();
-    for (Offset e = full.begin[i]; e < full.begin[i + 1]; ++e) {
-      const Index group = groups.of_node[full.columns[e]];
-      if (group < 0 || groups.of_node[i] < 0) continue;
+    pattern.for_row(i, [&](Index j) {
+      const Index group = groups.of_node[j];
+      places.push_back(none);
+      if (group < 0 || groups.of_node[i] < 0) return;
       if (entry_of[group] < begin) {
         entry_of[group] = static_cast<Offset>(prolongation_columns.size());
         prolongation_columns.push_back(group);
       }
-      smoothing_places[e] = static_cast<std::int16_t>(entry_of[group] - begin);
-    }
+      places.back() = static_cast<std::uint16_t>(entry_of[group] - begin);
+    });
     prolongation_begin.push_back(static_cast<Offset>(prolongation_columns.size()));
-    if (prolongation_begin.back() - begin > std::numeric_limits<std::int16_t>::max()) return false;
+    if (prolongation_begin.back() - begin > none) return false;
   }
   prolongation_columns.shrink_to_fit();
   return true;
@@ -91,32 +97,32 @@ MultigridLevel::ProductRows MultigridLevel::find_product_rows(Index num_groups) 
   ProductRows product;
   product.begin.assign(1, 0);
   product_width.clear();
-  product_places.clear();
+  const FullPattern pattern = full();
+  std::vector<std::uint16_t>& places = wide_places.product;
+  places.clear();
   product_begin.assign(1, 0);
   target_begin.assign(1, 0);
   widest_product_ = 0;
   std::vector<Offset> entry_of(static_cast<std::size_t>(num_groups), -1);
   for (Index i = 0; i < num_nodes(); ++i) {
     const Offset begin = product.begin.back();
-    for (Offset e = full.begin[i]; e < full.begin[i + 1]; ++e) {
-      const Index j = full.columns[e];
+    pattern.for_row(i, [&](Index j) {
       for (Offset k = prolongation_begin[j]; k < prolongation_begin[j + 1]; ++k) {
         const Index group = prolongation_columns[k];
         if (entry_of[group] < begin) {
           entry_of[group] = static_cast<Offset>(product.columns.size());
           product.columns.push_back(group);
         }
-        product_places.push_back(static_cast<std::uint16_t>(entry_of[group] - begin));
+        places.push_back(static_cast<std::uint16_t>(entry_of[group] - begin));
       }
-    }
+    });
     const Offset width = static_cast<Offset>(product.columns.size()) - begin;
     product.begin.push_back(begin + width);
     widest_product_ = std::max(widest_product_, static_cast<std::size_t>(width));
     product_width.push_back(static_cast<std::uint16_t>(width));
-    product_begin.push_back(static_cast<Offset>(product_places.size()));
+    product_begin.push_back(static_cast<Offset>(places.size()));
     target_begin.push_back(target_begin.back() + width * (prolongation_begin[i + 1] - prolongation_begin[i]));
   }
-  product_places.shrink_to_fit();
 
   product.reach_begin.assign(static_cast<std::size_t>(num_groups) + 1, 0);
   for (const Index group : prolongation_columns) ++product.reach_begin[group + 1];
@@ -159,7 +165,7 @@ bool MultigridLevel::find_coarse_rows(const ProductRows& product, const NodeGrap
   const std::vector<Index> number = inverse_of(order.node_at);
   coarse.row_begin.assign(1, 0);
   coarse.columns.clear();
-  coarse_places.assign(static_cast<std::size_t>(target_begin.back()), 0);
+  wide_places.coarse.assign(static_cast<std::size_t>(target_begin.back()), 0);
   std::vector<std::uint16_t> place_of(static_cast<std::size_t>(num_groups), 0);
   for (Index row = 0; row < num_groups; ++row) {
     const Index group = order.node_at[row];
@@ -173,11 +179,34 @@ bool MultigridLevel::find_coarse_rows(const ProductRows& product, const NodeGrap
     for (Offset k = begin; k < coarse.row_begin.back(); ++k)
       place_of[coarse.columns[k]] = static_cast<std::uint16_t>(2 + k - begin);
     product.for_each(group, [&](Index column, Offset target) {
-      if (number[column] >= row) coarse_places[target] = place_of[number[column]];
+      if (number[column] >= row) wide_places.coarse[target] = place_of[number[column]];
     });
   }
   coarse.columns.shrink_to_fit();
   return true;
+}
+
+/// Maps that were found count in two bytes. In most levels one is enough: rows of the prolongation and of
+/// both products are short.
+void MultigridLevel::narrow_the_places() {
+  constexpr auto none = std::numeric_limits<std::uint16_t>::max();
+  constexpr auto most = std::numeric_limits<std::uint8_t>::max();
+  const auto is_small = [](std::uint16_t place) { return place < most || place == none; };
+  Places<std::uint8_t> narrow;
+  const auto take = [&](const std::vector<std::uint16_t>& wide, std::vector<std::uint8_t>& into) {
+    if (!std::ranges::all_of(wide, is_small)) return false;
+    into.assign(wide.size(), most);
+    for (std::size_t k = 0; k < wide.size(); ++k)
+      if (wide[k] != none) into[k] = static_cast<std::uint8_t>(wide[k]);
+    return true;
+  };
+  if (take(wide_places.smoothing, narrow.smoothing) && take(wide_places.product, narrow.product) &&
+      take(wide_places.coarse, narrow.coarse)) {
+    narrow_places = std::move(narrow);
+    wide_places = {};
+  } else {
+    narrow_places = {};
+  }
 }
 
 /// Each chunk of the sweeps takes the first colour that no chunk has with which it shares a group.
@@ -276,8 +305,8 @@ float MultigridLevel::largest_eigenvalue() {
 
 void MultigridLevel::project_to(MultigridLevel& coarse) {
   const float damping = 4.0F / 3.0F / largest_eigenvalue();
-  const auto smooth = of_kind(multigrid_kernels().smooth_prolongation);
-  const auto project = of_kind(multigrid_kernels().galerkin_product);
+  const auto smooth = of_places(multigrid_kernels().smooth_prolongation);
+  const auto project = of_places(multigrid_kernels().galerkin_product);
   sweeps.at_once([&](const ColoredChunks::Rows& rows) {
     std::vector<float> work = row_work();
     smooth(view(), transfer(), {rows.first, rows.last}, damping, work.data());
@@ -353,15 +382,15 @@ detail::TransferView MultigridLevel::transfer() {
           .columns = prolongation_columns.data(),
           .blocks = prolongation.data(),
           .tentative = tentative.data(),
-          .full_begin = full.begin.data(),
-          .full_blocks = full.blocks.data(),
-          .full_columns = full.columns.data(),
-          .smoothing_places = smoothing_places.data(),
+          .lower_begin = lower.begin.data(),
+          .lower_columns = lower.columns.data(),
+          .lower_entries = lower.entries.data(),
+          .smoothing_places = {narrow_places.smoothing.data(), wide_places.smoothing.data()},
           .product_width = product_width.data(),
           .product_begin = product_begin.data(),
-          .product_places = product_places.data(),
+          .product_places = {narrow_places.product.data(), wide_places.product.data()},
           .target_begin = target_begin.data(),
-          .coarse_places = coarse_places.data()};
+          .coarse_places = {narrow_places.coarse.data(), wide_places.coarse.data()}};
 }
 
 detail::CoarseView MultigridLevel::writable() {

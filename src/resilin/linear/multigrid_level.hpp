@@ -31,13 +31,21 @@ struct MultigridLevel {
   std::vector<float> inverse_diagonal;
   std::vector<std::uint8_t> is_absent;  ///< by unknown: its row is empty and becomes that of the identity
 
-  FullPattern full;
+  LowerPattern lower;
+  FullPattern full() const { return {row_begin, columns, lower}; }
   std::vector<Offset> prolongation_begin;
   std::vector<Index> prolongation_columns;
   std::vector<float> prolongation, tentative;
-  std::vector<std::int16_t> smoothing_places;
-  std::vector<std::uint16_t> product_width, product_places, coarse_places;
+  std::vector<std::uint16_t> product_width;
   std::vector<Offset> product_begin, target_begin;
+  /// See TransferView; in one byte each where that is enough for all of them.
+  template <class Place>
+  struct Places {
+    std::vector<Place> smoothing, product, coarse;
+  };
+  Places<std::uint8_t> narrow_places;
+  Places<std::uint16_t> wide_places;
+  bool has_narrow_places() const { return wide_places.product.empty(); }
 
   ColoredChunks sweeps;             ///< of nodes that have no neighbour in common: see two_color_order
   ColoredChunks transfers;          ///< of nodes that reach no group in common
@@ -92,12 +100,18 @@ struct MultigridLevel {
   Kernel of_kind(const Kernel (&kernels)[2][2]) const {
     return kernels[dim - 2][is_given ? 0 : 1];
   }
+  /// Those of the Galerkin product, for levels whose maps count in one byte and in two.
+  template <class Kernel>
+  Kernel of_places(const Kernel (&kernels)[2][2][2]) const {
+    return of_kind(kernels[has_narrow_places() ? 0 : 1]);
+  }
   bool find_prolongation(const Aggregates& groups);
   ProductRows find_product_rows(Index num_groups);
   static NodeGraph couple_groups(const ProductRows& product);
   bool find_coarse_rows(const ProductRows& product, const NodeGraph& graph, const SweepOrder& order,
                         MultigridLevel& coarse);
   void color_transfers(Index num_groups);
+  void narrow_the_places();
 
   /// Memory of one task for the widest row of A P, each row of its blocks padded.
   std::vector<float> row_work() const;

@@ -4,9 +4,11 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numeric>
 #include <string>
 
 #include "resilin/core/error.hpp"
+#include "resilin/core/memory.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/mesh/edit.hpp"
 #include "resilin/mesh/topology.hpp"
@@ -54,6 +56,20 @@ void check_count(const std::string& what, const std::array<int, 3>& cells, int c
   }
 }
 
+/// Throws OutOfMemory where the mesh of a grid does not fit: vertices, cells, and the group of them all.
+void foresee_mesh(const std::array<int, 3>& cells, std::size_t cells_per_cube, CellKind kind) {
+  double num_cells = static_cast<double>(cells_per_cube), num_vertices = 1;
+  for (const int n : cells) {
+    num_cells *= std::max(n, 1);
+    num_vertices *= n + 1.0;
+  }
+  const double bytes =
+      num_cells * (num_nodes(kind) + 1) * sizeof(Index) + num_vertices * (sizeof(Vector3) + sizeof(Index));
+  if (!fits(bytes))
+    foresee_memory(bytes, "a box of " + std::to_string(static_cast<std::int64_t>(num_cells)) + " cells",
+                   what_would_fit(num_cells, bytes, "cells") + ": take fewer, or raise the limit");
+}
+
 void check_box(const Vector3& size, const std::array<int, 3>& cells) {
   for (std::size_t a = 0; a < 3; ++a)
     check_size("box", std::string(1, "xyz"[a]), size[static_cast<Eigen::Index>(a)], cells[a]);
@@ -91,8 +107,10 @@ void add_groups(Mesh& mesh, const Grid& grid, int dim) {
   const CellBlock& sides = mesh.blocks[1];
 
   Group body{"body", {{}}, {}};
-  for (Index cell = 0; cell < mesh.blocks[0].num_cells(); ++cell) body.cells[0].push_back(cell);
-  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) body.vertices.push_back(static_cast<Index>(v));
+  body.cells[0].resize(static_cast<std::size_t>(mesh.blocks[0].num_cells()));
+  std::iota(body.cells[0].begin(), body.cells[0].end(), 0);
+  body.vertices.resize(mesh.vertices.size());
+  std::iota(body.vertices.begin(), body.vertices.end(), 0);
   mesh.groups.push_back(std::move(body));
 
   for (std::size_t axis = 0; axis < static_cast<std::size_t>(dim); ++axis) {
@@ -117,11 +135,15 @@ void add_groups(Mesh& mesh, const Grid& grid, int dim) {
 Mesh make_box(const Vector3& size, const std::array<int, 3>& cells, const Vector3& origin,
               TetPattern pattern) {
   check_box(size, cells);
+  const std::size_t tets_per_cube = pattern == TetPattern::kuhn6 ? kuhn_tets.size() : even_tets.size();
+  foresee_mesh(cells, tets_per_cube, CellKind::tetrahedron);
   const Grid grid(cells);
   Mesh mesh;
   mesh.vertices = grid_vertices(grid, size, origin);
   mesh.blocks.push_back({CellKind::tetrahedron, {}});
   std::vector<Index>& nodes = mesh.blocks[0].nodes;
+  nodes.reserve(4 * tets_per_cube * static_cast<std::size_t>(cells[0]) * static_cast<std::size_t>(cells[1]) *
+                static_cast<std::size_t>(cells[2]));
   for (int k = 0; k < cells[2]; ++k) {
     for (int j = 0; j < cells[1]; ++j) {
       for (int i = 0; i < cells[0]; ++i) {
@@ -143,10 +165,13 @@ Mesh make_box(const Vector3& size, const std::array<int, 3>& cells, const Vector
 
 Mesh make_hexahedron_box(const Vector3& size, const std::array<int, 3>& cells, const Vector3& origin) {
   check_box(size, cells);
+  foresee_mesh(cells, 1, CellKind::hexahedron);
   const Grid grid(cells);
   Mesh mesh;
   mesh.vertices = grid_vertices(grid, size, origin);
   mesh.blocks.push_back({CellKind::hexahedron, {}});
+  mesh.blocks[0].nodes.reserve(8 * static_cast<std::size_t>(cells[0]) * static_cast<std::size_t>(cells[1]) *
+                               static_cast<std::size_t>(cells[2]));
   for (int k = 0; k < cells[2]; ++k)
     for (int j = 0; j < cells[1]; ++j)
       for (int i = 0; i < cells[0]; ++i)
@@ -159,11 +184,13 @@ Mesh make_hexahedron_box(const Vector3& size, const std::array<int, 3>& cells, c
 Mesh make_rectangle(const Vector<2>& size, const std::array<int, 2>& cells, const Vector<2>& origin,
                     TrianglePattern pattern) {
   check_rectangle(size, cells);
+  foresee_mesh({cells[0], cells[1], 0}, 2, CellKind::triangle);
   const Grid grid({cells[0], cells[1], 0});
   Mesh mesh;
   mesh.vertices = grid_vertices(grid, {size.x(), size.y(), 0}, {origin.x(), origin.y(), 0});
   mesh.blocks.push_back({CellKind::triangle, {}});
   std::vector<Index>& nodes = mesh.blocks[0].nodes;
+  nodes.reserve(6 * static_cast<std::size_t>(cells[0]) * static_cast<std::size_t>(cells[1]));
   for (int j = 0; j < cells[1]; ++j) {
     for (int i = 0; i < cells[0]; ++i) {
       const Index a = grid.node(i, j, 0);

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <numeric>
+#include <string>
+
+#include "resilin/core/memory.hpp"
 
 namespace resilin {
 namespace {
@@ -63,8 +66,14 @@ void visit_facets(const CellBlock& block, const std::function<void(std::span<con
     Facet facet;
   };
   const auto num_sides = static_cast<int>(cell_sides(block.kind).size());
+  const std::size_t num_facets =
+      static_cast<std::size_t>(block.num_cells()) * static_cast<std::size_t>(num_sides);
+  const double bytes = 2.0 * static_cast<double>(num_facets * sizeof(Keyed));  // in both orders
+  if (!fits(bytes))
+    foresee_memory(bytes, "finding the surface of " + std::to_string(block.num_cells()) + " cells",
+                   what_would_fit(block.num_cells(), bytes, "cells") + ": take fewer, or raise the limit");
   std::vector<Keyed> facets;
-  facets.reserve(static_cast<std::size_t>(block.num_cells()) * static_cast<std::size_t>(num_sides));
+  facets.reserve(num_facets);
   Index largest = -1;
   for (Index cell = 0; cell < block.num_cells(); ++cell) {
     for (int local = 0; local < num_sides; ++local) {

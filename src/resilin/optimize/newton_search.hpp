@@ -62,6 +62,7 @@ struct Newton::Search {
   bool has_potential = true;  ///< unless slow convergence asked and the objective said no
   bool potential_is_known = false;
 
+  static void forget(VectorX& vector) { VectorX().swap(vector); }
   bool is_free(Eigen::Index i) const { return is_fixed[static_cast<std::size_t>(i)] == 0; }
 
   /// What is still missing at the fixed unknowns; zero at the free ones.
@@ -119,6 +120,8 @@ struct Newton::Search {
   Direction solve_with(Projection projection, double shift, const VectorX& gap, bool boundary_moves) {
     Direction direction;
     direction.is_exact = projection == Projection::none && shift == 0;
+    forget(trial);  // no longer needed, and nowhere is more memory held than while the system is solved
+    forget(trial_gradient);
     {
       const Stopwatch watch(report.assembly_seconds);
       newton.hessian_.set_zero();
@@ -146,7 +149,8 @@ struct Newton::Search {
     if (linear.status != LinearReport::Status::ok) return direction;
     step.setZero(x.size());
     last_forcing = forcing_term();
-    linear = solver.solve(newton.hessian_, scaled_right_side, step, last_forcing);
+    linear =
+        solver.solve(newton.hessian_, parts.count() > 1 ? scaled_right_side : right_side, step, last_forcing);
     report.linear_iterations += linear.iterations;
     direction.found = linear.status != LinearReport::Status::indefinite && share.all(step.allFinite());
     if (direction.found && boundary_moves) {
@@ -181,7 +185,8 @@ struct Newton::Search {
   /// In the measure of `convergence`, in which all parts count alike.
   void scale_system() {
     if (parts.count() > 1 && !newton.hessian_.extra.empty()) join_parts();
-    if (parts.count() > 1) scale_parts(parts, convergence.weights(), newton.hessian_);
+    if (parts.count() == 1) return;
+    scale_parts(parts, convergence.weights(), newton.hessian_);
     scaled_right_side = scaled(right_side);
   }
   VectorX scaled(VectorX forces) const {

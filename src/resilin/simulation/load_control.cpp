@@ -112,8 +112,8 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
     const double load = next_load(world, state);
     Conditions conditions = world.at_load(load);
     conditions.collider_delay = conditions.time - world.at_load(state.load).time;
-    const Stage stage = static_stage(state.positions, world.end_time * (load - state.load));
-    Potential potential(world, conditions, stage);
+    const double load_time = world.end_time * (load - state.load);
+    Potential potential(world, conditions, static_stage(state.positions, load_time));
     VectorX targets = state.positions;
     place_supports(world.dimension, world.supports, world.rest_positions, conditions, targets);
     VectorX x = predicted_positions(world, potential, targets, state, load);
@@ -139,7 +139,7 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
                       : describe_imbalance(world, potential, x, gradient, search, x - world.rest_positions);
     const double delay = potential.conditions().collider_delay;
     if (search.converged() && imbalance.empty() && delay == 0) {
-      const double heat = potential.heat_of_friction(state.positions, x, stage.length());
+      const double heat = potential.heat_of_friction(state.positions, x, load_time);
       state.friction_work += heat;
       state.dissipated_energy += heat;
       report.friction.add(searched);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "resilin/core/error.hpp"
+#include "resilin/core/memory.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/element/catalog.hpp"
 #include "resilin/mesh/check.hpp"
@@ -81,6 +82,20 @@ void orient(Mesh& mesh, const BodyDescription& body, int dim, std::vector<std::s
   reorient(mesh, block.kind);
 }
 
+/// Throws OutOfMemory where a body of so many cells does not fit into the world. Besides the geometry of its
+/// cells it needs about so much for each pair of their nodes, measured on boxes with linear and quadratic
+/// simplices: cells and nodes, pattern, places in the matrix, masses, and what finds them.
+void foresee_body(const ElementInfo& element, const QuadratureRule& rule, Index num_cells) {
+  const double bytes_per_pair = element.dim == 3 ? 24 : 46;
+  const double n = element.num_nodes, dim = element.dim;
+  const double of_points = static_cast<double>(rule.points.size()) * (dim * dim + 1) * sizeof(double);
+  const double bytes = num_cells * (n * (n + 1) / 2 * bytes_per_pair + of_points);
+  if (!fits(bytes))
+    foresee_memory(
+        bytes, "a body of " + std::to_string(num_cells) + " cells of " + std::string(element.name),
+        what_would_fit(num_cells, bytes, "cells") + " before any is solved: take fewer, or raise the limit");
+}
+
 }  // namespace
 
 Placement::Placement(const BodyDescription& body)
@@ -146,7 +161,8 @@ BodyMesh make_body_mesh(const BodyDescription& body, int dim, const ElementCase&
   }
   if (const std::string text = locking_text(*made.element, c); !text.empty())
     warnings.push_back(body.place + ".element: " + text);
-  made.element->quadrature(body.quadrature, body.place + ".quadrature");
+  const QuadratureRule& rule = made.element->quadrature(body.quadrature, body.place + ".quadrature");
+  foresee_body(*made.element, rule, solid_cells(body, dim).num_cells());
   made.mesh = body.mesh;
   if (made.element->degree == 1) to_first_order(made.mesh);
   orient(made.mesh, body, dim, warnings);

@@ -93,6 +93,7 @@ std::vector<Index> whole_cells(const CellBlock& block, const std::vector<Index>&
       continue;
     for (const Index v : local) nodes.push_back(body.first_node + v);
   }
+  nodes.shrink_to_fit();
   return nodes;
 }
 

@@ -25,12 +25,17 @@ std::uint64_t morton_key(const std::array<std::uint32_t, 3>& coordinates) {
 }
 
 std::vector<Index> used_nodes(std::span<const Index> cells, Index num_world_nodes) {
-  std::vector<Index> nodes(cells.begin(), cells.end());
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-  if (!nodes.empty() && (nodes.front() < 0 || nodes.back() >= num_world_nodes))
+  if (cells.empty()) return {};
+  const auto [lowest, highest] = std::ranges::minmax(cells);
+  if (lowest < 0 || highest >= num_world_nodes)
     throw InputError("cells", "node numbers in [0, " + std::to_string(num_world_nodes) + ")",
-                     std::to_string(nodes.front() < 0 ? nodes.front() : nodes.back()));
+                     std::to_string(lowest < 0 ? lowest : highest));
+  std::vector<bool> is_used(static_cast<std::size_t>(num_world_nodes), false);
+  for (const Index node : cells) is_used[static_cast<std::size_t>(node)] = true;
+  std::vector<Index> nodes;
+  nodes.reserve(static_cast<std::size_t>(std::ranges::count(is_used, true)));
+  for (Index node = lowest; node <= highest; ++node)
+    if (is_used[static_cast<std::size_t>(node)]) nodes.push_back(node);
   return nodes;
 }
 

@@ -175,24 +175,35 @@ void prolong_add(const TransferView& transfer, NodeRange nodes, const float* fro
   }
 }
 
-/// Where a full entry's block lies, and whether it is meant transposed.
-template <int size>
-RESILIN_INLINE const float* block_of(const LevelView& level, int64_t row, int64_t entry,
-                                     bool& is_transposed) {
+/// Calls visit<is_transposed>(block, column) for the entries of a row of A, columns ascending.
+template <int size, class Visit>
+RESILIN_INLINE void for_row(const LevelView& level, const TransferView& transfer, int64_t row,
+                            const Visit& visit) {
   constexpr int block_size = size * size;
-  is_transposed = entry < -1;
-  if (entry == -1) return level.diagonal + row * block_size;
-  return level.upper + (entry >= 0 ? entry : -2 - entry) * block_size;
+  for (int64_t k = transfer.lower_begin[row]; k < transfer.lower_begin[row + 1]; ++k)
+    visit.template operator()<true>(level.upper + int64_t(transfer.lower_entries[k]) * block_size,
+                                    int64_t(transfer.lower_columns[k]));
+  visit.template operator()<false>(level.diagonal + row * block_size, row);
+  for (int64_t k = level.row_begin[row]; k < level.row_begin[row + 1]; ++k)
+    visit.template operator()<false>(level.upper + k * block_size, int64_t(level.columns[k]));
+}
+
+template <class Place>
+RESILIN_INLINE const Place* places_in(const PlacesView& places) {
+  if constexpr (sizeof(Place) == 1)
+    return places.narrow;
+  else
+    return places.wide;
 }
 
 /// to += block * B or block^T * B for a block of size x size and B of size x coarse, its rows `stride`
 /// numbers apart; those of `to` are padded.
-template <int size, int coarse, int stride>
-RESILIN_INLINE void add_product(const float* block, bool is_transposed, const float* B, float* to) {
+template <int size, int coarse, int stride, bool is_transposed>
+RESILIN_INLINE void add_product(const float* block, const float* B, float* to) {
   constexpr int lanes = lanes_of(coarse);
   Lane<lanes> rows[size];
   for (int k = 0; k < size; ++k) rows[k] = load<lanes>(B + k * stride);
-  const int row_stride = is_transposed ? 1 : size, column_stride = is_transposed ? size : 1;
+  constexpr int row_stride = is_transposed ? 1 : size, column_stride = is_transposed ? size : 1;
   for (int r = 0; r < size; ++r) {
     Lane<lanes> sum = load<lanes>(to + r * lanes);
     for (int k = 0; k < size; ++k) sum += rows[k] * block[r * row_stride + k * column_stride];
@@ -200,28 +211,26 @@ RESILIN_INLINE void add_product(const float* block, bool is_transposed, const fl
   }
 }
 
-template <int fine, int coarse>
+template <class Place, int fine, int coarse>
 void smooth_prolongation(const LevelView& level, const TransferView& transfer, NodeRange nodes, float damping,
                          float* row_work) {
   constexpr int lanes = lanes_of(coarse), block_size = fine * coarse, work_size = fine * lanes;
   for (int64_t i = nodes.first; i < nodes.last; ++i) {
     const int64_t begin = transfer.row_begin[i], end = transfer.row_begin[i + 1];
     for (int64_t k = 0; k < (end - begin) * work_size; ++k) row_work[k] = 0;
-    int own_place = -1;
-    for (int64_t e = transfer.full_begin[i]; e < transfer.full_begin[i + 1]; ++e) {
-      const int place = transfer.smoothing_places[e];
-      if (transfer.full_blocks[e] == -1) own_place = place;
-      if (place < 0) continue;
-      bool is_transposed;
-      const float* block = block_of<fine>(level, i, transfer.full_blocks[e], is_transposed);
-      add_product<fine, coarse, coarse>(block, is_transposed,
-                                        transfer.tentative + int64_t(transfer.full_columns[e]) * block_size,
-                                        row_work + place * work_size);
-    }
+    const Place* place =
+        places_in<Place>(transfer.smoothing_places) + transfer.lower_begin[i] + i + level.row_begin[i];
+    const int own_place = place[transfer.lower_begin[i + 1] - transfer.lower_begin[i]];
+    for_row<fine>(level, transfer, i, [&]<bool is_transposed>(const float* block, int64_t j) {
+      const Place here = *place++;
+      if (here == Place(-1)) return;
+      add_product<fine, coarse, coarse, is_transposed>(block, transfer.tentative + j * block_size,
+                                                       row_work + here * work_size);
+    });
     for (int64_t k = begin; k < end; ++k) {  // P_i = T_i - damping D_i^-1 (A T)_i
       float smoothed[work_size] = {};
-      add_product<fine, coarse, lanes>(level.inverse_diagonal + i * fine * fine, false,
-                                       row_work + (k - begin) * work_size, smoothed);
+      add_product<fine, coarse, lanes, false>(level.inverse_diagonal + i * fine * fine,
+                                              row_work + (k - begin) * work_size, smoothed);
       const bool is_own = k - begin == own_place;
       for (int r = 0; r < fine; ++r) {
         Lane<lanes> row = load<lanes>(smoothed + r * lanes) * -damping;
@@ -245,23 +254,20 @@ RESILIN_INLINE void add_transposed_product(const float* P, const float* AP, floa
   }
 }
 
-template <int fine, int coarse>
+template <class Place, int fine, int coarse>
 void galerkin_product(const LevelView& level, const TransferView& transfer, NodeRange nodes, float* row_work,
                       CoarseView to) {
   constexpr int lanes = lanes_of(coarse), block_size = fine * coarse, work_size = fine * lanes;
   for (int64_t i = nodes.first; i < nodes.last; ++i) {
-    const uint16_t* place = transfer.product_places + transfer.product_begin[i];
-    const uint16_t* target = transfer.coarse_places + transfer.target_begin[i];
+    const Place* place = places_in<Place>(transfer.product_places) + transfer.product_begin[i];
+    const Place* target = places_in<Place>(transfer.coarse_places) + transfer.target_begin[i];
     const int width = transfer.product_width[i];
     for (int k = 0; k < width * work_size; ++k) row_work[k] = 0;
-    for (int64_t e = transfer.full_begin[i]; e < transfer.full_begin[i + 1]; ++e) {  // row i of A P
-      bool is_transposed;
-      const float* block = block_of<fine>(level, i, transfer.full_blocks[e], is_transposed);
-      const int64_t j = transfer.full_columns[e];
-      for (int64_t k = transfer.row_begin[j]; k < transfer.row_begin[j + 1]; ++k)
-        add_product<fine, coarse, coarse>(block, is_transposed, transfer.blocks + k * block_size,
-                                          row_work + *place++ * work_size);
-    }
+    for_row<fine>(level, transfer, i, [&]<bool is_transposed>(const float* block, int64_t j) {
+      for (int64_t k = transfer.row_begin[j]; k < transfer.row_begin[j + 1]; ++k)  // row i of A P
+        add_product<fine, coarse, coarse, is_transposed>(block, transfer.blocks + k * block_size,
+                                                         row_work + *place++ * work_size);
+    });
     for (int64_t k = transfer.row_begin[i]; k < transfer.row_begin[i + 1]; ++k) {  // P_i^T (A P)_i
       const int64_t group = transfer.columns[k];
       float* diagonal = to.diagonal + group * coarse * coarse;
@@ -281,17 +287,22 @@ void galerkin_product(const LevelView& level, const TransferView& transfer, Node
   {                                                  \
     {kernel<2>, kernel<3>}, { kernel<3>, kernel<6> } \
   }
+#define RESILIN_BY_PLACES(kernel)                                                                           \
+  {                                                                                                         \
+      {{kernel<uint8_t, 2, 3>, kernel<uint8_t, 3, 3>}, {kernel<uint8_t, 3, 6>, kernel<uint8_t, 6, 6>}},     \
+      {{kernel<uint16_t, 2, 3>, kernel<uint16_t, 3, 3>}, {kernel<uint16_t, 3, 6>, kernel<uint16_t, 6, 6>}}, \
+  }
 #define RESILIN_BY_TRANSFER(kernel)                              \
   {                                                              \
     {kernel<2, 3>, kernel<3, 3>}, { kernel<3, 6>, kernel<6, 6> } \
   }
 
 constexpr MultigridKernels kernels = {
-    RESILIN_BY_LEVEL(sweep_forward),          RESILIN_BY_LEVEL(sweep_backward),
-    RESILIN_BY_LEVEL(negate_upper),           RESILIN_BY_LEVEL(subtract_lower),
-    RESILIN_BY_LEVEL(multiply_add),           RESILIN_BY_LEVEL(apply_inverse_diagonal),
-    RESILIN_BY_TRANSFER(restrict_add),        RESILIN_BY_TRANSFER(prolong_add),
-    RESILIN_BY_TRANSFER(smooth_prolongation), RESILIN_BY_TRANSFER(galerkin_product),
+    RESILIN_BY_LEVEL(sweep_forward),        RESILIN_BY_LEVEL(sweep_backward),
+    RESILIN_BY_LEVEL(negate_upper),         RESILIN_BY_LEVEL(subtract_lower),
+    RESILIN_BY_LEVEL(multiply_add),         RESILIN_BY_LEVEL(apply_inverse_diagonal),
+    RESILIN_BY_TRANSFER(restrict_add),      RESILIN_BY_TRANSFER(prolong_add),
+    RESILIN_BY_PLACES(smooth_prolongation), RESILIN_BY_PLACES(galerkin_product),
 };
 
 }  // namespace

@@ -17,25 +17,32 @@ struct LevelView {
   const float* inverse_diagonal;
 };
 
+/// Places in the rows of a level, in one byte each or in two: one of the two is there.
+struct PlacesView {
+  const uint8_t* narrow;
+  const uint16_t* wide;
+};
+
 /// The prolongation of a level and the map of the Galerkin product. Rows are fine nodes, columns coarse ones.
 struct TransferView {
   const int64_t* row_begin;
   const int32_t* columns;
   float* blocks;  ///< fine size x coarse size for every entry of `columns`
 
-  const float* tentative;      ///< fine size x coarse size for every fine node
-  const int64_t* full_begin;   ///< both triangles of the fine matrix by rows, the diagonal included
-  const int32_t* full_blocks;  ///< -1: the diagonal; k: upper entry k; -2 - k: its transpose
-  const int32_t* full_columns;
-  const int16_t*
-      smoothing_places;  ///< by full entry: place of its aggregate in the row of the prolongation; -1: none
+  const float* tentative;        ///< fine size x coarse size for every fine node
+  const int64_t* lower_begin;    ///< strictly lower part of the fine matrix by rows
+  const int32_t* lower_columns;  ///< for every lower entry
+  const int32_t* lower_entries;  ///< the upper one that it is the transpose of
+  /// By full entry, those of a row being its lower ones, the diagonal, the upper ones: place of its aggregate
+  /// in the row of the prolongation; the largest number: none.
+  PlacesView smoothing_places;
 
-  const uint16_t* product_width;   ///< by fine node: number of coarse columns in its row of A P
-  const int64_t* product_begin;    ///< by fine node: its first entry of the next
-  const uint16_t* product_places;  ///< by full entry and prolongation entry of its column: place in that row
-  const int64_t* target_begin;     ///< by fine node: its first entry of the next
-  const uint16_t* coarse_places;   ///< by prolongation entry and place: which block of the coarse row of the
-                                   ///< entry, counted from 1, the diagonal; 0: one below it
+  const uint16_t* product_width;  ///< by fine node: number of coarse columns in its row of A P
+  const int64_t* product_begin;   ///< by fine node: its first entry of the next
+  PlacesView product_places;      ///< by full entry and prolongation entry of its column: place in that row
+  const int64_t* target_begin;    ///< by fine node: its first entry of the next
+  PlacesView coarse_places;       ///< by prolongation entry and place: which block of the coarse row of the
+                                  ///< entry, counted from 1, the diagonal; 0: one below it
 };
 
 /// Blocks of the next level's matrix.
@@ -69,13 +76,14 @@ struct MultigridKernels {
   /// coarse += P^T fine; fine += P coarse.
   void (*restrict_add[2][2])(const TransferView& transfer, NodeRange nodes, const float* fine, float* coarse);
   void (*prolong_add[2][2])(const TransferView& transfer, NodeRange nodes, const float* coarse, float* fine);
+  // Of these the first index is 0 for places in one byte and 1 for those in two.
   /// P = (I - damping D^-1 A) T. Writes transfer.blocks; `row_work` holds the widest row of A P, its rows
   /// padded.
-  void (*smooth_prolongation[2][2])(const LevelView& level, const TransferView& transfer, NodeRange nodes,
-                                    float damping, float* row_work);
+  void (*smooth_prolongation[2][2][2])(const LevelView& level, const TransferView& transfer, NodeRange nodes,
+                                       float damping, float* row_work);
   /// Adds the upper blocks of P^T A P to `coarse`.
-  void (*galerkin_product[2][2])(const LevelView& level, const TransferView& transfer, NodeRange nodes,
-                                 float* row_work, CoarseView coarse);
+  void (*galerkin_product[2][2][2])(const LevelView& level, const TransferView& transfer, NodeRange nodes,
+                                    float* row_work, CoarseView coarse);
 };
 
 /// Those of an instruction set that this build holds; of the preferred one (core/cpu.hpp).
