@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "command.hpp"
+#include "ffmpeg.hpp"
 #include "interrupt.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
@@ -37,8 +38,8 @@ Kind kind_of(const std::filesystem::path& out) {
   const std::string extension = out.extension().string();
   if (extension == ".png" || extension == ".apng") return Kind::animated_png;
   if (extension.empty()) return Kind::sequence;
-  for (const char* known : {".gif", ".webp", ".mp4", ".webm"})
-    if (extension == known) return Kind::by_ffmpeg;
+  if (std::ranges::find(encodings, extension, &Encoding::extension) != encodings.end())
+    return Kind::by_ffmpeg;
   throw InputError(
       one_line(out.string()),
       "a name that ends in .png or .apng (an animated PNG), .gif, .webp, .mp4 or .webm, or a folder for "
@@ -52,9 +53,10 @@ std::vector<std::string> encoding(const std::string& extension) {
   if (extension == ".gif")
     return {"-filter_complex",
             "split[a][b];[a]palettegen=stats_mode=diff[p];[b][p]paletteuse=dither=sierra2_4a", "-loop", "0"};
-  if (extension == ".webp") return {"-c:v", "libwebp", "-lossless", "0", "-q:v", "85", "-loop", "0"};
-  if (extension == ".webm") return {"-c:v", "libvpx-vp9", "-crf", "24", "-b:v", "0", "-pix_fmt", "yuv420p"};
-  return {"-c:v",     "libx264", "-crf", "18", "-preset",   "slow",
+  const std::string encoder(std::ranges::find(encodings, extension, &Encoding::extension)->encoder);
+  if (extension == ".webp") return {"-c:v", encoder, "-lossless", "0", "-q:v", "85", "-loop", "0"};
+  if (extension == ".webm") return {"-c:v", encoder, "-crf", "24", "-b:v", "0", "-pix_fmt", "yuv420p"};
+  return {"-c:v",     encoder,   "-crf", "18", "-preset",   "slow",
           "-pix_fmt", "yuv420p", "-vf",  even, "-movflags", "+faststart"};
 }
 
@@ -91,7 +93,7 @@ std::filesystem::path required_ffmpeg(const std::filesystem::path& out) {
   std::filesystem::path animated = out;
   animated.replace_extension(".png");
   throw InputError(one_line(out.string()), "the program ffmpeg on PATH, which encodes it", "none",
-                   "install it (Debian: apt install ffmpeg), or write " + one_line(animated.string()) +
+                   "install it (" + std::string(how_to_install_ffmpeg) + "), or write " + one_line(animated.string()) +
                        ", an animated PNG, which needs no other program");
 }
 

@@ -94,6 +94,7 @@ int run_command(int argc, char** argv) {
   add_fit(line, action);
   add_bench(line, action);
   add_info(line, action);
+  add_doctor(line, action);
   try {
     if (const std::optional<int> code = line.read(argc, argv)) return *code;
   } catch (const CommandLineError& error) {

@@ -19,12 +19,6 @@ std::string_view variable(const char* name) {
   return value == nullptr ? std::string_view{} : std::string_view{value};
 }
 
-/// $BROWSER is a list of commands with colons between them.
-std::string browser_command() {
-  const std::string_view listed = variable("BROWSER");
-  return std::string(listed.empty() ? "xdg-open" : listed.substr(0, listed.find(':'))) + " \"$0\"";
-}
-
 /// Leads on without a click, and, where a browser does not do that by itself, with one. `address` has no
 /// character that means something to HTML.
 std::string leading_to(const std::string& address) {
@@ -55,7 +49,7 @@ bool write_private_file(const std::filesystem::path& path, const std::string& te
 
 /// Starts the command of the desktop and does not wait for it.
 void show(const std::string& file) {
-  const std::string command = browser_command();
+  const std::string command = browser_command() + " \"$0\"";
   const pid_t child = fork();
   if (child > 0) waitpid(child, nullptr, 0);
   if (child != 0) return;
@@ -71,8 +65,15 @@ void show(const std::string& file) {
 
 }  // namespace
 
+bool has_display() { return !variable("DISPLAY").empty() || !variable("WAYLAND_DISPLAY").empty(); }
+
+std::string browser_command() {
+  const std::string_view listed = variable("BROWSER");  // a list with colons between the commands
+  return std::string(listed.empty() ? "xdg-open" : listed.substr(0, listed.find(':')));
+}
+
 OpenedBrowser::OpenedBrowser(const std::string& address) {
-  if (variable("DISPLAY").empty() && variable("WAYLAND_DISPLAY").empty()) return;
+  if (!has_display()) return;
   folder_ = make_private_folder();
   if (folder_.empty()) return;
   const std::filesystem::path file = folder_ / "page.html";

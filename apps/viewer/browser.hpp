@@ -5,6 +5,12 @@
 
 namespace resilin::viewer {
 
+/// Whether there is a display that a browser could come up on: DISPLAY or WAYLAND_DISPLAY is set.
+bool has_display();
+
+/// The first command of $BROWSER, else xdg-open.
+std::string browser_command();
+
 /// A browser that was asked to show an address with a secret in it, and what that needs on disk, which goes
 /// with this object.
 ///
