@@ -40,6 +40,24 @@ install(FILES ${PROJECT_BINARY_DIR}/resilinConfig.cmake ${PROJECT_BINARY_DIR}/re
   DESTINATION ${RESILIN_PACKAGE_FOLDER})
 if(TARGET resilin)
   install(TARGETS resilin RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  # What it prints about itself goes where shells and man look for it.
+  foreach(text "completion bash:bash-completion/completions/resilin" "completion zsh:zsh/site-functions/_resilin"
+               "completion fish:fish/vendor_completions.d/resilin.fish" "info --man-page:man/man1/resilin.1")
+    string(REPLACE ":" ";" text "${text}")
+    list(GET text 0 arguments)
+    list(GET text 1 file)
+    get_filename_component(folder ${file} DIRECTORY)
+    install(CODE "
+      set(file \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_DATADIR}/${file}\")
+      file(MAKE_DIRECTORY \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_DATADIR}/${folder}\")
+      execute_process(COMMAND \"$<TARGET_FILE:resilin>\" ${arguments} OUTPUT_FILE \"\${file}\" RESULT_VARIABLE failed)
+      if(failed)
+        file(REMOVE \"\${file}\")
+        message(WARNING \"resilin ${arguments} does not run on this machine: \${file} is left out\")
+      else()
+        message(STATUS \"Installing: \${file}\")
+      endif()")
+  endforeach()
 endif()
 if(TARGET resilin_bench)  # beside it, where it was built
   install(TARGETS resilin_bench RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} OPTIONAL)

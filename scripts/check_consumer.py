@@ -11,6 +11,13 @@ from files import ROOT
 EXAMPLE = ROOT / "examples" / "cpp"
 TIP = re.compile(r"tip: *(-?[0-9.eE+-]+) m")
 TIME_LIMIT = 1200  # [s] for a step that hangs; they take seconds
+# What the program prints about itself, where shells and man look for it: the beginning of each.
+PRINTED = {
+    "bash-completion/completions/resilin": "# Completion for bash",
+    "zsh/site-functions/_resilin": "#compdef resilin",
+    "fish/vendor_completions.d/resilin.fish": "# Completion for fish",
+    "man/man1/resilin.1": ".TH RESILIN 1",
+}
 SAG = -0.569481  # [m], by two finite-element codes that are not ours on the same mesh
 
 
@@ -38,6 +45,10 @@ def problems_in(folder):
         for file in prefix.rglob("*.cmake")
         if str(ROOT) in file.read_text()
     ]
+    for file, beginning in PRINTED.items():
+        path = prefix / "share" / file
+        if not path.exists() or not path.read_text(encoding="utf-8").startswith(beginning):
+            problems.append(f"share/{file}: expected a file that begins with {beginning!r}")
     return problems + problems_of_output(run.stdout)
 
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "command.hpp"
+#include "offered_words.hpp"
 #include "resilin/io/mesh_file.hpp"
 #include "resilin/mesh/edit.hpp"
 #include "resilin/mesh/quality.hpp"
@@ -153,10 +154,13 @@ void add_check(CommandLine& line, Action& action) {
   auto options = std::make_shared<CheckOptions>();
   const Command command =
       line.command("check", "Say what is wrong with a scene or a mesh, where, and what to do");
-  command.option("input", options->input, "Scene (.toml) or mesh file").required();
+  command.option("input", options->input, "Scene (.toml) or mesh file")
+      .required()
+      .is_file(scene_and_mesh_extensions());
   command.option("--set", options->overrides, "Change a value of the scene first; may be given several times")
       .type_name("KEY=VALUE")
-      .repeatable();
+      .repeatable()
+      .offers(scene_settings);
   command.footer("Example:\n  resilin check beam.toml\n\nExit codes: 0 it can be simulated; 1 it cannot.");
   command.on_chosen([options, &action] { action = [options] { return check(*options); }; });
 }

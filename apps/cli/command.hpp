@@ -27,5 +27,6 @@ void add_fit(CommandLine& line, Action& action);
 void add_bench(CommandLine& line, Action& action);
 void add_info(CommandLine& line, Action& action);
 void add_doctor(CommandLine& line, Action& action);
+void add_completion(CommandLine& line, Action& action);
 
 }  // namespace resilin::cli

@@ -31,6 +31,25 @@ std::string help_hint(const CLI::App& app) {
          "--help";
 }
 
+OptionText text_of(const CLI::Option& option, const Offers& offers) {
+  OptionText text = {.name = option.get_positional() ? option.get_name() : "--" + option.get_lnames().front(),
+                     .value = "",
+                     .help = option.get_description(),
+                     .group = option.get_group(),
+                     .is_argument = option.get_positional(),
+                     .is_required = option.get_required(),
+                     .is_repeatable = option.get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll,
+                     .least_values = option.get_items_expected_min(),
+                     .most_values = option.get_items_expected_max(),
+                     .completion = {}};
+  if (text.most_values > 0) text.value = option.get_type_name();
+  if (const auto known = offers.find(&option); known != offers.end()) {
+    text.completion = known->second.completion;
+    if (known->second.words) text.completion.words = known->second.words();
+  }
+  return text;
+}
+
 }  // namespace
 
 Option Option::required() const {
@@ -70,6 +89,33 @@ Option Option::separated_by(char separator) const {
 
 Option Option::one_of(const std::vector<std::string>& words) const {
   option_->check(CLI::IsMember(words));
+  return offers([words] { return words; });
+}
+
+Option Option::group(const std::string& heading) const {
+  option_->group(heading);
+  return *this;
+}
+
+Option Option::is_file(const std::vector<std::string>& extensions) const {
+  (*offers_)[option_].completion.kind = Completion::Kind::file;
+  (*offers_)[option_].completion.extensions = extensions;
+  return *this;
+}
+
+Option Option::is_folder() const {
+  (*offers_)[option_].completion.kind = Completion::Kind::folder;
+  return *this;
+}
+
+Option Option::is_file_or_folder(const std::vector<std::string>& extensions) const {
+  (*offers_)[option_].completion.kind = Completion::Kind::file_or_folder;
+  (*offers_)[option_].completion.extensions = extensions;
+  return *this;
+}
+
+Option Option::offers(std::function<std::vector<std::string>()> words) const {
+  (*offers_)[option_].words = std::move(words);
   return *this;
 }
 
@@ -91,41 +137,41 @@ Option Option::excludes(const Option& other) const {
 bool Option::is_given() const { return option_->count() > 0; }
 
 Option Command::option(const std::string& name, std::string& value, const std::string& help) const {
-  return Option(*app_->add_option(name, value, help));
+  return handle(*app_->add_option(name, value, help));
 }
 
 Option Command::option(const std::string& name, int& value, const std::string& help) const {
-  return Option(*app_->add_option(name, value, help));
+  return handle(*app_->add_option(name, value, help));
 }
 
 Option Command::option(const std::string& name, double& value, const std::string& help) const {
-  return Option(*app_->add_option(name, value, help));
+  return handle(*app_->add_option(name, value, help));
 }
 
 Option Command::option(const std::string& name, std::optional<double>& value, const std::string& help) const {
-  return Option(*app_->add_option(name, value, help));
+  return handle(*app_->add_option(name, value, help));
 }
 
 Option Command::option(const std::string& name, std::vector<std::string>& values,
                        const std::string& help) const {
-  return Option(*app_->add_option(name, values, help));
+  return handle(*app_->add_option(name, values, help));
 }
 
 Option Command::option(const std::string& name, std::vector<int>& values, const std::string& help) const {
-  return Option(*app_->add_option(name, values, help));
+  return handle(*app_->add_option(name, values, help));
 }
 
 Option Command::option(const std::string& name, std::vector<double>& values, const std::string& help) const {
-  return Option(*app_->add_option(name, values, help));
+  return handle(*app_->add_option(name, values, help));
 }
 
 Option Command::flag(const std::string& name, bool& value, const std::string& help) const {
-  return Option(*app_->add_flag(name, value, help));
+  return handle(*app_->add_flag(name, value, help));
 }
 
 Option Command::flag_with_word(const std::string& name, std::string& value, const std::string& word,
                                const std::string& help) const {
-  return Option(*app_->add_flag(name + "{" + word + "}", value, help));
+  return handle(*app_->add_flag(name + "{" + word + "}", value, help));
 }
 
 void Command::footer(const std::string& text) const { app_->footer(text); }
@@ -139,7 +185,8 @@ std::vector<std::string> Command::remaining() const { return app_->remaining(); 
 
 void Command::on_chosen(std::function<void()> call) const { app_->callback(std::move(call)); }
 
-CommandLine::CommandLine(const Text& text) : app_(std::make_unique<CLI::App>(text.help, text.program)) {
+CommandLine::CommandLine(const Text& text)
+    : app_(std::make_unique<CLI::App>(text.help, text.program)), version_(text.version) {
   app_->set_version_flag("--version", text.version);
   app_->require_subcommand(1);
   app_->footer(text.footer);
@@ -148,7 +195,28 @@ CommandLine::CommandLine(const Text& text) : app_(std::make_unique<CLI::App>(tex
 CommandLine::~CommandLine() = default;
 
 Command CommandLine::command(const std::string& name, const std::string& help) {
-  return Command(*app_->add_subcommand(name, help));
+  return {*app_->add_subcommand(name, help), offers_};
+}
+
+ProgramText CommandLine::text() const {
+  const auto options_of = [this](const CLI::App& app) {
+    std::vector<OptionText> options;
+    for (const CLI::Option* option : app.get_options()) options.push_back(text_of(*option, offers_));
+    return options;
+  };
+  ProgramText program = {.name = app_->get_name(),
+                         .help = app_->get_description(),
+                         .footer = app_->get_footer(),
+                         .version = version_,
+                         .options = options_of(*app_),
+                         .commands = {}};
+  for (const CLI::App* app : app_->get_subcommands([](const CLI::App*) { return true; }))
+    program.commands.push_back({.name = app->get_name(),
+                                .help = app->get_description(),
+                                .footer = app->get_footer(),
+                                .takes_everything = app->get_prefix_command(),
+                                .options = options_of(*app)});
+  return program;
 }
 
 std::optional<int> CommandLine::read(int argc, char** argv) {

@@ -1,11 +1,14 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
+
+#include "command_text.hpp"
 
 namespace CLI {  // NOLINT(readability-identifier-naming): the name of that library
 class App;
@@ -16,10 +19,17 @@ class Option;
 /// reads it in command_line.cpp.
 namespace resilin::cli {
 
+/// What shells offer for the value of an option, where it is known; words are made when they are asked for.
+struct Offer {
+  Completion completion;
+  std::function<std::vector<std::string>()> words;
+};
+using Offers = std::map<const CLI::Option*, Offer>;
+
 /// An option, or an argument that is known by its place. A handle: what made it owns it.
 class Option {
  public:
-  explicit Option(CLI::Option& option) : option_(&option) {}
+  Option(CLI::Option& option, Offers& offers) : option_(&option), offers_(&offers) {}
 
   Option required() const;
   Option type_name(const std::string& name) const;  ///< what stands for the value in the help
@@ -29,6 +39,12 @@ class Option {
   Option joins_repeats() const;              ///< the values of all times
   Option separated_by(char separator) const;
   Option one_of(const std::vector<std::string>& words) const;
+  Option group(const std::string& heading) const;  ///< where the help lists it
+  /// What shells offer for its value; words beside files and folders.
+  Option is_file(const std::vector<std::string>& extensions = {}) const;
+  Option is_folder() const;
+  Option is_file_or_folder(const std::vector<std::string>& extensions = {}) const;
+  Option offers(std::function<std::vector<std::string>()> words) const;
   Option between(int least, int most) const;
   Option positive() const;
   Option excludes(const Option& other) const;
@@ -36,12 +52,13 @@ class Option {
 
  private:
   CLI::Option* option_;
+  Offers* offers_;
 };
 
 /// A subcommand; a handle too. What the command line says ends up in the values that it was given.
 class Command {
  public:
-  explicit Command(CLI::App& app) : app_(&app) {}
+  Command(CLI::App& app, Offers& offers) : app_(&app), offers_(&offers) {}
 
   /// @param name  "--out", or "scene" for an argument that is known by its place
   Option option(const std::string& name, std::string& value, const std::string& help) const;
@@ -65,7 +82,10 @@ class Command {
   void on_chosen(std::function<void()> call) const;
 
  private:
+  Option handle(CLI::Option& option) const { return {option, *offers_}; }
+
   CLI::App* app_;
+  Offers* offers_;
 };
 
 /// What is wrong with a command line, in one line.
@@ -85,6 +105,9 @@ class CommandLine {
 
   Command command(const std::string& name, const std::string& help);
 
+  /// All commands so far with their options.
+  ProgramText text() const;
+
   /// The exit code when nothing is left to do: --help and --version print what was asked for.
   ///
   /// @throws CommandLineError
@@ -92,6 +115,8 @@ class CommandLine {
 
  private:
   std::unique_ptr<CLI::App> app_;
+  std::string version_;
+  Offers offers_;
 };
 
 }  // namespace resilin::cli

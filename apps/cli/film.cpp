@@ -8,8 +8,10 @@
 #include "command.hpp"
 #include "ffmpeg.hpp"
 #include "interrupt.hpp"
+#include "offered_words.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/fields/catalog.hpp"
 #include "resilin/picture/animation.hpp"
 #include "resilin/picture/camera.hpp"
 #include "resilin/picture/color_map.hpp"
@@ -93,8 +95,8 @@ std::filesystem::path required_ffmpeg(const std::filesystem::path& out) {
   std::filesystem::path animated = out;
   animated.replace_extension(".png");
   throw InputError(one_line(out.string()), "the program ffmpeg on PATH, which encodes it", "none",
-                   "install it (" + std::string(how_to_install_ffmpeg) + "), or write " + one_line(animated.string()) +
-                       ", an animated PNG, which needs no other program");
+                   "install it (" + std::string(how_to_install_ffmpeg) + "), or write " +
+                       one_line(animated.string()) + ", an animated PNG, which needs no other program");
 }
 
 void encode(const FilmPlan& plan, const std::filesystem::path& out) {
@@ -152,53 +154,80 @@ int film(const FilmCommand& command) {
   return done;
 }
 
+std::vector<std::string> film_extensions() {
+  std::vector<std::string> extensions = {"png", "apng"};
+  for (const Encoding& encoding : encodings) extensions.emplace_back(encoding.extension.substr(1));
+  return extensions;
+}
+
 }  // namespace
 
 void add_film(CommandLine& line, Action& action) {
   auto options = std::make_shared<FilmCommand>();
   const Command command = line.command("film", "Make a film of a run, on a machine without a display");
   PictureOptions& picture = options->film.picture;
-  command.option("dir", options->folder, "Folder of a run").required().type_name("DIR");
+  command.option("dir", options->folder, "Folder of a run").required().type_name("DIR").is_folder();
   command
       .option("--out", options->out,
               "Film that is written: .png or .apng (animated PNG), .gif, .webp, .mp4, .webm (by ffmpeg), or "
               "a folder "
               "for single pictures")
       .required()
-      .type_name("FILE");
-  command.option("--field", picture.field, "As of resilin picture").type_name("NAME[.COMPONENT]");
+      .type_name("FILE")
+      .is_file(film_extensions());
+  command.option("--field", picture.field, "As of resilin picture")
+      .type_name("NAME[.COMPONENT]")
+      .offers(field_names)
+      .group("What is shown");
   command.option("--size", options->size, "Width and height in pixels; default 800 600")
       .values(2, 2)
-      .type_name("W H");
-  command.option("--every", options->film.every, "Take each n-th frame; default 1").type_name("N");
+      .type_name("W H")
+      .group("Picture");
+  command.option("--every", options->film.every, "Take each n-th frame; default 1")
+      .type_name("N")
+      .group("Time");
   command
       .option("--fps", options->frames_per_second,
               "Pictures a second; default as time passes, 10 where none does, 30 of vibrations")
-      .type_name("N");
-  command.option("--speed", options->film.speed, "Simulated over shown time; default 1").type_name("X");
+      .type_name("N")
+      .group("Time");
+  command.option("--speed", options->film.speed, "Simulated over shown time; default 1")
+      .type_name("X")
+      .group("Time");
   command
       .option("--mode", options->film.mode,
               "Of vibrations the one that swings; default the first not rigid one")
-      .type_name("N");
+      .type_name("N")
+      .group("Time");
   command
       .option("--turn", options->film.turn, "How far the camera goes around meanwhile, in degrees; default 0")
-      .type_name("DEGREES");
+      .type_name("DEGREES")
+      .group("View");
   command
       .option("--view", picture.view,
               "auto, " + join(view_names()) +
                   ", or a direction from the body to the eye such as 1,-2,1; default auto")
-      .type_name("VIEW");
+      .type_name("VIEW")
+      .offers(view_words)
+      .group("View");
   command.option("--up", picture.up, "Axis that points up: x, y or z; default auto: against gravity, else z")
-      .type_name("AXIS");
+      .type_name("AXIS")
+      .offers([] { return std::vector<std::string>{"auto", "x", "y", "z"}; })
+      .group("View");
   command.option("--range", options->range, "Values at the ends of the colours; default those of all frames")
       .values(2, 2)
-      .type_name("MIN MAX");
+      .type_name("MIN MAX")
+      .group("Colours");
   command.option("--map", picture.map, "Colours: auto, " + join(color_map_names()) + "; default auto")
-      .type_name("MAP");
-  command.option("--scale", picture.scale, "Factor on displacements; default 1").type_name("S");
-  command.flag("--rest", picture.shows_rest, "Outline of the rest shape");
-  command.flag("--no-colliders", options->no_colliders, "No colliders");
-  command.flag("--dark", picture.is_dark, "Dark background");
+      .type_name("MAP")
+      .offers(color_map_words)
+      .group("Colours");
+  command.option("--scale", picture.scale, "Factor on displacements; default 1")
+      .type_name("S")
+      .group("What is shown");
+  command.flag("--rest", picture.shows_rest, "Outline of the rest shape").group("What is shown");
+  command.flag("--no-colliders", options->no_colliders, "No colliders").group("What is shown");
+  command.flag("--dark", picture.is_dark, "Dark background").group("Colours");
   command.footer(
       "Examples:\n  resilin film out/spot --out cow.png\n  resilin film out/heap --out heap.mp4 --size 1280 "
       "720 "

@@ -7,6 +7,7 @@
 
 #include "command.hpp"
 #include "interrupt.hpp"
+#include "offered_words.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/fit/fit_file.hpp"
@@ -103,12 +104,17 @@ void add_fit(CommandLine& line, Action& action) {
   auto options = std::make_shared<FitOptions>();
   const Command command = line.command(
       "fit", "Find constants from material tests, or parameters of whole scenes from markers and forces");
-  command.option("data", options->data, "The tests, or experiments with their scenes (.toml)");
+  command.option("data", options->data, "The tests, or experiments with their scenes (.toml)")
+      .is_file({"toml"});
   command.option("--laws", options->laws, "Laws to fit to tests, or all; default: those of the file")
       .separated_by(',')
-      .type_name("LAW,...");
-  command.option("--out", options->out,
-                 "Folder of fit.json, material.toml and, of tests, fit.html; default: out/NAME of the file");
+      .type_name("LAW,...")
+      .offers(law_words);
+  command
+      .option("--out", options->out,
+              "Folder of fit.json, material.toml and, of tests, fit.html; default: out/NAME of the file")
+      .type_name("DIR")
+      .is_folder();
   command.option("--set", options->overrides, "Change a value of the file first; may be given several times")
       .type_name("KEY=VALUE")
       .repeatable();

@@ -7,6 +7,7 @@
 
 #include "command.hpp"
 #include "interrupt.hpp"
+#include "offered_words.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/scene/scene.hpp"
 #include "resilin/sensitivity/gradient_check.hpp"
@@ -73,7 +74,7 @@ void add_gradcheck(CommandLine& line, Action& action) {
   auto options = std::make_shared<GradcheckOptions>();
   const Command command =
       line.command("gradcheck", "Compare the derivatives of a run with differences of runs");
-  command.option("scene", options->scene, "Scene file (.toml)").required();
+  command.option("scene", options->scene, "Scene file (.toml)").required().is_file({"toml"});
   command
       .option("--wrt", options->wrt,
               "A parameter by its key, such as body.beam.material.youngs_modulus; may be given several "
@@ -82,7 +83,8 @@ void add_gradcheck(CommandLine& line, Action& action) {
       .repeatable();
   command.option("--set", options->overrides, "Change a value of the scene first; may be given several times")
       .type_name("KEY=VALUE")
-      .repeatable();
+      .repeatable()
+      .offers(scene_settings);
   command.footer(
       "What is differentiated is a sum of the places of all nodes at the end, each with a weight of its "
       "own.\n"

@@ -52,6 +52,7 @@ void add_info(CommandLine& line, Action& action) {
     bool json = false;
     bool scene_reference = false;
     bool schema = false;
+    bool man_page = false;
   };
   auto options = std::make_shared<Options>();
   const Command command =
@@ -59,9 +60,14 @@ void add_info(CommandLine& line, Action& action) {
   command.flag("--json", options->json, "Print JSON");
   command.flag("--scene-reference", options->scene_reference, "Print the page docs/scene.md");
   command.flag("--schema", options->schema, "Print a JSON schema of the scene file, for editors");
+  command.flag("--man-page", options->man_page, "Print the page for man: resilin.1");
   command.footer("Example:\n  resilin info --json");
-  command.on_chosen([options, &action] {
-    action = [options] {
+  command.on_chosen([&line, options, &action] {
+    action = [&line, options] {
+      if (options->man_page) {
+        print_text(man_page(line.text()));
+        return static_cast<int>(done);
+      }
       if (!options->scene_reference && !options->schema) return print_info(options->json);
       print_text(options->schema ? scene_schema() : scene_reference());
       return static_cast<int>(done);

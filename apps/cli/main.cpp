@@ -95,6 +95,7 @@ int run_command(int argc, char** argv) {
   add_bench(line, action);
   add_info(line, action);
   add_doctor(line, action);
+  add_completion(line, action);
   try {
     if (const std::optional<int> code = line.read(argc, argv)) return *code;
   } catch (const CommandLineError& error) {

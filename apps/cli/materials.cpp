@@ -8,6 +8,7 @@
 #include "command.hpp"
 #include "material_curve.hpp"
 #include "material_options.hpp"
+#include "offered_words.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/material/curve.hpp"
 #include "resilin/material/law.hpp"
@@ -165,11 +166,18 @@ std::array<Option, 2> add_material_options(const Command& command, MaterialOptio
 
 void add_curve_options(const Command& command, CurveOptions& options) {
   command.option("--curve", options.load_case, "Stress over stretch, free directions solved")
-      .type_name("uniaxial|equibiaxial|planar|shear|volumetric");
-  command.option("--from", options.from, "First stretch; default 0.5 (amount of shear: 0)");
-  command.option("--to", options.to, "Last stretch; default 2 (amount of shear: 1.5)");
-  command.option("--points", options.points, "Number of points").shows_default().between(2, 1000000);
-  command.option("--csv", options.csv, "Write the curve to this file as well");
+      .type_name(join(load_case_words(), "|"))
+      .group("Curve")
+      .offers(load_case_words);
+  command.option("--from", options.from, "First stretch; default 0.5 (amount of shear: 0)").group("Curve");
+  command.option("--to", options.to, "Last stretch; default 2 (amount of shear: 1.5)").group("Curve");
+  command.option("--points", options.points, "Number of points")
+      .shows_default()
+      .between(2, 1000000)
+      .group("Curve");
+  command.option("--csv", options.csv, "Write the curve to this file as well")
+      .is_file({"csv"})
+      .group("Curve");
 }
 
 }  // namespace
@@ -178,7 +186,7 @@ void add_materials(CommandLine& line, Action& action) {
   auto options = std::make_shared<MaterialsOptions>();
   const Command command =
       line.command("materials", "List the laws; for one: constants, formula, source, curves");
-  command.option("law", options->law, "Name of a law");
+  command.option("law", options->law, "Name of a law").offers(law_words);
   const std::array<Option, 2> hooke = add_material_options(command, options->material);
   add_curve_options(command, options->curve);
   command.flag("--json", options->json, "Print JSON");

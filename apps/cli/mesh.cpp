@@ -4,6 +4,8 @@
 
 #include "command.hpp"
 #include "fill.hpp"
+#include "mesher.hpp"
+#include "offered_words.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/io/mesh_file.hpp"
@@ -127,7 +129,8 @@ void add_mesh(CommandLine& line, Action& action) {
   command
       .option("files", options->files, "IN and OUT, or OUT alone with --box; the extension tells the format")
       .values(1, 2)
-      .type_name("[IN] OUT");
+      .type_name("[IN] OUT")
+      .is_file(mesh_extensions());
   command.option("--box", options->box, "Make a box (rectangle) with these edge lengths [m]")
       .values(2, 3)
       .type_name("SX SY [SZ]");
@@ -146,7 +149,12 @@ void add_mesh(CommandLine& line, Action& action) {
                   "Fill the closed surface IN with about this many tetrahedra, by gmsh or pytetwild")
           .type_name("N");
   command.option("--mesher", options->fill.mesher, "The program that --tets calls: gmsh or pytetwild")
-      .type_name("NAME");
+      .type_name("NAME")
+      .offers([] {
+        std::vector<std::string> names;
+        for (const Mesher& mesher : meshers()) names.push_back(mesher.name);
+        return names;
+      });
   command.option("--time-limit", options->fill.time_limit, "How long --tets may take [s]")
       .type_name("SECONDS")
       .positive()

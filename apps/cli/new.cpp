@@ -13,6 +13,7 @@
 
 #include "bare_mesh.hpp"
 #include "command.hpp"
+#include "offered_words.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/quoted_text.hpp"
 #include "resilin/core/text.hpp"
@@ -194,9 +195,11 @@ void add_new(CommandLine& line, Action& action) {
       line.command("new", "Write a commented scene for a mesh or a surface, to start from");
   command.option("mesh", options->mesh, "Mesh file, or surface (STL, PLY, OBJ), which gets cells around it")
       .required()
-      .type_name("MESH");
+      .type_name("MESH")
+      .is_file(mesh_extensions());
   command.option("--out", options->out, "Scene that is written, never over another file; default MESH's name")
-      .type_name("SCENE.toml");
+      .type_name("SCENE.toml")
+      .is_file({"toml"});
   command.option("--scale", options->scale, "Factor on the coordinates; default 1, 0.001 for millimetres");
   command.option("--cells", options->cells, "Tetrahedra around a surface, about; default 4000")
       .between(1, LatticeOptions::most_cells);

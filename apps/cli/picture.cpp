@@ -3,7 +3,9 @@
 #include <vector>
 
 #include "command.hpp"
+#include "offered_words.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/fields/catalog.hpp"
 #include "resilin/picture/camera.hpp"
 #include "resilin/picture/color_map.hpp"
 #include "resilin/results/result_picture.hpp"
@@ -45,38 +47,59 @@ void add_picture(CommandLine& line, Action& action) {
   const Command command =
       line.command("picture", "Draw a result, coloured by a field, on a machine without a display");
   PictureOptions& picture = options->picture;
-  command.option("dir", options->folder, "Folder of a run, or a .vtu file").required().type_name("DIR");
-  command.option("--out", options->out, "PNG file that is written").required().type_name("FILE.png");
+  command.option("dir", options->folder, "Folder of a run, or a .vtu file")
+      .required()
+      .type_name("DIR")
+      .is_file_or_folder({"vtu"});
+  command.option("--out", options->out, "PNG file that is written")
+      .required()
+      .type_name("FILE.png")
+      .is_file({"png"});
   command
       .option("--field", picture.field,
               "Field of the frames, with a component where it has several: von_mises, displacement.z, "
               "cauchy_stress.xy; averaged_ and nodal_ before a name of the cells bring it onto the vertices; "
               "default averaged_von_mises, as on the page")
-      .type_name("NAME[.COMPONENT]");
-  command.option("--frame", options->frame, "Number of the frame; default -1, the last").type_name("N");
+      .type_name("NAME[.COMPONENT]")
+      .offers(field_names)
+      .group("What is shown");
+  command.option("--frame", options->frame, "Number of the frame; default -1, the last")
+      .type_name("N")
+      .group("What is shown");
   command.option("--size", options->size, "Width and height in pixels; default 1200 900")
       .values(2, 2)
-      .type_name("W H");
+      .type_name("W H")
+      .group("Picture");
   command
       .option(
           "--view", picture.view,
           "auto, " + join(view_names()) +
               ", or a direction from the body to the eye such as 1,-2,1; default auto: what shows most of "
               "the body and of how it has moved")
-      .type_name("VIEW");
+      .type_name("VIEW")
+      .offers(view_words)
+      .group("View");
   command.option("--up", picture.up, "Axis that points up: x, y or z; default auto: against gravity, else z")
-      .type_name("AXIS");
+      .type_name("AXIS")
+      .offers([] { return std::vector<std::string>{"auto", "x", "y", "z"}; })
+      .group("View");
   command.option("--range", options->range, "Values at the ends of the colours; default those of the field")
       .values(2, 2)
-      .type_name("MIN MAX");
+      .type_name("MIN MAX")
+      .group("Colours");
   command.option("--map", picture.map, "Colours: auto, " + join(color_map_names()) + "; default auto")
-      .type_name("MAP");
-  command.option("--scale", picture.scale, "Factor on displacements; default 1").type_name("S");
-  const Option edges = command.flag("--edges", options->edges, "Edges of cells; default where there is room");
-  command.flag("--no-edges", options->no_edges, "No edges").excludes(edges);
-  command.flag("--rest", picture.shows_rest, "Outline of the rest shape");
-  command.flag("--no-colliders", options->no_colliders, "No colliders");
-  command.flag("--dark", picture.is_dark, "Dark background");
+      .type_name("MAP")
+      .offers(color_map_words)
+      .group("Colours");
+  command.option("--scale", picture.scale, "Factor on displacements; default 1")
+      .type_name("S")
+      .group("What is shown");
+  const Option edges = command.flag("--edges", options->edges, "Edges of cells; default where there is room")
+                           .group("What is shown");
+  command.flag("--no-edges", options->no_edges, "No edges").excludes(edges).group("What is shown");
+  command.flag("--rest", picture.shows_rest, "Outline of the rest shape").group("What is shown");
+  command.flag("--no-colliders", options->no_colliders, "No colliders").group("What is shown");
+  command.flag("--dark", picture.is_dark, "Dark background").group("Colours");
   command.footer(
       "Example:\n  resilin picture out/beam --field von_mises --out stress.png\n\nThe fields that frames "
       "hold are those "

@@ -9,6 +9,7 @@
 #include "command.hpp"
 #include "interrupt.hpp"
 #include "log_file.hpp"
+#include "offered_words.hpp"
 #include "progress.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/log.hpp"
@@ -162,27 +163,38 @@ void add_run(CommandLine& line, Action& action) {
   auto options = std::make_shared<RunOptions>();
   const Command command = line.command("run", "Simulate a scene");
   command.option("scene", options->scene, "Scene file (TOML); its keys are listed in docs/scene.md")
-      .required();
-  command.option("--out", options->out, "Folder for the results; default out/<name of the scene>");
+      .required()
+      .is_file({"toml"});
   command.option("--set", options->overrides, "Change a value of the scene; may be given several times")
       .type_name("KEY=VALUE")
-      .repeatable();
+      .repeatable()
+      .group("Scene")
+      .offers(scene_settings);
+  command.option("--out", options->out, "Folder for the results; default out/<name of the scene>")
+      .type_name("DIR")
+      .is_folder()
+      .group("Results");
   command
       .option("--formats", options->formats,
               "What to write in place of the scene's output.formats, such as html,usda")
       .separated_by(',')
       .one_of({"vtu", "html", "usda"})
       .values(1, 1)
-      .joins_repeats();
+      .joins_repeats()
+      .group("Results");
   command.option("--threads", options->threads, "Number of threads; default RESILIN_THREADS or all cores")
-      .between(1, max_threads);
-  command.option("--steps", options->steps, "Stop after this many steps").between(1, 1000000000);
+      .between(1, max_threads)
+      .group("Computing");
+  command.option("--steps", options->steps, "Stop after this many steps")
+      .between(1, 1000000000)
+      .group("Computing");
   command
       .flag_with_word("--resume", options->resume, "same",
                       "Go on from the checkpoint in the folder; it must be of the same scene, unless "
                       "--resume=anyway")
-      .one_of({"same", resume_anyway});
-  command.flag("--quiet", options->quiet, "Print nothing but errors");
+      .one_of({"same", resume_anyway})
+      .group("Computing");
+  command.flag("--quiet", options->quiet, "Print nothing but errors").group("Results");
   command.footer(
       "Example:\n  resilin run beam.toml --out out/stiff --set body.beam.material.youngs_modulus=1e7\n\n"
       "Exit codes: 0 done; 1 the input is wrong or memory is short; 2 did not converge or was stopped\n"

@@ -126,20 +126,32 @@ void add_sweep(CommandLine& line, Action& action) {
   auto options = std::make_shared<SweepOptions>();
   const Command command = line.command("sweep", "Simulate many scenes: a base scene and what varies");
   command.option("sweep", options->file, "Sweep file (TOML); its keys are listed in docs/sweep.md")
-      .required();
-  command.option("--out", options->out, "Folder for the results; default out/<name of the sweep>");
-  command.option("--shard", options->shard, "Run part i of n; all parts share the folder").type_name("i/n");
+      .required()
+      .is_file({"toml"});
+  command.option("--out", options->out, "Folder for the results; default out/<name of the sweep>")
+      .type_name("DIR")
+      .is_folder()
+      .group("Results");
+  command.option("--shard", options->shard, "Run part i of n; all parts share the folder")
+      .type_name("i/n")
+      .group("Which scenes");
   command.option("--jobs", options->jobs, "Scenes at once; default one for each thread where they are small")
-      .between(1, max_threads);
+      .between(1, max_threads)
+      .group("Computing");
   command
       .option("--threads", options->threads,
               "Number of threads of all scenes together; default RESILIN_THREADS or all cores")
-      .between(1, max_threads);
-  command.flag("--dry-run", options->is_dry, "Say how many scenes there are and how long they will take");
-  command.flag("--retry-failed", options->retries_failed, "Run those that failed once more");
-  command.flag("--update", options->updates,
-               "The sweep was changed: keep what is still part of it in the folder, run the rest");
-  command.flag("--quiet", options->quiet, "Print nothing but errors");
+      .between(1, max_threads)
+      .group("Computing");
+  command.flag("--dry-run", options->is_dry, "Say how many scenes there are and how long they will take")
+      .group("Which scenes");
+  command.flag("--retry-failed", options->retries_failed, "Run those that failed once more")
+      .group("Which scenes");
+  command
+      .flag("--update", options->updates,
+            "The sweep was changed: keep what is still part of it in the folder, run the rest")
+      .group("Which scenes");
+  command.flag("--quiet", options->quiet, "Print nothing but errors").group("Results");
   command.footer(
       "Examples:\n  resilin sweep stiffness.toml --dry-run\n  resilin sweep stiffness.toml --out "
       "out/stiffness "

@@ -9,6 +9,7 @@
 #include "bare_mesh.hpp"
 #include "command.hpp"
 #include "interrupt.hpp"
+#include "offered_words.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/parallel.hpp"
 #include "resilin/core/quoted_text.hpp"
@@ -118,11 +119,13 @@ void add_view(CommandLine& line, Action& action) {
               "Scene file (TOML), a mesh, a surface (STL, PLY, OBJ), or folder of a run with formats = "
               "[\"html\"]")
       .required()
-      .type_name("SCENE.toml|MESH|DIR");
+      .type_name("SCENE.toml|MESH|DIR")
+      .is_file_or_folder(scene_and_mesh_extensions());
   command.option("--port", options->port, "Port on 127.0.0.1; default 0, any free one").between(0, 65535);
   command.option("--set", options->overrides, "Change a value of the scene; may be given several times")
       .type_name("KEY=VALUE")
-      .repeatable();
+      .repeatable()
+      .offers(scene_settings);
   command.option("--threads", options->threads, "Number of threads; default RESILIN_THREADS or all cores")
       .between(1, max_threads);
   command.flag("--no-browser", options->has_no_browser, "Print the address and open nothing");
