@@ -125,9 +125,8 @@ def test_fish_offers_the_same(place):
     def offered(line):
         script = f"resilin completion fish | source; complete -C '{line}'"
         environment = os.environ | {"PATH": f"{PROGRAM.parent}:{os.environ['PATH']}", "HOME": str(place)}
-        run = subprocess.run(
-            ["fish", "--no-config", "-c", script], capture_output=True, text=True, cwd=place, env=environment, check=True
-        )
+        command = ["fish", "--no-config", "-c", script]
+        run = subprocess.run(command, capture_output=True, text=True, cwd=place, env=environment, check=True)
         assert run.stderr == ""
         return [line.split("\t")[0] for line in run.stdout.splitlines()]
 
@@ -172,9 +171,7 @@ def test_the_page_for_man_has_every_command_and_option(tmp_path):
     page.write_text(output("info", "--man-page"))
     lint = subprocess.run(["mandoc", "-T", "lint", "-W", "warning", page], capture_output=True, text=True, check=False)
     assert [line for line in lint.stdout.splitlines() if "missing date" not in line] == []
-    text = subprocess.run(
-        ["mandoc", "-T", "ascii", page], capture_output=True, text=True, check=True
-    ).stdout
+    text = subprocess.run(["mandoc", "-T", "ascii", page], capture_output=True, text=True, check=True).stdout
     text = re.sub(".\b", "", text)
     for name in commands():
         assert re.search(rf"^ +resilin {name}\b", text, re.MULTILINE), name

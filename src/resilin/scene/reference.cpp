@@ -13,7 +13,7 @@ error that names the nearest known one. Any value can be set from the command li
 
 A *vector* is a list of as many numbers as `simulation.dimension`, a *matrix* a list of such rows.
 This page is printed by `resilin info --scene-reference` from the table that reads the file. `resilin info --schema > scene.schema.json`
-prints the same as a JSON schema: with `#:schema scene.schema.json` as its first line, editors with taplo (Even Better TOML) complete and check a scene.
+prints the same as a JSON schema: with `#:schema scene.schema.json` as its first line, editors with taplo (Even Better TOML) complete and check a scene ([how](editors.md#scenes-in-an-editor)).
 
 ```toml
 title = "A beam under its own weight"
