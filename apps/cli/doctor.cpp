@@ -160,17 +160,18 @@ Finding look_at_ffmpeg(const std::filesystem::path& folder) {
   Finding finding = {.name = "ffmpeg", .found = "", .cure = ""};
   std::vector<std::string> able, unable;
   const auto program = find_program("ffmpeg");
+  const std::string place = program ? one_line(program->string()) : "";
   const auto listed = program ? output_of(*program, {"-hide_banner", "-encoders"}, folder) : std::nullopt;
   for (const auto& [extension, encoder] : encodings)
     (listed && has_word(*listed, encoder) ? able : unable).emplace_back(extension);
   if (unable.empty()) {
-    finding.found = "film writes " + join(able) + " by " + one_line(program->string());
+    finding.found = "film writes " + join(able) + " by " + place;
     return finding;
   }
   finding.found = "film cannot write " + join(unable) + ": " +
                   (!program  ? "there is no ffmpeg"
-                   : !listed ? one_line(program->string()) + " does not run"
-                             : one_line(program->string()) + " has no encoder for that");
+                   : !listed ? place + " does not run"
+                             : place + " has no encoder for that");
   finding.cure = std::string(how_to_install_ffmpeg) + "; animated PNG and single pictures need none";
   return finding;
 }

@@ -30,14 +30,15 @@ class SchemaWalk {
       for (const Json& one : rule["anyOf"]) visit(one, path, depth);
     } else if (rule.contains("properties")) {
       for (const auto& [key, value] : rule["properties"].items())
-        visit(value, path.empty() ? key : path + "." + key, depth);
+        visit(value, path.empty() ? std::string(key) : std::string(path).append(".").append(key), depth);
     } else if (rule.value("type", "") == "array" && rule.contains("items") && is_table(rule["items"])) {
       visit(rule["items"], path + ".0", depth);
     } else {
-      add(path + "=");
+      const std::string setting = path + "=";
+      add(setting);
       if (rule.contains("enum"))
         for (const Json& word : rule["enum"])
-          add(path + "=" + (word.is_string() ? word.get<std::string>() : word.dump()));
+          add(setting + (word.is_string() ? word.get<std::string>() : word.dump()));
     }
   }
 

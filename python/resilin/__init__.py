@@ -3,6 +3,7 @@
 Material    a law at arrays of deformation gradients: energy, stress, tangent, forces
 Elastic     the energy of a mesh: value, gradient, Hessian
 Simulation  a scene step by step; `run` simulates it to the end
+LiveScene   a scene to pull, pin and poke while it moves
 Mesh        from arrays, files, meshio objects and recipes
 fit         constants of laws from tests, with intervals
 fit_scenes  numbers of whole scenes from markers, reactions and probes
@@ -22,12 +23,14 @@ from resilin.elastic import Elastic
 from resilin.embedding import embed
 from resilin.fit import Fit, fit
 from resilin.gradient import Differentiated, gradient, parameter_names, value_and_gradient
+from resilin.live import LiveScene
 from resilin.material import Material
 from resilin.mesh import Mesh, MeshReport, read_mesh
 from resilin.picture import Picture, picture
 from resilin.rest_shape import RestShape, find_rest_shape
+from resilin.result import Result, Step
 from resilin.scene_fit import SceneFit, fit_scenes
-from resilin.simulation import Result, Simulation, Step, run
+from resilin.simulation import Simulation, run
 from resilin.sweeps import SweepTable, read_sweep, sweep
 from resilin.threads import num_threads, set_num_threads
 
@@ -39,6 +42,7 @@ __all__ = [
     "Elastic",
     "Fit",
     "InputError",
+    "LiveScene",
     "Material",
     "Mesh",
     "MeshReport",

@@ -133,10 +133,11 @@ class Mesh:
         for block in mesh.cells:
             if block.type not in MESHIO_KINDS:
                 refuse(f"{name}: cells", f"one of {', '.join(MESHIO_KINDS)}", f'"{block.type}"')
-            blocks.setdefault(MESHIO_KINDS[block.type], []).append(_our_order(block))
+            blocks.setdefault(MESHIO_KINDS[block.type], []).append(other_order(block.type, np.asarray(block.data)))
         positions = np.asarray(mesh.points, dtype=np.float64)
-        if positions.ndim == 2 and positions.shape[1] == 3 and not np.any(positions[:, 2]) and "triangle" in blocks:
-            positions = positions if {"tetrahedron", "tetrahedron10"} & blocks.keys() else positions[:, :2]
+        is_flat = positions.ndim == 2 and positions.shape[1] == 3 and not np.any(positions[:, 2])
+        if is_flat and blocks.keys() & set(PLANE_KINDS) and not blocks.keys() & set(SPATIAL_KINDS):
+            positions = positions[:, :2]
         cells = {kind: np.concatenate(arrays) for kind, arrays in blocks.items()}
         return cls(positions, cells, _meshio_groups(mesh), name)
 
@@ -319,9 +320,9 @@ def _choice(kinds: type[Kind], name: str, place: str) -> Kind:
     return kinds.__members__[name]
 
 
-def _our_order(block: meshio.CellBlock) -> NDArray[Any]:
-    nodes = np.asarray(block.data)
-    return nodes[:, [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]] if block.type == "tetra10" else nodes
+def other_order(kind: str, nodes: NDArray[Any]) -> NDArray[Any]:
+    """From meshio's (and VTK's) order of the nodes to ours, or back; `kind` is meshio's name."""
+    return nodes[:, [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]] if kind == "tetra10" else nodes
 
 
 def _meshio_groups(mesh: meshio.Mesh) -> dict[str, NDArray[Any]]:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import functools
 import json
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, NoReturn
+from typing import TYPE_CHECKING, Literal, NoReturn
 
 import numpy as np
 
@@ -14,11 +12,10 @@ from resilin.arrays import file_path, plain_text, refuse, require_instance
 from resilin.material import Material
 from resilin.mesh import warn
 from resilin.picture import Picture, picture_options
+from resilin.result import Fields, Result, Step
 from resilin.scene import material_entries, read_scene
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
     from numpy.typing import NDArray
     from typing_extensions import Unpack
 
@@ -28,140 +25,10 @@ if TYPE_CHECKING:
         FrameReport,
         Overrides,
         PictureOptions,
-        Report,
-        RunStatus,
         Scene,
-        StepStatus,
     )
 
     Floats = NDArray[np.float64]
-
-
-class Step(NamedTuple):
-    """What became of one step; not converging is a result, not an error."""
-
-    status: StepStatus  #: "converged" or "not_converged"
-    reason: str  #: in words, when it did not converge
-    newton_iterations: int
-    residual: float  #: force residual relative to the forces that balance
-
-    def __bool__(self) -> bool:
-        """True when the step converged."""
-        return self.status == "converged"
-
-
-class Fields(Mapping[str, "Floats"]):
-    """Fields of a result by name, computed when they are asked for; see docs/results.md."""
-
-    def __init__(self, evaluate: Callable[[str], Floats]) -> None:
-        self._evaluate = evaluate
-
-    def __getitem__(self, name: str) -> Floats:
-        return self._evaluate(plain_text(name, "fields"))
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(_core.field_names())
-
-    def __len__(self) -> int:
-        return len(_core.field_names())
-
-    def __contains__(self, name: object) -> bool:
-        return name in _core.field_names()
-
-    def __repr__(self) -> str:
-        return f"<fields {', '.join(self)}>"
-
-
-class Result:
-    """The recorded frames of a run; T of them, the first is the start.
-
-    Attributes
-    ----------
-    positions, velocities : array (T, N, d)
-        [m], [m/s]; the vertices of all bodies, one body after another.
-    times, loads : array (T,)
-        [s]; load factors of a static run.
-    fields : mapping
-        By name, over the T frames: displacement, velocity (T, N, d); by cell von_mises, volume_ratio ... (T, M),
-        principal_stress (T, M, 3), cauchy_stress, green_strain ... (T, M, 3, 3); the same smoothed onto the vertices as
-        nodal_von_mises (T, N) ... `list(result.fields)` has all names, docs/results.md what they mean. Each access
-        computes the field anew.
-    report : dict
-        As report.json: status, reason, frames with energies, probes and reactions, bodies, timing.
-    """
-
-    def __init__(self, core: _core.History) -> None:
-        self._core = core
-        self.positions: Floats = core.positions()
-        self.velocities: Floats = core.velocities()
-        self.times: Floats = core.times()
-        self.loads: Floats = core.loads()
-        self.fields: Fields = Fields(core.field)
-
-    @functools.cached_property
-    def report(self) -> Report:
-        """As report.json; made when it is first asked for."""
-        report: Report = json.loads(self._core.report())
-        return report
-
-    @property
-    def status(self) -> RunStatus:
-        """ "done", "not_converged", or "budget" when the run was stopped before its end."""
-        return self.report["status"]
-
-    def save(self, folder: AnyPath) -> None:
-        """Writes the folder that `resilin run --out` leaves: report.json, frames.pvd, frames/, checkpoint.bin and, as
-        output.formats asks, result.html and result.usda."""
-        self._core.save(file_path(folder, "folder"))
-
-    def plot(
-        self, field: str | None = "averaged_von_mises", *, frame: int = -1, **options: Unpack[PictureOptions]
-    ) -> Picture:
-        """Draws the deformed body, coloured by a field; no display and no other package is needed.
-
-        Parameters
-        ----------
-        field : str or None
-            Any of `fields`, with a component where it has several: "displacement" (its length), "displacement.z",
-            "cauchy_stress.xy", "principal_stress.1". "von_mises" has one colour in each cell, "averaged_von_mises" is
-            the mean of the cells around each vertex, "nodal_von_mises" is smooth. The skin is drawn where a body has
-            one, but for fields by cell.
-        frame : int
-            Number of the frame; -1 is the last.
-        size : (int, int)
-            Width and height in pixels; (1200, 900).
-        view : str or (3,)
-            "auto", "iso", "front", "back", "left", "right", "top", "bottom", or the direction from the body to the eye;
-            auto shows as much as it can of the body and of how it has moved.
-        up : str
-            Axis that points up: "x", "y", "z", or "auto": against gravity, z where there is none.
-        range : (float, float), optional
-            Values at the ends of the colours; by default those of the field.
-        map : str
-            "viridis", "diverging", or "auto": diverging for fields of two signs.
-        scale : float
-            Factor on displacements; 1.
-        edges : bool, optional
-            Edges of the cells; by default where there is room.
-        rest : bool
-            The outline of the rest shape.
-        colliders : bool
-            What of the colliders is near the bodies; True.
-        dark : bool
-            A dark background.
-
-        Returns
-        -------
-        Picture
-            A notebook shows it; `.save("stress.png")` writes it, `.pixels` is an array.
-        """
-        return Picture(self._core.draw(int(frame), picture_options(field, **options)))
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self._core,)
-
-    def __repr__(self) -> str:
-        return f"<resilin.Result {self.status}: {len(self.times)} frames; {self.report['reason']}>"
 
 
 class Simulation:
@@ -323,7 +190,7 @@ class Simulation:
         return Picture(self._core.draw(picture_options(field, **options)))
 
     def cells(self, body: str) -> NDArray[np.int32]:
-        """Vertices of the cells of a body (M, d + 1), as rows of `positions`."""
+        """Vertices of the cells of a body (M, n), as rows of `positions`; see `Result.cells`."""
         return self._core.cells(plain_text(body, "body"))
 
     def skin_positions(self, body: str) -> Floats:

@@ -49,6 +49,8 @@ CurveKind: TypeAlias = Literal["uniaxial", "equibiaxial", "planar", "shear", "vo
 ColorMap: TypeAlias = Literal["auto", "viridis", "diverging"]
 StressKind: TypeAlias = Literal["nominal", "cauchy"]
 Loss: TypeAlias = Literal["stress_drops", "directions_part", "not_elliptic", "no_state"]
+#: Of a LiveScene; vectors are lists of three numbers.
+ControlValue: TypeAlias = "bool | float | str | list[float]"
 StepStatus: TypeAlias = Literal["converged", "not_converged"]
 SweepMethod: TypeAlias = Literal["grid", "list", "latin_hypercube", "sobol"]
 #: {"body.beam.scale": [1, 2, 3]} or {"body.beam.scale": {"uniform": [1, 3]}}

@@ -1,17 +1,20 @@
 #include "history.hpp"
 
 #include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include <stdexcept>
 
+#include "bodies.hpp"
 #include "resilin/core/archive.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/fields/evaluator.hpp"
 #include "resilin/results/report.hpp"
 #include "resilin/results/result_picture.hpp"
 #include "resilin/results/results.hpp"
+#include "resilin/results/shown_results.hpp"
 #include "resilin/world/description_image.hpp"
 
 namespace resilin {
@@ -45,6 +48,19 @@ NumpyArray<double> node_arrays(const World& world, std::span<const State> states
   }
   return numpy_array(std::move(all), {states.size(), static_cast<std::size_t>(world.num_nodes()),
                                       static_cast<std::size_t>(world.dimension)});
+}
+
+// ---- functions of the world
+
+template <class Result>
+auto of_world(Result (*function)(const World&)) {
+  return [function](const History& history) { return function(history.world()); };
+}
+
+template <class Result>
+auto of_body(Result (*function)(const World&, const std::string&)) {
+  return
+      [function](const History& history, const std::string& name) { return function(history.world(), name); };
 }
 
 }  // namespace
@@ -134,12 +150,37 @@ History History::from_image(std::string_view image) {
   return history;
 }
 
-Image History::draw(int frame, const PictureOptions& options) const {
+const State& History::state_of(int frame) const {
   const int count = static_cast<int>(states_.size()), number = frame < 0 ? count + frame : frame;
   if (number < 0 || number >= count)
     throw InputError("frame", "0 to " + std::to_string(count - 1) + ", or -1 for the last",
                      std::to_string(frame));
-  return draw_state(world(), states_[static_cast<std::size_t>(number)], options);
+  return states_[static_cast<std::size_t>(number)];
+}
+
+Image History::draw(int frame, const PictureOptions& options) const {
+  return draw_state(world(), state_of(frame), options);
+}
+
+NumpyArray<double> History::positions_of_frame(int frame) const {
+  return place_array(world(), state_of(frame).positions);
+}
+
+NumpyArray<double> History::field_of_frame(const std::string& name, int frame) const {
+  const FieldInfo& field = require_field(name, "fields");
+  const auto rows = FieldEvaluator(world()).evaluate(state_of(frame), {&name, 1});
+  const std::vector<double>& values = rows.front().values;
+  const auto columns = static_cast<std::size_t>(field.components());
+  if (columns == 9) return numpy_array(values, {values.size() / 9, 3, 3});
+  if (columns == 1) return numpy_array(values, {values.size()});
+  return numpy_array(values, {values.size() / columns, columns});
+}
+
+std::string History::page(const std::filesystem::path& folder, const std::vector<int>& frames) const {
+  std::vector<NumberedState> shown;
+  for (const int frame : frames)
+    shown.push_back({static_cast<std::size_t>(frame), &states_.at(static_cast<std::size_t>(frame))});
+  return recorded_page(folder, world(), shown, report());
 }
 
 NumpyArray<double> History::positions() const {
@@ -180,11 +221,27 @@ void bind_history(nb::module_& module) {
            })
       .def("draw", &History::draw, nb::arg("frame"), nb::arg("options"),
            nb::call_guard<nb::gil_scoped_release>())
+      .def(
+          "page",
+          [](const History& history, const std::filesystem::path& folder, const std::vector<int>& frames) {
+            history.report();  // made by one thread
+            const nb::gil_scoped_release release;
+            return history.page(folder, frames);
+          },
+          nb::arg("folder"), nb::arg("frames"))
+      .def("body_names", of_world(&body_names))
+      .def("cells", of_body(&cells_of), nb::arg("body"))
+      .def("cell_kind", of_body(&cell_kind_of), nb::arg("body"))
+      .def("vertex_range", of_body(&vertex_range_of), nb::arg("body"))
       .def("positions", &History::positions)
       .def("velocities", &History::velocities)
       .def("times", &History::times)
       .def("loads", &History::loads)
-      .def("field", &History::field, nb::arg("name"));
+      .def("field", &History::field, nb::arg("name"))
+      .def("positions_of_frame", &History::positions_of_frame, nb::arg("frame"))
+      .def("field_of_frame", &History::field_of_frame, nb::arg("name"), nb::arg("frame"))
+      .def_static("is_by_cell",
+                  [](const std::string& name) { return !require_field(name, "fields").is_on_nodes(); });
 }
 
 }  // namespace resilin::python

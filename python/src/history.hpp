@@ -21,6 +21,11 @@ NumpyArray<double> field_array(const World& world, std::span<const State> states
 /// The same places in the scene's coordinates [m].
 VectorX scene_places(const World& world, VectorX positions);
 
+/// (N, dim) [m], in the scene's coordinates.
+inline NumpyArray<double> place_array(const World& world, const VectorX& positions) {
+  return node_array(scene_places(world, positions), world.dimension);
+}
+
 /// The recorded states of a run.
 class History {
  public:
@@ -42,8 +47,15 @@ class History {
   const std::string& report() const;
   const std::vector<std::string>& warnings() const { return summary_.outcome.warnings; }
   /// @param frame  from 0, or from the end: -1 is the last
+  /// (N, dim) [m]; (N or M, ...), vectors with three components.
+  NumpyArray<double> positions_of_frame(int frame) const;
+  NumpyArray<double> field_of_frame(const std::string& name, int frame) const;
   Image draw(int frame, const PictureOptions& options) const;
+  /// The page result.html of these frames, with the fields of a recording. @param folder  for what is made on
+  /// the way
+  std::string page(const std::filesystem::path& folder, const std::vector<int>& frames) const;
 
+  const World& world() const { return *world_; }
   NumpyArray<double> positions() const;   ///< (T, N, dim) [m]
   NumpyArray<double> velocities() const;  ///< (T, N, dim) [m/s]
   NumpyArray<double> times() const { return scalar(&State::time); }
@@ -52,7 +64,7 @@ class History {
 
  private:
   explicit History(std::shared_ptr<const World> world) : world_(std::move(world)) {}
-  const World& world() const { return *world_; }
+  const State& state_of(int frame) const;
   NumpyArray<double> scalar(double State::* member) const;
 
   std::shared_ptr<const World> world_;  // which no step changes
@@ -63,5 +75,6 @@ class History {
 };
 
 void bind_history(nb::module_& module);
+void bind_live(nb::module_& module);
 
 }  // namespace resilin::python

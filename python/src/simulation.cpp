@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "bindings.hpp"
+#include "bodies.hpp"
 #include "history.hpp"
 #include "interruptible.hpp"
 #include "resilin/core/error.hpp"
@@ -34,20 +35,6 @@
 
 namespace resilin::python {
 namespace {
-
-/// The number of the body with this name. @throws InputError
-std::size_t find_body(const World& world, const std::string& name) {
-  std::vector<std::string> names;
-  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
-    if (world.bodies[b].name == name) return b;
-    names.push_back(world.bodies[b].name);
-  }
-  throw InputError("body", "one of " + join(names), "\"" + name + "\"");
-}
-
-const Body& body_of(const Simulation& simulation, const std::string& name) {
-  return simulation.world().bodies[find_body(simulation.world(), name)];
-}
 
 /// A simulation that threads work with in turns: each step, and each look at the state, is whole.
 class RunningSimulation {
@@ -172,14 +159,8 @@ class RunningSimulation {
   mutable Turns turns_;
 };
 
-NumpyArray<Index> cells(const Simulation& simulation, const std::string& name) {
-  const Body& body = body_of(simulation, name);
-  return numpy_array(body.cells, {static_cast<std::size_t>(body.num_cells()),
-                                  static_cast<std::size_t>(num_nodes(body.cell_kind))});
-}
-
 const Skin& skin_of(const Simulation& simulation, const std::string& name) {
-  const Body& body = body_of(simulation, name);
+  const Body& body = body_of(simulation.world(), name);
   if (!body.skin)
     throw InputError("body \"" + name + "\"", "a skin", "none", "its key in the scene is `skin`");
   return *body.skin;
@@ -201,20 +182,10 @@ NumpyArray<Index> skin_facets(const Simulation& simulation, const std::string& n
                                     static_cast<std::size_t>(num_nodes(facets.kind))});
 }
 
-std::pair<Index, Index> vertex_range(const Simulation& simulation, const std::string& name) {
-  const Body& body = body_of(simulation, name);
-  return {body.first_node, body.first_node + body.num_nodes};
-}
-
 std::string frame(const Simulation& simulation) {
   const World& world = simulation.world();
   const auto fields = FieldEvaluator(world).evaluate(simulation.state(), fields_of_report(world));
   return frame_json(simulation.frame(), world, simulation.state(), fields).dump();
-}
-
-/// (N, dim) [m], in the scene's coordinates
-NumpyArray<double> place_array(const World& world, const VectorX& positions) {
-  return node_array(scene_places(world, positions), world.dimension);
 }
 
 // ---- functions of a simulation, in a turn
@@ -228,6 +199,14 @@ template <class Result>
 auto look_at(Result (*function)(const Simulation&, const std::string&)) {
   return [function](const RunningSimulation& s, const std::string& name) {
     return s.look([&](const Simulation& simulation) { return function(simulation, name); });
+  };
+}
+
+/// A function of the world and a name.
+template <class Result>
+auto look_at_world(Result (*function)(const World&, const std::string&)) {
+  return [function](const RunningSimulation& s, const std::string& name) {
+    return s.look([&](const Simulation& simulation) { return function(simulation.world(), name); });
   };
 }
 
@@ -264,6 +243,7 @@ void bind_simulation(nb::module_& module) {
       nb::arg("values"), nb::arg("name"), nb::arg("folder"), nb::arg("overrides"));
 
   bind_history(module);
+  bind_live(module);
   nb::class_<RunningSimulation>(module, "Simulation")
       .def(nb::init<const Scene&>(), nb::arg("scene"), nb::call_guard<nb::gil_scoped_release>())
       .def("step", &RunningSimulation::step,
@@ -272,10 +252,10 @@ void bind_simulation(nb::module_& module) {
            nb::arg("max_steps"), nb::arg("after_step").none())
       .def("set_material", &RunningSimulation::set_material, nb::arg("body"), nb::arg("law"),
            nb::arg("constants"), nb::arg("cell_constants"), nb::arg("fibres"), nb::arg("density").none())
-      .def("cells", look_at(&cells), nb::arg("body"))
+      .def("cells", look_at_world(&cells_of), nb::arg("body"))
       .def("skin_positions", look_at(&skin_positions), nb::arg("body"))
       .def("skin_facets", look_at(&skin_facets), nb::arg("body"))
-      .def("vertex_range", look_at(&vertex_range), nb::arg("body"))
+      .def("vertex_range", look_at_world(&vertex_range_of), nb::arg("body"))
       .def("frame", look(&frame))
       .def(
           "draw",

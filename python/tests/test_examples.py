@@ -93,3 +93,13 @@ def test_perforated_sheets_soften_with_their_holes(tmp_path):
         moved = file["rest_positions"][:] + file["displacements"][:]
         right = file["rest_positions"][0, :, 0] > 1 - 1e-9
         np.testing.assert_allclose(moved[:, right, 0], 1.15, rtol=1e-9)
+
+
+def test_the_arm_of_the_task_reaches_its_targets_and_can_do_so_again():
+    example = runpy.run_path(str(ROOT / "examples" / "python" / "reach.py"))
+    environment = example["ReachTip"]()
+    first = [example["play"](environment, seed) for seed in range(5)]
+    for steps, distance in first:
+        assert 1 < steps < environment.most_steps
+        assert distance < environment.tolerance
+    assert [example["play"](environment, seed) for seed in range(5)] == first  # a reset leaves nothing behind

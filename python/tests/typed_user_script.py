@@ -117,6 +117,11 @@ def simulations(folder: Path) -> None:
     assert_type(result.plot("nodal_von_mises", size=(120, 90), view="front", dark=True).pixels, NDArray[np.uint8])
     resilin.picture(folder / "out", scale=2, range=(0, 1e5)).save(folder / "square.png")
 
+    assert_type(result.bodies, list[str])
+    assert_type(result.cells(), Indices)
+    assert_type(result.positions[-1, result.vertices("square")], Doubles)
+    result.to_meshio(fields=["von_mises"]).write(folder / "square.vtu")
+
     simulation = resilin.Simulation(scene, ["newton.tolerance=1e-8"])
     while not simulation.is_finished:
         step = simulation.step()
@@ -126,6 +131,24 @@ def simulations(folder: Path) -> None:
     assert_type(simulation.frame["momentum"]["linear"], list[float])
     assert_type(simulation.bodies[0]["unknowns"], int)
     simulation.set_material("square", resilin.Material("stable_neo_hookean", youngs_modulus=1e5, poissons_ratio=0.3))
+
+
+def play(scene: Scene) -> None:
+    live = resilin.LiveScene(scene)
+    live.set(youngs_modulus=2e5, law="stable_neo_hookean", gravity=np.zeros(3))
+    corner = live.grab(live.positions[0])
+    assert_type(corner, int)
+    live.drag(live.positions[corner] + 0.1)
+    report = live.step()
+    assert_type(report.converged, bool)
+    assert_type(report.min_volume_ratio, float)
+    assert_type(live.hand_force, Doubles)
+    live.pin([1, 2])
+    live.unpin(1)
+    live.poke([0.0, 2.0], radius=0.1)
+    assert_type(live.ball, Doubles | None)
+    assert_type(live.pinned, list[int])
+    assert_type(live.fields["von_mises"], Doubles)
 
 
 def scene_of(path: Path, values: dict[str, object]) -> list[Scene]:
@@ -147,4 +170,5 @@ def main(folder: Path) -> None:
     meshes(folder)
     energies()
     simulations(folder)
+    play({"simulation": {"dimension": 2}, "body": [{"mesh": resilin.Mesh.rectangle((1, 1), (2, 2))}]})
     print(first_error(), resilin.__version__)

@@ -104,6 +104,15 @@ std::string page_with_recording(std::string_view recording, std::string_view rep
                    "");
 }
 
+std::string recorded_page(const std::filesystem::path& folder, const World& world,
+                          std::span<const NumberedState> frames, std::string_view report) {
+  const std::filesystem::path path = folder / recording_name;
+  Recorder recorder(path, world, header_of(world));
+  recorder.keep(0);
+  for (const auto& [number, state] : frames) recorder.record(static_cast<std::uint32_t>(number), *state);
+  return page_with_recording(read_file(path), report);
+}
+
 ShownResults::ShownResults(std::filesystem::path folder, const World& world)
     : folder_(std::move(folder)), world_(world), title_(world.title), counts_frames_(!world.is_dynamic) {
   if (world.output.writes(OutputFormat::html)) {

@@ -2,7 +2,9 @@
 
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -50,6 +52,18 @@ class ShownResults {
   double codes_per_second_ = 24;        ///< of the stage
   bool counts_frames_ = false;          ///< statics: the stage counts frames, not seconds
 };
+
+/// A state and its number among the frames of a report.
+struct NumberedState {
+  std::size_t number;
+  const State* state;
+};
+
+/// The page result.html of some frames, their numbers rising; it has the fields of a recording.
+/// @param folder  where the recording is made; it may be removed afterwards
+/// @param report  text of report.json
+std::string recorded_page(const std::filesystem::path& folder, const World& world,
+                          std::span<const NumberedState> frames, std::string_view report);
 
 /// A page with a recording and its report inside, and with fields beside those of the recording, as JSON
 /// (docs/view_protocol.md, "Addresses").

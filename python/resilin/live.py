@@ -1,0 +1,212 @@
+"""A scene that is played with: pulled, pinned and poked while it moves."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NoReturn
+
+import numpy as np
+
+from resilin import _core
+from resilin.arrays import plain_text, refuse
+from resilin.mesh import warn
+from resilin.picture import Picture, picture_options
+from resilin.result import Fields
+from resilin.scene import read_scene
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+    from typing_extensions import Unpack
+
+    from resilin.typing import ControlValue, IntegerArray, Overrides, PictureOptions, RealArray, Scene
+
+    Floats = NDArray[np.float64]
+
+
+class LiveScene:
+    """What `resilin view` shows, to be played with by a program.
+
+    Each step is one of backward Euler; static scenes move under their full loads. However it is pulled, a scene stays
+    finite, and what is let go comes to rest.
+
+    Parameters
+    ----------
+    scene, overrides
+        As of `Simulation`.
+
+    Examples
+    --------
+    >>> scene = resilin.LiveScene("beam.toml")
+    >>> scene.grab([1, 0.1, 0.1])
+    >>> for height in np.linspace(0.1, 0.5, 30):
+    ...     scene.drag([1, 0.1, height])
+    ...     scene.step()
+    >>> scene.hand_force
+    """
+
+    def __init__(self, scene: Scene, overrides: Overrides = ()) -> None:
+        self._core = _core.LiveScene(read_scene(scene, overrides))
+        warn(self._core.warnings)
+
+    def step(self, seconds: float | None = None) -> _core.LiveReport:
+        """One time step of `controls["time_step"]`.
+
+        Parameters
+        ----------
+        seconds : float, optional
+            No Newton iteration begins that would end later, as the page does to be smooth; results then depend on the
+            machine. By default each step is solved to `controls["tolerance"]`.
+
+        Returns
+        -------
+        LiveReport
+            converged, at_rest, newton_iterations, residual [N], relative_residual, min_volume_ratio, inverted_cells,
+            elastic_energy and kinetic_energy [J], words.
+        """
+        if seconds is not None and not seconds >= 0:
+            refuse("seconds", "a number of at least 0", repr(seconds))
+        self._core.step(None if seconds is None else float(seconds))
+        return self._core.report()
+
+    def grab(self, place: RealArray) -> int:
+        """Takes hold of the vertex nearest to a place, and of what is around it; one hand only.
+
+        Parameters
+        ----------
+        place : array (d,)
+            [m], in the present shape.
+
+        Returns
+        -------
+        int
+            The vertex, a row of `positions`.
+        """
+        return self._core.grab(_numbers(place, "grab"))
+
+    def drag(self, place: RealArray) -> None:
+        """Pulls what is held towards a place (d,) [m], as hard as `controls["max_force"]` allows, until `release`."""
+        self._core.drag(_numbers(place, "drag"))
+
+    def release(self) -> None:
+        """Lets go."""
+        self._core.release()
+
+    @property
+    def is_held(self) -> bool:
+        """Whether the hand holds something."""
+        return self._core.is_grabbed()
+
+    @property
+    def hand_force(self) -> Floats:
+        """(d,) [N], of the hand on the body; zero when nothing is held."""
+        return np.array(self._core.hand_force())
+
+    def pin(self, vertices: int | IntegerArray) -> None:
+        """Holds vertices, rows of `positions`, where they are now."""
+        self._core.pin(_vertices(vertices, "pin"), True)
+
+    def unpin(self, vertices: int | IntegerArray | None = None) -> None:
+        """Lets vertices go that were pinned; all without an argument. Supports of the scene stay."""
+        if vertices is None:
+            self._core.unpin_all()
+        else:
+            self._core.pin(_vertices(vertices, "unpin"), False)
+
+    @property
+    def pinned(self) -> list[int]:
+        """The vertices that are pinned."""
+        return self._core.pinned()
+
+    def poke(self, center: RealArray, radius: float) -> None:
+        """A ball that pushes bodies away; it goes towards `center` (d,) [m] as fast as they let it."""
+        self._core.poke(_numbers(center, "poke"), float(radius))
+
+    def stop_poking(self) -> None:
+        """Takes the ball away."""
+        self._core.stop_poking()
+
+    @property
+    def ball(self) -> Floats | None:
+        """Where the centre of the ball is now (d,) [m]; None without one."""
+        center = self._core.ball()
+        return None if center is None else np.array(center)
+
+    @property
+    def controls(self) -> dict[str, ControlValue]:
+        """What `set` can change, with its present value: material of all bodies, gravity, time step, ground, hand."""
+        return dict(self._core.controls())
+
+    def set(self, **controls: ControlValue | RealArray) -> None:
+        """Changes controls: `scene.set(youngs_modulus=2e5, gravity=[0, 0, -1.6])`; at a refusal none of them."""
+        self._core.set([(name, _plain(value)) for name, value in controls.items()])
+
+    def reset(self) -> None:
+        """Back to the start; the controls stay."""
+        self._core.reset()
+
+    @property
+    def time(self) -> float:
+        """Simulated so far [s]."""
+        return self._core.time()
+
+    @property
+    def positions(self) -> Floats:
+        """(N, d) [m], the vertices of all bodies, one body after another."""
+        return self._core.positions()
+
+    @property
+    def velocities(self) -> Floats:
+        """(N, d) [m/s]."""
+        return self._core.velocities()
+
+    @property
+    def rest_positions(self) -> Floats:
+        """(N, d) [m]."""
+        return self._core.rest_positions()
+
+    @property
+    def bodies(self) -> list[str]:
+        """The names of the bodies."""
+        return self._core.body_names()
+
+    def cells(self, body: str) -> NDArray[np.int32]:
+        """Vertices of the cells of a body (M, n), as rows of `positions`; see `Result.cells`."""
+        return self._core.cells(plain_text(body, "body"))
+
+    def vertices(self, body: str) -> slice:
+        """The rows of `positions` that belong to a body, as a slice."""
+        return slice(*self._core.vertex_range(plain_text(body, "body")))
+
+    @property
+    def fields(self) -> Fields:
+        """Fields of the present state by name; see `Simulation.fields`."""
+        return Fields(lambda name: self._core.field(name)[0])
+
+    def plot(self, field: str | None = "averaged_von_mises", **options: Unpack[PictureOptions]) -> Picture:
+        """Draws the present state; see `Result.plot`."""
+        return Picture(self._core.draw(picture_options(field, **options)))
+
+    def __reduce__(self) -> NoReturn:
+        raise TypeError("a LiveScene cannot be pickled; pickle its scene")
+
+    def __repr__(self) -> str:
+        title = f" {self._core.title()}" if self._core.title() else ""
+        return f"<resilin.LiveScene{title}: t = {self.time:.4g} s>"
+
+
+def _numbers(value: RealArray, place: str) -> list[float]:
+    return [float(number) for number in np.asarray(value, dtype=np.float64).ravel()]
+
+
+def _vertices(value: int | IntegerArray, place: str) -> list[int]:
+    numbers = np.atleast_1d(np.asarray(value))
+    if numbers.dtype.kind not in "iu":
+        refuse(place, "numbers of vertices", str(numbers.dtype))
+    return [int(number) for number in numbers.ravel()]
+
+
+def _plain(value: ControlValue | RealArray) -> ControlValue:
+    """As the core wants it: a flag, a number, a text or a list of numbers."""
+    if isinstance(value, bool | str):
+        return value
+    array = np.asarray(value, dtype=np.float64)
+    return float(array) if array.ndim == 0 else [float(number) for number in array.ravel()]
