@@ -7,7 +7,8 @@ build_packages=(g++ cmake ninja-build libeigen3-dev libsuitesparse-dev libopenbl
 test_packages=(libgtest-dev libgmock-dev python3 python3-venv fish zsh mandoc)
 browser_packages=(nodejs npm chromium)
 petsc_packages=(libpetsc-real-dev openmpi-bin pkg-config)  # of the preset petsc alone
-python_packages=(python3-dev python3-venv python3-numpy python3-scipy python3-matplotlib python3-torch)
+python_packages=(python3-dev python3-venv python3-numpy python3-scipy python3-matplotlib python3-torch
+  libxrender1)  # which pyvista loads, without a display, too
 
 say() { printf '%s\n' "$*" >&2; }
 die() { say "$*"; exit 1; }

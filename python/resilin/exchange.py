@@ -42,7 +42,7 @@ def _optional(module: str, function: str) -> Any:
     try:
         return import_module(module)
     except ImportError as error:
-        raise ImportError(f"{function} needs {module}: pip install 'resilin[{module}]'") from error
+        raise ImportError(f"{function} needs {module}: pip install 'resilin[{module}]' ({error})") from error
 
 
 class _Frame:

@@ -2,11 +2,15 @@
 
 import importlib.metadata
 import json
+import os
 import pathlib
+import re
 import signal
 import subprocess
 import sys
 import time
+import tomllib
+from importlib.util import find_spec
 
 import pytest
 
@@ -85,3 +89,35 @@ def test_it_serves_the_page_until_ctrl_c(command, tmp_path):
 def test_it_is_there():
     assert PROGRAM.exists()
     assert not is_installed() or SCRIPT.exists()
+
+
+def test_doctor_names_extras_that_the_package_has(tmp_path):
+    """By a python3 that has nothing but our package."""
+    python = tmp_path / "python3"
+    python.write_text(f"#!/bin/sh\necho version {resilin.__version__}\n")
+    python.chmod(0o755)
+    run = subprocess.run(
+        [PROGRAM, "doctor", "--json"], capture_output=True, text=True, check=True, env={"PATH": str(tmp_path)}
+    )
+    cures = {finding["name"]: finding["cure"] for finding in json.loads(run.stdout)}
+    named = {name: found[1] for name, cure in cures.items() if (found := re.search(r"resilin\[(\w+)\]", cure))}
+    settings = tomllib.loads((pathlib.Path(__file__).parents[2] / "pyproject.toml").read_text())
+    extras = settings["project"]["optional-dependencies"]
+    assert set(named.values()) == extras.keys()
+    for package, extra in named.items():
+        assert any(requirement.startswith(package) for requirement in extras[extra]), package
+
+
+def test_doctor_finds_this_package_and_what_it_works_with():
+    folder = pathlib.Path(sys.executable).parent
+    run = subprocess.run(
+        [PROGRAM, "doctor", "--json"],
+        capture_output=True,
+        text=True,
+        check=True,
+        env=os.environ | {"PATH": f"{folder}:{os.environ['PATH']}"},
+    )
+    well = {finding["name"]: finding["ok"] for finding in json.loads(run.stdout)}
+    assert well["Python"]
+    for package in ("torch", "matplotlib", "pandas", "pyvista", "meshio", "pyarrow", "distributed"):
+        assert well[package] == (find_spec(package) is not None), package

@@ -8,9 +8,9 @@ import tomllib
 import pytest
 
 import resilin
+from resilin.__main__ import PROGRAM
 
 jsonschema = pytest.importorskip("jsonschema")
-PROGRAM = pathlib.Path(resilin.__file__).parent / "bin" / "resilin"
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 

@@ -1,7 +1,6 @@
 """Completion in the shells themselves, and the page for man, against what --help says."""
 
 import os
-import pathlib
 import pty
 import re
 import select
@@ -12,8 +11,8 @@ import time
 import pytest
 
 import resilin
+from resilin.__main__ import PROGRAM
 
-PROGRAM = pathlib.Path(resilin.__file__).parent / "bin" / "resilin"
 TIME_LIMIT = 120  # [s]: a shell that hangs, on a busy machine
 ALL, TAB = "\x1b*", "\t"  # inserts every completion; the usual key
 
