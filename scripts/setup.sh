@@ -4,7 +4,7 @@
 build_packages=(g++ cmake ninja-build libeigen3-dev libsuitesparse-dev libopenblas-dev libmetis-dev libtbb-dev
   libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libspdlog-dev libfmt-dev libfreetype-dev libpng-dev zlib1g-dev libboost-dev
   ccache)  # what ./run compiles, ./test and the wheel need not compile again
-test_packages=(libgtest-dev libgmock-dev python3 python3-venv fish zsh mandoc)
+test_packages=(libgtest-dev libgmock-dev python3 python3-venv ffmpeg fish zsh mandoc)
 browser_packages=(nodejs npm chromium)
 petsc_packages=(libpetsc-real-dev openmpi-bin pkg-config)  # of the preset petsc alone
 python_packages=(python3-dev python3-venv python3-numpy python3-scipy python3-matplotlib python3-torch

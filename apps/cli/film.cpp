@@ -214,7 +214,11 @@ void add_film(CommandLine& line, Action& action) {
       .type_name("AXIS")
       .offers([] { return std::vector<std::string>{"auto", "x", "y", "z"}; })
       .group("View");
-  command.option("--range", options->range, "Values at the ends of the colours; default those of all frames")
+  command
+      .option(
+          "--range", options->range,
+          "Values at the ends of the colours; default those of all frames, without single blows more than "
+          "twice as great as the rest")
       .values(2, 2)
       .type_name("MIN MAX")
       .group("Colours");

@@ -59,7 +59,7 @@ void add_picture(CommandLine& line, Action& action) {
       .option("--field", picture.field,
               "Field of the frames, with a component where it has several: von_mises, displacement.z, "
               "cauchy_stress.xy; averaged_ and nodal_ before a name of the cells bring it onto the vertices; "
-              "default averaged_von_mises, as on the page")
+              "default averaged_von_mises, as on the page; none: the bodies in colours of their own")
       .type_name("NAME[.COMPONENT]")
       .offers(field_names)
       .group("What is shown");
@@ -100,6 +100,10 @@ void add_picture(CommandLine& line, Action& action) {
   command.flag("--rest", picture.shows_rest, "Outline of the rest shape").group("What is shown");
   command.flag("--no-colliders", options->no_colliders, "No colliders").group("What is shown");
   command.flag("--dark", picture.is_dark, "Dark background").group("Colours");
+  command
+      .flag("--transparent", picture.is_transparent,
+            "No background, to be put on a bright one; with --dark on a dark one")
+      .group("Colours");
   command.footer(
       "Example:\n  resilin picture out/beam --field von_mises --out stress.png\n\nThe fields that frames "
       "hold are those "

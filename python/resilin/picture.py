@@ -25,7 +25,8 @@ class Picture:
     Attributes
     ----------
     pixels : array (height, width, 3) of uint8
-        Red, green, blue, from the top left corner; for matplotlib's `imshow` and the like.
+        Red, green, blue, from the top left corner; for matplotlib's `imshow` and the like. (height, width, 4), with the
+        opacity, of a transparent one.
     """
 
     def __init__(self, image: _core.Image) -> None:
@@ -43,7 +44,7 @@ class Picture:
         return self._image.png()
 
     def __repr__(self) -> str:
-        height, width, _ = self.pixels.shape
+        height, width = self.pixels.shape[:2]
         return f"<resilin.Picture {width} x {height}>"
 
 
@@ -56,7 +57,7 @@ def picture(place: AnyPath, field: str | None = None, *, frame: int = -1, **opti
         Folder of a run, or a .vtu file.
     field : str, optional
         Any, with a component where it has several: "von_mises", "displacement.z", "cauchy_stress.xy";
-        "averaged_von_mises" by default, as the page shows. What the frames do not hold is computed from them and from
+        "averaged_von_mises" by default, as the page shows; "none" for the bodies in colours of their own. What the frames do not hold is computed from them and from
         the scene that the folder keeps.
     frame : int
         Number of the frame; -1 is the last.
@@ -83,6 +84,7 @@ def picture_options(
     rest: bool = False,
     colliders: bool = True,
     dark: bool = False,
+    transparent: bool = False,
 ) -> _core.PictureOptions:
     """What `Result.plot` takes, as the core wants it."""
     options = _core.PictureOptions()
@@ -101,4 +103,5 @@ def picture_options(
     options.up, options.map, options.scale = plain_text(up, "up"), plain_text(map, "map"), float(scale)
     options.edges = "auto" if edges is None else "on" if edges else "off"
     options.rest, options.colliders, options.dark = bool(rest), bool(colliders), bool(dark)
+    options.transparent = bool(transparent)
     return options

@@ -139,6 +139,8 @@ class Result:
             What of the colliders is near the bodies; True.
         dark : bool
             A dark background.
+        transparent : bool
+            No background, to be put on a bright one, with `dark` on a dark one.
 
         Returns
         -------

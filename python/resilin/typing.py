@@ -74,6 +74,7 @@ class PictureOptions(TypedDict, total=False):
     rest: bool
     colliders: bool
     dark: bool
+    transparent: bool
 
 
 class _Mode(TypedDict):

@@ -17,12 +17,9 @@ namespace resilin::python {
 namespace {
 
 NumpyArray<std::uint8_t> pixels(const Image& image) {
-  std::vector<std::uint8_t> channels;
-  channels.reserve(3 * image.pixels.size());
-  for (const Color& color : image.pixels)
-    channels.insert(channels.end(), {color.red, color.green, color.blue});
-  return numpy_array(std::move(channels),
-                     {static_cast<std::size_t>(image.height), static_cast<std::size_t>(image.width), 3});
+  return numpy_array(channels(image),
+                     {static_cast<std::size_t>(image.height), static_cast<std::size_t>(image.width),
+                      static_cast<std::size_t>(num_channels(image))});
 }
 
 }  // namespace
@@ -41,7 +38,8 @@ void bind_picture(nb::module_& module) {
       .def_rw("edges", &PictureOptions::edges)
       .def_rw("rest", &PictureOptions::shows_rest)
       .def_rw("colliders", &PictureOptions::shows_colliders)
-      .def_rw("dark", &PictureOptions::is_dark);
+      .def_rw("dark", &PictureOptions::is_dark)
+      .def_rw("transparent", &PictureOptions::is_transparent);
   nb::class_<Image>(module, "Image")
       .def("pixels", &pixels)
       .def("png",

@@ -169,6 +169,19 @@ TEST_F(ShownResultsOfARun, BecomeAFilmWithOneRangeAndOneFraming) {
               HasSubstr("expected a run of vibrations"));
 }
 
+TEST_F(ShownResultsOfARun, BecomeAFilmOfAnyKindByFfmpeg) {
+  ASSERT_EQ(run_program(folder.path(), {"run", "box.toml", "--quiet", "--steps", "3"}).exit_code, 0);
+  const std::vector<std::pair<std::string, std::string>> kinds = {
+      {"a.gif", "GIF89a"}, {"b.webp", "ANIM"}, {"c.mp4", "ftyp"}, {"d.webm", "webm"}};
+  for (const auto& [name, mark] : kinds) {
+    const ProgramResult made =
+        run_program(folder.path(), {"film", "out/box", "--out", name, "--size", "161", "121"});
+    if (made.err.find("the program ffmpeg on PATH") != std::string::npos) GTEST_SKIP() << made.err;
+    EXPECT_EQ(made.exit_code, 0) << name << ": " << made.err;
+    EXPECT_THAT(text(name).substr(0, 64), HasSubstr(mark)) << name;
+  }
+}
+
 TEST_F(ShownResultsOfARun, OfASmallOneThePageHasEveryField) {
   ASSERT_EQ(run_program(folder.path(), {"run", "box.toml", "--quiet"}).exit_code, 0);
   const std::string page = text("out/box/result.html");

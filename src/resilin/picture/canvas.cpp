@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "resilin/picture/hidden_sky.hpp"
+
 namespace resilin {
 namespace {
 
@@ -56,9 +58,38 @@ void Canvas::triangle(const std::array<CanvasVertex, 3>& corners, const Shader& 
   });
 }
 
-void Canvas::veil(const std::array<CanvasVertex, 3>& corners, const Shader& shader, double opacity) {
-  for_each_sample(corners, [&](std::size_t sample, float, double value, double light) {
-    colors_[sample] = mix(colors_[sample], shader(value, light), opacity);
+void Canvas::darken_hollows(double radius, double strength) {
+  const int width = columns_ / samples, height = rows_ / samples;
+  std::vector<float> depths(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      float nearest = -std::numeric_limits<float>::infinity();
+      for (int row = samples * y; row < samples * (y + 1); ++row)
+        for (int column = samples * x; column < samples * (x + 1); ++column)
+          nearest = std::max(nearest, depths_[offset(column, row)]);
+      depths[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)] =
+          nearest / samples;
+    }
+  const std::vector<float> hidden = hidden_sky(depths, width, height, radius);
+  for (int row = 0; row < rows_; ++row)
+    for (int column = 0; column < columns_; ++column) {
+      const std::size_t sample = offset(column, row);
+      if (!std::isfinite(depths_[sample])) continue;
+      const auto pixel = static_cast<std::size_t>(row / samples) * static_cast<std::size_t>(width) +
+                         static_cast<std::size_t>(column / samples);
+      colors_[sample] =
+          mix(colors_[sample], {0, 0, 0}, std::min(strength * static_cast<double>(hidden[pixel]), 1.0));
+    }
+}
+
+void Canvas::veil(const std::array<CanvasVertex, 3>& corners, const VeilShader& shader) {
+  for_each_sample(corners, [&](std::size_t sample, float depth, double, double light) {
+    const auto columns = static_cast<std::size_t>(columns_);
+    const Vector3 place = Vector3(static_cast<double>(sample % columns) + 0.5,
+                                  static_cast<double>(sample / columns) + 0.5, static_cast<double>(depth)) /
+                          samples;
+    const VeilShade shade = shader(place, light);
+    colors_[sample] = mix(colors_[sample], shade.color, shade.opacity);
   });
 }
 

@@ -34,8 +34,22 @@ class Canvas {
 
   void triangle(const std::array<CanvasVertex, 3>& corners, const Shader& shader);
 
+  /// Darkens what was drawn so far where it lies in hollows, and where bodies meet: little of the sky is seen
+  /// from there (ambient occlusion by the depths around each pixel).
+  /// @param radius    how far around is looked [pixels]
+  /// @param strength  1: where nothing of the sky is seen it is black
+  void darken_hollows(double radius, double strength);
+
+  /// Colour and opacity of a place of a veil.
+  struct VeilShade {
+    Color color;
+    double opacity;
+  };
+  /// By place [pixels], z towards the eye, and light.
+  using VeilShader = std::function<VeilShade(const Vector3& place, double light)>;
+
   /// A triangle through which what lies behind it is seen; it hides nothing.
-  void veil(const std::array<CanvasVertex, 3>& corners, const Shader& shader, double opacity);
+  void veil(const std::array<CanvasVertex, 3>& corners, const VeilShader& shader);
 
   /// @param lift  how far towards the eye the line is thought, so that it shows on its own surface [pixels]
   void line(const Vector3& from, const Vector3& to, double width, double lift, const Ink& ink);

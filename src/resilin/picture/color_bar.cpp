@@ -41,6 +41,18 @@ void draw_color_bar(Image& image, const ColorScale& scale, const ScaleText& text
   fill(image, left - 1, bottom, right + 1, bottom + 1, ink);
   fill(image, left - 1, top, left, bottom, ink);
   fill(image, right, top, right + 1, bottom, ink);
+  // Points beyond the ends where there are values that the bar has no colour for.
+  const double tip = 0.9 * em, middle = 0.5 * (left + right);
+  const auto point = [&](double base, double direction, Color color) {
+    for (int row = 0; row < static_cast<int>(tip); ++row) {
+      const double half = 0.5 * (right - left) * (1 - (row + 0.5) / tip);
+      const int y = static_cast<int>(base + direction * row) - (direction < 0 ? 1 : 0);
+      fill(image, static_cast<int>(std::lround(middle - half)), y,
+           static_cast<int>(std::lround(middle + half)), y + 1, color);
+    }
+  };
+  if (scale.greatest > scale.high) point(top - 2, -1, map_color(scale.map, 1));
+  if (scale.least < scale.low) point(bottom + 2, 1, map_color(scale.map, 0));
   for (const ScaleText::Tick& tick : text.ticks) {
     const double y = bottom - tick.place * (bottom - top);
     const int row = std::clamp(static_cast<int>(std::floor(y)), top, bottom - 1);
@@ -48,7 +60,7 @@ void draw_color_bar(Image& image, const ColorScale& scale, const ScaleText& text
     pen.draw(image, right + 1 + tick_length + 0.5 * em, y + em / 2, tick.text, ink);
   }
   const double end = image.width - margin;
-  pen.draw(image, std::max(0.0, end - pen.width(text.title)), top - 1.8 * em, text.title, ink);
+  pen.draw(image, std::max(0.0, end - pen.width(text.title)), top - 2.2 * em, text.title, ink);
   pen.draw(image, std::max(0.0, end - pen.width(text.extremes)), bottom + 2.8 * em, text.extremes, ink);
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <ostream>
 #include <stdexcept>
+#include <vector>
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
@@ -19,16 +20,26 @@ Color mix(Color a, Color b, double t) {
   return {channel(a.red, b.red), channel(a.green, b.green), channel(a.blue, b.blue)};
 }
 
+std::vector<std::uint8_t> channels(const Image& image) {
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(static_cast<std::size_t>(num_channels(image)) * image.pixels.size());
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+    const Color& color = image.pixels[i];
+    bytes.insert(bytes.end(), {color.red, color.green, color.blue});
+    if (!image.opacity.empty()) bytes.push_back(image.opacity[i]);
+  }
+  return bytes;
+}
+
 std::string encode_png(const Image& image) {
-  static_assert(sizeof(Color) == 3);
   png_image header{};
   header.version = PNG_IMAGE_VERSION;
   header.width = static_cast<png_uint_32>(image.width);
   header.height = static_cast<png_uint_32>(image.height);
-  header.format = PNG_FORMAT_RGB;
+  header.format = image.opacity.empty() ? PNG_FORMAT_RGB : PNG_FORMAT_RGBA;
   png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(header);
   std::string bytes(size, '\0');
-  if (png_image_write_to_memory(&header, bytes.data(), &size, 0, image.pixels.data(), 0, nullptr) == 0)
+  if (png_image_write_to_memory(&header, bytes.data(), &size, 0, channels(image).data(), 0, nullptr) == 0)
     throw std::runtime_error(std::string("the picture cannot be encoded: ") + header.message);
   bytes.resize(size);
   return bytes;

@@ -22,6 +22,7 @@ Color mix(Color a, Color b, double t);
 struct Image {
   int width = 0, height = 0;
   std::vector<Color> pixels;
+  std::vector<std::uint8_t> opacity = {};  ///< of each pixel, 0 to 255; empty: nothing is seen through
   /// From where what was drawn, for pictures that are to match.
   struct View {
     Vector3 toward = Vector3::UnitZ(), up = Vector3::UnitY();
@@ -39,6 +40,12 @@ struct Image {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
   }
 };
+
+/// 3, or 4 where there is an opacity.
+inline int num_channels(const Image& image) { return image.opacity.empty() ? 3 : 4; }
+
+/// Red, green, blue and, where there is one, the opacity of one pixel after the other.
+std::vector<std::uint8_t> channels(const Image& image);
 
 /// The bytes of a PNG file: the same for the same image.
 std::string encode_png(const Image& image);

@@ -9,6 +9,7 @@
 #include "resilin/picture/canvas.hpp"
 #include "resilin/picture/color_bar.hpp"
 #include "resilin/picture/color_map.hpp"
+#include "resilin/picture/ground_shadow.hpp"
 #include "resilin/picture/picture_field.hpp"
 #include "resilin/picture/surface.hpp"
 #include "resilin/picture/text.hpp"
@@ -16,10 +17,14 @@
 namespace resilin {
 namespace {
 
+/// In turn; the page has the same.
+constexpr std::array<Color, 6> body_colors = {
+    {{227, 154, 128}, {127, 168, 201}, {217, 179, 108}, {134, 179, 154}, {183, 154, 200}, {201, 141, 141}}};
 constexpr Color plain_body = {176, 186, 198};
 constexpr Color plain_collider = {128, 136, 146};
-constexpr double veil_opacity = 0.3;
-constexpr double view_around = 0.25;  ///< of the extent of the bodies, that colliders are seen in
+constexpr double veil_opacity = 0.3, shadow_opacity = 0.55;
+constexpr double view_around = 0.12;  ///< of the extent of the bodies, that colliders are seen in
+constexpr double hollow_size = 0.05;  ///< of the shorter side of the picture
 constexpr Color not_a_number = {214, 64, 200};
 
 /// Points of the shape at `factor` times the displacement, 0 for the rest shape.
@@ -59,6 +64,11 @@ struct Projection {
   Vector3 operator()(const Vector3& point) const {
     const Vector3 turned = zoom * camera.turned(point) + shift;
     return {turned.x(), -turned.y(), turned.z()};
+  }
+  /// The point that is seen at a place of the canvas.
+  Vector3 point_at(const Vector3& place) const {
+    const Vector3 turned = (Vector3(place.x(), -place.y(), place.z()) - shift) / zoom;
+    return turned.x() * camera.right + turned.y() * camera.up + turned.z() * camera.toward;
   }
 };
 
@@ -101,11 +111,12 @@ Vector3 vertical_of(const PictureOptions& options) {
 /// The parts of one picture.
 class Picture {
  public:
-  Picture(const VtuContent& frame, const PictureOptions& options, const Mesh& colliders)
+  Picture(const VtuContent& frame, const PictureOptions& options, const Mesh& colliders,
+          std::optional<Color> background = std::nullopt)
       : frame_(frame),
         colliders_(colliders),
         options_(options),
-        background_(options.is_dark ? Color{27, 30, 36} : Color{255, 255, 255}),
+        background_(background.value_or(options.is_dark ? Color{27, 30, 36} : Color{255, 255, 255})),
         ink_(options.is_dark ? Color{226, 228, 232} : Color{30, 32, 36}),
         pen_(std::clamp(0.024 * options.height, 11.0, 40.0)),
         points_(shape(frame, options.scale, "scale")),
@@ -114,27 +125,46 @@ class Picture {
     if (surface_.triangles.empty())
       throw InputError("frame", "triangles, quadrilaterals, tetrahedra or hexahedra", "none");
     if (options.shows_rest) rest_ = shape(frame, 0, "rest");
-    if (!options.field.empty()) choose_colors();
+    if (shows_field())
+      choose_colors();
+    else
+      find_bodies();
   }
 
   Image draw() {
     place();
     draw_surface();
+    if (surface_.dimension == 3)  // less on a field, whose colours are to be found on the bar
+      canvas_.darken_hollows(hollow_size * std::min(options_.width, options_.height),
+                             shows_field() ? 0.45 : 0.9);
     draw_edges();
     if (options_.shows_rest) draw_rest();
     if (options_.shows_colliders) draw_colliders();
     draw_axes();
     Image image = canvas_.image();
     image.view = view_;
-    if (!options_.field.empty()) image.legend = text_.title + ": " + text_.extremes;
+    if (shows_field()) image.legend = text_.title + ": " + text_.extremes;
     name_axes(image);
-    if (!options_.field.empty()) draw_color_bar(image, scale_, text_, pen_, ink_);
+    if (shows_field()) draw_color_bar(image, scale_, text_, pen_, ink_);
     const double em = pen_.digit_height();
     if (!options_.caption.empty()) pen_.draw(image, 1.5 * em, 2.8 * em, options_.caption, ink_);
     return image;
   }
 
  private:
+  bool shows_field() const { return !options_.field.empty() && options_.field != no_field; }
+
+  /// Which body each cell belongs to, where the frame knows.
+  void find_bodies() {
+    const auto found = std::ranges::find(frame_.cell_data, "body", &VtuValues::name);
+    if (found != frame_.cell_data.end() && found->components == 1) bodies_ = found->values;
+  }
+
+  Color color_of_body(double number) const {
+    if (bodies_.empty() || !(number > -0.5)) return plain_body;
+    return body_colors[static_cast<std::size_t>(std::lround(number)) % body_colors.size()];
+  }
+
   void choose_colors() {
     field_ = pick_field(frame_, options_.field, "field");
     scale_ = choose_scale(all_values(), options_.range, options_.map, options_.smallest_range);
@@ -156,6 +186,11 @@ class Picture {
         is_used[i] = true;
       }
     return values;
+  }
+
+  double body_of(Index cell) const {
+    const auto i = static_cast<std::size_t>(cell);
+    return i < bodies_.size() ? bodies_[i] : -1;
   }
 
   double value(const DrawnSurface::Corner& corner) const {
@@ -180,7 +215,7 @@ class Picture {
     note_view(shown);
     if (options_.reach) shown = corners_of((*options_.reach)[0], (*options_.reach)[1]);
     const double margin = 0.06 * std::min(options_.width, options_.height);
-    const double right = options_.field.empty() ? margin : margin / 2 + color_bar_width(text_, pen_);
+    const double right = shows_field() ? margin / 2 + color_bar_width(text_, pen_) : margin;
     const Camera camera = choose_camera();
     view_.toward = camera.toward;
     projection_ = fit(
@@ -251,7 +286,7 @@ class Picture {
 
   void draw_colliders() {
     const double unit = options_.height / 900.0;
-    const auto shader = [](double, double brightness) { return shaded(plain_collider, brightness); };
+    const GroundShadow shadow = shadow_of_bodies();
     for (const CellBlock& block : colliders_.blocks) {
       if (block.kind != CellKind::triangle) {
         const bool is_point = block.kind == CellKind::point;
@@ -268,11 +303,26 @@ class Picture {
           corners[i] = {.place = projection_(position(triangle[i], colliders_.vertices)),
                         .value = 0,
                         .light = light(projection_.camera.turned(triangle[i].normal))};
-        canvas_.veil(corners, shader, veil_opacity);
+        // Light comes from above: a wall has no shadow.
+        const double lies = std::abs(triangle[0].normal.dot(vertical_of(options_).normalized()));
+        canvas_.veil(corners, [&](const Vector3& place, double brightness) -> Canvas::VeilShade {
+          const double dark = lies * shadow.at(projection_.point_at(place));
+          return {mix(shaded(plain_collider, brightness), {0, 0, 0}, 0.8 * dark),
+                  veil_opacity + (shadow_opacity - veil_opacity) * dark};
+        });
       }
       for (const DrawnSurface::Line& edge : facets.edges)
         if (edge.is_feature) draw_line(edge, colliders_.vertices, 1.2 * unit, unit, {plain_collider, 0.9});
     }
+  }
+
+  GroundShadow shadow_of_bodies() const {
+    std::vector<std::array<Vector3, 3>> triangles;
+    if (surface_.dimension == 3)
+      for (const auto& triangle : surface_.triangles)
+        triangles.push_back(
+            {position(triangle[0], points_), position(triangle[1], points_), position(triangle[2], points_)});
+    return {triangles, vertical_of(options_).normalized()};
   }
 
   void draw_surface() {
@@ -280,9 +330,9 @@ class Picture {
     std::vector<Color> colors;
     for (std::size_t i = 0; i <= steps; ++i)
       colors.push_back(map_color(scale_.map, static_cast<double>(i) / steps));
-    const bool is_plain = options_.field.empty();
+    const bool is_plain = !shows_field();
     const auto shader = [&](double value, double brightness) {
-      if (is_plain) return shaded(plain_body, brightness);
+      if (is_plain) return shaded(color_of_body(value), brightness);
       if (!std::isfinite(value)) return shaded_field(not_a_number, brightness);
       const double t = std::clamp(scale_.place(value), 0.0, 1.0);
       return shaded_field(colors[static_cast<std::size_t>(std::lround(t * steps))], brightness);
@@ -292,7 +342,7 @@ class Picture {
       for (std::size_t i = 0; i < 3; ++i)
         corners[i] = {
             .place = projection_(position(triangle[i], points_)),
-            .value = is_plain ? 0 : value(triangle[i]),
+            .value = is_plain ? body_of(triangle[i].cell) : value(triangle[i]),
             .light = surface_.dimension == 2 ? 1 : light(projection_.camera.turned(triangle[i].normal))};
       canvas_.triangle(corners, shader);
     }
@@ -378,6 +428,7 @@ class Picture {
   DrawnSurface surface_;
   Canvas canvas_;
   PictureField field_;
+  std::vector<double> bodies_;  ///< number of the body of each cell; empty where it is not known
   ColorScale scale_;
   ScaleText text_;
   Projection projection_;
@@ -386,9 +437,33 @@ class Picture {
 
 }  // namespace
 
+namespace {
+
+/// From the same picture on black and on white: what differs is how far one sees through.
+Image see_through(const Image& on_black, const Image& on_white) {
+  Image image = on_black;
+  image.opacity.resize(image.pixels.size());
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+    const Color dark = on_black.pixels[i], bright = on_white.pixels[i];
+    const int seen = (bright.red - dark.red + bright.green - dark.green + bright.blue - dark.blue) / 3;
+    const int opacity = std::clamp(255 - seen, 0, 255);
+    image.opacity[i] = static_cast<std::uint8_t>(opacity);
+    if (opacity == 0) continue;
+    const auto own = [opacity](std::uint8_t channel) {
+      return static_cast<std::uint8_t>(std::min(255, (255 * channel + opacity / 2) / opacity));
+    };
+    image.pixels[i] = {own(dark.red), own(dark.green), own(dark.blue)};
+  }
+  return image;
+}
+
+}  // namespace
+
 Image draw_picture(const VtuContent& frame, const PictureOptions& options, const Mesh& colliders) {
   check(options);
-  return Picture(frame, options, colliders).draw();
+  if (!options.is_transparent) return Picture(frame, options, colliders).draw();
+  return see_through(Picture(frame, options, colliders, Color{0, 0, 0}).draw(),
+                     Picture(frame, options, colliders, Color{255, 255, 255}).draw());
 }
 
 }  // namespace resilin

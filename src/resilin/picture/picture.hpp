@@ -10,9 +10,12 @@
 
 namespace resilin {
 
+/// The name that stands for no field: bodies have colours of their own.
+inline constexpr const char* no_field = "none";
+
 /// What a picture shows and how. The same frame and options give the same bits.
 struct PictureOptions {
-  std::string field;               ///< as for `pick_field`; empty: the body alone
+  std::string field;               ///< as for `pick_field`; empty or `no_field`: the bodies alone
   std::string label;               ///< title of the colour bar; empty: the field's name and component
   std::string unit;                ///< of the field: "Pa"
   int width = 1200, height = 900;  ///< [pixels]
@@ -26,6 +29,7 @@ struct PictureOptions {
   bool shows_rest = false;                     ///< outline of the rest shape
   bool shows_colliders = true;                 ///< what of them is near the bodies
   bool is_dark = false;                        ///< background
+  bool is_transparent = false;                 ///< background; `is_dark` says what it is to be put on
   std::string caption;                         ///< above the picture
   /// Least and greatest value of the field, where they are not those of the frame.
   std::optional<std::array<double, 2>> extremes;
@@ -35,7 +39,8 @@ struct PictureOptions {
 };
 
 /// Draws a frame: the deformed body, shaded and coloured, with a colour bar and the axes. Colliders are
-/// drawn as veils through which bodies are seen, in 2D as lines.
+/// drawn as veils through which bodies are seen, with the shadows of bodies on them; in 2D as lines. Without
+/// a field each body has its colour, by the cell data "body" of the frame.
 ///
 /// The points of the frame are at their deformed places; `scale` and the rest shape need its `displacement`.
 /// @param colliders  triangles, lines and points

@@ -67,6 +67,17 @@ std::string direction_text(const Vector3& v) {
 
 }  // namespace
 
+std::array<double, 2> film_range(std::vector<std::array<double, 2>> extremes) {
+  const auto ninth_tenth = [&extremes](std::size_t end, double sign) {
+    std::vector<double> ends;
+    for (const std::array<double, 2>& range : extremes) ends.push_back(sign * range[end]);
+    std::ranges::sort(ends);
+    const double usual = ends[(9 * (ends.size() - 1) + 5) / 10], most = ends.back();
+    return sign * (most > 2 * usual && usual > 0 ? usual : most);
+  };
+  return {ninth_tenth(0, -1), ninth_tenth(1, 1)};
+}
+
 FilmPlan plan_film(const std::filesystem::path& folder, const FilmOptions& options,
                    const std::function<void(std::size_t, std::size_t)>& progress) {
   check(options);
@@ -100,13 +111,14 @@ FilmPlan plan_film(const std::filesystem::path& folder, const FilmOptions& optio
     return seen;
   };
   Image::View all = look(0);
+  std::vector<std::array<double, 2>> extremes = {all.extremes};
   for (std::size_t i = stride; i < plan.shots.size(); i += stride) {
     const Image::View seen = look(i);
     // The direction is that of the frame in which most has moved: the box of displaced places is largest.
     if ((seen.high - seen.low).norm() >= (all.high - all.low).norm()) all.toward = seen.toward;
     all.low = all.low.cwiseMin(seen.low);
     all.high = all.high.cwiseMax(seen.high);
-    all.extremes = {std::min(all.extremes[0], seen.extremes[0]), std::max(all.extremes[1], seen.extremes[1])};
+    extremes.push_back(seen.extremes);
     all.up = seen.up;
   }
   plan.toward = all.toward;
@@ -117,7 +129,8 @@ FilmPlan plan_film(const std::filesystem::path& folder, const FilmOptions& optio
     const Vector3 half = Vector3::Constant(0.5 * (all.high - all.low).norm());
     plan.picture.reach = {middle - half, middle + half};
   }
-  if (!plan.picture.range && all.extremes[0] < all.extremes[1]) plan.picture.range = all.extremes;
+  const std::array<double, 2> range = film_range(std::move(extremes));
+  if (!plan.picture.range && range[0] < range[1]) plan.picture.range = range;
   return plan;
 }
 

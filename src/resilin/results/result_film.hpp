@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <vector>
@@ -30,6 +31,12 @@ struct FilmPlan {
   Vector3 toward = Vector3::UnitZ();
   std::filesystem::path folder;
 };
+
+/// Ends of the colours of a film. One blow may be many times what is seen all the rest of the time, and would
+/// leave that all one colour: where the greatest value of all frames is more than twice that of nine frames
+/// in ten, the bar ends there, pointed.
+/// @param extremes  least and greatest value of each frame
+std::array<double, 2> film_range(std::vector<std::array<double, 2>> extremes);
 
 /// Looks through the frames of a run. `is_wanted` is asked now and then; what is not goes on no further.
 /// @throws InputError  for a folder without frames, or options that cannot be

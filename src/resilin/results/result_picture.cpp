@@ -55,6 +55,7 @@ void describe_field(PictureOptions& options) {
 }
 
 bool holds(const VtuContent& content, const std::string& field) {
+  if (field == no_field) return true;
   const std::vector<std::string> names = picture_field_names(content);
   return std::ranges::find(names, field) != names.end() ||
          std::ranges::find(names, base_name(field)) != names.end();
@@ -87,6 +88,10 @@ Image draw_frame(const World& world, const State& state, const VtuContent& frame
   for (const FieldInfo& known : fields())
     if (known.name == base_name(options.field)) options.smallest_range = 1e-9 * field_scale(known, world);
   if (world.gravity.norm() > 0) options.vertical = -world.gravity.normalized();
+  if (options.field == no_field) {
+    options.has_skins = has_skins(world);
+    return draw_picture(options.has_skins ? with_skins(world, state, frame) : frame, options, colliders);
+  }
   const PictureField field = pick_field(frame, options.field, "field");
   if (!has_skins(world) || !field.is_on_points) return draw_picture(frame, options, colliders);
   options.extremes = extremes_of(world, field);
@@ -98,7 +103,8 @@ Image draw_state(const World& world, const State& state, const Mesh& colliders, 
   // The size of a vibration is arbitrary, and so are its stresses.
   if (options.field.empty()) options.field = world.modes ? displacement : usual_field;
   std::vector<std::string> names = {displacement};
-  if (base_name(options.field) != names[0]) names.push_back(base_name(options.field));
+  if (options.field != no_field && base_name(options.field) != names[0])
+    names.push_back(base_name(options.field));
   require_field(names.back(), "field");
   const VtuContent frame = frame_content(world, state, FieldEvaluator(world).evaluate(state, names));
   return draw_frame(world, state, frame, colliders, std::move(options));

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <span>
 
 #include "resilin/view/shown_surface.hpp"
@@ -36,6 +37,12 @@ class SkinnedFrame {
     keep_bare_cells(skinned);
     for (const ShownSurface::Part& part : surface_.parts())
       if (part.kind == ShownSurface::Kind::skin) add(part, skinned);
+    VtuValues bodies{.name = "body", .components = 1, .values = {}};
+    for (const CellBlock& block : skinned.file.mesh.blocks) {
+      const std::vector<double>& numbers = bodies_[block.kind];
+      bodies.values.insert(bodies.values.end(), numbers.begin(), numbers.end());
+    }
+    skinned.cell_data.push_back(std::move(bodies));
     return skinned;
   }
 
@@ -48,7 +55,7 @@ class SkinnedFrame {
 
   /// Cells of bodies without a skin; the frame has one number for each cell, that of its body, in their
   /// order.
-  void keep_bare_cells(VtuContent& skinned) const {
+  void keep_bare_cells(VtuContent& skinned) {
     const VtuValues& bodies = frame_.cell_data.front();
     std::size_t cell = 0;
     for (const CellBlock& block : frame_.file.mesh.blocks)
@@ -56,6 +63,7 @@ class SkinnedFrame {
         if (world_.bodies[static_cast<std::size_t>(bodies.values[cell])].skin) continue;
         std::vector<Index>& nodes = skinned.file.mesh.block(block.kind).nodes;
         nodes.insert(nodes.end(), block.cell(i).begin(), block.cell(i).end());
+        bodies_[block.kind].push_back(bodies.values[cell]);
       }
   }
 
@@ -75,6 +83,8 @@ class SkinnedFrame {
                                                              static_cast<std::size_t>(part.num_triangles)))
       for (const std::uint32_t v : triangle)
         nodes.push_back(base + static_cast<Index>(v) - part.first_vertex);
+    std::vector<double>& bodies = bodies_[CellKind::triangle];
+    bodies.insert(bodies.end(), static_cast<std::size_t>(part.num_triangles), static_cast<double>(part.body));
     for (VtuValues& array : skinned.point_data) carry(part, array);
   }
 
@@ -109,6 +119,7 @@ class SkinnedFrame {
   ShownSurface surface_;
   const VtuContent& frame_;
   std::vector<float> displacements_;
+  std::map<CellKind, std::vector<double>> bodies_;  ///< number of the body of each cell that is kept, by kind
 };
 
 }  // namespace
