@@ -70,7 +70,6 @@ bool MultigridLevel::find_prolongation(const Aggregates& groups) {
   const FullPattern pattern = full();
   constexpr auto none = std::numeric_limits<std::uint16_t>::max();
   std::vector<std::uint16_t>& places = wide_places.smoothing;
-  places.clear();
   places.reserve(pattern.num_entries());
   std::vector<Offset> entry_of(static_cast<std::size_t>(groups.count), -1);
   for (Index i = 0; i < num_nodes(); ++i) {
@@ -99,7 +98,6 @@ MultigridLevel::ProductRows MultigridLevel::find_product_rows(Index num_groups) 
   product_width.clear();
   const FullPattern pattern = full();
   std::vector<std::uint16_t>& places = wide_places.product;
-  places.clear();
   product_begin.assign(1, 0);
   target_begin.assign(1, 0);
   widest_product_ = 0;
@@ -186,27 +184,23 @@ bool MultigridLevel::find_coarse_rows(const ProductRows& product, const NodeGrap
   return true;
 }
 
-/// Maps that were found count in two bytes. In most levels one is enough: rows of the prolongation and of
-/// both products are short.
+/// In most levels one byte is enough for the maps: rows of the prolongation and of both products are short.
 void MultigridLevel::narrow_the_places() {
-  constexpr auto none = std::numeric_limits<std::uint16_t>::max();
-  constexpr auto most = std::numeric_limits<std::uint8_t>::max();
-  const auto is_small = [](std::uint16_t place) { return place < most || place == none; };
+  constexpr std::uint16_t none = 0xffff, most = 0xff;
   Places<std::uint8_t> narrow;
-  const auto take = [&](const std::vector<std::uint16_t>& wide, std::vector<std::uint8_t>& into) {
-    if (!std::ranges::all_of(wide, is_small)) return false;
-    into.assign(wide.size(), most);
-    for (std::size_t k = 0; k < wide.size(); ++k)
-      if (wide[k] != none) into[k] = static_cast<std::uint8_t>(wide[k]);
+  const auto take = [&](const auto& wide, auto& into) {
+    into.reserve(wide.size());
+    for (const std::uint16_t place : wide) {
+      if (place >= most && place != none) return false;
+      into.push_back(static_cast<std::uint8_t>(std::min(place, most)));
+    }
     return true;
   };
-  if (take(wide_places.smoothing, narrow.smoothing) && take(wide_places.product, narrow.product) &&
-      take(wide_places.coarse, narrow.coarse)) {
-    narrow_places = std::move(narrow);
-    wide_places = {};
-  } else {
-    narrow_places = {};
-  }
+  if (!take(wide_places.smoothing, narrow.smoothing) || !take(wide_places.product, narrow.product) ||
+      !take(wide_places.coarse, narrow.coarse))
+    return;
+  narrow_places = std::move(narrow);
+  wide_places = {};
 }
 
 /// Each chunk of the sweeps takes the first colour that no chunk has with which it shares a group.

@@ -62,7 +62,6 @@ struct Newton::Search {
   bool has_potential = true;  ///< unless slow convergence asked and the objective said no
   bool potential_is_known = false;
 
-  static void forget(VectorX& vector) { VectorX().swap(vector); }
   bool is_free(Eigen::Index i) const { return is_fixed[static_cast<std::size_t>(i)] == 0; }
 
   /// What is still missing at the fixed unknowns; zero at the free ones.
@@ -118,10 +117,8 @@ struct Newton::Search {
   /// `shift` times the largest diagonal entry is added to the diagonal: 0, or a little where a projected
   /// matrix is still singular (Levenberg 1944).
   Direction solve_with(Projection projection, double shift, const VectorX& gap, bool boundary_moves) {
-    Direction direction;
-    direction.is_exact = projection == Projection::none && shift == 0;
-    forget(trial);  // no longer needed, and nowhere is more memory held than while the system is solved
-    forget(trial_gradient);
+    Direction direction{.is_exact = projection == Projection::none && shift == 0};
+    for (VectorX* left : {&trial, &trial_gradient}) left->resize(0);  // no memory held while it is solved
     {
       const Stopwatch watch(report.assembly_seconds);
       newton.hessian_.set_zero();
@@ -140,17 +137,16 @@ struct Newton::Search {
       scale_system();
     }
     const Stopwatch watch(report.solve_seconds);
-    LinearSolver& solver = *newton.solver_;
-    solver.analyze(newton.hessian_, x);  // quick on the same pattern; the rigid modes are those at x
+    newton.solver_->analyze(newton.hessian_, x);  // quick on the same pattern; the rigid modes are those at x
     ++report.linear_solves;
     if (!direction.is_exact) ++report.projected_solves;
-    LinearReport linear = solver.factorize(newton.hessian_);
+    LinearReport linear = newton.solver_->factorize(newton.hessian_);
     require_memory(linear);
     if (linear.status != LinearReport::Status::ok) return direction;
     step.setZero(x.size());
     last_forcing = forcing_term();
-    linear =
-        solver.solve(newton.hessian_, parts.count() > 1 ? scaled_right_side : right_side, step, last_forcing);
+    linear = newton.solver_->solve(newton.hessian_, parts.count() > 1 ? scaled_right_side : right_side, step,
+                                   last_forcing);
     report.linear_iterations += linear.iterations;
     direction.found = linear.status != LinearReport::Status::indefinite && share.all(step.allFinite());
     if (direction.found && boundary_moves) {
