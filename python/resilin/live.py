@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NoReturn
 import numpy as np
 
 from resilin import _core
-from resilin.arrays import plain_text, refuse
+from resilin.arrays import describe, plain_text, real_array, refuse
 from resilin.mesh import warn
 from resilin.picture import Picture, picture_options
 from resilin.result import Fields
@@ -137,7 +137,7 @@ class LiveScene:
 
     def set(self, **controls: ControlValue | RealArray) -> None:
         """Changes controls: `scene.set(youngs_modulus=2e5, gravity=[0, 0, -1.6])`; at a refusal none of them."""
-        self._core.set([(name, _plain(value)) for name, value in controls.items()])
+        self._core.set([(name, _plain(value, f"controls: {name}")) for name, value in controls.items()])
 
     def reset(self) -> None:
         """Back to the start; the controls stay."""
@@ -194,19 +194,25 @@ class LiveScene:
 
 
 def _numbers(value: RealArray, place: str) -> list[float]:
-    return [float(number) for number in np.asarray(value, dtype=np.float64).ravel()]
+    array = real_array(value, place)
+    if array.ndim != 1:
+        refuse(place, "the numbers of a place, (d,)", describe(array.shape))
+    return [float(number) for number in array]
 
 
 def _vertices(value: int | IntegerArray, place: str) -> list[int]:
     numbers = np.atleast_1d(np.asarray(value))
-    if numbers.dtype.kind not in "iu":
+    if numbers.size and numbers.dtype.kind not in "iu":
         refuse(place, "numbers of vertices", str(numbers.dtype))
+    for number in numbers.ravel():
+        if abs(int(number)) > np.iinfo(np.int32).max:
+            refuse(place, "numbers of vertices", str(number))
     return [int(number) for number in numbers.ravel()]
 
 
-def _plain(value: ControlValue | RealArray) -> ControlValue:
+def _plain(value: ControlValue | RealArray, place: str) -> ControlValue:
     """As the core wants it: a flag, a number, a text or a list of numbers."""
     if isinstance(value, bool | str):
         return value
-    array = np.asarray(value, dtype=np.float64)
+    array = real_array(value, place)
     return float(array) if array.ndim == 0 else [float(number) for number in array.ravel()]

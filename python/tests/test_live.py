@@ -143,6 +143,18 @@ def test_controls_have_names_and_are_taken_whole_or_not_at_all():
         live.grab([1, 2])
     with pytest.raises(resilin.InputError, match="grab"):
         live.grab([np.nan, 0, 0])
+    for wrong in ("abc", None, [[1, 2, 3]], [1j, 0, 0], [np.inf, 0, 0], 7):
+        for take in (live.grab, lambda place: live.poke(place, 0.1)):
+            with pytest.raises(resilin.InputError, match=r"^(grab|poke): expected [^\n]*$"):
+                take(wrong)
+    for wrong in (2**40, -1, "abc", [True]):
+        with pytest.raises(resilin.InputError, match="^pin: expected"):
+            live.pin(wrong)
+    live.pin([])
+    assert live.pinned == []
+    for wrong in ("x", None, [1, 2], 1j):
+        with pytest.raises(resilin.InputError, match="controls: gravity: expected"):
+            live.set(gravity=wrong)
     with pytest.raises(resilin.InputError, match="seconds"):
         live.step(float("nan"))
 
