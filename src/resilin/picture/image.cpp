@@ -2,6 +2,7 @@
 
 #include <png.h>
 
+#include <algorithm>
 #include <cmath>
 #include <ostream>
 #include <stdexcept>
@@ -18,6 +19,23 @@ Color mix(Color a, Color b, double t) {
     return static_cast<std::uint8_t>(std::lround((1 - t) * from + t * to));
   };
   return {channel(a.red, b.red), channel(a.green, b.green), channel(a.blue, b.blue)};
+}
+
+Image see_through(const Image& on_black, const Image& on_white) {
+  Image image = on_black;
+  image.opacity.resize(image.pixels.size());
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+    const Color dark = on_black.pixels[i], bright = on_white.pixels[i];
+    const int seen = (bright.red - dark.red + bright.green - dark.green + bright.blue - dark.blue) / 3;
+    const int opacity = std::clamp(255 - seen, 0, 255);
+    image.opacity[i] = static_cast<std::uint8_t>(opacity);
+    if (opacity == 0) continue;
+    const auto own = [opacity](std::uint8_t channel) {
+      return static_cast<std::uint8_t>(std::min(255, (255 * channel + opacity / 2) / opacity));
+    };
+    image.pixels[i] = {own(dark.red), own(dark.green), own(dark.blue)};
+  }
+  return image;
 }
 
 std::vector<std::uint8_t> channels(const Image& image) {

@@ -41,6 +41,9 @@ struct Image {
   }
 };
 
+/// From the same picture on black and on white: what differs is how far one sees through.
+Image see_through(const Image& on_black, const Image& on_white);
+
 /// 3, or 4 where there is an opacity.
 inline int num_channels(const Image& image) { return image.opacity.empty() ? 3 : 4; }
 

@@ -10,7 +10,9 @@
 #include "resilin/picture/color_bar.hpp"
 #include "resilin/picture/color_map.hpp"
 #include "resilin/picture/ground_shadow.hpp"
+#include "resilin/picture/lighting.hpp"
 #include "resilin/picture/picture_field.hpp"
+#include "resilin/picture/projection.hpp"
 #include "resilin/picture/surface.hpp"
 #include "resilin/picture/text.hpp"
 
@@ -53,55 +55,6 @@ void check(const PictureOptions& options) {
   if (options.edges != "auto" && options.edges != "on" && options.edges != "off")
     throw InputError("edges", "auto, on or off", '"' + options.edges + '"');
   if (!std::isfinite(options.scale)) throw InputError("scale", "a finite number", "another");
-}
-
-/// Places on the canvas.
-struct Projection {
-  Camera camera;
-  double zoom = 1;
-  Vector3 shift = Vector3::Zero();
-
-  Vector3 operator()(const Vector3& point) const {
-    const Vector3 turned = zoom * camera.turned(point) + shift;
-    return {turned.x(), -turned.y(), turned.z()};
-  }
-  /// The point that is seen at a place of the canvas.
-  Vector3 point_at(const Vector3& place) const {
-    const Vector3 turned = (Vector3(place.x(), -place.y(), place.z()) - shift) / zoom;
-    return turned.x() * camera.right + turned.y() * camera.up + turned.z() * camera.toward;
-  }
-};
-
-/// Largest zoom with which all points lie in a box of pixels from (left, top) to (right, bottom).
-Projection fit(const Camera& camera, const std::vector<Vector3>& points, const std::array<double, 4>& box) {
-  Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  for (const Vector3& point : points) {
-    low = low.cwiseMin(camera.turned(point));
-    high = high.cwiseMax(camera.turned(point));
-  }
-  const auto [left, top, right, bottom] = box;
-  const Vector3 size = high - low;
-  Projection projection{.camera = camera};
-  const double widest = std::max({size.x() / (right - left), size.y() / (bottom - top), 1e-300});
-  projection.zoom = 1 / widest;
-  const Vector3 middle = 0.5 * projection.zoom * (low + high);
-  projection.shift = Vector3(0.5 * (left + right), -0.5 * (top + bottom), 0) - middle;
-  return projection;
-}
-
-/// How bright a facet is: lit from above, over the left shoulder; the same from behind.
-double light(const Vector3& normal) {
-  static const Vector3 lamp = Vector3(-0.35, 0.55, 0.75).normalized();
-  const Vector3 seen = normal.z() < 0 ? Vector3(-normal) : normal;
-  return std::clamp(0.45 + 0.6 * seen.dot(lamp), 0.0, 1.0);
-}
-
-/// A body's own colour under a light.
-Color shaded(Color color, double brightness) { return mix({0, 0, 0}, color, 0.35 + 0.65 * brightness); }
-
-/// The colour of a field under a light: shape is seen, and the colour is still found on the bar.
-Color shaded_field(Color color, double brightness) {
-  return mix({0, 0, 0}, color, 0.78 + 0.22 * std::min(1.2 * brightness, 1.0));
 }
 
 Vector3 vertical_of(const PictureOptions& options) {
@@ -434,28 +387,6 @@ class Picture {
   Projection projection_;
   Image::View view_;
 };
-
-}  // namespace
-
-namespace {
-
-/// From the same picture on black and on white: what differs is how far one sees through.
-Image see_through(const Image& on_black, const Image& on_white) {
-  Image image = on_black;
-  image.opacity.resize(image.pixels.size());
-  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
-    const Color dark = on_black.pixels[i], bright = on_white.pixels[i];
-    const int seen = (bright.red - dark.red + bright.green - dark.green + bright.blue - dark.blue) / 3;
-    const int opacity = std::clamp(255 - seen, 0, 255);
-    image.opacity[i] = static_cast<std::uint8_t>(opacity);
-    if (opacity == 0) continue;
-    const auto own = [opacity](std::uint8_t channel) {
-      return static_cast<std::uint8_t>(std::min(255, (255 * channel + opacity / 2) / opacity));
-    };
-    image.pixels[i] = {own(dark.red), own(dark.green), own(dark.blue)};
-  }
-  return image;
-}
 
 }  // namespace
 
