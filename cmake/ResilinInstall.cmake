@@ -62,4 +62,6 @@ endif()
 if(TARGET resilin_bench)  # beside it, where it was built
   install(TARGETS resilin_bench RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} OPTIONAL)
 endif()
+install(FILES ${PROJECT_SOURCE_DIR}/build/wasm/apps/play/resilin_play.wasm DESTINATION ${CMAKE_INSTALL_DATADIR}/resilin
+  OPTIONAL)  # what `resilin export` puts into pages, where it was built
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})

@@ -30,6 +30,8 @@ TIME_LIMIT = 600  # [s] for one line that hangs; they take seconds
 FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 TYPED = re.compile(r"^ {4}((?:resilin|\./run|\./test|python) .*)$", re.MULTILINE)  # an indented line that is a command
 PRINTS = re.compile(r"\s*`(\./run (\w+\.toml))` prints\s*\n+```text\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+EXPORTS = re.compile(r"^(?:\./run|resilin) export ")
+MODULE = ROOT / "build" / "wasm" / "apps" / "play" / "resilin_play.wasm"  # made by build_wasm.sh
 SERVES = re.compile(r"^(?:\./run|resilin) view ")
 # Serves a page until it is stopped; says where.
 ADDRESS = re.compile(r"Listening on (\S+)\s")
@@ -83,6 +85,8 @@ STAND_INS = {
         [ "$1" = --preset ] && grep -q "\\"name\\": \\"$2\\"" CMakePresets.json""",
     "test": """
         for step in "$@"; do grep -q "\\"$step\\":" scripts/run_tests.py || exit 1; done""",
+    "scripts/build_wasm.sh": """
+        true""",
     "scripts/build_wheel.sh": """
         mkdir -p dist && touch dist/resilin-stand-in.whl""",
 }
@@ -164,6 +168,8 @@ class Place:
         """None when it cannot be run here."""
         if line.kind == "python":
             return self.problems_of_python(line)
+        if EXPORTS.match(line.text) and not MODULE.is_file():
+            return None
         return self.problems_of_view(line) if SERVES.match(line.text) else self.problems_of_shell(line)
 
     def problems_of_shell(self, line):

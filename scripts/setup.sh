@@ -6,6 +6,7 @@ build_packages=(g++ cmake ninja-build libeigen3-dev libsuitesparse-dev libopenbl
   ccache)  # what ./run compiles, ./test and the wheel need not compile again
 test_packages=(libgtest-dev libgmock-dev python3 python3-venv ffmpeg fish zsh mandoc)
 browser_packages=(nodejs npm chromium)
+wasm_packages=(cmake ninja-build libeigen3-dev nlohmann-json3-dev python3 python3-venv)  # of scripts/build_wasm.sh
 petsc_packages=(libpetsc-real-dev openmpi-bin pkg-config)  # of the preset petsc alone
 python_packages=(python3-dev python3-venv python3-numpy python3-scipy python3-matplotlib python3-torch
   libxrender1)  # which pyvista loads, without a display, too
@@ -158,6 +159,20 @@ install_python_environment() {
   quietly "$root/build/python/install.log" "$folder/bin/pip" install --disable-pip-version-check \
     -r "$wanted" numpy scipy matplotlib || return 1
   cp "$wanted" "$folder/installed"
+}
+
+# Fetches the compiler of WebAssembly in the version of cmake/wasm/requirements.txt, and says where it is (RESILIN_ZIG).
+install_wasm_compiler() {
+  local folder=$root/build/wasm-tools wanted=$root/cmake/wasm/requirements.txt
+  if ! cmp -s "$wanted" "$folder/installed"; then
+    say "Fetching $(cat "$wanted") ..."
+    mkdir -p "$folder"
+    { python3 -m venv "$folder/venv" && "$folder/venv/bin/pip" install --quiet --disable-pip-version-check -r "$wanted"; } \
+      >"$folder/install.log" 2>&1 || return 1
+    cp "$wanted" "$folder/installed"
+  fi
+  RESILIN_ZIG=$("$folder/venv/bin/python" -c 'import pathlib, ziglang; print(pathlib.Path(ziglang.__file__).parent / "zig")')
+  export RESILIN_ZIG
 }
 
 # Fetches what builds and tests the page, in the versions of its lock file. Where that fails, what needs them is counted as

@@ -19,6 +19,7 @@ void add_check(CommandLine& line, Action& action);
 void add_new(CommandLine& line, Action& action);
 void add_mesh(CommandLine& line, Action& action);
 void add_view(CommandLine& line, Action& action);
+void add_export(CommandLine& line, Action& action);
 void add_picture(CommandLine& line, Action& action);
 void add_gradcheck(CommandLine& line, Action& action);
 void add_film(CommandLine& line, Action& action);

@@ -85,6 +85,7 @@ int run_command(int argc, char** argv) {
   add_sweep(line, action);
   add_check(line, action);
   add_view(line, action);
+  add_export(line, action);
   add_picture(line, action);
   add_film(line, action);
   add_new(line, action);

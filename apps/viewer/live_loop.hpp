@@ -1,82 +1,31 @@
 #pragma once
 
-#include <chrono>
-#include <cstdint>
-#include <deque>
 #include <functional>
-#include <map>
 #include <memory>
-#include <optional>
-#include <set>
-#include <string>
 #include <thread>
 
+#include "live_turns.hpp"
 #include "mailbox.hpp"
 #include "served_scene.hpp"
 
 namespace resilin::viewer {
 
-struct LiveLoopOptions {
-  std::chrono::microseconds frame{16667};   ///< between two frames, at least
-  std::chrono::microseconds budget{12000};  ///< of that, for time steps
-};
-
-/// Simulates on a thread of its own: does what the pages say, steps so that simulated time follows the wall
-/// clock, and publishes what came of it. Time that is lost because steps take too long is not made up for.
-/// While the scene pauses or rests the thread sleeps.
+/// The turns of a live scene on a thread of their own. While the scene pauses or rests the thread sleeps.
 class LiveLoop {
  public:
   /// Begins to simulate. `wake` is called whenever there is news; the mailbox outlives the loop.
   LiveLoop(std::unique_ptr<ServedScene> scene, Mailbox& mailbox, std::function<void()> wake,
-           const LiveLoopOptions& options = {});
+           const LiveTurnsOptions& options = {});
   ~LiveLoop();
   LiveLoop(const LiveLoop&) = delete;
   LiveLoop& operator=(const LiveLoop&) = delete;
 
  private:
-  using Clock = std::chrono::steady_clock;
-
   void run();
-  void obey(const Command& command);
-  void obey(ClientId client, const LoopMessage& message);
-  void leave(ClientId client);
-  void advance(Clock::time_point now);
-  void step(double seconds);
-  void stop_after_fault(const std::string& why);
-  double real_time_ratio(Clock::time_point now);
-  bool is_active() const { return !is_paused_ && is_moving_; }
-  /// Between steps that are rare to the eye, frames go evenly from state to state, one step late.
-  bool is_blending() const;
 
-  void publish_scene();
-  void publish_snapshot(const std::set<FieldChoice>& wanted);
-  void publish_state();
-  void publish_status(Clock::time_point now);
-
-  std::unique_ptr<ServedScene> scene_;
+  LiveTurns turns_;
   Mailbox* mailbox_;
   std::function<void()> wake_;
-  LiveLoopOptions options_;
-
-  bool is_paused_ = false;
-  bool is_moving_ = true;   // the last step changed something
-  double lag_ = 0;          // simulated time that the wall clock is ahead [s]
-  Clock::time_point tick_;  // when the wall clock was last looked at
-  std::optional<ClientId> grabbed_by_, poked_by_;
-  std::uint32_t answered_drag_ = 0;
-
-  bool has_changed_ = true;  // since the last snapshot
-  std::uint64_t generation_ = 0;
-  std::uint32_t snapshot_number_ = 0;
-  std::set<FieldChoice> published_fields_;
-  double surface_ms_ = 0;
-  Clock::time_point status_time_;
-  bool status_is_final_ = false;  // it was published after the last step
-  struct Progress {
-    Clock::time_point wall;
-    double simulated;
-  };
-  std::deque<Progress> progress_;  // over the last second
   std::thread thread_;
 };
 

@@ -49,14 +49,30 @@ std::map<ClientId, std::vector<std::string>> Mailbox::take_refusals() {
 Requests Mailbox::wait(Clock::time_point earliest, std::optional<Clock::time_point> latest) {
   std::unique_lock lock(mutex_);
   changed_.wait_until(lock, earliest, [this] { return requests_.is_stopping; });
-  const auto has_news = [this] {
-    return requests_.is_stopping || wanted_fields_changed_ || !requests_.commands.empty();
-  };
+  const auto has_news = [this] { return is_called(); };
   if (latest) {
     changed_.wait_until(lock, *latest, has_news);
   } else {
     changed_.wait(lock, has_news);
   }
+  return take_locked();
+}
+
+Requests Mailbox::take() {
+  const std::lock_guard lock(mutex_);
+  return take_locked();
+}
+
+bool Mailbox::has_requests() const {
+  const std::lock_guard lock(mutex_);
+  return is_called();
+}
+
+bool Mailbox::is_called() const {
+  return requests_.is_stopping || wanted_fields_changed_ || !requests_.commands.empty();
+}
+
+Requests Mailbox::take_locked() {
   wanted_fields_changed_ = false;
   Requests found = requests_;
   requests_.commands.clear();

@@ -80,6 +80,10 @@ class Mailbox {
   /// Sleeps until `earliest`, then until there is a command, a change of wanted fields, or `latest` (none:
   /// for ever).
   Requests wait(Clock::time_point earliest, std::optional<Clock::time_point> latest);
+  /// The same for who may not sleep: what there is now.
+  Requests take();
+  /// Whether a turn would find something to do.
+  bool has_requests() const;
   void publish(const std::function<void(News&)>& change);
   void refuse(ClientId client, std::string why);
   void refuse_all(const std::string& why);  ///< tells it to every page
@@ -88,6 +92,9 @@ class Mailbox {
   void stop();
 
  private:
+  bool is_called() const;
+  Requests take_locked();
+
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   Requests requests_;

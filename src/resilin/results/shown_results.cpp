@@ -65,8 +65,9 @@ std::uintmax_t size_of(const std::filesystem::path& path) {
   return error ? 0 : size;
 }
 
-/// JSON in a script of a page: no "<" can end the script or begin a comment.
-std::string escaped(std::string_view json) {
+}  // namespace
+
+std::string escaped_for_page(std::string_view json) {
   std::string text;
   text.reserve(json.size());
   for (const char c : json) {
@@ -78,8 +79,6 @@ std::string escaped(std::string_view json) {
   }
   return text;
 }
-
-}  // namespace
 
 std::string base64(std::string_view bytes) {
   constexpr std::string_view letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -99,8 +98,9 @@ std::string page_with_recording(std::string_view recording, std::string_view rep
                                 std::string_view fields) {
   return page_with(source_script("embedded") + "\n<script id=\"recording\" type=\"text/plain\">" +
                        base64(recording) + "</script>\n<script id=\"report\" type=\"application/json\">" +
-                       escaped(report) + "</script>\n<script id=\"fields\" type=\"application/json\">" +
-                       escaped(fields) + "</script>",
+                       escaped_for_page(report) +
+                       "</script>\n<script id=\"fields\" type=\"application/json\">" +
+                       escaped_for_page(fields) + "</script>",
                    "");
 }
 

@@ -70,6 +70,9 @@ std::string recorded_page(const std::filesystem::path& folder, const World& worl
 std::string page_with_recording(std::string_view recording, std::string_view report,
                                 std::string_view fields = "[]");
 
+/// JSON in a script of a page: no "<" can end the script or begin a comment.
+std::string escaped_for_page(std::string_view json);
+
 std::string base64(std::string_view bytes);
 
 }  // namespace resilin

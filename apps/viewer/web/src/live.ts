@@ -15,6 +15,7 @@ import {
   type Status,
   type Topology,
 } from "./protocol";
+import type { Scenery, Transport } from "./transport";
 
 export interface LiveEvents {
   scene(hello: Hello, topology: Topology): void;
@@ -25,18 +26,13 @@ export interface LiveEvents {
   found(): void;
 }
 
-const LOST =
-  "The connection is lost. Where the network failed, this page goes on by itself once it is back. Where the program " +
-  "has ended, start it again and open the address that it prints: each start has a new one.";
-const NEW_TOKEN =
-  "The program was started again and has a new address. Open the one that it has printed; this one is no longer valid.";
 const NOT_UNDERSTOOD = "This page does not understand the program; load it again.";
 const RETRY = 1000; // [ms]
 
 export class LiveConnection {
   connected = false;
   answeredDrag = 0;
-  private socket: WebSocket | null = null;
+  private transport: Transport | null = null;
   private hello: Hello | null = null;
   private waitingForTopology = false;
   private newest: ArrayBuffer | null = null;
@@ -46,36 +42,26 @@ export class LiveConnection {
   dragLatencies: number[] = []; // [ms] from a drag message to the drawn frame that answers it
 
   constructor(
-    private readonly token: string,
+    private readonly scenery: Scenery,
     private readonly events: LiveEvents,
   ) {}
 
   connect(): void {
-    const address = new URL("live", location.href);
-    address.protocol = location.protocol === "https:" ? "wss:" : "ws:";
-    address.search = new URLSearchParams({ token: this.token }).toString();
-    address.hash = "";
-    const socket = new WebSocket(address);
-    socket.binaryType = "arraybuffer";
-    socket.onmessage = ({ data }: MessageEvent<string | ArrayBuffer>) => this.receive(data);
-    socket.onclose = () => this.retry();
-    this.socket = socket;
+    const transport = this.scenery.open();
+    transport.onmessage = ({ data }) => this.receive(data);
+    transport.onclose = () => this.retry();
+    this.transport = transport;
   }
 
-  /** Asks by plain HTTP whether the program is there before it opens a socket anew. */
   private async retry(): Promise<void> {
     this.connected = false;
     this.newest = null;
-    this.events.lost(LOST);
+    this.events.lost(this.scenery.lost);
     for (;;) {
       await new Promise((done) => setTimeout(done, RETRY));
-      try {
-        const answer = await fetch(`?${new URLSearchParams({ token: this.token })}`, { cache: "no-store" });
-        if (answer.ok) break;
-        this.events.lost(NEW_TOKEN);
-      } catch {
-        this.events.lost(LOST);
-      }
+      const words = await this.scenery.isAway();
+      if (words === null) break;
+      this.events.lost(words);
     }
     this.connect();
   }
@@ -147,7 +133,7 @@ export class LiveConnection {
   }
 
   send(message: PageMessage): void {
-    if (this.isOpen()) this.socket!.send(encodeMessage(message));
+    if (this.isOpen()) this.transport!.send(encodeMessage(message));
   }
 
   drag(target: Point): void {
@@ -158,10 +144,10 @@ export class LiveConnection {
 
   /** Closes the connection as a failing network would. */
   drop(): void {
-    this.socket?.close();
+    this.transport?.close();
   }
 
   private isOpen(): boolean {
-    return this.socket?.readyState === WebSocket.OPEN;
+    return this.transport?.readyState === WebSocket.OPEN;
   }
 }

@@ -14,6 +14,7 @@ import { Shell } from "./shell";
 import type { Viewport } from "./viewport";
 import { Strip } from "./strip";
 import { Tools, type Tool } from "./tools";
+import type { Scenery } from "./transport";
 
 const KEYS: [string, string][] = [
   ["left button on the body", "grab it, pin it or poke it, as the tool says"],
@@ -58,8 +59,8 @@ export class LiveApp {
     look: this.shell.choices,
   }));
 
-  constructor(token: string) {
-    this.connection = new LiveConnection(token, {
+  constructor(scenery: Scenery) {
+    this.connection = new LiveConnection(scenery, {
       scene: (hello, topology) => this.setScene(hello, topology),
       state: (state) => this.setState(state),
       status: (status) => {

@@ -8,6 +8,7 @@ import { type OtherFields, RecordedValues } from "./recorded_values";
 import { inflated, readRecording } from "./recording";
 import { readReport } from "./report";
 import { ResultsApp } from "./results_app";
+import { carried, served } from "./transport";
 
 const token = new URLSearchParams(location.search).get("token") ?? "";
 const textOf = (id: string) => document.getElementById(id)?.textContent ?? "";
@@ -64,7 +65,23 @@ async function startResults(embedded: boolean): Promise<void> {
   }
 }
 
-const readSource = object({ kind: word("live", "recorded", "embedded") });
+/** A scene that the page has with it, and what simulates it. */
+async function startPlaying(): Promise<void> {
+  const unpacked = (id: string) => inflated(new Uint8Array(bytesOfBase64(textOf(id))));
+  const words = element("p", { class: "reading", data: "reading", role: "status" }, "Reading the scene …");
+  document.body.append(words);
+  try {
+    const warnings = list(text)(JSON.parse(textOf("warnings") || "[]"), "warnings");
+    const game = { engine: await unpacked("engine"), scene: await unpacked("scene"), warnings };
+    new LiveApp(carried(textOf("worker"), game));
+    words.remove();
+  } catch (error) {
+    words.textContent = `The scene cannot be played with. ${error instanceof Error ? error.message : String(error)}`;
+  }
+}
+
+const readSource = object({ kind: word("live", "recorded", "embedded", "playable") });
 const { kind } = readSource(JSON.parse(textOf("source")), "source");
-if (kind === "live") new LiveApp(token);
+if (kind === "live") new LiveApp(served(token));
+else if (kind === "playable") void startPlaying();
 else void startResults(kind === "embedded");

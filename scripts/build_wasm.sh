@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# Builds build/wasm/apps/play/resilin_play.wasm, what `resilin export` puts into pages: the solver and the live scene, compiled
+# to WebAssembly (preset wasm). Installs what is missing; the compiler goes into build/wasm-tools.
+set -euo pipefail
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
+source "$root/scripts/setup.sh"
+
+install_packages "${wasm_packages[@]}"
+install_wasm_compiler || die "The compiler of WebAssembly could not be fetched; see $root/build/wasm-tools/install.log"
+configure wasm
+build wasm resilin_play
+du -h "$root/build/wasm/apps/play/resilin_play.wasm"
