@@ -52,7 +52,8 @@ std::string read_engine(const std::filesystem::path& path) {
 int export_page(const ExportOptions& options) {
   const std::filesystem::path out = options.out;
   if (out.extension() != ".html" && out.extension() != ".htm")
-    throw InputError(one_line(options.out), "a name that ends in .html", one_line(out.extension().string()));
+    throw InputError(one_line(options.out), "a name that ends in .html",
+                     out.extension().empty() ? "none" : one_line(out.extension().string()));
   const std::string engine = read_engine(engine_file(options));
   const Scene scene = read_scene(options.scene, {.overrides = options.overrides});
   const LiveScene live(scene.description);  // what cannot be played is said here, not in the browser
@@ -86,7 +87,7 @@ void add_export(CommandLine& line, Action& action) {
       "Example:\n  resilin export examples/spot.toml spot.html\n\nThe page holds the scene, its meshes and "
       "the "
       "solver, "
-      "compiled to WebAssembly: it opens from disk in any\nbrowser since 2023, on a phone, too. "
+      "compiled to WebAssembly: it opens from disk in\na browser of today, on a phone, too. "
       "scripts/build_wasm.sh builds the module once.");
   command.on_chosen([options, &action] { action = [options] { return export_page(*options); }; });
 }

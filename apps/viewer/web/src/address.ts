@@ -75,6 +75,11 @@ export class AddressBar {
 
   write(): void {
     const view = this.view();
-    if (view) history.replaceState(null, "", writeAddress(view));
+    if (!view) return;
+    try {
+      history.replaceState(null, "", writeAddress(view));
+    } catch {
+      // A frame without an address of its own, as in a notebook: nothing to share.
+    }
   }
 }

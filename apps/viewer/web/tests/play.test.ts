@@ -138,12 +138,15 @@ async function pulled(watched: Watched): Promise<{ vertex: number; place: number
   return { vertex, place, status };
 }
 
+/** The same place of the eye for both pages, which frame what has moved by the time they are ready. */
+const EYE = "#camera=0.55,0.28,3,0.5,0.45,0.5";
+
 test("a body is pulled by the mouse from disk, without a request, to where the program has it", options, async () => {
   const address = pathToFileURL(exported(jelly)).href;
   const program = await Program.start(jelly, "--port", "0");
   try {
     let played!: Awaited<ReturnType<typeof pulled>>, served!: Awaited<ReturnType<typeof pulled>>;
-    await withPage(browser!, address, async (watched) => {
+    await withPage(browser!, address + EYE, async (watched) => {
       played = await pulled(watched);
       assert.deepEqual(
         watched.requests.filter(
@@ -152,7 +155,7 @@ test("a body is pulled by the mouse from disk, without a request, to where the p
         [],
       );
     });
-    await withPage(browser!, program.address, async (watched) => void (served = await pulled(watched)));
+    await withPage(browser!, program.address + EYE, async (watched) => void (served = await pulled(watched)));
     assert.equal(played.vertex, served.vertex);
     assert.ok(played.status.hand_force > 1, `pulled with ${played.status.hand_force} N`);
     for (const key of ["hand_force", "elastic_energy", "min_volume_ratio"])
