@@ -57,8 +57,8 @@ def picture(place: AnyPath, field: str | None = None, *, frame: int = -1, **opti
         Folder of a run, or a .vtu file.
     field : str, optional
         Any, with a component where it has several: "von_mises", "displacement.z", "cauchy_stress.xy";
-        "averaged_von_mises" by default, as the page shows; "none" for the bodies in colours of their own. What the frames do not hold is computed from them and from
-        the scene that the folder keeps.
+        "averaged_von_mises" by default, as the page shows; "none" for the bodies in colours of their own.
+        What the frames do not hold is computed from them and from the scene that the folder keeps.
     frame : int
         Number of the frame; -1 is the last.
     **options

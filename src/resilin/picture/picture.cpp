@@ -7,12 +7,12 @@
 #include "resilin/core/text.hpp"
 #include "resilin/picture/camera.hpp"
 #include "resilin/picture/canvas.hpp"
+#include "resilin/picture/canvas_projection.hpp"
 #include "resilin/picture/color_bar.hpp"
 #include "resilin/picture/color_map.hpp"
 #include "resilin/picture/ground_shadow.hpp"
 #include "resilin/picture/lighting.hpp"
 #include "resilin/picture/picture_field.hpp"
-#include "resilin/picture/projection.hpp"
 #include "resilin/picture/surface.hpp"
 #include "resilin/picture/text.hpp"
 
@@ -384,7 +384,7 @@ class Picture {
   std::vector<double> bodies_;  ///< number of the body of each cell; empty where it is not known
   ColorScale scale_;
   ScaleText text_;
-  Projection projection_;
+  CanvasProjection projection_;
   Image::View view_;
 };
 

@@ -8,7 +8,7 @@
 namespace resilin {
 
 /// Places on the canvas.
-struct Projection {
+struct CanvasProjection {
   Camera camera;
   double zoom = 1;
   Vector3 shift = Vector3::Zero();
@@ -25,6 +25,7 @@ struct Projection {
 };
 
 /// Largest zoom with which all points lie in a box of pixels from (left, top) to (right, bottom).
-Projection fit(const Camera& camera, const std::vector<Vector3>& points, const std::array<double, 4>& box);
+CanvasProjection fit(const Camera& camera, const std::vector<Vector3>& points,
+                     const std::array<double, 4>& box);
 
 }  // namespace resilin

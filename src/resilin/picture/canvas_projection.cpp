@@ -1,11 +1,12 @@
-#include "resilin/picture/projection.hpp"
+#include "resilin/picture/canvas_projection.hpp"
 
 #include <algorithm>
 #include <limits>
 
 namespace resilin {
 
-Projection fit(const Camera& camera, const std::vector<Vector3>& points, const std::array<double, 4>& box) {
+CanvasProjection fit(const Camera& camera, const std::vector<Vector3>& points,
+                     const std::array<double, 4>& box) {
   Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity()), high = -low;
   for (const Vector3& point : points) {
     low = low.cwiseMin(camera.turned(point));
@@ -13,7 +14,7 @@ Projection fit(const Camera& camera, const std::vector<Vector3>& points, const s
   }
   const auto [left, top, right, bottom] = box;
   const Vector3 size = high - low;
-  Projection projection{.camera = camera};
+  CanvasProjection projection{.camera = camera};
   const double widest = std::max({size.x() / (right - left), size.y() / (bottom - top), 1e-300});
   projection.zoom = 1 / widest;
   const Vector3 middle = 0.5 * projection.zoom * (low + high);
