@@ -31,7 +31,7 @@ def parameter_names(scene: Scene, overrides: Overrides = ()) -> list[str]:
     Returns
     -------
     list of str
-        "body.beam.material.youngs_modulus", "load.tip.value", "simulation.gravity" ...
+        "body.beam.material.youngs_modulus", "load.tip.value", "collider.ground.friction" ...
     """
     return list(_core.parameter_names(read_scene(scene, overrides)))
 

@@ -88,6 +88,7 @@ inline double difference_quotient(const Description& scene, Derivatives& base,
 /// A change of the numbers of a parameter by about its own size, or that of the scene.
 inline VectorX sample_change(const Parameter& parameter, unsigned seed) {
   VectorX change = random_numbers(parameter.value.size(), seed);
+  if (parameter.name.starts_with("collider.") && parameter.value.size() > 1) return 0.05 * change;
   const bool is_place = parameter.name.ends_with("positions");
   const double size = is_place ? 0.1 : parameter.value.cwiseAbs().maxCoeff();
   if (parameter.name.ends_with("poissons_ratio")) return 0.1 * change;

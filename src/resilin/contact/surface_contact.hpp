@@ -152,6 +152,7 @@ class SurfaceContact : public Energy, public FrictionSource {
   void set_nodes_of(const PartForce& force, std::vector<WeightedNode>& nodes) const;
   void cover(Memory& memory, const VectorX& from, const VectorX& to) const;
   void find_terms(Memory& memory, State& state) const;
+  std::vector<ContactTerm> terms_at(const VectorX& x, const Conditions& c) const;  ///< merged
   State& state_at(Memory& memory, const VectorX& x, const Conditions& c) const;
   const VectorX& gradient_at(Memory& memory, const VectorX& x, const Conditions& c) const;
   double free_share(Memory& memory, const VectorX& places, const VectorX& displacements,

@@ -24,7 +24,7 @@ std::vector<int> pairs_of(const World& world) {
 
 }  // namespace
 
-ContactLinks::ContactLinks(const World& world) : world_(world) {
+ContactLinks::ContactLinks(const World& world) {
   std::size_t exact = 0, of_facets = 0;
   for (std::size_t t = 0; t < world.terms.size(); ++t) {
     const std::shared_ptr<const Energy>& term = world.terms[t];

@@ -16,7 +16,7 @@ using TermChanges = std::vector<std::map<std::string, VectorX, std::less<>>>;
 /// friction, places and motions of colliders. What friction has of the stiffness of barriers follows them.
 class ContactLinks {
  public:
-  /// @param world  made of a description that it still has; kept by reference
+  /// @param world  made of a description that it still has
   explicit ContactLinks(const World& world);
 
   /// Room for what `asked` needs; that of the barriers' stiffness has been made.
@@ -43,7 +43,6 @@ class ContactLinks {
   template <class Change, class Visit>
   void for_each_coefficient(Change& change, const Visit& visit) const;
 
-  const World& world_;
   std::vector<std::size_t> collider_terms_;  ///< in the order of the scene
   int friction_ = -1;                        ///< the number of its term
   std::vector<Source> sources_;

@@ -23,7 +23,10 @@ VectorX weights(Eigen::Index size, double seed) {
 VectorX change_of(const Parameter& parameter, const World& world) {
   VectorX change = weights(parameter.value.size(), 2);
   if (change.size() == 1) change[0] = 1;
-  if (parameter.name.ends_with("positions")) return 0.05 * world.largest_extent() * change;
+  const bool is_collider = parameter.name.starts_with("collider.") && parameter.value.size() > 1;
+  if (is_collider && parameter.name.ends_with(".velocity"))
+    return 0.05 * world.largest_extent() / world.end_time * change;
+  if (is_collider || parameter.name.ends_with("positions")) return 0.05 * world.largest_extent() * change;
   const double size = parameter.value.cwiseAbs().maxCoeff();
   return (size > 0 ? size : 1) * change;
 }
@@ -102,6 +105,11 @@ std::vector<GradientCheck> check_gradients(Description description, std::vector<
                         .rounding = rounding / std::abs(unit)};
     // A weighted sum of numbers of about this size has rounding of its own.
     const double largest = gradient[i].cwiseAbs().dot(change.cwiseAbs()) / std::abs(unit);
+    const auto compare_with = [&](double difference) {
+      const double error =
+          std::abs(difference - check.slope) / std::max({std::abs(check.slope), 1e-6 * largest, 1e-300});
+      if (std::isfinite(error)) check.digits = std::max(check.digits, -std::log10(std::max(error, 1e-16)));
+    };
     for (std::size_t k = 0; k < check.steps.size(); ++k) {
       const double h = check.steps[k];
       const auto result = [&](double t) {
@@ -110,10 +118,11 @@ std::vector<GradientCheck> check_gradients(Description description, std::vector<
         return result_of(std::move(changed), slopes.back().positions, base, goes_on);
       };
       check.differences[k] = (result(h) - result(-h)) / (2 * h * unit);
-      const double error = std::abs(check.differences[k] - check.slope) /
-                           std::max({std::abs(check.slope), 1e-6 * largest, 1e-300});
-      if (std::isfinite(error)) check.digits = std::max(check.digits, -std::log10(std::max(error, 1e-16)));
+      compare_with(check.differences[k]);
     }
+    // Errors of central differences fall with the square of the step: both shorter steps tell what is left.
+    const double ratio = std::pow(check.steps[1] / check.steps[2], 2);
+    compare_with(check.differences[2] + (check.differences[2] - check.differences[1]) / (ratio - 1));
     // Nothing depends on it, and both say so.
     if (check.slope == 0 && std::ranges::all_of(check.differences, [](double d) { return std::abs(d) == 0; }))
       check.digits = 16;

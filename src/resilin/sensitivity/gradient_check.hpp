@@ -16,7 +16,7 @@ struct GradientCheck {
   double slope = 0;       ///< of the result, from the transposed run
   std::array<double, 3> steps{};        ///< of the differences, relative to the size of the parameter
   std::array<double, 3> differences{};  ///< central ones
-  double digits = 0;                    ///< to which the best of them agrees
+  double digits = 0;  ///< to which the best of them agrees, or what both shorter steps lead to
   /// What a difference may be off by, times the length of its step: because forces of its two runs balance to
   /// a tolerance, and because places are rounded.
   double noise = 0, rounding = 0;

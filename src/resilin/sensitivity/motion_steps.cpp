@@ -43,11 +43,31 @@ Potential potential_of(const World& world, const StageReplay& stage) {
 /// In schemes that look back, impulses of contact change what earlier motions count as.
 void check_contact(const World& world, const Integrator& scheme, const Potential& potential,
                    const VectorX& x) {
-  if (scheme.num_stages() == 1 && !scheme.looks_back() && scheme.coefficients(1).end_stage == 1) return;
+  if (!scheme.looks_back()) return;
   if (potential.impulses(x).isZero(0)) return;
   throw InputError(world.place + ": derivatives",
                    "bodies that touch nothing with integrator = \"" + std::string(scheme.name()) + "\"",
-                   "contact", "take integrator = \"backward_euler\"");
+                   "contact", "take integrator = \"backward_euler\" or \"midpoint\"");
+}
+
+/// Of a stage whose unknown x is a mean: what its forces of contact and friction change by with its base x_0,
+/// where they are those at 2 x - x_0. Half of what they change by with x, the other way.
+VectorX impulses_by_base(const World& world, const Potential& potential, const VectorX& x, const VectorX& p,
+                         bool is_transposed) {
+  BlockMatrix hessian(world.dimension, world.pattern);
+  const Conditions& c = potential.conditions();
+  VectorX product, lag = VectorX::Zero(p.size());
+  for (const Energy* term : potential.terms()) {
+    if (!acts_as_impulse(term->properties().category)) continue;
+    term->add_hessian(x, c, Projection::none, hessian);
+    if (term->properties().category != EnergyCategory::friction) continue;
+    if (is_transposed)
+      term->add_parameter_slopes("lag", x, p, c, lag);
+    else
+      term->add_parameter_forces("lag", x, p, c, lag);
+  }
+  multiply(hessian, p, product);
+  return -0.5 * (product + lag);
 }
 
 }  // namespace
@@ -102,6 +122,8 @@ History MotionSteps::forward(const StepReplay& step, const History& change, cons
     form_tangent(at, potential);
     gradient = VectorX::Zero(size);
     add_stage_forces({world_, potential}, at.motion.positions, of_terms, stage, gradient);
+    if (at.stage.is_mean)
+      gradient += impulses_by_base(world_, potential, at.motion.positions, stage.base_positions, false);
     VectorX dx =
         prescribed.positions - tangent_.solve(gradient + tangent_.times(prescribed.positions, false), false);
     gradient += tangent_.times(dx, false);
@@ -150,6 +172,8 @@ History MotionSteps::transposed(const StepReplay& step, const History& by_next, 
     }
     by_x += tangent_.times(lambda, true);  // zero at the free unknowns
     add_stage_slopes({world_, potential}, at.motion.positions, lambda, by_terms, by_stage);
+    if (at.stage.is_mean)
+      by_stage.base_positions += impulses_by_base(world_, potential, at.motion.positions, lambda, true);
     Motion by_prescribed = zero_motion(size);
     for (Eigen::Index k = 0; k < size; ++k) {
       if (world_.is_fixed[static_cast<std::size_t>(k)] == 0) continue;

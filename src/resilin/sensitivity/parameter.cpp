@@ -5,6 +5,7 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/sensitivity/body_parameters.hpp"
+#include "resilin/world/colliders.hpp"
 
 namespace resilin {
 namespace {
@@ -107,6 +108,30 @@ Parameter collider_friction(const World& world, std::size_t k, const std::string
       [k](double to, Description& of) { of.colliders[k].friction = to; });
 }
 
+/// Of a vector of a collider's description and what it is of its motion.
+Parameter collider_vector(const World& world, std::size_t k, const std::string& name,
+                          Vector3 WorldChange::OfCollider::* change,
+                          const std::function<Vector3&(ColliderDescription&)>& member) {
+  ColliderDescription copy = world.made_from->colliders[k];
+  return vector_parameter(
+      name, world.dimension, member(copy), [k, change](auto& of) -> auto& { return of.colliders[k].*change; },
+      [k](WorldChange& of) { of.colliders[k].has_motion = true; },
+      [k, member](Description& of) -> Vector3& { return member(of.colliders[k]); });
+}
+
+/// The key by which a kind of collider is placed; empty: by several.
+std::string place_key(const std::string& kind) {
+  if (kind == "half_space") return "point";
+  if (kind == "sphere" || kind == "box") return "center";
+  return kind == "mesh" ? "translate" : "";
+}
+
+Vector3& place_of(ColliderDescription& collider) {
+  const std::string key = place_key(collider.kind);
+  if (key == "point") return collider.shape.point;
+  return key == "center" ? collider.shape.center : collider.shape.translate;
+}
+
 /// @param pair  the number of the pair; -1: of all others
 Parameter contact_friction(const World& world, int pair, const std::string& name) {
   const auto ask = [](WorldChange& of) { of.contact.has_friction = true; };
@@ -126,6 +151,7 @@ struct Entry {
   std::string name;
   std::function<Parameter()> make;
   bool is_friction_of_none = false;  ///< a coefficient that is zero
+  bool is_roller = false;            ///< the place of a collider that turns where it is
 };
 
 void add_friction(const World& world, std::vector<Entry>& all) {
@@ -137,14 +163,39 @@ void add_friction(const World& world, std::vector<Entry>& all) {
         {name, [&world, k, name] { return collider_friction(world, k, name); }, !(collider.friction > 0)});
   }
   if (!world.contact) return;
-  all.push_back({"contact.friction", [&world] { return contact_friction(world, -1, "contact.friction"); },
-                 !(description.contact.friction > 0)});
+  all.push_back({.name = "contact.friction",
+                 .make = [&world] { return contact_friction(world, -1, "contact.friction"); },
+                 .is_friction_of_none = !(description.contact.friction > 0)});
   for (std::size_t k = 0; k < description.contact.pairs.size(); ++k) {
     const std::optional<double>& friction = description.contact.pairs[k].friction;
     const std::string name = prefix("contact.pair", "", k) + "friction";
     if (!friction) continue;
     all.push_back({name, [&world, k, name] { return contact_friction(world, static_cast<int>(k), name); },
                    !(*friction > 0)});
+  }
+}
+
+void add_motions(const World& world, bool passes_time, std::vector<Entry>& all) {
+  using Of = WorldChange::OfCollider;
+  const Description& description = *world.made_from;
+  for (std::size_t k = 0; k < description.colliders.size(); ++k) {
+    const ColliderDescription& collider = description.colliders[k];
+    const std::string start = prefix("collider", collider.name, k);
+    const auto add = [&](const std::string& key, Vector3 Of::* change,
+                         const std::function<Vector3&(ColliderDescription&)>& member) {
+      const std::string name = start + key;
+      all.push_back({.name = name, .make = [&world, k, name, change, member] {
+                       return collider_vector(world, k, name, change, member);
+                     }});
+    };
+    if (const std::string key = place_key(collider.kind); !key.empty()) {
+      add(key, &Of::place, place_of);
+      all.back().is_roller = motion_of(collider, world.end_time).turns_in_place;
+    }
+    if (!passes_time) continue;
+    add("velocity", &Of::velocity, [](ColliderDescription& of) -> Vector3& { return of.velocity; });
+    add("displacement", &Of::displacement,
+        [](ColliderDescription& of) -> Vector3& { return of.displacement; });
   }
 }
 
@@ -173,6 +224,7 @@ std::vector<Entry> entries(const World& world) {
       all.push_back({name, [&world, s, name, key] { return support_parameter(world, s, name, key); }});
     }
   }
+  add_motions(world, passes_time, all);
   add_friction(world, all);
   all.push_back({"simulation.gravity", [&world] { return gravity(world, "simulation.gravity"); }});
   return all;
@@ -181,6 +233,10 @@ std::vector<Entry> entries(const World& world) {
 /// Why the scene cannot be differentiated by an entry, where it cannot.
 std::optional<InputError> refusal_of(const World& world, const Entry& entry) {
   const std::string& name = entry.name;
+  if (entry.is_roller)
+    return InputError(name, "a collider that does not turn in its place", "one that does",
+                      "elsewhere its axis would not be its own: take its velocity or displacement, which its "
+                      "axis follows");
   if (entry.is_friction_of_none)
     return InputError(name, "a coefficient of friction that is not zero", "0",
                       "give it, however small: without it nothing rubs there");

@@ -32,6 +32,7 @@ struct Parameter {
 ///   body.NAME.initial_positions, .initial_velocities    likewise
 ///   load.NAME.value, .stiffness, .displacement, .velocity
 ///   fix.NAME.displacement, .velocity, .gradient
+///   collider.NAME.point (of a sphere or a box .center, of a mesh .translate), .velocity, .displacement
 ///   collider.NAME.friction, contact.friction, contact.pair.NUMBER.friction
 ///   simulation.gravity
 ///

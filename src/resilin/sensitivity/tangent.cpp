@@ -113,7 +113,7 @@ void Tangent::factorize() {
 VectorX Tangent::times(const VectorX& p, bool is_transposed) const {
   VectorX product;
   multiply(whole_, p, product);
-  if (!is_symmetric()) product += skew_->times(p, is_transposed);
+  if (skew_ && !skew_->is_zero()) product += skew_->times(p, is_transposed);
   return product;
 }
 

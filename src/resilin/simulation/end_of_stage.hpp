@@ -1,7 +1,9 @@
 #pragma once
 
 #include <memory>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "resilin/energy/energy.hpp"
 
@@ -72,6 +74,20 @@ class EndOfStage final : public Energy {
   void follow(const VectorX& x, const VectorX& p, double t) override {
     VectorX room;
     if (own_) own_->follow(end_of(x, room), slope_ * p, t);
+  }
+  /// Those of the term. What lags is formed at the end, twice as far as x where x is a mean.
+  std::vector<EnergyParameter> parameters() const override { return term_.parameters(); }
+  void add_parameter_slopes(std::string_view name, const VectorX& x, const VectorX& w, const Conditions& c,
+                            VectorX& slopes) const override {
+    VectorX room, found = VectorX::Zero(slopes.size());
+    term_.add_parameter_slopes(name, end_of(x, room), w, at_end(c, weight_ * slope_), found);
+    slopes += (name == "lag" ? slope_ : 1) * found;
+  }
+  void add_parameter_forces(std::string_view name, const VectorX& x, const VectorX& change,
+                            const Conditions& c, VectorX& gradient) const override {
+    VectorX room;
+    term_.add_parameter_forces(name, end_of(x, room), (name == "lag" ? slope_ : 1) * change,
+                               at_end(c, weight_ * slope_), gradient);
   }
   /// @param from  where the stage before ended
   double dissipation(const VectorX& from, const VectorX& x, double duration) const override {
