@@ -1,13 +1,17 @@
 """Runs scenes on two and three processes with the program of build/petsc and compares them with one process."""
 
+import contextlib
 import json
 import math
 import os
 import pathlib
+import random
 import re
+import signal
 import struct
 import subprocess
 import tempfile
+import time
 
 import shared_run_scenes
 from files import ROOT
@@ -19,14 +23,45 @@ TOLERANCE = 1e-9  # relative: what sums in another order and another linear solv
 PRINTED = re.compile(r"^resilin: ", re.MULTILINE)
 
 
-def run(folder, arguments, ranks=0, program=PROGRAM):
+def start(folder, arguments, ranks=0, program=PROGRAM):
     """The program in a folder; on several processes where `ranks` is more than 0."""
     launch = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", str(ranks)] if ranks else []
     environment = os.environ | {"OMP_NUM_THREADS": "1", "OMPI_MCA_btl_vader_single_copy_mechanism": "none"}
-    command = [*launch, program, *arguments]
-    return subprocess.run(
-        command, cwd=folder, capture_output=True, text=True, timeout=TIME_LIMIT, env=environment, check=False
-    )
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    return subprocess.Popen([*launch, program, *arguments], cwd=folder, env=environment, **pipes)
+
+
+def finish(process):
+    try:
+        output, errors = process.communicate(timeout=TIME_LIMIT)
+    except subprocess.TimeoutExpired:
+        for rank in children_of(process.pid):
+            os.kill(rank, signal.SIGKILL)
+        process.kill()
+        process.communicate()
+        raise
+    return subprocess.CompletedProcess(process.args, process.returncode, output, errors)
+
+
+def run(folder, arguments, ranks=0, program=PROGRAM):
+    return finish(start(folder, arguments, ranks, program))
+
+
+def children_of(process):
+    """In the order in which they were started; none of a process that has ended."""
+    try:
+        return sorted(map(int, pathlib.Path(f"/proc/{process}/task/{process}/children").read_text().split()))
+    except OSError:
+        return []
+
+
+def catches(process, number):
+    """Whether the process has a handler for a signal."""
+    try:
+        status = pathlib.Path(f"/proc/{process}/status").read_text()
+    except OSError:
+        return False
+    return bool(int(re.search(r"SigCgt:\s*(\w+)", status)[1], 16) >> (number - 1) & 1)
 
 
 def read_arrays(file):
@@ -206,6 +241,78 @@ def check_resume():
         return problems
 
 
+def runs_program(process):
+    """Not mpirun's copy of itself that is about to become the program, in which signals get lost."""
+    with contextlib.suppress(OSError):
+        return pathlib.Path(f"/proc/{process}/exe").readlink() == PROGRAM
+    return False
+
+
+def end_by_signal(folder, out, ranks, is_time, targets, number):
+    """Starts an endless motion and sends a signal when `is_time(processes)`; what it ended with."""
+    launcher = start(folder, ["run", "scene.toml", "--out", out, "--quiet"], ranks)
+    processes = []
+    while launcher.poll() is None and not (
+        len(processes) == ranks and all(map(runs_program, processes)) and is_time(processes)
+    ):
+        time.sleep(0.001)
+        processes = children_of(launcher.pid)
+    for process in [launcher.pid] if targets == "mpirun" else processes[targets]:
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(process, number)
+    return finish(launcher)
+
+
+def after(seconds):
+    """When a time has passed since it was asked first."""
+    begin = []
+
+    def is_time(_):
+        begin.append(time.monotonic())
+        return begin[-1] - begin[0] > seconds
+
+    return is_time
+
+
+def problems_of_end(folder, out, ended, number, was_launcher):
+    """Of a run that was told to end: all its processes have, with one line, and its checkpoint serves."""
+    lines = [line for line in ended.stderr.splitlines() if PRINTED.match(line)]
+    said = f"exit code {ended.returncode}, {lines or ended.stderr.splitlines()[-4:]}"
+    if ended.returncode == 128 + number or (was_launcher and ended.returncode != 0 and len(lines) <= 1):
+        return []  # before the program listened; mpirun kills what has not ended in a second
+    if ended.returncode != 2 or len(lines) != 1 or "stopped by" not in lines[0]:
+        return [f"expected exit code 2 and one line, got {said}"]
+    rest = run(folder, ["run", "scene.toml", "--out", out, "--quiet", "--resume", "--steps", "1"], 2)
+    if "stopped after 1 steps as asked" not in rest.stderr:
+        return [f"after {said}: it does not go on: {rest.stderr.splitlines()[-4:]}"]
+    return []
+
+
+def check_signals():
+    """Sent to any process at any time, also while METIS works, which has handlers of its own."""
+    chance = random.Random(16)
+    problems = []
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        (folder / "scene.toml").write_text(shared_run_scenes.ENDLESS)
+
+        def is_in_metis(processes):
+            return catches(processes[0], signal.SIGTERM)
+
+        ended = end_by_signal(folder, "metis", 2, is_in_metis, slice(0, 1), signal.SIGTERM)
+        if ended.returncode != 2:
+            problems.append("in METIS: not told to end")
+        problems += problems_of_end(folder, "metis", ended, signal.SIGTERM, False)
+        for i in range(6):
+            delay = chance.uniform(0, 3)
+            number = chance.choice([signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
+            targets = chance.choice(["mpirun", slice(0, 1), slice(-1, None), slice(None)])
+            ended = end_by_signal(folder, f"out{i}", chance.choice([2, 3]), after(delay), targets, number)
+            found = problems_of_end(folder, f"out{i}", ended, number, targets == "mpirun")
+            problems += [f"{number.name} to {targets} after {delay:.2f} s: {problem}" for problem in found]
+    return problems
+
+
 def check_refusal(text, ranks, words, program=PROGRAM):
     """One line, of one process, with these words."""
     with tempfile.TemporaryDirectory() as name:
@@ -244,6 +351,7 @@ def all_checks():
     """{name: function}; each gives a list of problems."""
     checks = {scene.name: lambda scene=scene: check_scene(scene) for scene in shared_run_scenes.SCENES}
     checks["a run is gone on with on another number of processes"] = check_resume
+    checks["a run ends when one of its processes is told to"] = check_signals
     checks["petsc_gamg solves on one process"] = check_solver_on_one_process
     for name, (text, ranks, words) in shared_run_scenes.REFUSALS.items():
         checks[f"refused: {name}"] = lambda case=(text, ranks, words): check_refusal(*case)

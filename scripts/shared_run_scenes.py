@@ -112,6 +112,8 @@ SCENES = [
     # The length of a step follows an estimate that solvers filter to 1e-3.
     SharedScene("two bodies in steps that adapt", TWO_BODIES, (3,), slack=1e6),
 ]
+# Large enough for METIS to take a while.
+ENDLESS = moving("backward_euler", 1e5) + CLAMP + box("P1", cells="[40, 20, 20]")
 RESUMED = SharedScene("resumed", moving("bdf2") + box("P1") + CLAMP + TIP, slack=10)
 
 SMALL = STATIC + box("P1", cells="[1, 1, 1]") + CLAMP + BENT

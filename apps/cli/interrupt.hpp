@@ -7,6 +7,9 @@ namespace resilin::cli {
 /// From now on Ctrl-C (SIGINT), SIGTERM and SIGHUP (the terminal is closed) only set a flag. SIGINT or
 /// SIGTERM once more ends the program at once, unless it is the same request that comes twice, as from
 /// `timeout`. SIGHUP stays ignored where the program was started so (nohup).
+///
+/// Threads made later leave the signals alone, as do programs that are started unless they are given an empty
+/// signal mask. Threads that are there already must not be in METIS when one comes.
 void catch_interrupts();
 bool is_interrupted();
 /// Who has interrupted: "the user", "SIGTERM".

@@ -151,8 +151,8 @@ int run_part(const RunOptions& options, const Speaker& speaker) {
 }  // namespace
 
 int run_shared(const RunOptions& options) {
+  catch_interrupts();  // before MPI makes threads
   const Speaker speaker(process_rank() == 0, options.quiet);
-  catch_interrupts();  // after MPI and PETSc have set theirs
   // Others wait for this process: what it cannot go on from ends all of them.
   try {
     return run_part(options, speaker);

@@ -32,7 +32,11 @@ class StartOptions {
                                      O_WRONLY | O_CREAT | O_TRUNC, 0600);
     posix_spawn_file_actions_adddup2(&files_, STDOUT_FILENO, STDERR_FILENO);
     posix_spawnattr_init(&attributes_);
-    posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
+    posix_spawnattr_setflags(&attributes_,
+                             POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK);
+    sigset_t none;  // catch_interrupts blocks some here
+    sigemptyset(&none);
+    posix_spawnattr_setsigmask(&attributes_, &none);
     sigset_t ignored_here;  // by report_failed_writes
     sigemptyset(&ignored_here);
     for (const int number : {SIGPIPE, SIGXFSZ}) sigaddset(&ignored_here, number);

@@ -59,6 +59,9 @@ void show(const std::string& file) {
   const int nowhere = open("/dev/null", O_RDWR | O_CLOEXEC);
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(nowhere, stream);
   for (const int number : {SIGPIPE, SIGXFSZ}) signal(number, SIG_DFL);  // the browser's own
+  sigset_t none;  // the program itself blocks those that it waits for
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
   execl("/bin/sh", "sh", "-c", command.c_str(), file.c_str(), static_cast<char*>(nullptr));
   _exit(127);
 }

@@ -10,9 +10,9 @@ namespace {
 
 struct Session {
   Session() {
+    PetscOptionsSetValue(nullptr, "-no_signal_handler", "true");  // signals are the program's
     PetscInitializeNoArguments();
     PetscPushErrorHandler(PetscReturnErrorHandler, nullptr);
-    PetscPopSignalHandler();  // signals are the program's
   }
   ~Session() { PetscFinalize(); }
   Session(const Session&) = delete;
