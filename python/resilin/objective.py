@@ -332,7 +332,10 @@ class Seeds:
                     refuse(f"seed.{key}", f"an array {shape} or, of the last frame, {start.shape}", str(array.shape))
                 for frame, row in rows:
                     whole = np.ascontiguousarray(row)
-                    self.parts.append(FrameSlopes(frame, **{key: whole}))
+                    is_position = key == "positions"
+                    self.parts.append(
+                        FrameSlopes(frame, positions=whole) if is_position else FrameSlopes(frame, velocities=whole)
+                    )
             else:
                 refuse(f"seed.{key}", "positions, velocities or reactions", "an unknown key")
 

@@ -25,8 +25,8 @@ constexpr std::array<Color, 6> body_colors = {
 constexpr Color plain_body = {176, 186, 198};
 constexpr Color plain_collider = {128, 136, 146};
 constexpr double veil_opacity = 0.3, shadow_opacity = 0.55;
-constexpr double view_around = 0.12;  ///< of the extent of the bodies, that colliders are seen in
-constexpr double hollow_size = 0.05;  ///< of the shorter side of the picture
+constexpr std::array views_around = {0.12, 0.25};  ///< of the extent of the bodies: floors; what is farther
+constexpr double hollow_size = 0.05;               ///< of the shorter side of the picture
 constexpr Color not_a_number = {214, 64, 200};
 
 /// Points of the shape at `factor` times the displacement, 0 for the rest shape.
@@ -99,8 +99,8 @@ class Picture {
     if (shows_field()) image.legend = text_.title + ": " + text_.extremes;
     name_axes(image);
     if (shows_field()) draw_color_bar(image, scale_, text_, pen_, ink_);
-    const double em = pen_.digit_height();
-    if (!options_.caption.empty()) pen_.draw(image, 1.5 * em, 2.8 * em, options_.caption, ink_);
+    if (const double em = pen_.digit_height(); !options_.caption.empty())
+      pen_.draw(image, 1.5 * em, 2.8 * em, options_.caption, ink_);
     return image;
   }
 
@@ -219,21 +219,22 @@ class Picture {
       low = low.cwiseMin(point);
       high = high.cwiseMax(point);
     }
-    const Vector3 margin = Vector3::Constant(view_around * (high - low).maxCoeff());
-    low -= margin;
-    high += margin;
+    const double extent = (high - low).maxCoeff();
     for (const CellBlock& block : colliders_.blocks)
-      for (Index cell = 0; cell < block.num_cells(); ++cell) {
-        // Of the part of the cell's box that is in ours.
+      for (Index cell = 0; cell < block.num_cells(); ++cell) {  // the part of its box that is in ours
         Vector3 least = Vector3::Constant(std::numeric_limits<double>::infinity()), greatest = -least;
         for (const Index node : block.cell(cell)) {
           const Vector3& point = colliders_.vertices[static_cast<std::size_t>(node)];
           least = least.cwiseMin(point);
           greatest = greatest.cwiseMax(point);
         }
-        least = least.cwiseMax(low);
-        greatest = greatest.cwiseMin(high);
-        if ((least.array() <= greatest.array()).all()) shown.insert(shown.end(), {least, greatest});
+        for (const double around : views_around) {
+          const Vector3 margin = Vector3::Constant(around * extent);
+          const Vector3 from = least.cwiseMax(low - margin), to = greatest.cwiseMin(high + margin);
+          if ((from.array() > to.array()).any()) continue;
+          shown.insert(shown.end(), {from, to});
+          break;
+        }
       }
   }
 
@@ -342,7 +343,6 @@ class Picture {
   }
 
   std::size_t num_axes() const { return surface_.dimension == 2 ? 2 : 3; }
-
   Vector3 axes_origin() const {
     const double em = pen_.digit_height();
     return {4.5 * em, options_.height - 4.5 * em, 1e6};  // in front of everything
