@@ -84,9 +84,10 @@ void Canvas::darken_hollows(double radius, double strength) {
 
 void Canvas::veil(const std::array<CanvasVertex, 3>& corners, const VeilShader& shader) {
   for_each_sample(corners, [&](std::size_t sample, float depth, double, double light) {
-    const auto columns = static_cast<std::size_t>(columns_);
-    const Vector3 place = Vector3(static_cast<double>(sample % columns) + 0.5,
-                                  static_cast<double>(sample / columns) + 0.5, static_cast<double>(depth)) /
+    const std::size_t row = sample / static_cast<std::size_t>(columns_);
+    const std::size_t column = sample % static_cast<std::size_t>(columns_);
+    const Vector3 place = Vector3(static_cast<double>(column) + 0.5, static_cast<double>(row) + 0.5,
+                                  static_cast<double>(depth)) /
                           samples;
     const VeilShade shade = shader(place, light);
     colors_[sample] = mix(colors_[sample], shade.color, shade.opacity);
