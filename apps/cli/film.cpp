@@ -8,13 +8,11 @@
 #include "command.hpp"
 #include "ffmpeg.hpp"
 #include "interrupt.hpp"
-#include "offered_words.hpp"
+#include "picture_options.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/fields/catalog.hpp"
 #include "resilin/picture/animation.hpp"
-#include "resilin/picture/camera.hpp"
-#include "resilin/picture/color_map.hpp"
 #include "resilin/results/result_film.hpp"
 #include "subprocess.hpp"
 #include "temporary_place.hpp"
@@ -203,17 +201,7 @@ void add_film(CommandLine& line, Action& action) {
       .option("--turn", options->film.turn, "How far the camera goes around meanwhile, in degrees; default 0")
       .type_name("DEGREES")
       .group("View");
-  command
-      .option("--view", picture.view,
-              "auto, " + join(view_names()) +
-                  ", or a direction from the body to the eye such as 1,-2,1; default auto")
-      .type_name("VIEW")
-      .offers(view_words)
-      .group("View");
-  command.option("--up", picture.up, "Axis that points up: x, y or z; default auto: against gravity, else z")
-      .type_name("AXIS")
-      .offers([] { return std::vector<std::string>{"auto", "x", "y", "z"}; })
-      .group("View");
+  add_view_options(command, picture);
   command
       .option(
           "--range", options->range,
@@ -222,16 +210,8 @@ void add_film(CommandLine& line, Action& action) {
       .values(2, 2)
       .type_name("MIN MAX")
       .group("Colours");
-  command.option("--map", picture.map, "Colours: auto, " + join(color_map_names()) + "; default auto")
-      .type_name("MAP")
-      .offers(color_map_words)
-      .group("Colours");
-  command.option("--scale", picture.scale, "Factor on displacements; default 1")
-      .type_name("S")
-      .group("What is shown");
-  command.flag("--rest", picture.shows_rest, "Outline of the rest shape").group("What is shown");
-  command.flag("--no-colliders", options->no_colliders, "No colliders").group("What is shown");
-  command.flag("--dark", picture.is_dark, "Dark background").group("Colours");
+  add_color_options(command, picture);
+  add_surroundings(command, picture, options->no_colliders);
   command.footer(
       "Examples:\n  resilin film out/spot --out cow.png\n  resilin film out/heap --out heap.mp4 --size 1280 "
       "720 "

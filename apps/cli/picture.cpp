@@ -3,11 +3,8 @@
 #include <vector>
 
 #include "command.hpp"
-#include "offered_words.hpp"
-#include "resilin/core/text.hpp"
+#include "picture_options.hpp"
 #include "resilin/fields/catalog.hpp"
-#include "resilin/picture/camera.hpp"
-#include "resilin/picture/color_map.hpp"
 #include "resilin/results/result_picture.hpp"
 #include "terminal.hpp"
 
@@ -70,36 +67,16 @@ void add_picture(CommandLine& line, Action& action) {
       .values(2, 2)
       .type_name("W H")
       .group("Picture");
-  command
-      .option(
-          "--view", picture.view,
-          "auto, " + join(view_names()) +
-              ", or a direction from the body to the eye such as 1,-2,1; default auto: what shows most of "
-              "the body and of how it has moved")
-      .type_name("VIEW")
-      .offers(view_words)
-      .group("View");
-  command.option("--up", picture.up, "Axis that points up: x, y or z; default auto: against gravity, else z")
-      .type_name("AXIS")
-      .offers([] { return std::vector<std::string>{"auto", "x", "y", "z"}; })
-      .group("View");
+  add_view_options(command, picture, ": what shows most of the body and of how it has moved");
   command.option("--range", options->range, "Values at the ends of the colours; default those of the field")
       .values(2, 2)
       .type_name("MIN MAX")
       .group("Colours");
-  command.option("--map", picture.map, "Colours: auto, " + join(color_map_names()) + "; default auto")
-      .type_name("MAP")
-      .offers(color_map_words)
-      .group("Colours");
-  command.option("--scale", picture.scale, "Factor on displacements; default 1")
-      .type_name("S")
-      .group("What is shown");
+  add_color_options(command, picture);
   const Option edges = command.flag("--edges", options->edges, "Edges of cells; default where there is room")
                            .group("What is shown");
   command.flag("--no-edges", options->no_edges, "No edges").excludes(edges).group("What is shown");
-  command.flag("--rest", picture.shows_rest, "Outline of the rest shape").group("What is shown");
-  command.flag("--no-colliders", options->no_colliders, "No colliders").group("What is shown");
-  command.flag("--dark", picture.is_dark, "Dark background").group("Colours");
+  add_surroundings(command, picture, options->no_colliders);
   command
       .flag("--transparent", picture.is_transparent,
             "No background, to be put on a bright one; with --dark on a dark one")

@@ -7,22 +7,20 @@ from typing import TYPE_CHECKING, NoReturn
 import numpy as np
 
 from resilin import _core
-from resilin.arrays import describe, plain_text, real_array, refuse
+from resilin.arrays import describe, real_array, refuse
 from resilin.mesh import warn
-from resilin.picture import Picture, picture_options
-from resilin.result import Fields
+from resilin.present_state import PresentState
 from resilin.scene import read_scene
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-    from typing_extensions import Unpack
 
-    from resilin.typing import ControlValue, IntegerArray, Overrides, PictureOptions, RealArray, Scene
+    from resilin.typing import ControlValue, IntegerArray, Overrides, RealArray, Scene
 
     Floats = NDArray[np.float64]
 
 
-class LiveScene:
+class LiveScene(PresentState[_core.LiveScene]):
     """What `resilin view` shows, to be played with by a program.
 
     Each step is one of backward Euler; static scenes move under their full loads. However it is pulled, a scene stays
@@ -149,41 +147,9 @@ class LiveScene:
         return self._core.time()
 
     @property
-    def positions(self) -> Floats:
-        """(N, d) [m], the vertices of all bodies, one body after another."""
-        return self._core.positions()
-
-    @property
-    def velocities(self) -> Floats:
-        """(N, d) [m/s]."""
-        return self._core.velocities()
-
-    @property
-    def rest_positions(self) -> Floats:
-        """(N, d) [m]."""
-        return self._core.rest_positions()
-
-    @property
     def bodies(self) -> list[str]:
         """The names of the bodies."""
         return self._core.body_names()
-
-    def cells(self, body: str) -> NDArray[np.int32]:
-        """Vertices of the cells of a body (M, n), as rows of `positions`; see `Result.cells`."""
-        return self._core.cells(plain_text(body, "body"))
-
-    def vertices(self, body: str) -> slice:
-        """The rows of `positions` that belong to a body, as a slice."""
-        return slice(*self._core.vertex_range(plain_text(body, "body")))
-
-    @property
-    def fields(self) -> Fields:
-        """Fields of the present state by name; see `Simulation.fields`."""
-        return Fields(lambda name: self._core.field(name)[0])
-
-    def plot(self, field: str | None = "averaged_von_mises", **options: Unpack[PictureOptions]) -> Picture:
-        """Draws the present state; see `Result.plot`."""
-        return Picture(self._core.draw(picture_options(field, **options)))
 
     def __reduce__(self) -> NoReturn:
         raise TypeError("a LiveScene cannot be pickled; pickle its scene")

@@ -11,27 +11,25 @@ from resilin import _core
 from resilin.arrays import file_path, plain_text, refuse, require_instance
 from resilin.material import Material
 from resilin.mesh import warn
-from resilin.picture import Picture, picture_options
-from resilin.result import Fields, Result, Step
+from resilin.present_state import PresentState
+from resilin.result import Result, Step
 from resilin.scene import material_entries, read_scene
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-    from typing_extensions import Unpack
 
     from resilin.typing import (
         AnyPath,
         BodyReport,
         FrameReport,
         Overrides,
-        PictureOptions,
         Scene,
     )
 
     Floats = NDArray[np.float64]
 
 
-class Simulation:
+class Simulation(PresentState[_core.Simulation]):
     """A simulation that can be looked at between its steps.
 
     Parameters
@@ -139,21 +137,6 @@ class Simulation:
         )
 
     @property
-    def positions(self) -> Floats:
-        """(N, d) [m], the vertices of all bodies, one body after another."""
-        return self._core.positions()
-
-    @property
-    def velocities(self) -> Floats:
-        """(N, d) [m/s]; zero in statics."""
-        return self._core.velocities()
-
-    @property
-    def rest_positions(self) -> Floats:
-        """(N, d) [m]."""
-        return self._core.rest_positions()
-
-    @property
     def time(self) -> float:
         """[s]"""
         return self._core.time
@@ -180,19 +163,6 @@ class Simulation:
         bodies: list[BodyReport] = json.loads(self._core.bodies())
         return bodies
 
-    @property
-    def fields(self) -> Fields:
-        """Fields of the present state by name, as in `Result` without the axis of the frames."""
-        return Fields(lambda name: self._core.field(name)[0])
-
-    def plot(self, field: str | None = "averaged_von_mises", **options: Unpack[PictureOptions]) -> Picture:
-        """Draws the present state; see `Result.plot`."""
-        return Picture(self._core.draw(picture_options(field, **options)))
-
-    def cells(self, body: str) -> NDArray[np.int32]:
-        """Vertices of the cells of a body (M, n), as rows of `positions`; see `Result.cells`."""
-        return self._core.cells(plain_text(body, "body"))
-
     def skin_positions(self, body: str) -> Floats:
         """Where the skin of a body is now (V, 3) [m]; in 2D the third column is zero.
 
@@ -206,10 +176,6 @@ class Simulation:
     def skin_triangles(self, body: str) -> NDArray[np.int32]:
         """Triangles of the skin (T, 3), as rows of `skin_positions`; of a curve in 2D its lines (T, 2)."""
         return self._core.skin_facets(plain_text(body, "body"))
-
-    def vertices(self, body: str) -> slice:
-        """The rows of `positions` that belong to a body, as a slice."""
-        return slice(*self._core.vertex_range(plain_text(body, "body")))
 
     def __reduce__(self) -> NoReturn:
         raise TypeError("a Simulation cannot be pickled; pickle its scene, or the Result of a run")

@@ -95,9 +95,7 @@ void expect_right_numbers(const Description& scene, const std::vector<std::strin
   for (std::size_t i = 0; i < names.size(); ++i) {
     SCOPED_TRACE(names[i]);
     const Parameter& parameter = run->parameters()[i];
-    std::vector<VectorX> changes;
-    for (const Parameter& other : run->parameters()) changes.push_back(VectorX::Zero(other.value.size()));
-    changes[i] = sample_change(parameter, static_cast<unsigned>(i));
+    const std::vector<VectorX> changes = change_of_one(*run, i);
     const std::vector<FrameChange> frames = run->forward(changes);
     constexpr double step = 2e-4;
     std::map<double, std::map<std::string, MeasuredNumber>> beside;

@@ -95,6 +95,15 @@ inline VectorX sample_change(const Parameter& parameter, unsigned seed) {
   return (size > 0 ? size : 1) * change;
 }
 
+/// Of all parameters that of the i-th alone.
+inline std::vector<VectorX> change_of_one(const Derivatives& run, std::size_t i) {
+  std::vector<VectorX> changes;
+  for (const Parameter& parameter : run.parameters())
+    changes.push_back(VectorX::Zero(parameter.value.size()));
+  changes[i] = sample_change(run.parameters()[i], static_cast<unsigned>(i));
+  return changes;
+}
+
 /// Both identities that derivatives of a scene have to satisfy, for all of its parameters: transposed and
 /// forward products agree, and both with differences of runs.
 /// @param step  of the difference quotients, of the parameters
@@ -108,9 +117,7 @@ inline void expect_right_derivatives(const Description& scene, const std::vector
   for (std::size_t i = 0; i < names.size(); ++i) {
     SCOPED_TRACE(names[i]);
     const Parameter& parameter = run->parameters()[i];
-    std::vector<VectorX> changes;
-    for (const Parameter& other : run->parameters()) changes.push_back(VectorX::Zero(other.value.size()));
-    changes[i] = sample_change(parameter, static_cast<unsigned>(i));
+    const std::vector<VectorX> changes = change_of_one(*run, i);
     const std::vector<FrameChange> frames = run->forward(changes);
     const double forward = product(slopes, frames), transposed = gradient[i].dot(changes[i]);
     double scale = 0;

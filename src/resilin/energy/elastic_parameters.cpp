@@ -46,6 +46,28 @@ LaneMatrix<dim> shape_stress(const LaneMatrix<dim>& F, const LaneMatrix<dim>& P,
       .plus_identity(contracted(P, V));
 }
 
+struct VolumeAndChange {
+  LaneRow volume, change;
+};
+
+/// Volumes of the cells of a block at rest, and the integral of cof F : V that gradients V make of the
+/// deformed one; `is_of_rest_shape`, that of tr V.
+/// @param H  gradients of displacements at the points of the block
+template <int dim>
+VolumeAndChange volume_and_change(const ElementBlocks& blocks, std::size_t block, const double* H,
+                                  const double* gradients, bool is_of_rest_shape = false) {
+  constexpr std::size_t size = static_cast<std::size_t>(dim * dim) * block_size;
+  VolumeAndChange sums{LaneRow::Zero(), LaneRow::Zero()};
+  for (std::size_t q = 0; q < blocks.num_points; ++q) {
+    const LaneRow W = LanePoint<dim>(blocks, block, q).weight();
+    const auto F = LaneMatrix<dim>::load(H + q * size).plus_identity(LaneRow::Ones());
+    const auto V = LaneMatrix<dim>::load(gradients + q * size);
+    sums.volume += W;
+    sums.change += W * (is_of_rest_shape ? V.trace() : contracted(cofactor(F), V));
+  }
+  return sums;
+}
+
 }  // namespace
 
 std::vector<EnergyParameter> ElasticEnergy::parameters() const {
@@ -184,14 +206,8 @@ void ElasticEnergy::add_shape_forces(const VectorX& x, const VectorX& direction,
           const std::size_t first = i * blocks.num_points;
           LaneRow change_of_pressure = LaneRow::Zero();  // or, transposed, of each unit of tr L
           if (tiles_.has_mean_volume()) {
-            LaneRow volume = LaneRow::Zero(), sum = LaneRow::Zero();
-            for (std::size_t q = 0; q < blocks.num_points; ++q) {
-              const LaneRow W = LanePoint<dim>(blocks, block, q).weight();
-              const auto F = LaneMatrix<dim>::load(scratch.H + (first + q) * size).plus_identity(one);
-              const auto V = LaneMatrix<dim>::load(scratch.G + (first + q) * size);
-              volume += W;
-              sum += W * (is_transposed ? contracted(cofactor(F), V) : V.trace());
-            }
+            const auto [volume, sum] = volume_and_change<dim>(blocks, block, scratch.H + first * size,
+                                                              scratch.G + first * size, !is_transposed);
             const Eigen::Map<const LaneRow> mean_j(scratch.mean_j + i * block_size),
                 second(scratch.mean + i * block_size);
             change_of_pressure = (volume > 0).select(-second * (1 + mean_j) * sum / volume, 0.0);
@@ -258,13 +274,8 @@ void ElasticEnergy::add_tangent_products(const VectorX& x, const VectorX& w, Vec
           const std::size_t first = i * blocks.num_points;
           LaneRow change_of_pressure = LaneRow::Zero();
           if (tiles_.has_mean_volume()) {
-            LaneRow volume = LaneRow::Zero(), sum = LaneRow::Zero();
-            for (std::size_t q = 0; q < blocks.num_points; ++q) {
-              const LaneRow W = LanePoint<dim>(blocks, block, q).weight();
-              const auto F = LaneMatrix<dim>::load(scratch.H + (first + q) * size).plus_identity(one);
-              volume += W;
-              sum += W * contracted(cofactor(F), LaneMatrix<dim>::load(scratch.G + (first + q) * size));
-            }
+            const auto [volume, sum] =
+                volume_and_change<dim>(blocks, block, scratch.H + first * size, scratch.G + first * size);
             const Eigen::Map<const LaneRow> second(scratch.mean + i * block_size);
             change_of_pressure = (volume > 0).select(second * sum / volume, 0.0);
           }

@@ -6,18 +6,19 @@
 namespace resilin {
 
 GmresReport gmres(const std::function<VectorX(const VectorX&)>& product, const VectorX& b, double tolerance,
-                  int most) {
+                  int most, const std::function<VectorX(const VectorX&)>& precondition) {
   GmresReport report{.x = VectorX::Zero(b.size())};
   const double size = b.norm();
   if (!(size > 0)) {
     report.left = size;  // not a number stays one
     return report;
   }
-  std::vector<VectorX> basis = {b / size};
+  std::vector<VectorX> basis = {b / size}, corrections;
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(most + 1, most);
   Eigen::VectorXd y;
   for (int k = 0; k < most && !(report.left <= tolerance); ++k) {
-    VectorX next = product(basis.back());
+    if (precondition) corrections.push_back(precondition(basis.back()));
+    VectorX next = product(precondition ? corrections.back() : basis.back());
     ++report.products;
     for (int twice = 0; twice < 2; ++twice)
       for (int i = 0; i <= k; ++i) {
@@ -33,7 +34,8 @@ GmresReport gmres(const std::function<VectorX(const VectorX&)>& product, const V
     if (!(H(k + 1, k) > 1e-14 * square.norm())) break;
     basis.push_back(next / H(k + 1, k));
   }
-  for (Eigen::Index i = 0; i < y.size(); ++i) report.x += y[i] * basis[static_cast<std::size_t>(i)];
+  const std::vector<VectorX>& directions = precondition ? corrections : basis;
+  for (Eigen::Index i = 0; i < y.size(); ++i) report.x += y[i] * directions[static_cast<std::size_t>(i)];
   return report;
 }
 

@@ -14,9 +14,10 @@ struct GmresReport {
 
 /// Solves A x = b from zero by GMRES without restart, A known by its products alone.
 /// Source: Saad & Schultz 1986.
-/// @param tolerance  of |b - A x| / |b|, at which it stops
-/// @param most       products
+/// @param tolerance     of |b - A x| / |b|, at which it stops
+/// @param most          products
+/// @param precondition  from the right, near the inverse of A; none: the identity
 GmresReport gmres(const std::function<VectorX(const VectorX&)>& product, const VectorX& b, double tolerance,
-                  int most);
+                  int most, const std::function<VectorX(const VectorX&)>& precondition = {});
 
 }  // namespace resilin

@@ -92,7 +92,7 @@ class Picture {
                              shows_field() ? 0.45 : 0.9);
     draw_edges();
     if (options_.shows_rest) draw_rest();
-    if (options_.shows_colliders) draw_colliders();
+    if (options_.shows_colliders && !colliders_.blocks.empty()) draw_colliders();
     draw_axes();
     Image image = canvas_.image();
     image.view = view_;

@@ -1,11 +1,11 @@
 #include "resilin/sensitivity/tangent.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/linear/gmres.hpp"
 #include "resilin/optimize/residual.hpp"
 
 namespace resilin {
@@ -193,42 +193,23 @@ VectorX Tangent::solve_symmetric(const VectorX& b) {
   return p;
 }
 
-/// GMRES (Saad & Schultz 1986) with the symmetric part as preconditioner from the right.
+/// With the symmetric part as preconditioner.
 VectorX Tangent::solve(VectorX b, bool is_transposed) {
   set_fixed_to_zero(world_.is_fixed, b);
   if (is_symmetric()) return solve_symmetric(b);
-  const double size = b.norm();
-  VectorX p = VectorX::Zero(b.size());
-  if (!(size > 0)) return p;
-  std::vector<VectorX> basis = {b / size}, corrections;
-  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(most_skew_iterations + 1, most_skew_iterations);
-  Eigen::VectorXd y;
-  double left = 1;
-  for (int k = 0; k < most_skew_iterations && left > tolerance(); ++k) {
-    corrections.push_back(solve_symmetric(basis.back()));
-    VectorX next = times(corrections.back(), is_transposed);
-    set_fixed_to_zero(world_.is_fixed, next);
-    for (int twice = 0; twice < 2; ++twice)
-      for (int i = 0; i <= k; ++i) {
-        const double part = basis[static_cast<std::size_t>(i)].dot(next);
-        H(i, k) += part;
-        next -= part * basis[static_cast<std::size_t>(i)];
-      }
-    H(k + 1, k) = next.norm();
-    const Eigen::MatrixXd square = H.topLeftCorner(k + 2, k + 1);
-    const Eigen::VectorXd first = size * Eigen::VectorXd::Unit(k + 2, 0);
-    y = square.householderQr().solve(first);
-    left = (first - square * y).norm() / size;
-    if (!(H(k + 1, k) > 1e-15 * size)) break;
-    basis.push_back(next / H(k + 1, k));
-  }
-  if (!(left <= largest_residual))
+  const auto product = [&](const VectorX& p) {
+    VectorX forces = times(p, is_transposed);
+    set_fixed_to_zero(world_.is_fixed, forces);
+    return forces;
+  };
+  const GmresReport report = gmres(product, b, tolerance(), most_skew_iterations,
+                                   [this](const VectorX& r) { return solve_symmetric(r); });
+  if (!(report.left <= largest_residual))
     throw InputError(
         world_.place, "a stiffness that can be solved with",
         "one whose unsymmetric part, of friction or of a pressure on an open surface, is too strong",
         "take a smaller coefficient or a smaller pressure");
-  for (Eigen::Index i = 0; i < y.size(); ++i) p += y[i] * corrections[static_cast<std::size_t>(i)];
-  return p;
+  return report.x;
 }
 
 }  // namespace resilin

@@ -1,0 +1,42 @@
+#include "picture_options.hpp"
+
+#include <vector>
+
+#include "offered_words.hpp"
+#include "resilin/core/text.hpp"
+#include "resilin/picture/camera.hpp"
+#include "resilin/picture/color_map.hpp"
+
+namespace resilin::cli {
+
+void add_view_options(const Command& command, PictureOptions& picture, const std::string& about_auto) {
+  command
+      .option("--view", picture.view,
+              "auto, " + join(view_names()) +
+                  ", or a direction from the body to the eye such as 1,-2,1; default auto" + about_auto)
+      .type_name("VIEW")
+      .offers(view_words)
+      .group("View");
+  command.option("--up", picture.up, "Axis that points up: x, y or z; default auto: against gravity, else z")
+      .type_name("AXIS")
+      .offers([] { return std::vector<std::string>{"auto", "x", "y", "z"}; })
+      .group("View");
+}
+
+void add_color_options(const Command& command, PictureOptions& picture) {
+  command.option("--map", picture.map, "Colours: auto, " + join(color_map_names()) + "; default auto")
+      .type_name("MAP")
+      .offers(color_map_words)
+      .group("Colours");
+  command.option("--scale", picture.scale, "Factor on displacements; default 1")
+      .type_name("S")
+      .group("What is shown");
+}
+
+void add_surroundings(const Command& command, PictureOptions& picture, bool& no_colliders) {
+  command.flag("--rest", picture.shows_rest, "Outline of the rest shape").group("What is shown");
+  command.flag("--no-colliders", no_colliders, "No colliders").group("What is shown");
+  command.flag("--dark", picture.is_dark, "Dark background").group("Colours");
+}
+
+}  // namespace resilin::cli

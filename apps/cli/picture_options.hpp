@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+
+#include "command_line.hpp"
+#include "resilin/picture/picture.hpp"
+
+namespace resilin::cli {
+
+/// What pictures and films are told alike: from where, and which way is up.
+/// @param about_auto  what help says of it besides
+void add_view_options(const Command& command, PictureOptions& picture, const std::string& about_auto = "");
+
+/// Colours and the factor on displacements.
+void add_color_options(const Command& command, PictureOptions& picture);
+
+/// What is drawn besides the bodies, and on what.
+void add_surroundings(const Command& command, PictureOptions& picture, bool& no_colliders);
+
+}  // namespace resilin::cli
