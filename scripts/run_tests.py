@@ -38,6 +38,7 @@ SLOW_WHEN_SANITIZED = (
     r"|(TruncationOfEveryIntegrator|EveryIntegratorOnASlope).*/(?!backward_euler$)"
     r"|BodiesInMotion.AreNotLedThrough|(SkinsOfEveryKind|BodiesOfEveryElement).KeepApart|ASkinThatIsTheBoundary|ASkin.ThatIsVeryFine"
     r"|ABoxThatPressesABlock|ABlockOnRollers|RandomThrows|ACollidersRun.HasTheSameBits|BroadPhase.MissesNothingThatBruteForceFinds"
+    r"|AColliderPlace.*/([6-9]|\d\d+)$"
     r"|GivingUp|StretchCurve.EndsAtExtremeStretches|ResumeCommand.AnywayGoesOnInAnotherScene|EveryFieldIsDrawnWithoutBeingAsked"
     r"|DiscretisationError.IsToldFor(CantileversInSpace|CompressibleAndNearlyIncompressibleBlocks)"
 )

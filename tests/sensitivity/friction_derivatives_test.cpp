@@ -118,35 +118,39 @@ TEST(FrictionDerivatives, AreRightOnEveryKindOfCollider) {
       }
 }
 
-/// By where colliders are and how they move, with friction and without.
-TEST(ColliderDerivatives, ByPlacesAndMotionsAreRight) {
-  for (const ShapeKind& kind : shape_kinds())
-    for (const int dimension : {2, 3})
-      for (const bool is_dynamic : {false, true})
-        for (const double friction : {0.0, 0.4}) {
-          if (dimension == 2 && !kind.is_flat_too) continue;
-          SCOPED_TRACE(std::string(kind.name) + ", " + std::to_string(dimension) + "D, friction " +
-                       std::to_string(friction) + (is_dynamic ? ", in motion" : ", at rest"));
-          Description scene = block_on(kind, dimension, is_dynamic);
-          ColliderDescription& under = scene.colliders[0];
-          under.friction = friction;
-          under.velocity = 0.02 * Vector3::UnitX();
-          under.displacement = 5e-4 * Vector3::Unit(dimension - 1);
-          if (kind.name != "sphere") {
-            under.rotate.emplace();
-            under.rotate->axis = dimension == 3 ? Vector3::UnitY() : Vector3::UnitZ();
-            under.rotate->degrees = 0.05;
-            under.rotate->degrees_per_second = 0.5;
-          }
-          std::vector<std::string> names = {"collider.under.velocity", "collider.under.displacement"};
-          const bool is_long = kind.name == "capsule" || kind.name == "cylinder";
-          if (!is_long)
-            names.push_back(std::string("collider.under.") + (kind.name == "half_space" ? "point"
-                                                              : kind.name == "mesh"     ? "translate"
-                                                                                        : "center"));
-          expect_right_derivatives(scene, names, 1e-6, 2e-5);
-        }
+/// By where colliders are and how they move: first of all kinds with friction, then without.
+struct AColliderPlace : ::testing::TestWithParam<std::size_t> {};
+
+TEST_P(AColliderPlace, AndMotionHaveRightDerivatives) {
+  const auto& kinds = shape_kinds();
+  const ShapeKind& kind = kinds[GetParam() % kinds.size()];
+  const double friction = GetParam() < kinds.size() ? 0.4 : 0.0;
+  for (const int dimension : {2, 3})
+    for (const bool is_dynamic : {false, true}) {
+      if (dimension == 2 && !kind.is_flat_too) continue;
+      SCOPED_TRACE(std::string(kind.name) + ", " + std::to_string(dimension) + "D, friction " +
+                   std::to_string(friction) + (is_dynamic ? ", in motion" : ", at rest"));
+      Description scene = block_on(kind, dimension, is_dynamic);
+      ColliderDescription& under = scene.colliders[0];
+      under.friction = friction;
+      under.velocity = 0.02 * Vector3::UnitX();
+      under.displacement = 5e-4 * Vector3::Unit(dimension - 1);
+      if (kind.name != "sphere") {
+        under.rotate.emplace();
+        under.rotate->axis = dimension == 3 ? Vector3::UnitY() : Vector3::UnitZ();
+        under.rotate->degrees = 0.05;
+        under.rotate->degrees_per_second = 0.5;
+      }
+      std::vector<std::string> names = {"collider.under.velocity", "collider.under.displacement"};
+      const bool is_long = kind.name == "capsule" || kind.name == "cylinder";
+      if (!is_long)
+        names.push_back(std::string("collider.under.") + (kind.name == "half_space" ? "point"
+                                                          : kind.name == "mesh"     ? "translate"
+                                                                                    : "center"));
+      expect_right_derivatives(scene, names, 1e-6, 2e-5);
+    }
 }
+INSTANTIATE_TEST_SUITE_P(Kinds, AColliderPlace, ::testing::Range<std::size_t>(0, 2 * shape_kinds().size()));
 
 /// A roller turns where it is, or comes along: only friction feels the one, and both feel the other.
 TEST(FrictionDerivatives, AreRightOnCollidersThatTurnAndMove) {
