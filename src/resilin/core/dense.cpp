@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <Eigen/QR>
 
 namespace resilin::dense {
 
@@ -12,6 +13,14 @@ Matrix transposed_product(const Matrix& A, const Matrix& B) { return A.transpose
 VectorX solve(const Matrix& A, const VectorX& b) { return A.fullPivLu().solve(b); }
 
 Matrix inverse(const Matrix& A) { return A.inverse(); }
+
+Matrix least_squares(const Matrix& A, const Matrix& B) { return A.colPivHouseholderQr().solve(B); }
+
+Eigen::Index rank(const Matrix& A, double least_pivot) {
+  Eigen::ColPivHouseholderQR<Matrix> factors;
+  factors.setThreshold(least_pivot);
+  return factors.compute(A).rank();
+}
 
 bool cholesky(const Matrix& A, Matrix& L) {
   const Eigen::LLT<Matrix> factorisation(A);

@@ -37,6 +37,12 @@ Eigenpairs generalized_eigenpairs(const Matrix& A, const Matrix& B);
 VectorX solve(const Matrix& A, const VectorX& b);
 Matrix inverse(const Matrix& A);
 
+/// The X of least |A X - B|, by columns; of several the one that leaves dependent columns of A alone. Householder
+/// reflections, columns by their lengths.
+Matrix least_squares(const Matrix& A, const Matrix& B);
+/// How many columns of A are independent: pivots of the same reflections above this part of the largest.
+Eigen::Index rank(const Matrix& A, double least_pivot);
+
 /// L with A = L L^T in the lower triangle; false when A is not positive definite.
 bool cholesky(const Matrix& A, Matrix& L);
 /// x = A^-1 x from L.

@@ -1,7 +1,6 @@
 #include "resilin/fields/discretisation_error.hpp"
 
 #include <Eigen/LU>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -153,10 +152,9 @@ ErrorSamples error_samples(const ElasticEnergy& elastic) {
   if (is_simplex(element.shape)) {
     samples.rule = &rule_of_degree(element.shape, 2 * element.degree);
     const int degree = element.degree - 1;
-    samples.from_points = reference_polynomials(*samples.rule, element.dim, degree) *
-                          reference_polynomials(own, element.dim, degree)
-                              .colPivHouseholderQr()
-                              .solve(Eigen::MatrixXd::Identity(count, count));
+    samples.from_points = dense::product(reference_polynomials(*samples.rule, element.dim, degree),
+                                         dense::least_squares(reference_polynomials(own, element.dim, degree),
+                                                              Eigen::MatrixXd::Identity(count, count)));
   } else {
     samples.from_points = Eigen::MatrixXd::Identity(count, count);
   }

@@ -1,6 +1,5 @@
 #include "resilin/fields/patch_recovery.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <limits>
 
@@ -119,9 +118,7 @@ void PatchRecovery::widen(Patch& patch, std::span<const Index> materials) const 
     Eigen::MatrixXd A = monomials_of(patch, degree);
     if (A.rows() < points_per_monomial * A.cols()) return false;
     A.colwise().normalize();
-    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factors;
-    factors.setThreshold(least_pivot);
-    return factors.compute(A).rank() == A.cols();
+    return dense::rank(A, least_pivot) == A.cols();
   };
   const Index material = materials[static_cast<std::size_t>(patch.cells.front())];
   place(patch);
@@ -176,7 +173,7 @@ void PatchRecovery::fit(std::span<const SymmetricTensor> point_values) {
   const Eigen::Index count = num_monomials(degree_);
   coefficients_.assign(patches_.size() * static_cast<std::size_t>(6 * count), 0.0);
   parallel_for(patches_.size(), patches_per_chunk, [&](std::size_t begin, std::size_t end) {
-    Eigen::Matrix<double, Eigen::Dynamic, 6> b;
+    Eigen::MatrixXd b;
     for (std::size_t i = begin; i < end; ++i) {
       const Patch& patch = patches_[i];
       const Eigen::MatrixXd A = monomials_of(patch, patch.degree);
@@ -186,7 +183,7 @@ void PatchRecovery::fit(std::span<const SymmetricTensor> point_values) {
         for (std::size_t q = 0; q < num_points_; ++q)
           b.row(row++) = point_values[static_cast<std::size_t>(cell) * num_points_ + q].transpose();
       Coefficients(&coefficients_[i * static_cast<std::size_t>(6 * count)], 6, count).leftCols(A.cols()) =
-          A.colPivHouseholderQr().solve(b).transpose();
+          dense::least_squares(A, b).transpose();
     }
   });
 }

@@ -1,7 +1,8 @@
 #include "resilin/linear/gmres.hpp"
 
-#include <Eigen/QR>
 #include <vector>
+
+#include "resilin/core/dense.hpp"
 
 namespace resilin {
 
@@ -29,7 +30,7 @@ GmresReport gmres(const std::function<VectorX(const VectorX&)>& product, const V
     H(k + 1, k) = next.norm();
     const Eigen::MatrixXd square = H.topLeftCorner(k + 2, k + 1);
     const Eigen::VectorXd first = size * Eigen::VectorXd::Unit(k + 2, 0);
-    y = square.householderQr().solve(first);
+    y = dense::least_squares(square, first);
     report.left = (first - square * y).norm() / size;
     if (!(H(k + 1, k) > 1e-14 * square.norm())) break;
     basis.push_back(next / H(k + 1, k));

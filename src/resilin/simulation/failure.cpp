@@ -1,11 +1,11 @@
 // Why a search ended without an equilibrium, in words.
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <span>
 
+#include "resilin/core/dense.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/material/law.hpp"
 #include "resilin/simulation/stage_solver.hpp"
@@ -40,7 +40,7 @@ Stretched most_stretched(const Body& body, const VectorX& positions) {
     const auto cell = static_cast<Index>(i) / body.elastic->num_points();
     if (!F.allFinite()) return {std::numeric_limits<double>::quiet_NaN(), cell};
     if (F.norm() <= most.stretch) continue;  // no stretch is larger
-    const double stretch = F.jacobiSvd().singularValues()[0];
+    const double stretch = std::sqrt(dense::symmetric_eigenpairs3(F.transpose() * F).values[2]);
     if (stretch > most.stretch) most = {stretch, cell};
   }
   return most;
