@@ -6,7 +6,9 @@ those that need what is LACKED_EVERYWHERE are named and not counted.
 """
 
 import argparse
+import concurrent.futures
 import dataclasses
+import itertools
 import os
 import pathlib
 import subprocess
@@ -208,6 +210,8 @@ STEPS = {
 NEEDED_BUILD = {
     step: "release" for step in ("release", "examples", "docs", "validation", "consumer", "python", "wheel", "browser")
 } | {"petsc": "petsc", "sanitizers": "asan"}
+# Each keeps one core busy, or waits for a browser; the others divide their work among all cores themselves.
+ONE_CORE_STEPS = {"examples", "docs", "consumer", "python", "petsc", "wheel", "browser"}
 
 
 def spent_time(text):
@@ -216,15 +220,35 @@ def spent_time(text):
     return name, int(seconds)
 
 
-def table_of(spent):
-    """Lines: how long each step took, in its order, and all of them."""
-    rows = [*spent, ("all", sum(seconds for _, seconds in spent))]
+def run_step(step):
+    """(outcomes, seconds) of one step."""
+    start = time.monotonic()
+    print(f"Testing: {step} ...", file=sys.stderr, flush=True)
+    outcomes = STEPS[step]()
+    seconds = time.monotonic() - start
+    print(f"    {step}: {seconds:.0f} s", file=sys.stderr, flush=True)
+    return outcomes, seconds
+
+
+def run_steps(steps):
+    """[(step, outcomes, seconds)]: neighbours of one core each run side by side, as many as there are cores."""
+    results = []
+    for is_narrow, group in itertools.groupby(steps, key=ONE_CORE_STEPS.__contains__):
+        names = list(group)
+        with concurrent.futures.ThreadPoolExecutor(os.cpu_count() if is_narrow else 1) as pool:
+            results += [(name, *result) for name, result in zip(names, pool.map(run_step, names), strict=True)]
+    return results
+
+
+def table_of(spent, whole):
+    """Lines: how long each step took, in its order, and all of them, some of which ran side by side."""
+    rows = [*spent, ("all", whole)]
     width = max(len(name) for name, _ in rows)
     return [f"    {name:{width}}  {seconds:6.0f} s" for name, seconds in rows]
 
 
-def report(outcomes, spent):
-    """Prints what needs a look, the table of times, then the closing line; returns the exit code."""
+def report(outcomes, spent, whole):
+    """Prints what needs a look, the table of times [s], then the closing line; returns the exit code."""
     if os.environ.get("CI") == "true":
         skipped = [o.name for o in outcomes if o.status == "skipped"]
         lacked = [name for name in skipped if any(part in name for part in LACKED_EVERYWHERE)]
@@ -241,7 +265,7 @@ def report(outcomes, spent):
     counts = {status: sum(o.status == status for o in outcomes) for status in ("passed", "failed", "skipped")}
     if counts["skipped"]:
         print("\nSKIPPED", *(f"    {o.name}" for o in outcomes if o.status == "skipped"), sep="\n")
-    print("\nTIMES", *table_of(spent), "", sep="\n")
+    print("\nTIMES", *table_of(spent, whole), "", sep="\n")
     line = f"{counts['passed']} passed, {counts['failed']} failed"
     print(line + (f", {counts['skipped']} skipped" if counts["skipped"] else ""), flush=True)
     return 0 if counts["failed"] == 0 and counts["passed"] > 0 else 1
@@ -259,15 +283,13 @@ def main():
 
     spent = arguments.spent
     outcomes = [Outcome(f"build ({preset})", "failed", "see above") for preset in arguments.failed_build]
-    for step in arguments.steps:
-        if NEEDED_BUILD.get(step) in arguments.failed_build:
-            continue
-        start = time.monotonic()
-        print(f"Testing: {step} ...", file=sys.stderr, flush=True)
-        outcomes += STEPS[step]()
-        spent.append((step, time.monotonic() - start))
-        print(f"    {step}: {spent[-1][1]:.0f} s", file=sys.stderr, flush=True)
-    return report(outcomes, spent)
+    start = time.monotonic()
+    set_up = sum(seconds for _, seconds in spent)
+    runnable = [step for step in arguments.steps if NEEDED_BUILD.get(step) not in arguments.failed_build]
+    for step, found, seconds in run_steps(runnable):
+        outcomes += found
+        spent.append((step, seconds))
+    return report(outcomes, spent, set_up + time.monotonic() - start)
 
 
 if __name__ == "__main__":
