@@ -52,6 +52,16 @@ TEST(HandPatch, DoesNotReachOverAGap) {
   for (const Index node : patch.nodes) EXPECT_LT(node_position(3, node, world.rest_positions).x(), 0.4005);
 }
 
+/// As on a large triangle of a skin, whose corners are carried by nodes far away.
+TEST(HandPatch, OfAPlaceBetweenFarNodesIsAroundTheNodeNearestToIt) {
+  const World world(standing_block(8));
+  const MaterialPoint between{{node_at(world, {0, 0, 0}), node_at(world, {0, 0, 1})}, {0.5, 0.5}};
+  const MaterialPoint patch = hand_patch(world, between);
+  EXPECT_LT(patch.nodes.size(), 100u);
+  for (const Index node : patch.nodes)
+    EXPECT_LT((node_position(3, node, world.rest_positions) - Vector3(0, 0, 0.5)).norm(), 0.15);
+}
+
 /// How far the touched node is drawn out beyond those beside it [m].
 double thorn(LiveScene& scene, const MaterialPoint& held, Index touched, const std::vector<Index>& beside) {
   const auto moved = [&](Index node) -> Vector3 {

@@ -78,7 +78,9 @@ TEST_F(SurfaceMesh, BecomesCellsThatCarryItAsSkin) {
   const BodyDescription& body = scene.description.bodies[0];
   EXPECT_NEAR(body.mesh.find_solid(3)->num_cells(), 4000, 1000);
   ASSERT_TRUE(body.skin);
-  EXPECT_EQ(body.skin->surface.vertices.size(), ball.vertices.size());
+  const std::vector<Vector3> given = read_mesh(folder / "ball.stl").mesh.vertices;
+  ASSERT_GE(body.skin->surface.vertices.size(), given.size());  // triangles larger than cells are cut
+  for (std::size_t v = 0; v < given.size(); ++v) EXPECT_EQ(body.skin->surface.vertices[v], given[v]) << v;
   EXPECT_THAT(scene.warnings, Contains(AllOf(HasSubstr("ball.stl"), HasSubstr("times its volume"))));
   expect_converged(scene);
 }

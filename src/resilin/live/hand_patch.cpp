@@ -26,15 +26,33 @@ double mean_edge(const World& world, const Body& body, const MaterialPoint& touc
   return count > 0 ? sum / count : 0;
 }
 
-}  // namespace
-
-MaterialPoint hand_patch(const World& world, const MaterialPoint& touched) {
+/// A place on a facet of a skin that is larger than the cells is carried by nodes far away: then the node
+/// nearest to it.
+MaterialPoint without_far_nodes(const World& world, const Body& body, const MaterialPoint& touched,
+                                double reach) {
   const int dim = world.dimension;
   const VectorX& X = world.rest_positions;
-  const Body& body = world.body_of(touched.nodes.front());
+  const Vector3 place = touched.position(dim, X);
+  const auto distance = [&](Index node) { return (node_position(dim, node, X) - place).norm(); };
+  if (std::ranges::all_of(touched.nodes, [&](Index node) { return distance(node) <= 2 * reach; }))
+    return touched;
+  Index nearest = body.cells.front();
+  for (const Index node : body.cells)
+    if (distance(node) < distance(nearest)) nearest = node;
+  return {{nearest}, {1.0}};
+}
+
+}  // namespace
+
+MaterialPoint hand_patch(const World& world, const MaterialPoint& at) {
+  const int dim = world.dimension;
+  const VectorX& X = world.rest_positions;
+  const Body& body = world.body_of(at.nodes.front());
+  const double usual = std::max(1.25 * mean_edge(world, body, at), 0.05 * largest_extent(body, X, dim));
+  const MaterialPoint touched = without_far_nodes(world, body, at, usual);
   const Vector3 middle = touched.position(dim, X);
   const auto distance = [&](Index node) { return (node_position(dim, node, X) - middle).norm(); };
-  double reach = std::max(1.25 * mean_edge(world, body, touched), 0.05 * largest_extent(body, X, dim));
+  double reach = usual;
   for (std::size_t a = 0; a < touched.nodes.size(); ++a)
     if (touched.weights[a] > 0) reach = std::max(reach, 1.2 * distance(touched.nodes[a]));
 

@@ -11,8 +11,8 @@ namespace resilin {
 ///   w = (1 - d^2/r^2)^2, in sum 1.
 ///
 /// The reach is one and a quarter edges, or a twentieth of the body where its cells are finer, and takes in
-/// the nodes of the place itself. Nodes hang together through cells within reach: a hand on one finger does
-/// not take the next one.
+/// the nodes of the place itself, or the nearest one where those are far away. Nodes hang together through
+/// cells within reach: a hand on one finger does not take the next one.
 /// @param touched  nodes of one body
 MaterialPoint hand_patch(const World& world, const MaterialPoint& touched);
 

@@ -1,5 +1,6 @@
 #include "resilin/core/error.hpp"
 #include "resilin/mesh/edit.hpp"
+#include "resilin/mesh/refine_surface.hpp"
 #include "resilin/mesh/surface_lattice.hpp"
 #include "resilin/scene/tables.hpp"
 
@@ -29,6 +30,7 @@ void enclose_surface(const SceneNode& node, const MeshFile& file, int cells, Bod
   body.mesh = std::move(lattice.mesh);
   body.skin.emplace();
   body.skin->place = node.place();
+  refine_surface(surface, lattice.spacing);  // so that it bends with the cells
   body.skin->surface = std::move(surface);
   body.skin->surface_name = body.mesh_name;
 }
