@@ -1,15 +1,18 @@
-"""Makes the small meshes in meshes/ with programs that are not ours: pip install gmsh meshio vtk numpy.
+"""Makes the small meshes in meshes/ with programs that are not ours: pip install gmsh meshio vtk trimesh numpy.
 
 cube*: the unit cube with the physical groups "body" (volume), "left" (the side x = 0), "rim" (two of its edges) and
 "corner" (the origin), saved by Gmsh in every version of its format; second order in cube_p2*.
 """
 
+import base64
+import json
 import struct
 from pathlib import Path
 
 import gmsh
 import meshio
 import numpy as np
+import trimesh
 import vtk
 
 folder = Path(__file__).parent / "meshes"
@@ -196,3 +199,38 @@ body = b"".join(struct.pack(">dBdBhhd", x, 200, y, 2, 1, -1, z) for x, y, z in c
 body += struct.pack(">ff", 1, 2)
 body += b"".join(struct.pack(">iB4I", i, 4, *quad) for i, quad in enumerate(quads))
 (folder / "cube_big_endian.ply").write_bytes(header.encode() + body)
+
+# The same by VTK, in each of its encodings.
+reader = vtk.vtkPLYReader()
+reader.SetFileName(str(folder / "cube_binary.ply"))
+reader.Update()
+for name, mode, is_compressed, is_encoded in (
+    ("ascii", "Ascii", False, False),
+    ("base64", "Appended", False, True),
+    ("inline", "Binary", True, False),
+    ("raw", "Appended", False, False),
+    ("compressed", "Appended", True, True),
+):
+    writer = vtk.vtkXMLPolyDataWriter()
+    writer.SetFileName(str(folder / f"cube_{name}.vtp"))
+    writer.SetInputData(reader.GetOutput())
+    getattr(writer, f"SetDataModeTo{mode}")()
+    writer.SetEncodeAppendedData(is_encoded)
+    if not is_compressed:
+        writer.SetCompressorTypeToNone()
+    writer.Write()
+
+# And by trimesh: a cube around the origin that its node turns and moves.
+cube = trimesh.creation.box((1, 1, 1))
+cube.visual = trimesh.visual.ColorVisuals()
+scene = trimesh.Scene()
+turn = trimesh.transformations.rotation_matrix(np.pi / 2, (0, 0, 1))
+place = trimesh.transformations.translation_matrix((0.5, 0.5, 0.5)) @ turn
+scene.add_geometry(cube, node_name="cube", geom_name="cube", transform=place)
+(folder / "cube_binary.glb").write_bytes(scene.export(file_type="glb"))
+parts = trimesh.exchange.gltf.export_gltf(scene, merge_buffers=True)
+gltf = json.loads(parts["model.gltf"])
+for buffer in gltf["buffers"]:
+    data = base64.b64encode(parts[buffer["uri"]]).decode()
+    buffer["uri"] = "data:application/octet-stream;base64," + data
+(folder / "cube_inline.gltf").write_text(json.dumps(gltf) + "\n")

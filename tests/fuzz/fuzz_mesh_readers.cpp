@@ -90,7 +90,8 @@ void read_and_use(const std::string& name, std::string_view bytes, const Compani
 
 /// Entry for libFuzzer and its kin: the first byte chooses the extension.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  constexpr std::array extensions = {"msh", "mesh", "vtu", "vtk", "node", "ele", "veg", "obj", "stl", "ply"};
+  constexpr std::array extensions = {"msh", "mesh", "vtu", "vtk", "node", "ele", "veg",
+                                     "obj", "stl",  "ply", "vtp", "gltf", "glb"};
   if (size == 0) return 0;
   const std::string_view bytes(reinterpret_cast<const char*>(data) + 1, size - 1);
   const std::string name = std::string("input.") + extensions[data[0] % extensions.size()];
@@ -100,9 +101,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
 int main(int argc, char** argv) {
   return resilin::testing::fuzz_main(argc, argv, [](const resilin::testing::FuzzInput& input) {
-    resilin::read_and_use(input.name, input.bytes, [&input](const std::string& extension) {
-      const auto found =
-          input.corpus.find(std::filesystem::path(input.name).replace_extension(extension).string());
+    resilin::read_and_use(input.name, input.bytes, [&input](const std::string& name) {
+      const auto found = input.corpus.find(std::filesystem::path(input.name).replace_filename(name).string());
       return found == input.corpus.end() ? std::string() : found->second;
     });
   });

@@ -16,7 +16,8 @@ struct MeshSource {
   std::string_view bytes;
   Companion companion;  ///< may be empty
 
-  std::string extension() const;  ///< "msh", lower case, without the point
+  std::string extension() const;                                ///< "msh", lower case, without the point
+  std::string name_beside(const std::string& extension) const;  ///< of the companion with this extension
 };
 
 /// A file format: recognised by its first bytes (`signature`, may be null) or by its extension.
@@ -32,6 +33,7 @@ struct MeshFormat {
 /// All formats. A new one is one file and one line here.
 std::span<const MeshFormat> mesh_formats();
 
+MeshFile read_gltf(const MeshSource& source);
 MeshFile read_medit(const MeshSource& source);
 MeshFile read_msh(const MeshSource& source);
 MeshFile read_obj(const MeshSource& source);
@@ -40,6 +42,7 @@ MeshFile read_stl(const MeshSource& source);
 MeshFile read_tetgen(const MeshSource& source);
 MeshFile read_vega(const MeshSource& source);
 MeshFile read_vtk(const MeshSource& source);
+MeshFile read_vtp(const MeshSource& source);
 MeshFile read_vtu_mesh(const MeshSource& source);
 
 void write_medit(std::ostream& stream, const Mesh& mesh);

@@ -67,11 +67,15 @@ bool is_flat(const Mesh& mesh) {
 
 std::string MeshSource::extension() const { return lower_case_extension(name); }
 
+std::string MeshSource::name_beside(const std::string& extension) const {
+  return std::filesystem::path(name).filename().replace_extension(extension).string();
+}
+
 MeshFile read_mesh(const std::filesystem::path& path) {
   foresee_reading(path);
   const std::string bytes = read_file(path);
-  return read_mesh_from_memory(path.string(), bytes, [&path](const std::string& extension) {
-    return read_file(std::filesystem::path(path).replace_extension(extension));
+  return read_mesh_from_memory(path.string(), bytes, [&path](const std::string& name) {
+    return read_file(path.parent_path() / name);
   });
 }
 

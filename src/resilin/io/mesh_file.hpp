@@ -28,8 +28,9 @@ struct MeshFile {
 /// @throws FileError   when the file cannot be opened
 MeshFile read_mesh(const std::filesystem::path& path);
 
-/// Opens a file beside the mesh for the formats that use two: extension ("ele") -> its bytes.
-using Companion = std::function<std::string(const std::string& extension)>;
+/// Opens a file beside the mesh for the formats that use several: its name ("cow.ele", "textures/cow.bin"),
+/// relative to the folder of the mesh -> its bytes.
+using Companion = std::function<std::string(const std::string& name)>;
 
 /// As `read_mesh`, from bytes in memory. `name` opens every message and its extension helps to tell the
 /// format.
@@ -49,7 +50,7 @@ void prepare_solid_mesh(MeshFile& file, int dimension);
 /// Reduces second-order cells to their corners, with a warning when there are any.
 void use_corners_only(MeshFile& file);
 
-/// What there is to say about a file of which only the name is known: one of a surface format (OBJ, STL, PLY)
+/// What there is to say about a file of which only the name is known: one of a surface format (OBJ, STL, ...)
 /// is examined as a surface, cells of space as a 3D solid, cells in the plane z = 0 as a 2D one, triangles in
 /// space as a surface.
 MeshReport check_mesh_file(const MeshFile& file);

@@ -1,12 +1,12 @@
 #include <algorithm>
-#include <array>
 #include <string>
-#include <unordered_map>
+#include <vector>
 
 #include "resilin/core/error.hpp"
 #include "resilin/io/binary_value.hpp"
 #include "resilin/io/catalog.hpp"
 #include "resilin/io/mesh_builder.hpp"
+#include "resilin/io/place_index.hpp"
 #include "resilin/io/text_scanner.hpp"
 
 // STL surfaces, ASCII and binary. Each triangle brings its corners; those at exactly the same place become
@@ -49,15 +49,6 @@ bool is_text(std::string_view bytes) {
   const std::string next = lower_case(text.peek());
   return next.empty() || next == "facet" || next == "endsolid";
 }
-
-struct PlaceHash {
-  std::size_t operator()(const std::array<double, 3>& place) const {
-    std::size_t hash = 0;
-    for (const double coordinate : place)
-      hash = (hash ^ std::hash<double>()(coordinate)) * std::size_t{0x9e3779b97f4a7c15u};
-    return hash ^ hash >> 32;
-  }
-};
 
 class StlReader {
  public:
@@ -149,11 +140,9 @@ class StlReader {
   }
 
   void add_corner(const Vector3& place) {
-    const Vector3 unsigned_zero = place.array() + 0.0;  // -0 is 0
-    const auto [found, is_new] = vertices_.try_emplace(
-        {unsigned_zero.x(), unsigned_zero.y(), unsigned_zero.z()}, static_cast<Index>(vertices_.size()));
-    if (is_new) mesh_.add_vertex(static_cast<std::int64_t>(vertices_.size()), unsigned_zero);
-    corners_.push_back(found->second);
+    const auto known = static_cast<Index>(vertices_.size());
+    corners_.push_back(vertices_.number_of(place));
+    if (corners_.back() == known) mesh_.add_vertex(known + 1, vertices_.places().back());
   }
 
   std::size_t num_triangles() const { return corners_.size() / 3; }
@@ -178,7 +167,7 @@ class StlReader {
   const MeshSource& source_;
   TextScanner text_;
   MeshBuilder mesh_;
-  std::unordered_map<std::array<double, 3>, Index, PlaceHash> vertices_;
+  PlaceIndex vertices_;
   std::vector<Index> corners_;  ///< three for each triangle
   std::vector<Solid> solids_;
 };

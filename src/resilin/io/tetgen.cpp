@@ -83,7 +83,7 @@ MeshFile read_tetgen(const MeshSource& source) {
     throw InputError(source.name, "a TetGen mesh as two files (.node and .ele)", "only one of them");
   }
   const std::string other_extension = is_node_file ? "ele" : "node";
-  const std::string other_bytes = source.companion(other_extension);
+  const std::string other_bytes = source.companion(source.name_beside(other_extension));
   const std::string other_name =
       std::filesystem::path(source.name).replace_extension(other_extension).string();
   TextScanner own(source.name, source.bytes, '#');

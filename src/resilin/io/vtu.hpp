@@ -56,7 +56,8 @@ struct VtuContent {
   std::optional<double> time = {};
 };
 
-/// Reads VTK XML unstructured grids: one piece, ASCII, base64 or appended (raw or base64), not compressed.
+/// Reads VTK XML unstructured grids: one piece, ASCII, base64 or appended (raw or base64), also
+/// compressed by zlib.
 /// Scalars per cell are also in `file.mesh.cell_fields`. @throws InputError
 VtuContent read_vtu(const std::filesystem::path& path);
 VtuContent read_vtu_from_memory(const std::string& name, std::string_view bytes);

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <optional>
+
+#include <zlib.h>
 
 #include "resilin/core/error.hpp"
+#include "resilin/io/base64.hpp"
 #include "resilin/io/text_scanner.hpp"
 
 namespace resilin {
@@ -37,36 +39,17 @@ double number(std::uint64_t bits, const NumberType& type) {
   return static_cast<double>(std::bit_cast<std::int64_t>(bits << shift) >> shift);
 }
 
-std::optional<unsigned> base64_digit(char c) {
-  if (c >= 'A' && c <= 'Z') return static_cast<unsigned>(c - 'A');
-  if (c >= 'a' && c <= 'z') return static_cast<unsigned>(c - 'a') + 26;
-  if (c >= '0' && c <= '9') return static_cast<unsigned>(c - '0') + 52;
-  if (c == '+') return 62;
-  if (c == '/') return 63;
-  return std::nullopt;
-}
+constexpr std::uint64_t most_expansion = 1100;  // of zlib, which makes at most about 1032 bytes of one
 
-/// Decodes groups of four digits until `most` bytes are there, the text ends or a digit is wrong. Padding
-/// ends a group, not the text: some programs encode the header and the data one after the other.
-std::string decode_base64(std::string_view text, std::size_t most) {
-  std::string bytes;
-  std::uint32_t group = 0;
-  int num_digits = 0;
-  int num_padding = 0;
-  for (const char c : text) {
-    if (c == ' ' || c == '\n' || c == '\r' || c == '\t') continue;
-    const auto digit = base64_digit(c);
-    if (!digit && c != '=') break;
-    if (c == '=') ++num_padding;
-    group = group << 6 | digit.value_or(0);
-    if (++num_digits < 4) continue;
-    for (int i = 0; i < 3 - std::min(num_padding, 3); ++i)
-      bytes += static_cast<char>(group >> (16 - 8 * i) & 0xff);
-    if (bytes.size() >= most) break;
-    group = 0;
-    num_digits = num_padding = 0;
+/// What stands behind so many bytes.
+std::string_view behind_first(std::string_view data, std::size_t count, bool is_base64) {
+  if (!is_base64) return data.substr(std::min(count, data.size()));
+  std::size_t digits = 4 * ((count + 2) / 3), at = 0;
+  for (; at < data.size() && digits > 0; ++at) {
+    const char c = data[at];
+    if (c != ' ' && c != '\n' && c != '\r' && c != '\t') --digits;
   }
-  return bytes;
+  return data.substr(at);
 }
 
 }  // namespace
@@ -83,8 +66,10 @@ VtuDecoder::VtuDecoder(std::string file, std::string_view bytes, const XmlTag& r
     throw InputError(file_ + ": header_type", "UInt32 or UInt64", printable(header_type));
   }
   header_size_ = header_type == "UInt32" ? 4 : 8;
-  if (!root.attribute("compressor").empty()) {
-    throw InputError(file_, "data without compression", printable(root.attribute("compressor")),
+  const std::string compressor = root.attribute("compressor");
+  is_compressed_ = compressor == "vtkZLibDataCompressor";
+  if (!compressor.empty() && !is_compressed_) {
+    throw InputError(file_ + ": compressor", "vtkZLibDataCompressor or none", printable(compressor),
                      "save it again without a compressor");
   }
 }
@@ -142,7 +127,62 @@ std::string VtuDecoder::decoded_base64(const XmlTag& array, std::string_view tex
   return all.substr(header_size_, static_cast<std::size_t>(size));
 }
 
+/// Of data that are compressed: numbers of blocks, of the bytes of a block, of those of the last one (0: as
+/// many) and of those that each has become; then the blocks, each a zlib stream. In base64 the numbers are
+/// encoded by themselves. Source: Kitware, "VTK XML formats", compressed data.
+std::string VtuDecoder::decompressed(const XmlTag& array, std::string_view data, bool is_base64) const {
+  const auto first = [&](std::string_view from, std::size_t count) {
+    const std::string bytes =
+        is_base64 ? decode_base64(from, count) : std::string(from.substr(0, std::min(count, from.size())));
+    if (bytes.size() < count)
+      throw InputError(place(array), std::to_string(count) + " bytes", std::to_string(bytes.size()),
+                       "the file may be cut");
+    return bytes.substr(0, count);
+  };
+  const auto number_at = [&](const std::string& bytes, std::size_t i) {
+    return bits(std::string_view(bytes).substr(i * header_size_, header_size_));
+  };
+  const std::uint64_t num_blocks = number_at(first(data, header_size_), 0);
+  if (num_blocks > data.size() / header_size_)
+    throw InputError(place(array), "blocks within the file", std::to_string(num_blocks) + " of them",
+                     "the file may be cut");
+  if (num_blocks == 0) return {};
+  const std::size_t head_size = (3 + static_cast<std::size_t>(num_blocks)) * header_size_;
+  const std::string head = first(data, head_size);
+  std::uint64_t packed_size = 0;
+  for (std::size_t b = 0; b < num_blocks; ++b) {
+    if (number_at(head, 3 + b) > data.size())
+      throw InputError(place(array), "blocks within the file", "a longer one", "the file may be cut");
+    packed_size += number_at(head, 3 + b);
+  }
+  const std::string packed =
+      first(behind_first(data, head_size, is_base64), static_cast<std::size_t>(packed_size));
+  std::string result;
+  std::size_t begin = 0;
+  for (std::size_t b = 0; b < num_blocks; ++b) {
+    const std::uint64_t last = number_at(head, 2);
+    const std::uint64_t size = b + 1 == num_blocks && last > 0 ? last : number_at(head, 1);
+    const auto packed_block = static_cast<std::size_t>(number_at(head, 3 + b));
+    if (size / most_expansion > packed_block + 1)
+      throw InputError(place(array), "blocks of zlib", "one that promises more than zlib can hold");
+    std::string block(static_cast<std::size_t>(size), '\0');
+    auto found = static_cast<uLongf>(size);
+    const int status =
+        uncompress(reinterpret_cast<Bytef*>(block.data()), &found,
+                   reinterpret_cast<const Bytef*>(packed.data() + begin), static_cast<uLong>(packed_block));
+    if (status != Z_OK || found != size)
+      throw InputError(place(array), "blocks of zlib", "one that is damaged", "the file may be cut");
+    result += block;
+    begin += packed_block;
+  }
+  return result;
+}
+
 std::string VtuDecoder::raw_bytes(const XmlTag& array) const {
+  if (is_compressed_) {
+    const bool is_inline = array.attribute("format") == "binary";
+    return decompressed(array, is_inline ? array.text : appended_at(array), is_inline || is_appended_base64_);
+  }
   if (array.attribute("format") == "binary") return decoded_base64(array, array.text);
   const std::string_view data = appended_at(array);
   if (is_appended_base64_) return decoded_base64(array, data);

@@ -27,6 +27,7 @@ class VtuDecoder {
  private:
   std::string_view appended_at(const XmlTag& array) const;
   std::string raw_bytes(const XmlTag& array) const;
+  std::string decompressed(const XmlTag& array, std::string_view data, bool is_base64) const;
   std::uint64_t header(std::string_view bytes) const;
   std::string decoded_base64(const XmlTag& array, std::string_view text) const;
   std::uint64_t bits(std::string_view bytes) const;
@@ -37,6 +38,7 @@ class VtuDecoder {
   std::size_t header_size_ = 4;
   std::string_view appended_;
   bool is_appended_base64_ = false;
+  bool is_compressed_ = false;
 };
 
 }  // namespace resilin

@@ -91,11 +91,12 @@ Keys<MeshTable> mesh_keys() {
       key<M>({"box", "table", "", "",
               "A box (a rectangle in 2D) with the groups `x_min`, `x_max`, `y_min`, ..."},
              [](const SceneNode& node, M& m) { m.box = read_box(node); }),
-      key<M>({"surface", "text", "", "",
-              "In place of a box: a file with the surface of a body, which a lattice of tetrahedra encloses "
-              "and carries as its skin ([skin.md](skin.md#from-a-surface-alone)). The name of an OBJ, STL or "
-              "PLY file alone means the same."},
-             [](const SceneNode& node, M& m) { m.surface = read_file_of(node); }),
+      key<M>(
+          {"surface", "text", "", "",
+           "In place of a box: a file with the surface of a body, which a lattice of tetrahedra encloses "
+           "and carries as its skin ([skin.md](skin.md#from-a-surface-alone)). The name of such a file alone "
+           "means the same."},
+          [](const SceneNode& node, M& m) { m.surface = read_file_of(node); }),
       key<M>({"cells", "whole number >= 1", "", default_text(M{}.cells),
               "Of the lattice: about so many tetrahedra."},
              [](const SceneNode& node, M& m) {

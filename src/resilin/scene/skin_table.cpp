@@ -41,10 +41,11 @@ void read_surface(const SceneNode& node, SkinDescription& skin) {
 Keys<SkinDescription> skin_keys() {
   using S = SkinDescription;
   return {
-      key<S>({"surface", "text", "", "required",
-              "A file of triangles beside the scene, such as OBJ, STL or PLY; in 2D triangles or lines in "
-              "the plane."},
-             read_surface),
+      key<S>(
+          {"surface", "text", "", "required",
+           "A file of triangles beside the scene, such as OBJ, STL, PLY or glTF; in 2D triangles or lines in "
+           "the plane."},
+          read_surface),
       key<S>({"smooth", "true or false", "", default_text(S{}.is_smooth),
               "Bends the skin between the vertices of the cells too, so that coarse linear cells do not show "
               "as facets; for twice the work in each frame. P2 cells bend it anyway."},
