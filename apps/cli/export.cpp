@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "bare_mesh.hpp"
 #include "command.hpp"
 #include "interrupt.hpp"
 #include "resilin/core/error.hpp"

@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -11,17 +10,18 @@
 #include <system_error>
 #include <vector>
 
-#include "bare_mesh.hpp"
 #include "command.hpp"
 #include "offered_words.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/quoted_text.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/io/atomic_file.hpp"
 #include "resilin/io/mesh_file.hpp"
 #include "resilin/mesh/edit.hpp"
 #include "resilin/mesh/surface_lattice.hpp"
 #include "resilin/scene/scene.hpp"
 #include "terminal.hpp"
+#include "viewer/bare_mesh.hpp"
 
 namespace resilin::cli {
 namespace {
@@ -59,7 +59,7 @@ struct Measures {
 
 int up_axis(const NewOptions& options, const MeshFile& file, int dim) {
   if (options.up != "auto") return options.up[0] - 'x';
-  return dim == 2 || file.format == "OBJ" ? 1 : 2;
+  return dim == 2 || file.format == "OBJ" || file.format == "glTF" ? 1 : 2;
 }
 
 std::string mesh_text(const NewOptions& options, const MeshFile& file, const std::filesystem::path& folder) {
@@ -73,7 +73,7 @@ std::string mesh_text(const NewOptions& options, const MeshFile& file, const std
 Measures measure(const NewOptions& options, const MeshFile& file, const std::string& mesh,
                  const std::filesystem::path& folder) {
   Measures measures;
-  measures.dim = dimension_of(file);
+  measures.dim = viewer::dimension_of(file);
   measures.up = up_axis(options, file, measures.dim);
   if (measures.up >= measures.dim) throw InputError("new --up", "x or y for a mesh in the plane", options.up);
   const Scene scene = read_scene_from_text("[simulation]\ndimension = " + std::to_string(measures.dim) +
@@ -154,19 +154,6 @@ std::string scene_text(const NewOptions& options, const std::string& mesh, bool 
   return text;
 }
 
-/// A file that is there is left alone, whoever makes it meanwhile.
-void write_new(const std::filesystem::path& path, const std::string& text) {
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "wx"), std::fclose);
-  if (file == nullptr) {
-    std::error_code failure;
-    if (std::filesystem::exists(path, failure))
-      throw InputError(path.string(), "is there already and is left as it is; choose another --out");
-    throw FileError(path.string(), "cannot be written");
-  }
-  if (std::fwrite(text.data(), 1, text.size(), file.get()) != text.size() || std::fflush(file.get()) != 0)
-    throw FileError(path.string(), "cannot be written to its end");
-}
-
 int make_scene(const NewOptions& options) {
   if (!(options.scale > 0) || !std::isfinite(options.scale))
     throw InputError("new --scale", "a number > 0", format_number(options.scale));
@@ -179,7 +166,8 @@ int make_scene(const NewOptions& options) {
   const MeshFile file = read_mesh(mesh_path);
   const std::string mesh = mesh_text(options, file, folder);
   const Measures measures = measure(options, file, mesh, folder);
-  write_new(out, scene_text(options, mesh, file.is_surface, measures));
+  if (!write_new_file(out, scene_text(options, mesh, file.is_surface, measures)))
+    throw InputError(out.string(), "is there already and is left as it is; choose another --out");
   print_warnings(measures.warnings);
   print_line(one_line(out.string()) + ": a scene of " + one_line(options.mesh) + ", " +
              format_short((measures.box.max - measures.box.min).maxCoeff()) + " m long; next: resilin run " +
@@ -193,7 +181,9 @@ void add_new(CommandLine& line, Action& action) {
   auto options = std::make_shared<NewOptions>();
   const Command command =
       line.command("new", "Write a commented scene for a mesh or a surface, to start from");
-  command.option("mesh", options->mesh, "Mesh file, or surface (STL, PLY, OBJ), which gets cells around it")
+  command
+      .option("mesh", options->mesh,
+              "Mesh file, or surface (STL, PLY, OBJ, VTP, glTF), which gets cells around it")
       .required()
       .type_name("MESH")
       .is_file(mesh_extensions());
@@ -204,7 +194,8 @@ void add_new(CommandLine& line, Action& action) {
   command.option("--cells", options->cells, "Tetrahedra around a surface, about; default 4000")
       .between(1, LatticeOptions::most_cells);
   command
-      .option("--up", options->up, "Axis against gravity: x, y or z; default z, y for OBJ and in the plane")
+      .option("--up", options->up,
+              "Axis against gravity: x, y or z; default z, y for OBJ, glTF and in the plane")
       .one_of({"auto", "x", "y", "z"});
   command.footer(
       "Example:\n  resilin new data/spot_surface.obj --scale 0.1 --out spot.toml && resilin run spot.toml");

@@ -6,19 +6,17 @@
 #include <string>
 #include <vector>
 
-#include "bare_mesh.hpp"
 #include "command.hpp"
 #include "interrupt.hpp"
 #include "offered_words.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/parallel.hpp"
-#include "resilin/core/quoted_text.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/core/thread_count.hpp"
 #include "resilin/io/catalog.hpp"
-#include "resilin/scene/scene.hpp"
 #include "terminal.hpp"
 #include "viewer/browser.hpp"
+#include "viewer/scene_source.hpp"
 #include "viewer/served_live_scene.hpp"
 #include "viewer/served_page.hpp"
 
@@ -68,31 +66,17 @@ bool is_mesh(const std::filesystem::path& path) {
   });
 }
 
-/// A mesh alone as a scene to play with: soft, weightless, held by nothing.
-Scene scene_of_mesh(const ViewOptions& options) {
-  const std::filesystem::path path = std::filesystem::absolute(options.shown);
-  const std::string name = quoted_text(path.filename().string());
-  const std::string text =
-      "title = " + name + "\n[simulation]\nkind = \"dynamic\"\ndimension = " +
-      std::to_string(dimension_of(read_mesh(options.shown))) +
-      "\ntime_step = 0.0166667\nend_time = 1\n[[body]]\nname = \"body\"\nmesh = " + name +
-      "\ndamping = { mass = 2 }\n";
-  return read_scene_from_text(text, one_line(options.shown), path.parent_path(),
-                              {.overrides = options.overrides});
-}
-
 int view_scene(const ViewOptions& options) {
   if (options.threads > 0) set_num_threads(options.threads);
   const bool is_bare_mesh = is_mesh(options.shown);
-  auto scene = std::make_unique<viewer::ServedLiveScene>([options, is_bare_mesh] {
-    return is_bare_mesh ? scene_of_mesh(options)
-                        : read_scene(options.shown, {.overrides = options.overrides});
-  });
+  const viewer::SceneSource source = is_bare_mesh ? viewer::mesh_file(options.shown, options.overrides)
+                                                  : viewer::scene_file(options.shown, options.overrides);
+  std::unique_ptr<viewer::ServedLiveScene> scene = viewer::served_scene(source);
   if (is_bare_mesh)
     print_line(
         one_line(options.shown) +
         " is a mesh without a scene: it is shown soft (Young's modulus 100 kPa), weightless and held by "
-        "nothing; pins (key 2) hold it. `resilin new` writes a scene of it");
+        "nothing; clicks on faces (key 4) hold it, and the page saves it as a scene");
   print_warnings(scene->warnings());
   Offset cells = 0;
   for (const Body& body : scene->world().bodies) cells += body.num_cells();
@@ -100,7 +84,11 @@ int view_scene(const ViewOptions& options) {
   print_line(one_line(title.empty() ? options.shown : title) + ": " + std::to_string(cells) + " cells, " +
              std::to_string(scene->num_vertices()) + " vertices drawn, " + std::to_string(num_threads()) +
              (num_threads() == 1 ? " thread" : " threads"));
-  const viewer::LiveServer live(std::move(scene), server_options(options));
+  const viewer::OpenFile open = [](const std::string& name, std::string bytes) {
+    return viewer::served_scene(
+        viewer::sent_mesh({viewer::harmless_name(name), std::move(bytes)}, std::filesystem::current_path()));
+  };
+  const viewer::LiveServer live(std::move(scene), server_options(options), open);
   return serve(live.server(), options);
 }
 
@@ -116,7 +104,8 @@ void add_view(CommandLine& line, Action& action) {
       line.command("view", "Show the page in the browser: a scene to play with, or the results of a run");
   command
       .option("shown", options->shown,
-              "Scene file (TOML), a mesh, a surface (STL, PLY, OBJ), or folder of a run with formats = "
+              "Scene file (TOML), a mesh, a surface (STL, PLY, OBJ, VTP, glTF), or folder of a run with "
+              "formats = "
               "[\"html\"]")
       .required()
       .type_name("SCENE.toml|MESH|DIR")

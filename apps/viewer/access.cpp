@@ -61,9 +61,9 @@ std::string why_forbidden(const RequestOrigin& request, std::uint16_t port, std:
     return "This server answers only to 127.0.0.1:" + std::to_string(port) +
            "; open the address that `resilin view` printed.";
   }
-  // A browser sends no Origin when the user opens an address, and always sends one with a WebSocket.
-  const bool needs_origin = request.is_websocket;
-  if (request.origin ? !is_own_origin(*request.origin, port) : needs_origin) {
+  // A browser sends no Origin when the user opens an address, and always sends one with a WebSocket and a
+  // POST.
+  if (request.origin ? !is_own_origin(*request.origin, port) : request.needs_origin) {
     return "Pages of other sites may not talk to this server; open the address that `resilin view` printed.";
   }
   if (!is_same_token(parse_target(request.target).token, token)) {

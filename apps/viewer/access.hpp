@@ -34,7 +34,7 @@ struct RequestOrigin {
   std::string_view target;
   std::optional<std::string_view> host = std::nullopt;
   std::optional<std::string_view> origin = std::nullopt;
-  bool is_websocket = false;
+  bool needs_origin = false;  ///< of a WebSocket, and of what a page sends
 };
 
 /// Why a request gets status 403, as one line for the user; empty when it may pass.

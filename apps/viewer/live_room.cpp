@@ -16,7 +16,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::size_t max_message_bytes = 64;  // of a binary one
-constexpr std::size_t max_refusals = 8;        // that wait for a page that does not read
+constexpr std::size_t max_words = 8;           // that wait for a page that does not read
 
 std::string dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
@@ -42,7 +42,7 @@ void LiveRoom::received(ClientId client, bool is_text, std::string_view bytes) {
     }
     handle(client, page, is_text ? read_text_message(bytes) : read_binary_message(bytes));
   } catch (const InputError& error) {
-    refuse(page, error.what());
+    tell(page, {error.what()});
   }
 }
 
@@ -86,30 +86,31 @@ void LiveRoom::announce_wanted_fields() {
   mailbox_->set_wanted_fields(std::move(wanted));
 }
 
-void LiveRoom::refuse(Page& page, std::string why) {
-  if (page.refusals.size() < max_refusals) page.refusals.push_back(std::move(why));
+void LiveRoom::tell(Page& page, Word word) {
+  if (page.words.size() < max_words) page.words.push_back(std::move(word));
 }
 
-void LiveRoom::take_refusals() {
-  for (const auto& [refused, reasons] : mailbox_->take_refusals()) {
+void LiveRoom::take_words() {
+  for (const auto& [meant, words] : mailbox_->take_words()) {
     for (auto& [client, page] : pages_) {
-      if (refused != client && refused != 0) continue;
-      for (const std::string& why : reasons) refuse(page, why);
+      if (meant != client && meant != 0) continue;
+      for (const Word& word : words) tell(page, word);
     }
   }
 }
 
 std::optional<Outgoing> LiveRoom::next(ClientId client) {
-  take_refusals();
+  take_words();
   Page& page = pages_.at(client);
   const News news = mailbox_->news();
   if (!news.scene) return std::nullopt;
   if (page.generation != news.scene->generation) return Outgoing{true, shared(hello(client, page, news))};
   if (std::exchange(page.needs_topology, false)) return Outgoing{false, news.scene->topology};
-  if (!page.refusals.empty()) {
-    const Json error = {{"type", "error"}, {"message", std::move(page.refusals.front())}};
-    page.refusals.pop_front();
-    return Outgoing{true, shared(dump(error))};
+  if (!page.words.empty()) {
+    const Word word = std::move(page.words.front());
+    page.words.pop_front();
+    const Json said = {{"type", word.is_refusal ? "error" : "note"}, {"message", word.text}};
+    return Outgoing{true, shared(dump(said))};
   }
   if (page.state_version != news.state.version) {
     page.state_version = news.state.version;

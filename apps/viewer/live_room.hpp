@@ -33,14 +33,14 @@ class LiveRoom : public PageService {
     std::uint32_t last_frame = 0;                 ///< the state that the page has; 0: none with its field
     std::optional<std::uint32_t> unacknowledged;  ///< number of the frame that is under way
     FieldChoice field;
-    std::deque<std::string> refusals;
+    std::deque<Word> words;
   };
 
   void handle(ClientId client, Page& page, const PageMessage& message);
   void choose_field(Page& page, const std::string& name);
   void announce_wanted_fields();
-  void refuse(Page& page, std::string why);
-  void take_refusals();
+  void tell(Page& page, Word word);
+  void take_words();
   std::string hello(ClientId client, Page& page, const News& news);
   std::optional<Outgoing> next_frame(Page& page, const News& news);
 

@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <exception>
 #include <limits>
-#include <new>
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "fault_words.hpp"
 #include "resilin/core/error.hpp"
-#include "resilin/core/memory.hpp"
 #include "resilin/core/overloaded.hpp"
 
 namespace resilin::viewer {
@@ -18,14 +17,6 @@ using Json = nlohmann::json;
 
 double seconds(std::chrono::steady_clock::duration duration) {
   return std::chrono::duration<double>(duration).count();
-}
-
-/// What went wrong, in one line for the user.
-std::string words_of(const std::exception& error) {
-  if (dynamic_cast<const InputError*>(&error) != nullptr) return error.what();
-  if (const auto* shortage = dynamic_cast<const std::bad_alloc*>(&error))
-    return out_of_memory_text(*shortage);
-  return std::string("internal error: ") + error.what();
 }
 
 }  // namespace
@@ -143,9 +134,23 @@ void LiveTurns::obey(ClientId client, const LoopMessage& message) {
                    scene_->apply(reload);
                    publish_scene();
                  },
+                 [&](const SaveScene&) { mailbox_->tell(client, scene_->save()); },
+                 [this](const OpenScene& opened) { open(opened.scene); },
                  [this](const auto& for_the_scene) { scene_->apply(for_the_scene); },
              },
              message);
+}
+
+/// Another scene begins, and moves.
+void LiveTurns::open(std::shared_ptr<ServedScene> scene) {
+  scene_ = std::move(scene);
+  grabbed_by_.reset();
+  poked_by_.reset();
+  is_paused_ = false;
+  lag_ = 0;
+  tick_ = Clock::now();
+  progress_.clear();
+  publish_scene();
 }
 
 void LiveTurns::leave(ClientId client) {

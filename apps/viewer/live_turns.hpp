@@ -39,6 +39,7 @@ class LiveTurns {
  private:
   void obey(const Command& command);
   void obey(ClientId client, const LoopMessage& message);
+  void open(std::shared_ptr<ServedScene> scene);
   void leave(ClientId client);
   void advance(Clock::time_point now);
   void step(double seconds);
@@ -52,7 +53,7 @@ class LiveTurns {
   void publish_state();
   void publish_status(Clock::time_point now);
 
-  std::unique_ptr<ServedScene> scene_;
+  std::shared_ptr<ServedScene> scene_;
   Mailbox* mailbox_;
   LiveTurnsOptions options_;
 

@@ -24,7 +24,7 @@ bool Mailbox::post(ClientId client, const LoopMessage& message) {
 void Mailbox::post_leaving(ClientId client) {
   const std::lock_guard lock(mutex_);
   requests_.commands.push_back({client, std::nullopt});
-  refusals_.erase(client);
+  words_.erase(client);
   changed_.notify_one();
 }
 
@@ -41,9 +41,9 @@ News Mailbox::news() const {
   return news_;
 }
 
-std::map<ClientId, std::vector<std::string>> Mailbox::take_refusals() {
+std::map<ClientId, std::vector<Word>> Mailbox::take_words() {
   const std::lock_guard lock(mutex_);
-  return std::exchange(refusals_, {});
+  return std::exchange(words_, {});
 }
 
 Requests Mailbox::wait(Clock::time_point earliest, std::optional<Clock::time_point> latest) {
@@ -86,7 +86,12 @@ void Mailbox::publish(const std::function<void(News&)>& change) {
 
 void Mailbox::refuse(ClientId client, std::string why) {
   const std::lock_guard lock(mutex_);
-  refusals_[client].push_back(std::move(why));
+  words_[client].push_back({std::move(why), /*is_refusal=*/true});
+}
+
+void Mailbox::tell(ClientId client, std::string text) {
+  const std::lock_guard lock(mutex_);
+  words_[client].push_back({std::move(text), /*is_refusal=*/false});
 }
 
 void Mailbox::refuse_all(const std::string& why) { refuse(0, why); }

@@ -50,6 +50,12 @@ struct News {
   VersionedText state, status;
 };
 
+/// What a page is told about what it has asked for: one line.
+struct Word {
+  std::string text;
+  bool is_refusal = true;
+};
+
 struct Command {
   ClientId client = 0;
   std::optional<LoopMessage> message;  ///< none: the page has left
@@ -74,7 +80,7 @@ class Mailbox {
   void set_wanted_fields(std::set<FieldChoice> fields);
   News news() const;
   /// What pages are to be told, by page; 0 stands for all.
-  std::map<ClientId, std::vector<std::string>> take_refusals();
+  std::map<ClientId, std::vector<Word>> take_words();
 
   // For the simulation's thread.
   /// Sleeps until `earliest`, then until there is a command, a change of wanted fields, or `latest` (none:
@@ -86,7 +92,8 @@ class Mailbox {
   bool has_requests() const;
   void publish(const std::function<void(News&)>& change);
   void refuse(ClientId client, std::string why);
-  void refuse_all(const std::string& why);  ///< tells it to every page
+  void tell(ClientId client, std::string text);  ///< what it has asked for is done
+  void refuse_all(const std::string& why);       ///< tells it to every page
 
   /// From any thread: ends `wait`.
   void stop();
@@ -100,7 +107,7 @@ class Mailbox {
   Requests requests_;
   bool wanted_fields_changed_ = false;
   News news_;
-  std::map<ClientId, std::vector<std::string>> refusals_;
+  std::map<ClientId, std::vector<Word>> words_;
 };
 
 }  // namespace resilin::viewer

@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "access.hpp"
+#include "fault_words.hpp"
 #include "page_server.hpp"
 
 /// The connections of the page server, each from its first byte to its last. A part of page_server.cpp, the
@@ -196,17 +197,17 @@ class Connection : public std::enable_shared_from_this<Connection> {
     shared_->silent.push_back(weak_from_this());
     parser_.header_limit(static_cast<std::uint32_t>(shared_->options.max_header_bytes));
     stream_.expires_after(shared_->options.request_timeout);
-    http::async_read(stream_, buffer_, parser_, [self = shared_from_this()](error_code error, std::size_t) {
-      self->is_silent_ = false;
-      if (!error) return self->answer();
-      if (error == http::error::header_limit || error == http::error::unexpected_body) {
-        return self->refuse(http::status::request_header_fields_too_large,
-                            "The request is larger than any that the page sends.");
-      }
-      const bool has_ended = error == http::error::end_of_stream || error == http::error::partial_message;
-      if (!has_ended && error.category() == http::make_error_code(http::error::bad_method).category())
-        self->refuse(http::status::bad_request, "This is no request of HTTP: " + error.message() + ".");
-    });
+    http::async_read_header(stream_, buffer_, parser_,
+                            [self = shared_from_this()](error_code error, std::size_t) {
+                              if (!error && self->is_for_taking()) return self->take();
+                              if (error) return self->refuse_request(error);
+                              http::async_read(self->stream_, self->buffer_, self->parser_,
+                                               [self](error_code failure, std::size_t) {
+                                                 self->is_silent_ = false;
+                                                 if (failure) return self->refuse_request(failure);
+                                                 self->answer();
+                                               });
+                            });
   }
 
   void refuse(http::status status, const std::string& words) {
@@ -214,20 +215,73 @@ class Connection : public std::enable_shared_from_this<Connection> {
   }
 
  private:
-  void answer() {
+  void refuse_request(error_code error) {
+    is_silent_ = false;
+    if (error == http::error::header_limit || error == http::error::unexpected_body) {
+      return refuse(http::status::request_header_fields_too_large,
+                    "The request is larger than any that the page sends.");
+    }
+    if (error == http::error::body_limit) return refuse_length();
+    const bool has_ended = error == http::error::end_of_stream || error == http::error::partial_message;
+    if (!has_ended && error.category() == http::make_error_code(http::error::bad_method).category())
+      refuse(http::status::bad_request, "This is no request of HTTP: " + error.message() + ".");
+  }
+
+  std::string_view target() const { return {parser_.get().target().data(), parser_.get().target().size()}; }
+
+  /// Why this request gets status 403; empty when it may pass. What changes something needs an `Origin`.
+  std::string why_this_is_forbidden(bool needs_origin) const {
     const Request& request = parser_.get();
     const auto header = [&request](http::field field) -> std::optional<std::string_view> {
       const auto found = request.find(field);
       if (found == request.end()) return std::nullopt;
       return std::string_view(found->value().data(), found->value().size());
     };
-    const std::string_view target(request.target().data(), request.target().size());
-    const bool is_websocket = websocket::is_upgrade(request);
-    const std::string forbidden =
-        why_forbidden({target, header(http::field::host), header(http::field::origin), is_websocket},
-                      shared_->port, shared_->token);
+    return why_forbidden({target(), header(http::field::host), header(http::field::origin), needs_origin},
+                         shared_->port, shared_->token);
+  }
+
+  const TakeBytes* taker() const {
+    const auto resource = shared_->resources.find(std::string(parse_target(target()).path));
+    return resource == shared_->resources.end() ? nullptr : std::get_if<TakeBytes>(&resource->second.content);
+  }
+
+  bool is_for_taking() const { return parser_.get().method() == http::verb::post && taker() != nullptr; }
+
+  void refuse_length() {
+    refuse(http::status::payload_too_large,
+           "The file is larger than " + std::to_string(shared_->options.max_sent_bytes >> 20) +
+               " MiB, the most that a page may send; `resilin view FILE` opens it.");
+  }
+
+  /// Reads what is sent, once it is known who sends it.
+  void take() {
+    const std::string forbidden = why_this_is_forbidden(/*needs_origin=*/true);
     if (!forbidden.empty()) return refuse(http::status::forbidden, forbidden);
-    const std::string path(parse_target(target).path);
+    is_silent_ = false;
+    const auto length = parser_.content_length();
+    if (length && *length > shared_->options.max_sent_bytes) return refuse_length();
+    sent_.emplace(std::move(parser_));
+    sent_->body_limit(shared_->options.max_sent_bytes);
+    stream_.expires_after(shared_->options.body_timeout);
+    http::async_read(stream_, buffer_, *sent_, [self = shared_from_this()](error_code error, std::size_t) {
+      if (error) return self->refuse_request(error);
+      auto& request = self->sent_->get();
+      const std::string path(request.target().data(), request.target().size());
+      const auto& resource = self->shared_->resources.at(std::string(parse_target(path).path));
+      const auto& take = std::get<TakeBytes>(resource.content);
+      auto bytes = std::make_shared<std::string>(std::move(request.body()));
+      self->answer_beside([&take, path, bytes] { return take(path, std::move(*bytes)); },
+                          "text/plain; charset=utf-8", http::status::unprocessable_entity);
+    });
+  }
+
+  void answer() {
+    const Request& request = parser_.get();
+    const bool is_websocket = websocket::is_upgrade(request);
+    const std::string forbidden = why_this_is_forbidden(is_websocket);
+    if (!forbidden.empty()) return refuse(http::status::forbidden, forbidden);
+    const std::string path(parse_target(target()).path);
     if (path == "/live" && shared_->service != nullptr) {
       if (!is_websocket) return refuse(http::status::upgrade_required, "Only a WebSocket is answered here.");
       return std::make_shared<LivePage>(std::move(stream_), *shared_, count_)->start(request);
@@ -239,6 +293,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
     const auto resource = shared_->resources.find(path);
     if (resource == shared_->resources.end())
       return refuse(http::status::not_found, "There is nothing at this address.");
+    if (std::holds_alternative<TakeBytes>(resource->second.content))
+      return refuse(http::status::method_not_allowed, "Only POST is answered.");
     send(resource->second);
   }
 
@@ -259,21 +315,29 @@ class Connection : public std::enable_shared_from_this<Connection> {
   }
 
   void send_made(const MakeBytes& make, const std::string& content_type) {
+    const auto is_wanted = [self = shared_from_this()] { return !self->shared_->is_ending; };
+    answer_beside([&make, is_wanted, asked = std::string(target())] { return make(asked, is_wanted); },
+                  content_type, http::status::not_found);
+  }
+
+  /// Answers with what `make` returns on a thread beside this one, or with what it throws.
+  void answer_beside(std::function<std::string()> make, const std::string& content_type,
+                     http::status when_refused) {
     stream_.expires_never();
-    const std::string target(parser_.get().target().data(), parser_.get().target().size());
-    asio::post(shared_->makers, [self = shared_from_this(), &make, content_type, target] {
-      SharedBytes bytes;
-      std::string problem = "The answer could not be made.";
-      try {
-        bytes = viewer::shared(make(target, [self] { return !self->shared_->is_ending; }));
-      } catch (const std::exception& error) {
-        problem = error.what();
-      }
-      asio::post(self->stream_.get_executor(), [self, bytes, problem, content_type] {
-        if (!bytes) return self->refuse(http::status::not_found, problem);
-        self->send_text(http::status::ok, bytes, content_type, {});
-      });
-    });
+    asio::post(shared_->makers,
+               [self = shared_from_this(), make = std::move(make), content_type, when_refused] {
+                 SharedBytes bytes;
+                 std::string problem = "The answer could not be made.";
+                 try {
+                   bytes = viewer::shared(make());
+                 } catch (const std::exception& error) {
+                   problem = words_of(error);
+                 }
+                 asio::post(self->stream_.get_executor(), [self, bytes, problem, content_type, when_refused] {
+                   if (!bytes) return self->refuse(when_refused, problem);
+                   self->send_text(http::status::ok, bytes, content_type, {});
+                 });
+               });
   }
 
   void send_text(http::status status, SharedBytes text, const std::string& content_type,
@@ -302,6 +366,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   std::shared_ptr<ConnectionCount> count_;
   beast::flat_buffer buffer_;
   http::request_parser<http::empty_body> parser_;
+  std::optional<http::request_parser<http::string_body>> sent_;
   SharedBytes text_;
   bool is_silent_ = true;
 };

@@ -108,6 +108,15 @@ PageMessage read_poke(Fields& fields) {
   return poke;
 }
 
+PageMessage read_hold(Fields& fields) {
+  HoldFace hold{fields.vertex(), fields.vector("point"), {fields.number("angle"), fields.number("radius")}};
+  if (!(hold.reach.angle >= 0 && hold.reach.angle <= 180))
+    throw InputError("message \"hold\": angle", "degrees from 0 to 180", format_short(hold.reach.angle));
+  if (!(hold.reach.radius >= 0))
+    throw InputError("message \"hold\": radius", "a number >= 0", format_short(hold.reach.radius));
+  return hold;
+}
+
 /// A word of a page, which may be of any length, in place of `refuse_word`.
 [[noreturn]] void refuse_sent_word(const std::string& place, const std::string& word,
                                    const std::vector<std::string>& known) {
@@ -147,6 +156,8 @@ const std::map<std::string, ReadMessage, std::less<>>& message_types() {
       {"pin", [](Fields& f) -> PageMessage { return Pin{f.vertex()}; }},
       {"unpin", [](Fields& f) -> PageMessage { return Unpin{f.vertex()}; }},
       {"unpin_all", plain<UnpinAll>},
+      {"hold", read_hold},
+      {"free_faces", plain<FreeFaces>},
       {"poke", read_poke},
       {"poke_end", plain<PokeEnd>},
       {"set", read_set},
@@ -156,6 +167,7 @@ const std::map<std::string, ReadMessage, std::less<>>& message_types() {
       {"step", plain<SingleStep>},
       {"reset", plain<Reset>},
       {"reload", plain<Reload>},
+      {"save", plain<SaveScene>},
   };
   return table;
 }

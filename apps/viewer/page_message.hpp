@@ -1,12 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <variant>
 
 #include "resilin/core/types.hpp"
 #include "resilin/live/control_table.hpp"
+#include "resilin/view/face_patch.hpp"
 
 /// What a page can say: docs/view_protocol.md, "Messages of the page".
 namespace resilin::viewer {
@@ -27,6 +29,13 @@ struct Unpin {
   std::uint32_t vertex = 0;
 };
 struct UnpinAll {};
+/// The face around a place is held, or let go when the place lies on one that is.
+struct HoldFace {
+  std::uint32_t vertex = 0;
+  Vector3 point = Vector3::Zero();  ///< where the pointer hit the surface [m]
+  FaceReach reach;
+};
+struct FreeFaces {};
 struct Poke {
   Vector3 center = Vector3::Zero();  ///< [m]
   double radius = 0;                 ///< [m], positive
@@ -44,8 +53,16 @@ struct Play {};
 struct SingleStep {};
 struct Reset {};
 struct Reload {};
+struct SaveScene {};
 struct Acknowledge {
   std::uint32_t frame = 0;
+};
+
+class ServedScene;
+/// Another scene takes the place of the one that is played with: not a word of a page's, but of the server's
+/// when a page has sent it a file.
+struct OpenScene {
+  std::shared_ptr<ServedScene> scene;
 };
 
 template <class Variant, class... More>
@@ -56,10 +73,10 @@ struct Extended<std::variant<Kind...>, More...> {
 };
 
 /// What changes the scene.
-using SceneMessage =
-    std::variant<Grab, Drag, Release, Pin, Unpin, UnpinAll, Poke, PokeEnd, SetControl, Reset, Reload>;
+using SceneMessage = std::variant<Grab, Drag, Release, Pin, Unpin, UnpinAll, HoldFace, FreeFaces, Poke,
+                                  PokeEnd, SetControl, Reset, Reload>;
 /// What is said to the simulation.
-using LoopMessage = Extended<SceneMessage, Pause, Play, SingleStep>::type;
+using LoopMessage = Extended<SceneMessage, Pause, Play, SingleStep, SaveScene, OpenScene>::type;
 /// All that a page can say; the rest is for the server.
 using PageMessage = Extended<LoopMessage, ChooseField, Acknowledge>::type;
 

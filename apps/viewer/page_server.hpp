@@ -43,11 +43,15 @@ class PageService {
 /// `is_wanted` says no once the server ends. An InputError becomes an answer with status 404.
 using MakeBytes = std::function<std::string(std::string_view target, const std::function<bool()>& is_wanted)>;
 
+/// Takes the bytes that a page has sent by `POST`, on the same thread; the answer is a text. An InputError
+/// becomes an answer with status 422.
+using TakeBytes = std::function<std::string(std::string_view target, std::string bytes)>;
+
 /// What `GET` of a path gets: bytes in memory, a file that is read while it is sent, or what is made of the
-/// target.
+/// target; or what takes a `POST`.
 struct Resource {
   std::string content_type;
-  std::variant<SharedBytes, std::filesystem::path, MakeBytes> content;
+  std::variant<SharedBytes, std::filesystem::path, MakeBytes, TakeBytes> content;
   std::string script_nonce;  ///< of a page: scripts that carry it may run, and no others
 };
 
@@ -55,11 +59,13 @@ struct ServerOptions {
   std::uint16_t port = 0;    ///< 0: any free one
   int max_connections = 32;  ///< of pages; of those that ask for nothing the oldest makes room
   std::size_t max_header_bytes = 8192;
-  std::size_t max_message_bytes = 4096;              ///< of a page; a longer one ends its connection
-  std::chrono::milliseconds request_timeout{10000};  ///< for a request and for the WebSocket handshake
-  std::chrono::milliseconds send_timeout{10000};     ///< a page that takes a message for longer is dropped
-  std::chrono::milliseconds body_timeout{120000};    ///< for all of an answer of HTTP
-  std::chrono::milliseconds idle_timeout{60000};     ///< a page that no longer answers a ping is dropped
+  std::size_t max_message_bytes = 4096;                 ///< of a page; a longer one ends its connection
+  std::size_t max_sent_bytes = std::size_t{256} << 20;  ///< of a file that a page sends
+  std::chrono::milliseconds request_timeout{10000};     ///< for a request and for the WebSocket handshake
+  std::chrono::milliseconds send_timeout{10000};        ///< a page that takes a message for longer is dropped
+  std::chrono::milliseconds body_timeout{
+      120000};                                    ///< for all of an answer of HTTP, and for a file that comes
+  std::chrono::milliseconds idle_timeout{60000};  ///< a page that no longer answers a ping is dropped
 };
 
 /// Listens from its construction to its destruction, which closes all connections.

@@ -12,6 +12,7 @@
 #include "resilin/results/build_info.hpp"
 #include "resilin/view/frame_codec.hpp"
 #include "resilin/view/header.hpp"
+#include "resilin/view/shown_marks.hpp"
 
 namespace resilin::viewer {
 namespace {
@@ -25,8 +26,10 @@ std::string title_of(const World& world) {
 }  // namespace
 
 ServedLiveScene::Loaded::Loaded(Scene scene)
-    : warnings(std::move(scene.warnings)),
-      live(scene.description),
+    : description(std::move(scene.description)),
+      warnings(std::move(scene.warnings)),
+      live(description),
+      first_controls(live.controls()),
       surface(live.world()),
       colliders(shown_colliders(live.world())),
       fields(live.world(), surface),
@@ -39,8 +42,8 @@ ServedLiveScene::Loaded::Loaded(Scene scene)
   field.resize(num_vertices);
 }
 
-ServedLiveScene::ServedLiveScene(std::function<Scene()> read)
-    : read_(std::move(read)), loaded_(std::make_unique<Loaded>(read_())) {}
+ServedLiveScene::ServedLiveScene(std::function<Scene()> read, SaveChanges save)
+    : read_(std::move(read)), save_(std::move(save)), loaded_(std::make_unique<Loaded>(read_())) {}
 
 Json ServedLiveScene::header() const {
   Json header = Json::parse(encode_header({.title = title_of(world()),
@@ -50,6 +53,7 @@ Json ServedLiveScene::header() const {
                                            .fields = loaded_->field_choices,
                                            .colliders = loaded_->colliders},
                                           world(), loaded_->surface));
+  header["saves"] = static_cast<bool>(save_);
   header["controls"] =
       control_entries(loaded_->live.controls(), world().largest_extent(), world().contact != nullptr);
   return header;
@@ -69,9 +73,13 @@ Json ServedLiveScene::state() const {
   const LiveControls& controls = loaded_->live.controls();
   Json pinned = Json::array();
   for (const Index node : loaded_->live.pinned()) pinned.push_back(loaded_->vertex_of_node.at(node));
+  Json held = Json::array();
+  for (const ShownFace& face : loaded_->faces)
+    held.push_back({{"vertices", shown_support(face.patch.vertices)}});
   return {{"values", control_values(controls, world().contact != nullptr)},
           {"ground", controls.has_ground ? Json(controls.ground_height) : Json()},
           {"pinned", std::move(pinned)},
+          {"held", std::move(held)},
           {"poking", is_poking()},
           {"warnings", loaded_->warnings}};
 }
@@ -131,6 +139,8 @@ void ServedLiveScene::apply(const SceneMessage& message) {
                    loaded.live.unpin(loaded.surface.nearest_node(checked_vertex(unpin.vertex, "unpin")));
                  },
                  [&](const UnpinAll&) { loaded.live.unpin_all(); },
+                 [this](const HoldFace& face) { hold(face); },
+                 [this](const FreeFaces&) { free_faces(); },
                  [&](const Poke& poke) {
                    loaded.live.poke(checked_place(poke.center, "poke: center"), poke.radius);
                  },
@@ -147,6 +157,47 @@ void ServedLiveScene::apply(const SceneMessage& message) {
                  [this](const Reload&) { reload(); },
              },
              message);
+}
+
+/// A second time on the same face lets it go.
+void ServedLiveScene::hold(const HoldFace& hold) {
+  Loaded& loaded = *loaded_;
+  const Vector3 point = checked_place(hold.point, "hold: point");
+  const Index vertex = checked_vertex(hold.vertex, "hold");
+  loaded.surface.positions(loaded.live.state().positions, loaded.positions);
+  loaded.shown_frame = 0;
+  FacePatch patch = face_patch(loaded.surface, vertex, point, loaded.positions, hold.reach);
+  const auto is_touched = [&patch](const ShownFace& face) {
+    return face.patch.part == patch.part && std::ranges::binary_search(face.patch.facets, patch.touched);
+  };
+  const auto last = std::find_if(loaded.faces.rbegin(), loaded.faces.rend(), is_touched);
+  if (last != loaded.faces.rend()) {
+    loaded.live.let_go(last->number);
+    loaded.faces.erase(std::next(last).base());
+    return;
+  }
+  const std::size_t number = loaded.surface.parts()[patch.part].body;
+  const Body& body = world().bodies[number];
+  std::vector<Index> vertices;
+  for (const Index node : nodes_of_patch(loaded.surface, patch))
+    if (node - body.first_node < body.num_vertices) vertices.push_back(node - body.first_node);
+  loaded.faces.push_back({loaded.live.hold(number, std::move(vertices)), std::move(patch)});
+}
+
+void ServedLiveScene::free_faces() {
+  for (const ShownFace& face : loaded_->faces) loaded_->live.let_go(face.number);
+  loaded_->faces.clear();
+}
+
+std::string ServedLiveScene::save() {
+  if (!save_)
+    throw InputError("save", "a scene that was read from a file", "a page that carries its scene with it",
+                     "`resilin view SCENE.toml` saves what is held");
+  return save_({.before = &loaded_->description,
+                .up = loaded_->live.up(),
+                .first = loaded_->first_controls,
+                .now = loaded_->live.controls(),
+                .held = loaded_->live.held_faces()});
 }
 
 /// Everything anew but the speed, which is not the scene's.

@@ -8,6 +8,7 @@
 
 #include "resilin/live/live_scene.hpp"
 #include "resilin/scene/scene.hpp"
+#include "resilin/view/face_patch.hpp"
 #include "resilin/view/shown_surface.hpp"
 #include "resilin/view/surface_fields.hpp"
 #include "resilin/world/shown_colliders.hpp"
@@ -15,12 +16,24 @@
 
 namespace resilin::viewer {
 
+/// What somebody has changed of a scene on its page.
+struct SceneChanges {
+  const Description* before = nullptr;  ///< as it was read
+  Vector3 up = Vector3::UnitZ();        ///< what the ground faces
+  LiveControls first, now;              ///< with which it began, and as they are
+  std::vector<HeldFace> held;
+};
+
+/// Writes a scene with its changes into a new file; one line that says where. Throws InputError.
+using SaveChanges = std::function<std::string(const SceneChanges&)>;
+
 /// A scene file that is played with.
 class ServedLiveScene : public ServedScene {
  public:
   /// @param read  reads the scene, now and at each reload
+  /// @param save  null: the scene cannot be saved
   /// @throws InputError
-  explicit ServedLiveScene(std::function<Scene()> read);
+  explicit ServedLiveScene(std::function<Scene()> read, SaveChanges save = {});
 
   const World& world() const { return loaded_->live.world(); }
   const std::vector<std::string>& warnings() const { return loaded_->warnings; }
@@ -32,6 +45,7 @@ class ServedLiveScene : public ServedScene {
   nlohmann::json state() const override;
   nlohmann::json status() const override;
   void apply(const SceneMessage& message) override;
+  std::string save() override;
   bool is_grabbed() const override { return loaded_->live.is_grabbed(); }
   bool is_poking() const override { return loaded_->live.ball().has_value(); }
   double time() const override { return loaded_->live.state().time; }
@@ -43,12 +57,20 @@ class ServedLiveScene : public ServedScene {
                     double blend) override;
 
  private:
+  /// A face of the surface that is held, as the page sees it.
+  struct ShownFace {
+    int number = 0;  ///< of the HeldFace
+    FacePatch patch;
+  };
   /// All that a reload replaces.
   struct Loaded {
     explicit Loaded(Scene scene);
 
+    Description description;
     std::vector<std::string> warnings;
     LiveScene live;
+    LiveControls first_controls;
+    std::vector<ShownFace> faces;
     ShownSurface surface;
     std::vector<ShownCollider> colliders;
     SurfaceFields fields;
@@ -64,11 +86,14 @@ class ServedLiveScene : public ServedScene {
 
   void forget_previous_state();
   void grab(const Grab& grab);
+  void hold(const HoldFace& hold);
+  void free_faces();
   void reload();
   Index checked_vertex(std::uint32_t vertex, const char* what) const;
   Vector3 checked_place(const Vector3& place, const char* what) const;
 
   std::function<Scene()> read_;
+  SaveChanges save_;
   std::unique_ptr<Loaded> loaded_;
 };
 

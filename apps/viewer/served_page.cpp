@@ -5,6 +5,7 @@
 #include "access.hpp"
 #include "recorded_fields.hpp"
 #include "resilin/core/error.hpp"
+#include "resilin/core/percent_decoding.hpp"
 #include "resilin/results/saved_report.hpp"
 #include "resilin/view/page.hpp"
 
@@ -17,11 +18,25 @@ Resource page(std::string_view kind) {
   return {"text/html; charset=utf-8", std::move(html), std::move(nonce)};
 }
 
+std::map<std::string, Resource> live_resources(Mailbox& mailbox, OpenFile open) {
+  std::map<std::string, Resource> resources = {{"/", page("live")}};
+  if (!open) return resources;
+  const TakeBytes take = [&mailbox, open = std::move(open)](std::string_view target, std::string bytes) {
+    const std::string name = percent_decoded(query_value(target, "name"));
+    std::shared_ptr<ServedScene> scene = open(name, std::move(bytes));
+    if (!mailbox.post(0, OpenScene{std::move(scene)}))
+      throw InputError(name, "the simulation is too busy to take it; try again");
+    return name;
+  };
+  resources["/open"] = {"text/plain; charset=utf-8", take, {}};
+  return resources;
+}
+
 }  // namespace
 
-LiveServer::LiveServer(std::unique_ptr<ServedScene> scene, const ServerOptions& options)
+LiveServer::LiveServer(std::unique_ptr<ServedScene> scene, const ServerOptions& options, OpenFile open)
     : room_(mailbox_),
-      server_(options, {{"/", page("live")}}, &room_),
+      server_(options, live_resources(mailbox_, std::move(open)), &room_),
       loop_(std::move(scene), mailbox_, [this] { server_.wake(); }) {}
 
 std::map<std::string, Resource> recorded_resources(const std::filesystem::path& folder) {

@@ -25,6 +25,10 @@ class ServedScene {
   /// Does what a page says about the scene.
   /// @throws InputError  in one line; the scene is then as before
   virtual void apply(const SceneMessage& message) = 0;
+  /// Writes the scene as it is on the page into a new file.
+  /// @return one line that says where
+  /// @throws InputError  in one line
+  virtual std::string save() = 0;
   virtual bool is_grabbed() const = 0;
   virtual bool is_poking() const = 0;
 

@@ -58,7 +58,7 @@ TEST(Access, IsForThePagesOfThisServer) {
   EXPECT_TRUE(passes(request));
   request.origin = "http://localhost:8765";
   EXPECT_TRUE(passes(request));
-  request.is_websocket = true;
+  request.needs_origin = true;
   EXPECT_TRUE(passes(request));
 }
 
@@ -83,7 +83,7 @@ TEST(Access, IsRefusedToPagesFromElsewhere) {
     for (const bool is_websocket : {false, true}) {
       RequestOrigin request = good_request();
       request.origin = origin;
-      request.is_websocket = is_websocket;
+      request.needs_origin = is_websocket;
       EXPECT_FALSE(passes(request)) << origin;
     }
   }
@@ -91,7 +91,7 @@ TEST(Access, IsRefusedToPagesFromElsewhere) {
 
 TEST(Access, OfAWebSocketNeedsAnOrigin) {
   RequestOrigin request = good_request();
-  request.is_websocket = true;
+  request.needs_origin = true;
   EXPECT_FALSE(passes(request));
 }
 

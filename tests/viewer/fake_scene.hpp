@@ -37,6 +37,7 @@ class FakeServedScene : public ServedScene {
   nlohmann::json state() const override;
   nlohmann::json status() const override { return {{"time", time_}, {"at_rest", is_at_rest()}}; }
   void apply(const SceneMessage& message) override;
+  std::string save() override { return "Saved."; }
   bool is_grabbed() const override { return is_grabbed_; }
   bool is_poking() const override { return is_poking_; }
   double time() const override { return time_; }

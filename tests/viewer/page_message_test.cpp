@@ -53,6 +53,13 @@ TEST(PageMessage, OfEachTypeIsRead) {
   EXPECT_EQ(read_as<Unpin>(R"({"type": "unpin", "vertex": 0})").vertex, 0U);
   read_as<UnpinAll>(R"({"type": "unpin_all"})");
   EXPECT_EQ(read_as<Poke>(R"({"type": "poke", "center": [0, 0, 0], "radius": 0.1})").radius, 0.1);
+  const auto hold =
+      read_as<HoldFace>(R"({"type": "hold", "vertex": 3, "point": [1, 2, 3], "angle": 30, "radius": 0})");
+  EXPECT_EQ(hold.vertex, 3U);
+  EXPECT_EQ(hold.point, Vector3(1, 2, 3));
+  EXPECT_EQ(hold.reach.angle, 30);
+  read_as<FreeFaces>(R"({"type": "free_faces"})");
+  read_as<SaveScene>(R"({"type": "save"})");
   read_as<PokeEnd>(R"({"type": "poke_end"})");
   EXPECT_EQ(read_as<ChooseField>(R"({"type": "field", "name": ""})").name, "");
   read_as<Pause>(R"({"type": "pause"})");
@@ -91,7 +98,11 @@ TEST(PageMessage, ThatIsWrongIsRefusedInOneLineThatSaysWhatWasExpected) {
       {"{", "got no JSON"},
       {"[1, 2]", "got [1,2]"},
       {"17", "got 17"},
-      {"{}", "message: type: expected one of field, grab"},
+      {R"({"type": "hold", "vertex": 3, "point": [1, 2, 3], "angle": 181, "radius": 0})",
+       "message \"hold\": angle: expected degrees from 0 to 180, got 181"},
+      {R"({"type": "hold", "vertex": 3, "point": [1, 2, 3], "angle": 1, "radius": -1})",
+       "message \"hold\": radius: expected a number >= 0, got -1"},
+      {"{}", "message: type: expected one of field, free_faces, grab"},
       {R"({"type": 3})", "got 3"},
       {R"({"type": "grap"})", "did you mean \"grab\"?"},
       {R"({"type": "grab", "point": [0, 0, 0]})",

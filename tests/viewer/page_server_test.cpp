@@ -30,8 +30,21 @@ struct PageServerTest : ::testing::Test {
     const std::map<std::string, Resource> resources = {
         {"/", {"text/html; charset=utf-8", std::make_shared<const std::string>("<p>the page</p>"), "n0nce"}},
         {"/recording", {"application/octet-stream", recording, {}}},
-        {"/lost", {"application/json", folder / "lost", {}}}};
+        {"/lost", {"application/json", folder / "lost", {}}},
+        {"/take", {"text/plain", TakeBytes(take), {}}}};
     return std::make_unique<PageServer>(options, resources, nullptr);
+  }
+
+  /// Says how much it got.
+  static std::string take(std::string_view, std::string bytes) {
+    if (bytes == "bad") throw InputError("sent", "something good", "bad");
+    return std::to_string(bytes.size()) + " bytes";
+  }
+  std::string own_origin() const {
+    return "Origin: http://127.0.0.1:" + std::to_string(server->port()) + "\r\n";
+  }
+  std::string post(const std::string& headers, const std::string& body) const {
+    return ask("POST /take?token=" + server->token() + " HTTP/1.1\r\n" + host() + headers + "\r\n" + body);
   }
 
   std::string get(const std::string& path, const std::string& headers = {}) const {
@@ -54,6 +67,30 @@ TEST_F(PageServerTest, ServesThePageWithHeadersThatKeepOthersOut) {
   }
   EXPECT_THAT(answer, HasSubstr("ws://127.0.0.1:" + std::to_string(server->port())));
   EXPECT_THAT(answer, Not(HasSubstr("Access-Control")));
+}
+
+TEST_F(PageServerTest, TakesWhatItsOwnPageSendsAndNothingElse) {
+  const auto length = [](std::size_t size) { return "Content-Length: " + std::to_string(size) + "\r\n"; };
+  const std::string large(1000000, 'x');
+  EXPECT_THAT(post(own_origin() + length(large.size()), large), HasSubstr("\r\n\r\n1000000 bytes"));
+  EXPECT_THAT(post(own_origin() + length(0), ""), HasSubstr("\r\n\r\n0 bytes"));
+  EXPECT_THAT(post(own_origin() + "Transfer-Encoding: chunked\r\n", "3\r\nabc\r\n0\r\n\r\n"),
+              HasSubstr("\r\n\r\n3 bytes"));
+  const std::string refused = post(own_origin() + length(3), "bad");
+  EXPECT_THAT(refused, StartsWith("HTTP/1.1 422"));
+  EXPECT_THAT(refused, HasSubstr("sent: expected something good, got bad"));
+  EXPECT_THAT(post(length(3), "abc"), StartsWith("HTTP/1.1 403")) << "without an origin";
+  EXPECT_THAT(post("Origin: http://example.org\r\n" + length(3), "abc"), StartsWith("HTTP/1.1 403"));
+  EXPECT_THAT(get("/take"), StartsWith("HTTP/1.1 405"));
+  const std::string other =
+      "POST /recording?token=" + server->token() + " HTTP/1.1\r\n" + host() + own_origin();
+  EXPECT_THAT(ask(other + "\r\n"), StartsWith("HTTP/1.1 405"));
+  options.max_sent_bytes = 1 << 20;
+  server = serve();
+  const std::string too_large = post(own_origin() + length((1 << 20) + 1), "");
+  EXPECT_THAT(too_large, StartsWith("HTTP/1.1 413"));
+  EXPECT_THAT(too_large, HasSubstr("larger than 1 MiB"));
+  EXPECT_THAT(get("/"), StartsWith("HTTP/1.1 200")) << "it goes on";
 }
 
 TEST_F(PageServerTest, ServesAFileWhole) {

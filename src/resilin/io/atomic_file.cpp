@@ -167,6 +167,21 @@ std::string read_file(const std::filesystem::path& path) {
   return bytes;
 }
 
+bool write_new_file(const std::filesystem::path& path, std::string_view bytes) {
+  if (const Descriptor file(path, O_WRONLY | O_CREAT | O_EXCL); !file.is_open()) {
+    if (errno == EEXIST) return false;
+    throw FileError(path.string(), "cannot be written: " + reason_of_failed_write(errno));
+  }
+  try {
+    fill(path, path, [bytes](std::ostream& stream) { stream << bytes; });
+  } catch (...) {
+    std::error_code ignored;
+    std::filesystem::remove(path, ignored);
+    throw;
+  }
+  return true;
+}
+
 void write_text(const std::filesystem::path& path, const std::string& text) {
   write_atomically(path, [&text](std::ostream& stream) { stream << text; });
 }

@@ -21,6 +21,11 @@ void write_atomically(const std::filesystem::path& path, const std::function<voi
 /// The same of a text that is there.
 void write_text(const std::filesystem::path& path, const std::string& text);
 
+/// Writes a file that is not there yet. False where there is one, whoever makes it meanwhile: it is left
+/// alone.
+/// @throws FileError naming the path; nothing is then left behind
+bool write_new_file(const std::filesystem::path& path, std::string_view bytes);
+
 /// The ending of the name of a file that is not whole yet; numbers may follow.
 inline constexpr std::string_view partial_ending = ".partial";
 

@@ -22,12 +22,6 @@ namespace {
 
 constexpr double longest_step = 0.1;  ///< [s], of those that are played with
 
-/// Whether a collider is a floor: level, facing up and at rest.
-bool is_floor(const ColliderDescription& collider, const Vector3& up) {
-  return collider.kind == "half_space" && !collider.rotate && motion_of(collider, 1).is_at_rest() &&
-         collider.shape.normal.normalized().dot(up) > 1 - 1e-12;
-}
-
 /// Against gravity; where there is none, the last axis.
 Vector3 up_of(const Description& scene) {
   const Vector3 gravity =
@@ -196,10 +190,17 @@ void LiveScene::Contents::advance_obstacles() {
 
 void LiveScene::Contents::renew_fixed() {
   is_fixed = world.is_fixed;
-  for (const Index node : pinned) {
+  const auto fix = [this](Index node) {
     for (int k = 0; k < world.dimension; ++k)
       is_fixed[static_cast<std::size_t>(node * world.dimension + k)] = 1;
-  }
+  };
+  for (const Index node : pinned) fix(node);
+  const int dim = world.dimension;
+  for (const HeldFace& face : held_faces)
+    for (const Index node : face.nodes) {
+      fix(node);
+      state.velocities.segment(Eigen::Index{node} * dim, dim).setZero();
+    }
 }
 
 void LiveScene::Contents::change_materials(const LiveControls& wanted) {

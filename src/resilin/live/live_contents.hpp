@@ -70,7 +70,7 @@ struct LiveScene::Contents {
   World world;          ///< of the scene, without gravity, floor and damping by mass, which can be changed
   Terms terms;          ///< those of the world, and what controls have added
   Terms terms_at_rest;  ///< the same for the equilibrium that a static run finds: see make_gravity
-  std::vector<std::uint8_t> is_fixed;  ///< by supports and pins
+  std::vector<std::uint8_t> is_fixed;  ///< by supports, pins and held faces
   Newton newton;
   LiveControls controls;
   State state;
@@ -81,6 +81,7 @@ struct LiveScene::Contents {
   double ball_radius = 0;
   Vector3 up = Vector3::UnitZ();  ///< what the floor faces, whatever gravity becomes
   std::vector<Index> pinned;
+  std::vector<HeldFace> held_faces;
   Calm calm;
   double overrun = 0;     ///< what steps take after their last iteration should have begun [s]
   int mending_steps = 0;  ///< in a row that started with cells inside out

@@ -7,6 +7,7 @@
 #include "resilin/core/text.hpp"
 #include "resilin/material/rest_tangents.hpp"
 #include "resilin/world/cell_material.hpp"
+#include "resilin/world/colliders.hpp"
 
 namespace resilin {
 namespace {
@@ -31,6 +32,11 @@ double height_under(const World& world, const Vector3& up) {
 }
 
 }  // namespace
+
+bool is_floor(const ColliderDescription& collider, const Vector3& up) {
+  return collider.kind == "half_space" && !collider.rotate && motion_of(collider, 1).is_at_rest() &&
+         collider.shape.normal.normalized().dot(up) > 1 - 1e-12;
+}
 
 LiveControls starting_controls(const Description& description, const World& world, const Vector3& up) {
   const BodyDescription& first = description.bodies.front();

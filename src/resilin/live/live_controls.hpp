@@ -33,6 +33,9 @@ struct LiveControls {
 /// `up`. Contact is that of the world, where its bodies meet.
 LiveControls starting_controls(const Description& description, const World& world, const Vector3& up);
 
+/// Whether a collider is a floor, which becomes the ground of the controls: level, facing up and at rest.
+bool is_floor(const ColliderDescription& collider, const Vector3& up);
+
 /// Throws InputError for the first value that cannot be.
 void check_controls(const LiveControls& controls);
 

@@ -8,6 +8,7 @@
 
 #include "resilin/energy/material_point.hpp"
 #include "resilin/fields/discretisation_error.hpp"
+#include "resilin/live/held_face.hpp"
 #include "resilin/live/live_controls.hpp"
 #include "resilin/simulation/simulation.hpp"
 
@@ -84,6 +85,13 @@ class LiveScene {
   void unpin_all();
   const std::vector<Index>& pinned() const;
 
+  /// Holds vertices of a body's mesh where they are now, and after a reset where they start; all components.
+  /// Refuses vertices that a support of the scene moves.
+  /// @return the number by which they are let go
+  int hold(std::size_t body, std::vector<Index> vertices);
+  void let_go(int number);
+  const std::vector<HeldFace>& held_faces() const;  ///< in the order in which they were taken
+
   /// A ball that pushes bodies away; it goes towards `center` as fast as they let it.
   void poke(const Vector3& center, double radius);
   void stop_poking();
@@ -95,7 +103,7 @@ class LiveScene {
   /// Puts all nodes elsewhere at once, dim numbers each [m], [m/s]; what is held and pinned stays so.
   void place(const VectorX& positions, const VectorX& velocities);
 
-  /// Back to the start; the controls stay.
+  /// Back to the start; the controls and the held faces stay.
   void reset();
 
   /// One time step. When the scene is at rest this returns at once.

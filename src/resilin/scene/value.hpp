@@ -56,6 +56,10 @@ std::string describe(const SceneValue& value);
 /// Reads a whole TOML document. Throws InputError "NAME:LINE:COLUMN: ..." when it is not TOML.
 SceneValue parse_toml(std::string_view text, const std::string& name);
 
+/// The scene as a TOML document, which reads back as the same values: root and sections by name, all that
+/// lies deeper inline. Throws InputError for arrays and meshes that a program handed over.
+std::string toml_text(const SceneValue& scene);
+
 /// Sets one value of the scene. `key` is a dotted path in which the entries of a list are named by number
 /// (from 0) or by their `name`; a part with dots of its own stands in double quotes: body."a.b".scale. Tables
 /// that are missing on the way are made. Throws UnknownKeyError at `place` when the path leads nowhere.

@@ -67,6 +67,10 @@ ShownMark mark_of_load(const World& world, const Energy& term, const ShownSurfac
 
 }  // namespace
 
+std::vector<Index> shown_support(const std::vector<Index>& vertices) {
+  return thinned(vertices, most_support_vertices);
+}
+
 std::vector<ShownMark> shown_marks(const World& world, const ShownSurface& surface) {
   std::vector<ShownMark> marks;
   const auto add = [&marks](ShownMark made) {

@@ -250,16 +250,17 @@ bool ShownSurface::is_outside(Index vertex) const {
   });
 }
 
-MaterialPoint ShownSurface::touched_place(Index vertex, const Vector3& place,
-                                          std::span<const float> positions) const {
+ShownSurface::Touch ShownSurface::touch(Index vertex, const Vector3& place,
+                                        std::span<const float> positions) const {
   const auto at = [&](std::uint32_t v) -> Vector3 {
     return Eigen::Map<const Eigen::Vector3f>(positions.data() + 3 * std::size_t{v}).cast<double>();
   };
   const auto wanted = static_cast<std::uint32_t>(vertex);
-  std::array<std::uint32_t, 3> corners = {wanted, wanted, wanted};
-  Vector3 shares = Vector3::UnitX();
+  Touch touched;
+  touched.corners = {wanted, wanted, wanted};
   double nearest = (at(wanted) - place).norm();
-  for (const Triangle& triangle : triangles_) {
+  for (std::size_t t = 0; t < triangles_.size(); ++t) {
+    const Triangle& triangle = triangles_[t];
     if (std::ranges::find(triangle, wanted) == triangle.end()) continue;
     const Vector3 A = at(triangle[0]), u = at(triangle[1]) - A, v = at(triangle[2]) - A;
     const double uu = u.squaredNorm(), uv = u.dot(v), vv = v.squaredNorm(), area = uu * vv - uv * uv;
@@ -271,14 +272,19 @@ MaterialPoint ShownSurface::touched_place(Index vertex, const Vector3& place,
     const double distance = (A + weights[1] * u + weights[2] * v - place).norm();
     if (distance >= nearest) continue;
     nearest = distance;
-    corners = triangle;
-    shares = weights;
+    touched = {.triangle = t, .corners = triangle, .shares = {weights[0], weights[1], weights[2]}};
   }
+  return touched;
+}
+
+MaterialPoint ShownSurface::touched_place(Index vertex, const Vector3& place,
+                                          std::span<const float> positions) const {
+  const Touch touched_at = touch(vertex, place, positions);
   MaterialPoint touched;
   for (std::size_t i = 0; i < 3; ++i) {
-    const double share = shares[static_cast<Eigen::Index>(i)];
+    const double share = touched_at.shares[i];
     if (share == 0) continue;
-    const MaterialPoint corner = material_point(static_cast<Index>(corners[i]));
+    const MaterialPoint corner = material_point(static_cast<Index>(touched_at.corners[i]));
     for (std::size_t a = 0; a < corner.nodes.size(); ++a) {
       touched.nodes.push_back(corner.nodes[a]);
       touched.weights.push_back(share * corner.weights[a]);

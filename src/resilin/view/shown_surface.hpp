@@ -75,8 +75,16 @@ class ShownSurface {
   /// Whether a vertex belongs to what is seen, not to the inside.
   bool is_outside(Index vertex) const;
 
-  /// The material point of the surface near a vertex that is nearest to a place.
+  /// Where a place lies on the triangles around a vertex.
+  struct Touch {
+    std::optional<std::size_t> triangle;        ///< none where the vertex itself is nearest
+    std::array<std::uint32_t, 3> corners = {};  ///< of it, else the vertex
+    std::array<double, 3> shares = {1, 0, 0};   ///< of the corners, in sum 1
+  };
+  /// The point of the surface near a vertex that is nearest to a place.
   /// @param positions  3 num_vertices() numbers, as `positions` gives them
+  Touch touch(Index vertex, const Vector3& place, std::span<const float> positions) const;
+  /// The same as a point of the material.
   MaterialPoint touched_place(Index vertex, const Vector3& place, std::span<const float> positions) const;
 
   /// The node with the greatest weight in the material point: the one to pin.

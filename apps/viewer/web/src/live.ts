@@ -22,6 +22,7 @@ export interface LiveEvents {
   state(state: State): void;
   status(status: Status): void;
   refused(message: string): void;
+  told(message: string): void;
   lost(words: string): void;
   found(): void;
 }
@@ -91,6 +92,9 @@ export class LiveConnection {
         break;
       case "error":
         this.events.refused(message.message);
+        break;
+      case "note":
+        this.events.told(message.message);
         break;
       default:
         message satisfies never;

@@ -8,6 +8,7 @@ import { HeadUp } from "./head_up";
 import { arrowOf, belongsToControl, CAMERA_KEYS, keyOf, movesCamera } from "./keys";
 import { LiveConnection } from "./live";
 import { LivePanel, type LiveActions } from "./live_panel";
+import { Opener } from "./opener";
 import { Overlays } from "./overlays";
 import type { ControlValue, Frame, Hello, PageMessage, State, Topology } from "./protocol";
 import { Shell } from "./shell";
@@ -17,13 +18,16 @@ import { Tools, type Tool } from "./tools";
 import type { Scenery } from "./transport";
 
 const KEYS: [string, string][] = [
-  ["left button on the body", "grab it, pin it or poke it, as the tool says"],
+  ["left button on the body", "grab it, pin it, poke it or hold a face, as the tool says"],
   ["left button beside it, right button", "turn the camera"],
   ["middle button, Shift and left button", "move the camera"],
   ["wheel, two fingers", "come nearer, go away"],
   ...CAMERA_KEYS,
-  ["arrows, Enter", "point at a place of the body; take it, pin it or poke it, and let go"],
-  ["1 2 3", "hand, pin, poke"],
+  ["arrows, Enter", "point at a place of the body; do there what the tool does, and let go"],
+  ["1 2 3 4", "hand, pin, poke, hold a face (again: free it)"],
+  ["Ctrl s", "save the scene with its held faces"],
+  ["Ctrl o, a file dropped", "open a mesh or a surface"],
+  ["v p", "record a film and end it; a picture without a background"],
   ["Space", "pause and go on"],
   ["s", "a single step"],
   ["r", "reset to the start"],
@@ -44,6 +48,10 @@ export class LiveApp {
   private readonly crosshair = new Crosshair();
   private readonly toolButtons = new Map<Tool, HTMLButtonElement>();
   private readonly pauseButton: HTMLButtonElement;
+  private readonly saveButton = iconButton("save", "Save the scene with its held faces (Ctrl s)", () =>
+    this.connection.send({ type: "save" }),
+  );
+  private readonly opener: Opener;
   private panel: LivePanel | null = null;
   private tools: Tools | null = null;
   private tool: Tool = "hand";
@@ -73,6 +81,7 @@ export class LiveApp {
         this.overlays.say(message);
         this.panel?.restore();
       },
+      told: (message) => this.overlays.say(message, "fine"),
       lost: (words) => {
         this.tools?.letGo();
         this.overlays.showLost(words);
@@ -86,6 +95,7 @@ export class LiveApp {
       tick: () => this.tick(),
       drawn: (frame) => this.connection.acknowledge(frame),
     });
+    this.opener = new Opener(scenery.send, this.overlays);
     this.pauseButton = iconButton("pause", "Pause (Space)", () => this.togglePause());
     this.overlays.root.append(this.crosshair.root);
     this.shell.bottom.append(this.toolbar(), this.headUp.root);
@@ -115,23 +125,28 @@ export class LiveApp {
 
   private toolbar(): HTMLElement {
     const bar = element("nav", { class: "card toolbar", "aria-label": "tools" });
+    const group = (...buttons: HTMLElement[]) => bar.append(element("div", { class: "group" }, ...buttons));
     const names: [Tool, string][] = [
       ["hand", "Hand: drag the body (1)"],
       ["pin", "Pin: hold a place where it is (2)"],
       ["poke", "Poke: push with a ball (3)"],
+      ["hold", "Hold: a click on a face holds it, a second one frees it (4)"],
     ];
     for (const [tool, label] of names) {
       const button = iconButton(tool, label, () => this.chooseTool(tool));
       button.setAttribute("aria-pressed", String(tool === this.tool));
       this.toolButtons.set(tool, button);
-      bar.append(button);
     }
-    bar.append(
-      element("span", { class: "rule" }),
+    group(...this.toolButtons.values());
+    group(
       this.pauseButton,
       iconButton("step", "Single step (s)", () => this.connection.send({ type: "step" })),
       iconButton("reset", "Reset (r)", () => this.connection.send({ type: "reset" })),
-      element("span", { class: "rule" }),
+    );
+    group(
+      iconButton("open", "Open a mesh or a surface (Ctrl o)", () => this.opener.choose()),
+      this.saveButton,
+      ...this.shell.cameraButtons,
       iconButton("help", "Mouse and keys (?)", () => this.overlays.showHelp(true)),
     );
     return bar;
@@ -143,6 +158,7 @@ export class LiveApp {
       hello.parts[part].kind === "skin" ? "given" : "creased",
     );
     this.client = hello.client;
+    this.saveButton.hidden = !hello.saves;
     this.tools = new Tools(viewport, this.connection);
     this.tools.tool = this.tool;
     const actions: LiveActions = {
@@ -232,12 +248,14 @@ export class LiveApp {
   }
 
   private key(event: KeyboardEvent): void {
+    if (this.isCommand(event)) return event.preventDefault();
     if (event.ctrlKey || event.metaKey || event.altKey || belongsToControl(event)) return;
     const { shell } = this;
     const actions: Record<string, () => void> = {
       "1": () => this.chooseTool("hand"),
       "2": () => this.chooseTool("pin"),
       "3": () => this.chooseTool("poke"),
+      "4": () => this.chooseTool("hold"),
       " ": () => this.togglePause(),
       s: () => this.connection.send({ type: "step" }),
       r: () => this.connection.send({ type: "reset" }),
@@ -246,6 +264,8 @@ export class LiveApp {
       c: () => shell.toggle("cells"),
       x: () => shell.toggle("cut"),
       m: () => shell.toggle("marks"),
+      v: () => shell.recorder.toggle(),
+      p: () => shell.takePicture(),
       "?": () => this.overlays.showHelp(!this.overlays.helpIsOpen),
       Enter: () => this.actAtCrosshair(),
       Escape: () => this.leaveCrosshair(),
@@ -257,6 +277,19 @@ export class LiveApp {
     event.preventDefault();
     this.addressBar.changed();
   }
+
+  /** Ctrl and a letter, as in every program; true when it was one of ours. */
+  private isCommand(event: KeyboardEvent): boolean {
+    if (!(event.ctrlKey || event.metaKey) || event.altKey || event.shiftKey) return false;
+    const command = this.commands[keyOf(event)];
+    command?.();
+    return command !== undefined;
+  }
+
+  private readonly commands: Record<string, () => void> = {
+    s: () => this.connection.send({ type: "save" }),
+    o: () => this.opener.choose(),
+  };
 
   /** Arrows lead what is held, else they move the crosshair, which begins on the body. */
   private moveCrosshair(arrow: [number, number] | null): boolean {
@@ -271,7 +304,7 @@ export class LiveApp {
     if (!this.tools) return;
     if (this.tools.isHolding) return this.tools.release();
     if (!this.crosshair.isShown) this.crosshair.show(this.shell.middleOfBody());
-    if (this.tool === "pin") return this.tools.click(this.crosshair.place);
+    if (this.tools.clicks) return this.tools.click(this.crosshair.place);
     if (!this.tools.press(this.crosshair.place)) this.overlays.say("There is nothing to take at the cross.");
   }
 

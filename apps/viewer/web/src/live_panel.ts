@@ -5,6 +5,13 @@ import { NumberSlider, type NumberRange } from "./number_slider";
 import { makeWidget, type Widget } from "./control_widgets";
 import type { ControlOf, ControlValue, Hello, PageMessage, State } from "./protocol";
 
+/** What the tools of the page reach. */
+export interface ToolSizes {
+  pokeRadius: number; // [m]
+  faceAngle: number; // [degrees]
+  faceRadius: number; // [m]; 0: no limit
+}
+
 export interface LiveActions {
   set(key: string, value: ControlValue): void;
   send(message: PageMessage): void;
@@ -22,9 +29,9 @@ export class LivePanel {
 
   constructor(
     private readonly gui: GUI,
-    { controls, dimension, extent, state, up }: Hello,
+    { controls, dimension, extent, saves, state, up }: Hello,
     private readonly actions: LiveActions,
-    ball: { pokeRadius: number }, // [m]
+    private readonly tools: ToolSizes,
   ) {
     this.state = state;
     this.switches = controls.filter((control) => control.kind === "switch");
@@ -32,7 +39,7 @@ export class LivePanel {
       const place = { folder: this.folder(control.folder), up, dimension, complain: actions.complain };
       this.follow(control.key, makeWidget(control, place, state.values));
     }
-    this.addTools(ball, extent);
+    this.addTools(extent, saves);
   }
 
   private folder(name: string): GUI {
@@ -52,21 +59,38 @@ export class LivePanel {
     this.widgets.set(key, widget);
   }
 
-  private addTools(ball: { pokeRadius: number }, extent: number): void {
+  private addTools(extent: number, saves: boolean): void {
     const folder = this.folder(TOOLS);
-    const range: NumberRange = {
-      least: 0.02 * extent,
-      greatest: 0.5 * extent,
-      step: 0.001 * extent,
-      unit: "m",
-      allowed: [1e-6 * extent, 10 * extent],
-      complain: this.actions.complain,
+    const { complain } = this.actions;
+    const length = { least: 0, greatest: 0.5 * extent, step: 0.001 * extent, unit: "m", complain };
+    const slider = (property: keyof ToolSizes, name: string, help: string, range: NumberRange) => {
+      const made = new NumberSlider(folder, this.tools, property, range).name(name);
+      made.domElement.dataset.testid = `set-${property.replace(/[A-Z]/g, (letter) => `_${letter.toLowerCase()}`)}`;
+      made.domElement.title = help;
     };
-    const slider = new NumberSlider(folder, ball, "pokeRadius", range).name("Poking ball [m]");
-    slider.domElement.dataset.testid = "set-poke_radius";
+    slider("pokeRadius", "Poking ball [m]", "Its radius", {
+      ...length,
+      least: 0.02 * extent,
+      allowed: [1e-6 * extent, 10 * extent],
+    });
+    slider("faceAngle", "Held face turns [°]", "How far a held face may turn away from the place that is clicked", {
+      least: 1,
+      greatest: 90,
+      step: 1,
+      unit: "°",
+      allowed: [0, 180],
+      complain,
+    });
+    slider("faceRadius", "Held face reaches [m]", "How far a held face may reach from there", {
+      ...length,
+      zero: "no limit",
+      allowed: [0, 10 * extent],
+    });
     const button = (name: string, message: PageMessage) =>
       folder.add({ press: () => this.actions.send(message) }, "press").name(name);
     button("Remove all pins", { type: "unpin_all" });
+    button("Free all held faces", { type: "free_faces" });
+    if (saves) button("Save the scene (Ctrl s)", { type: "save" });
     button("Read the scene again", { type: "reload" });
   }
 

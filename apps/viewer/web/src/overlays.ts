@@ -12,6 +12,9 @@ export class Overlays {
   private readonly keys = element("table", {});
   private readonly toast = element("div", { class: "toast", data: "toast", role: "alert", hidden: true });
   private toastEnds = 0;
+  private readonly invitation = element("div", { class: "invitation", data: "invitation", hidden: true });
+  private readonly busy = element("div", { class: "busy card", data: "busy", role: "status", hidden: true });
+  private readonly busyWords = element("span", {});
 
   constructor(keys: [string, string][]) {
     this.lost.append(element("div", { class: "card dialog" }, element("span", { class: "spinner" }), this.lostWords));
@@ -33,7 +36,9 @@ export class Overlays {
       },
       element("div", { class: "card dialog" }, element("h2", {}, "Mouse and keys"), this.keys, this.closeButton),
     );
-    this.root.append(this.lost, this.help, this.toast);
+    this.invitation.append(element("p", { class: "card" }, "Drop a mesh or a surface here to open it"));
+    this.busy.append(element("span", { class: "spinner" }), this.busyWords);
+    this.root.append(this.lost, this.help, this.invitation, this.busy, this.toast);
   }
 
   /** What the help lists: a key or a gesture, and what it does. */
@@ -43,6 +48,17 @@ export class Overlays {
         element("tr", {}, element("th", {}, element("kbd", {}, key)), element("td", {}, what)),
       ),
     );
+  }
+
+  /** A file is being dragged over the page. */
+  invite(isInvited: boolean): void {
+    this.invitation.hidden = !isInvited;
+  }
+
+  /** What is under way beside the scene; null: nothing. */
+  showBusy(words: string | null): void {
+    this.busy.hidden = words === null;
+    setText(this.busyWords, words ?? "");
   }
 
   showLost(words: string | null): void {
@@ -71,13 +87,13 @@ export class Overlays {
     return !this.help.hidden;
   }
 
-  /** One line for some seconds. */
+  /** One line for as long as it takes to read it. */
   say(text: string, mood: "refused" | "fine" = "refused"): void {
     setText(this.toast, text);
     this.toast.dataset.mood = mood;
     this.toast.hidden = false;
     clearTimeout(this.toastEnds);
-    this.toastEnds = window.setTimeout(() => (this.toast.hidden = true), 6000);
+    this.toastEnds = window.setTimeout(() => (this.toast.hidden = true), Math.max(6000, 70 * text.length));
   }
 
   /** Takes the line away. */

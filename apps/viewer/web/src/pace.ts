@@ -6,7 +6,7 @@ const SLOW = 100; // [ms] between two frames
 const PATIENCE = 4; // slow frames in a row
 const LONGEST = 2000; // [ms]; longer gaps are those of a hidden page
 const LIGHT_PIXELS = 0.6; // for each pixel of the window, along each side
-const FULL_PIXELS = 2;
+export const FULL_PIXELS = 2;
 
 export class Pace {
   choice: DrawingChoice = "auto";
@@ -19,6 +19,11 @@ export class Pace {
 
   get isLight(): boolean {
     return this.choice === "light" || (this.choice === "auto" && this.isSlow);
+  }
+
+  /** For each of the window's, along each side. */
+  get pixels(): number {
+    return this.isLight ? LIGHT_PIXELS : FULL_PIXELS;
   }
 
   choose(choice: DrawingChoice): void {
@@ -41,6 +46,6 @@ export class Pace {
 
   private tell(): void {
     document.documentElement.dataset.drawing = this.isLight ? "light" : "full";
-    this.changed(this.isLight, this.isLight ? LIGHT_PIXELS : FULL_PIXELS);
+    this.changed(this.isLight, this.pixels);
   }
 }

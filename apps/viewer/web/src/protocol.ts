@@ -115,6 +115,7 @@ const stateShape = {
   paused: flag,
   ground: nullable(number), // [m] along `up`; null: there is none
   pinned: list(number),
+  held: list(object({ vertices: list(number) })), // faces that somebody holds, at some of their vertices
   grabbed_by: nullable(number),
   poking: flag,
   warnings: list(text),
@@ -148,10 +149,11 @@ const status = object({
 export type Status = Read<typeof status>;
 
 const serverMessage = tagged("type", {
-  hello: object({ ...headerShape, client: number, controls: list(control), state }),
+  hello: object({ ...headerShape, client: number, saves: flag, controls: list(control), state }),
   state,
   status,
   error: object({ message: text }),
+  note: object({ message: text }), // what was asked for is done
 });
 export type ServerMessage = Read<typeof serverMessage>;
 export type Hello = Extract<ServerMessage, { type: "hello" }>;
@@ -288,7 +290,8 @@ export type PageMessage =
   | { type: "grab"; vertex: number; point: Vector }
   | { type: "release" }
   | { type: "pin" | "unpin"; vertex: number }
-  | { type: "unpin_all" }
+  | { type: "unpin_all" | "free_faces" | "save" }
+  | { type: "hold"; vertex: number; point: Vector; angle: number; radius: number }
   | { type: "poke"; center: Vector; radius: number }
   | { type: "poke_end" }
   | { type: "set"; key: string; value: ControlValue }

@@ -28,6 +28,7 @@ const KEYS: [string, string][] = [
   ["Home End", "the first frame, the last one"],
   ["f", "see the whole scene"],
   ["w c x m", "wireframe, coarse cells, cut, supports and loads"],
+  ["v p", "record a film and end it; a picture without a background"],
   ["Escape", "forget the probed place"],
   ["?", "this help"],
 ];
@@ -92,6 +93,7 @@ export class ResultsApp {
         "nav",
         { class: "card toolbar small" },
         iconButton("plots", "Plots", () => (this.plots.root.hidden = !this.plots.root.hidden)),
+        ...this.shell.cameraButtons,
         iconButton("help", "Mouse and keys (?)", () => this.overlays.showHelp(true)),
       ),
     );
@@ -281,6 +283,8 @@ export class ResultsApp {
       c: () => shell.toggle("cells"),
       x: () => shell.toggle("cut"),
       m: () => shell.toggle("marks"),
+      v: () => shell.recorder.toggle(),
+      p: () => shell.takePicture(),
       "?": () => this.overlays.showHelp(!this.overlays.helpIsOpen),
       Enter: () => this.probeAtCrosshair(),
       Escape: () => this.leaveProbe(),

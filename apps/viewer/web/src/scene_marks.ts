@@ -9,6 +9,7 @@ import type { Frame, Mark } from "./protocol";
 const SUPPORT = 0x2a7f9e;
 const LOAD = 0xc2410c;
 const PROBE = 0x8250df;
+const SUPPORT_SIZE = 6; // [pixels]
 const ARROW = 0.13; // of the extent: the greatest force of a load
 const LIFT = 0.02; // of the extent, towards the eye: what lies at a surface is seen
 
@@ -45,6 +46,55 @@ function points(count: number, color: number, size: number, lift: number, shared
   made.frustumCulled = false;
   made.renderOrder = 3;
   return made;
+}
+
+/** What is held while one plays, drawn as the supports of the scene are. */
+export class HeldMarks {
+  readonly group = new THREE.Group();
+  private vertices: number[] = [];
+  private dots: THREE.Points | null = null;
+
+  constructor(
+    private readonly extent: number,
+    private readonly shared: SceneUniforms,
+  ) {}
+
+  /** True when they are others than before. */
+  set(vertices: number[]): boolean {
+    if (vertices.length === this.vertices.length && vertices.every((vertex, i) => vertex === this.vertices[i]))
+      return false;
+    this.dispose();
+    this.vertices = vertices;
+    if (vertices.length === 0) return true;
+    this.dots = points(vertices.length, SUPPORT, SUPPORT_SIZE * devicePixelRatio, LIFT * this.extent, this.shared);
+    this.group.add(this.dots);
+    return true;
+  }
+
+  update(positions: Float32Array): void {
+    if (this.dots) moveTo(this.dots, this.vertices, positions);
+  }
+
+  /** How many dots are drawn, for tests. */
+  get count(): number {
+    return this.dots ? this.vertices.length : 0;
+  }
+
+  dispose(): void {
+    if (!this.dots) return;
+    this.group.remove(this.dots);
+    this.dots.geometry.dispose();
+    (this.dots.material as THREE.Material).dispose();
+    this.dots = null;
+  }
+}
+
+function moveTo(dots: THREE.Points, vertices: number[], positions: Float32Array): void {
+  const attribute = dots.geometry.getAttribute("position") as THREE.BufferAttribute;
+  vertices.forEach((vertex, i) =>
+    attribute.setXYZ(i, positions[3 * vertex], positions[3 * vertex + 1], positions[3 * vertex + 2]),
+  );
+  attribute.needsUpdate = true;
 }
 
 /** An arrow of length 1 along y. */
@@ -116,7 +166,7 @@ export class SceneMarks {
     const middle = box.getCenter(new THREE.Vector3());
     this.shown = marks.map((mark) => {
       const color = mark.kind === "support" ? SUPPORT : PROBE;
-      const size = mark.kind === "support" ? 6 : 10;
+      const size = mark.kind === "support" ? SUPPORT_SIZE : 10;
       const arrows = mark.directions ? new Arrows(mark, rest, middle, extent) : null;
       const lift = (mark.kind === "probe" ? 4 : 1) * LIFT * extent; // it may stand under a skin
       const dots = arrows ? null : points(mark.vertices.length, color, size * devicePixelRatio, lift, shared);
@@ -129,13 +179,7 @@ export class SceneMarks {
     if (!this.group.visible) return;
     for (const { mark, points: dots, arrows } of this.shown) {
       arrows?.update(mark.vertices, positions);
-      if (dots) {
-        const attribute = dots.geometry.getAttribute("position") as THREE.BufferAttribute;
-        mark.vertices.forEach((vertex, i) =>
-          attribute.setXYZ(i, positions[3 * vertex], positions[3 * vertex + 1], positions[3 * vertex + 2]),
-        );
-        attribute.needsUpdate = true;
-      }
+      if (dots) moveTo(dots, mark.vertices, positions);
       if (mark.kind === "probe") {
         const place = new THREE.Vector3().fromArray(positions, 3 * mark.vertices[0]);
         this.labels.set(`probe-${mark.name}`, mark.name, place, "probe");

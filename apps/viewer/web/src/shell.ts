@@ -3,12 +3,14 @@
 import GUI from "lil-gui";
 import { ColorBar } from "./color_bar";
 import { DisplayPanel, type DisplayChoices, type DisplayEvents } from "./display_panel";
-import { element, setText } from "./dom";
+import { element, iconButton, setText } from "./dom";
+import { download, fileName } from "./download";
 import { startInspection, type Inspected } from "./inspect";
 import type { Overlays } from "./overlays";
 import type { Pose } from "./orbit";
-import { Pace, type DrawingChoice } from "./pace";
+import { FULL_PIXELS, Pace, type DrawingChoice } from "./pace";
 import type { Frame, Header, Topology } from "./protocol";
+import { Recorder } from "./recorder";
 import { withoutRounding } from "./numbers";
 import { type Covered, defaultLook, Viewport } from "./viewport";
 import type { Normals } from "./surface";
@@ -46,6 +48,11 @@ export class Shell {
   private easedField = -1;
   private running = true;
   private fitIsWanted = false; // once there is a frame, and the cards have their sizes
+  readonly recorder = new Recorder(
+    this.canvas,
+    () => fileName(document.title.replace(/ · Resilin$/, "")),
+    (words, mood) => this.overlays.say(words, mood),
+  );
   readonly pace = new Pace((isLight, pixels) => {
     this.viewport?.setFinest(pixels);
     this.inspected.isLight = isLight;
@@ -94,6 +101,7 @@ export class Shell {
       covered: () => this.covered(),
       middleOfBody: () => this.middleOfBody(),
       marksSeen: () => this.viewport?.sceneMarks.seen(this.viewport.orbit, this.viewport.frame!.positions) ?? [],
+      heldDots: () => this.viewport?.heldDots ?? 0,
       section: () => this.viewport?.sectionTriangles ?? null,
       fieldRange: () => [this.viewport?.frame?.least, this.viewport?.frame?.greatest],
       isLight: false,
@@ -112,7 +120,7 @@ export class Shell {
     old?.dispose();
     this.viewport = viewport;
     this.labels.replaceChildren(viewport.labels.root);
-    viewport.setFinest(this.pace.isLight ? 0.6 : 2);
+    viewport.setFinest(this.pace.pixels);
     viewport.setDark(this.theme.dark);
     viewport.setLook(this.choices);
     document.title = header.title ? `${header.title} · Resilin` : "Resilin";
@@ -182,6 +190,26 @@ export class Shell {
     });
   }
 
+  /** What makes films and pictures, for a bar of buttons. */
+  get cameraButtons(): HTMLElement[] {
+    const picture = iconButton("picture", "Picture without a background (p)", () => this.takePicture());
+    return [this.recorder.button, this.recorder.counter, picture];
+  }
+
+  /** Saves what is seen as a PNG in all its pixels, without what lies over or behind it. */
+  takePicture(): void {
+    const { viewport } = this;
+    if (!viewport) return;
+    viewport.setFinest(FULL_PIXELS);
+    this.draw(true);
+    const name = `${fileName(viewport.header.title)}.png`;
+    this.canvas.toBlob((image) => {
+      if (image) download(image, name);
+      this.overlays.say(image ? `Saved ${name}.` : "The browser makes no picture of this.", image ? "fine" : "refused");
+    });
+    viewport.setFinest(this.pace.pixels);
+  }
+
   private setRange(range: [number, number] | null): void {
     this.typedRange = range;
     this.events.rangeChanged(range);
@@ -239,6 +267,7 @@ export class Shell {
     if (!this.running) return;
     requestAnimationFrame(this.loop);
     this.pace.frame(now, this.draw(false));
+    this.recorder.frame();
   };
 
   /** True when something was drawn. */

@@ -1,4 +1,4 @@
-/** The hand, the pin and the ball: what a press on the body does in a live scene. */
+/** The hand, the pin, the ball and the holding of faces: what a press on the body does in a live scene. */
 
 import * as THREE from "three";
 import type { Place } from "./gestures";
@@ -8,13 +8,15 @@ import { withUnit } from "./numbers";
 import type { State } from "./protocol";
 import type { Viewport } from "./viewport";
 
-export type Tool = "hand" | "pin" | "poke";
+export type Tool = "hand" | "pin" | "poke" | "hold";
 
 const PIN_REACH = 14; // pixels within which a click means a pin that is there
 
 export class Tools {
   tool: Tool = "hand";
   pokeRadius: number;
+  faceAngle = 30; // [degrees] that a held face turns away from the place that is clicked
+  faceRadius = 0; // [m] that it reaches from there; 0: as far as it goes
   private grab: Hit | null = null;
   private poking = false;
   private readonly target = new THREE.Vector3();
@@ -34,8 +36,13 @@ export class Tools {
     return this.grab;
   }
 
+  /** Whether the tool works by clicks, not by pulling. */
+  get clicks(): boolean {
+    return this.tool === "pin" || this.tool === "hold";
+  }
+
   press(at: Place): boolean {
-    if (this.tool === "pin") return false;
+    if (this.clicks) return false;
     const hit = this.viewport.pickAt(at.x, at.y);
     if (!hit) return false;
     const towardsEye = this.viewport.orbit.axis(2);
@@ -96,7 +103,8 @@ export class Tools {
   }
 
   click(at: Place): void {
-    if (this.tool !== "pin" || !this.viewport.frame) return;
+    if (!this.clicks || !this.viewport.frame) return;
+    if (this.tool === "hold") return this.holdFace(at);
     const near = this.pinned.find((vertex) => {
       const seen = this.viewport.orbit.project(this.vertexPlace(vertex));
       return Math.hypot(seen.x - at.x, seen.y - at.y) < PIN_REACH;
@@ -106,8 +114,17 @@ export class Tools {
     if (hit) this.connection.send({ type: "pin", vertex: hit.vertex });
   }
 
+  /** The program holds the face around the place, or frees it where it is held. */
+  private holdFace(at: Place): void {
+    const hit = this.viewport.pickAt(at.x, at.y);
+    if (!hit) return;
+    const { faceAngle: angle, faceRadius: radius } = this;
+    this.connection.send({ type: "hold", vertex: hit.vertex, point: hit.point.toArray(), angle, radius });
+  }
+
   setState(state: State, client: number): void {
     this.pinned = state.pinned;
+    this.viewport.setHeld(state.held.flatMap(({ vertices }) => vertices));
     const takenAway = this.grab && state.grabbed_by !== null && state.grabbed_by !== client;
     if (takenAway) this.letGo();
     this.viewport.touch();

@@ -1,6 +1,7 @@
 /** How a live page reaches its scene: over a WebSocket, or in a worker of its own. */
 
 import type { Game } from "./engine";
+import type { SendFile } from "./opener";
 import type { Fault } from "./play_worker";
 
 /** What of a WebSocket a live page needs. */
@@ -18,6 +19,7 @@ export interface Scenery {
   /** Null when the scene can be opened again, else why not yet. */
   isAway(): Promise<string | null>;
   lost: string; // what to say when the connection ends
+  send: SendFile; // takes a file and shows it in place of the scene
 }
 
 const LOST =
@@ -48,6 +50,14 @@ export function served(token: string): Scenery {
       }
     },
     lost: LOST,
+    async send(file) {
+      const address = `open?token=${encodeURIComponent(token)}&name=${encodeURIComponent(file.name)}`;
+      const answer = await fetch(address, { method: "POST", body: file }).catch(() => {
+        throw new Error(`“${file.name}” cannot be sent: it is no file that can be read, or the program is gone.`);
+      });
+      const words = (await answer.text()).trim();
+      if (!answer.ok) throw new Error(words || `The program refuses the file (${answer.status}).`);
+    },
   };
 }
 
@@ -106,6 +116,7 @@ export function carried(program: string, game: Game): Scenery {
     },
     isAway: async () => hopeless,
     lost: "The scene begins anew.",
+    send: null,
   };
   return scenery;
 }

@@ -9,7 +9,7 @@ import { Orbit } from "./orbit";
 import { pick, type Hit } from "./picking";
 import { Labels } from "./labels";
 import type { Frame, Header, Topology } from "./protocol";
-import { SceneMarks } from "./scene_marks";
+import { HeldMarks, SceneMarks } from "./scene_marks";
 import { Section } from "./section";
 import { LINES, Surface, type Normals } from "./surface";
 
@@ -80,6 +80,7 @@ export class Viewport {
   private sectionIsOld = true;
   readonly labels = new Labels();
   readonly sceneMarks: SceneMarks;
+  private readonly heldMarks: HeldMarks;
   /** What a run goes through, for the camera: null where only the shown frame is known. */
   reach: THREE.Box3 | null = null;
   private covered: Covered = { left: 0, right: 0, top: 0, bottom: 0 };
@@ -112,7 +113,8 @@ export class Viewport {
       this.uniforms,
       this.labels,
     );
-    this.extras.add(this.sceneMarks.group);
+    this.heldMarks = new HeldMarks(this.extent, this.uniforms);
+    this.extras.add(this.sceneMarks.group, this.heldMarks.group);
     this.buildSurfaces(topology, normals);
     this.colliders = new Colliders(header.colliders ?? [], topology.colliders, this.uniforms, this.flat);
     this.bodies.add(this.colliders.solids);
@@ -159,9 +161,21 @@ export class Viewport {
     });
     if (frame.colliders) this.colliders.move(frame.colliders);
     this.sceneMarks.update(frame);
+    this.heldMarks.update(frame.positions);
     this.sectionIsOld = true;
     if (frame.fieldValues) this.uniforms.fieldRange.value.set(frame.least, frame.greatest);
     this.changed = this.shadeIsOld = true;
+  }
+
+  /** The vertices at which faces are held. */
+  setHeld(vertices: number[]): void {
+    if (!this.heldMarks.set(vertices)) return;
+    if (this.frame) this.heldMarks.update(this.frame.positions);
+    this.changed = true;
+  }
+
+  get heldDots(): number {
+    return this.heldMarks.count;
   }
 
   setLook(look: Partial<Look>): void {
@@ -324,6 +338,7 @@ export class Viewport {
     this.surfaces.forEach((surface) => surface.dispose());
     this.colliders.dispose();
     this.sceneMarks.dispose();
+    this.heldMarks.dispose();
     this.section.dispose();
     this.labels.clear();
   }

@@ -172,15 +172,11 @@ test("fingers drag the body, and two of them come nearer", async () => {
       await touch("touchEnd", []);
       await watched.until("resilin.state.grabbed_by === null");
       const covered = (await watched.picture()).covered;
-      await touch("touchStart", [{ x: 60, y: 500 }]);
-      await touch("touchStart", [
-        { x: 60, y: 500 },
-        { x: 120, y: 500 },
-      ]);
-      await touch("touchMove", [
-        { x: 30, y: 500 },
-        { x: 150, y: 500 },
-      ]);
+      const below = await watched.value<number>("innerHeight - resilin.covered().bottom - 30"); // above the cards
+      const at = (x: number) => ({ x, y: below });
+      await touch("touchStart", [at(60)]);
+      await touch("touchStart", [at(60), at(120)]);
+      await touch("touchMove", [at(30), at(150)]);
       await touch("touchEnd", []);
       assert.ok((await watched.picture()).covered > 1.3 * covered, "the body is larger");
     },

@@ -199,6 +199,7 @@ function hello(): Record<string, unknown> {
   return {
     type: "hello",
     client: 3,
+    saves: true,
     title: "Spot",
     version: "0.1.0",
     dimension: 3,
@@ -220,6 +221,7 @@ function hello(): Record<string, unknown> {
       paused: false,
       ground: null,
       pinned: [],
+      held: [],
       grabbed_by: null,
       poking: false,
       warnings: [],

@@ -4,7 +4,7 @@
 
 #include "resilin/core/error.hpp"
 
-namespace resilin::cli {
+namespace resilin::viewer {
 
 int dimension_of(const MeshFile& file) {
   if (file.is_surface || file.mesh.find_solid(3) != nullptr) return 3;  // a surface gets cells
@@ -12,9 +12,9 @@ int dimension_of(const MeshFile& file) {
       std::ranges::all_of(file.mesh.vertices, [](const Vector3& vertex) { return vertex.z() == 0; });
   if (is_flat && file.mesh.find_solid(2) != nullptr) return 2;
   const std::string& name = file.numbering.file;
-  throw InputError(name, "a mesh whose cells fill the body, or a file of a surface (STL, PLY, OBJ)",
-                   "triangles in space",
-                   "`resilin mesh " + name + " surface.obj --surface` makes such a file of them");
+  throw InputError(
+      name, "a mesh whose cells fill the body, or a file of a surface (STL, PLY, OBJ, VTP, glTF)",
+      "triangles in space", "`resilin mesh " + name + " surface.obj --surface` makes such a file of them");
 }
 
-}  // namespace resilin::cli
+}  // namespace resilin::viewer

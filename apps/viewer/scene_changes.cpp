@@ -1,0 +1,117 @@
+#include "scene_changes.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <set>
+#include <string>
+#include <utility>
+
+namespace resilin::viewer {
+namespace {
+
+constexpr const char* place = "save";  // begins messages that nobody should see
+
+SceneValue value_of(auto data) {
+  SceneValue value;
+  value.data = std::move(data);
+  return value;
+}
+
+SceneValue vector_value(const Vector3& v, int dim) {
+  SceneValue::Array numbers;
+  for (int i = 0; i < dim; ++i) numbers.push_back(value_of(v[i] + 0.0));  // no -0
+  return value_of(std::move(numbers));
+}
+
+/// The list of tables [[key]], made when there is none.
+SceneValue::Array& list_of(SceneValue& scene, const std::string& key) {
+  if (scene.find(key) == nullptr) scene.table().push_back({key, value_of(SceneValue::Array{})});
+  return scene.find(key)->array();
+}
+
+std::string body_key(std::size_t body) { return "body." + std::to_string(body); }
+
+void hold(SceneValue& scene, const SceneChanges& changes) {
+  if (changes.held.empty()) return;
+  SceneValue::Array& fixes = list_of(scene, "fix");
+  std::set<std::string> names;
+  for (const FixDescription& fix : changes.before->fixes) names.insert(fix.name);
+  int number = 0;
+  for (const HeldFace& face : changes.held) {
+    std::string name;
+    do name = "held_" + std::to_string(++number);
+    while (names.contains(name));
+    SceneValue::Array vertices;
+    for (const Index v : face.vertices) vertices.push_back(value_of(std::int64_t{v}));
+    SceneValue::Table fix = {{"name", value_of(name)}};
+    if (changes.before->bodies.size() > 1)
+      fix.push_back({"body", value_of(changes.before->bodies[face.body].name)});
+    fix.push_back({"where", value_of(SceneValue::Table{{"vertices", value_of(std::move(vertices))}})});
+    fixes.push_back(value_of(std::move(fix)));
+  }
+}
+
+void place_ground(SceneValue& scene, const SceneChanges& changes) {
+  const LiveControls& now = changes.now;
+  SceneValue::Array& colliders = list_of(scene, "collider");
+  for (std::size_t i = changes.before->colliders.size(); i-- > 0;)
+    if (is_floor(changes.before->colliders[i], changes.up))
+      colliders.erase(colliders.begin() + static_cast<std::ptrdiff_t>(i));
+  if (now.has_ground) {
+    const int dim = changes.before->dimension;
+    SceneValue::Table ground = {{"name", value_of(std::string("ground"))},
+                                {"kind", value_of(std::string("half_space"))},
+                                {"point", vector_value(now.ground_height * changes.up, dim)},
+                                {"normal", vector_value(changes.up, dim)}};
+    if (now.ground_friction > 0) ground.push_back({"friction", value_of(now.ground_friction)});
+    colliders.push_back(value_of(std::move(ground)));
+  }
+  if (colliders.empty())
+    std::erase_if(scene.table(), [](const SceneMember& member) { return member.key == "collider"; });
+}
+
+}  // namespace
+
+void write_material(SceneValue& scene, const SceneChanges& changes) {
+  for (std::size_t b = 0; b < changes.before->bodies.size(); ++b) {
+    const MaterialDescription& before = changes.before->bodies[b].material;
+    const MaterialDescription after = material_of(changes.now, before);
+    set_value(scene, body_key(b) + ".material.law", value_of(after.law), place);
+    SceneValue::Table& table = scene.find("body")->array()[b].find("material")->table();
+    std::erase_if(table, [&](const SceneMember& member) {
+      const bool is_constant = before.constants.contains(member.key);
+      const bool is_of_cells = before.cell_constants.contains(member.key);
+      const bool is_dropped = is_constant || (is_of_cells && !after.cell_constants.contains(member.key));
+      return is_dropped || after.constants.contains(member.key) ||
+             (member.key == "fibres" && after.fibres.empty());
+    });
+    for (const auto& [name, value] : after.constants) table.push_back({name, value_of(value)});
+  }
+}
+
+void apply_changes(SceneValue& scene, const SceneChanges& changes) {
+  const LiveControls &first = changes.first, &now = changes.now;
+  const auto set = [&scene](const std::string& key, SceneValue value) {
+    set_value(scene, key, std::move(value), place);
+  };
+  hold(scene, changes);
+  if (now.gravity != first.gravity)
+    set("simulation.gravity", vector_value(now.gravity, changes.before->dimension));
+  if (now.law != first.law || now.youngs_modulus != first.youngs_modulus ||
+      now.poissons_ratio != first.poissons_ratio)
+    write_material(scene, changes);
+  if (now.damping != first.damping)
+    for (std::size_t b = 0; b < changes.before->bodies.size(); ++b)
+      set(body_key(b) + ".damping.mass", value_of(now.damping));
+  if (now.has_ground != first.has_ground ||
+      (now.has_ground &&
+       (now.ground_height != first.ground_height || now.ground_friction != first.ground_friction)))
+    place_ground(scene, changes);
+  if (now.contact_friction != first.contact_friction) set("contact.friction", value_of(now.contact_friction));
+  if (now.contact_stiffness != first.contact_stiffness)
+    set("contact.stiffness", value_of(now.contact_stiffness));
+  if (now.contact_distance != first.contact_distance)
+    set("contact.activation_distance", value_of(now.contact_distance));
+}
+
+}  // namespace resilin::viewer
