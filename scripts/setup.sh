@@ -161,6 +161,17 @@ install_python_environment() {
   cp "$wanted" "$folder/installed"
 }
 
+# What makes the site, in the versions of scripts/website/requirements.txt.
+install_site_tools() {
+  local folder=$root/build/site wanted=$root/scripts/website/requirements.txt
+  cmp -s "$wanted" "$folder/installed" && return 0
+  say "Fetching what makes the site ..."
+  mkdir -p "$folder"
+  { python3 -m venv "$folder/venv" && "$folder/venv/bin/pip" install --quiet --disable-pip-version-check -r "$wanted"; } \
+    >"$folder/install.log" 2>&1 || return 1
+  cp "$wanted" "$folder/installed"
+}
+
 # Fetches the compiler of WebAssembly in the version of cmake/wasm/requirements.txt, and says where it is (RESILIN_ZIG).
 install_wasm_compiler() {
   local folder=$root/build/wasm-tools wanted=$root/cmake/wasm/requirements.txt

@@ -1,0 +1,139 @@
+"""Builds the site from what stands in the repository: pages, scenes, notebooks, docstrings, headers and the program's help.
+
+scripts/build_site.sh makes what this needs and calls it. Every warning of Sphinx (a link, an anchor or a page that leads nowhere) is
+an error.
+"""
+
+import argparse
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
+
+from files import ROOT, relative, repository_files  # noqa: E402
+from website import command_reference, cpp_reference, gallery, notebooks, python_reference  # noqa: E402
+from website.pages import Links, Stage, listing, page_names, staged_name  # noqa: E402
+from website.pages import code_block  # noqa: E402
+
+HERE = pathlib.Path(__file__).resolve().parent
+BUILD = ROOT / "build" / "site"
+PROGRAM = ROOT / "build" / "release" / "apps" / "cli" / "resilin"
+MODULE = ROOT / "build" / "wasm" / "apps" / "play" / "resilin_play.wasm"
+INTERPRETER = BUILD / "venv" / "bin" / "python"  # made by setup.sh, with Sphinx; it runs this
+UNLISTED = ("README.md",)
+
+
+def contents(pages):
+    """(caption, documents) of navigation.toml; pages that it does not name come where it says `rest`."""
+    chapters = tomllib.loads((HERE / "navigation.toml").read_text(encoding="utf-8"))["chapter"]
+    named = {page for chapter in chapters for page in chapter["pages"]}
+    left = [page for page in pages if page not in named and page not in UNLISTED]
+    for chapter in chapters:
+        listed = list(chapter["pages"])
+        if folder := chapter.get("folder"):
+            own = [page for page in left if page.startswith(folder)]
+            listed += own
+            left = [page for page in left if page not in own]
+        chapter["listed"] = listed
+    chapters[-1]["listed"] += left
+    return [(chapter["caption"], [staged_name(page).rsplit(".", 1)[0] for page in chapter["listed"]]) for chapter in chapters]
+
+
+def toctrees(pages):
+    parts = []
+    for caption, documents in contents(pages):
+        parts.append(f"```{{toctree}}\n:caption: {caption}\n:hidden:\n:maxdepth: 1\n\n" + "\n".join(documents) + "\n```\n")
+    return "\n".join(parts)
+
+
+def first_page(text, scenes, pages):
+    """README with the gallery's strip after its first picture."""
+    if any("picture" in scene.shown for scene in scenes):
+        first_picture = re.search(r"^!\[.*\]\(.*\)\n", text, re.MULTILINE)
+        more = "\n[More in the gallery](examples/index.md), some of them to play with; [tutorials](docs/tutorials/index.md).\n"
+        at = first_picture.end()
+        text = text[:at] + "\n" + gallery.strip(scenes) + more + text[at:]
+    return text + "\n" + toctrees(pages)
+
+
+def version():
+    return re.search(r"project\(resilin VERSION ([0-9.]+)", (ROOT / "CMakeLists.txt").read_text(encoding="utf-8"))[1]
+
+
+def write_pages(stage, scenes, files, runs_notebooks, modules):
+    names = page_names()
+    books = repository_files(".ipynb")
+    examples = {relative(scene.source): f"examples/{scene.name}.md" for scene in scenes}
+    examples |= {relative(book): relative(book).removesuffix(".ipynb") + ".md" for book in books}
+    links = Links(names, examples)
+    for name in names:
+        text = links.rewrite(name, (ROOT / name).read_text(encoding="utf-8"))
+        if name == "README.md":
+            text = first_page(text, scenes, names)
+        elif name == "examples/README.md":
+            text = gallery.with_cards(text, scenes)
+            pages = [f"{scene.name}" for scene in scenes] + [
+                examples[relative(book)].removeprefix("examples/").removesuffix(".md") for book in books
+            ]
+            text += "\n```{toctree}\n:hidden:\n\n" + "\n".join(pages) + "\n```\n"
+        stage.write(staged_name(name), text)
+    for scene in scenes:
+        stage.write(examples[relative(scene.source)], gallery.scene_page(scene))
+    for book in books:
+        name = examples[relative(book)]
+        text = notebooks.page(book, files, runs_notebooks).replace("UP/", "../" * name.count("/"))
+        stage.write(name, links.rewrite(relative(book), text))
+    stage.write("reference/commands.md", command_reference.page(PROGRAM))
+    stage.write("reference/python.rst", python_reference.page())
+    for name, text in cpp_reference.pages(code_block, modules):
+        stage.write(f"reference/cpp/{name}.md", text)
+    for path in sorted(links.listed):
+        stage.write(f"files/{path}.md" if (ROOT / path).is_file() else f"files/{path}/index.md", listing(path))
+    for path in sorted(links.pictures):
+        stage.write(path, (ROOT / path).read_bytes())
+
+
+def build(out, work, *, draws, runs_notebooks, modules=None):
+    """Writes the site into `out`; what is kept from build to build is in `work`. Raises RuntimeError with what Sphinx said."""
+    if not PROGRAM.is_file():
+        raise RuntimeError(f"{PROGRAM}: not there; scripts/build_site.sh builds it")
+    files = work / "files"
+    shutil.rmtree(files, ignore_errors=True)
+    files.mkdir(parents=True)
+    scenes = gallery.scenes()
+    if draws:
+        module = MODULE if MODULE.is_file() else None
+        gallery.make_pictures(scenes, PROGRAM, work / "pictures", files, module)
+    stage = Stage(work / "pages")
+    write_pages(stage, scenes, files, runs_notebooks, modules)
+    stage.remove_what_is_old()
+    environment = {**os.environ, "RESILIN_VERSION": version(), "RESILIN_SITE_FILES": str(files)}
+    command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-j", "auto", "-b", "html", "-c", HERE, "-d", work / "doctrees"]
+    run = subprocess.run([*command, stage.folder, out], capture_output=True, text=True, check=False, env=environment)
+    if run.returncode != 0:
+        raise RuntimeError(run.stderr.replace(str(stage.folder) + "/", "").strip() or run.stdout.strip())
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out" / "site", help="default out/site")
+    parser.add_argument("--modules", nargs="*", help="of the C++ reference; default all")
+    parser.add_argument("--no-pictures", action="store_true", help="do not run the scenes of the gallery, nor notebooks")
+    arguments = parser.parse_args()
+    try:
+        draws = not arguments.no_pictures
+        build(arguments.out, BUILD, draws=draws, runs_notebooks=draws, modules=arguments.modules)
+    except (RuntimeError, ValueError, FileNotFoundError) as error:
+        sys.exit(f"The site could not be built: {error}")
+    if not MODULE.is_file() and not arguments.no_pictures:
+        print("No pages to play with: scripts/build_wasm.sh makes what they need", file=sys.stderr)
+    print(f"{arguments.out / 'index.html'}: {sum(1 for _ in arguments.out.rglob('*.html'))} pages")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,197 @@
+"""The gallery: a page for each scene of examples/, with its picture, its film and, where asked for, a page to play with.
+
+Pictures are made by running the scenes, once: they are kept beside the site until the program or the scene changes.
+"""
+
+import dataclasses
+import hashlib
+import html
+import json
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+
+from files import ROOT, relative, repository_files
+from website.pages import code_block
+
+EXAMPLES = ROOT / "examples"
+SETTINGS = ROOT / "scripts" / "website" / "gallery.toml"
+ROW = re.compile(r"^\| \[[^\]]+\]\(([^)]+\.toml)\) \| (.*) \|$", re.MULTILINE)
+TITLE = re.compile(r'^title = "(.*)"$', re.MULTILINE)
+FILM_SIZE = ("720", "540")
+FIRST_LINES = re.compile(r"\A((?:# .*\n)+)")
+
+
+@dataclasses.dataclass
+class Scene:
+    name: str  # "heap"
+    caption: str  # of the table in examples/README.md, Markdown
+    plays: bool = False
+    options: list = dataclasses.field(default_factory=list)  # of `resilin film` and `resilin picture`
+    shown: dict = dataclasses.field(default_factory=dict)  # kind -> name of a file: "picture", "film", "play"
+
+    @property
+    def source(self):
+        return EXAMPLES / f"{self.name}.toml"
+
+    @property
+    def title(self):
+        found = TITLE.search(self.source.read_text(encoding="utf-8"))
+        return found[1] if found else self.name
+
+    @property
+    def is_run(self):
+        """Fits have a page of their own and no frames."""
+        return "simulation" in tomllib.loads(self.source.read_text(encoding="utf-8"))
+
+
+def settings():
+    return tomllib.loads(SETTINGS.read_text(encoding="utf-8"))
+
+
+def scenes():
+    """Those of the table in examples/README.md, in its order."""
+    own = settings()["scene"]
+    text = (EXAMPLES / "README.md").read_text(encoding="utf-8")
+    found = []
+    for target, caption in ROW.findall(text):
+        if "/" not in target:
+            name = target.removesuffix(".toml")
+            look = own.get(name, {})
+            found.append(Scene(name, caption, look.get("play", False), look.get("options", [])))
+    unknown = set(own) | set(settings()["strip"])
+    unknown -= {scene.name for scene in found}
+    if unknown:
+        raise ValueError(f"{relative(SETTINGS)}: {', '.join(sorted(unknown))}: no scene of examples/README.md")
+    return found
+
+
+def fingerprint(scene, program):
+    """Of all that a picture depends on: program, scene, meshes, look."""
+    digest = hashlib.sha256()
+    for path in [program, *repository_files(".toml", ".msh", ".obj", ".mesh", ".veg", ".csv")]:
+        if path == program or path == scene.source or (path.parent in (EXAMPLES, ROOT / "data") and path.suffix != ".toml"):
+            digest.update(path.read_bytes())
+    digest.update(json.dumps([scene.options, FILM_SIZE]).encode())
+    return digest.hexdigest()
+
+
+def run(*command, cwd=None):
+    done = subprocess.run([str(word) for word in command], capture_output=True, text=True, check=False, cwd=cwd)
+    if done.returncode != 0:
+        raise RuntimeError(f"{' '.join(map(str, command))}: exit code {done.returncode}: {done.stderr.strip()[-500:]}")
+    return done.stdout
+
+
+def frames_of(results):
+    return json.loads((results / "report.json").read_text(encoding="utf-8"))["frames"]
+
+
+def most_strained(frames):
+    """The frame that says most: at the end of a motion most things lie still."""
+    return max(range(len(frames)), key=lambda i: frames[i]["energy"].get("elastic", 0))
+
+
+def draw(scene, program, folder):
+    """Runs the scene and writes its picture and, where there is motion, its film into `folder`."""
+    results = folder / "run"
+    run(program, "run", scene.source, "--out", results, "--quiet", "--formats", "vtu")
+    frames = frames_of(results)
+    look = ["--size", *FILM_SIZE, *scene.options]
+    picture = folder / f"{scene.name}.png"
+    run(program, "picture", results, "--out", picture, "--frame", most_strained(frames), *look)
+    if len(frames) > 4 and shutil.which("ffmpeg"):
+        run(program, "film", results, "--out", folder / f"{scene.name}.mp4", *look)
+    shutil.rmtree(results)
+
+
+def make_pictures(found, program, kept, files, module):
+    """Fills `shown` of the scenes; `kept` is the folder that outlives a build, `files` goes into the site as it is."""
+    for number, scene in enumerate(found):
+        folder = kept / scene.name
+        stamp = folder / "stamp"
+        wanted = fingerprint(scene, program)
+        if scene.is_run and (not stamp.is_file() or stamp.read_text() != wanted):
+            print(f"drawing {scene.name} ({number + 1} of {len(found)}) ...", file=sys.stderr, flush=True)
+            shutil.rmtree(folder, ignore_errors=True)
+            folder.mkdir(parents=True)
+            draw(scene, program, folder)
+            stamp.write_text(wanted)
+        for kind, suffix in (("picture", ".png"), ("film", ".mp4")):
+            if (folder / f"{scene.name}{suffix}").is_file():
+                put(folder / f"{scene.name}{suffix}", files / "gallery")
+                scene.shown[kind] = f"gallery/{scene.name}{suffix}"
+        if scene.plays and module:
+            page = folder / f"{scene.name}.html"
+            folder.mkdir(parents=True, exist_ok=True)
+            if not page.is_file() or page.stat().st_mtime < module.stat().st_mtime:
+                run(program, "export", scene.source, page, "--engine", module)
+            put(page, files / "play")
+            scene.shown["play"] = f"play/{scene.name}.html"
+
+
+def put(path, folder):
+    folder.mkdir(parents=True, exist_ok=True)
+    shutil.copy2(path, folder / path.name)
+
+
+def as_html(caption):
+    """A caption without links, for inside of one."""
+    plain = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", caption)
+    return re.sub(r"`([^`]*)`", r"<code>\1</code>", html.escape(plain, quote=False))
+
+
+def moving_or_still(scene, up):
+    """The film, else the picture, as HTML; `up` leads to the root of the site."""
+    about = html.escape(re.sub(r"<[^>]+>", "", as_html(scene.caption)), quote=True)
+    picture = scene.shown.get("picture")
+    if film := scene.shown.get("film"):
+        return f'<video src="{up}{film}" poster="{up}{picture}" muted loop playsinline preload="none" aria-label="{about}"></video>'
+    return f'<img src="{up}{picture}" alt="{about}" loading="lazy">' if picture else ""
+
+
+def card(scene, up):
+    badge = '<span class="badge">play</span>' if "play" in scene.shown else ""
+    return (
+        f'<a class="card" href="{up}examples/{scene.name}.html">{moving_or_still(scene, up)}{badge}'
+        f"<span>{as_html(scene.caption)}</span></a>"
+    )
+
+
+def cards(found, up):
+    return '<div class="gallery">\n' + "\n".join(card(scene, up) for scene in found) + "\n</div>\n"
+
+
+def scene_page(scene):
+    text = scene.source.read_text(encoding="utf-8")
+    first = FIRST_LINES.match(text)
+    said = " ".join(line.removeprefix("# ").strip() for line in first[1].splitlines()) if first else scene.caption
+    said = said.replace("<", "&lt;")
+    parts = [f"# {scene.title}\n", said + "\n"]
+    if shown := moving_or_still(scene, "../"):
+        parts.append(f'<div class="stage">{shown.replace("<video ", "<video controls ", 1)}</div>\n')
+    if play := scene.shown.get("play"):
+        parts.append(f'<p><a class="button" href="../{play}">Play with it here</a></p>\n')
+    command = "run" if scene.is_run else "fit"
+    words = [f"`./run {'' if scene.is_run else 'fit '}examples/{scene.name}.toml` {'runs' if scene.is_run else 'fits'} it"]
+    if scene.is_run:
+        words.append(f"`./run view examples/{scene.name}.toml` opens it in the browser, to be pulled at")
+    if "play" in scene.shown:
+        words.append(f"`./run export examples/{scene.name}.toml play.html` made the page above")
+    parts.append(", ".join(words) + f" ([{command}](../reference/commands.md)).\n")
+    parts.append(code_block(text, "toml"))
+    return "\n".join(parts)
+
+
+def with_cards(text, found):
+    """The page of examples/README.md with pictures where its table begins."""
+    shown = [scene for scene in found if "picture" in scene.shown]
+    return re.sub(r"(?=^\| scene \|)", lambda _: cards(shown, "../") + "\n", text, count=1, flags=re.MULTILINE)
+
+
+def strip(found):
+    """The cards of the first page."""
+    by_name = {scene.name: scene for scene in found}
+    return cards([by_name[name] for name in settings()["strip"]], "")
