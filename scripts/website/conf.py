@@ -16,6 +16,7 @@ html_math_renderer = "mathml"
 source_suffix = {".rst": "restructuredtext", ".md": "markdown"}
 root_doc = "index"
 default_role = "code"
+smartquotes = False
 myst_heading_anchors = 6
 suppress_warnings = ["misc.highlighting_failure"]  # names such as `direction` are no languages
 html_theme = "furo"

@@ -99,9 +99,10 @@ def module_page(module, headers, code_block):
         found = declarations(text)
         if not found:
             continue
-        parts.append(f"## {header.relative_to(SOURCES.parent).as_posix()}\n")
+        parts.append(f"## {header.relative_to(SOURCES / module).as_posix()}\n")
         names = dict.fromkeys(name for names, _ in found for name in names)
-        parts.append(", ".join(f"`{name}`" for name in names) + "\n")
+        include = f"#include <{header.relative_to(SOURCES.parent).as_posix()}>"
+        parts.append(f"`{include}`: " + ", ".join(f"`{name}`" for name in names) + "\n")
         parts.append(code_block("\n\n".join(block for _, block in found), "cpp"))
     return "\n".join(parts)
 

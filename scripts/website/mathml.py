@@ -5,12 +5,14 @@ import re
 from docutils.utils.math.latex2mathml import tex2mathml
 
 TAG = re.compile(r"\\tag\{([^}]*)\}")
+SHORT = re.compile(r"\\t?frac ?(\d)(\d)")
 UNKNOWN = {r"\tfrac": r"\frac", r"\quad": r"\ \ ", r"\qquad": r"\ \ \ \ "}  # to docutils
 
 
 def mathml(formula, is_block):
     tag = TAG.search(formula)
     formula = TAG.sub("", formula)
+    formula = SHORT.sub(r"\\frac{\1}{\2}", formula)
     for theirs, ours in UNKNOWN.items():
         formula = re.sub(re.escape(theirs) + r"(?![A-Za-z])", lambda _, ours=ours: ours, formula)
     drawn = tex2mathml(formula, as_block=is_block)

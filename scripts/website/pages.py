@@ -134,7 +134,7 @@ def text_to_show(path):
 def listing(path):
     """A page for a file, or for a folder and the files in it."""
     place = ROOT / path
-    parts = [f"---\norphan: true\n---\n# {path}\n"]
+    parts = [f"---\norphan: true\nnosearch: true\n---\n# {path}\n"]
     if place.is_file():
         text = text_to_show(place)
         parts.append(size_line(place) if text is None else code_block(text, language(place)))

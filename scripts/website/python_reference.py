@@ -142,7 +142,7 @@ def entry_lines(node, module, tree):
 def page():
     """The page in reStructuredText."""
     title = "Python reference"
-    lines = [title, "=" * len(title), "", "What ``import resilin`` offers, from its docstrings;", ""]
+    lines = [title, "=" * len(title), "", "What ``import resilin`` offers, by its docstrings;"]
     lines += [":doc:`the guide </docs/python>` shows it at work.", "", ".. py:module:: resilin", ""]
     for name, module in public_names():
         tree = parsed(module)

@@ -1,3 +1,6 @@
+// From disk no page may read another one: results of a search then come without an excerpt.
+if (location.protocol === "file:") DOCUMENTATION_OPTIONS.SHOW_SEARCH_SUMMARY = false;
+
 // Films of the gallery play while they are seen, unless the reader has asked for less motion.
 document.addEventListener("DOMContentLoaded", () => {
   if (window.matchMedia("(prefers-reduced-motion: reduce)").matches) return;
