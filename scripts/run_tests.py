@@ -26,6 +26,7 @@ import check_petsc
 import check_python
 import check_repository
 import check_setup
+import check_site
 import check_tidy
 import check_validation
 import test_programs
@@ -136,7 +137,11 @@ def run_examples():
 
 def run_docs():
     name = "the check of README and docs finds lines that are wrong"
-    return [run_check(name, check_docs.find_faults_of_this_check)] + [
+    return [
+        run_check(name, check_docs.find_faults_of_this_check),
+        run_check("the check of the site finds links that lead nowhere", check_site.find_faults_of_this_check),
+        run_check("the site is built, and every link in it leads somewhere", check_site.find_problems),
+    ] + [
         run_check(f"docs: {line}", lambda problems=problems: problems) for line, problems in check_docs.outcomes()
     ]
 

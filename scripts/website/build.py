@@ -5,6 +5,7 @@ an error.
 """
 
 import argparse
+import fcntl
 import os
 import pathlib
 import re
@@ -17,14 +18,12 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
 
 from files import ROOT, relative, repository_files  # noqa: E402
 from website import command_reference, cpp_reference, gallery, notebooks, python_reference  # noqa: E402
-from website.pages import Links, Stage, listing, page_names, staged_name  # noqa: E402
-from website.pages import code_block  # noqa: E402
+from website.pages import Links, Stage, code_block, listing, listing_name, page_names, staged_name  # noqa: E402
 
 HERE = pathlib.Path(__file__).resolve().parent
 BUILD = ROOT / "build" / "site"
 PROGRAM = ROOT / "build" / "release" / "apps" / "cli" / "resilin"
 MODULE = ROOT / "build" / "wasm" / "apps" / "play" / "resilin_play.wasm"
-INTERPRETER = BUILD / "venv" / "bin" / "python"  # made by setup.sh, with Sphinx; it runs this
 UNLISTED = ("README.md",)
 
 
@@ -93,7 +92,7 @@ def write_pages(stage, scenes, files, runs_notebooks, modules):
     for name, text in cpp_reference.pages(code_block, modules):
         stage.write(f"reference/cpp/{name}.md", text)
     for path in sorted(links.listed):
-        stage.write(f"files/{path}.md" if (ROOT / path).is_file() else f"files/{path}/index.md", listing(path))
+        stage.write(listing_name(path), listing(path))
     for path in sorted(links.pictures):
         stage.write(path, (ROOT / path).read_bytes())
 
@@ -102,6 +101,16 @@ def build(out, work, *, draws, runs_notebooks, modules=None):
     """Writes the site into `out`; what is kept from build to build is in `work`. Raises RuntimeError with what Sphinx said."""
     if not PROGRAM.is_file():
         raise RuntimeError(f"{PROGRAM}: not there; scripts/build_site.sh builds it")
+    work.mkdir(parents=True, exist_ok=True)
+    with open(work / "lock", "w") as lock:  # ends with this process
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise RuntimeError(f"{work}: another build of the site is at work there; wait for its end") from None
+        build_alone(out, work, draws, runs_notebooks, modules)
+
+
+def build_alone(out, work, draws, runs_notebooks, modules):
     files = work / "files"
     shutil.rmtree(files, ignore_errors=True)
     files.mkdir(parents=True)
@@ -122,12 +131,13 @@ def build(out, work, *, draws, runs_notebooks, modules=None):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out" / "site", help="default out/site")
+    parser.add_argument("--work", type=pathlib.Path, default=BUILD, help="what is kept from build to build")
     parser.add_argument("--modules", nargs="*", help="of the C++ reference; default all")
     parser.add_argument("--no-pictures", action="store_true", help="do not run the scenes of the gallery, nor notebooks")
     arguments = parser.parse_args()
     try:
         draws = not arguments.no_pictures
-        build(arguments.out, BUILD, draws=draws, runs_notebooks=draws, modules=arguments.modules)
+        build(arguments.out.resolve(), arguments.work.resolve(), draws=draws, runs_notebooks=draws, modules=arguments.modules)
     except (RuntimeError, ValueError, FileNotFoundError) as error:
         sys.exit(f"The site could not be built: {error}")
     if not MODULE.is_file() and not arguments.no_pictures:
