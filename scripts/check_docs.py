@@ -2,8 +2,8 @@
 
 A folder stands for the clone: its program, data, examples and docs are those of the clone, and what lines write stays
 in it. README.md comes first; what it leaves, such as beam.toml, is there for the pages after it. What takes minutes or
-the network (pip, npm, cmake, gmsh, ./test, the site) is only looked at here, by stand-ins that check whether what they are asked
-for is there; the steps `wheel`, `browser` and `consumer` of ./test run it, and check_site.py builds the site.
+the network (pip, npm, cmake, gmsh, ./test, the site) is only looked at here, by stand-ins that check whether what they
+are asked for is there; the steps `wheel`, `browser` and `consumer` of ./test run it, and check_site.py builds the site.
 """
 
 import contextlib

@@ -107,14 +107,16 @@ def find_problems():
 def find_faults_of_this_check():
     """Links that lead nowhere are found, and those that hold are not."""
     first = (
-        '<a href="b.html#there">x</a><a href="b.html#nowhere">x</a><a href="c.html">x</a><a id="here" href="#here">x</a>'
-        '<script src="https://example.org/x.js"></script><a href="https://example.org/">x</a><img src="d.png">'
+        '<a href="b.html#there">x</a><a href="b.html#nowhere">x</a><a href="c.html">x</a>'
+        '<a id="here" href="#here">x</a><script src="https://example.org/x.js"></script>'
+        '<a href="https://example.org/">x</a><img src="d.png">'
     )
     with tempfile.TemporaryDirectory(prefix="resilin-site-") as name:
         folder = pathlib.Path(name).resolve()
         (folder / "a.html").write_text(first, encoding="utf-8")
         (folder / "b.html").write_text('<p id="there"></p>', encoding="utf-8")
-        (folder / "e.css").write_text('@import "https://example.org/x.css"; b { background: url(e.css) }', encoding="utf-8")
+        styles = '@import "https://example.org/x.css"; b { background: url(e.css) }'
+        (folder / "e.css").write_text(styles, encoding="utf-8")
         found = problems_of(folder)
     wrong = ["b.html#nowhere", "c.html", "d.png", "https://example.org/x.js", "https://example.org/x.css"]
     if len(found) != len(wrong) or any(not any(word in problem for problem in found) for word in wrong):

@@ -1,7 +1,7 @@
-"""Builds the site from what stands in the repository: pages, scenes, notebooks, docstrings, headers and the program's help.
+"""Builds the site of what stands in the repository: pages, scenes, notebooks, docstrings, headers, the program's help.
 
-scripts/build_site.sh makes what this needs and calls it. Every warning of Sphinx (a link, an anchor or a page that leads nowhere) is
-an error.
+scripts/build_site.sh makes what this needs and calls it. Every warning of Sphinx (a link or an anchor that leads
+nowhere) is an error.
 """
 
 import argparse
@@ -40,13 +40,17 @@ def contents(pages):
             left = [page for page in left if page not in own]
         chapter["listed"] = listed
     chapters[-1]["listed"] += left
-    return [(chapter["caption"], [staged_name(page).rsplit(".", 1)[0] for page in chapter["listed"]]) for chapter in chapters]
+    return [
+        (chapter["caption"], [staged_name(page).rsplit(".", 1)[0] for page in chapter["listed"]])
+        for chapter in chapters
+    ]
 
 
 def toctrees(pages):
     parts = []
     for caption, documents in contents(pages):
-        parts.append(f"```{{toctree}}\n:caption: {caption}\n:hidden:\n:maxdepth: 1\n\n" + "\n".join(documents) + "\n```\n")
+        head = f"```{{toctree}}\n:caption: {caption}\n:hidden:\n:maxdepth: 1\n\n"
+        parts.append(head + "\n".join(documents) + "\n```\n")
     return "\n".join(parts)
 
 
@@ -54,7 +58,7 @@ def first_page(text, scenes, pages):
     """README with the gallery's strip after its first picture."""
     if any("picture" in scene.shown for scene in scenes):
         first_picture = re.search(r"^!\[.*\]\(.*\)\n", text, re.MULTILINE)
-        more = "\n[More in the gallery](examples/index.md), some of them to play with; [tutorials](docs/tutorials/index.md).\n"
+        more = "\n[More in the gallery](examples/index.md), some of them to play with.\n"
         at = first_picture.end()
         text = text[:at] + "\n" + gallery.strip(scenes) + more + text[at:]
     return text + "\n" + toctrees(pages)
@@ -98,7 +102,10 @@ def write_pages(stage, scenes, files, runs_notebooks, modules):
 
 
 def build(out, work, *, draws, runs_notebooks, modules=None):
-    """Writes the site into `out`; what is kept from build to build is in `work`. Raises RuntimeError with what Sphinx said."""
+    """Writes the site into `out`; what is kept from build to build is in `work`.
+
+    Raises RuntimeError with what Sphinx said.
+    """
     if not PROGRAM.is_file():
         raise RuntimeError(f"{PROGRAM}: not there; scripts/build_site.sh builds it")
     work.mkdir(parents=True, exist_ok=True)
@@ -122,8 +129,9 @@ def build_alone(out, work, draws, runs_notebooks, modules):
     write_pages(stage, scenes, files, runs_notebooks, modules)
     stage.remove_what_is_old()
     environment = {**os.environ, "RESILIN_VERSION": version(), "RESILIN_SITE_FILES": str(files)}
-    command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-j", "auto", "-b", "html", "-c", HERE, "-d", work / "doctrees"]
-    run = subprocess.run([*command, stage.folder, out], capture_output=True, text=True, check=False, env=environment)
+    command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-j", "auto", "-b", "html"]
+    command += ["-c", HERE, "-d", work / "doctrees", stage.folder, out]
+    run = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
     if run.returncode != 0:
         raise RuntimeError(run.stderr.replace(str(stage.folder) + "/", "").strip() or run.stdout.strip())
 
@@ -133,11 +141,12 @@ def main():
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out" / "site", help="default out/site")
     parser.add_argument("--work", type=pathlib.Path, default=BUILD, help="what is kept from build to build")
     parser.add_argument("--modules", nargs="*", help="of the C++ reference; default all")
-    parser.add_argument("--no-pictures", action="store_true", help="do not run the scenes of the gallery, nor notebooks")
+    parser.add_argument("--no-pictures", action="store_true", help="run no scenes and no notebooks")
     arguments = parser.parse_args()
     try:
         draws = not arguments.no_pictures
-        build(arguments.out.resolve(), arguments.work.resolve(), draws=draws, runs_notebooks=draws, modules=arguments.modules)
+        out, work = arguments.out.resolve(), arguments.work.resolve()
+        build(out, work, draws=draws, runs_notebooks=draws, modules=arguments.modules)
     except (RuntimeError, ValueError, FileNotFoundError) as error:
         sys.exit(f"The site could not be built: {error}")
     if not MODULE.is_file() and not arguments.no_pictures:

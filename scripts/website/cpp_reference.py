@@ -5,7 +5,9 @@ import re
 from files import ROOT, repository_files
 
 SOURCES = ROOT / "src" / "resilin"
-NAME = re.compile(r"\b(?:struct|class|enum class|concept|using)\s+([A-Za-z_]\w*)|([A-Za-z_]\w*|operator\S+)\s*\(|(\w+)\s*=")
+NAME = re.compile(
+    r"\b(?:struct|class|enum class|concept|using)\s+([A-Za-z_]\w*)|([A-Za-z_]\w*|operator\S+)\s*\(|(\w+)\s*="
+)
 TYPE = re.compile(r"\b(?:struct|class|enum|union|namespace|concept)\s+\w")
 TEMPLATE = re.compile(r"template\s*<[^;{]*?>\s*\n")
 COMMENT = re.compile(r"//[^\n]*")
@@ -117,8 +119,8 @@ def pages(code_block, modules=None):
     toctree = "\n".join(by_module)
     yield (
         "index",
-        "# C++ reference\n\nWhat the headers declare, module by module, with the comments that stand there. A program links "
-        "`resilin::resilin`, or a module by its name ([from C++](../../index.md#from-c)); "
+        "# C++ reference\n\nWhat the headers declare, module by module, with the comments that stand there. A program "
+        "links `resilin::resilin`, or a module by its name ([from C++](../../index.md#from-c)); "
         "[how the modules use each other](../../CONTRIBUTING.md#where-things-live).\n\n"
         f"```{{toctree}}\n:maxdepth: 1\n\n{toctree}\n```\n",
     )

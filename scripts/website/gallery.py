@@ -1,4 +1,4 @@
-"""The gallery: a page for each scene of examples/, with its picture, its film and, where asked for, a page to play with.
+"""The gallery: a page for each scene of examples/, with its picture, its film and, where asked for, a page to play in.
 
 Pictures are made by running the scenes, once: they are kept beside the site until the program or the scene changes.
 """
@@ -71,9 +71,9 @@ def scenes():
 def fingerprint(scene, program):
     """Of all that a picture depends on: program, scene, meshes, look."""
     digest = hashlib.sha256()
-    for path in [program, *repository_files(".toml", ".msh", ".obj", ".mesh", ".veg", ".csv")]:
-        if path == program or path == scene.source or (path.parent in (EXAMPLES, ROOT / "data") and path.suffix != ".toml"):
-            digest.update(path.read_bytes())
+    meshes = repository_files(".msh", ".obj", ".mesh", ".veg", ".csv")
+    for path in [program, scene.source, *(mesh for mesh in meshes if mesh.parent in (EXAMPLES, ROOT / "data"))]:
+        digest.update(path.read_bytes())
     digest.update(json.dumps([scene.options, FILM_SIZE]).encode())
     return digest.hexdigest()
 
@@ -148,7 +148,8 @@ def moving_or_still(scene, up):
     about = html.escape(re.sub(r"<[^>]+>", "", as_html(scene.caption)), quote=True)
     picture = scene.shown.get("picture")
     if film := scene.shown.get("film"):
-        return f'<video src="{up}{film}" poster="{up}{picture}" muted loop playsinline preload="none" aria-label="{about}"></video>'
+        files = f'src="{up}{film}" poster="{up}{picture}"'
+        return f'<video {files} muted loop playsinline preload="none" aria-label="{about}"></video>'
     return f'<img src="{up}{picture}" alt="{about}" loading="lazy">' if picture else ""
 
 
@@ -175,7 +176,8 @@ def scene_page(scene):
     if play := scene.shown.get("play"):
         parts.append(f'<p><a class="button" href="../{play}">Play with it here</a></p>\n')
     command = "run" if scene.is_run else "fit"
-    words = [f"`./run {'' if scene.is_run else 'fit '}examples/{scene.name}.toml` {'runs' if scene.is_run else 'fits'} it"]
+    typed = f"./run examples/{scene.name}.toml" if scene.is_run else f"./run fit examples/{scene.name}.toml"
+    words = [f"`{typed}` {command}s it"]
     if scene.is_run:
         words.append(f"`./run view examples/{scene.name}.toml` opens it in the browser, to be pulled at")
     if "play" in scene.shown:

@@ -1,7 +1,7 @@
 """Pages of the repository as pages of the site: where they stand there, and where their links lead.
 
-A page keeps its folder, so that most links hold as they are; README.md of a folder becomes its index. Links to scenes lead to
-the pages of the gallery, links to other files and folders to pages that list them.
+A page keeps its folder, so that most links hold as they are; README.md of a folder becomes its index. Links to scenes
+lead to the pages of the gallery, links to other files and folders to pages that list them.
 """
 
 import dataclasses
@@ -23,7 +23,7 @@ LANGUAGES = {
     ".sh": "sh",
     "CMakeLists.txt": "cmake",
 }
-LISTED_BYTES = 40_000  # of a file whose text is shown
+LISTED_BYTES = 16_000  # of a file whose text is shown
 NOT_PAGES = ("tests/", "shared/")  # folders whose Markdown is data
 
 
@@ -101,7 +101,7 @@ class Links:
             try:
                 return self.target(page, match[1])
             except FileNotFoundError as error:
-                raise FileNotFoundError(f"{page}: the link to {match[1]} leads to {error}, which is not there") from None
+                raise FileNotFoundError(f"{page}: the link to {match[1]} leads to nothing, {error}") from None
 
         lines, is_code = [], False
         for line in text.splitlines():

@@ -125,9 +125,9 @@ def class_lines(node, module, tree):
             if decorators(member) & {"property", "cached_property"}:
                 members += directive("property", member.name, docstring(member, "property"))
             else:
-                is_static = "staticmethod" in decorators(member)
-                kind = "staticmethod" if is_static else "classmethod" if "classmethod" in decorators(member) else "method"
-                members += function_lines(member, not is_static, kind)
+                special = decorators(member) & {"staticmethod", "classmethod"}
+                kind = special.pop() if special else "method"
+                members += function_lines(member, kind != "staticmethod", kind)
     source = (PACKAGE / f"{module}.py").read_text(encoding="utf-8").splitlines()
     fields = [line for field in fields_of(node, source) for line in field]
     is_made_here = initial is not None and "core" not in [argument.arg for argument in initial.args.args]
