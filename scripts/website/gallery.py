@@ -29,6 +29,7 @@ class Scene:
     name: str  # "heap"
     caption: str  # of the table in examples/README.md, Markdown
     plays: bool = False
+    still: float = 1.0  # the share of the film at which its picture is taken
     options: list = dataclasses.field(default_factory=list)  # of `resilin film` and `resilin picture`
     shown: dict = dataclasses.field(default_factory=dict)  # kind -> name of a file: "picture", "film", "play"
 
@@ -60,7 +61,8 @@ def scenes():
         if "/" not in target:
             name = target.removesuffix(".toml")
             look = own.get(name, {})
-            found.append(Scene(name, caption, look.get("play", False), look.get("options", [])))
+            plays, still = look.get("play", False), look.get("still", 1.0)
+            found.append(Scene(name, caption, plays, still, look.get("options", [])))
     unknown = set(own) | set(settings()["strip"])
     unknown -= {scene.name for scene in found}
     if unknown:
@@ -89,22 +91,23 @@ def frames_of(results):
     return json.loads((results / "report.json").read_text(encoding="utf-8"))["frames"]
 
 
-def most_strained(frames):
-    """The frame that says most: at the end of a motion most things lie still."""
-    return max(range(len(frames)), key=lambda i: frames[i]["energy"].get("elastic", 0))
-
-
 def draw(scene, program, folder):
-    """Runs the scene and writes its picture and, where there is motion, its film into `folder`."""
+    """Runs the scene and writes its film, where there is motion, and its picture into `folder`."""
     results = folder / "run"
     run(program, "run", scene.source, "--out", results, "--quiet", "--formats", "vtu")
-    frames = frames_of(results)
     look = ["--size", *FILM_SIZE, *scene.options]
-    picture = folder / f"{scene.name}.png"
-    run(program, "picture", results, "--out", picture, "--frame", most_strained(frames), *look)
-    if len(frames) > 4 and shutil.which("ffmpeg"):
+    if len(frames_of(results)) > 4 and shutil.which("ffmpeg"):
         run(program, "film", results, "--out", folder / f"{scene.name}.mp4", *look)
+    else:
+        run(program, "picture", results, "--out", folder / f"{scene.name}.png", *look)
     shutil.rmtree(results)
+
+
+def take_still(film, picture, share):
+    """The picture of a film at a share of its length: it stands where the film will play."""
+    said = run("ffprobe", "-v", "error", "-show_entries", "format=duration", "-of", "csv=p=0", film)
+    at = min(share * float(said), float(said) - 0.06)
+    run("ffmpeg", "-y", "-loglevel", "error", "-ss", f"{at:.3f}", "-i", film, "-frames:v", "1", picture)
 
 
 def make_pictures(found, program, kept, files, module):
@@ -119,6 +122,8 @@ def make_pictures(found, program, kept, files, module):
             folder.mkdir(parents=True)
             draw(scene, program, folder)
             stamp.write_text(wanted)
+        if (film := folder / f"{scene.name}.mp4").is_file():
+            take_still(film, film.with_suffix(".png"), scene.still)
         for kind, suffix in (("picture", ".png"), ("film", ".mp4")):
             if (folder / f"{scene.name}{suffix}").is_file():
                 put(folder / f"{scene.name}{suffix}", files / "gallery")
