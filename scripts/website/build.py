@@ -58,9 +58,8 @@ def first_page(text, scenes, pages):
     """README with the gallery's strip after its first picture."""
     if any("picture" in scene.shown for scene in scenes):
         first_picture = re.search(r"^!\[.*\]\(.*\)\n", text, re.MULTILINE)
-        more = "\n[More in the gallery](examples/index.md), some of them to play with.\n"
         at = first_picture.end()
-        text = text[:at] + "\n" + gallery.strip(scenes) + more + text[at:]
+        text = text[:at] + "\n" + gallery.buttons(scenes) + "\n" + gallery.strip(scenes) + "\n" + text[at:]
     return text + "\n" + toctrees(pages)
 
 

@@ -95,7 +95,7 @@ def declarations(text):
 
 
 def module_page(module, headers, code_block):
-    parts = [f"---\ntocdepth: 2\n---\n# {module}\n"]
+    parts = [f"---\ntocdepth: 2\n---\n# C++: {module}\n"]
     for header in headers:
         text = header.read_text(encoding="utf-8")
         found = declarations(text)

@@ -198,6 +198,17 @@ def with_cards(text, found):
     return re.sub(r"(?=^\| scene \|)", lambda _: cards(shown, "../") + "\n", text, count=1, flags=re.MULTILINE)
 
 
+def buttons(found):
+    """Where to go from the first page."""
+    places = [("docs/tutorials/from_stl.html", "From an STL to a result"), ("examples/index.html", "Gallery")]
+    playable = [scene for scene in found if "play" in scene.shown]
+    places[1:1] = [
+        (scene.shown["play"], "Play with " + scene.title[0].lower() + scene.title[1:]) for scene in playable[:1]
+    ]
+    links = "".join(f'<a class="button" href="{place}">{html.escape(words)}</a>' for place, words in places)
+    return f'<p class="actions">{links}</p>\n'
+
+
 def strip(found):
     """The cards of the first page."""
     by_name = {scene.name: scene for scene in found}

@@ -2,14 +2,19 @@
 
 import base64
 import json
+import os
+import re
 import subprocess
 import sys
+import tempfile
 
 from files import ROOT
 from website.pages import code_block
 
 INTERPRETER = ROOT / "build" / "python" / "venv" / "bin" / "python"
 PACKAGE = ROOT / "build" / "release" / "python"
+WARNING = re.compile(r"\S+:\d+: UserWarning: (.*)")
+PROGRESS = re.compile(r"\s*\d+ %  ")
 RUN = """
 import sys, nbformat, nbclient
 book = nbformat.read(sys.argv[1], 4)
@@ -23,9 +28,10 @@ def executed(path):
     if not INTERPRETER.is_file() or not (PACKAGE / "resilin").is_dir():
         print(f"{path.name}: shown without outputs: ./test python makes what runs it", file=sys.stderr)
         return json.loads(path.read_text(encoding="utf-8"))
-    environment = {"PYTHONPATH": str(PACKAGE), "PATH": "/usr/bin:/bin", "HOME": str(path.parent)}
     command = [INTERPRETER, "-c", RUN, path, path.parent]
-    run = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
+    with tempfile.TemporaryDirectory(prefix="resilin-site-") as home:  # what Jupyter leaves behind
+        environment = {**os.environ, "PYTHONPATH": str(PACKAGE), "HOME": home, "IPYTHONDIR": home}
+        run = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
     if run.returncode != 0:
         raise RuntimeError(f"{path.name}: {run.stderr.strip()[-800:]}")
     return json.loads(run.stdout)
@@ -35,12 +41,25 @@ def joined(value):
     return value if isinstance(value, str) else "".join(value)
 
 
+def worth_reading(text):
+    """What a cell prints, without the line of progress and without the places in sources where warnings arise."""
+    lines = [line.rsplit("\r", 1)[-1] for line in text.splitlines()]
+    kept = []
+    for line in lines:
+        if match := WARNING.match(line):
+            kept.append("warning: " + match[1])
+        elif line.strip() and not line.startswith("  return ") and not PROGRESS.match(line):
+            kept.append(line)
+    return "\n".join(kept)
+
+
 def output_parts(output, name, files):
     """Markdown of an output; what is a picture or a page becomes a file under files/notebooks."""
     data = output.get("data", {})
     folder = files / "notebooks"
     if "text" in output:
-        yield code_block(joined(output["text"]), "text")
+        if text := worth_reading(joined(output["text"])):
+            yield code_block(text, "text")
     elif "image/png" in data:
         folder.mkdir(parents=True, exist_ok=True)
         (folder / f"{name}.png").write_bytes(base64.b64decode(joined(data["image/png"])))
