@@ -23,6 +23,7 @@ html_theme = "furo"
 html_title = "Resilin"
 html_short_title = "Resilin"
 html_static_path = ["static"]
+html_favicon = "static/icon.svg"
 html_css_files = ["site.css"]
 html_js_files = ["site.js"]
 html_extra_path = [os.environ.get("RESILIN_SITE_FILES", "extra")]
