@@ -11,7 +11,7 @@ import re
 
 from files import ROOT, relative, repository_files
 
-LINK = re.compile(r"(?<=\]\()([^)\s]+)(?=\))")
+LINK = re.compile(r"(?P<code>`+).+?(?P=code)|(?<=\]\()(?P<link>[^)\s]+)(?=\))")  # what is in code is none
 FENCE = re.compile(r"^(```|~~~)")
 PICTURES = (".png", ".gif", ".jpg", ".svg", ".webp")
 LANGUAGES = {
@@ -98,10 +98,12 @@ class Links:
         """The text of a page with links that hold on the site."""
 
         def led(match):
+            if match["code"]:
+                return match[0]
             try:
-                return self.target(page, match[1])
+                return self.target(page, match["link"])
             except FileNotFoundError as error:
-                raise FileNotFoundError(f"{page}: the link to {match[1]} leads to nothing, {error}") from None
+                raise FileNotFoundError(f"{page}: the link to {match['link']} leads to nothing, {error}") from None
 
         lines, is_code = [], False
         for line in text.splitlines():
