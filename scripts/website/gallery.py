@@ -105,9 +105,13 @@ def draw(scene, program, folder):
 
 def take_still(film, picture, share):
     """The picture of a film at a share of its length: it stands where the film will play."""
-    said = run("ffprobe", "-v", "error", "-show_entries", "format=duration", "-of", "csv=p=0", film)
-    at = min(share * float(said), float(said) - 0.06)
-    run("ffmpeg", "-y", "-loglevel", "error", "-ss", f"{at:.3f}", "-i", film, "-frames:v", "1", picture)
+    said = run("ffprobe", "-v", "error", "-show_entries", "stream=nb_frames", "-of", "csv=p=0", film)
+    number = min(int(share * int(said)), int(said) - 1)
+    chosen = ["-vf", f"select=eq(n\\,{number})", "-frames:v", "1"]
+    picture.unlink(missing_ok=True)
+    run("ffmpeg", "-y", "-loglevel", "error", "-i", film, *chosen, picture)
+    if not picture.is_file():
+        raise RuntimeError(f"{film.name}: ffmpeg gave no picture {number} of {int(said)}")
 
 
 def make_pictures(found, program, kept, files, module):
