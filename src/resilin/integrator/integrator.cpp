@@ -81,6 +81,11 @@ void follow_jump(const VectorX& jump, double elapsed, double effect, VectorX& po
   velocities += jump;
 }
 
+VectorX slopes_by_jump(double elapsed, double effect, const VectorX& by_positions,
+                       const VectorX& by_velocities) {
+  return by_velocities - (elapsed - effect) * by_positions;
+}
+
 Motion Integrator::finish(const History& start, std::vector<Motion> solutions, double time_step) const {
   const StepCoefficients scheme = coefficients(step_ratio(start, time_step));
   Motion end = std::move(solutions.back());

@@ -94,6 +94,9 @@ class Integrator {
 /// @param elapsed  from the motion to the end of the stage of the impulse [s]
 /// @param effect   the part of the jump that moved the bodies in that stage [s]
 void follow_jump(const VectorX& jump, double elapsed, double effect, VectorX& positions, VectorX& velocities);
+/// Transposed: slopes by the jump out of those by the motion that has followed it.
+VectorX slopes_by_jump(double elapsed, double effect, const VectorX& by_positions,
+                       const VectorX& by_velocities);
 
 /// An integrator by name; throws InputError for an unknown one, `place` begins its message.
 std::unique_ptr<Integrator> make_integrator(std::string_view name, const std::string& place);

@@ -19,7 +19,7 @@ class MotionDerivatives final : public Derivatives {
                     const DerivativeOptions& options)
       : Derivatives(std::move(description), wrt, options),
         scheme_(make_integrator(world().integrator, world().place + ": simulation.integrator")),
-        trajectory_(simulation_, *scheme_, options.checkpoints, [this] { take_step(); }),
+        trajectory_(simulation_, *scheme_, options.checkpoints, [this] { return take_step(); }),
         steps_(world(), *scheme_, links_.inertia()) {}
 
   VectorX positions(int frame) override { return trajectory_.end_of(frame).positions; }
@@ -29,7 +29,8 @@ class MotionDerivatives final : public Derivatives {
                                                     const std::vector<bool>& is_wanted) override;
 
  private:
-  void take_step();
+  /// @return StepReport::stage_places
+  std::vector<VectorX> take_step();
   std::vector<FrameChange> forward_along(const std::vector<VectorX>& changes);
 
   std::unique_ptr<Integrator> scheme_;
@@ -38,11 +39,11 @@ class MotionDerivatives final : public Derivatives {
 };
 
 /// Refuses what is no step of the scheme alone.
-void MotionDerivatives::take_step() {
+std::vector<VectorX> MotionDerivatives::take_step() {
   const State& state = simulation_.state();
   const int guarded = state.guarded_steps, divided = state.divided_steps;
   const bool is_first_time = state.step + 1 == num_frames();
-  const StepReport report = step();
+  StepReport report = step();
   const std::string place = world().place + ": derivatives, step " + std::to_string(simulation_.state().step);
   const auto refuse = [&](const std::string& got, const std::string& cure) {
     throw InputError(place, "a step of " + std::string(scheme_->name()) + " alone", got, cure);
@@ -55,6 +56,7 @@ void MotionDerivatives::take_step() {
     refuse("one that was taken in parts", "take shorter steps");
   if (state.collider_delay > 0) refuse("a collider that bodies hold up", "take shorter steps");
   if (is_first_time) frames_.push_back(simulation_.frame());
+  return std::move(report.stage_places);
 }
 
 std::vector<VectorX> MotionDerivatives::transposed(const std::vector<FrameChange>& slopes) {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "resilin/core/error.hpp"
 #include "resilin/optimize/residual.hpp"
+#include "resilin/sensitivity/impulse_slopes.hpp"
 #include "resilin/sensitivity/prescribed_changes.hpp"
 #include "resilin/sensitivity/stage_slopes.hpp"
 #include "resilin/simulation/initial_acceleration.hpp"
@@ -33,43 +33,6 @@ Motion take_fixed(const World& world, Motion& motion) {
   return taken;
 }
 
-Potential potential_of(const World& world, const StageReplay& stage) {
-  Potential potential(world, stage.conditions, stage.stage);
-  potential.prepare(stage.motion.positions, VectorX::Zero(stage.motion.positions.size()));
-  potential.form_lag(stage.motion.positions);
-  return potential;
-}
-
-/// In schemes that look back, impulses of contact change what earlier motions count as.
-void check_contact(const World& world, const Integrator& scheme, const Potential& potential,
-                   const VectorX& x) {
-  if (!scheme.looks_back()) return;
-  if (potential.impulses(x).isZero(0)) return;
-  throw InputError(world.place + ": derivatives",
-                   "bodies that touch nothing with integrator = \"" + std::string(scheme.name()) + "\"",
-                   "contact", "take integrator = \"backward_euler\" or \"midpoint\"");
-}
-
-/// Of a stage whose unknown x is a mean: what its forces of contact and friction change by with its base x_0,
-/// where they are those at 2 x - x_0. Half of what they change by with x, the other way.
-VectorX impulses_by_base(const World& world, const Potential& potential, const VectorX& x, const VectorX& p,
-                         bool is_transposed) {
-  BlockMatrix hessian(world.dimension, world.pattern);
-  const Conditions& c = potential.conditions();
-  VectorX product, lag = VectorX::Zero(p.size());
-  for (const Energy* term : potential.terms()) {
-    if (!acts_as_impulse(term->properties().category)) continue;
-    term->add_hessian(x, c, Projection::none, hessian);
-    if (term->properties().category != EnergyCategory::friction) continue;
-    if (is_transposed)
-      term->add_parameter_slopes("lag", x, p, c, lag);
-    else
-      term->add_parameter_forces("lag", x, p, c, lag);
-  }
-  multiply(hessian, p, product);
-  return -0.5 * (product + lag);
-}
-
 }  // namespace
 
 History zero_history(Eigen::Index size) {
@@ -84,14 +47,25 @@ bool is_zero(const History& history) {
   return true;
 }
 
-void MotionSteps::form_tangent(const StageReplay& stage, const Potential& potential) {
-  check_contact(world_, scheme_, potential, stage.motion.positions);
-  tangent_.form(potential, stage.motion.positions);
+VectorX MotionSteps::mass_changes(const VectorX& accelerations, const TermChanges& of_terms) const {
+  VectorX force = VectorX::Zero(accelerations.size());
+  const auto& of_mass = of_terms[static_cast<std::size_t>(inertia_)];
+  if (const auto found = of_mass.find("mass"); found != of_mass.end())
+    world_.mass->add_change(found->second, accelerations, force);
+  return force;
+}
+
+void MotionSteps::add_mass_slopes(const VectorX& w, const VectorX& accelerations,
+                                  TermChanges& by_terms) const {
+  auto& by_mass = by_terms[static_cast<std::size_t>(inertia_)];
+  if (const auto found = by_mass.find("mass"); found != by_mass.end())
+    world_.mass->add_slopes(w, accelerations, found->second);
 }
 
 History MotionSteps::forward(const StepReplay& step, const History& change, const TermChanges& of_terms,
                              const WorldChange& of_world, VectorX& gradient) {
   const double dt = step.time_step;
+  const bool looks_back = scheme_.looks_back();
   History start = change;
   start.previous_time_step = step.start.previous_time_step;
   if (step.renews_accelerations)
@@ -100,10 +74,12 @@ History MotionSteps::forward(const StepReplay& step, const History& change, cons
   const Eigen::Index size = world_.rest_positions.size();
   Motion end_prescribed = zero_motion(size);
   place_prescribed_changes(world_, of_world, {.time = step.time + dt, .load = 1}, end_prescribed);
+  History seen = start;  // with the impulses in its stages, as the run has it
+  VectorX jump;
   std::vector<Motion> solutions;
   for (std::size_t i = 0; i < step.stages.size(); ++i) {
     const StageReplay& at = step.stages[i];
-    Stage stage = scheme_.begin_stage(static_cast<int>(i), start, solutions, dt);
+    Stage stage = scheme_.begin_stage(static_cast<int>(i), seen, solutions, dt);
     Motion prescribed = zero_motion(size);
     if (!at.stage.is_mean) {
       place_prescribed_changes(world_, of_world, at.conditions, prescribed);
@@ -119,19 +95,34 @@ History MotionSteps::forward(const StepReplay& step, const History& change, cons
       stage.base_velocities[k] = prescribed.velocities[k] - stage.duration * prescribed.accelerations[k];
     }
     const Potential potential = potential_of(world_, at);
-    form_tangent(at, potential);
+    tangent_.form(potential, at.motion.positions);
+    const ImpulseSlopes impulses(world_, potential, at);
     gradient = VectorX::Zero(size);
     add_stage_forces({world_, potential}, at.motion.positions, of_terms, stage, gradient);
-    if (at.stage.is_mean)
-      gradient += impulses_by_base(world_, potential, at.motion.positions, stage.base_positions, false);
+    if (at.stage.is_mean) gradient += impulses.by_base(stage.base_positions, false);
     VectorX dx =
         prescribed.positions - tangent_.solve(gradient + tangent_.times(prescribed.positions, false), false);
     gradient += tangent_.times(dx, false);
+    jump.resize(0);
+    VectorX of_impulses;
+    if (at.by_impulses.size() > 0) of_impulses = impulses.change(dx, stage, of_terms);
     solutions.push_back(stage.motion(std::move(dx)));
+    if (at.by_impulses.size() == 0) continue;
+    gradient += (1 / at.stage.count_of_impulse() - 1) * of_impulses;
+    if (!looks_back) continue;
+    const VectorX by_impulses =
+        -accelerations_by(world_, of_impulses + mass_changes(at.by_impulses, of_terms));
+    solutions.back().accelerations -= by_impulses;
+    jump = at.stage.jump_by(by_impulses);
+    follow_jump(jump, at.stage.time_from_start(dt), at.stage.duration, seen.now.positions,
+                seen.now.velocities);
   }
   History next{.now = scheme_.finish(start, std::move(solutions), dt),
                .previous_positions = start.now.positions,
                .previous_velocities = start.now.velocities};
+  if (jump.size() > 0)
+    follow_jump(jump, dt, step.stages.back().stage.duration, next.previous_positions,
+                next.previous_velocities);
   take_fixed(world_, next.now);
   next.now.positions += end_prescribed.positions;
   next.now.velocities += end_prescribed.velocities;
@@ -143,8 +134,8 @@ History MotionSteps::transposed(const StepReplay& step, const History& by_next, 
                                 TermChanges& by_terms, WorldChange& by_world) {
   const double dt = step.time_step;
   const Eigen::Index size = world_.rest_positions.size();
-  History by_start = zero_history(size);
-  by_start.previous_time_step = step.start.previous_time_step;
+  History by_start = zero_history(size), by_seen = by_start;  // as `seen` of a step forward
+  by_start.previous_time_step = by_seen.previous_time_step = step.start.previous_time_step;
   by_start.now.positions += by_next.previous_positions;
   by_start.now.velocities += by_next.previous_velocities;
   Motion by_end = by_next.now;
@@ -162,9 +153,24 @@ History MotionSteps::transposed(const StepReplay& step, const History& by_next, 
     by_stage.base_positions -= by_velocity / c;
     VectorX by_x = by_motion.positions + by_velocity / c;
     const Potential potential = potential_of(world_, at);
-    form_tangent(at, potential);
+    tangent_.form(potential, at.motion.positions);
+    const ImpulseSlopes impulses(world_, potential, at);
+    const bool is_last = i + 1 == step.stages.size();
+    if (at.by_impulses.size() > 0) {
+      VectorX of_impulses = VectorX::Zero(size);
+      if (scheme_.looks_back()) {
+        const double elapsed = at.stage.time_from_start(dt);
+        VectorX by_jump = slopes_by_jump(elapsed, c, by_seen.now.positions, by_seen.now.velocities);
+        if (is_last)
+          by_jump += slopes_by_jump(elapsed, c, by_next.previous_positions, by_next.previous_velocities);
+        of_impulses = accelerations_by(world_, by_motion.accelerations - at.stage.jump_by(by_jump));
+        add_mass_slopes(of_impulses, at.by_impulses, by_terms);
+      }
+      if (is_last && w.size() > 0) of_impulses += (1 / at.stage.count_of_impulse() - 1) * w;
+      by_x += impulses.add_slopes(of_impulses, by_stage, by_terms);
+    }
     VectorX lambda = VectorX::Zero(size);
-    if (i + 1 == step.stages.size() && w.size() > 0) {
+    if (is_last && w.size() > 0) {
       lambda = w;
       lambda -= tangent_.solve(by_x + tangent_.times(w, true), true);
     } else {
@@ -172,8 +178,7 @@ History MotionSteps::transposed(const StepReplay& step, const History& by_next, 
     }
     by_x += tangent_.times(lambda, true);  // zero at the free unknowns
     add_stage_slopes({world_, potential}, at.motion.positions, lambda, by_terms, by_stage);
-    if (at.stage.is_mean)
-      by_stage.base_positions += impulses_by_base(world_, potential, at.motion.positions, lambda, true);
+    if (at.stage.is_mean) by_stage.base_positions += impulses.by_base(lambda, true);
     Motion by_prescribed = zero_motion(size);
     for (Eigen::Index k = 0; k < size; ++k) {
       if (world_.is_fixed[static_cast<std::size_t>(k)] == 0) continue;
@@ -190,8 +195,13 @@ History MotionSteps::transposed(const StepReplay& step, const History& by_next, 
       by_end_prescribed.positions += 0.5 * by_prescribed.positions + by_prescribed.velocities / dt;
       by_end_prescribed.velocities += by_prescribed.accelerations / dt;
     }
-    scheme_.add_slopes_of_stage(static_cast<int>(i), by_stage, dt, by_start, by_solutions);
+    scheme_.add_slopes_of_stage(static_cast<int>(i), by_stage, dt, by_seen, by_solutions);
   }
+  by_start.now.positions += by_seen.now.positions;
+  by_start.now.velocities += by_seen.now.velocities;
+  by_start.now.accelerations += by_seen.now.accelerations;
+  by_start.previous_positions += by_seen.previous_positions;
+  by_start.previous_velocities += by_seen.previous_velocities;
   add_prescribed_slopes(world_, by_end_prescribed, {.time = step.time + dt, .load = 1}, by_world);
   if (step.renews_accelerations)
     transposed_accelerations(step.start.now, time_after(step.time, dt), by_start.now, by_terms, by_world);
@@ -236,9 +246,7 @@ VectorX MotionSteps::forward_accelerations(const Motion& at, double time, const 
   VectorX force = smooth.tangent_times(world_, at.positions, change.positions, false);
   add_stage_forces({smooth.potential, smooth.numbers}, at.positions, of_terms,
                    stage_at_once(change.positions, change.velocities), force);
-  const auto& of_mass = of_terms[static_cast<std::size_t>(inertia_)];
-  if (const auto found = of_mass.find("mass"); found != of_mass.end())
-    world_.mass->add_change(found->second, at.accelerations, force);
+  force += mass_changes(at.accelerations, of_terms);
   VectorX pull;
   world_.mass->multiply(prescribed.accelerations, pull);
   return prescribed.accelerations - accelerations_by(world_, force + pull);
@@ -259,9 +267,7 @@ void MotionSteps::transposed_accelerations(const Motion& at, double time, Motion
   add_stage_slopes({smooth.potential, smooth.numbers}, at.positions, lambda, by_terms, by_stage);
   by_motion.positions += by_stage.base_positions + by_stage.shape;
   by_motion.velocities += by_stage.base_velocities - by_stage.base_positions;
-  auto& by_mass = by_terms[static_cast<std::size_t>(inertia_)];
-  if (const auto found = by_mass.find("mass"); found != by_mass.end())
-    world_.mass->add_slopes(lambda, at.accelerations, found->second);
+  add_mass_slopes(lambda, at.accelerations, by_terms);
   by_motion.accelerations.setZero();
 }
 

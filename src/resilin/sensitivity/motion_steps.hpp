@@ -39,7 +39,10 @@ class MotionSteps {
                                 const TermChanges& of_terms, const WorldChange& of_world);
   void transposed_accelerations(const Motion& at, double time, Motion& by_motion, TermChanges& by_terms,
                                 WorldChange& by_world);
-  void form_tangent(const StageReplay& stage, const Potential& potential);
+  /// dM a, what changes of the terms do to the mass matrix ...
+  VectorX mass_changes(const VectorX& accelerations, const TermChanges& of_terms) const;
+  /// ... and the slopes of w . M a.
+  void add_mass_slopes(const VectorX& w, const VectorX& accelerations, TermChanges& by_terms) const;
 
   const World& world_;
   const Integrator& scheme_;

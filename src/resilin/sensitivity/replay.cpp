@@ -1,6 +1,6 @@
 #include "resilin/sensitivity/replay.hpp"
 
-#include <stdexcept>
+#include <algorithm>
 
 #include "resilin/simulation/initial_acceleration.hpp"
 #include "resilin/simulation/prescribed_motion.hpp"
@@ -20,27 +20,45 @@ State state_of(const History& start, double time) {
 
 }  // namespace
 
-std::vector<VectorX> places_of_stages(const Integrator& scheme, const History& start, double time_step,
-                                      const State& end) {
-  const double ratio = start.previous_time_step == 0 ? 0 : time_step / start.previous_time_step;
-  const StepCoefficients coefficients = scheme.coefficients(ratio);
-  // The end of the step is end_start times its start and end_stage times its last stage.
-  const auto last_of = [&](const VectorX& at_end, const VectorX& at_start) {
-    return VectorX((at_end - coefficients.end_start * at_start) / coefficients.end_stage);
-  };
-  std::vector<VectorX> places = {last_of(end.positions, start.now.positions)};
-  if (coefficients.stages.size() == 1) return places;
-  const StageCoefficients& last = coefficients.stages.back();
-  if (coefficients.stages.size() > 2 || last.start.slope != 0 || last.previous != 0 ||
-      last.stages.front().slope != 0)
-    throw std::logic_error("the places of the stages of " + std::string(scheme.name()) + " are not known");
-  // x - c v = x_n + value (x_1 - x_n)
-  const VectorX base =
-      places.front() - last.duration * time_step * last_of(end.velocities, start.now.velocities);
-  places.insert(places.begin(),
-                start.now.positions + (base - start.now.positions) / last.stages.front().value);
-  return places;
+Potential potential_of(const World& world, const StageReplay& stage) {
+  Potential potential(world, stage.conditions, stage.stage);
+  potential.prepare(stage.motion.positions, VectorX::Zero(stage.motion.positions.size()));
+  potential.form_lag(stage.motion.positions);
+  return potential;
 }
+
+// The end of the step is end_start times its start and end_stage times its last stage, whatever its length.
+std::vector<VectorX> places_of_stages(const Integrator& scheme, const History& start, const State& end,
+                                      std::vector<VectorX> earlier) {
+  const StepCoefficients coefficients = scheme.coefficients(1);
+  earlier.emplace_back((end.positions - coefficients.end_start * start.now.positions) /
+                       coefficients.end_stage);
+  return earlier;
+}
+
+namespace {
+
+/// As a run takes them apart (TimeStepper).
+void take_impulses_apart(const World& world, const Integrator& scheme, StageReplay& stage) {
+  if (!scheme.looks_back() && stage.stage.count_of_impulse() == 1) return;
+  if (std::ranges::none_of(world.terms,
+                           [](const auto& term) { return acts_as_impulse(term->properties().category); }))
+    return;
+  const VectorX impulses = potential_of(world, stage).impulses(stage.motion.positions);
+  if (impulses.isZero(0)) return;
+  stage.by_impulses = accelerations_by(world, -impulses);
+  if (scheme.looks_back()) stage.motion.accelerations -= stage.by_impulses;
+}
+
+/// What a step started from as it looks after an impulse in one of its stages.
+void follow_impulse(const Integrator& scheme, const StageReplay& stage, double time_step, VectorX& positions,
+                    VectorX& velocities) {
+  if (!scheme.looks_back() || stage.by_impulses.size() == 0) return;
+  follow_jump(stage.stage.jump_by(stage.by_impulses), stage.stage.time_from_start(time_step),
+              stage.stage.duration, positions, velocities);
+}
+
+}  // namespace
 
 StepReplay replay_step(const World& world, const Integrator& scheme, const History& start, double time,
                        double time_step, std::vector<VectorX> places) {
@@ -50,16 +68,20 @@ StepReplay replay_step(const World& world, const Integrator& scheme, const Histo
     step.renews_accelerations = true;
     step.start.now.accelerations = accelerations_from(world, state, time_step);
   }
+  History seen = step.start;
   std::vector<Motion> solutions;
   for (std::size_t i = 0; i < places.size(); ++i) {
-    Stage stage = scheme.begin_stage(static_cast<int>(i), step.start, solutions, time_step);
+    Stage stage = scheme.begin_stage(static_cast<int>(i), seen, solutions, time_step);
     const VectorX zero = VectorX::Zero(places[i].size());
     Motion prescribed{places[i], zero, zero};
     prescribe_motion(world, state, time_step, stage, prescribed);
     follow_prescribed(world, prescribed, stage);
-    solutions.push_back(stage.motion(std::move(prescribed.positions)));
+    Motion motion = stage.motion(std::move(prescribed.positions));
     const Conditions conditions{.time = time + stage.time_fraction * time_step, .load = 1};
-    step.stages.push_back({std::move(stage), conditions, solutions.back()});
+    step.stages.push_back({std::move(stage), conditions, std::move(motion)});
+    take_impulses_apart(world, scheme, step.stages.back());
+    follow_impulse(scheme, step.stages.back(), time_step, seen.now.positions, seen.now.velocities);
+    solutions.push_back(step.stages.back().motion);
   }
   return step;
 }
@@ -71,6 +93,8 @@ History history_after(const World& world, const Integrator& scheme, const StepRe
                .previous_positions = step.start.now.positions,
                .previous_velocities = step.start.now.velocities,
                .previous_time_step = step.time_step};
+  follow_impulse(scheme, step.stages.back(), step.time_step, next.previous_positions,
+                 next.previous_velocities);
   prescribe_motion_at(world, step.time + step.time_step, next.now);
   return next;
 }

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "resilin/integrator/integrator.hpp"
+#include "resilin/simulation/potential.hpp"
 #include "resilin/simulation/simulation.hpp"
 
 /// Steps of a run, made again from the places where they ended: everything else follows from these.
@@ -11,7 +12,10 @@ namespace resilin {
 struct StageReplay {
   Stage stage;
   Conditions conditions;
-  Motion motion;
+  Motion motion;  ///< its accelerations as they go on, without those by impulses where the scheme keeps these
+                  ///< out
+  /// By contact and friction, where the scheme takes them apart; empty: they do nothing there [m/s^2].
+  VectorX by_impulses{};
 };
 
 struct StepReplay {
@@ -23,10 +27,13 @@ struct StepReplay {
   std::vector<StageReplay> stages{};
 };
 
-/// Where the stages of a step ended, from its start and its end. Of schemes with one stage, or with a first
-/// one that counts in the second by its value alone.
-std::vector<VectorX> places_of_stages(const Integrator& scheme, const History& start, double time_step,
-                                      const State& end);
+/// What a stage balances, as it was where it ended.
+Potential potential_of(const World& world, const StageReplay& stage);
+
+/// Where the stages of a step ended.
+/// @param earlier  those before the last one, which follows from the step's end (StepReport::stage_places)
+std::vector<VectorX> places_of_stages(const Integrator& scheme, const History& start, const State& end,
+                                      std::vector<VectorX> earlier);
 
 StepReplay replay_step(const World& world, const Integrator& scheme, const History& start, double time,
                        double time_step, std::vector<VectorX> places);

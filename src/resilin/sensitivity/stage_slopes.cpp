@@ -11,8 +11,7 @@ StageTerms::StageTerms(const World& world, const Potential& of) : potential(of),
 void add_stage_forces(const StageTerms& terms, const VectorX& x, const TermChanges& changes,
                       const Stage& stage, VectorX& gradient) {
   const Conditions& c = terms.potential.conditions();
-  for (std::size_t t = 0; t < terms.numbers.size(); ++t) {
-    const Energy& term = *terms.potential.terms()[t];
+  terms.for_each([&](const Energy& term, std::size_t number) {
     for (const EnergyParameter& parameter : term.parameters()) {
       const auto add = [&](const VectorX& change) {
         if (change.size() > 0) term.add_parameter_forces(parameter.name, x, change, c, gradient);
@@ -24,18 +23,17 @@ void add_stage_forces(const StageTerms& terms, const VectorX& x, const TermChang
       } else if (parameter.name == "shape") {
         add(stage.shape);
       } else {
-        const auto& of_term = changes[terms.numbers[t]];
+        const auto& of_term = changes[number];
         if (const auto found = of_term.find(parameter.name); found != of_term.end()) add(found->second);
       }
     }
-  }
+  });
 }
 
 void add_stage_slopes(const StageTerms& terms, const VectorX& x, const VectorX& w, TermChanges& slopes,
                       Stage& stage) {
   const Conditions& c = terms.potential.conditions();
-  for (std::size_t t = 0; t < terms.numbers.size(); ++t) {
-    const Energy& term = *terms.potential.terms()[t];
+  terms.for_each([&](const Energy& term, std::size_t number) {
     for (const EnergyParameter& parameter : term.parameters()) {
       const auto add = [&](VectorX& to) {
         if (to.size() > 0) term.add_parameter_slopes(parameter.name, x, w, c, to);
@@ -51,11 +49,11 @@ void add_stage_slopes(const StageTerms& terms, const VectorX& x, const VectorX& 
       } else if (parameter.name == "shape") {
         add(stage.shape);
       } else {
-        auto& of_term = slopes[terms.numbers[t]];
+        auto& of_term = slopes[number];
         if (const auto found = of_term.find(parameter.name); found != of_term.end()) add(found->second);
       }
     }
-  }
+  });
 }
 
 }  // namespace resilin

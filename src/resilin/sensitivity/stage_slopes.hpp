@@ -11,11 +11,21 @@ namespace resilin {
 struct StageTerms {
   const Potential& potential;
   std::vector<std::size_t> numbers;
+  bool are_impulses = false;  ///< of contact and friction alone
 
   /// All terms of the world.
   StageTerms(const World& world, const Potential& of);
   StageTerms(const Potential& of, std::vector<std::size_t> which)
       : potential(of), numbers(std::move(which)) {}
+
+  /// Calls `visit(term, its number in the world)`.
+  template <class Visit>
+  void for_each(const Visit& visit) const {
+    for (std::size_t t = 0; t < numbers.size(); ++t) {
+      const Energy& term = *potential.terms()[t];
+      if (!are_impulses || acts_as_impulse(term.properties().category)) visit(term, numbers[t]);
+    }
+  }
 };
 
 /// gradient += what changes of the terms and of the stage do to dE/dx at x to first order.

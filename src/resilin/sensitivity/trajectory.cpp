@@ -21,10 +21,9 @@ Trajectory::Trajectory(Simulation& simulation, const Integrator& scheme, int che
     if (num_steps_ % (length_ * chunks_per_segment_) == 0) checkpoints_.push_back(state);
     if (keeps_places_ && num_steps_ % length_ == 0) states_.push_back(state);
     const History before = keeps_places_ ? history_of(state) : History{};
-    take_step_();
+    std::vector<VectorX> earlier = take_step_();
     ++num_steps_;
-    if (keeps_places_)
-      places_.push_back(places_of_stages(scheme_, before, simulation.world().time_step, state));
+    if (keeps_places_) places_.push_back(places_of_stages(scheme_, before, state, std::move(earlier)));
   }
   end_ = simulation.state();
 }
@@ -40,9 +39,8 @@ void Trajectory::make_again(int segment) {
     const State& state = simulation_.state();
     if (step % length_ == 0) states_[static_cast<std::size_t>(step / length_)] = state;
     const History before = history_of(state);
-    take_step_();
-    places_[static_cast<std::size_t>(step)] =
-        places_of_stages(scheme_, before, simulation_.world().time_step, state);
+    std::vector<VectorX> earlier = take_step_();
+    places_[static_cast<std::size_t>(step)] = places_of_stages(scheme_, before, state, std::move(earlier));
   }
   segment_ = segment;
 }

@@ -13,8 +13,8 @@ namespace resilin {
 /// chunk begins with the bits of the run, whatever is kept.
 class Trajectory {
  public:
-  /// Takes a step of the simulation; throws when it cannot.
-  using TakeStep = std::function<void()>;
+  /// Takes a step of the simulation; throws when it cannot. @return StepReport::stage_places
+  using TakeStep = std::function<std::vector<VectorX>()>;
 
   /// Runs the simulation to its end.
   /// @param checkpoints  see DerivativeOptions

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "resilin/energy/time_function.hpp"
 #include "resilin/linear/linear_solver.hpp"
@@ -39,7 +40,12 @@ Stage stage_at_once(const VectorX& positions, const VectorX& velocities) {
 }
 
 Terms smooth_terms(const World& world) {
-  return terms_without(EnergyCategory::inertia, terms_without(EnergyCategory::contact, world.terms));
+  Terms smooth;
+  std::ranges::copy_if(world.terms, std::back_inserter(smooth), [](const auto& term) {
+    const EnergyCategory category = term->properties().category;
+    return category != EnergyCategory::inertia && !acts_as_impulse(category);
+  });
+  return smooth;
 }
 
 VectorX accelerations_by(const World& world, const VectorX& forces) {

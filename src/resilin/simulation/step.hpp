@@ -40,6 +40,8 @@ struct StepReport {
   bool by_backward_euler = false;  ///< motion: in place of another scheme, which would have added energy
   double removed_energy = 0;       ///< motion: taken out of the velocities, lest the step add it [J]
   FrictionReport friction;
+  /// Motion: where the stages of its last part ended but the last one, from which the step's end follows [m].
+  std::vector<VectorX> stage_places{};
   double time_error = 0;  ///< motion with adaptive steps: about how far the step misplaced a vertex [m]
   std::optional<Index> unstable_modes;  ///< statics: negative eigenvalues of the stiffness, where counted
   std::optional<Inversion> inversion;   ///< linear statics: where a cell is first turned inside out

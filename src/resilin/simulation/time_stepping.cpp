@@ -141,18 +141,19 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
     attempt.contact_accelerations.resize(0);
     if (world.share.any(!contact.isZero(0))) {
       attempt.touches = true;
-      // How often a stage takes the forces of contact, so that they act as long as the stage lasts.
-      const double often = stage.contact_weight * stage.end_slope();
+      const double often = stage.count_of_impulse();
       attempt.gradient += (1 / often - 1) * contact;
       if (integrator_->looks_back() || world.adaptive) {
         const VectorX by_contact = accelerations_by(world, -contact);
         found.accelerations -= by_contact;
         attempt.contact_accelerations = by_contact / often;
-        attempt.jump = stage.end_slope() * stage.duration * by_contact;
+        attempt.jump = stage.jump_by(by_contact);
         attempt.jump_effect = stage.duration;
-        follow_jump(attempt.jump, end - state.time, stage.duration, seen.now.positions, seen.now.velocities);
+        follow_jump(attempt.jump, stage.time_from_start(time_step), stage.duration, seen.now.positions,
+                    seen.now.velocities);
       }
     }
+    if (!solutions.empty()) report.stage_places.push_back(solutions.back().positions);
     solutions.push_back(std::move(found));
     attempt.last_stage = std::move(stage);
   }
@@ -245,6 +246,7 @@ StepReport TimeStepper::step_in_parts(const World& world, Newton& newton, const 
       report.reason = found.report.reason;
     }
     if (found.is_interrupted() || (when_lost == WhenLost::stop && is_lost(world, report))) return report;
+    report.stage_places = std::move(found.report.stage_places);
     gradient = std::move(found.gradient);
     std::move(found).move(world, now, length, start.time + part * length);
   }
