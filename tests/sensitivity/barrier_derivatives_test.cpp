@@ -4,6 +4,7 @@
 #include "derivative_checks.hpp"
 #include "pressed_bars.hpp"
 #include "resilin/sensitivity/barrier_links.hpp"
+#include "rubbing_scenes.hpp"
 
 namespace resilin::testing {
 namespace {
@@ -52,35 +53,14 @@ TEST(BarrierDerivatives, ByFieldsAreRight) {
   expect_right_derivatives(scene, constants_of_both);
 }
 
-/// Two arms that are joined at the left, of which the upper one is pressed onto the lower one.
 TEST(BarrierDerivatives, OfABodyThatMeetsItselfAreRight) {
-  Description scene = pressed_bars(2, false);
-  scene.colliders.clear();
-  scene.bodies.pop_back();
-  scene.contact.with_themselves = true;
-  scene.gravity.setZero();
-  Mesh mesh = make_rectangle({0.3, 0.15}, {6, 3});
-  std::vector<Index>& nodes = mesh.block(CellKind::triangle).nodes;
-  std::vector<Index> kept;
-  for (std::size_t first = 0; first < nodes.size(); first += 3) {
-    Vector3 middle = Vector3::Zero();
-    for (std::size_t k = first; k < first + 3; ++k)
-      middle += mesh.vertices[static_cast<std::size_t>(nodes[k])] / 3;
-    if (middle.x() > 0.05 && middle.y() > 0.05 && middle.y() < 0.1) continue;
-    kept.insert(kept.end(), &nodes[first], &nodes[first] + 3);
+  for (const int dimension : {2, 3}) {
+    SCOPED_TRACE(dimension);
+    const Description scene = two_arms(dimension, false);
+    expect_contact(scene);
+    expect_right_derivatives(scene,
+                             {"body.arms.material.youngs_modulus", "body.arms.material.poissons_ratio"});
   }
-  nodes = kept;
-  for (Vector3& vertex : mesh.vertices)
-    if (vertex.y() > 0.09) vertex.y() -= 0.048;  // what is left of the slot
-  scene.bodies[0].mesh = mesh;
-  FixDescription& press = scene.fixes[1];
-  press.body = "lower";
-  press.where.kind = Where::Kind::box;
-  press.where.min = {0.29, 0.09, -1};
-  press.where.max = {0.31, 0.2, 1};
-  press.displacement = {0, -0.006, 0};
-  expect_contact(scene);
-  expect_right_derivatives(scene, {constants_of_both[0], constants_of_both[1]});
 }
 
 /// Where two bodies are alike, the layer between them has a kink: the derivative is the mean of the two.

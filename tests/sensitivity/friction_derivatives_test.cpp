@@ -105,6 +105,34 @@ TEST(FrictionDerivatives, AreRightOnCollidersThatTurnAndMove) {
     }
 }
 
+TEST(FrictionDerivatives, OfABodyOnItselfAreRight) {
+  for (const int dimension : {2, 3})
+    for (const bool is_dynamic : {false, true}) {
+      SCOPED_TRACE(std::to_string(dimension) + "D" + (is_dynamic ? ", in motion" : ", at rest"));
+      Description scene = two_arms(dimension, is_dynamic);
+      scene.contact.friction = 0.3;
+      expect_friction(scene);
+      expect_right_derivatives(scene,
+                               {"contact.friction", "body.arms.material.youngs_modulus",
+                                is_dynamic ? "fix.press.velocity" : "fix.press.displacement"},
+                               1e-6, 1e-4);
+    }
+}
+
+TEST(FrictionDerivatives, OfSkinsAreRight) {
+  for (const int dimension : {2, 3})
+    for (const bool is_dynamic : {false, true}) {
+      SCOPED_TRACE(std::to_string(dimension) + "D" + (is_dynamic ? ", in motion" : ", at rest"));
+      Description scene = rubbing_skins(dimension, is_dynamic);
+      scene.end_time = 0.02;
+      expect_friction(scene);
+      expect_right_derivatives(scene,
+                               {"contact.friction", "body.lower.material.youngs_modulus",
+                                is_dynamic ? "fix.press.velocity" : "fix.press.displacement"},
+                               1e-6, 4e-3);
+    }
+}
+
 TEST(FrictionDerivatives, AreRightForEveryLaw) {
   for (const LawInfo* law : laws()) {
     SCOPED_TRACE(law->name);

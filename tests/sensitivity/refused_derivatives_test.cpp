@@ -93,8 +93,6 @@ TEST(Derivatives, AreRefusedInWordsWhereThereAreNone) {
   floor.shape.normal = {0, 0, 1};
   scene.colliders.push_back(floor);
   EXPECT_THAT(refusal_of_derivatives(scene, {"collider.floor.friction"}), HasSubstr("however small"));
-  EXPECT_THAT(refusal_of_derivatives(scene, {"body.body.rest_positions"}),
-              AllOf(HasSubstr("without contact"), HasSubstr("contact.enabled = false")));
 }
 
 }  // namespace

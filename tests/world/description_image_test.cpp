@@ -102,6 +102,7 @@ class Dice {
     body.velocity_gradient = matrix();
     body.initial_positions = numbers();
     body.initial_velocities = numbers();
+    body.contact_shape = numbers();
     body.mass = static_cast<MassKind>(whole(2));
     body.damping = {number(), number(), number(), number()};
     body.skin = maybe([this] { return SkinDescription{text(), mesh(), text(), coin()}; });

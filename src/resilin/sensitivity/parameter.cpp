@@ -243,12 +243,6 @@ std::optional<InputError> refusal_of(const World& world, const Entry& entry) {
   if (name == "simulation.gravity" && world.gravity.head(world.dimension).isZero(0))
     return InputError(name, "a scene with gravity", "none",
                       "give simulation.gravity, however small: without it there is no weight to change");
-  // Barriers take their reach and the areas that they bear from the rest shape.
-  if (name.ends_with(".rest_positions") && (world.contact || !world.made_from->colliders.empty()))
-    return InputError(
-        name, "a scene without contact", "colliders or bodies that meet",
-        "barriers bear areas of the rest shape, by which they are not differentiated yet; where "
-        "nothing touches, leave colliders out and set contact.enabled = false");
   return {};
 }
 

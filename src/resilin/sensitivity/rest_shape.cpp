@@ -1,6 +1,7 @@
 #include "resilin/sensitivity/rest_shape.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 
@@ -43,7 +44,10 @@ std::vector<std::string> rest_names(const World& world) {
 Description with_rest(const Description& description, const std::vector<Parameter>& parameters,
                       const std::vector<VectorX>& rest) {
   Description changed = description;
-  for (std::size_t b = 0; b < rest.size(); ++b) parameters[b].set(rest[b], changed);
+  for (std::size_t b = 0; b < rest.size(); ++b) {
+    parameters[b].set(rest[b], changed);
+    changed.bodies[b].contact_shape.clear();  // as the scene has it that is made of the shape
+  }
   return changed;
 }
 
@@ -69,6 +73,7 @@ class Balance {
   Balance& operator=(const Balance&) = delete;
 
   bool is_in_domain() const { return potential_.is_in_domain(x_); }
+  bool is_apart() const { return std::isfinite(potential_.energy(EnergyCategory::contact, x_)); }
 
   /// Forms K; solutions with it are then to be had.
   void form() { tangent_.form(potential_, x_); }
@@ -153,6 +158,9 @@ class Search {
     if (description_.modes)
       throw InputError(description_.place + ": simulation.modes", "none for a rest shape", "free vibrations");
     const World drawn{Description(description_)};
+    if (drawn.friction)
+      throw InputError(description_.place + ": rest shape", "contact without friction", "friction",
+                       "with it an equilibrium depends on the way there, which is not known: leave it out");
     keep_elements(description_, drawn);
     names_ = rest_names(drawn);
     drawn_ = std::make_unique<World>(Description(description_));
@@ -193,7 +201,8 @@ class Search {
       auto made =
           std::make_unique<Balance>(with_rest(description_, parameters_, shape.rest), names_, shape, part);
       if (made->is_in_domain()) return made;
-      failure_ = "cells would be turned inside out";
+      failure_ = made->is_apart() ? "cells would be turned inside out"
+                                  : "bodies as drawn would be inside of what they touch";
     } catch (const InputError& error) {
       failure_ = error.what();
     }

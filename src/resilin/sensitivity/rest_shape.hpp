@@ -38,7 +38,10 @@ struct RestShape {
 /// the loads cannot be taken at once, they are raised in parts. The verdict is that of a run of the scene
 /// from the shape found (docs/theory/gradients.md).
 ///
-/// @throws InputError  for motion, for contact, and when no such shape is found: why
+/// What touches in the shape as drawn presses there. The areas that its barriers bear follow the rest shape;
+/// Newton's method leaves that out of its matrix and comes to the same place.
+///
+/// @throws InputError  for motion, for friction, and when no such shape is found: why
 RestShape find_rest_shape(Description description, const RestShapeOptions& options = {});
 
 }  // namespace resilin

@@ -121,6 +121,10 @@ struct BodyDescription {
   std::vector<double> initial_positions;
   std::vector<double>
       initial_velocities;  ///< dim per vertex [m/s]; empty: from velocity and velocity_gradient
+  /// dim per vertex of the mesh [m]: the rest shape by which contact measures, from which it takes areas and
+  /// its reach and in which a skin is carried; empty: that of the mesh. Derivatives by rest positions hold
+  /// it.
+  std::vector<double> contact_shape;
   MassKind mass = MassKind::lumped;
   DampingDescription damping;
   MeetingSurface contact_surface = MeetingSurface::boundary;

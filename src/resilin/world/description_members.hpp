@@ -16,8 +16,8 @@ RESILIN_MEMBERS(Rotation, axis, center, degrees)
 RESILIN_MEMBERS(DampingDescription, mass, stiffness, shear_viscosity, bulk_viscosity)
 RESILIN_MEMBERS(SkinDescription, place, surface, surface_name, is_smooth)
 RESILIN_MEMBERS(BodyDescription, place, name, mesh, mesh_name, element, quadrature, material, scale, rotate,
-                translate, velocity, velocity_gradient, initial_positions, initial_velocities, mass, damping,
-                contact_surface, skin)
+                translate, velocity, velocity_gradient, initial_positions, initial_velocities, contact_shape,
+                mass, damping, contact_surface, skin)
 RESILIN_MEMBERS(TimeFunction::Table, times, values)
 RESILIN_MEMBERS(TimeFunction::Sine, frequency, amplitude, phase, offset)
 RESILIN_MEMBERS(TimeFunction::Ramp, from, until)

@@ -74,6 +74,7 @@ SceneCut::SceneCut(const World& world, std::span<const std::vector<std::int32_t>
     body.mesh = {};
     body.initial_positions.clear();
     body.initial_velocities.clear();
+    body.contact_shape.clear();
     body.scale = 1;
     body.rotate.reset();
     body.translate.setZero();

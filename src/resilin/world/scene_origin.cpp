@@ -46,8 +46,8 @@ void move(Where& where, const Vector3& by) {
 void move(BodyDescription& body, int dim, const Vector3& by) {
   body.translate += by;
   body.velocity -= body.velocity_gradient * by;
-  for (std::size_t i = 0; i < body.initial_positions.size(); ++i)
-    body.initial_positions[i] += by[static_cast<int>(i) % dim];
+  for (std::vector<double>* places : {&body.initial_positions, &body.contact_shape})
+    for (std::size_t i = 0; i < places->size(); ++i) (*places)[i] += by[static_cast<int>(i) % dim];
 }
 
 void move(FixDescription& fix, const Vector3& by) {

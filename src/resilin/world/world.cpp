@@ -214,7 +214,11 @@ void Builder::add_body(const BodyDescription& description) {
 
   const VectorX rest = placed_vertices(description, made.mesh, world_.dimension);
   append(world_.rest_positions, rest);
-  body.skin = make_skin(description, body, world_.rest_positions, world_.dimension, world_.warnings);
+  append(world_.contact_shape, description.contact_shape.empty()
+                                   ? rest
+                                   : values_of_nodes(description.contact_shape, made, world_.dimension,
+                                                     description.place + ".contact_shape"));
+  body.skin = make_skin(description, body, world_.contact_shape, world_.dimension, world_.warnings);
   append(world_.start_positions, description.initial_positions.empty()
                                      ? rest
                                      : values_of_nodes(description.initial_positions, made, world_.dimension,

@@ -97,6 +97,7 @@ class World {
   /// (find_scene_origin). Whatever goes out to the user as a place adds it [m].
   Vector3 origin = Vector3::Zero();
   VectorX rest_positions;    ///< [m], dim numbers per node, body after body
+  VectorX contact_shape;     ///< [m], likewise: the rest shape by which contact measures
   VectorX start_positions;   ///< [m]
   VectorX start_velocities;  ///< [m/s]
   std::vector<Body> bodies;
