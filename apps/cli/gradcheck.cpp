@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -25,12 +25,48 @@ using Verdict = GradientCheck::Verdict;
 
 std::string number_text(double number) { return fmt::format("{:.10g}", number); }
 
+std::string limit_text(const DifferenceLimit& limit) {
+  return fmt::format("{:.6g} +- {:.1g}", limit.value, limit.error);
+}
+
+/// What the numbers prove; empty where they agree.
+std::string finding(const GradientCheck& check) {
+  const DifferenceLimits& limits = check.limits;
+  switch (check.verdict()) {
+    case Verdict::agrees:
+      return "";
+    case Verdict::is_within:
+      return "differences of runs are still converging where their steps end: they lead to " +
+             limit_text(limits.central) + ", and the derivative is that within its error";
+    case Verdict::no_digits:
+      return "the differences have no digits here: the result hardly depends on it, and at three steps they "
+             "disagree among themselves; they neither confirm the derivative nor contradict it";
+    case Verdict::kink:
+      return "there is a kink: differences to smaller values lead to " + limit_text(limits.before) +
+             ", those to larger ones to " + limit_text(limits.after) + ", and the derivative is between them";
+    case Verdict::open:
+      return "differences of runs lead nowhere as their steps become shorter: they neither confirm the "
+             "derivative nor contradict it (runs may end in one of several equilibria, or cross kinks of "
+             "contact within the shortest step)";
+    case Verdict::differs:
+      break;
+  }
+  if (!std::isfinite(check.slope)) return "the derivative is not a number";
+  if (limits.are_kinked())
+    return "the derivative is wrong: differences to smaller values lead to " + limit_text(limits.before) +
+           ", those to larger ones to " + limit_text(limits.after) + ", and it is not between them";
+  return "the derivative is wrong: differences of runs lead to " + limit_text(limits.central);
+}
+
 int gradcheck(const GradcheckOptions& options) {
   const Scene scene = read_scene(options.scene, {.overrides = options.overrides});
   print_warnings(scene.warnings);
   catch_interrupts();
-  const std::vector<GradientCheck> checks =
-      check_gradients(scene.description, options.wrt, [] { return !is_interrupted(); });
+  std::vector<std::string> warnings;
+  const std::vector<GradientCheck> checks = check_gradients(
+      scene.description, options.wrt, [] { return !is_interrupted(); },
+      [&warnings](const std::string& line) { warnings.push_back(line); });
+  print_warnings(warnings);
   std::vector<std::vector<std::string>> rows = {{"parameter", "adjoint"}};
   for (const double step : checks.front().steps) rows[0].push_back("difference, step " + format_short(step));
   rows[0].emplace_back("digits");
@@ -44,28 +80,19 @@ int gradcheck(const GradcheckOptions& options) {
     rows.push_back(std::move(row));
   }
   print_text(format_table(rows));
-  const auto count = [&](Verdict verdict) {
-    return std::ranges::count(checks, verdict, &GradientCheck::verdict);
-  };
-  const auto total = std::to_string(checks.size());
-  const auto agree = count(Verdict::agrees), unseen = count(Verdict::no_digits),
-             wrong = count(Verdict::differs);
-  if (unseen > 0)
-    print_line(
-        std::to_string(unseen) + " of " + total +
-        ": the differences have no digits here: the result hardly depends on it, and at three steps they "
-        "disagree among themselves; they neither confirm the derivative nor contradict it");
-  if (wrong > 0) {
-    print_line(
-        std::to_string(wrong) + " of " + total +
-        " do not agree with differences of runs: a step may cross a kink (contact that begins or ends, "
-        "buckling), or the derivative is wrong");
-    return not_converged;
+  std::size_t agree = 0;
+  bool is_confirmed = true;
+  for (const GradientCheck& check : checks) {
+    const Verdict verdict = check.verdict();
+    if (verdict == Verdict::agrees) ++agree;
+    is_confirmed = is_confirmed && verdict != Verdict::open && verdict != Verdict::differs;
+    if (const std::string line = finding(check); !line.empty())
+      print_line(one_line(check.parameter) + ": " + line);
   }
   if (agree > 0)
-    print_line((unseen > 0 ? "all other" : std::string("all")) +
+    print_line((agree < checks.size() ? "all other" : std::string("all")) +
                " derivatives agree with differences of runs");
-  return done;
+  return is_confirmed ? done : not_converged;
 }
 
 }  // namespace
@@ -89,8 +116,9 @@ void add_gradcheck(CommandLine& line, Action& action) {
       "What is differentiated is a sum of the places of all nodes at the end, each with a weight of its "
       "own.\n"
       "Example:\n  resilin gradcheck beam.toml --wrt body.beam.material.youngs_modulus\n\n"
-      "Exit codes: 0 they agree, or have no digits to compare with; 1 the input is wrong; 2 they do not "
-      "agree.");
+      "Exit codes: 0 they agree, as far as differences can tell; 1 the input is wrong; 2 they do not agree, "
+      "or "
+      "differences lead nowhere.");
   command.on_chosen([options, &action] { action = [options] { return gradcheck(*options); }; });
 }
 

@@ -1,5 +1,7 @@
 #include "resilin/sensitivity/gradient_check.hpp"
 
+#include <cmath>
+#include <functional>
 #include <limits>
 
 #include "small_scenes.hpp"
@@ -28,34 +30,77 @@ TEST(GradientCheck, HasNoDigitsWhereDifferencesAreNoise) {
   same.rounding = 1e-16;
   EXPECT_EQ(same.verdict(), Verdict::no_digits);
   same.slope = 1e-9;
-  EXPECT_EQ(same.verdict(), Verdict::differs);
+  EXPECT_EQ(same.verdict(), Verdict::open);
   // What is left of higher orders at large steps, noise at the smallest.
   EXPECT_EQ(check_of(1e-9, {1e-4, 1e-6, 1e-8}, 1e-10).verdict(), Verdict::no_digits);
 }
 
-TEST(GradientCheck, DiffersWhereDifferencesHaveDigits) {
-  EXPECT_EQ(check_of(1e-9, {1e-4, 1.2e-9, 1.21e-9}, 1).verdict(), Verdict::differs);
-  // Noise, but less of it than the derivative would be.
-  EXPECT_EQ(check_of(1e-9, {2e-13, -1e-12, 3e-11}, 1e-12).verdict(), Verdict::differs);
-  EXPECT_EQ(check_of(-1e-11, {2e-13, -1e-12, 3e-11}, 1e-12).verdict(), Verdict::differs);
-  // Another solution at each step: runs differ by 0.1 whatever the step.
-  EXPECT_EQ(check_of(1e-9, {10, 100, 1000}, 1e-10).verdict(), Verdict::differs);
+/// Of a function of one number at zero, in place of a scene.
+GradientCheck check_of(double slope, const std::function<double(double)>& f) {
+  GradientCheck check{.parameter = "p", .slope = slope, .steps = {1e-2, 1e-3, 1e-4}};
+  std::vector<SampledDifference> samples;
+  for (const double h : {1e-2, 1e-3, 1e-4, 3e-3, 3e-4, 3e-5, 1e-5, 3e-6, 1e-6})
+    samples.push_back({.step = h, .before = (f(0) - f(-h)) / h, .after = (f(h) - f(0)) / h});
+  for (std::size_t k = 0; k < 3; ++k) check.differences[k] = 0.5 * (samples[k].before + samples[k].after);
+  check.limits = limits_of(samples);
+  return check;
 }
 
-TEST(GradientCheck, DiffersWhereANumberIsNone) {
+/// As runs have it: the same for the same number, and like no other.
+double noise_of(double t) { return std::sin(1e13 * t + 1e9 * t * t); }
+
+TEST(GradientCheck, IsWithinWhatDifferencesLeadTo) {
+  // It bends on the scale of a thousandth of the number, and runs are noisy.
+  const auto bent = [](double t) { return std::sin(1000 * t) + 1e-5 * noise_of(t); };
+  EXPECT_EQ(check_of(1000, bent).verdict(), Verdict::is_within);
+  EXPECT_EQ(check_of(1100, bent).verdict(), Verdict::differs);
+  EXPECT_EQ(check_of(-1000, bent).verdict(), Verdict::differs);
+  EXPECT_NEAR(check_of(0, bent).limits.central.value, 1000, 20);
+}
+
+TEST(GradientCheck, SeesAKinkByBothSides) {
+  const auto kinked = [](double t) { return (t > 0 ? 3 : 1) * t + 4 * t * t; };
+  for (const double slope : {1.0, 2.0, 3.0}) EXPECT_EQ(check_of(slope, kinked).verdict(), Verdict::kink);
+  for (const double slope : {0.9, 3.1}) EXPECT_EQ(check_of(slope, kinked).verdict(), Verdict::differs);
+  const DifferenceLimits limits = check_of(2, kinked).limits;
+  EXPECT_NEAR(limits.before.value, 1, 1e-9);
+  EXPECT_NEAR(limits.after.value, 3, 1e-9);
+  // One beside the place, farther than the shortest steps.
+  const auto near = [](double t) { return t + std::max(0.0, t - 2e-5); };
+  EXPECT_NE(check_of(1, near).verdict(), Verdict::differs);
+}
+
+TEST(GradientCheck, IsOpenWhereDifferencesLeadNowhere) {
+  // Another solution at each step, and a jump.
+  EXPECT_EQ(check_of(1e-9, [](double t) { return 0.1 * noise_of(t); }).verdict(), Verdict::open);
+  EXPECT_EQ(check_of(1, [](double t) { return t > 0 ? 1.0 + t : t; }).verdict(), Verdict::open);
+  EXPECT_EQ(check_of(1, [](double) { return nan; }).verdict(), Verdict::open);
+}
+
+TEST(GradientCheck, DiffersWhereDifferencesHaveDigits) {
+  const auto line = [](double t) { return 2 * t + t * t + t * t * t; };
+  EXPECT_EQ(check_of(2.1, line).verdict(), Verdict::differs);
+  EXPECT_EQ(check_of(0, line).verdict(), Verdict::differs);
+  EXPECT_EQ(check_of(2, line).verdict(), Verdict::is_within);  // its digits were not counted
+  // Differences that are noise, but less of it than the derivative would be, confirm nothing.
+  EXPECT_EQ(check_of(1e-9, {2e-13, -1e-12, 3e-11}, 1e-12).verdict(), Verdict::open);
+  EXPECT_EQ(check_of(-1e-11, {2e-13, -1e-12, 3e-11}, 1e-12).verdict(), Verdict::open);
+}
+
+TEST(GradientCheck, DiffersWhereItIsNoNumber) {
   for (const double none : {nan, infinite, -infinite}) {
     EXPECT_EQ(check_of(none, {2e-13, -1e-12, 3e-11}, 1e-12).verdict(), Verdict::differs);
     for (std::size_t k = 0; k < 3; ++k) {
       GradientCheck check = check_of(1e-18, {2e-13, -1e-12, 3e-11}, 1e-12);
       check.differences[k] = none;
-      EXPECT_EQ(check.verdict(), Verdict::differs);
+      EXPECT_EQ(check.verdict(), Verdict::open);
     }
-    EXPECT_EQ(check_of(1e-18, {none, none, none}, 1e-12).verdict(), Verdict::differs);
+    EXPECT_EQ(check_of(1e-18, {none, none, none}, 1e-12).verdict(), Verdict::open);
     GradientCheck agreed = check_of(none, {1, 1, 1}, 1e-12);
     agreed.digits = 16;
     EXPECT_EQ(agreed.verdict(), Verdict::differs);
   }
-  EXPECT_EQ(check_of(1e-18, {2e-13, -1e-12, 3e-11}, nan).verdict(), Verdict::differs);
+  EXPECT_EQ(check_of(1e-18, {2e-13, -1e-12, 3e-11}, nan).verdict(), Verdict::open);
 }
 
 /// A bar that is pulled, of which the weight is next to nothing.
@@ -80,11 +125,7 @@ TEST(GradientChecks, OfWhatHardlyMattersHaveNoDigits) {
     // The same differences beside derivatives that are wrong by so much that they would be seen.
     GradientCheck wrong = checks[0];
     wrong.slope += 1e-6 * checks[2].slope * 1e5 / 1000;
-    EXPECT_EQ(wrong.verdict(), Verdict::differs);
-    wrong = checks[2];
-    wrong.slope *= 1.01;
-    wrong.digits = 2;
-    EXPECT_EQ(wrong.verdict(), Verdict::differs);
+    EXPECT_EQ(wrong.verdict(), Verdict::open);
   }
 }
 

@@ -11,6 +11,8 @@ namespace {
 
 constexpr double newton_tolerance = 1e-11;
 constexpr std::array<double, 3> relative_steps = {1e-2, 1e-3, 1e-4};
+/// Where these do not suffice: between them and beyond.
+constexpr std::array<double, 6> further_steps = {3e-3, 3e-4, 3e-5, 1e-5, 3e-6, 1e-6};
 
 /// Numbers between -1 and 1 that look like none other.
 VectorX weights(Eigen::Index size, double seed) {
@@ -53,33 +55,43 @@ constexpr double reach_of_differences = 3;
 /// what is rounded of their places.
 constexpr double noise_of_ways = 1e-8, rounding_of_places = 1e-15;
 
+/// Three differences without a digit in common bound the derivative by the two that are nearest to each
+/// other: it may be theirs, if noise is what parts them. Comparisons with NaN are false.
+bool are_noise_about(const GradientCheck& check) {
+  double nearest = std::numeric_limits<double>::infinity(), distance = nearest, reach = 0;
+  for (std::size_t i = 0; i < check.differences.size(); ++i)
+    for (std::size_t k = i + 1; k < check.differences.size(); ++k) {
+      const double a = check.differences[i], b = check.differences[k], apart = std::abs(a - b);
+      const double larger = std::max(std::abs(a), std::abs(b));
+      const bool share_a_digit = apart <= one_digit * larger && larger > 0;
+      if (!std::isfinite(apart) || share_a_digit) return false;
+      if (!(apart < nearest)) continue;
+      nearest = apart;
+      distance = std::min(std::abs(check.slope - a), std::abs(check.slope - b));
+      reach = std::max(reach_of_differences * apart, check.rounding / check.steps[i]);
+    }
+  return std::abs(check.differences.back()) * check.steps.back() <= check.noise && distance <= reach;
+}
+
 }  // namespace
 
-// Three differences without a digit in common bound the derivative by the two that are nearest to each other.
-// It may be theirs, if noise is what parts them: where a step crosses a kink or meets another solution, runs
-// differ by more than that. Comparisons with NaN are false.
 GradientCheck::Verdict GradientCheck::verdict() const {
   if (!std::isfinite(slope)) return Verdict::differs;
   if (digits >= digits_to_agree) return Verdict::agrees;
-  double nearest = std::numeric_limits<double>::infinity(), distance = nearest, reach = 0;
-  for (std::size_t i = 0; i < differences.size(); ++i)
-    for (std::size_t k = i + 1; k < differences.size(); ++k) {
-      const double a = differences[i], b = differences[k], apart = std::abs(a - b);
-      const double larger = std::max(std::abs(a), std::abs(b));
-      const bool share_a_digit = apart <= one_digit * larger && larger > 0;
-      if (!std::isfinite(apart) || share_a_digit) return Verdict::differs;
-      if (!(apart < nearest)) continue;
-      nearest = apart;
-      distance = std::min(std::abs(slope - a), std::abs(slope - b));
-      reach = std::max(reach_of_differences * apart, rounding / steps[i]);
-    }
-  const bool is_noise = std::abs(differences.back()) * steps.back() <= noise;
-  return is_noise && distance <= reach ? Verdict::no_digits : Verdict::differs;
+  if (are_noise_about(*this)) return Verdict::no_digits;
+  if (limits.are_kinked()) {
+    const auto [low, high] = std::minmax(limits.before.value, limits.after.value);
+    const double reach = reach_of_differences * std::max(limits.before.error, limits.after.error);
+    return slope >= low - reach && slope <= high + reach ? Verdict::kink : Verdict::differs;
+  }
+  const auto& [value, error] = limits.central;
+  if (!(error <= one_digit * std::max(std::abs(value), std::abs(slope)))) return Verdict::open;
+  return std::abs(slope - value) <= reach_of_differences * error ? Verdict::is_within : Verdict::differs;
 }
 
 std::vector<GradientCheck> check_gradients(Description description, std::vector<std::string> parameters,
                                            const std::function<bool()>& goes_on,
-                                           const std::function<void(const GradientCheck&)>& done) {
+                                           const std::function<void(const std::string&)>& warn) {
   description.newton.tolerance = std::min(description.newton.tolerance, newton_tolerance);
   const World world{Description(description)};
   keep_elements(description, world);
@@ -89,6 +101,8 @@ std::vector<GradientCheck> check_gradients(Description description, std::vector<
   std::vector<FrameChange> slopes(static_cast<std::size_t>(run->num_frames()));
   slopes.back().positions = weights(base.size(), 1);
   const std::vector<VectorX> gradient = run->transposed(slopes);
+  for (const std::string& line : run->warnings())
+    if (warn) warn(line);
   const VectorX sizes = slopes.back().positions.cwiseAbs();
   const double rounding = rounding_of_places * sizes.sum() * run->world().largest_extent();
   const double noise = rounding + noise_of_ways * sizes.dot((base - run->world().rest_positions).cwiseAbs());
@@ -110,14 +124,19 @@ std::vector<GradientCheck> check_gradients(Description description, std::vector<
           std::abs(difference - check.slope) / std::max({std::abs(check.slope), 1e-6 * largest, 1e-300});
       if (std::isfinite(error)) check.digits = std::max(check.digits, -std::log10(std::max(error, 1e-16)));
     };
-    for (std::size_t k = 0; k < check.steps.size(); ++k) {
-      const double h = check.steps[k];
+    std::vector<SampledDifference> samples;
+    const auto sample = [&](double h) {
       const auto result = [&](double t) {
         Description changed = description;
         parameter.set(parameter.value + t * change, changed);
         return result_of(std::move(changed), slopes.back().positions, base, goes_on);
       };
-      check.differences[k] = (result(h) - result(-h)) / (2 * h * unit);
+      const double after = result(h) / (h * unit), before = -result(-h) / (h * unit);
+      samples.push_back({.step = h, .before = before, .after = after});
+      return 0.5 * (before + after);
+    };
+    for (std::size_t k = 0; k < check.steps.size(); ++k) {
+      check.differences[k] = sample(check.steps[k]);
       compare_with(check.differences[k]);
     }
     // Errors of central differences fall with the square of the step: both shorter steps tell what is left.
@@ -126,8 +145,12 @@ std::vector<GradientCheck> check_gradients(Description description, std::vector<
     // Nothing depends on it, and both say so.
     if (check.slope == 0 && std::ranges::all_of(check.differences, [](double d) { return std::abs(d) == 0; }))
       check.digits = 16;
+    if (check.verdict() == GradientCheck::Verdict::open) {
+      for (const double h : further_steps) sample(h);
+      check.limits = limits_of(std::move(samples));
+      compare_with(check.limits.central.value);
+    }
     checks.push_back(check);
-    if (done) done(check);
   }
   return checks;
 }

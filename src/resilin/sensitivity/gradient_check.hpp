@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "resilin/sensitivity/derivatives.hpp"
+#include "resilin/sensitivity/difference_limit.hpp"
 
 namespace resilin {
 
@@ -20,11 +21,16 @@ struct GradientCheck {
   /// What a difference may be off by, times the length of its step: because forces of its two runs balance to
   /// a tolerance, and because places are rounded.
   double noise = 0, rounding = 0;
+  /// What these and more differences, over other steps, lead to; nowhere: the three sufficed.
+  DifferenceLimits limits{};
 
   enum class Verdict {
     agrees,
+    is_within,  ///< what differences lead to has fewer digits, and within its error it is the derivative
     no_digits,  ///< the derivative is so small that differences hold none of its digits: they say nothing
-    differs
+    kink,       ///< differences to both sides lead to different slopes, between which the derivative is
+    open,       ///< differences lead nowhere: they say nothing
+    differs     ///< they lead elsewhere: the derivative is wrong
   };
   Verdict verdict() const;
 };
@@ -32,9 +38,9 @@ struct GradientCheck {
 /// The result that is differentiated is a sum of all places of the last frame, each with a weight of its own
 /// between -1 and 1. The scene's newton.tolerance is lowered to what differences need.
 /// @param parameters  names; empty: all
-/// @param done        told of each as soon as it is checked
+/// @param warn        told what is odd about the derivatives, one line each
 std::vector<GradientCheck> check_gradients(Description description, std::vector<std::string> parameters,
                                            const std::function<bool()>& goes_on = {},
-                                           const std::function<void(const GradientCheck&)>& done = {});
+                                           const std::function<void(const std::string&)>& warn = {});
 
 }  // namespace resilin

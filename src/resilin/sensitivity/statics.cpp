@@ -23,11 +23,22 @@ class StaticDerivatives final : public Derivatives {
                     const DerivativeOptions& options)
       : Derivatives(std::move(description), wrt, options), tangent_(world(), world().solver.kind) {
     places_.push_back(simulation_.state().positions);
+    int shortened = 0;
     while (!simulation_.is_finished()) {
-      last_matrix_is_near_ = step().newton.last_step_was_exact;
+      const StepReport report = step();
+      last_matrix_is_near_ = report.newton.last_step_was_exact;
+      if (report.failed_attempts > 0) ++shortened;
       places_.push_back(simulation_.state().positions);
       frames_.push_back(simulation_.frame());
     }
+    if (follows_way() && shortened > 0)
+      warnings_.push_back(
+          world().place + ": " + std::to_string(shortened) +
+          (shortened == 1 ? " load step was" : " load steps were") +
+          " halved on the way, and with friction the way matters: derivatives are those of the "
+          "run with its " +
+          std::to_string(frames_.size() - 1) +
+          " load steps as they were taken; more simulation.load_steps keep them even");
   }
 
   VectorX positions(int frame) override { return places_[static_cast<std::size_t>(frame)]; }
