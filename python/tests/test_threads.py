@@ -1,6 +1,8 @@
 """One simulation in several threads: whoever comes waits for a turn, and sees whole states."""
 
+import os
 import signal
+import socket
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -175,3 +177,39 @@ def test_one_elastic_body_serves_several_threads():
     for ours, theirs in zip(found, expected, strict=True):
         for a, b in zip(ours, theirs, strict=True):
             np.testing.assert_array_equal(a, b)
+
+
+def test_no_signal_is_lost_while_matrices_are_ordered():
+    """Each SIGTERM arrives before the next is sent, also those that come while METIS works, in whatever thread."""
+    scene = cantilever(load_steps=1)
+    scene["body"][0]["mesh"] = {"box": {"size": [1, 0.2, 0.2], "cells": [32, 8, 8]}}
+    scene["solver"] = {"kind": "multifrontal"}
+    ours, theirs = socket.socketpair()
+    theirs.setblocking(False)
+    is_over = threading.Event()
+    counts = {"sent": 0, "lost": 0}
+
+    def send():
+        ours.settimeout(20)
+        while not is_over.is_set() and not counts["lost"]:
+            os.kill(os.getpid(), signal.SIGTERM)
+            counts["sent"] += 1
+            try:
+                ours.recv(1)
+            except TimeoutError:
+                counts["lost"] += 1
+
+    before = signal.signal(signal.SIGTERM, lambda *_: None)
+    before_fd = signal.set_wakeup_fd(theirs.fileno(), warn_on_full_buffer=False)
+    sender = threading.Thread(target=send)
+    try:
+        sender.start()
+        result = resilin.run(scene)
+    finally:
+        is_over.set()
+        sender.join()
+        signal.set_wakeup_fd(before_fd)
+        signal.signal(signal.SIGTERM, before)
+    assert counts["lost"] == 0
+    assert counts["sent"] > 5
+    np.testing.assert_array_equal(result.positions[-1], resilin.run(scene).positions[-1])

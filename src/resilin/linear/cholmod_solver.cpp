@@ -23,7 +23,6 @@ class CholmodSolver : public DirectSolver {
     common_.postorder = 1;
     common_.supernodal = CHOLMOD_SUPERNODAL;
     common_.final_ll = 1;
-    common_.metis_memory = 2;  // tries an allocation before METIS, which complains on its own
   }
   ~CholmodSolver() override {
     cholmod_l_free_dense(&solution_, &common_);
@@ -58,38 +57,25 @@ class CholmodSolver : public DirectSolver {
   cholmod_dense *solution_ = nullptr, *solve_work_ = nullptr, *solve_more_work_ = nullptr;
 };
 
-cholmod_sparse lower_triangle(std::vector<SuiteSparse_long>& begin, std::vector<SuiteSparse_long>& rows) {
+cholmod_sparse CholmodSolver::matrix() {
   cholmod_sparse matrix{};
-  matrix.nrow = matrix.ncol = begin.size() - 1;
-  matrix.nzmax = rows.size();
-  matrix.p = begin.data();
-  matrix.i = rows.data();
+  matrix.nrow = matrix.ncol = columns_.begin.size() - 1;
+  matrix.nzmax = columns_.rows.size();
+  matrix.p = columns_.begin.data();
+  matrix.i = columns_.rows.data();
+  matrix.x = columns_.values.data();
   matrix.stype = -1;
   matrix.itype = CHOLMOD_LONG;
-  matrix.xtype = CHOLMOD_PATTERN;
+  matrix.xtype = CHOLMOD_REAL;
   matrix.dtype = CHOLMOD_DOUBLE;
   matrix.sorted = matrix.packed = 1;
   return matrix;
 }
 
-cholmod_sparse CholmodSolver::matrix() {
-  cholmod_sparse matrix = lower_triangle(columns_.begin, columns_.rows);
-  matrix.x = columns_.values.data();
-  matrix.xtype = CHOLMOD_REAL;
-  return matrix;
-}
-
 void CholmodSolver::analyze_pattern(int dim) {
-  std::vector<SuiteSparse_long> node_begin(pattern_.row_begin.begin(), pattern_.row_begin.end());
-  std::vector<SuiteSparse_long> node_rows(pattern_.columns.begin(), pattern_.columns.end());
-  cholmod_sparse nodes = lower_triangle(node_begin, node_rows);
-  std::vector<SuiteSparse_long> node_order(nodes.nrow), order;
-  {
-    const std::unique_lock turn = turn_of_metis();
-    cholmod_l_metis(&nodes, nullptr, 0, 1, node_order.data(), &common_);
-  }
-  for (const SuiteSparse_long node : node_order)
-    for (int d = 0; d < dim; ++d) order.push_back(node * dim + d);
+  std::vector<SuiteSparse_long> order;
+  for (const Index node : fill_reducing_order(NodeGraph(pattern_)))
+    for (int d = 0; d < dim; ++d) order.push_back(SuiteSparse_long{node} * dim + d);
   columns_.set_pattern(pattern_, dim);
   cholmod_sparse lower = matrix();
   cholmod_l_free_factor(&factors_, &common_);

@@ -5,6 +5,7 @@
 #ifdef RESILIN_HAS_METIS
 #include <metis.h>
 
+#include <mutex>
 #include <new>
 
 #include "resilin/core/memory.hpp"
@@ -73,11 +74,6 @@ LayeredOrder reverse_cuthill_mckee(const NodeGraph& graph) {
   return result;
 }
 
-std::unique_lock<std::mutex> turn_of_metis() {
-  static std::mutex mutex;
-  return std::unique_lock(mutex);
-}
-
 std::vector<Index> inverse_of(std::span<const Index> node_at) {
   std::vector<Index> position(node_at.size());
   for (std::size_t i = 0; i < node_at.size(); ++i) position[node_at[i]] = static_cast<Index>(i);
@@ -86,7 +82,13 @@ std::vector<Index> inverse_of(std::span<const Index> node_at) {
 
 #ifdef RESILIN_HAS_METIS
 
+// By METIS_NodeNDP, which orders as METIS_NodeND does and, asked for one part, gives the same order. The
+// latter puts handlers of its own in the place of the program's while it works: SIGTERM then ends the
+// ordering and is lost, and is undefined where another thread gets it.
 std::vector<Index> fill_reducing_order(const NodeGraph& graph) {
+  // METIS draws from the one sequence of random numbers that a process has, which it begins anew each time:
+  // of two calls at once each would draw what the other leaves, and orders would go by chance.
+  static std::mutex turn;
   std::vector<idx_t> begin(graph.begin.begin(), graph.begin.end());
   std::vector<idx_t> neighbours(graph.neighbours.begin(), graph.neighbours.end());
   const auto n = static_cast<std::size_t>(graph.num_nodes());
@@ -98,15 +100,14 @@ std::vector<Index> fill_reducing_order(const NodeGraph& graph) {
   METIS_SetDefaultOptions(options);
   options[METIS_OPTION_NUMBERING] = 0;
   options[METIS_OPTION_SEED] = 1;
-  auto num_nodes = static_cast<idx_t>(n);
   // METIS complains of memory on its own and by signals: it is asked for before. Its graphs, from fine to
   // coarse and cut in two, take some five times the first one; the workspace about as much.
   constexpr std::size_t small = std::size_t{1} << 20, graphs = 6;
   if (!can_allocate(small + graphs * sizeof(idx_t) * (neighbours.size() * 2 + n * 5))) throw std::bad_alloc();
-  const std::unique_lock turn = turn_of_metis();
-  const int status = METIS_NodeND(&num_nodes, begin.data(), neighbours.data(), nullptr, options,
-                                  node_at.data(), position.data());
-  if (status == METIS_ERROR_MEMORY) throw std::bad_alloc();
+  idx_t sizes[1] = {};
+  const std::lock_guard lock(turn);
+  METIS_NodeNDP(static_cast<idx_t>(n), begin.data(), neighbours.data(), nullptr, 1, options, node_at.data(),
+                position.data(), sizes);
   return {node_at.begin(), node_at.end()};
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <mutex>
 #include <span>
 #include <vector>
 
@@ -26,13 +25,8 @@ void append_layers(const NodeGraph& graph, std::size_t begin, std::vector<int>& 
 /// Position by node.
 std::vector<Index> inverse_of(std::span<const Index> node_at);
 
-/// Held around each call of METIS. It draws from the one sequence of random numbers that a process has, which
-/// it begins anew each time: of two calls at once each would draw what the other leaves, and orders would go
-/// by chance.
-[[nodiscard]] std::unique_lock<std::mutex> turn_of_metis();
-
 /// Node by position, such that a factorisation stays sparse: nested dissection by METIS, approximate minimum
-/// degree where the build has no METIS.
+/// degree where the build has no METIS. Signals go where the program wants them meanwhile.
 std::vector<Index> fill_reducing_order(const NodeGraph& graph);
 
 }  // namespace resilin
