@@ -48,12 +48,12 @@ TEST(Override, TakesAPartInQuotesWithItsDots) {
 }
 
 TEST(Override, NamesTheNearestEntry) {
-  EXPECT_THAT(error_with({"body.bean.scale=2"}), HasSubstr("did you mean \"beam\"?"));
+  EXPECT_THAT(error_with({"body.bean.scale=2"}),
+              HasSubstr("got \"bean\"; did you mean \"beam\"? the one entry is \"beam\" (0)"));
 }
 
 TEST(Override, RefusesAPathThatLeadsNowhere) {
-  EXPECT_THAT(error_with({"body.bean.scale=2"}), HasSubstr("there are 0 (beam)"));
-  EXPECT_THAT(error_with({"body.1.scale=2"}), HasSubstr("there are 0 (beam)"));
+  EXPECT_THAT(error_with({"body.1.scale=2"}), HasSubstr("got \"1\"; the one entry is \"beam\" (0)"));
   EXPECT_THAT(error_with({"title.x=2"}), HasSubstr("expected a table before \"x\""));
   EXPECT_THAT(error_with({"simulatoin.gravity=[0,0,0]"}), HasSubstr("did you mean \"simulation\"?"));
 }

@@ -72,16 +72,19 @@ SceneValue parse_value(std::string_view text, std::string_view assignment) {
   return value;
 }
 
-std::vector<std::string> names_of(const SceneValue::Array& array) {
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < array.size(); ++i) {
-    names.push_back(std::to_string(i));
+/// "the entries are "beam" (0), "foot" (1)": the first of many.
+std::string entries_text(const SceneValue::Array& array) {
+  constexpr std::size_t most = 12;
+  if (array.empty()) return "the list is empty";
+  std::vector<std::string> entries;
+  for (std::size_t i = 0; i < std::min(array.size(), most); ++i) {
     const SceneValue* name = array[i].find("name");
-    if (name != nullptr && std::holds_alternative<std::string>(name->data)) {
-      names.back() += " (" + printable(std::get<std::string>(name->data)) + ")";
-    }
+    const auto* text = name == nullptr ? nullptr : std::get_if<std::string>(&name->data);
+    const std::string number = std::to_string(i);
+    entries.push_back(text == nullptr ? number : '"' + printable(*text) + "\" (" + number + ")");
   }
-  return names;
+  if (array.size() > most) entries.push_back("and so on, up to " + std::to_string(array.size() - 1));
+  return (array.size() == 1 ? "the one entry is " : "the entries are ") + join(entries);
 }
 
 /// The number of an entry of a list that is named by it or by its `name`.
@@ -99,9 +102,7 @@ std::size_t entry_number(const SceneValue::Array& array, const std::string& part
   }
   const std::string nearest = did_you_mean(part, names);
   throw UnknownKeyError(place, "the number or the name of an entry of a list", '"' + printable(part) + '"',
-                        array.empty()
-                            ? "the list is empty"
-                            : "there are " + join(names_of(array)) + (nearest.empty() ? "" : "; " + nearest));
+                        (nearest.empty() ? "" : nearest + " ") + entries_text(array));
 }
 
 /// One step along the path; tables that are missing on the way are made.
