@@ -10,11 +10,14 @@
 
 namespace resilin {
 
+class AnalysisCache;
+
 struct LinearOptions {
   std::string kind = "auto";  ///< a name in the catalogue, or "auto"
   bool is_dynamic = false;    ///< helps "auto": mass makes iterative solvers quick
   bool is_definite = true;    ///< false: negative eigenvalues are solved with and counted, not refused
   int max_iterations = 2000;  ///< of an iterative solver
+  std::shared_ptr<AnalysisCache> analyses = nullptr;  ///< shared with other solvers, by those that can
   Share share = {};  ///< whose nodes the matrix couples: its entries are then this process's part of them
 };
 

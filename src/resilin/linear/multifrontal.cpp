@@ -221,7 +221,10 @@ void MultifrontalSolver::factorize_all(std::span<const double> values) {
 void MultifrontalSolver::prepare(const BlockMatrix& A) {
   if (!pattern_.update(A, MergedPattern::Keep::superset)) return;
   forget_factor();
-  analysis_ = std::make_unique<const MultifrontalAnalysis>(pattern_);
+  // Pairs that meet are a pattern of their own in each scene.
+  const bool is_of_mesh = pattern_.is_that_of(A);
+  analysis_ = analyses_ && is_of_mesh ? analyses_->of(pattern_)
+                                      : std::make_shared<const MultifrontalAnalysis>(pattern_);
   dim_ = A.dim;
 }
 
@@ -282,7 +285,7 @@ LinearReport MultifrontalSolver::factorize_prepared(const BlockMatrix& A) {
 }
 
 std::unique_ptr<LinearSolver> make_multifrontal(const LinearOptions& options) {
-  return std::make_unique<MultifrontalSolver>(options.is_definite);
+  return std::make_unique<MultifrontalSolver>(options.is_definite, options.analyses);
 }
 
 }  // namespace resilin

@@ -3,8 +3,10 @@
 #include <memory>
 #include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "resilin/linear/analysis_cache.hpp"
 #include "resilin/linear/direct_solver.hpp"
 #include "resilin/linear/front_assembly.hpp"
 #include "resilin/linear/pivoted_panel.hpp"
@@ -31,7 +33,9 @@ struct PivotedFront {
 /// same time; each front sums its children in a fixed order.
 class MultifrontalSolver : public DirectSolver {
  public:
-  explicit MultifrontalSolver(bool is_definite) : is_definite_(is_definite) {}
+  /// @param analyses  of matrices elsewhere; may be null
+  MultifrontalSolver(bool is_definite, std::shared_ptr<AnalysisCache> analyses)
+      : is_definite_(is_definite), analyses_(std::move(analyses)) {}
 
   std::string_view name() const override { return "multifrontal"; }
 
@@ -85,8 +89,9 @@ class MultifrontalSolver : public DirectSolver {
   void solve_front_transposed(Index s);
 
   bool is_definite_;
+  std::shared_ptr<AnalysisCache> analyses_;
   MergedPattern pattern_;
-  std::unique_ptr<const MultifrontalAnalysis> analysis_;
+  std::shared_ptr<const MultifrontalAnalysis> analysis_;
   int dim_ = 3;
   bool has_little_memory_ = false;  // for subtrees at the same time, with the present pattern
   bool is_serial_ = false;          // takes the subtrees one after another

@@ -22,12 +22,13 @@ void check_most_strained(const MostStrained& strained, Eigen::Index num_unknowns
 
 }  // namespace
 
-Simulation::Simulation(World world)
+Simulation::Simulation(World world, std::shared_ptr<AnalysisCache> analyses)
     : world_(std::move(world)),
       newton_(world_.dimension, world_.pattern,
               make_linear_solver({.kind = world_.solver.kind,
                                   .is_dynamic = world_.is_dynamic,
                                   .max_iterations = world_.solver.max_iterations,
+                                  .analyses = std::move(analyses),
                                   .share = world_.share},
                                  world_.num_free_unknowns()),
               world_.share) {

@@ -30,7 +30,8 @@ class Simulation {
   /// Throws InputError.
   explicit Simulation(Description description) : Simulation(World(std::move(description))) {}
   /// A world may have got energies of the caller's own.
-  explicit Simulation(World world);
+  /// @param analyses  of matrices, which simulations of one mesh may share; changes no result
+  explicit Simulation(World world, std::shared_ptr<AnalysisCache> analyses = nullptr);
 
   const World& world() const { return world_; }
   const State& state() const { return state_; }

@@ -73,7 +73,7 @@ class GrowingFolder {
 bool simulate(const Sweep& sweep, SceneRow& row, const std::filesystem::path& sweep_folder,
               const std::function<bool()>& is_stopped) {
   Scene scene = sweep.scene(row.scene);
-  Simulation simulation(std::move(scene.description));
+  Simulation simulation(World(std::move(scene.description)), sweep.analyses());
   row.unknowns = simulation.world().num_free_unknowns();
   std::optional<GrowingFolder> folder;
   if (!sweep_folder.empty() && sweep.kept().may_have(row.scene))

@@ -6,6 +6,7 @@
 
 #include "resilin/core/hash.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/linear/analysis_cache.hpp"
 #include "resilin/results/build_info.hpp"
 #include "resilin/scene/key.hpp"
 #include "resilin/sweep/sampling.hpp"
@@ -59,7 +60,8 @@ bool KeptScenes::has(std::uint64_t scene, bool is_done) const {
 Sweep::Sweep(SweepDescription description)
     : description_(std::move(description)),
       files_(std::make_unique<FileHashes>(description_.folder.empty() ? "." : description_.folder)),
-      meshes_(std::make_unique<MeshCache>()) {
+      meshes_(std::make_unique<MeshCache>()),
+      analyses_(std::make_shared<AnalysisCache>()) {
   if (description_.parameters.empty())
     throw InputError(description_.place,
                      "there are no parameters; give keys of the scene with their values under "

@@ -72,6 +72,9 @@ class Sweep {
   /// @throws InputError  for a scene that is wrong, which is no fault of the others
   Scene scene(std::uint64_t i) const;
 
+  /// What simulations of its scenes share.
+  const std::shared_ptr<AnalysisCache>& analyses() const { return analyses_; }
+
   /// "scene 12 (body.beam.scale = 2)", for messages.
   std::string name_of(std::uint64_t i) const;
 
@@ -90,6 +93,7 @@ class Sweep {
   std::uint64_t size_ = 0;
   std::unique_ptr<FileHashes> files_;
   std::unique_ptr<MeshCache> meshes_;
+  std::shared_ptr<AnalysisCache> analyses_;
 };
 
 /// Reads a file SWEEP.toml and its base scene. @throws InputError
