@@ -304,37 +304,4 @@ NewtonReport Newton::minimize(Objective& objective, std::span<const std::uint8_t
   return search.run(observer);
 }
 
-void Newton::keep_measure(bool has_matrix, const Parts& parts, const VectorX& weights) {
-  last_measure_.reset();
-  if (!has_matrix) return;
-  last_measure_.emplace();
-  if (parts.count() == 1) return;
-  last_measure_->parts = parts;
-  last_measure_->weights = weights;
-}
-
-void Newton::form_matrix(const Objective& objective, std::span<const std::uint8_t> is_fixed,
-                         const VectorX& x) {
-  solver_->begin_search();
-  hessian_.set_zero();
-  objective.hessian(x, Projection::clamp, hessian_);
-  eliminate(hessian_, is_fixed);
-  solver_->analyze(hessian_, x);
-  const LinearReport linear = solver_->factorize(hessian_);
-  require_memory(linear);
-  keep_measure(linear.status == LinearReport::Status::ok, parts_, VectorX::Ones(parts_.count()));
-}
-
-std::optional<VectorX> Newton::response(VectorX forces, std::span<const std::uint8_t> is_fixed,
-                                        double tolerance) {
-  if (!last_measure_) return std::nullopt;
-  set_fixed_to_zero(is_fixed, forces);
-  if (last_measure_->parts) scale_parts(*last_measure_->parts, last_measure_->weights, forces);
-  VectorX way = VectorX::Zero(forces.size());
-  const LinearReport linear = solver_->solve(hessian_, forces, way, tolerance);
-  if (linear.status == LinearReport::Status::indefinite || !parts_.share().all(way.allFinite()))
-    return std::nullopt;
-  return way;
-}
-
 }  // namespace resilin

@@ -88,8 +88,12 @@ class Newton {
   /// `form_matrix`: H^-1 f [m], zero at the fixed unknowns. None where the search needed no matrix.
   /// @param tolerance  to which an iterative solver goes, relative to the forces
   std::optional<VectorX> response(VectorX forces, std::span<const std::uint8_t> is_fixed, double tolerance);
-  /// Makes the Hessian of an objective at x, its elements projected, the last matrix.
-  void form_matrix(const Objective& objective, std::span<const std::uint8_t> is_fixed, const VectorX& x);
+  /// What a matrix is solved with: factors of its own, or those of the latest search, which it is near to.
+  enum class Factors { anew, of_search };
+  /// Makes the Hessian of an objective at x, its elements projected, the last matrix. It depends on x alone,
+  /// that of a search on the way that has led there.
+  void form_matrix(const Objective& objective, std::span<const std::uint8_t> is_fixed, const VectorX& x,
+                   Factors factors = Factors::anew);
 
   /// Gives back the memory of the analysed solver; the next search analyses anew.
   void release_solver() { solver_->release(); }
@@ -106,11 +110,14 @@ class Newton {
   };
 
   void keep_measure(bool has_matrix, const Parts& parts, const VectorX& weights);
+  /// Whether `hessian_` is definite. @param x  as `LinearSolver::analyze` takes it
+  bool factorize_last(const VectorX& x);
 
   BlockMatrix hessian_;
   Parts parts_;
   std::unique_ptr<LinearSolver> solver_;
   std::optional<Measure> last_measure_;  ///< of the last matrix; none: the search has none
+  bool has_near_factors_ = false;        ///< the factors are of a matrix that is near to the last one
 };
 
 std::string_view name(NewtonReport::Status status);

@@ -1,15 +1,12 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <span>
 
+#include "resilin/optimize/near_solve.hpp"
 #include "resilin/optimize/objective.hpp"
 
 namespace resilin {
-
-/// Solves A p = b about right for a matrix near to the tangent; false when it cannot.
-using NearSolve = std::function<bool(const VectorX& b, VectorX& p)>;
 
 struct TangentReport {
   int iterations = 0;

@@ -6,6 +6,7 @@
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/linear/gmres.hpp"
+#include "resilin/optimize/near_solve.hpp"
 #include "resilin/optimize/residual.hpp"
 
 namespace resilin {
@@ -124,10 +125,9 @@ double Tangent::tolerance() const {
   return is_direct || world_.is_dynamic ? tight_tolerance : iterative_tolerance;
 }
 
-/// Nocedal & Wright 2006, algorithm 5.3; with a solver that iterates, whose answers are no linear function of
+/// With a solver that iterates, whose answers are no linear function of
 /// what it is asked, the residual is solved for again and again.
 std::optional<VectorX> Tangent::solve_near(const VectorX& b) {
-  constexpr int most_iterations = 20;
   constexpr double inner_tolerance = 1e-4;
   const double size = b.norm();
   if (!near_->solver_is_direct()) {
@@ -144,23 +144,13 @@ std::optional<VectorX> Tangent::solve_near(const VectorX& b) {
     }
     return p;
   }
-  VectorX p = VectorX::Zero(b.size()), residual = b, direction, product;
-  double last = 1;
-  for (int k = 0; k < most_iterations; ++k) {
-    const std::optional<VectorX> z = near_->response(residual, world_.is_fixed, 1);
-    if (!z) return std::nullopt;
-    const double along = residual.dot(*z);
-    if (!(along > 0)) return std::nullopt;
-    direction = k == 0 ? *z : VectorX(*z + along / last * direction);
-    multiply(free_, direction, product);
-    const double curvature = direction.dot(product);
-    if (!(curvature > 0)) return std::nullopt;
-    p += along / curvature * direction;
-    residual -= along / curvature * product;
-    last = along;
-    if (residual.norm() <= tight_tolerance * size) return p;
-  }
-  return std::nullopt;
+  const NearSolve near = [&](const VectorX& residual, VectorX& p) {
+    std::optional<VectorX> found = near_->response(residual, world_.is_fixed, 1);
+    if (found) p = *std::move(found);
+    return found.has_value();
+  };
+  const Product times = [&](const VectorX& p, VectorX& product) { multiply(free_, p, product); };
+  return solve_by_near(times, near, b, tight_tolerance);
 }
 
 VectorX Tangent::solve_symmetric(const VectorX& b) {

@@ -14,8 +14,8 @@
 namespace resilin {
 namespace {
 
-/// To which iterative solvers filter an estimate, relative to it.
-constexpr double filter_tolerance = 1e-3;
+/// To which solvers filter an estimate, relative to it.
+constexpr double filter_tolerance = 1e-8;
 
 struct PlannedStep {
   double length;  ///< [s]
@@ -73,10 +73,18 @@ class LengthChoice {
       order_ = std::clamp(std::log(last_error_ / error) / std::log(last_length_ / length), 1.0, order_);
     last_error_ = error;
     last_length_ = length;
-    return std::clamp(0.9 * std::pow(error, -1 / order_), 0.1, 2.0);
+    return on_ladder(std::clamp(0.9 * std::pow(error, -1 / order_), 0.1, 2.0));
   }
 
  private:
+  /// Rounded down to five binary digits, so that lengths have the same bits whatever rounding, and solvers
+  /// that stop somewhere within a tolerance, leave in an estimate.
+  static double on_ladder(double factor) {
+    int exponent = 0;
+    const double mantissa = std::frexp(factor, &exponent);
+    return std::ldexp(std::floor(32 * mantissa), exponent - 5);
+  }
+
   double order_, last_error_ = 0, last_length_ = 0;
 };
 
@@ -91,12 +99,12 @@ double TimeStepper::step_error(const World& world, Newton& newton, const State& 
   if (found.contact_accelerations.size() > 0) by_contact += found.contact_accelerations / 6;
   const VectorX error =
       found.scheme->local_error(start, found.end, time_step) - time_step * time_step * by_contact;
-  if (world.share.any(!by_contact.isZero(0))) {  // which may let go within the step: it holds no error back
-    const Conditions end{.time = state.time + time_step, .load = 1};
-    const Terms terms = terms_without(EnergyCategory::contact, world.terms);
-    newton.form_matrix(Potential(terms, world.is_fixed, end, found.last_stage, world.share), world.is_fixed,
-                       found.end.positions);
-  }
+  // What touches may let go within the step: contact holds no error back.
+  const bool touches = world.share.any(!by_contact.isZero(0));
+  const Conditions end{.time = state.time + time_step, .load = 1};
+  const Terms terms = terms_without(EnergyCategory::contact, world.terms);
+  newton.form_matrix(Potential(terms, world.is_fixed, end, found.last_stage, world.share), world.is_fixed,
+                     found.end.positions, touches ? Newton::Factors::anew : Newton::Factors::of_search);
   // (M/c^2 + K)^-1 M/c^2 e, (I.8)
   const auto filtered_distance = [&](const VectorX& way) {
     VectorX forces;
