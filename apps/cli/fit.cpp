@@ -74,7 +74,8 @@ int fit_experiments(SceneFitDescription description, const FitOptions& options, 
     print_text(scene_fit_json_text(report));
   } else if (is_told) {
     print_text("\n" + scene_fit_text(report));
-    print_line("\n" + one_line((folder / "material.toml").string()) + " and fit.json are written; " +
+    print_line("\n" + one_line((folder / "fit.html").string()) +
+               ", material.toml and fit.json are written; " +
                format_seconds(watch.seconds()));
   }
   print_warnings(report.estimates.warnings);
@@ -112,7 +113,7 @@ void add_fit(CommandLine& line, Action& action) {
       .offers(law_words);
   command
       .option("--out", options->out,
-              "Folder of fit.json, material.toml and, of tests, fit.html; default: out/NAME of the file")
+              "Folder of fit.html, fit.json and material.toml; default: out/NAME of the file")
       .type_name("DIR")
       .is_folder();
   command.option("--set", options->overrides, "Change a value of the file first; may be given several times")

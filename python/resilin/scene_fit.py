@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from resilin.typing import Overrides, Scene
+    from resilin.typing import AnyPath, Overrides, Scene
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,30 @@ class FittedParameter:
 
 
 @dataclass(frozen=True, eq=False)
+class FittedField:
+    """A constant of each cell: arrays (M,); SI."""
+
+    name: str
+    key: str  #: of the scenes
+    unit: str
+    values: NDArray[np.float64]
+    interval: tuple[NDArray[np.float64], NDArray[np.float64]]  #: of 95 %: of noise and of what the prior leaves open
+    resolution: NDArray[np.float64]  #: the data tell a mean over about such a length [m]
+
+
+@dataclass(frozen=True, eq=False)
+class Regularisation:
+    """How much neighbours are alike."""
+
+    strength: float  #: the weight of the prior that was taken
+    corner: float  #: of the L-curve; 0 without one
+    discrepancy: float  #: by which the misfit is that of the sigmas; 0 where there is none
+    cross_validated: float
+    freedom: float  #: so many combinations of the unknowns the data determine
+    l_curve: NDArray[np.float64]  #: (P, 3): strength, sum of squares, roughness
+
+
+@dataclass(frozen=True, eq=False)
 class MeasuredTable:
     """One table of measurements beside what the scenes give: arrays (N,), component by component of each row."""
 
@@ -49,15 +74,28 @@ class SceneFit:
     """Parameters of scenes, fitted."""
 
     parameters: dict[str, FittedParameter]  #: by name
+    fields: dict[str, FittedField]  #: by name: constants that were sought for each cell
+    regularisation: Regularisation | None  #: of fields
     sum_of_squares: float  #: of residuals over sigma, where there are sigmas
     degrees_of_freedom: int
     solves: int  #: of each scene
+    starts: tuple[float, ...]  #: the sum of squares where each start of the search has ended; inf: no solution
     is_converged: bool
     correlation: NDArray[np.float64]  #: (P, P) between the estimates
     tables: tuple[MeasuredTable, ...]
     warnings: tuple[str, ...]
     text: str = field(repr=False)  #: what ``resilin fit`` prints
     material_toml: str = field(repr=False)
+    _page: str = field(repr=False)
+    _json: str = field(repr=False)
+
+    def save(self, folder: AnyPath) -> None:
+        """Writes fit.html, fit.json and material.toml."""
+        path = Path(folder)
+        path.mkdir(parents=True, exist_ok=True)
+        (path / "fit.html").write_text(self._page, encoding="utf-8")
+        (path / "fit.json").write_text(self._json, encoding="utf-8")
+        (path / "material.toml").write_text(self.material_toml, encoding="utf-8")
 
     def __getitem__(self, name: str) -> FittedParameter:
         """The parameter of this name."""
@@ -72,7 +110,8 @@ def fit_scenes(data: Scene, overrides: Overrides = (), on_solve: Callable[[str],
     Parameters
     ----------
     data : path or dict
-        The file of ``resilin fit`` with ``[[experiment]]`` and ``[[parameter]]``, or its keys as a dict.
+        The file of ``resilin fit`` with ``[[experiment]]`` and ``[[parameter]]``, or its keys as a dict, in which a
+        scene may be a dict, too, and markers arrays (N, d): ``{"at": X, "displacement": u, "sigma": 1e-3}``.
     overrides : dict or list of str
         As after ``--set``, of the fit's own keys.
     on_solve : function, optional
@@ -94,12 +133,15 @@ def fit_scenes(data: Scene, overrides: Overrides = (), on_solve: Callable[[str],
         lambda values: _core.fit_scenes_values(values, lines, on_solve),
     )
     content = json.loads(found["json"])
-    size = len(content["parameters"])
+    size = int(np.sqrt(len(content["correlation_matrix"])))
     return SceneFit(
         parameters={entry["name"]: _parameter(entry) for entry in content["parameters"]},
+        fields={entry["name"]: _field(entry) for entry in content["fields"]},
+        regularisation=_regularisation(content["regularise"]) if "regularise" in content else None,
         sum_of_squares=content["sum_of_squares"],
         degrees_of_freedom=content["degrees_of_freedom"],
         solves=content["solves"],
+        starts=tuple(_number(entry["sum_of_squares"], np.inf) for entry in content["starts"]),
         is_converged=content["is_converged"],
         correlation=np.array(content["correlation_matrix"]).reshape(size, size),
         tables=tuple(
@@ -109,6 +151,39 @@ def fit_scenes(data: Scene, overrides: Overrides = (), on_solve: Callable[[str],
         warnings=tuple(content["warnings"]),
         text=found["text"],
         material_toml=found["material"],
+        _page=found["page"],
+        _json=found["json"],
+    )
+
+
+def _number(value: float | None, otherwise: float) -> float:
+    return otherwise if value is None else value
+
+
+def _array(values: list[float | None], otherwise: float) -> NDArray[np.float64]:
+    return np.array([_number(value, otherwise) for value in values])
+
+
+def _field(entry: dict[str, Any]) -> FittedField:
+    return FittedField(
+        name=entry["name"],
+        key=entry["key"],
+        unit=entry["unit"],
+        values=np.array(entry["values"]),
+        interval=(_array(entry["lower_95"], -np.inf), _array(entry["upper_95"], np.inf)),
+        resolution=_array(entry["resolution"], np.inf),
+    )
+
+
+def _regularisation(entry: dict[str, Any]) -> Regularisation:
+    curve = [[point["strength"], point["sum_of_squares"], point["roughness"]] for point in entry["l_curve"]]
+    return Regularisation(
+        strength=entry["strength"],
+        corner=entry["corner"],
+        discrepancy=entry["discrepancy"],
+        cross_validated=entry["cross_validated"],
+        freedom=entry["freedom"],
+        l_curve=np.array(curve).reshape(-1, 3),
     )
 
 

@@ -37,7 +37,7 @@ nb::typed<nb::dict, nb::str, nb::str> fit(const FitDescription& description) {
 /// What a fit of scenes gives, as texts; `on_solve`, or None, is told a line for each solve.
 nb::typed<nb::dict, nb::str, nb::str> fit_experiments(const SceneFitDescription& description,
                                                       const nb::object& on_solve) {
-  std::string json, text, material;
+  std::string json, text, material, page;
   Interruptible interruptible;
   std::exception_ptr failure;
   {
@@ -53,6 +53,7 @@ nb::typed<nb::dict, nb::str, nb::str> fit_experiments(const SceneFitDescription&
       json = scene_fit_json_text(report);
       text = scene_fit_text(report);
       material = scene_material_toml(report);
+      page = scene_fit_page(report);
     } catch (...) {
       failure = std::current_exception();
     }
@@ -63,6 +64,7 @@ nb::typed<nb::dict, nb::str, nb::str> fit_experiments(const SceneFitDescription&
   result["json"] = json;
   result["text"] = text;
   result["material"] = material;
+  result["page"] = page;
   return result;
 }
 

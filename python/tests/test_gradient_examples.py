@@ -53,7 +53,9 @@ def test_a_throw_meets_both_targets(tmp_path):
 
 def test_a_heart_is_found_from_markers(tmp_path):
     found = run("heart.py")
-    assert found["search"].solves <= 60
+    fit = found["fit"]
+    assert fit.is_converged
+    assert fit.solves <= 30  # of each of two scenes
     is_stiff = found["truth"] > 2e5
     moduli = found["moduli"]
     # In and out are told apart in all but cells at the edge, and by about the right moduli.
@@ -61,8 +63,7 @@ def test_a_heart_is_found_from_markers(tmp_path):
     assert_allclose(np.median(moduli[~is_stiff]), found["SOFT"], rtol=0.1)
     assert_allclose(np.median(moduli[is_stiff]), found["STIFF"], rtol=0.25)
     # The corner of the L-curve is where the misfit is that of the noise.
-    misfit = found["curve"][found["chosen"]][1]
-    assert 0.6 < misfit / (4 * len(found["AT"])) < 1.4
+    assert 0.6 < fit.sum_of_squares / fit.degrees_of_freedom < 1.4
     draws(found, tmp_path / "heart.png")
 
 

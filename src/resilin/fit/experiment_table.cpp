@@ -4,22 +4,11 @@
 #include "resilin/core/error.hpp"
 #include "resilin/core/spelling.hpp"
 #include "resilin/fit/fit_file.hpp"
-#include "resilin/fit/marker_table.hpp"
+#include "resilin/fit/measurement_table.hpp"
 #include "resilin/scene/scene.hpp"
 
 namespace resilin {
 namespace {
-
-/// A table of measurements as it is written.
-struct RawMeasurements {
-  std::string of;
-  std::string file;
-  NumberTable table;
-  std::optional<Vector3> value;
-  std::optional<double> sigma, tolerance;
-};
-
-using Raw = RawMeasurements;
 
 /// What `read` makes of one value, or of each of a list of them.
 template <class Read>
@@ -31,93 +20,6 @@ auto read_one_or_more(const SceneNode& node, const Read& read) {
   }
   for (std::size_t i = 0; i < node.value->array().size(); ++i) all.push_back(read(node.element(i)));
   return all;
-}
-
-Key<Raw> file_key(const char* columns) {
-  return key<Raw>({"file", "text", "", "required",
-                   std::string("A CSV file whose first line names its columns: ") + columns},
-                  [](const SceneNode& node, Raw& raw) {
-                    raw.file = read_text(node);
-                    raw.table = read_csv(read_path(node));
-                  });
-}
-
-Key<Raw> sigma_key(const char* unit) {
-  return key<Raw>({"sigma", "number > 0", unit, "none",
-                   "Standard deviation of each number, unless the file has a column of it. Without any, the "
-                   "residuals themselves tell their size."},
-                  [](const SceneNode& node, Raw& raw) { raw.sigma = read_number(node, positive); });
-}
-
-Keys<Raw> marker_keys() {
-  return {
-      file_key("X, Y, Z (places at rest, in 2D without Z) and ux, uy, uz (displacements) or x, y, z (places "
-               "after it), and sigma, load (the load factor at rest), time (in motion), id. Components that "
-               "were not measured are left out; without load and time the end of the run is meant."),
-      sigma_key("m"),
-      text_key("of", &Raw::of, "the only body", "The body that carries the markers."),
-      key<Raw>({"tolerance", "number >= 0", "m", "rounding",
-                "How far outside the body's mesh a marker may be; it is carried by the nearest cell."},
-               [](const SceneNode& node, Raw& raw) { raw.tolerance = read_number(node, not_negative); }),
-  };
-}
-
-/// Of a reaction or a probe: one vector, or a file of them.
-Keys<Raw> vector_keys(const char* of_what, const char* columns, const char* unit) {
-  Key<Raw> file = file_key(columns);
-  file.doc.default_text = "none";
-  file.is_required = false;
-  return {
-      key<Raw>({"of", "text", "", "required", of_what},
-               [](const SceneNode& node, Raw& raw) { raw.of = read_text(node); }),
-      file,
-      key<Raw>({"value", "vector", unit, "none", "The vector at the end of the run, in place of a file."},
-               [](const SceneNode& node, Raw& raw) { raw.value = read_vector(node); }),
-      sigma_key(unit),
-  };
-}
-
-Keys<Raw> keys_of(MeasuredKind kind) {
-  switch (kind) {
-    case MeasuredKind::markers:
-      return marker_keys();
-    case MeasuredKind::reaction:
-      return vector_keys("The support, by its name, whose force on the bodies was measured.",
-                         "fx, fy, fz, and sigma, load, time.", "N");
-    case MeasuredKind::probe:
-      break;
-  }
-  return vector_keys("The probe, by its name, whose displacement was measured.",
-                     "ux, uy, uz, and sigma, load, time.", "m");
-}
-
-MeasuredTable read_measurements(const SceneNode& node, MeasuredKind kind) {
-  Raw raw;
-  read_table(node, keys_of(kind), raw);
-  MeasuredTable table;
-  table.kind = kind;
-  table.place = node.place();
-  table.of = raw.of;
-  table.tolerance = raw.tolerance;
-  const int dim = node.context->dimension;
-  if (raw.file.empty() != raw.value.has_value())
-    throw InputError(node.place(), "a file or a value", raw.value ? "both" : "neither",
-                     raw.value ? "leave one of them out" : "add file = \"forces.csv\"");
-  if (raw.value) {
-    MeasuredRow row;
-    row.place = node.place();
-    row.value = *raw.value;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(dim); ++i) row.is_measured[i] = true;
-    table.rows.push_back(row);
-  } else {
-    table.rows = measured_rows(kind, raw.table, dim, node.context->is_dynamic, raw.file, node.place());
-  }
-  for (MeasuredRow& row : table.rows) {
-    if (raw.sigma && row.sigma > 0)
-      throw InputError(node.place() + ".sigma", "a number or a column", "both", "leave one of them out");
-    if (raw.sigma) row.sigma = *raw.sigma;
-  }
-  return table;
 }
 
 struct RawExperiment {
@@ -149,10 +51,14 @@ Keys<RawExperiment> experiment_keys() {
             expect_list(node, "texts");
             raw.overrides = read_one_or_more(node, read_text);
           }),
-      key<R>({"scene", "text", "", "required", "A scene file (.toml): the experiment as it was done."},
+      key<R>({"scene", "text", "", "required",
+              "A scene file (.toml): the experiment as it was done. In Python a dict, too."},
              [](const SceneNode& node, R& raw) {
-               const std::filesystem::path path = read_path(node);
-               Scene scene = read_scene(path, {.overrides = raw.overrides});
+               const bool is_here = node.value->is_table();
+               const std::filesystem::path path = is_here ? std::filesystem::path("scene") : read_path(node);
+               const SceneOptions options{.overrides = raw.overrides};
+               Scene scene = is_here ? read_scene_from_values(*node.value, node.place(), node.context->folder, options)
+                                     : read_scene(path, options);
                node.context->dimension = scene.description.dimension;
                node.context->is_dynamic = scene.description.is_dynamic;
                for (const std::string& warning : scene.warnings) node.context->warnings.push_back(warning);
@@ -161,8 +67,14 @@ Keys<RawExperiment> experiment_keys() {
              }),
       measured_key(MeasuredKind::markers, "Displacements of points of a body."),
       measured_key(MeasuredKind::reaction,
-                   "Forces of a support on the bodies; a list where there are several."),
+                   "Forces of a support or a collider, such as an indenter, on the bodies; a list where there are "
+                   "several."),
       measured_key(MeasuredKind::probe, "Displacements of a probe."),
+      measured_key(MeasuredKind::section, "Forces through a section of the scene."),
+      measured_key(MeasuredKind::moment, "Moments in a section of the scene."),
+      measured_key(MeasuredKind::energy, "Energies."),
+      measured_key(MeasuredKind::volume, "Volumes of a body as it is deformed, such as that of a bladder."),
+      measured_key(MeasuredKind::stress, "Stresses at places of a body."),
   };
 }
 
@@ -190,6 +102,27 @@ Keys<SceneParameter> parameter_keys() {
              }),
       key<P>({"experiment", "text", "", "all", "The only experiment, by its name, whose scene has it."},
              [](const SceneNode& node, P& p) { p.experiment = read_text(node); }),
+      choice_key("per", &P::per,
+                 "Of a constant of a body's material: value seeks one number for each different value that the scene has, "
+                 "group one for each group of cells of the mesh, cell one for each cell, a field with a prior."),
+  };
+}
+
+Keys<Regularisation> regularise_keys() {
+  using R = Regularisation;
+  return {
+      choice_key("kind", &R::kind,
+                 "What is asked of fields: smooth, the mean square of their gradient times the body's size; tikhonov, the "
+                 "mean square of their way from the start; both, the sum. Of logarithms where values are positive."),
+      key<R>({"strength", "number > 0, or " + one_of(all_spellings<StrengthRule>()), "", "\"l_curve\"",
+              "Its weight beside the sum of squares: a number, the corner of the L-curve, or the one that leaves the "
+              "misfit which the sigmas expect."},
+             [](const SceneNode& node, R& r) {
+               if (std::holds_alternative<std::string>(node.value->data))
+                 r.rule = *find_spelled<StrengthRule>(read_choice(node, all_spellings<StrengthRule>()));
+               else
+                 r.strength = read_number(node, positive);
+             }),
   };
 }
 
@@ -199,7 +132,16 @@ Keys<SceneFitDescription> scene_fit_keys() {
       number_key("tolerance", &F::tolerance, "", positive,
                  "The search ends when its next step is less than this part of every parameter, or than "
                  "a ten-thousandth of their standard errors."),
-      integer_key("max_solves", &F::max_solves, at_least_one, "So often each scene is solved at most."),
+      integer_key("max_solves", &F::max_solves, at_least_one,
+                  "So often each scene is solved at most, from each start."),
+      integer_key("starts", &F::starts, at_least_one,
+                  "From so many starts the search is made; the best end counts. The first is that of the parameters, the "
+                  "others lie between their bounds, or within a factor of 10 of it."),
+      key<F>({"regularise", "[fit.regularise](#fitregularise)", "", "", "Of fields: parameters per cell."},
+             [](const SceneNode& node, F& f) {
+               f.regularise.place = node.place();
+               read_table(node, regularise_keys(), f.regularise);
+             }),
   };
 }
 
@@ -254,13 +196,13 @@ SceneFitDescription read_scene_fit_root(const SceneNode& root) {
 }
 
 std::vector<TableDoc> scene_fit_docs() {
-  return {document("[[experiment]]", "A scene that was done in a laboratory, and what was measured.",
-                   experiment_keys()),
-          document("experiment.markers", "Points of a body.", keys_of(MeasuredKind::markers)),
-          document("experiment.reaction", "The force of a support.", keys_of(MeasuredKind::reaction)),
-          document("experiment.probe", "The vertex that a scene watches.", keys_of(MeasuredKind::probe)),
-          document("[[parameter]]", "What is sought with experiments.", parameter_keys()),
-          document("[fit] of experiments", "How it is sought.", scene_fit_keys())};
+  std::vector<TableDoc> docs = measurement_docs();
+  docs.insert(docs.begin(), document("[[experiment]]", "A scene that was done in a laboratory, and what was measured.",
+                                     experiment_keys()));
+  docs.push_back(document("[[parameter]]", "What is sought with experiments.", parameter_keys()));
+  docs.push_back(document("[fit] of experiments", "How it is sought.", scene_fit_keys()));
+  docs.push_back(document("fit.regularise", "What is asked of fields besides.", regularise_keys()));
+  return docs;
 }
 
 }  // namespace resilin

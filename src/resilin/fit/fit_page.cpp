@@ -1,27 +1,16 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <map>
 
 #include "resilin/core/spelling.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/fit/fit_output.hpp"
-#include "resilin/fit/fit_page_bytes.hpp"
 #include "resilin/fit/fit_plot.hpp"
+#include "resilin/fit/page_parts.hpp"
+#include "resilin/fit/plot_frame.hpp"
 
 namespace resilin {
 namespace {
-
-std::string html_table(const std::vector<std::vector<std::string>>& rows) {
-  std::string text = "<table>";
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    text += "<tr>";
-    for (const std::string& cell : rows[i])
-      text += (i == 0 ? "<th>" : "<td>") + html_text(cell) + (i == 0 ? "</th>" : "</td>");
-    text += "</tr>";
-  }
-  return text + "</table>";
-}
 
 std::string legend_html(const FitReport& report) {
   std::string text;
@@ -66,59 +55,42 @@ std::string constants_html(const LawFit& fit, const ShownUnit& unit) {
   return html_table(rows);
 }
 
-std::string paragraph(const std::string& kind, const std::string& text) {
-  return "<p class=\"" + kind + "\">" + html_text(text) + "</p>";
-}
-
 std::string law_html(const LawFit& fit, const ShownUnit& unit) {
-  std::string text = "<h2>" + html_text(fit.name) + "</h2>" +
-                     paragraph("faint", "Psi = " + std::string(fit.material.law->formula)) +
+  std::string text = html_heading(fit.name) +
+                     html_paragraph("faint", "Psi = " + std::string(fit.material.law->formula)) +
                      "<div class=\"card\">" + constants_html(fit, unit) + "</div>";
   std::string stable;
   for (const StabilityRange& range : fit.stability)
     stable += (stable.empty() ? "" : "; ") + stability_text(range);
-  if (!stable.empty()) text += paragraph("faint", "Stable: " + stable);
-  for (const Correlation& pair : fit.correlations) text += paragraph("faint", pair.text);
-  for (const std::string& remark : fit.remarks) text += paragraph("faint", remark);
-  for (const std::string& warning : fit.warnings) text += paragraph("warning", warning);
+  if (!stable.empty()) text += html_paragraph("faint", "Stable: " + stable);
+  for (const Correlation& pair : fit.correlations) text += html_paragraph("faint", pair.text);
+  for (const std::string& remark : fit.remarks) text += html_paragraph("faint", remark);
+  for (const std::string& warning : fit.warnings) text += html_paragraph("warning", warning);
   return text;
-}
-
-/// The template with each {{name}} replaced.
-std::string filled(std::string_view page, const std::map<std::string, std::string, std::less<>>& parts) {
-  std::string text;
-  while (true) {
-    const std::size_t open = page.find("{{"), close = page.find("}}", open);
-    text += page.substr(0, open);
-    if (open == std::string_view::npos) return text;
-    text += parts.at(std::string(page.substr(open + 2, close - open - 2)));
-    page.remove_prefix(close + 2);
-  }
 }
 
 }  // namespace
 
 std::string fit_page(const FitReport& report) {
   const ShownUnit unit = shown_unit(report);
-  std::string panels, laws, warnings;
-  for (const FittedCurve& curve : report.laws.front().curves)
-    panels += "<div class=\"card\">" + fit_plot(report, curve.mode) + "</div>";
-  for (const LawFit& fit : report.laws) laws += law_html(fit, unit);
-  for (const std::string& warning : report.warnings) warnings += paragraph("warning", warning);
+  std::vector<std::string> panels, warnings = report.warnings;
+  for (const FittedCurve& curve : report.laws.front().curves) panels.push_back(fit_plot(report, curve.mode));
   for (const LawNotFitted& law : report.not_fitted)
-    warnings += paragraph("warning", law.name + " was not fitted: " + law.reason);
-  const std::span<const unsigned char> bytes = fit_page_bytes();
-  const std::string title =
-      report.description.title.empty() ? "Fit of a material" : one_line(report.description.title);
-  return filled({reinterpret_cast<const char*>(bytes.data()), bytes.size()},
-                {{"title", html_text(title)},
-                 {"objective", html_text(objective_text(report))},
-                 {"warnings", warnings},
-                 {"legend", legend_html(report)},
-                 {"panels", panels},
-                 {"ranking", ranking_html(report)},
-                 {"laws", laws},
-                 {"material", html_text(material_toml(report))}});
+    warnings.push_back(law.name + " was not fitted: " + law.reason);
+  std::string laws;
+  for (const LawFit& fit : report.laws) laws += law_html(fit, unit);
+  return html_page(
+      {.title = report.description.title.empty() ? "Fit of a material" : one_line(report.description.title),
+       .objective = objective_text(report),
+       .warnings = warnings,
+       .content = "<div class=\"legend\">" + legend_html(report) + "</div>" + html_panels(panels) +
+                  html_paragraph("faint",
+                                 "Circles: data. The shaded range is that of the data. Lines are dashed where "
+                                 "the law is unstable (Drucker's condition).") +
+                  html_heading("Laws, the best first") + html_card(ranking_html(report)) + laws +
+                  html_heading("For a scene") +
+                  html_paragraph("faint", "Also in material.toml: to be pasted under a [[body]].") +
+                  html_listing(material_toml(report))});
 }
 
 }  // namespace resilin

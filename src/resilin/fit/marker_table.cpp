@@ -3,12 +3,25 @@
 #include <algorithm>
 
 #include "resilin/core/error.hpp"
+#include "resilin/core/spelling.hpp"
 #include "resilin/core/text.hpp"
 
 namespace resilin {
 namespace {
 
 using Columns = std::array<std::optional<std::size_t>, 3>;
+
+/// The columns of what is measured, and which component each is.
+std::vector<std::pair<std::string, std::size_t>> value_columns(MeasuredKind kind, int dim) {
+  if (is_number(kind)) return {{spelling(kind), 0}};
+  if (kind == MeasuredKind::moment && dim == 2) return {{"mz", 2}};
+  const bool is_force = kind == MeasuredKind::reaction || kind == MeasuredKind::section;
+  const char letter = is_force ? 'f' : kind == MeasuredKind::moment ? 'm' : 'u';
+  std::vector<std::pair<std::string, std::size_t>> columns;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(dim); ++i)
+    columns.emplace_back(std::string(1, letter) + "xyz"[i], i);
+  return columns;
+}
 
 /// The columns of a table by their names.
 class MeasuredColumns {
@@ -38,26 +51,19 @@ class MeasuredColumns {
 
  private:
   std::string example() const {
-    const bool is_flat = dim_ == 2;
-    switch (kind_) {
-      case MeasuredKind::markers:
-        return is_flat ? "X,Y,ux,uy" : "X,Y,Z,ux,uy,uz";
-      case MeasuredKind::reaction:
-        return is_flat ? "fx,fy" : "fx,fy,fz";
-      case MeasuredKind::probe:
-        break;
-    }
-    return is_flat ? "ux,uy" : "ux,uy,uz";
+    std::vector<std::string> names;
+    for (int i = 0; i < dim_ && has_places(kind_); ++i) names.emplace_back(1, "XYZ"[i]);
+    for (const auto& [name, component] : value_columns(kind_, dim_)) names.push_back(name);
+    std::string text;
+    for (const std::string& name : names) text += (text.empty() ? "" : ",") + name;
+    return text;
   }
 
   std::vector<std::string> known() const {
     std::vector<std::string> names;
-    std::vector<std::string> vectors = {kind_ == MeasuredKind::reaction ? "f" : "u"};
-    if (kind_ == MeasuredKind::markers) vectors.emplace_back();
-    for (const std::string& vector : vectors)
-      for (int i = 0; i < dim_; ++i) names.push_back(vector + "xyz"[i]);
-    if (kind_ == MeasuredKind::markers)
-      for (int i = 0; i < dim_; ++i) names.emplace_back(1, "XYZ"[i]);
+    for (const auto& [name, component] : value_columns(kind_, dim_)) names.push_back(name);
+    for (const char* letters : {kind_ == MeasuredKind::markers ? "xyz" : "", has_places(kind_) ? "XYZ" : ""})
+      for (int i = 0; i < dim_ && letters[0] != 0; ++i) names.emplace_back(1, letters[i]);
     for (const char* name : {"sigma", "load", "time", "id"}) names.emplace_back(name);
     return names;
   }
@@ -73,21 +79,21 @@ class MeasuredColumns {
   }
 
   void find_vectors() {
-    values_ = vector(kind_ == MeasuredKind::reaction ? "f" : "u", "xyz");
-    if (kind_ == MeasuredKind::markers) {
+    for (const auto& [name, component] : value_columns(kind_, dim_)) values_[component] = find(name);
+    if (has_places(kind_)) {
       const Columns rest = vector("", "XYZ"), small = vector("", "xyz");
-      const bool tells_displacements = has_any(values_);
+      const bool tells_values = has_any(values_);
       at_ = has_any(rest) ? rest : small;
-      if (!tells_displacements && has_any(rest)) {
+      if (!tells_values && has_any(rest) && kind_ == MeasuredKind::markers) {
         values_ = small;
         holds_places_ = true;
-      } else if (tells_displacements && has_any(rest) && has_any(small)) {
+      } else if (tells_values && has_any(rest) && has_any(small)) {
         throw InputError(source_, "displacements ux, uy, uz or places x, y, z beside X, Y, Z", "both",
                          "leave one of them out");
       }
       for (int i = 0; i < dim_; ++i)
         if (!at_[static_cast<std::size_t>(i)])
-          throw InputError(source_, std::string("a column ") + "XYZ"[i] + ", where the markers are at rest",
+          throw InputError(source_, std::string("a column ") + "XYZ"[i] + ", a place at rest",
                            "the columns " + join(table_.column_names), "for example " + example());
     }
     if (!has_any(values_))
@@ -104,6 +110,26 @@ class MeasuredColumns {
 };
 
 }  // namespace
+
+std::string unit_of(MeasuredKind kind) {
+  switch (kind) {
+    case MeasuredKind::markers:
+    case MeasuredKind::probe:
+      return "m";
+    case MeasuredKind::reaction:
+    case MeasuredKind::section:
+      return "N";
+    case MeasuredKind::moment:
+      return "N m";
+    case MeasuredKind::energy:
+      return "J";
+    case MeasuredKind::volume:
+      return "m^3";
+    case MeasuredKind::stress:
+      break;
+  }
+  return "Pa";
+}
 
 std::vector<MeasuredRow> measured_rows(MeasuredKind kind, const NumberTable& table, int dim, bool is_dynamic,
                                        const std::string& file, const std::string& place) {

@@ -12,7 +12,8 @@ namespace resilin {
 ///
 ///   X, Y, Z     where a marker is at rest, or x, y, z where its displacement is told [m]
 ///   ux, uy, uz  its displacement, or x, y, z beside X, Y, Z: where it has gone [m]
-///   fx, fy, fz  of a reaction [N]
+///   fx, fy, fz  of a reaction or a section [N]; mx, my, mz its moment [N m]
+///   energy, volume, stress
 ///   sigma       standard deviation of the row
 ///   load, time  which equilibrium at rest, or which instant of a motion
 ///   id          a number, passed over

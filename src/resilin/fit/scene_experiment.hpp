@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "resilin/fit/field_prior.hpp"
 #include "resilin/world/description.hpp"
 
 namespace resilin {
@@ -14,10 +15,36 @@ namespace resilin {
 /// What was measured.
 enum class MeasuredKind {
   markers,   ///< displacements of points [m]
-  reaction,  ///< the force of a support on the bodies [N]
+  reaction,  ///< the force of a support or a collider on the bodies [N]
   probe,     ///< the displacement of a probe [m]
+  section,   ///< the force through a section [N]
+  moment,    ///< its moment about the middle of the cut [N m]
+  energy,    ///< of a body, or of all [J]
+  volume,    ///< of a body [m^3]
+  stress,    ///< a component of Cauchy's stress at points of a body [Pa]
 };
-constexpr std::array<std::string_view, 3> spellings(MeasuredKind) { return {"markers", "reaction", "probe"}; }
+constexpr std::array<std::string_view, 8> spellings(MeasuredKind) {
+  return {"markers", "reaction", "probe", "section", "moment", "energy", "volume", "stress"};
+}
+/// Whether each row has a place in the rest shape of a body.
+constexpr bool has_places(MeasuredKind kind) {
+  return kind == MeasuredKind::markers || kind == MeasuredKind::stress;
+}
+/// Whether it is one number, no vector.
+constexpr bool is_number(MeasuredKind kind) {
+  return kind == MeasuredKind::energy || kind == MeasuredKind::volume || kind == MeasuredKind::stress;
+}
+
+/// In which its numbers are told.
+std::string unit_of(MeasuredKind kind);
+
+/// Which number of a table one is.
+struct MeasuredPlace {
+  std::string row;               ///< "markers.csv, row 3"
+  int component = 0;             ///< 0: x
+  std::optional<double> moment;  ///< load factor at rest, time in motion [s]; none: the end of the run
+  Vector3 at = Vector3::Zero();  ///< of a marker: where it is at rest, in the scene [m]
+};
 
 /// A row of a table: one vector, of which some components may be missing.
 struct MeasuredRow {
@@ -32,7 +59,8 @@ struct MeasuredRow {
 struct MeasuredTable {
   MeasuredKind kind = MeasuredKind::markers;
   std::string place;
-  std::string of;                   ///< the body, the support or the probe
+  std::string of;    ///< the body, the support, the collider, the probe or the section
+  std::string what;  ///< which energy, which component of a stress
   std::optional<double> tolerance;  ///< how far outside the body a marker may be [m]; none: by rounding
   std::vector<MeasuredRow> rows;
 };
@@ -44,7 +72,15 @@ struct SceneExperiment {
   std::vector<MeasuredTable> tables;
 };
 
-/// A number of the scenes that is sought, or several where they have one for each cell: one for each value.
+/// How many numbers a constant is that a scene has, or may have, for each cell.
+enum class SoughtPer {
+  value,  ///< one for each different value in the scene
+  group,  ///< one for each group of cells of the mesh
+  cell,   ///< a field: with a prior (field_prior.hpp)
+};
+constexpr std::array<std::string_view, 3> spellings(SoughtPer) { return {"value", "group", "cell"}; }
+
+/// A number of the scenes that is sought, or several where they have one for each cell.
 struct SceneParameter {
   std::string place;
   std::string key;                 ///< see `find_parameter`; of a vector one component: "load.tip.value.x"
@@ -53,6 +89,21 @@ struct SceneParameter {
   double lower = -std::numeric_limits<double>::infinity();
   double upper = std::numeric_limits<double>::infinity();
   std::string experiment;  ///< the only one that has it; empty: all have
+  SoughtPer per = SoughtPer::value;
+};
+
+/// How the weight of the prior is chosen where no number is given.
+enum class StrengthRule {
+  l_curve,      ///< the corner of the L-curve
+  discrepancy,  ///< the misfit that the sigmas expect
+};
+constexpr std::array<std::string_view, 2> spellings(StrengthRule) { return {"l_curve", "discrepancy"}; }
+
+struct Regularisation {
+  std::string place = "fit.regularise";
+  PriorKind kind = PriorKind::smooth;
+  StrengthRule rule = StrengthRule::l_curve;
+  std::optional<double> strength;  ///< of the prior beside the sum of squares; none: by the rule
 };
 
 /// What is asked for where whole scenes are fitted.
@@ -62,7 +113,9 @@ struct SceneFitDescription {
   std::vector<SceneExperiment> experiments;
   std::vector<SceneParameter> parameters;
   double tolerance = 1e-6;            ///< of the last step, relative to the parameters
-  int max_solves = 60;                ///< of each scene
+  int max_solves = 60;                ///< of each scene, from each start
+  int starts = 1;                     ///< of the search
+  Regularisation regularise;          ///< of fields
   std::vector<std::string> warnings;  ///< of the reader
 };
 

@@ -3,221 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
-#include "resilin/fit/separable_fit.hpp"
+#include "resilin/fit/field_fit.hpp"
+#include "resilin/fit/scene_search.hpp"
 #include "resilin/fit/uncertainty.hpp"
 
 namespace resilin {
 namespace {
-
-constexpr double longest_log_step = 2.302585092994046;  ///< a factor of 10
-constexpr double first_damping = 1e-6;                  ///< of a problem that is nearly linear: Gauss-Newton
-constexpr double damping_after_failure = 1e-3;
-constexpr double most_damping = 1e10;
-/// A step that lowers the sum by this part of a residual's variance moves the parameters by a
-/// ten-thousandth of their standard errors.
-constexpr double negligible_gain = 1e-8;
-/// Of what the measurements are: a parameter by whose own size they change less is not felt.
-constexpr double least_influence = 1e-10;
-
-/// The unknowns as they are sought: logarithms of what is positive.
-class Search {
- public:
-  Search(const SceneModel& model, const SceneFitDescription& description, const SceneFitOptions& options)
-      : model_(model), description_(description), options_(options), z_(num_unknowns()) {
-    const VectorX& sigma = model.data().sigma;
-    weights_ = sigma.size() > 0 ? VectorX(sigma.cwiseInverse()) : VectorX::Ones(model.data().measured.size());
-    for (Eigen::Index i = 0; i < z_.size(); ++i) z_[i] = sought(i, unknown(i).start);
-  }
-
-  void run() {
-    solve_first();
-    while (true) {
-      slopes_ = weights_.asDiagonal() * model_.slopes(solved_);
-      for (Eigen::Index i = 0; i < z_.size(); ++i)
-        if (unknown(i).is_positive) slopes_.col(i) *= std::exp(z_[i]);
-      if (solves_ == 1) refuse_what_is_not_felt();
-      if (!step()) return;
-    }
-  }
-
-  VectorX values() const { return values_at(z_); }
-  const SceneModel::Solved& solved() const { return solved_; }
-  const VectorX& residuals() const { return r_; }
-  const DenseMatrix& slopes() const { return slopes_; }  ///< of weighted residuals by what is sought
-  /// Of an unknown by what is sought.
-  double unit(Eigen::Index i) const { return unknown(i).is_positive ? std::exp(z_[i]) : 1; }
-  int solves() const { return solves_; }
-  bool is_converged() const { return is_converged_; }
-  const std::string& why_not() const { return why_not_; }
-  /// Held by a bound against which the sum falls.
-  bool is_held(Eigen::Index i) const {
-    const double g = slopes_.col(i).dot(r_);
-    return (z_[i] <= lower(i) && g > 0) || (z_[i] >= upper(i) && g < 0);
-  }
-
- private:
-  const SceneUnknown& unknown(Eigen::Index i) const { return model_.unknowns()[static_cast<std::size_t>(i)]; }
-  Eigen::Index num_unknowns() const { return static_cast<Eigen::Index>(model_.unknowns().size()); }
-  double sought(Eigen::Index i, double value) const {
-    return unknown(i).is_positive ? std::log(value) : value;
-  }
-  double lower(Eigen::Index i) const { return sought(i, unknown(i).lower); }
-  double upper(Eigen::Index i) const { return sought(i, unknown(i).upper); }
-  VectorX values_at(const VectorX& z) const {
-    VectorX values = z;
-    for (Eigen::Index i = 0; i < z.size(); ++i)
-      if (unknown(i).is_positive)
-        values[i] = std::clamp(std::exp(z[i]), unknown(i).lower, unknown(i).upper);  // bounds to the last bit
-    return values;
-  }
-  VectorX weighted_residuals(const SceneModel::Solved& solved) const {
-    return weights_.cwiseProduct(solved.values - model_.data().measured);
-  }
-
-  void tell(double sum, const VectorX& z, bool is_better, const std::string& problem) const {
-    if (!options_.on_solve) return;
-    SceneFitStep told{.solve = solves_,
-                      .names = {},
-                      .values = values_at(z),
-                      .sum_of_squares = sum,
-                      .is_better = is_better,
-                      .problem = problem};
-    for (const SceneUnknown& one : model_.unknowns()) told.names.push_back(one.name);
-    options_.on_solve(told);
-  }
-
-  void solve_first() {
-    solved_ = model_.solve(values(), options_.goes_on);
-    solves_ = 1;
-    r_ = weighted_residuals(solved_);
-    tell(r_.squaredNorm(), z_, true, "");
-  }
-
-  void refuse_what_is_not_felt() const {
-    const double size =
-        weights_.cwiseProduct(solved_.values).norm() + weights_.cwiseProduct(model_.data().measured).norm();
-    for (Eigen::Index i = 0; i < z_.size(); ++i) {
-      const double own_size = unknown(i).is_positive || z_[i] == 0 ? 1 : std::abs(z_[i]);
-      if (slopes_.col(i).norm() * own_size > least_influence * size) continue;
-      const SceneParameter& parameter = description_.parameters[unknown(i).parameter];
-      throw InputError(parameter.place, "a parameter that the measurements feel",
-                       "no effect of " + unknown(i).name + " on any of the " + std::to_string(r_.size()) +
-                           " measured numbers",
-                       "leave it out, or measure where it acts; where all motion is prescribed, "
-                       "displacements tell nothing about moduli, and a reaction does");
-    }
-  }
-
-  /// The damped step over those that no bound holds; those that it would take over a bound go as far as that.
-  VectorX damped_step(double damping) const {
-    const Eigen::Index n = z_.size(), m = r_.size();
-    VectorX change = VectorX::Zero(n);
-    std::vector<bool> is_free(static_cast<std::size_t>(n), true);
-    for (Eigen::Index i = 0; i < n; ++i) is_free[static_cast<std::size_t>(i)] = !is_held(i);
-    for (Eigen::Index round = 0; round <= n; ++round) {
-      std::vector<Eigen::Index> free;
-      for (Eigen::Index i = 0; i < n; ++i)
-        if (is_free[static_cast<std::size_t>(i)]) free.push_back(i);
-      if (free.empty()) break;
-      const auto f = static_cast<Eigen::Index>(free.size());
-      DenseMatrix A = DenseMatrix::Zero(m + f, f);
-      VectorX b = VectorX::Zero(m + f);
-      b.head(m) = -r_;
-      for (Eigen::Index k = 0; k < n; ++k)
-        if (!is_free[static_cast<std::size_t>(k)]) b.head(m) -= slopes_.col(k) * change[k];
-      for (Eigen::Index k = 0; k < f; ++k) {
-        A.col(k).head(m) = slopes_.col(free[static_cast<std::size_t>(k)]);
-        A(m + k, k) = std::sqrt(damping) * A.col(k).head(m).norm();
-      }
-      const VectorX found = solve_linear(A, b).c;
-      bool is_within = true;
-      for (Eigen::Index k = 0; k < f; ++k) {
-        const Eigen::Index i = free[static_cast<std::size_t>(k)];
-        change[i] = found[k];
-        const double room = std::clamp(found[k], lower(i) - z_[i], upper(i) - z_[i]);
-        if (room == found[k]) continue;
-        change[i] = room;
-        is_free[static_cast<std::size_t>(i)] = is_within = false;
-      }
-      if (is_within) break;
-    }
-    double longest = 0;
-    for (Eigen::Index i = 0; i < n; ++i)
-      if (unknown(i).is_positive) longest = std::max(longest, std::abs(change[i]));
-    return longest > longest_log_step ? VectorX(change * (longest_log_step / longest)) : change;
-  }
-
-  /// By which a step is small beside the parameters.
-  double relative_size(const VectorX& change) const {
-    double size = 0;
-    for (Eigen::Index i = 0; i < z_.size(); ++i) {
-      const double of = unknown(i).is_positive ? 1 : std::max(std::abs(z_[i]), std::abs(unknown(i).start));
-      if (change[i] != 0) size = std::max(size, of > 0 ? std::abs(change[i]) / of : 1);
-    }
-    return size;
-  }
-
-  /// Goes on to a better place; false at the end of the search.
-  bool step() {
-    const double sum = r_.squaredNorm();
-    const auto left = std::max<Eigen::Index>(1, r_.size() - z_.size());
-    const double variance = model_.data().sigma.size() > 0 ? 1.0 : sum / static_cast<double>(left);
-    std::string problem;
-    VectorX tried;
-    for (; damping_ < most_damping; damping_ = std::max(damping_after_failure, 10 * damping_)) {
-      const VectorX change = damped_step(damping_);
-      const double gain = sum - (r_ + slopes_ * change).squaredNorm();
-      const bool is_small = relative_size(change) <= description_.tolerance;
-      if (is_small || gain <= negligible_gain * variance) {
-        // A step that much damping has made small says nothing about how near the end is.
-        is_converged_ = damping_ <= damping_after_failure || gain <= negligible_gain * variance;
-        if (!is_converged_)
-          why_not_ = "no step lowers the sum of squares" + (problem.empty() ? "" : ": " + problem);
-        return false;
-      }
-      if (tried.size() > 0 && tried == change) continue;  // bounds cut it to the same step
-      tried = change;
-      if (solves_ >= description_.max_solves) {
-        why_not_ =
-            std::to_string(solves_) + " solves were not enough: raise max_solves in [fit], or start nearer";
-        return false;
-      }
-      ++solves_;
-      const VectorX next = z_ + change;
-      try {
-        SceneModel::Solved there = model_.solve(values_at(next), options_.goes_on);
-        const VectorX r = weighted_residuals(there);
-        const bool is_better = r.squaredNorm() < sum;
-        tell(r.squaredNorm(), next, is_better, "");
-        if (!is_better) continue;
-        solved_ = std::move(there);
-        r_ = r;
-        z_ = next;
-        damping_ = std::max(1e-12, damping_ / 10);
-        return true;
-      } catch (const InputError& error) {  // no equilibrium there: a shorter step may have one
-        problem = error.what();
-        tell(std::numeric_limits<double>::infinity(), next, false, problem);
-      }
-    }
-    why_not_ = "no step lowers the sum of squares" + (problem.empty() ? "" : ": " + problem);
-    return false;
-  }
-
-  const SceneModel& model_;
-  const SceneFitDescription& description_;
-  const SceneFitOptions& options_;
-  VectorX z_, r_, weights_;
-  DenseMatrix slopes_;
-  SceneModel::Solved solved_;
-  double damping_ = first_damping;
-  int solves_ = 0;
-  bool is_converged_ = false;
-  std::string why_not_;
-};
 
 /// In what is sought, so that what the text says of a combination holds: that of logarithms is a product.
 std::string sought_name(const SceneUnknown& unknown) {
@@ -225,7 +20,7 @@ std::string sought_name(const SceneUnknown& unknown) {
 }
 
 /// Standard errors, intervals and correlations at the end of the search.
-void estimate_errors(const SceneModel& model, const Search& search, SceneFitReport& report) {
+void estimate_errors(const SceneModel& model, const SceneSearch& search, SceneFitReport& report) {
   const auto n = static_cast<Eigen::Index>(report.parameters.size());
   Eigen::Index num_held = 0;
   for (Eigen::Index i = 0; i < n; ++i) num_held += search.is_held(i) ? 1 : 0;
@@ -284,10 +79,87 @@ void judge_tables(const SceneModel& model, const VectorX& predicted, SceneFitRep
     const VectorX off = (predicted - data.measured).segment(table.first, table.count);
     Eigen::Index worst = 0;
     const double largest = off.cwiseAbs().maxCoeff(&worst);
-    report.tables.push_back({table.name, table.kind, static_cast<int>(table.count),
-                             std::sqrt(off.squaredNorm() / static_cast<double>(table.count)), largest,
-                             data.places[static_cast<std::size_t>(table.first + worst)]});
+    TableQuality quality{.name = table.name,
+                         .kind = table.kind,
+                         .is_dynamic = report.description.experiments[table.experiment].description.is_dynamic,
+                         .root_mean_square = std::sqrt(off.squaredNorm() / static_cast<double>(table.count)),
+                         .largest = largest,
+                         .worst = data.places[static_cast<std::size_t>(table.first + worst)].row,
+                         .values = {}};
+    for (Eigen::Index i = table.first; i < table.first + table.count; ++i)
+      quality.values.push_back({data.places[static_cast<std::size_t>(i)], data.measured[i], predicted[i]});
+    report.tables.push_back(std::move(quality));
   }
+}
+
+/// Those that are no cells of a field.
+void list_parameters(const SceneModel& model, const VectorX& values, SceneFitReport& report) {
+  for (std::size_t u = 0; u < model.unknowns().size(); ++u) {
+    const SceneUnknown& unknown = model.unknowns()[u];
+    if (model.ranges()[unknown.parameter].is_field) continue;
+    report.parameters.push_back({.name = unknown.name,
+                                 .key = report.description.parameters[unknown.parameter].key,
+                                 .unit = unknown.unit,
+                                 .start = unknown.start,
+                                 .value = values[static_cast<Eigen::Index>(u)]});
+  }
+}
+
+/// A place of a number in (0, 1) between its bounds, in logarithms of what is positive; without bounds within
+/// a factor of 10 of the start, or, of what may be negative, once its size to both sides.
+double start_at(const SceneUnknown& unknown, double share) {
+  double low = unknown.lower, high = unknown.upper;
+  if (unknown.is_positive) {
+    if (!(low > 0)) low = unknown.start / 10;
+    if (!std::isfinite(high)) high = unknown.start * 10;
+    return low * std::pow(high / low, share);
+  }
+  const double size = unknown.start == 0 ? 1 : std::abs(unknown.start);
+  if (!std::isfinite(low)) low = unknown.start - size;
+  if (!std::isfinite(high)) high = unknown.start + size;
+  return low + share * (high - low);
+}
+
+/// The first start is that of the unknowns, the others fill the space evenly: multiples of powers of the root
+/// of g^(n + 1) = g + 1, modulo 1 (Roberts 2018).
+std::vector<VectorX> starts_of(const SceneModel& model, int count) {
+  const auto n = static_cast<Eigen::Index>(model.unknowns().size());
+  double root = 2;
+  for (int i = 0; i < 60; ++i) root = std::pow(1 + root, 1.0 / (static_cast<double>(n) + 1));
+  std::vector<VectorX> starts(static_cast<std::size_t>(count), VectorX(n));
+  for (std::size_t s = 0; s < starts.size(); ++s)
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const SceneUnknown& unknown = model.unknowns()[static_cast<std::size_t>(i)];
+      const double multiple =
+          0.5 + static_cast<double>(s) * std::pow(root, -static_cast<double>(i) - 1);
+      starts[s][i] = s == 0 ? unknown.start : start_at(unknown, multiple - std::floor(multiple));
+    }
+  return starts;
+}
+
+/// The search with the least sum of squares.
+std::unique_ptr<SceneSearch> search_from_many_starts(const SceneModel& model, const SceneFitOptions& options,
+                                                     SceneFitReport& report) {
+  std::unique_ptr<SceneSearch> best;
+  for (const VectorX& start : starts_of(model, report.description.starts)) {
+    auto search = std::make_unique<SceneSearch>(model, report.description, options);
+    SearchEnd end{.start = start, .found = start};
+    try {
+      search->run(start);
+      end.found = search->values();
+      end.sum_of_squares = search->residuals().squaredNorm();
+      end.is_converged = search->is_converged();
+    } catch (const InputError& error) {
+      if (!best) throw;  // what the file says
+      end.problem = error.what();
+    }
+    end.solves = search->solves();
+    report.solves += end.solves;
+    if (end.problem.empty() && (!best || end.sum_of_squares < best->residuals().squaredNorm()))
+      best = std::move(search);
+    report.ends.push_back(std::move(end));
+  }
+  return best;
 }
 
 }  // namespace
@@ -296,34 +168,39 @@ SceneFitReport fit_scenes(SceneFitDescription description, const SceneFitOptions
   SceneFitReport report;
   report.description = std::move(description);
   const SceneModel model(report.description);
-  Search search(model, report.description, options);
-  search.run();
+  const SceneFitOptions noting{.on_solve =
+                                   [&](const SceneFitStep& step) {
+                                     report.steps.push_back(step);
+                                     if (options.on_solve) options.on_solve(step);
+                                   },
+                               .goes_on = options.goes_on};
   const SceneData& data = model.data();
   report.has_sigma = data.sigma.size() > 0;
   report.num_values = static_cast<int>(data.measured.size());
-  report.sum_of_squares = search.residuals().squaredNorm();
-  report.solves = search.solves();
-  report.is_converged = search.is_converged();
-  report.why_not = search.why_not();
-  const VectorX values = search.values();
-  for (std::size_t u = 0; u < model.unknowns().size(); ++u) {
-    const SceneUnknown& unknown = model.unknowns()[u];
-    report.parameters.push_back({.name = unknown.name,
-                                 .key = report.description.parameters[unknown.parameter].key,
-                                 .unit = unknown.unit,
-                                 .start = unknown.start,
-                                 .value = values[static_cast<Eigen::Index>(u)]});
+  const auto take_end = [&](const auto& search) {
+    report.sum_of_squares = search.residuals().squaredNorm();
+    report.is_converged = search.is_converged();
+    report.why_not = search.why_not();
+    if (!report.is_converged)
+      report.estimates.warnings.push_back("the search has not converged: " + report.why_not);
+    list_parameters(model, search.values(), report);
+    for (std::string& other : model.other_elements(search.values()))
+      report.estimates.warnings.push_back(std::move(other));
+    judge_tables(model, search.solved().values, report);
+    for (std::size_t e = 0; e < report.description.experiments.size(); ++e)
+      report.scenes.push_back(model.description_with(e, search.values()));
+  };
+  if (model.has_fields()) {
+    FieldSearch search(model, report.description, noting);
+    search.run();
+    report.solves = search.solves();
+    take_end(search);
+    search.tell_fields(report);
+    return report;
   }
-  if (!report.is_converged)
-    report.estimates.warnings.push_back("the search has not converged: " + report.why_not);
-  for (std::string& other : model.other_elements(values))
-    report.estimates.warnings.push_back(std::move(other));
-  estimate_errors(model, search, report);
-  judge_tables(model, search.solved().values, report);
-  report.measured.assign(data.measured.begin(), data.measured.end());
-  report.predicted.assign(search.solved().values.begin(), search.solved().values.end());
-  for (std::size_t e = 0; e < report.description.experiments.size(); ++e)
-    report.scenes.push_back(model.description_with(e, values));
+  const std::unique_ptr<SceneSearch> best = search_from_many_starts(model, noting, report);
+  take_end(*best);
+  estimate_errors(model, *best, report);
   return report;
 }
 

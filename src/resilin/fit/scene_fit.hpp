@@ -2,10 +2,13 @@
 
 #include <filesystem>
 #include <functional>
+#include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "resilin/fit/fit_report.hpp"
+#include "resilin/fit/regularised_problem.hpp"
 #include "resilin/fit/scene_model.hpp"
 
 namespace resilin {
@@ -13,21 +16,28 @@ namespace resilin {
 /// The scenes have been solved once more.
 struct SceneFitStep {
   int solve = 0;  ///< from 1
-  std::vector<std::string> names;
-  VectorX values;             ///< of the parameters
+  std::vector<std::string> names{};
+  VectorX values{};           ///< of the parameters
   double sum_of_squares = 0;  ///< of weighted residuals; infinite where a scene has no solution
   bool is_better = true;      ///< than what there was before
-  std::string problem;        ///< why there is no solution
+  std::string problem{};      ///< why there is no solution
+};
+
+/// A measured number beside what the scenes give.
+struct FittedValue {
+  MeasuredPlace of;
+  double measured = 0, model = 0;
 };
 
 /// How well the scenes meet one table of measurements.
 struct TableQuality {
   std::string name;
   MeasuredKind kind;
-  int num_values = 0;
-  double root_mean_square = 0;  ///< of model - measured [m] or [N]
-  double largest = 0;           ///< likewise ...
-  std::string worst;            ///< ... in this row
+  bool is_dynamic = false;          ///< moments are times, else load factors
+  double root_mean_square = 0;      ///< of model - measured, in the unit of its kind
+  double largest = 0;               ///< likewise ...
+  std::string worst;                ///< ... in this row
+  std::vector<FittedValue> values;  ///< component by component of each row
 };
 
 /// One parameter, with its interval: by the logarithm where that was sought.
@@ -39,21 +49,54 @@ struct FittedParameter {
   bool is_held = false;               ///< by a bound
 };
 
+/// Where the search has ended from one start.
+struct SearchEnd {
+  VectorX start, found;  ///< all unknowns
+  double sum_of_squares = std::numeric_limits<double>::infinity();
+  int solves = 0;
+  bool is_converged = false;
+  std::string problem{};  ///< why there is no end
+};
+
+/// A constant of each cell, found.
+struct FittedField {
+  std::string name, key, unit;
+  std::string body, constant;
+  std::size_t scene = 0;                        ///< the number of one that has it
+  std::vector<double> values{};                   ///< of the cells
+  std::vector<double> lower_95{}, upper_95{};       ///< of the intervals of 95 %: of noise and of what the prior lets open
+  std::vector<double> resolution{};               ///< over about such a length the data tell a mean [m]
+  int num_loose = 0;                            ///< cells whose interval is wider than a factor of 2 to both sides
+};
+
+/// How the weight of the prior of fields was chosen.
+struct RegularisationReport {
+  Regularisation asked;
+  LCurve curve;              ///< at the place found
+  double strength = 0;       ///< that was taken
+  double discrepancy = 0;    ///< that the discrepancy principle takes; 0: none, or no sigmas
+  double cross_validated = 0;  ///< that generalised cross validation takes
+  RegularisedProblem::Point point{};  ///< at the weight taken
+};
+
 /// What a fit of scenes finds.
 struct SceneFitReport {
   SceneFitDescription description;
-  std::vector<FittedParameter> parameters;
+  std::vector<FittedParameter> parameters;  ///< those that are no cells of a field
   Estimates estimates;  ///< of those that no bound holds: correlations, condition, warnings
   bool has_sigma = false;
   double sum_of_squares = 0;  ///< of residuals over sigma, where there are sigmas [m^2 or N^2 else]
   double noise = 0;           ///< standard deviation that the residuals show, without sigmas [m or N]
   int num_values = 0, degrees_of_freedom = 0;
-  int solves = 0;  ///< of each scene
+  int solves = 0;  ///< of each scene, of all starts
   bool is_converged = false;
   std::string why_not;  ///< converged
+  std::vector<SceneFitStep> steps;  ///< of the search, one start after another
+  std::vector<SearchEnd> ends;      ///< of each start; empty for fields
+  std::vector<FittedField> fields;
+  std::optional<RegularisationReport> regularised;  ///< where there are fields
   std::vector<TableQuality> tables;
-  std::vector<double> measured, predicted;  ///< in the order of the tables
-  std::vector<Description> scenes;          ///< with the parameters found
+  std::vector<Description> scenes;  ///< with the parameters found
 };
 
 struct SceneFitOptions {
@@ -80,7 +123,10 @@ std::string scene_fit_json_text(const SceneFitReport& report);
 /// The materials found, to be pasted under their [[body]], and the other parameters.
 std::string scene_material_toml(const SceneFitReport& report);
 
-/// fit.json and material.toml, and a table of cell values where a constant has them; each written beside and
+/// One page, without a network: what was measured beside what the scenes give, parameters, the search.
+std::string scene_fit_page(const SceneFitReport& report);
+
+/// fit.html, fit.json and material.toml, and a table of cell values where a constant has them; each written beside and
 /// renamed.
 void write_scene_fit(const SceneFitReport& report, const std::filesystem::path& folder);
 

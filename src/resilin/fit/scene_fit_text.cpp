@@ -10,17 +10,16 @@
 #include "resilin/core/error.hpp"
 #include "resilin/core/spelling.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/fit/field_output.hpp"
 #include "resilin/fit/fit_json.hpp"
 #include "resilin/fit/fit_output.hpp"
-#include "resilin/fit/scene_fit.hpp"
+#include "resilin/fit/scene_fit_output.hpp"
 #include "resilin/io/atomic_file.hpp"
 
 namespace resilin {
 namespace {
 
-std::string with_unit(const std::string& text, const std::string& unit) {
-  return unit.empty() ? text : text + " " + unit;
-}
+constexpr double same_sum = 1e-3;  ///< ends of searches that differ by less are one
 
 /// So many digits as an interval of this half width makes known.
 std::string rounded_text(double value, double half_width) {
@@ -33,16 +32,8 @@ std::string rounded_text(double value, double half_width) {
 }
 
 /// Of values that have one unit; empty where they have not.
-std::string unit_of(const SceneFitReport& report) {
-  if (report.has_sigma || report.tables.empty()) return "";
-  return report.tables.front().kind == MeasuredKind::reaction ? "N" : "m";
-}
-
-std::string table_unit(const TableQuality& table) { return table.kind == MeasuredKind::reaction ? "N" : "m"; }
-
-std::string objective_of(const SceneFitReport& report) {
-  return report.has_sigma ? "residuals over sigma, (model - measured) / sigma"
-                          : "absolute residuals, model - measured";
+std::string common_unit(const SceneFitReport& report) {
+  return report.has_sigma || report.tables.empty() ? "" : unit_of(report.tables.front().kind);
 }
 
 std::vector<std::string> parameter_row(const FittedParameter& parameter) {
@@ -58,9 +49,7 @@ std::vector<std::string> parameter_row(const FittedParameter& parameter) {
 }
 
 std::string cell_file_name(const std::string& body, const std::string& constant) {
-  std::string name = body + "_" + constant + ".csv";
-  std::ranges::replace_if(name, [](char c) { return c == '/' || c == '\\'; }, '_');
-  return name;
+  return field_file_stem(body, constant) + ".csv";
 }
 
 /// Of the keys that are sought, the constants of this body's material.
@@ -96,35 +85,129 @@ std::string scene_fit_step_text(const SceneFitStep& step) {
   return one_line(text);
 }
 
-std::string scene_fit_text(const SceneFitReport& report) {
-  std::string text;
-  if (!report.description.title.empty()) text += one_line(report.description.title) + "\n";
-  text += objective_of(report) + "; intervals of 95 %\n\n";
+std::string with_unit(const std::string& text, const std::string& unit) {
+  return unit.empty() ? text : text + " " + unit;
+}
+
+std::string objective_of(const SceneFitReport& report) {
+  return report.has_sigma ? "residuals over sigma, (model - measured) / sigma"
+                          : "absolute residuals, model - measured";
+}
+
+std::vector<std::vector<std::string>> parameter_rows(const SceneFitReport& report) {
   std::vector<std::vector<std::string>> rows = {
       {"parameter", "found", "standard error", "interval", "start"}};
   for (const FittedParameter& parameter : report.parameters) rows.push_back(parameter_row(parameter));
-  text += format_table(rows) + "\n";
-  rows = {{"measured", "numbers", "root mean square off", "most", "where"}};
+  return rows;
+}
+
+std::vector<std::vector<std::string>> table_rows(const SceneFitReport& report) {
+  std::vector<std::vector<std::string>> rows = {
+      {"measured", "numbers", "root mean square off", "most", "where"}};
   for (const TableQuality& table : report.tables)
-    rows.push_back({table.name, std::to_string(table.num_values),
-                    with_unit(format_short(table.root_mean_square), table_unit(table)),
-                    with_unit(format_short(table.largest), table_unit(table)), table.worst});
-  text += format_table(rows) + "\n";
-  const std::string unit = unit_of(report);
-  text += "sum of squares " +
-          with_unit(fmt::format("{:.6g}", report.sum_of_squares), unit.empty() ? "" : unit + "^2");
+    rows.push_back({table.name, std::to_string(table.values.size()),
+                    with_unit(format_short(table.root_mean_square), unit_of(table.kind)),
+                    with_unit(format_short(table.largest), unit_of(table.kind)), table.worst});
+  return rows;
+}
+
+std::string quality_text(const SceneFitReport& report) {
+  const std::string unit = common_unit(report);
+  std::string text = "sum of squares " + with_unit(fmt::format("{:.6g}", report.sum_of_squares),
+                                                   unit.empty() ? "" : unit + "^2");
   if (report.degrees_of_freedom > 0)
     text += report.has_sigma
                 ? ", per degree of freedom (" + std::to_string(report.degrees_of_freedom) + ") " +
                       format_short(report.sum_of_squares / report.degrees_of_freedom) + " (1 is noise alone)"
                 : "; noise of " + with_unit(format_short(report.noise), unit) + " by the residuals";
-  text += "\n" + std::string(report.is_converged ? "converged" : "not converged") + " after " +
-          std::to_string(report.solves) + " solves" +
-          (report.scenes.size() > 1 ? " of each of the " + std::to_string(report.scenes.size()) + " scenes\n"
-                                    : "\n");
+  return text;
+}
+
+namespace {
+
+/// Of several starts: how many ended where the best one did.
+std::string starts_text(const SceneFitReport& report) {
+  if (report.ends.size() < 2) return "";
+  int same = 0, others = 0, without = 0;
+  for (const SearchEnd& end : report.ends) {
+    const bool is_same = end.sum_of_squares <= report.sum_of_squares * (1 + same_sum);
+    ++(!std::isfinite(end.sum_of_squares) ? without : is_same ? same : others);
+  }
+  std::string text = "; " + std::to_string(same) + " of " + std::to_string(report.ends.size()) +
+                     " starts ended with this sum of squares";
+  if (others > 0) text += ", " + std::to_string(others) + " with larger ones";
+  if (without > 0) text += ", " + std::to_string(without) + " had no solution";
+  return text;
+}
+
+}  // namespace
+
+std::string search_text(const SceneFitReport& report) {
+  return std::string(report.is_converged ? "converged" : "not converged") + " after " +
+         std::to_string(report.solves) + " solves" +
+         (report.scenes.size() > 1 ? " of each of the " + std::to_string(report.scenes.size()) + " scenes"
+                                   : "") +
+         starts_text(report);
+}
+
+std::string scene_fit_text(const SceneFitReport& report) {
+  std::string text;
+  if (!report.description.title.empty()) text += one_line(report.description.title) + "\n";
+  text += objective_of(report) + "; intervals of 95 %\n\n";
+  if (!report.parameters.empty()) text += format_table(parameter_rows(report)) + "\n";
+  if (!report.fields.empty()) text += format_table(field_rows(report)) + "\n";
+  text += format_table(table_rows(report)) + "\n" + quality_text(report) + "\n";
+  if (report.regularised) text += regularisation_text(report) + "\n";
+  text += search_text(report) + "\n";
   for (const Correlation& pair : report.estimates.correlations) text += pair.text + "\n";
   return text;
 }
+
+namespace {
+
+void add_fields(const SceneFitReport& report, FitJson& json) {
+  json["starts"] = FitJson::array();
+  for (const SearchEnd& end : report.ends)
+    json["starts"].push_back({{"start", std::vector<double>(end.start.begin(), end.start.end())},
+                              {"found", std::vector<double>(end.found.begin(), end.found.end())},
+                              {"sum_of_squares", number_json(end.sum_of_squares)},
+                              {"solves", end.solves},
+                              {"is_converged", end.is_converged}});
+  json["fields"] = FitJson::array();
+  const auto numbers = [](const std::vector<double>& values) {
+    FitJson all = FitJson::array();
+    for (const double value : values) all.push_back(number_json(value));
+    return all;
+  };
+  for (const FittedField& field : report.fields)
+    json["fields"].push_back({{"name", field.name},
+                              {"key", field.key},
+                              {"unit", field.unit},
+                              {"values", numbers(field.values)},
+                              {"lower_95", numbers(field.lower_95)},
+                              {"upper_95", numbers(field.upper_95)},
+                              {"resolution", numbers(field.resolution)},
+                              {"loose_cells", field.num_loose}});
+  if (!report.regularised) return;
+  const RegularisationReport& told = *report.regularised;
+  FitJson curve = FitJson::array();
+  for (const RegularisedProblem::Point& point : told.curve.points)
+    curve.push_back({{"strength", point.strength},
+                     {"sum_of_squares", point.misfit},
+                     {"roughness", point.roughness},
+                     {"freedom", point.freedom},
+                     {"curvature", number_json(point.curvature)}});
+  json["regularise"] = {{"kind", spelling(told.asked.kind)},
+                        {"strength", told.strength},
+                        {"corner", told.curve.corner},
+                        {"discrepancy", told.discrepancy},
+                        {"cross_validated", told.cross_validated},
+                        {"roughness", told.point.roughness},
+                        {"freedom", told.point.freedom},
+                        {"l_curve", curve}};
+}
+
+}  // namespace
 
 std::string scene_fit_json_text(const SceneFitReport& report) {
   FitJson json = {{"title", report.description.title},
@@ -151,19 +234,20 @@ std::string scene_fit_json_text(const SceneFitReport& report) {
                                   {"lower_95", number_json(parameter.lower_95)},
                                   {"upper_95", number_json(parameter.upper_95)},
                                   {"is_held", parameter.is_held}});
-  std::size_t first = 0;
+  add_fields(report, json);
   for (const TableQuality& table : report.tables) {
-    const auto begin = static_cast<std::ptrdiff_t>(first);
-    first += static_cast<std::size_t>(table.num_values);
-    const auto end = static_cast<std::ptrdiff_t>(first);
-    json["tables"].push_back(
-        {{"name", table.name},
-         {"kind", spelling(table.kind)},
-         {"unit", table_unit(table)},
-         {"root_mean_square", table.root_mean_square},
-         {"largest", table.largest},
-         {"measured", std::vector<double>(report.measured.begin() + begin, report.measured.begin() + end)},
-         {"model", std::vector<double>(report.predicted.begin() + begin, report.predicted.begin() + end)}});
+    std::vector<double> measured, model;
+    for (const FittedValue& value : table.values) {
+      measured.push_back(value.measured);
+      model.push_back(value.model);
+    }
+    json["tables"].push_back({{"name", table.name},
+                              {"kind", spelling(table.kind)},
+                              {"unit", unit_of(table.kind)},
+                              {"root_mean_square", table.root_mean_square},
+                              {"largest", table.largest},
+                              {"measured", measured},
+                              {"model", model}});
   }
   return json.dump(1, ' ', false, FitJson::error_handler_t::replace) + "\n";
 }
@@ -177,6 +261,7 @@ std::string scene_material_toml(const SceneFitReport& report) {
                   : std::isfinite(parameter.standard_error) ? ", 95 %: " + parameter_row(parameter)[3]
                                                             : ", not determined")) +
         "\n";
+  if (report.regularised) text += "# " + regularisation_text(report) + ".\n";
   for (const std::string& warning : report.estimates.warnings)
     text += "# warning: " + one_line(warning) + "\n";
   for_each_fitted_body(report, [&](const BodyDescription& body) {
@@ -195,7 +280,10 @@ std::string scene_material_toml(const SceneFitReport& report) {
 void write_scene_fit(const SceneFitReport& report, const std::filesystem::path& folder) {
   make_fit_folder(folder);
   write_text(folder / "fit.json", scene_fit_json_text(report));
+  write_text(folder / "fit.html", scene_fit_page(report));
   write_text(folder / "material.toml", scene_material_toml(report));
+  for (const FittedField& field : report.fields)
+    write_field(report, field, folder / (field_file_stem(field.body, field.constant) + ".vtu"));
   for_each_fitted_body(report, [&](const BodyDescription& body) {
     for (const auto& [name, values] : body.material.cell_constants) {
       std::string rows;

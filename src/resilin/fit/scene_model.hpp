@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "resilin/fit/experiment_model.hpp"
 #include "resilin/fit/predicted_values.hpp"
 #include "resilin/fit/scene_experiment.hpp"
-#include "resilin/sensitivity/derivatives.hpp"
 
 namespace resilin {
 
@@ -17,9 +17,14 @@ struct SceneUnknown {
   std::size_t parameter = 0;  ///< of the description
   double start = 0;
   double lower = 0, upper = 0;
-  bool is_positive = false;    ///< sought by its logarithm
-  double scene_value = 0;      ///< of a constant that the scene has for each cell: where it has this value
-  Eigen::Index component = 0;  ///< of a vector
+  bool is_positive = false;  ///< sought by its logarithm
+};
+
+/// The unknowns of one parameter of the description.
+struct UnknownRange {
+  Eigen::Index first = 0, count = 0;
+  std::size_t experiment = 0;  ///< the first that has it
+  bool is_field = false;       ///< one for each cell
 };
 
 /// All measured numbers, one after another: those of each table of each experiment.
@@ -31,8 +36,8 @@ struct SceneData {
     Eigen::Index first, count;
   };
   std::vector<Table> tables;
-  std::vector<std::string> places;  ///< "markers.csv, row 3"
-  VectorX measured, sigma;          ///< sigma: empty where none are given
+  std::vector<MeasuredPlace> places;
+  VectorX measured, sigma;  ///< sigma: empty where none are given
 };
 
 /// The scenes of a fit as a function of the unknowns.
@@ -47,11 +52,15 @@ class SceneModel {
   SceneModel& operator=(const SceneModel&) = delete;
 
   const std::vector<SceneUnknown>& unknowns() const { return unknowns_; }
+  const std::vector<UnknownRange>& ranges() const { return ranges_; }  ///< of the parameters
+  bool has_fields() const;
   const SceneData& data() const { return data_; }
+  const World& world(std::size_t experiment) const { return experiments_[experiment].world(); }
 
   /// The scenes, solved: values there, and slopes as long as they are asked for.
   struct Solved {
     std::vector<std::unique_ptr<Derivatives>> runs;  ///< of the experiments
+    std::vector<ExperimentModel::Outcome> outcomes;
     VectorX values;
   };
   /// Throws InputError where a scene has no solution, and Interrupted.
@@ -65,17 +74,21 @@ class SceneModel {
   std::vector<std::string> other_elements(const VectorX& unknowns) const;
 
  private:
-  struct OfExperiment;
-
   void find_unknowns();
-  void add_unknowns(std::size_t parameter);
   void collect_data();
   Description changed(std::size_t experiment, const VectorX& unknowns) const;
 
   const SceneFitDescription& description_;
-  std::vector<OfExperiment> experiments_;
+  std::vector<ExperimentModel> experiments_;
   std::vector<SceneUnknown> unknowns_;
+  std::vector<UnknownRange> ranges_;
   SceneData data_;
 };
+
+/// What a parameter of the description is in the scenes: adds its unknowns, and says in each scene which of
+/// them each of its numbers is.
+/// @throws InputError  for what is no number or no constant of cells, and for starts and bounds beyond the law
+UnknownRange add_unknowns(const SceneFitDescription& description, std::size_t parameter,
+                          std::vector<ExperimentModel>& experiments, std::vector<SceneUnknown>& unknowns);
 
 }  // namespace resilin

@@ -90,6 +90,15 @@ std::vector<VectorX> Derivatives::by_parameters(const WorldChange& slopes) const
   return all;
 }
 
+std::vector<VectorX> Derivatives::by_parameters_of_term(std::size_t number, const Energy& term,
+                                                        const VectorX& x, const VectorX& w,
+                                                        const Conditions& c) const {
+  WorldChange slopes = asked();
+  TermChanges terms = links_.zero(slopes);
+  for (auto& [name, of_term] : terms[number]) term.add_parameter_slopes(name, x, w, c, of_term);
+  return gathered(terms, std::move(slopes));
+}
+
 VectorX Derivatives::weights_of(const std::vector<Vector3>& reactions) const {
   const int dim = world().dimension;
   VectorX weights = VectorX::Zero(world().rest_positions.size());

@@ -22,6 +22,9 @@ struct DerivativeOptions {
   /// Motion: whole states are kept at so many places of the run, and steps between them are made again when
   /// they are wanted, to the same bits; 0: the places of all steps are kept.
   int checkpoints = 0;
+  /// Statics: gradients where forces do not balance well come with a warning of how far off they may be,
+  /// which doubles their price.
+  bool estimates_errors = true;
   /// Asked after every Newton iteration and between steps; false: the run is given up (Interrupted).
   std::function<bool()> goes_on{};
 };
@@ -61,6 +64,11 @@ class Derivatives {
   /// ... and the slopes by each parameter that these are. For results that depend on numbers of the world not
   /// through the frames alone.
   std::vector<VectorX> by_parameters(const WorldChange& slopes) const;
+  /// The slopes of w . dE/dx of one term by each parameter, with x held.
+  /// @param number  of the term in the world
+  /// @param term    it, or what a stage has made of it
+  std::vector<VectorX> by_parameters_of_term(std::size_t number, const Energy& term, const VectorX& x,
+                                             const VectorX& w, const Conditions& c) const;
 
   /// The slopes of a result by each parameter, from its slopes by the numbers of the frames: one for each
   /// frame, or fewer.

@@ -1,7 +1,14 @@
 #include "resilin/sensitivity/measured_number.hpp"
 
+#include <Eigen/LU>
+#include <algorithm>
+
+#include "resilin/contact/friction_contact.hpp"
 #include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
+#include "resilin/sensitivity/markers.hpp"
 #include "resilin/sensitivity/stress_at_place.hpp"
+#include "resilin/simulation/potential.hpp"
 
 namespace resilin {
 namespace {
@@ -92,31 +99,113 @@ std::vector<MeasuredNumber> stresses_at(Derivatives& run, const Body& body, cons
   return all;
 }
 
-std::vector<MeasuredNumber> section_force_at(Derivatives& run, const std::string& name, int frame) {
-  const World& world = run.world();
-  const Section* section = nullptr;
+const Section& section_named(const World& world, const std::string& name, const std::string& place) {
   std::vector<std::string> names;
-  for (const Section& one : world.sections) {
-    if (one.name() == name) section = &one;
-    names.push_back(one.name());
+  for (const Section& section : world.sections) {
+    if (section.name() == name) return section;
+    names.push_back(section.name());
   }
   if (names.empty())
-    throw InputError("section.name", "a section of the scene", '"' + name + '"',
+    throw InputError(place, "a section of the scene", '"' + name + '"',
                      "the scene has none: give one in [[section]]");
-  if (section == nullptr) refuse_word("section.name", name, names);
-  const std::size_t body = number_of(world, section->body(world));
+  refuse_word(place, name, names);
+}
+
+namespace {
+
+/// The slopes of a number of a section, which `add` adds.
+template <class Add>
+MeasuredNumber measured_of(Derivatives& run, const Section& section, double value, const VectorX& x,
+                           const Add& add) {
+  const std::size_t body = number_of(run.world(), section.body(run.world()));
+  WorldChange direct = run.asked();
+  Section::Slopes slopes{.positions = VectorX::Zero(x.size()),
+                         .rest_positions = std::move(direct.rest_positions),
+                         .constants = std::move(direct.bodies[body].constants)};
+  add(slopes);
+  direct.rest_positions = std::move(slopes.rest_positions);
+  direct.bodies[body].constants = std::move(slopes.constants);
+  return {value, std::move(slopes.positions), {}, run.by_parameters(direct)};
+}
+
+}  // namespace
+
+std::vector<MeasuredNumber> section_force_at(Derivatives& run, const std::string& name, int frame) {
+  const Section& section = section_named(run.world(), name, "section.name");
   const VectorX x = run.positions(frame);
-  const Vector3 force = section->measure(x).force;
+  const Vector3 force = section.measure(x).force;
   std::vector<MeasuredNumber> all;
-  for (int k = 0; k < world.dimension; ++k) {
-    WorldChange direct = run.asked();
-    Section::Slopes slopes{.positions = VectorX::Zero(x.size()),
-                           .rest_positions = std::move(direct.rest_positions),
-                           .constants = std::move(direct.bodies[body].constants)};
-    section->add_slopes(Vector3::Unit(k), x, slopes);
-    direct.rest_positions = std::move(slopes.rest_positions);
-    direct.bodies[body].constants = std::move(slopes.constants);
-    all.push_back({force[k], std::move(slopes.positions), {}, run.by_parameters(direct)});
+  for (int k = 0; k < run.world().dimension; ++k)
+    all.push_back(measured_of(run, section, force[k], x, [&](Section::Slopes& slopes) {
+      section.add_slopes(Vector3::Unit(k), x, slopes);
+    }));
+  return all;
+}
+
+std::vector<MeasuredNumber> section_moment_at(Derivatives& run, const std::string& name, int frame) {
+  const Section& section = section_named(run.world(), name, "section.name");
+  const VectorX x = run.positions(frame);
+  const Vector3 moment = section.measure(x).moment;
+  std::vector<MeasuredNumber> all;
+  for (int k = 0; k < 3; ++k)
+    all.push_back(measured_of(run, section, moment[k], x, [&](Section::Slopes& slopes) {
+      section.add_moment_slopes(Vector3::Unit(k), x, slopes);
+    }));
+  return all;
+}
+
+MeasuredNumber volume_at(Derivatives& run, const Body& body, int frame) {
+  const VectorX x = run.positions(frame);
+  MeasuredNumber measured{.by_positions = VectorX::Zero(x.size())};
+  measured.value = volume_of(body, run.world().dimension, x, measured.by_positions);
+  measured.by_parameters = run.by_parameters(run.asked());
+  return measured;
+}
+
+std::vector<std::string> collider_names(const World& world) {
+  std::vector<std::string> names;
+  for (const ColliderDescription& collider : world.made_from->colliders) names.push_back(collider.name);
+  return names;
+}
+
+// The force is w . (-dE/dx) with w the same for all nodes. E does not change where bodies and collider move
+// alike, so that -K w, its slope by the places, is what a way of the collider does to dE/dx.
+std::vector<MeasuredNumber> collider_force_at(Derivatives& run, const std::string& name, int frame) {
+  const World& world = run.world();
+  const std::vector<std::string> names = collider_names(world);
+  const auto found = std::ranges::find(names, name);
+  if (found == names.end()) refuse_word("reaction.of", name, names);
+  const ColliderDescription& described =
+      world.made_from->colliders[static_cast<std::size_t>(found - names.begin())];
+  if (described.friction != 0)
+    throw InputError("reaction.of", "a collider without friction, whose force can be differentiated",
+                     '"' + name + "\" with friction = " + format_number(described.friction),
+                     "measure markers or the reaction of a support, or leave its friction out");
+  std::size_t number = 0;
+  while (world.terms[number]->name() != name ||
+         world.terms[number]->properties().category != EnergyCategory::contact)
+    ++number;
+  const VectorX x = run.positions(frame);
+  const Frame& of_frame = run.frame(frame);
+  const Conditions c = world.is_dynamic ? Conditions{.time = of_frame.time} : world.at_load(of_frame.load);
+  Potential potential(world, c, static_stage(x));
+  potential.prepare(x, VectorX::Zero(x.size()));
+  const Energy& term = *potential.terms()[number];
+  const Eigen::Matrix3d shift = world.terms[number]
+                                    ->friction_source()
+                                    ->motion_of_its_own()
+                                    ->slopes_by("place", c.time - c.collider_delay)
+                                    .shift;
+  const auto force = std::ranges::find(of_frame.reactions.begin() + static_cast<std::ptrdiff_t>(world.supports.size()),
+                                       of_frame.reactions.end(), name, &std::pair<std::string, Vector3>::first);
+  std::vector<MeasuredNumber> all;
+  for (int k = 0; k < 3; ++k) {
+    MeasuredNumber measured{.value = force->second[k], .by_positions = VectorX::Zero(x.size())};
+    term.add_parameter_forces("place", x, shift.inverse().col(k), c, measured.by_positions);
+    VectorX w = VectorX::Zero(x.size());
+    for (Eigen::Index i = k; k < world.dimension && i < x.size(); i += world.dimension) w[i] = -1;
+    measured.by_parameters = run.by_parameters_of_term(number, term, x, w, c);
+    all.push_back(std::move(measured));
   }
   return all;
 }

@@ -30,8 +30,20 @@ MeasuredNumber energy_at(Derivatives& run, const std::string& kind, const Body* 
 std::vector<MeasuredNumber> stresses_at(Derivatives& run, const Body& body, const std::vector<Vector3>& at,
                                         const std::string& component, int frame);
 
-/// The force [N] through a section of the scene by its name: dim numbers.
+/// A section of the scene by its name. Throws InputError at `place`.
+const Section& section_named(const World& world, const std::string& name, const std::string& place);
+/// The force [N] through a section: dim numbers.
 /// @throws InputError  for an unknown section
 std::vector<MeasuredNumber> section_force_at(Derivatives& run, const std::string& section, int frame);
+/// Its moment [N m] about the middle of the cut: three numbers, of which a plane has the last alone.
+std::vector<MeasuredNumber> section_moment_at(Derivatives& run, const std::string& section, int frame);
+
+/// The volume of a body as it is deformed [m^3], in 2D [m^2].
+MeasuredNumber volume_at(Derivatives& run, const Body& body, int frame);
+
+std::vector<std::string> collider_names(const World& world);
+/// The force of a collider on the bodies [N]: three numbers.
+/// @throws InputError  for an unknown one, and for one that rubs
+std::vector<MeasuredNumber> collider_force_at(Derivatives& run, const std::string& collider, int frame);
 
 }  // namespace resilin

@@ -141,19 +141,63 @@ Vector3 Section::center(const VectorX& x) const {
   return total > 0 ? Vector3(sum / total) : sum;
 }
 
+// With n the unit normal of a facet of area a and t_k = dx/dxi_k: da = dt_0 . (t_1 x n) + dt_1 . (n x t_0), in
+// 2D dt . (-n_y, n_x); d(sum a m / sum a) = sum [a dm + da (m - center)] / sum a.
+void Section::add_center_slopes(const Vector3& by, const VectorX& x, VectorX& slopes) const {
+  const Vector3 middle_of_all = center(x);
+  double total = 0;
+  VectorX sum = VectorX::Zero(slopes.size());
+  for (const Facet& facet : facets_) {
+    const auto corners = std::span(facet.corners).first(static_cast<std::size_t>(num_corners(facet.kind)));
+    const Vector3 whole = area_vector(dim_, facet.kind, corners, x);
+    const double area = whole.norm();
+    if (!(area > 0)) continue;
+    const Vector3 n = whole / area;
+    const auto count = static_cast<double>(corners.size());
+    Vector3 middle = Vector3::Zero();
+    for (const Index corner : corners) middle += node_position(dim_, corner, x) / count;
+    const double lever = by.dot(middle - middle_of_all);
+    for (const FacetPoint& point : facet_points(facet.kind)) {
+      Vector3 first = Vector3::Zero(), second = Vector3::Zero();
+      for (std::size_t a = 0; a < corners.size(); ++a) {
+        first += point.slopes[2 * a] * node_position(dim_, corners[a], x);
+        second += point.slopes[2 * a + 1] * node_position(dim_, corners[a], x);
+      }
+      const Vector3 by_first = dim_ == 2 ? Vector3(-n.y(), n.x(), 0) : Vector3(second.cross(n)),
+                    by_second = dim_ == 2 ? Vector3(Vector3::Zero()) : Vector3(n.cross(first));
+      for (std::size_t a = 0; a < corners.size(); ++a) {
+        const Vector3 slope =
+            lever * point.weight * (point.slopes[2 * a] * by_first + point.slopes[2 * a + 1] * by_second);
+        sum.segment(Eigen::Index{corners[a]} * dim_, dim_) += slope.head(dim_);
+      }
+    }
+    for (const Index corner : corners)
+      sum.segment(Eigen::Index{corner} * dim_, dim_) += area / count * by.head(dim_);
+    total += area;
+  }
+  if (total > 0) slopes += sum / total;
+}
+
 const Body& Section::body(const World& world) const { return world.body_of(nodes_.front().node); }
 
-SectionForce Section::measure(const VectorX& x) const {
+std::vector<Vector3> Section::node_forces(const VectorX& x) const {
   const Conditions any;
   VectorX lower = VectorX::Zero(x.size()), upper = VectorX::Zero(x.size());
   lower_.energy->add_gradient(x, any, lower);
   upper_.energy->add_gradient(x, any, upper);
+  std::vector<Vector3> forces;
+  for (const auto& [node, share, volume] : nodes_)
+    forces.push_back((1 - share) * node_position(dim_, node, lower) -
+                     share * node_position(dim_, node, upper));
+  return forces;
+}
+
+SectionForce Section::measure(const VectorX& x) const {
+  const std::vector<Vector3> forces = node_forces(x);
   SectionForce result{.name = name_, .center = center(x)};
-  for (const auto& [node, share, volume] : nodes_) {
-    const Vector3 force =
-        (1 - share) * node_position(dim_, node, lower) - share * node_position(dim_, node, upper);
-    result.force += force;
-    result.moment += (node_position(dim_, node, x) - result.center).cross(force);
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    result.force += forces[i];
+    result.moment += (node_position(dim_, nodes_[i].node, x) - result.center).cross(forces[i]);
   }
   return result;
 }
@@ -169,17 +213,39 @@ void Section::add_volume_slopes(const Side& side, const std::vector<double>& by_
   side.energy->add_volume_slopes(by_cell, slopes);
 }
 
+void Section::add_slopes(const Vector3& by, const VectorX& x, Slopes& slopes) const {
+  add_force_slopes(std::vector<Vector3>(nodes_.size(), by), x, slopes);
+}
+
+// by . (r x f) = f . (by x r) = r . (f x by), r from the center to each node.
+void Section::add_moment_slopes(const Vector3& by, const VectorX& x, Slopes& slopes) const {
+  const Vector3 middle = center(x);
+  std::vector<Vector3> by_force;
+  for (const Node& node : nodes_) by_force.push_back(by.cross(node_position(dim_, node.node, x) - middle));
+  add_force_slopes(by_force, x, slopes);
+  if (slopes.positions.size() == 0) return;
+  const std::vector<Vector3> forces = node_forces(x);
+  Vector3 by_center = Vector3::Zero();
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    const Vector3 by_place = forces[i].cross(by);
+    slopes.positions.segment(Eigen::Index{nodes_[i].node} * dim_, dim_) += by_place.head(dim_);
+    by_center -= by_place;
+  }
+  add_center_slopes(by_center, x, slopes.positions);
+}
+
 // by . force = w_lower . dE_lower/dx + w_upper . dE_upper/dx with w_lower = (1 - s) by, w_upper = -s by at
 // the cut's nodes; s = V_lower / V, whose change takes by . (g + h) ds off.
-void Section::add_slopes(const Vector3& by, const VectorX& x, Slopes& slopes) const {
+void Section::add_force_slopes(const std::vector<Vector3>& by, const VectorX& x, Slopes& slopes) const {
   const Conditions any;
   std::vector<double> of_lower_volume, of_volume;
   VectorX forces = VectorX::Zero(x.size());
   for (const Side* side : {&lower_, &upper_}) {
     side->energy->add_gradient(x, any, forces);
     VectorX w = VectorX::Zero(x.size());
-    for (const auto& [node, share, volume] : nodes_)
-      w.segment(Eigen::Index{node} * dim_, dim_) = (side == &lower_ ? 1 - share : -share) * by.head(dim_);
+    for (std::size_t i = 0; i < nodes_.size(); ++i)
+      w.segment(Eigen::Index{nodes_[i].node} * dim_, dim_) =
+          (side == &lower_ ? 1 - nodes_[i].share : -nodes_[i].share) * by[i].head(dim_);
     if (slopes.positions.size() > 0) side->energy->add_tangent_forces(x, w, slopes.positions);
     if (slopes.rest_positions.size() > 0)
       side->energy->add_parameter_slopes("rest_positions", x, w, any, slopes.rest_positions);
@@ -193,8 +259,9 @@ void Section::add_slopes(const Vector3& by, const VectorX& x, Slopes& slopes) co
     }
   }
   if (slopes.rest_positions.size() == 0) return;
-  for (const auto& [node, share, volume] : nodes_) {
-    const double power = by.dot(node_position(dim_, node, forces)) / volume;
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    const auto& [node, share, volume] = nodes_[i];
+    const double power = by[i].dot(node_position(dim_, node, forces)) / volume;
     of_lower_volume.push_back(-(1 - share) * power);
     of_volume.push_back(share * power);
   }

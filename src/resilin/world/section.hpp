@@ -49,6 +49,8 @@ class Section {
   };
   /// Adds those of by . force, as long as no cell changes sides.
   void add_slopes(const Vector3& by, const VectorX& x, Slopes& slopes) const;
+  /// Likewise those of by . moment.
+  void add_moment_slopes(const Vector3& by, const VectorX& x, Slopes& slopes) const;
 
  private:
   struct Node {
@@ -70,6 +72,10 @@ class Section {
     std::array<Index, 4> corners;
   };
   Vector3 center(const VectorX& x) const;
+  void add_center_slopes(const Vector3& by, const VectorX& x, VectorX& slopes) const;
+  std::vector<Vector3> node_forces(const VectorX& x) const;
+  /// Of the sum over the cut's nodes of by[i] . force_i, by[i] held.
+  void add_force_slopes(const std::vector<Vector3>& by, const VectorX& x, Slopes& slopes) const;
 
   std::string name_;
   int dim_;

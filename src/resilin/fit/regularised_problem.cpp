@@ -1,0 +1,147 @@
+#include "resilin/fit/regularised_problem.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include "resilin/core/error.hpp"
+
+namespace resilin {
+namespace {
+
+constexpr double least_influence = 1e-8;  ///< of a column of F beside the largest: nothing feels it
+constexpr int points_per_decade = 8;
+constexpr double weakest_share = 1e-12;  ///< of the largest of S
+/// Weights with which the fit takes more than this part of the data follow noise, whatever the curve looks like.
+constexpr double most_freedom = 0.8;
+
+}  // namespace
+
+RegularisedProblem::RegularisedProblem(const DenseMatrix& J, const VectorX& d, const FieldPrior& prior)
+    : prior_(prior), J_(J), d_(d), num_values_(d.size()) {
+  if (J.rows() > J.cols()) {
+    const Eigen::HouseholderQR<DenseMatrix> qr(J);
+    const VectorX turned = qr.householderQ().transpose() * d;
+    J_ = qr.matrixQR().topRows(J.cols()).triangularView<Eigen::Upper>();
+    d_ = turned.head(J.cols());
+    left_ = turned.tail(d.size() - J.cols()).squaredNorm();
+  }
+  spread_ = prior.inverse_times(J_.transpose());
+  Q_ = J_ * spread_;
+  Q_ = 0.5 * (Q_ + Q_.transpose()).eval();
+  F_ = J_ * prior.unfelt();
+  const Eigen::Index m = d_.size(), k = F_.cols();
+  const double size = J_.norm();
+  for (Eigen::Index i = 0; i < k; ++i)
+    if (!(F_.col(i).norm() > least_influence * size))
+      throw InputError("fit", "measurements that feel all that is sought", "a piece of a body, or a parameter, that "
+                       "no datum feels",
+                       "measure there, leave it out, or take regularise = { kind = \"both\" }");
+  if (k >= m)
+    throw InputError("fit", "more than " + std::to_string(k) + " measured numbers", std::to_string(m), "measure more");
+  const Eigen::HouseholderQR<DenseMatrix> qr(F_);
+  const DenseMatrix turned = (qr.householderQ().transpose() * Q_ * qr.householderQ()).bottomRightCorner(m - k, m - k);
+  const Eigen::SelfAdjointEigenSolver<DenseMatrix> eigen(turned);
+  s_ = eigen.eigenvalues().cwiseMax(0.0);
+  basis_ = DenseMatrix::Zero(m, m - k);
+  basis_.bottomRows(m - k) = eigen.eigenvectors();
+  basis_ = qr.householderQ() * basis_;
+  b_ = basis_.transpose() * d_;
+}
+
+RegularisedProblem::Point RegularisedProblem::at(double a) const {
+  const auto damped = (s_.array() + a).inverse().eval();
+  const auto b2 = b_.array().square().eval();
+  Point point{.strength = a};
+  point.misfit = left_ + (a * damped).square().matrix().dot(b2.matrix());
+  point.roughness = (s_.array() * damped.square() * b2).sum();
+  point.freedom = static_cast<double>(F_.cols()) + (s_.array() * damped).sum();
+  // By log a: T = sum s b^2 / (s + a)^3, P = sum s b^2 / (s + a)^4.
+  const double T = (s_.array() * b2 * damped.cube()).sum();
+  const double P = (s_.array() * b2 * damped.square().square()).sum();
+  const double r1 = 2 * a * a * T / point.misfit, e1 = -2 * a * T / point.roughness;
+  const double r2 = (4 * a * a * T - 6 * a * a * a * P) / point.misfit - r1 * r1;
+  const double e2 = (-2 * a * T + 6 * a * a * P) / point.roughness - e1 * e1;
+  point.curvature = (r1 * e2 - r2 * e1) / std::pow(r1 * r1 + e1 * e1, 1.5);
+  return point;
+}
+
+VectorX RegularisedProblem::solution(double a) const {
+  const VectorX c = basis_ * ((s_.array() + a).inverse() * b_.array()).matrix();
+  const VectorX b = F_.cols() > 0 ? VectorX(F_.householderQr().solve(d_ - Q_ * c)) : VectorX();
+  return spread_ * c + prior_.unfelt() * b;
+}
+
+double RegularisedProblem::strongest() const { return 10 * s_.maxCoeff(); }
+double RegularisedProblem::weakest() const { return weakest_share * s_.maxCoeff(); }
+
+RegularisedProblem::Uncertainty RegularisedProblem::uncertainty(double a) const {
+  const Eigen::Index m = d_.size();
+  const DenseMatrix& B = prior_.unfelt();
+  const Eigen::LLT<DenseMatrix> factors(Q_ + a * DenseMatrix::Identity(m, m));
+  const DenseMatrix half_spread = factors.matrixL().solve(spread_.transpose()), half_F = factors.matrixL().solve(F_);
+  Uncertainty result;
+  result.variance = (prior_.inverse_diagonal() - half_spread.colwise().squaredNorm().transpose()) / a;
+  const DenseMatrix CJ = basis_ * ((s_.array() + a).inverse().matrix().asDiagonal() * (basis_.transpose() * J_));
+  result.resolution = spread_.cwiseProduct(CJ.transpose()).rowwise().sum();
+  if (B.cols() == 0) return result;
+  const Eigen::LLT<DenseMatrix> of_open(half_F.transpose() * half_F);
+  const DenseMatrix rest = B.transpose() - half_F.transpose() * half_spread;
+  result.variance += of_open.matrixL().solve(rest).colwise().squaredNorm().transpose() / a;
+  result.of_open = of_open.solve(DenseMatrix::Identity(B.cols(), B.cols())) / a;
+  const DenseMatrix by_data = F_.householderQr().solve(J_ - Q_ * CJ);
+  result.resolution += B.cwiseProduct(by_data.transpose()).rowwise().sum();
+  return result;
+}
+
+LCurve l_curve(const RegularisedProblem& problem) {
+  LCurve curve;
+  const double step = std::pow(10, -1.0 / points_per_decade);
+  const double most = most_freedom * static_cast<double>(problem.num_values());
+  double best = 0;
+  for (double a = problem.strongest(); a >= problem.weakest(); a *= step) {
+    const RegularisedProblem::Point point = problem.at(a);
+    if (point.freedom > most || !(point.roughness > 0) || !(point.misfit > 0)) break;
+    curve.points.push_back(point);
+    if (!(point.curvature > best)) continue;
+    best = point.curvature;
+    curve.corner = a;
+  }
+  return curve;
+}
+
+double discrepancy_strength(const RegularisedProblem& problem) {
+  // The misfit grows with the weight, the freedom falls.
+  const auto excess = [&](double a) {
+    const RegularisedProblem::Point point = problem.at(a);
+    const double left = static_cast<double>(problem.num_values()) - point.freedom;
+    return point.misfit - (left + 2 * std::sqrt(2 * left));
+  };
+  double low = problem.weakest(), high = problem.strongest();
+  if (!(excess(low) < 0)) return 0;
+  if (excess(high) < 0) return high;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = std::sqrt(low * high);
+    (excess(middle) < 0 ? low : high) = middle;
+  }
+  return low;
+}
+
+double cross_validated_strength(const RegularisedProblem& problem) {
+  double best = problem.strongest(), least = std::numeric_limits<double>::infinity();
+  const double step = std::pow(10, -1.0 / points_per_decade);
+  for (double a = problem.strongest(); a >= problem.weakest(); a *= step) {
+    const RegularisedProblem::Point point = problem.at(a);
+    const double left = static_cast<double>(problem.num_values()) - point.freedom;
+    if (!(left > (1 - most_freedom) * static_cast<double>(problem.num_values()))) break;
+    const double score = point.misfit / (left * left);
+    if (!(score < least)) continue;
+    least = score;
+    best = a;
+  }
+  return best;
+}
+
+}  // namespace resilin
