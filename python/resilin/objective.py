@@ -211,6 +211,7 @@ KEYS = {
     "energy": {"kind", "body"},
     "stress": {"body", "at"},
     "section": {"name"},
+    "moment": {"name"},
 }
 COMMON_KEYS = {"target", "sigma", "frame", "component", "weight"}
 
@@ -241,8 +242,12 @@ def measures_of(objective: Mapping[str, Any], run: _core.DifferentiatedRun) -> l
         elif kind == "reaction":
             names = run.supports()
             name = plain_text(entries.get("of", ""), f"{place}.of")
+            if name in run.colliders() and name not in names:
+                force = run.collider_force(name, frame)
+                measures.append(DirectMeasure(frame, entries, place, force, dim))
+                continue
             if name not in names:
-                refuse(f"{place}.of", "one of " + ", ".join(names), repr(name))
+                refuse(f"{place}.of", "one of " + ", ".join(names + run.colliders()), repr(name))
             measures.append(ReactionMeasure(frame, entries, place, names.index(name), len(names), dim))
         else:
             measures.append(_direct_measure(kind, frame, entries, place, run, dim))
@@ -270,6 +275,9 @@ def _direct_measure(
     if kind == "section":
         name = plain_text(entries.get("name", ""), f"{place}.name")
         return DirectMeasure(frame, entries, place, run.section(name, frame), dim)
+    if kind == "moment":
+        name = plain_text(entries.get("name", ""), f"{place}.name")
+        return DirectMeasure(frame, entries, place, run.moment(name, frame), 3)
     component = plain_text(entries.get("component", ""), f"{place}.component")
     stresses = run.stress(body, _places(entries, place, dim).tolist(), component, frame)
     return DirectMeasure(frame, entries, place, stresses)

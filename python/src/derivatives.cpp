@@ -193,6 +193,17 @@ class DifferentiatedRun {
   std::vector<MeasuredArrays> section(const std::string& name, int frame) {
     return measured([&] { return section_force_at(*run_, name, frame); });
   }
+  std::vector<MeasuredArrays> moment(const std::string& name, int frame) {
+    return measured([&] { return section_moment_at(*run_, name, frame); });
+  }
+  std::vector<std::string> colliders() const { return collider_names(world()); }
+  std::vector<MeasuredArrays> collider_force(const std::string& name, int frame) {
+    return measured([&] {
+      std::vector<MeasuredNumber> force = collider_force_at(*run_, name, frame);
+      force.resize(static_cast<std::size_t>(world().dimension));
+      return force;
+    });
+  }
 
   /// The volume of a body at a frame and its slopes by the positions.
   std::pair<double, NumpyArray<double>> volume(const std::string& body, int frame) {
@@ -281,6 +292,9 @@ void bind_derivatives(nb::module_& module) {
       .def("stress", &DifferentiatedRun::stress, nb::arg("body"), nb::arg("at"), nb::arg("component"),
            nb::arg("frame"))
       .def("section", &DifferentiatedRun::section, nb::arg("name"), nb::arg("frame"))
+      .def("moment", &DifferentiatedRun::moment, nb::arg("name"), nb::arg("frame"))
+      .def("colliders", &DifferentiatedRun::colliders)
+      .def("collider_force", &DifferentiatedRun::collider_force, nb::arg("name"), nb::arg("frame"))
       .def("volume", &DifferentiatedRun::volume, nb::arg("body"), nb::arg("frame"))
       .def_prop_ro("warnings", &DifferentiatedRun::warnings)
       .def_prop_ro("num_frames", &DifferentiatedRun::num_frames);

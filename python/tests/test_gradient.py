@@ -19,6 +19,7 @@ OBJECTIVE = {
         {"at": [0.1, 0.1, 0.1], "component": "zx", "weight": 1e-5},
     ],
     "section": {"name": "middle", "target": [0, 0, 400], "sigma": 100},
+    "moment": {"name": "middle", "target": [0, 100, 0], "sigma": 100},
 }
 WRT = [
     E,

@@ -13,7 +13,8 @@ namespace {
 
 constexpr double longest_step = 2.302585092994046;  ///< of what is sought: a factor of 10
 constexpr double same_strength = 0.2;               ///< a change by less is none
-constexpr int most_choices = 8;                     ///< of the weight
+constexpr double largest_change = 10;               ///< of the weight, from one place to the next
+constexpr int most_choices = 12;                    ///< of the weight
 constexpr double least_share = 1e-3;                ///< of a step
 /// A step that lowers the objective by this part of a residual's variance moves the field by a hundredth of its
 /// standard errors.
@@ -163,7 +164,8 @@ void FieldSearch::run() {
       J.col(i) *= scales_[static_cast<std::size_t>(i)].slope(start_[i] + u_[i]);
     problem_.emplace(J, J * u_ - r_, prior_);
     if (!is_chosen_) {
-      const double chosen = chosen_strength();
+      double chosen = chosen_strength();
+      if (strength_ > 0) chosen = std::clamp(chosen, strength_ / largest_change, strength_ * largest_change);
       is_chosen_ = std::abs(std::log(chosen / strength_)) < same_strength || ++rounds_ >= most_choices;
       strength_ = chosen;
     }
