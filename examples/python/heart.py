@@ -61,7 +61,7 @@ def markers():
     fine = square(40)
     moduli = np.where(is_heart(centres(fine)), STIFF, SOFT)
     noise = np.random.default_rng(1)
-    objective = {"position": {"at": AT, "target": np.zeros_like(AT)}}
+    objective = {"displacement": {"at": AT, "target": np.zeros_like(AT)}}
     runs = [resilin.value_and_gradient(pulled(fine, moduli, axis), objective, [E]) for axis in "xy"]
     return [run.residuals.reshape(AT.shape) + SIGMA * noise.standard_normal(AT.shape) for run in runs]
 

@@ -77,7 +77,10 @@ Keys<FitDescription> fit_keys() {
            "By the name of a constant, or \"LAW.CONSTANT\" for one law: { limit = { bounds = [50, 200] } }; "
            "keys are start, bounds and value."},
           [](const SceneNode& node, F& f) { read_constant_settings(node, f.constants); }),
-      later_key<F>("regularise", "table", "A prior for fields of constants.", "homogeneous tests do without"),
+      key<F>({"regularise", "table", "", "none", "Of fits of scenes alone: [fit.regularise](#fitregularise)."},
+             [](const SceneNode& node, F&) {
+               node.fail_with("homogeneous tests have no fields; seek them in scenes: [[experiment]] and [[parameter]]");
+             }),
   };
 }
 
