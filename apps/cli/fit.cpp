@@ -75,8 +75,7 @@ int fit_experiments(SceneFitDescription description, const FitOptions& options, 
   } else if (is_told) {
     print_text("\n" + scene_fit_text(report));
     print_line("\n" + one_line((folder / "fit.html").string()) +
-               ", material.toml and fit.json are written; " +
-               format_seconds(watch.seconds()));
+               ", material.toml and fit.json are written; " + format_seconds(watch.seconds()));
   }
   print_warnings(report.estimates.warnings);
   return report.is_converged ? done : not_converged;

@@ -218,9 +218,10 @@ def value_and_gradient(
         As for `run`.
     objective : dict or function
         Terms by kind: "position", "displacement" (of markers `at` places of the rest shape), "probe" (`name`),
-        "reaction" (`of` a support, or of a collider without friction), "volume" (of a `body`), "energy" (`kind` "elastic" or "kinetic", of a `body` or of
-        all), "stress" (`at` places, `component` "von_mises", "xx", "xy" ...), "section" and "moment" (the force through
-        the section `name` and its moment about the middle of the cut); each with `target` and `sigma`, or a list of such. The value is
+        "reaction" (`of` a support, or of a collider without friction), "volume" (of a `body`), "energy" (`kind`
+        "elastic" or "kinetic", of a `body` or of all), "stress" (`at` places, `component` "von_mises", "xx", "xy" ...),
+        "section" and "moment" (the force through the section `name` and its moment about the middle of the cut); each
+        with `target` and `sigma`, or a list of such. The value is
         1/2 sum ((y - target) / sigma)^2; a term without target adds its `component` itself. `frame` is the last unless
         given. Or a function of an `Outcome` that gives its value and {"positions": slopes (T, N, d)}.
     wrt : list of str

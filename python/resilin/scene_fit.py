@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from resilin import _core
-from resilin.arrays import refuse
+from resilin.arrays import file_path, refuse
 from resilin.scene import of_file_or_dict, override_lines
 
 if TYPE_CHECKING:
@@ -86,16 +85,12 @@ class SceneFit:
     warnings: tuple[str, ...]
     text: str = field(repr=False)  #: what ``resilin fit`` prints
     material_toml: str = field(repr=False)
-    _page: str = field(repr=False)
-    _json: str = field(repr=False)
+    _report: _core.SceneFitReport = field(repr=False)
 
     def save(self, folder: AnyPath) -> None:
-        """Writes fit.html, fit.json and material.toml."""
-        path = Path(folder)
-        path.mkdir(parents=True, exist_ok=True)
-        (path / "fit.html").write_text(self._page, encoding="utf-8")
-        (path / "fit.json").write_text(self._json, encoding="utf-8")
-        (path / "material.toml").write_text(self.material_toml, encoding="utf-8")
+        """Writes what ``resilin fit`` does: fit.html, fit.json, material.toml, and of constants of cells BODY_CONSTANT.csv
+        and, of fields, BODY_CONSTANT.vtu."""
+        self._report.save(file_path(folder, "folder"))
 
     def __getitem__(self, name: str) -> FittedParameter:
         """The parameter of this name."""
@@ -151,8 +146,7 @@ def fit_scenes(data: Scene, overrides: Overrides = (), on_solve: Callable[[str],
         warnings=tuple(content["warnings"]),
         text=found["text"],
         material_toml=found["material"],
-        _page=found["page"],
-        _json=found["json"],
+        _report=found["report"],
     )
 
 

@@ -34,26 +34,25 @@ nb::typed<nb::dict, nb::str, nb::str> fit(const FitDescription& description) {
   return result;
 }
 
-/// What a fit of scenes gives, as texts; `on_solve`, or None, is told a line for each solve.
-nb::typed<nb::dict, nb::str, nb::str> fit_experiments(const SceneFitDescription& description,
+/// What a fit of scenes gives, as texts and as `report`; `on_solve`, or None, is told a line for each solve.
+nb::typed<nb::dict, nb::str, nb::any> fit_experiments(const SceneFitDescription& description,
                                                       const nb::object& on_solve) {
-  std::string json, text, material, page;
+  SceneFitReport report;
+  std::string json, text, material;
   Interruptible interruptible;
   std::exception_ptr failure;
   {
     const nb::gil_scoped_release others_run;
     try {
-      const SceneFitReport report =
-          fit_scenes(description, {.on_solve =
-                                       [&](const SceneFitStep& step) {
-                                         if (!on_solve.is_none())
-                                           interruptible.call(on_solve, scene_fit_step_text(step));
-                                       },
-                                   .goes_on = [&] { return !interruptible.is_stopped(); }});
+      report = fit_scenes(description, {.on_solve =
+                                            [&](const SceneFitStep& step) {
+                                              if (!on_solve.is_none())
+                                                interruptible.call(on_solve, scene_fit_step_text(step));
+                                            },
+                                        .goes_on = [&] { return !interruptible.is_stopped(); }});
       json = scene_fit_json_text(report);
       text = scene_fit_text(report);
       material = scene_material_toml(report);
-      page = scene_fit_page(report);
     } catch (...) {
       failure = std::current_exception();
     }
@@ -64,13 +63,18 @@ nb::typed<nb::dict, nb::str, nb::str> fit_experiments(const SceneFitDescription&
   result["json"] = json;
   result["text"] = text;
   result["material"] = material;
-  result["page"] = page;
+  result["report"] = nb::cast(std::move(report));
   return result;
 }
 
 }  // namespace
 
 void bind_fit(nb::module_& module) {
+  nb::class_<SceneFitReport>(module, "SceneFitReport")
+      .def(
+          "save",
+          [](const SceneFitReport& report, const std::string& folder) { write_scene_fit(report, folder); },
+          nb::arg("folder"));
   module.def(
       "fit_file",
       [](const std::string& path, const std::vector<std::string>& overrides) {

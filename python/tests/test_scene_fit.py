@@ -58,3 +58,43 @@ def test_an_exception_of_the_callback_ends_the_fit():
 
     with pytest.raises(KeyboardInterrupt):
         resilin.fit_scenes(EXAMPLE, on_solve=stop)
+
+
+def test_a_field_of_cells_is_found_and_saved(tmp_path):
+    mesh = resilin.Mesh.rectangle(size=(1, 0.5), cells=(8, 4))
+    stiff = mesh.positions[mesh.cells].mean(axis=1)[:, 0] > 0.5
+    scene = {
+        "simulation": {"kind": "static", "dimension": 2},
+        "body": [{"name": "sheet", "mesh": mesh, "element": "P1"}],
+        "fix": [{"name": "grip", "where": {"group": "x_min"}}],
+        "load": [{"name": "pull", "kind": "traction", "value": [1e4, 0], "where": {"group": "x_max"}}],
+    }
+
+    def with_moduli(moduli):
+        material = {"law": "neo_hookean", "youngs_modulus": moduli, "poissons_ratio": 0.3}
+        return scene | {"body": [scene["body"][0] | {"material": material}]}
+
+    at = mesh.positions[mesh.positions[:, 0] > 0]
+    truth = np.where(stiff, 3e5, 1e5)
+    key = "body.sheet.material.youngs_modulus"
+    run = resilin.value_and_gradient(with_moduli(truth), {"displacement": {"at": at, "target": 0 * at}}, [key])
+    noise = 1e-4 * np.random.default_rng(3).standard_normal(at.shape)
+    markers = {"at": at, "displacement": run.residuals.reshape(at.shape) + noise, "sigma": 1e-4}
+    fit = resilin.fit_scenes(
+        {
+            "experiment": [{"scene": with_moduli(2e5), "markers": markers}],
+            "parameter": [{"key": key, "per": "cell"}],
+        }
+    )
+    assert fit.is_converged
+    assert fit.parameters == {}
+    field = fit.fields[key]
+    assert field.values.shape == field.interval[0].shape == field.resolution.shape == (64,)
+    assert np.sqrt(np.mean(np.log(field.values / truth) ** 2)) < 0.2  # a third of what the truth varies by
+    assert fit.regularisation.l_curve.shape[1] == 3
+    assert fit.regularisation.freedom < 64
+    fit.save(tmp_path / "out")
+    assert np.loadtxt(tmp_path / "out" / "sheet_youngs_modulus.csv") == pytest.approx(field.values, rel=1e-15)
+    assert "the L-curve" in (tmp_path / "out" / "fit.html").read_text()
+    saved = resilin.Mesh.read(tmp_path / "out" / "sheet_youngs_modulus.vtu")
+    assert len(saved.cells) == 64

@@ -15,12 +15,15 @@ namespace {
 
 class BrokenFiles : public SceneFitFiles {
  protected:
-  std::size_t below(std::size_t count) { return std::uniform_int_distribution<std::size_t>(0, count - 1)(random); }
+  std::size_t below(std::size_t count) {
+    return std::uniform_int_distribution<std::size_t>(0, count - 1)(random);
+  }
 
   /// A text with one thing wrong.
   std::string broken(std::string text) {
-    static const std::vector<std::string> words = {"nan", "inf",  "-1",  "0",     "1e400", "-0.0", "\"x\"", "[]",
-                                                   "{}",  "true", "abc", "1,2,3", "-1e9",  "=",    "\"",    "\xff"};
+    static const std::vector<std::string> words = {"nan",   "inf", "-1", "0",    "1e400", "-0.0",
+                                                   "\"x\"", "[]",  "{}", "true", "abc",   "1,2,3",
+                                                   "-1e9",  "=",   "\"", "\xff"};
     switch (below(6)) {
       case 0:  // a letter less
         text.erase(below(text.size()), 1);
@@ -74,11 +77,15 @@ TEST_F(BrokenFiles, OfTestsAreRefusedInOneLineOrFitted) {
   const std::string csv =
       "stretch,nominal_stress [MPa]\n1.1,0.1\n1.3,0.25\n1.6,0.4\n2.0,0.55\n2.5,0.7\n3.0,0.85\n4.0,1.2\n";
   const std::string toml =
-      "title = \"a rubber\"\n[[test]]\nname = \"one\"\nmode = \"uniaxial\"\nfile = \"a.csv\"\nweight = 2\n[[test]]\nmode = "
-      "\"planar\"\nunit = \"MPa\"\nstretch = [1.2, 1.5, 2]\nnominal_stress = [0.2, 0.4, 0.7]\nsigma = 0.01\n[fit]\nlaws = "
-      "[\"neo_hookean\", \"gent\"]\nresidual = \"absolute\"\nparameters = { limit = { bounds = [20, 200] } }\n";
+      "title = \"a rubber\"\n[[test]]\nname = \"one\"\nmode = \"uniaxial\"\nfile = \"a.csv\"\nweight = "
+      "2\n[[test]]\nmode = "
+      "\"planar\"\nunit = \"MPa\"\nstretch = [1.2, 1.5, 2]\nnominal_stress = [0.2, 0.4, 0.7]\nsigma = "
+      "0.01\n[fit]\nlaws = "
+      "[\"neo_hookean\", \"gent\"]\nresidual = \"absolute\"\nparameters = { limit = { bounds = [20, 200] } "
+      "}\n";
   for (int i = 0; i < 400; ++i) {
-    const std::string broken_csv = i % 2 == 0 ? broken(csv) : csv, broken_toml = i % 2 == 1 ? broken(toml) : toml;
+    const std::string broken_csv = i % 2 == 0 ? broken(csv) : csv,
+                      broken_toml = i % 2 == 1 ? broken(toml) : toml;
     folder.write("a.csv", broken_csv);
     expect_one_line_or_numbers(broken_toml + broken_csv, [&] {
       const FitReport report = fit_materials(read_fit(folder.write("fit.toml", broken_toml)));
@@ -100,12 +107,16 @@ TEST_F(BrokenFiles, OfScenesAreRefusedInOneLineOrFitted) {
   const std::string csv = markers_csv(truth, {{0.3, 0.1, 0}, {0.7, 0.1, 0}, {1, 0.1, 0}}, 1e-4, random);
   folder.write("young.csv", moduli_csv(6e5, 4e5));
   const std::string toml =
-      "[[experiment]]\nname = \"sag\"\nscene = \"scene.toml\"\nmarkers = { file = \"markers.csv\", sigma = 1e-4 }\nreaction = "
-      "{ of = \"wall\", value = [0, 1962], sigma = 100 }\nvolume = { value = 0.2, sigma = 0.1 }\n[[parameter]]\nkey = "
-      "\"body.bar.material.youngs_modulus\"\nname = [\"root\", \"tip\"]\nbounds = [1e5, 2e6]\nper = \"value\"\n[fit]\nmax_solves = "
+      "[[experiment]]\nname = \"sag\"\nscene = \"scene.toml\"\nmarkers = { file = \"markers.csv\", sigma = "
+      "1e-4 }\nreaction = "
+      "{ of = \"wall\", value = [0, 1962], sigma = 100 }\nvolume = { value = 0.2, sigma = 0.1 "
+      "}\n[[parameter]]\nkey = "
+      "\"body.bar.material.youngs_modulus\"\nname = [\"root\", \"tip\"]\nbounds = [1e5, 2e6]\nper = "
+      "\"value\"\n[fit]\nmax_solves = "
       "8\nstarts = 1\nregularise = { kind = \"smooth\", strength = 1 }\n";
   for (int i = 0; i < 150; ++i) {
-    const std::string broken_csv = i % 3 == 0 ? broken(csv) : csv, broken_toml = i % 3 != 0 ? broken(toml) : toml;
+    const std::string broken_csv = i % 3 == 0 ? broken(csv) : csv,
+                      broken_toml = i % 3 != 0 ? broken(toml) : toml;
     folder.write("markers.csv", broken_csv);
     expect_one_line_or_numbers(broken_toml + broken_csv, [&] {
       const SceneFitReport report = fit(broken_toml);

@@ -155,8 +155,9 @@ TEST_F(FieldFit, SaysWhatIsNotDetermined) {
 /// Together with a number that is no field; and a field between bounds stays there.
 TEST_F(FieldFit, FindsOtherNumbersBesides) {
   measure(2e-4);
-  const SceneFitReport report =
-      fit_field(", sigma = 2e-4", "bounds = [3e4, 4e5]\n[[parameter]]\nkey = \"body.sheet.material.poissons_ratio\"\nstart = 0.2\n");
+  const SceneFitReport report = fit_field(
+      ", sigma = 2e-4",
+      "bounds = [3e4, 4e5]\n[[parameter]]\nkey = \"body.sheet.material.poissons_ratio\"\nstart = 0.2\n");
   EXPECT_TRUE(report.is_converged);
   ASSERT_EQ(report.parameters.size(), 1U);
   EXPECT_LT(report.parameters[0].lower_95, 0.3);
@@ -179,23 +180,29 @@ TEST_F(FieldFit, IsWrittenForScenes) {
   EXPECT_EQ(found.bodies[0].material.cell_constants.at("youngs_modulus"), report.fields[0].values);
   EXPECT_EQ(read_vtu(folder / "out/sheet_youngs_modulus.vtu").cell_data.size(), 4U);
   folder.write("out/scene.toml", sheet_with("{ file = \"sheet_youngs_modulus.csv\" }"));
-  EXPECT_EQ(read_scene(folder / "out/scene.toml").description.bodies[0].material.cell_constants.at("youngs_modulus"),
+  EXPECT_EQ(read_scene(folder / "out/scene.toml")
+                .description.bodies[0]
+                .material.cell_constants.at("youngs_modulus"),
             report.fields[0].values);
   const std::string page = folder.read("out/fit.html");
-  EXPECT_THAT(page, AllOf(HasSubstr("the L-curve"), HasSubstr("<polygon"), HasSubstr("discrepancy principle")));
+  EXPECT_THAT(page,
+              AllOf(HasSubstr("the L-curve"), HasSubstr("<polygon"), HasSubstr("discrepancy principle")));
   EXPECT_THAT(page, AllOf(Not(HasSubstr("nan")), Not(HasSubstr("{{")), Not(HasSubstr("http"))));
 }
 
 TEST_F(FieldFit, RefusesWhatIsNoField) {
   measure(1e-3);
   const auto with = [&](const std::string& parameter, const std::string& more = "") {
-    return error_of("[[experiment]]\nscene = \"scene.toml\"\nmarkers = { file = \"markers.csv\" }\n[[parameter]]\n" +
-                    parameter + more);
+    return error_of(
+        "[[experiment]]\nscene = \"scene.toml\"\nmarkers = { file = \"markers.csv\" }\n[[parameter]]\n" +
+        parameter + more);
   };
-  EXPECT_THAT(with("key = \"load.pull.value.x\"\nper = \"cell\"\n"), HasSubstr("a constant of a body's material"));
+  EXPECT_THAT(with("key = \"load.pull.value.x\"\nper = \"cell\"\n"),
+              HasSubstr("a constant of a body's material"));
   EXPECT_THAT(with("key = \"body.sheet.material.youngs_modulus\"\nper = \"group\"\n"),
               AllOf(HasSubstr("groups of cells"), HasSubstr("per = \"cell\"")));
-  EXPECT_THAT(with("key = \"body.sheet.material.youngs_modulus\"\nper = \"cels\"\n"), HasSubstr("did you mean"));
+  EXPECT_THAT(with("key = \"body.sheet.material.youngs_modulus\"\nper = \"cels\"\n"),
+              HasSubstr("did you mean"));
   EXPECT_THAT(with("key = \"body.sheet.material.youngs_modulus\"\nper = \"cell\"\n",
                    "[fit]\nregularise = { strength = \"discrepancy\" }\n"),
               HasSubstr("add sigma"));
@@ -227,7 +234,11 @@ TEST_F(FieldFit, SeeksOneNumberForEachGroup) {
   table.kind = MeasuredKind::markers;
   table.place = "markers";
   for (const Vector3& at : {Vector3(1, 0.6, 0), Vector3(2, 0.6, 0), Vector3(2, 0, 0)})
-    table.rows.push_back({.place = "", .at = at, .value = displacement_at(run, at), .is_measured = {true, true, false}, .moment = {}});
+    table.rows.push_back({.place = "",
+                          .at = at,
+                          .value = displacement_at(run, at),
+                          .is_measured = {true, true, false},
+                          .moment = {}});
   experiment.tables.push_back(table);
   asked.experiments.push_back(experiment);
   asked.parameters.emplace_back();

@@ -35,7 +35,8 @@ TEST(FieldCells, HaveTheVolumeOfTheBodyAndTheGradientOfALinearField) {
   for (const int dim : {2, 3}) {
     const FieldCells cells = sample_cells(dim);
     EXPECT_NEAR(cells.volume, dim == 2 ? 1.2 * 0.7 : 1.2 * 0.7 * 0.5, 1e-12);
-    EXPECT_NEAR(VectorX::Map(cells.shares.data(), static_cast<Eigen::Index>(cells.shares.size())).sum(), 1, 1e-12);
+    EXPECT_NEAR(VectorX::Map(cells.shares.data(), static_cast<Eigen::Index>(cells.shares.size())).sum(), 1,
+                1e-12);
   }
   // A chain of squares: u = x has differences of 0.1 over sides of 0.1, without half a cell at both ends.
   const Mesh mesh = make_quadrilateral_rectangle({1, 0.1}, {10, 1});

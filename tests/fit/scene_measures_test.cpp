@@ -86,7 +86,8 @@ key = "collider.indenter.displacement.y"
       const VectorX less = model.solve(p - h * VectorX::Unit(3, i), {}).values;
       const VectorX difference = (more - less) / (2 * h);
       for (Eigen::Index k = 0; k < J.rows(); ++k)  // each number by its own size; forces balance to 1e-11
-        EXPECT_NEAR(J(k, i), difference[k], 1e-4 * std::abs(difference[k]) + 1e-6 * std::abs(solved.values[k] / p[i]))
+        EXPECT_NEAR(J(k, i), difference[k],
+                    1e-4 * std::abs(difference[k]) + 1e-6 * std::abs(solved.values[k] / p[i]))
             << k << " by " << i << " " << shape;
     }
     // By a field the same comes out of transposed products: a change of all cells alike.
@@ -112,7 +113,8 @@ TEST_F(SceneMeasures, FindAModulusFromTheForceOfAnIndenter) {
   ASSERT_EQ(reactions.back().first, "indenter");
   folder.write("force.csv", "fy\n" + format_number(reactions.back().second.y()) + "\n");
   const SceneFitReport report =
-      fit("[[experiment]]\nscene = \"scene.toml\"\nreaction = { of = \"indenter\", file = \"force.csv\", sigma = 0.1 }\n"
+      fit("[[experiment]]\nscene = \"scene.toml\"\nreaction = { of = \"indenter\", file = \"force.csv\", "
+          "sigma = 0.1 }\n"
           "[[parameter]]\nkey = \"body.block.material.youngs_modulus\"\nstart = 3e4\n");
   EXPECT_TRUE(report.is_converged);
   EXPECT_NEAR(report.parameters[0].value, 1e5, 1e-4 * 1e5);
@@ -126,7 +128,8 @@ TEST_F(SceneMeasures, AreRefusedInWords) {
     return error_of("[[experiment]]\nscene = \"scene.toml\"\n" + table +
                     "\n[[parameter]]\nkey = \"body.block.material.youngs_modulus\"\n");
   };
-  EXPECT_THAT(with("reaction = { of = \"indentor\", value = [0, 1] }"), HasSubstr("did you mean \"indenter\""));
+  EXPECT_THAT(with("reaction = { of = \"indentor\", value = [0, 1] }"),
+              HasSubstr("did you mean \"indenter\""));
   EXPECT_THAT(with("section = { of = \"cot\", value = [0, 1] }"), HasSubstr("did you mean \"cut\""));
   EXPECT_THAT(with("energy = { kind = \"elstic\", value = 1 }"), HasSubstr("did you mean \"elastic\""));
   EXPECT_THAT(with("energy = { kind = \"kinetic\", value = 1 }"), HasSubstr("one of statics"));
@@ -143,8 +146,8 @@ TEST_F(SceneMeasures, AreRefusedInWords) {
               AllOf(HasSubstr("friction = 0.3"), HasSubstr("leave its friction out")));
 }
 
-/// A swinging strip seen over some periods: a stiffness that is far off swings out of step, and no small change
-/// makes that better.
+/// A swinging strip seen over some periods: a stiffness that is far off swings out of step, and no small
+/// change makes that better.
 TEST_F(SceneMeasures, EscapeALocalMinimumByMoreStarts) {
   std::string strip = sagging_strip;
   strip.replace(strip.find("kind = \"static\""), 15,
@@ -157,7 +160,8 @@ TEST_F(SceneMeasures, EscapeALocalMinimumByMoreStarts) {
   while (!truth.is_finished()) {
     truth.step();
     if (truth.state().step % 5 == 0)
-      csv += format_number(truth.state().time) + "," + format_number(displacement_at(truth, {1, 0, 0})[1]) + "\n";
+      csv += format_number(truth.state().time) + "," + format_number(displacement_at(truth, {1, 0, 0})[1]) +
+             "\n";
   }
   folder.write("tip.csv", csv);
   const std::string text =

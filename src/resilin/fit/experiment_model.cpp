@@ -68,7 +68,8 @@ void ExperimentModel::measure(const MeasuredTable& table) {
     if (std::ranges::find(names, table.of) == names.end()) refuse_word(table.place + ".of", table.of, names);
   } else if (table.kind == MeasuredKind::section || table.kind == MeasuredKind::moment) {
     section_named(*world_, table.of, table.place + ".of");
-  } else if (table.kind == MeasuredKind::volume || (table.kind == MeasuredKind::energy && !table.of.empty())) {
+  } else if (table.kind == MeasuredKind::volume ||
+             (table.kind == MeasuredKind::energy && !table.of.empty())) {
     body_named(*world_, table.of, table.place + ".of");
   }
   for (std::size_t r = 0; r < table.rows.size(); ++r)
@@ -211,7 +212,8 @@ void ExperimentModel::add_forward_slopes(Derivatives& run, const Outcome& outcom
   std::vector<bool> is_wanted(static_cast<std::size_t>(run.num_frames()));
   for (const int frame : outcome.frames) is_wanted[static_cast<std::size_t>(frame)] = true;
   std::vector<VectorX> zero;
-  for (const auto& [p, sought] : parameters_) zero.push_back(VectorX::Zero(sought.key.parameter.value.size()));
+  for (const auto& [p, sought] : parameters_)
+    zero.push_back(VectorX::Zero(sought.key.parameter.value.size()));
   std::vector<std::vector<VectorX>> directions;
   Eigen::Index done = 0;
   const auto solve = [&] {

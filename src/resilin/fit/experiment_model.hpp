@@ -49,7 +49,7 @@ class ExperimentModel {
   /// What a run gives for all that was measured.
   struct Outcome {
     VectorX values;
-    std::vector<int> frames;               ///< of each number
+    std::vector<int> frames;                ///< of each number
     std::vector<MeasuredNumber> nonlinear;  ///< of those that are not linear in the frame; else empty
   };
   Outcome outcome_of(Derivatives& run) const;
@@ -62,10 +62,10 @@ class ExperimentModel {
   struct Number {
     const MeasuredTable* table;
     const MeasuredRow* row;
-    Marker marker{};            ///< of markers and probes
-    std::size_t support = 0;    ///< of a reaction
+    Marker marker{};          ///< of markers and probes
+    std::size_t support = 0;  ///< of a reaction
     Eigen::Index component = 0;
-    bool is_linear = false;     ///< in the places and the reactions of supports
+    bool is_linear = false;  ///< in the places and the reactions of supports
   };
   std::vector<Marker> markers_of(const MeasuredTable& table) const;
   int frame_of(const MeasuredRow& row, const Derivatives& run) const;

@@ -57,8 +57,9 @@ Keys<RawExperiment> experiment_keys() {
                const bool is_here = node.value->is_table();
                const std::filesystem::path path = is_here ? std::filesystem::path("scene") : read_path(node);
                const SceneOptions options{.overrides = raw.overrides};
-               Scene scene = is_here ? read_scene_from_values(*node.value, node.place(), node.context->folder, options)
-                                     : read_scene(path, options);
+               Scene scene =
+                   is_here ? read_scene_from_values(*node.value, node.place(), node.context->folder, options)
+                           : read_scene(path, options);
                node.context->dimension = scene.description.dimension;
                node.context->is_dynamic = scene.description.is_dynamic;
                for (const std::string& warning : scene.warnings) node.context->warnings.push_back(warning);
@@ -66,9 +67,10 @@ Keys<RawExperiment> experiment_keys() {
                if (raw.experiment.name.empty()) raw.experiment.name = path.stem().string();
              }),
       measured_key(MeasuredKind::markers, "Displacements of points of a body."),
-      measured_key(MeasuredKind::reaction,
-                   "Forces of a support or a collider, such as an indenter, on the bodies; a list where there are "
-                   "several."),
+      measured_key(
+          MeasuredKind::reaction,
+          "Forces of a support or a collider, such as an indenter, on the bodies; a list where there are "
+          "several."),
       measured_key(MeasuredKind::probe, "Displacements of a probe."),
       measured_key(MeasuredKind::section, "Forces through a section of the scene."),
       measured_key(MeasuredKind::moment, "Moments in a section of the scene."),
@@ -102,20 +104,25 @@ Keys<SceneParameter> parameter_keys() {
              }),
       key<P>({"experiment", "text", "", "all", "The only experiment, by its name, whose scene has it."},
              [](const SceneNode& node, P& p) { p.experiment = read_text(node); }),
-      choice_key("per", &P::per,
-                 "Of a constant of a body's material: value seeks one number for each different value that the scene has, "
-                 "group one for each group of cells of the mesh, cell one for each cell, a field with a prior."),
+      choice_key(
+          "per", &P::per,
+          "Of a constant of a body's material: value seeks one number for each different value that the "
+          "scene has, "
+          "group one for each group of cells of the mesh, cell one for each cell, a field with a prior."),
   };
 }
 
 Keys<Regularisation> regularise_keys() {
   using R = Regularisation;
   return {
-      choice_key("kind", &R::kind,
-                 "What is asked of fields: smooth, the mean square of their gradient times the body's size; tikhonov, the "
-                 "mean square of their way from the start; both, the sum. Of logarithms where values are positive."),
+      choice_key(
+          "kind", &R::kind,
+          "What is asked of fields: smooth, the mean square of their gradient times the body's size; "
+          "tikhonov, the "
+          "mean square of their way from the start; both, the sum. Of logarithms where values are positive."),
       key<R>({"strength", "number > 0, or " + one_of(all_spellings<StrengthRule>()), "", "\"l_curve\"",
-              "Its weight beside the sum of squares: a number, the corner of the L-curve, or the one that leaves the "
+              "Its weight beside the sum of squares: a number, the corner of the L-curve, or the one that "
+              "leaves the "
               "misfit which the sigmas expect."},
              [](const SceneNode& node, R& r) {
                if (std::holds_alternative<std::string>(node.value->data))
@@ -135,7 +142,8 @@ Keys<SceneFitDescription> scene_fit_keys() {
       integer_key("max_solves", &F::max_solves, at_least_one,
                   "So often each scene is solved at most, from each start."),
       integer_key("starts", &F::starts, at_least_one,
-                  "From so many starts the search is made; the best end counts. The first is that of the parameters, the "
+                  "From so many starts the search is made; the best end counts. The first is that of the "
+                  "parameters, the "
                   "others lie between their bounds, or within a factor of 10 of it."),
       key<F>({"regularise", "[fit.regularise](#fitregularise)", "", "", "Of fields: parameters per cell."},
              [](const SceneNode& node, F& f) {
@@ -197,8 +205,9 @@ SceneFitDescription read_scene_fit_root(const SceneNode& root) {
 
 std::vector<TableDoc> scene_fit_docs() {
   std::vector<TableDoc> docs = measurement_docs();
-  docs.insert(docs.begin(), document("[[experiment]]", "A scene that was done in a laboratory, and what was measured.",
-                                     experiment_keys()));
+  docs.insert(docs.begin(),
+              document("[[experiment]]", "A scene that was done in a laboratory, and what was measured.",
+                       experiment_keys()));
   docs.push_back(document("[[parameter]]", "What is sought with experiments.", parameter_keys()));
   docs.push_back(document("[fit] of experiments", "How it is sought.", scene_fit_keys()));
   docs.push_back(document("fit.regularise", "What is asked of fields besides.", regularise_keys()));

@@ -16,8 +16,8 @@ constexpr double same_strength = 0.2;               ///< a change by less is non
 constexpr double largest_change = 10;               ///< of the weight, from one place to the next
 constexpr int most_choices = 12;                    ///< of the weight
 constexpr double least_share = 1e-3;                ///< of a step
-/// A step that lowers the objective by this part of a residual's variance moves the field by a hundredth of its
-/// standard errors.
+/// A step that lowers the objective by this part of a residual's variance moves the field by a hundredth of
+/// its standard errors.
 constexpr double negligible_gain = 1e-4;
 constexpr double loose_factor = 2;
 /// Weights by two principles that are further apart are worth a word.
@@ -132,9 +132,10 @@ void FieldSearch::tell(double sum, const VectorX& u, bool is_better, const std::
 
 /// By the rule; where the L has no corner, or no weight leaves so small a misfit, by cross validation.
 double FieldSearch::chosen_strength() const {
-  const double chosen = description_.regularise.rule == StrengthRule::discrepancy && model_.data().sigma.size() > 0
-                            ? discrepancy_strength(*problem_)
-                            : l_curve(*problem_).corner;
+  const double chosen =
+      description_.regularise.rule == StrengthRule::discrepancy && model_.data().sigma.size() > 0
+          ? discrepancy_strength(*problem_)
+          : l_curve(*problem_).corner;
   return chosen > 0 ? chosen : cross_validated_strength(*problem_);
 }
 
@@ -148,8 +149,9 @@ double FieldSearch::variance() const {
 void FieldSearch::run() {
   if (description_.regularise.rule == StrengthRule::discrepancy && !description_.regularise.strength &&
       model_.data().sigma.size() == 0)
-    throw InputError(description_.regularise.place + ".strength", "sigmas for the discrepancy principle", "none",
-                     "add sigma = ..., the standard deviation of the numbers, or take strength = \"l_curve\"");
+    throw InputError(
+        description_.regularise.place + ".strength", "sigmas for the discrepancy principle", "none",
+        "add sigma = ..., the standard deviation of the numbers, or take strength = \"l_curve\"");
   if (description_.regularise.strength) {
     strength_ = *description_.regularise.strength;
     is_chosen_ = true;
@@ -187,7 +189,8 @@ bool FieldSearch::step() {
   double share = std::min(1.0, longest_step / change.cwiseAbs().maxCoeff());
   for (; share > least_share; share /= 3) {
     if (solves_ >= description_.max_solves) {
-      why_not_ = std::to_string(solves_) + " solves were not enough: raise max_solves in [fit], or start nearer";
+      why_not_ =
+          std::to_string(solves_) + " solves were not enough: raise max_solves in [fit], or start nearer";
       return false;
     }
     ++solves_;
@@ -211,8 +214,7 @@ bool FieldSearch::step() {
   return false;
 }
 
-void FieldSearch::tell_interval(Eigen::Index i, double half, double& lower,
-                                double& upper) const {
+void FieldSearch::tell_interval(Eigen::Index i, double half, double& lower, double& upper) const {
   const SoughtScale& scale = scales_[static_cast<std::size_t>(i)];
   lower = scale.from(start_[i] + u_[i] - half);
   upper = scale.from(start_[i] + u_[i] + half);
@@ -271,9 +273,10 @@ void FieldSearch::tell_fields(SceneFitReport& report) const {
   if (!report.has_sigma) report.noise = std::sqrt(size);
   std::vector<std::string>& warnings = report.estimates.warnings;
   if (report.has_sigma && size > 1)
-    warnings.push_back("model error: residuals are " + format_short(std::sqrt(size)) +
-                       " times as large as the sigmas say. Mesh, element, law, supports or loads are not those "
-                       "of the experiment, or the prior is too strong; intervals are widened by it");
+    warnings.push_back(
+        "model error: residuals are " + format_short(std::sqrt(size)) +
+        " times as large as the sigmas say. Mesh, element, law, supports or loads are not those "
+        "of the experiment, or the prior is too strong; intervals are widened by it");
   const VectorX deviations = (size * uncertainty.variance.cwiseMax(0.0)).cwiseSqrt();
   std::size_t scalar = 0;
   for (std::size_t p = 0; p < model_.ranges().size(); ++p) {
@@ -284,18 +287,17 @@ void FieldSearch::tell_fields(SceneFitReport& report) const {
     }
     for (Eigen::Index i = range.first; i < range.first + range.count; ++i, ++scalar) {
       FittedParameter& parameter = report.parameters[scalar];
-      tell_interval(i, normal_95 * deviations[i],
-                    parameter.lower_95, parameter.upper_95);
+      tell_interval(i, normal_95 * deviations[i], parameter.lower_95, parameter.upper_95);
       parameter.standard_error =
           deviations[i] * std::abs(scales_[static_cast<std::size_t>(i)].slope(start_[i] + u_[i]));
     }
   }
   for (const FittedField& field : report.fields)
     if (field.num_loose > 0)
-      warnings.push_back(field.name + ": " + std::to_string(field.num_loose) + " of " +
-                         std::to_string(field.values.size()) +
-                         " cells are known to no better than a factor of 2 (of what may be negative: than half of "
-                         "its range): what stands there comes from their neighbours and the prior");
+      warnings.push_back(
+          field.name + ": " + std::to_string(field.num_loose) + " of " + std::to_string(field.values.size()) +
+          " cells are known to no better than a factor of 2 (of what may be negative: than half of "
+          "its range): what stands there comes from their neighbours and the prior");
   tell_strength(report);
 }
 

@@ -30,7 +30,8 @@ class SoughtScale {
 class FieldSearch {
  public:
   /// All kept by reference.
-  FieldSearch(const SceneModel& model, const SceneFitDescription& description, const SceneFitOptions& options);
+  FieldSearch(const SceneModel& model, const SceneFitDescription& description,
+              const SceneFitOptions& options);
   ~FieldSearch();
 
   void run();

@@ -37,8 +37,9 @@ std::string how_chosen(const RegularisationReport& regularised) {
 }  // namespace
 
 std::vector<std::vector<std::string>> field_rows(const SceneFitReport& report) {
-  std::vector<std::vector<std::string>> rows = {
-      {"field", "cells", "found", "intervals, half of the cells better than", "resolution, half better than"}};
+  std::vector<std::vector<std::string>> rows = {{"field", "cells", "found",
+                                                 "intervals, half of the cells better than",
+                                                 "resolution, half better than"}};
   for (const FittedField& field : report.fields) {
     std::vector<double> widths;
     const bool is_ratio = *std::ranges::min_element(field.lower_95) > 0;
@@ -91,8 +92,9 @@ std::string l_curve_plot(const RegularisationReport& regularised) {
   for (const RegularisedProblem::Point& point : regularised.curve.points)
     line += fmt::format("{}{:.2f} {:.2f}", line.empty() ? "M" : "L", frame.at_x(point.misfit),
                         frame.at_y(point.roughness));
-  return frame.open() + frame.axes() + "<path class=\"line\" clip-path=\"url(#" + frame.clip() + ")\" d=\"" + line +
-         "\"/>" + frame.circle(regularised.point.misfit, regularised.point.roughness, "chosen", 4.5) + "</svg>";
+  return frame.open() + frame.axes() + "<path class=\"line\" clip-path=\"url(#" + frame.clip() + ")\" d=\"" +
+         line + "\"/>" + frame.circle(regularised.point.misfit, regularised.point.roughness, "chosen", 4.5) +
+         "</svg>";
 }
 
 std::string field_plot(const SceneFitReport& report, const FittedField& field) {
@@ -111,8 +113,10 @@ std::string field_plot(const SceneFitReport& report, const FittedField& field) {
     return low > 0 ? std::log(value / low) / std::log(high / low) : (value - low) / (high - low);
   };
   make_alike(x, y);
-  const PlotFrame frame(field.name, "field-" + field_file_stem(field.body, field.constant), {"x [m]", x},
-                        {fmt::format("{:.3g} (dark) to {:.3g} {}", low, high, field.unit), y});
+  const std::string title = field.name == field.key ? field.body + ": " + field.constant : field.name;
+  const std::string range = fmt::format("dark {:.3g} to light {:.3g} {};  x [m]", low, high, field.unit);
+  const PlotFrame frame(title, "field-" + field_file_stem(field.body, field.constant), {range, x},
+                        {"y [m]", y});
   std::string text = frame.open() + frame.axes();
   const auto corners = static_cast<std::size_t>(num_corners(cells.kind));
   for (Index c = 0; c < cells.num_cells(); ++c) {

@@ -71,7 +71,8 @@ VectorX diagonal_of_inverse(const Eigen::SimplicialLDLT<SparseMatrix>& factors) 
       });
     });
     diagonal[j] = 1 / pivots[j];
-    below(j, [&](const SparseMatrix::InnerIterator& entry) { diagonal[j] -= l[entry.row()] * z[entry.row()]; });
+    below(j,
+          [&](const SparseMatrix::InnerIterator& entry) { diagonal[j] -= l[entry.row()] * z[entry.row()]; });
     for (SparseMatrix::InnerIterator entry(Z, j); entry; ++entry) {
       if (entry.row() <= j) continue;
       entry.valueRef() = z[entry.row()];
@@ -149,8 +150,7 @@ void FieldPrior::add(const FieldCells& cells, Eigen::Index first, PriorKind kind
   }
   if (kind != PriorKind::smooth) return;
   std::vector<std::vector<Eigen::Index>> members(n);
-  for (std::size_t c = 0; c < n; ++c)
-    members[pieces.root(c)].push_back(first + static_cast<Eigen::Index>(c));
+  for (std::size_t c = 0; c < n; ++c) members[pieces.root(c)].push_back(first + static_cast<Eigen::Index>(c));
   for (std::vector<Eigen::Index>& piece : members) {
     if (piece.empty()) continue;
     m.is_pinned[static_cast<std::size_t>(piece.front())] = true;
@@ -205,7 +205,8 @@ DenseMatrix FieldPrior::inverse_times(const DenseMatrix& X) const {
   for (std::size_t i = 0; i < m.kept.size(); ++i) kept.row(static_cast<Eigen::Index>(i)) = X.row(m.kept[i]);
   const DenseMatrix solved = m.factors.solve(kept);
   DenseMatrix result = DenseMatrix::Zero(X.rows(), X.cols());
-  for (std::size_t i = 0; i < m.kept.size(); ++i) result.row(m.kept[i]) = solved.row(static_cast<Eigen::Index>(i));
+  for (std::size_t i = 0; i < m.kept.size(); ++i)
+    result.row(m.kept[i]) = solved.row(static_cast<Eigen::Index>(i));
   return result;
 }
 

@@ -77,10 +77,12 @@ Keys<FitDescription> fit_keys() {
            "By the name of a constant, or \"LAW.CONSTANT\" for one law: { limit = { bounds = [50, 200] } }; "
            "keys are start, bounds and value."},
           [](const SceneNode& node, F& f) { read_constant_settings(node, f.constants); }),
-      key<F>({"regularise", "table", "", "none", "Of fits of scenes alone: [fit.regularise](#fitregularise)."},
-             [](const SceneNode& node, F&) {
-               node.fail_with("homogeneous tests have no fields; seek them in scenes: [[experiment]] and [[parameter]]");
-             }),
+      key<F>(
+          {"regularise", "table", "", "none", "Of fits of scenes alone: [fit.regularise](#fitregularise)."},
+          [](const SceneNode& node, F&) {
+            node.fail_with(
+                "homogeneous tests have no fields; seek them in scenes: [[experiment]] and [[parameter]]");
+          }),
   };
 }
 

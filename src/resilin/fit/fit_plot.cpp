@@ -67,9 +67,9 @@ class Plot {
     bool is_piece_stable = true;
     const auto end_piece = [&] {
       if (piece.find('L') != std::string::npos)
-        text += fmt::format(
-            "<path class=\"law-{}{}\" clip-path=\"url(#{})\" stroke=\"var(--s{})\" d=\"{}\"/>", law,
-            is_piece_stable ? "" : " unstable", frame.clip(), law % num_plot_colours, piece);
+        text +=
+            fmt::format("<path class=\"law-{}{}\" clip-path=\"url(#{})\" stroke=\"var(--s{})\" d=\"{}\"/>",
+                        law, is_piece_stable ? "" : " unstable", frame.clip(), law % num_plot_colours, piece);
       piece.clear();
     };
     for (std::size_t i = 0; i < curve.load.size(); ++i) {
@@ -77,8 +77,8 @@ class Plot {
         end_piece();
         continue;
       }
-      const std::string place =
-          fmt::format("{:.2f} {:.2f}", frame.at_x(curve.load[i]), frame.at_y(curve.stress[i] / unit_.in_pascal));
+      const std::string place = fmt::format("{:.2f} {:.2f}", frame.at_x(curve.load[i]),
+                                            frame.at_y(curve.stress[i] / unit_.in_pascal));
       if (!piece.empty() && curve.is_stable[i] != is_piece_stable) {
         piece += "L" + place;
         end_piece();

@@ -53,9 +53,10 @@ Key<Raw> rows_key(const char* name, NumberTable Raw::* member, const char* text)
 
 Keys<Raw> marker_keys() {
   return {
-      not_required(file_key("X, Y, Z (places at rest, in 2D without Z) and ux, uy, uz (displacements) or x, y, z (places "
-               "after it), and sigma, load (the load factor at rest), time (in motion), id. Components that "
-               "were not measured are left out; without load and time the end of the run is meant.")),
+      not_required(file_key(
+          "X, Y, Z (places at rest, in 2D without Z) and ux, uy, uz (displacements) or x, y, z (places "
+          "after it), and sigma, load (the load factor at rest), time (in motion), id. Components that "
+          "were not measured are left out; without load and time the end of the run is meant.")),
       rows_key("at", &Raw::at, "In place of a file: where the markers are at rest ..."),
       rows_key("displacement", &Raw::displacement, "... and their displacements at the end of the run."),
       sigma_key("m"),
@@ -74,7 +75,9 @@ Key<Raw> of_key(const char* text) {
 /// One vector or number, or a file of them.
 Keys<Raw> value_keys(Key<Raw> of, MeasuredKind kind, const char* columns) {
   const std::string unit = unit_of(kind);
-  const char* type = is_number(kind) ? "number" : kind == MeasuredKind::moment ? "vector, in 2D a number" : "vector";
+  const char* type = is_number(kind)                ? "number"
+                     : kind == MeasuredKind::moment ? "vector, in 2D a number"
+                                                    : "vector";
   return {
       std::move(of),
       not_required(file_key(columns)),
@@ -96,19 +99,23 @@ Keys<Raw> keys_of(MeasuredKind kind) {
     case MeasuredKind::markers:
       return marker_keys();
     case MeasuredKind::reaction:
-      return value_keys(of_key("The support or the collider, by its name, whose force on the bodies was measured."),
-                        kind, "fx, fy, fz, and sigma, load, time.");
+      return value_keys(
+          of_key("The support or the collider, by its name, whose force on the bodies was measured."), kind,
+          "fx, fy, fz, and sigma, load, time.");
     case MeasuredKind::section:
-      return value_keys(of_key("The section, by its name: the force of the side beyond it on the side below."), kind,
-                        "fx, fy, fz, and sigma, load, time.");
+      return value_keys(
+          of_key("The section, by its name: the force of the side beyond it on the side below."), kind,
+          "fx, fy, fz, and sigma, load, time.");
     case MeasuredKind::moment:
-      return value_keys(of_key("The section, by its name: the moment of its force about the middle of the cut."), kind,
-                        "mx, my, mz (in 2D mz), and sigma, load, time.");
+      return value_keys(
+          of_key("The section, by its name: the moment of its force about the middle of the cut."), kind,
+          "mx, my, mz (in 2D mz), and sigma, load, time.");
     case MeasuredKind::energy: {
-      Keys<Raw> keys = value_keys(text_key("of", &Raw::of, "all bodies", "The body whose energy it is."), kind,
-                                  "energy, and sigma, load, time.");
-      keys.push_back(key<Raw>({"kind", one_of(energy_kinds()), "", "\"elastic\"", "Which energy."},
-                              [](const SceneNode& node, Raw& raw) { raw.what = read_choice(node, energy_kinds()); }));
+      Keys<Raw> keys = value_keys(text_key("of", &Raw::of, "all bodies", "The body whose energy it is."),
+                                  kind, "energy, and sigma, load, time.");
+      keys.push_back(
+          key<Raw>({"kind", one_of(energy_kinds()), "", "\"elastic\"", "Which energy."},
+                   [](const SceneNode& node, Raw& raw) { raw.what = read_choice(node, energy_kinds()); }));
       return keys;
     }
     case MeasuredKind::volume:
@@ -119,9 +126,10 @@ Keys<Raw> keys_of(MeasuredKind kind) {
           file_key("X, Y, Z (places at rest, in 2D without Z), stress, and sigma, load, time."),
           sigma_key("Pa"),
           text_key("of", &Raw::of, "the only body", "The body, by its name."),
-          key<Raw>({"component", one_of(stress_components()), "", "required",
-                    "Of Cauchy's stress in the cell that holds the place."},
-                   [](const SceneNode& node, Raw& raw) { raw.what = read_choice(node, stress_components()); }),
+          key<Raw>(
+              {"component", one_of(stress_components()), "", "required",
+               "Of Cauchy's stress in the cell that holds the place."},
+              [](const SceneNode& node, Raw& raw) { raw.what = read_choice(node, stress_components()); }),
       };
     case MeasuredKind::probe:
       break;
@@ -132,7 +140,8 @@ Keys<Raw> keys_of(MeasuredKind kind) {
 
 /// The table that `at` and `displacement` are.
 void take_rows(const SceneNode& node, Raw& raw) {
-  if (!raw.file.empty()) throw InputError(node.place(), "a file, or at and displacement", "both", "leave one of them out");
+  if (!raw.file.empty())
+    throw InputError(node.place(), "a file, or at and displacement", "both", "leave one of them out");
   const std::size_t rows = raw.at.num_rows(), dim = static_cast<std::size_t>(node.context->dimension);
   if (raw.displacement.num_rows() != rows)
     throw InputError(node.place() + ".displacement", "as many as in \"at\", " + std::to_string(rows),
@@ -143,7 +152,8 @@ void take_rows(const SceneNode& node, Raw& raw) {
   for (std::size_t i = 0; i < dim; ++i) raw.table.column_names.push_back(std::string("u") + "xyz"[i]);
   for (std::size_t r = 0; r < rows; ++r)
     for (const NumberTable* part : {&raw.at, &raw.displacement})
-      raw.table.values.insert(raw.table.values.end(), part->values.begin() + static_cast<std::ptrdiff_t>(r * dim),
+      raw.table.values.insert(raw.table.values.end(),
+                              part->values.begin() + static_cast<std::ptrdiff_t>(r * dim),
                               part->values.begin() + static_cast<std::ptrdiff_t>((r + 1) * dim));
 }
 
@@ -161,18 +171,17 @@ MeasuredTable read_measurements(const SceneNode& node, MeasuredKind kind) {
   const int dim = node.context->dimension;
   if (raw.at.num_columns > 0 || raw.displacement.num_columns > 0) take_rows(node, raw);
   if (raw.file.empty() != raw.value.has_value())
-    throw InputError(node.place(),
-                     kind == MeasuredKind::markers ? "a file, or at and displacement" : "a file or a value",
-                     raw.value ? "both" : "neither", raw.value ? "leave one of them out" : "add file = \"data.csv\"");
+    throw InputError(
+        node.place(), kind == MeasuredKind::markers ? "a file, or at and displacement" : "a file or a value",
+        raw.value ? "both" : "neither", raw.value ? "leave one of them out" : "add file = \"data.csv\"");
   if (raw.value) {
     MeasuredRow row;
     row.place = node.place();
     row.value = *raw.value;
     for (std::size_t i = 0; i < 3; ++i)
-      row.is_measured[i] = is_number(kind) ? i == 0
-                           : kind == MeasuredKind::moment && dim == 2
-                               ? i == 2
-                               : i < static_cast<std::size_t>(dim);
+      row.is_measured[i] = is_number(kind)                            ? i == 0
+                           : kind == MeasuredKind::moment && dim == 2 ? i == 2
+                                                                      : i < static_cast<std::size_t>(dim);
     table.rows.push_back(row);
   } else {
     table.rows = measured_rows(kind, raw.table, dim, node.context->is_dynamic, raw.file, node.place());

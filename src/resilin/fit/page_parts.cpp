@@ -54,9 +54,7 @@ std::string html_heading(const std::string& text) { return "<h2>" + html_text(te
 
 std::string html_card(const std::string& content) { return "<div class=\"card\">" + content + "</div>"; }
 
-std::string html_listing(const std::string& text) {
-  return html_card("<pre>" + html_text(text) + "</pre>");
-}
+std::string html_listing(const std::string& text) { return html_card("<pre>" + html_text(text) + "</pre>"); }
 
 std::string html_panels(const std::vector<std::string>& pictures) {
   std::string text = "<div class=\"panels\">";

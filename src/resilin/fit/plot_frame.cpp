@@ -16,7 +16,8 @@ std::vector<double> ticks_between(double low, double high) {
   const double rough = (high - low) / 5, power = std::pow(10, std::floor(std::log10(rough)));
   const double part = rough / power, step = power * (part < 1.5 ? 1 : part < 3.5 ? 2 : part < 7.5 ? 5 : 10);
   std::vector<double> ticks;
-  for (double k = std::ceil(low / step); k * step <= high * (1 + 1e-12); ++k) ticks.push_back(k == 0 ? 0 : k * step);
+  for (double k = std::ceil(low / step); k * step <= high * (1 + 1e-12); ++k)
+    ticks.push_back(k == 0 ? 0 : k * step);
   return ticks;
 }
 
@@ -123,8 +124,8 @@ std::string PlotFrame::band(double from, double to, std::string_view css_class) 
 }
 
 void make_alike(PlotRange& x, PlotRange& y) {
-  const double metre = std::max((x.high - x.low) / PlotFrame::inner_width,
-                                (y.high - y.low) / PlotFrame::inner_height);
+  const double metre =
+      std::max((x.high - x.low) / PlotFrame::inner_width, (y.high - y.low) / PlotFrame::inner_height);
   const auto widen = [metre](PlotRange& range, double pixels) {
     const double middle = (range.low + range.high) / 2;
     range = {middle - metre * pixels / 2, middle + metre * pixels / 2};

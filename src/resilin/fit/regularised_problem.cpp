@@ -14,7 +14,8 @@ namespace {
 constexpr double least_influence = 1e-8;  ///< of a column of F beside the largest: nothing feels it
 constexpr int points_per_decade = 8;
 constexpr double weakest_share = 1e-12;  ///< of the largest of S
-/// Weights with which the fit takes more than this part of the data follow noise, whatever the curve looks like.
+/// Weights with which the fit takes more than this part of the data follow noise, whatever the curve looks
+/// like.
 constexpr double most_freedom = 0.8;
 
 }  // namespace
@@ -36,13 +37,16 @@ RegularisedProblem::RegularisedProblem(const DenseMatrix& J, const VectorX& d, c
   const double size = J_.norm();
   for (Eigen::Index i = 0; i < k; ++i)
     if (!(F_.col(i).norm() > least_influence * size))
-      throw InputError("fit", "measurements that feel all that is sought", "a piece of a body, or a parameter, that "
+      throw InputError("fit", "measurements that feel all that is sought",
+                       "a piece of a body, or a parameter, that "
                        "no datum feels",
                        "measure there, leave it out, or take regularise = { kind = \"both\" }");
   if (k >= m)
-    throw InputError("fit", "more than " + std::to_string(k) + " measured numbers", std::to_string(m), "measure more");
+    throw InputError("fit", "more than " + std::to_string(k) + " measured numbers", std::to_string(m),
+                     "measure more");
   const Eigen::HouseholderQR<DenseMatrix> qr(F_);
-  const DenseMatrix turned = (qr.householderQ().transpose() * Q_ * qr.householderQ()).bottomRightCorner(m - k, m - k);
+  const DenseMatrix turned =
+      (qr.householderQ().transpose() * Q_ * qr.householderQ()).bottomRightCorner(m - k, m - k);
   const Eigen::SelfAdjointEigenSolver<DenseMatrix> eigen(turned);
   s_ = eigen.eigenvalues().cwiseMax(0.0);
   basis_ = DenseMatrix::Zero(m, m - k);
@@ -81,10 +85,12 @@ RegularisedProblem::Uncertainty RegularisedProblem::uncertainty(double a) const 
   const Eigen::Index m = d_.size();
   const DenseMatrix& B = prior_.unfelt();
   const Eigen::LLT<DenseMatrix> factors(Q_ + a * DenseMatrix::Identity(m, m));
-  const DenseMatrix half_spread = factors.matrixL().solve(spread_.transpose()), half_F = factors.matrixL().solve(F_);
+  const DenseMatrix half_spread = factors.matrixL().solve(spread_.transpose()),
+                    half_F = factors.matrixL().solve(F_);
   Uncertainty result;
   result.variance = (prior_.inverse_diagonal() - half_spread.colwise().squaredNorm().transpose()) / a;
-  const DenseMatrix CJ = basis_ * ((s_.array() + a).inverse().matrix().asDiagonal() * (basis_.transpose() * J_));
+  const DenseMatrix CJ =
+      basis_ * ((s_.array() + a).inverse().matrix().asDiagonal() * (basis_.transpose() * J_));
   result.resolution = spread_.cwiseProduct(CJ.transpose()).rowwise().sum();
   if (B.cols() == 0) return result;
   const Eigen::LLT<DenseMatrix> of_open(half_F.transpose() * half_F);

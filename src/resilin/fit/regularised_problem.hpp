@@ -6,13 +6,13 @@
 
 namespace resilin {
 
-/// min |d - J u|^2 + a u^T R u, for all weights a at once: solved in the space of the data, of which there are
-/// fewer than unknowns.
+/// min |d - J u|^2 + a u^T R u, for all weights a at once: solved in the space of the data, of which there
+/// are fewer than unknowns.
 ///
 /// With G of the prior, Q = J G J^T, B what R does not feel and F = J B: u = G J^T c + B b,
-/// (Q + a I) c + F b = d, F^T c = 0 (universal kriging: Wahba 1990, ch. 1). Z spans what is orthogonal to F and
-/// Z^T Q Z = U S U^T, so that c = Z U (S + a)^-1 U^T Z^T d, and misfit, roughness and the trace of what the
-/// fit makes of the data are sums over S (Hansen 1998, ch. 4 and 7).
+/// (Q + a I) c + F b = d, F^T c = 0 (universal kriging: Wahba 1990, ch. 1). Z spans what is orthogonal to F
+/// and Z^T Q Z = U S U^T, so that c = Z U (S + a)^-1 U^T Z^T d, and misfit, roughness and the trace of what
+/// the fit makes of the data are sums over S (Hansen 1998, ch. 4 and 7).
 class RegularisedProblem {
  public:
   /// @param J      by all unknowns, weighed by the sigmas
@@ -38,7 +38,7 @@ class RegularisedProblem {
   /// Of the unknowns, for a residual of variance 1: what prior and data leave open (Wahba 1983).
   struct Uncertainty {
     VectorX variance;
-    VectorX resolution;  ///< diagonal of d(u found)/d(u true): 1 where a datum tells an unknown alone
+    VectorX resolution;   ///< diagonal of d(u found)/d(u true): 1 where a datum tells an unknown alone
     DenseMatrix of_open;  ///< covariance of what the prior does not feel
   };
   Uncertainty uncertainty(double strength) const;
@@ -48,7 +48,7 @@ class RegularisedProblem {
   DenseMatrix J_, spread_;  ///< of the data, compressed to at most as many as unknowns; G J^T
   VectorX d_;
   Eigen::Index num_values_;
-  double left_ = 0;  ///< of |d|^2: what no u changes
+  double left_ = 0;            ///< of |d|^2: what no u changes
   DenseMatrix Q_, F_, basis_;  ///< Z U
   VectorX s_, b_;              ///< S, and U^T Z^T d
 };

@@ -79,13 +79,14 @@ void judge_tables(const SceneModel& model, const VectorX& predicted, SceneFitRep
     const VectorX off = (predicted - data.measured).segment(table.first, table.count);
     Eigen::Index worst = 0;
     const double largest = off.cwiseAbs().maxCoeff(&worst);
-    TableQuality quality{.name = table.name,
-                         .kind = table.kind,
-                         .is_dynamic = report.description.experiments[table.experiment].description.is_dynamic,
-                         .root_mean_square = std::sqrt(off.squaredNorm() / static_cast<double>(table.count)),
-                         .largest = largest,
-                         .worst = data.places[static_cast<std::size_t>(table.first + worst)].row,
-                         .values = {}};
+    TableQuality quality{
+        .name = table.name,
+        .kind = table.kind,
+        .is_dynamic = report.description.experiments[table.experiment].description.is_dynamic,
+        .root_mean_square = std::sqrt(off.squaredNorm() / static_cast<double>(table.count)),
+        .largest = largest,
+        .worst = data.places[static_cast<std::size_t>(table.first + worst)].row,
+        .values = {}};
     for (Eigen::Index i = table.first; i < table.first + table.count; ++i)
       quality.values.push_back({data.places[static_cast<std::size_t>(i)], data.measured[i], predicted[i]});
     report.tables.push_back(std::move(quality));
@@ -130,8 +131,7 @@ std::vector<VectorX> starts_of(const SceneModel& model, int count) {
   for (std::size_t s = 0; s < starts.size(); ++s)
     for (Eigen::Index i = 0; i < n; ++i) {
       const SceneUnknown& unknown = model.unknowns()[static_cast<std::size_t>(i)];
-      const double multiple =
-          0.5 + static_cast<double>(s) * std::pow(root, -static_cast<double>(i) - 1);
+      const double multiple = 0.5 + static_cast<double>(s) * std::pow(root, -static_cast<double>(i) - 1);
       starts[s][i] = s == 0 ? unknown.start : start_at(unknown, multiple - std::floor(multiple));
     }
   return starts;

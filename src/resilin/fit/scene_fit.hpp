@@ -62,20 +62,21 @@ struct SearchEnd {
 struct FittedField {
   std::string name, key, unit;
   std::string body, constant;
-  std::size_t scene = 0;                        ///< the number of one that has it
-  std::vector<double> values{};                   ///< of the cells
-  std::vector<double> lower_95{}, upper_95{};       ///< of the intervals of 95 %: of noise and of what the prior lets open
-  std::vector<double> resolution{};               ///< over about such a length the data tell a mean [m]
-  int num_loose = 0;                            ///< cells whose interval is wider than a factor of 2 to both sides
+  std::size_t scene = 0;         ///< the number of one that has it
+  std::vector<double> values{};  ///< of the cells
+  std::vector<double> lower_95{},
+      upper_95{};                    ///< of the intervals of 95 %: of noise and of what the prior lets open
+  std::vector<double> resolution{};  ///< over about such a length the data tell a mean [m]
+  int num_loose = 0;                 ///< cells whose interval is wider than a factor of 2 to both sides
 };
 
 /// How the weight of the prior of fields was chosen.
 struct RegularisationReport {
   Regularisation asked;
-  LCurve curve;              ///< at the place found
-  double strength = 0;       ///< that was taken
-  double discrepancy = 0;    ///< that the discrepancy principle takes; 0: none, or no sigmas
-  double cross_validated = 0;  ///< that generalised cross validation takes
+  LCurve curve;                       ///< at the place found
+  double strength = 0;                ///< that was taken
+  double discrepancy = 0;             ///< that the discrepancy principle takes; 0: none, or no sigmas
+  double cross_validated = 0;         ///< that generalised cross validation takes
   RegularisedProblem::Point point{};  ///< at the weight taken
 };
 
@@ -90,7 +91,7 @@ struct SceneFitReport {
   int num_values = 0, degrees_of_freedom = 0;
   int solves = 0;  ///< of each scene, of all starts
   bool is_converged = false;
-  std::string why_not;  ///< converged
+  std::string why_not;              ///< converged
   std::vector<SceneFitStep> steps;  ///< of the search, one start after another
   std::vector<SearchEnd> ends;      ///< of each start; empty for fields
   std::vector<FittedField> fields;
@@ -126,8 +127,8 @@ std::string scene_material_toml(const SceneFitReport& report);
 /// One page, without a network: what was measured beside what the scenes give, parameters, the search.
 std::string scene_fit_page(const SceneFitReport& report);
 
-/// fit.html, fit.json and material.toml, and a table of cell values where a constant has them; each written beside and
-/// renamed.
+/// fit.html, fit.json and material.toml, and a table of cell values where a constant has them; each written
+/// beside and renamed.
 void write_scene_fit(const SceneFitReport& report, const std::filesystem::path& folder);
 
 }  // namespace resilin

@@ -113,8 +113,8 @@ std::vector<std::vector<std::string>> table_rows(const SceneFitReport& report) {
 
 std::string quality_text(const SceneFitReport& report) {
   const std::string unit = common_unit(report);
-  std::string text = "sum of squares " + with_unit(fmt::format("{:.6g}", report.sum_of_squares),
-                                                   unit.empty() ? "" : unit + "^2");
+  std::string text = "sum of squares " +
+                     with_unit(fmt::format("{:.6g}", report.sum_of_squares), unit.empty() ? "" : unit + "^2");
   if (report.degrees_of_freedom > 0)
     text += report.has_sigma
                 ? ", per degree of freedom (" + std::to_string(report.degrees_of_freedom) + ") " +

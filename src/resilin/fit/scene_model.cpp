@@ -62,12 +62,14 @@ void SceneModel::collect_data() {
       const std::string what =
           table.kind == MeasuredKind::stress || table.kind == MeasuredKind::energy ? ", " + table.what : "";
       data_.tables.push_back({e, table.kind,
-                              description_.experiments[e].name + ": " + spelling(table.kind) + of + what, first,
-                              static_cast<Eigen::Index>(measured.size()) - first});
+                              description_.experiments[e].name + ": " + spelling(table.kind) + of + what,
+                              first, static_cast<Eigen::Index>(measured.size()) - first});
     }
   if (!without.empty() && (!with_sigma.empty() || units.size() > 1))
     throw InputError(without,
-                     with_sigma.empty() ? "a sigma of each, by which " + join(std::vector<std::string>(units.begin(), units.end())) + " are weighed against each other"
+                     with_sigma.empty() ? "a sigma of each, by which " +
+                                              join(std::vector<std::string>(units.begin(), units.end())) +
+                                              " are weighed against each other"
                                         : std::string("a sigma, as other measurements have one"),
                      "none", "add sigma = ..., the standard deviation of the numbers");
   data_.measured = Eigen::Map<const VectorX>(measured.data(), static_cast<Eigen::Index>(measured.size()));

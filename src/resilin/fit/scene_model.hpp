@@ -87,7 +87,8 @@ class SceneModel {
 
 /// What a parameter of the description is in the scenes: adds its unknowns, and says in each scene which of
 /// them each of its numbers is.
-/// @throws InputError  for what is no number or no constant of cells, and for starts and bounds beyond the law
+/// @throws InputError  for what is no number or no constant of cells, and for starts and bounds beyond the
+/// law
 UnknownRange add_unknowns(const SceneFitDescription& description, std::size_t parameter,
                           std::vector<ExperimentModel>& experiments, std::vector<SceneUnknown>& unknowns);
 

@@ -62,15 +62,17 @@ std::string correlations_html(const SceneFitReport& report) {
 std::string fields_html(const SceneFitReport& report) {
   if (report.fields.empty()) return "";
   return html_heading("Fields, with intervals of 95 %") + html_card(html_table(field_rows(report))) +
-         html_paragraph("faint", regularisation_text(report) +
-                                     ". Values, intervals and resolution of each cell are in the files .vtu.");
+         html_paragraph("faint",
+                        regularisation_text(report) +
+                            ". Values, intervals and resolution of each cell are in the files .vtu.");
 }
 
 std::string parameters_html(const SceneFitReport& report) {
   if (report.parameters.empty()) return "";
   std::string text =
       html_heading("Parameters, with intervals of 95 %") + html_card(html_table(parameter_rows(report)));
-  if (report.fields.empty()) text += html_heading("Correlations of the estimates") + correlations_html(report);
+  if (report.fields.empty())
+    text += html_heading("Correlations of the estimates") + correlations_html(report);
   return text;
 }
 
@@ -98,7 +100,7 @@ std::string search_html(const SceneFitReport& report) {
                                                     ? fmt::format("{:.6g}", step.sum_of_squares)
                                                     : "no solution"});
     for (const double value : step.values) rows.back().push_back(fmt::format("{:.6g}", value));
-    rows.back().push_back(step.is_better        ? ""
+    rows.back().push_back(step.is_better         ? ""
                           : step.problem.empty() ? "no better, a shorter step is tried"
                                                  : one_line(step.problem));
   }
@@ -113,15 +115,15 @@ std::string scene_fit_page(const SceneFitReport& report) {
       {.title = title.empty() ? "Fit of scenes" : one_line(title),
        .objective = objective_of(report) + "; " + quality_text(report) + "; " + search_text(report),
        .warnings = report.estimates.warnings,
-       .content =
-           component_legend(report) + html_panels(pictures_of(report)) +
-           html_paragraph("faint",
-                          "Circles: what was measured. Dots and lines: what the scenes give with the "
-                          "parameters found. On the dashed line both are the same.") +
-           fields_html(report) + parameters_html(report) + html_heading("How well each table is met") +
-           html_card(html_table(table_rows(report))) + starts_html(report) + html_heading("The search") + search_html(report) +
-           html_heading("For a scene") + html_paragraph("faint", "Also in material.toml.") +
-           html_listing(scene_material_toml(report))});
+       .content = component_legend(report) + html_panels(pictures_of(report)) +
+                  html_paragraph("faint",
+                                 "Circles: what was measured. Dots and lines: what the scenes give with the "
+                                 "parameters found. On the dashed line both are the same.") +
+                  fields_html(report) + parameters_html(report) + html_heading("How well each table is met") +
+                  html_card(html_table(table_rows(report))) + starts_html(report) +
+                  html_heading("The search") + search_html(report) + html_heading("For a scene") +
+                  html_paragraph("faint", "Also in material.toml.") +
+                  html_listing(scene_material_toml(report))});
 }
 
 }  // namespace resilin

@@ -58,11 +58,12 @@ std::string agreement_plot(const TableQuality& table, const std::string& name) {
   const PlotFrame frame(table.name, name, {in_unit("measured", table), range},
                         {in_unit("model", table), range});
   std::string text = frame.open() + frame.axes();
-  text += fmt::format(
-      "<path class=\"same\" clip-path=\"url(#{})\" d=\"M{:.2f} {:.2f}L{:.2f} {:.2f}\"/>", frame.clip(),
-      frame.at_x(range.low), frame.at_y(range.low), frame.at_x(range.high), frame.at_y(range.high));
+  text += fmt::format("<path class=\"same\" clip-path=\"url(#{})\" d=\"M{:.2f} {:.2f}L{:.2f} {:.2f}\"/>",
+                      frame.clip(), frame.at_x(range.low), frame.at_y(range.low), frame.at_x(range.high),
+                      frame.at_y(range.high));
   for (const FittedValue& value : table.values)
-    text += frame.circle(value.measured, value.model, "model component-" + std::to_string(value.of.component), 2.4);
+    text += frame.circle(value.measured, value.model, "model component-" + std::to_string(value.of.component),
+                         2.4);
   return text + "</svg>";
 }
 

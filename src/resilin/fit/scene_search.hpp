@@ -12,7 +12,8 @@ namespace resilin {
 class SceneSearch {
  public:
   /// All kept by reference.
-  SceneSearch(const SceneModel& model, const SceneFitDescription& description, const SceneFitOptions& options);
+  SceneSearch(const SceneModel& model, const SceneFitDescription& description,
+              const SceneFitOptions& options);
 
   /// @param start  of the unknowns
   void run(const VectorX& start);

@@ -25,8 +25,8 @@ const BodyDescription& body_of(const ExperimentModel& model, const std::string& 
   return *std::ranges::find(bodies, name, &BodyDescription::name);
 }
 
-/// The groups of a body's cells, but for those of all of them, and which of them each cell is in; cells without
-/// a group are the last one.
+/// The groups of a body's cells, but for those of all of them, and which of them each cell is in; cells
+/// without a group are the last one.
 SoughtNumbers read_groups(const ExperimentModel& model, const SceneParameter& sought, const VectorX& value,
                           std::vector<int>& which) {
   const BodyDescription& body = body_of(model, sought.key);
@@ -42,16 +42,17 @@ SoughtNumbers read_groups(const ExperimentModel& model, const SceneParameter& so
     for (const Index cell : group.cells[block]) {
       int& of_cell = which[static_cast<std::size_t>(cell)];
       if (of_cell >= 0)
-        throw InputError(sought.place + ".per", "cells that are in one group",
-                         "one in \"" + numbers.names[static_cast<std::size_t>(of_cell)] + "\" and \"" + group.name +
-                             "\"",
-                         "make groups that do not overlap, or give values by regions and take per = \"value\"");
+        throw InputError(
+            sought.place + ".per", "cells that are in one group",
+            "one in \"" + numbers.names[static_cast<std::size_t>(of_cell)] + "\" and \"" + group.name + "\"",
+            "make groups that do not overlap, or give values by regions and take per = \"value\"");
       of_cell = number;
     }
     numbers.names.push_back(group.name);
   }
   if (numbers.names.empty())
-    throw InputError(sought.place + ".per", "a mesh with groups of cells, each of some of them", "one without, " + body.mesh_name,
+    throw InputError(sought.place + ".per", "a mesh with groups of cells, each of some of them",
+                     "one without, " + body.mesh_name,
                      "take per = \"cell\", or give a file of cell values and take per = \"value\"");
   if (std::ranges::find(which, -1) != which.end()) {
     const auto rest = static_cast<int>(numbers.names.size());
@@ -72,7 +73,8 @@ SoughtNumbers read_regions(const SceneParameter& sought, const VectorX& value, s
     throw InputError(sought.place,
                      "a constant of at most " + std::to_string(most_regions) +
                          " different values, one for each region of cells",
-                     "more of them", "give the cells of one region the same value, or seek a field: per = \"cell\"");
+                     "more of them",
+                     "give the cells of one region the same value, or seek a field: per = \"cell\"");
   for (const double one : value)
     which.push_back(static_cast<int>(std::ranges::find(numbers.values, one) - numbers.values.begin()));
   if (numbers.values.size() > 1)
@@ -81,7 +83,8 @@ SoughtNumbers read_regions(const SceneParameter& sought, const VectorX& value, s
   return numbers;
 }
 
-SoughtNumbers read_component(const SceneParameter& sought, const FoundKey& key, int dim, std::vector<int>& which) {
+SoughtNumbers read_component(const SceneParameter& sought, const FoundKey& key, int dim,
+                             std::vector<int>& which) {
   const Parameter& parameter = key.parameter;
   which.assign(static_cast<std::size_t>(parameter.value.size()), -1);
   if (!parameter.shape.empty() && (parameter.shape.size() > 1 || parameter.value.size() != dim))
@@ -96,7 +99,8 @@ SoughtNumbers read_component(const SceneParameter& sought, const FoundKey& key, 
   return {{parameter.value[component]}, {}};
 }
 
-SoughtNumbers read_numbers(const ExperimentModel& model, const SceneParameter& sought, SoughtParameter& found) {
+SoughtNumbers read_numbers(const ExperimentModel& model, const SceneParameter& sought,
+                           SoughtParameter& found) {
   const VectorX& value = found.key.parameter.value;
   if (!is_of_cells(found.key.parameter))
     return read_component(sought, found.key, model.world().dimension, found.which);
@@ -147,11 +151,11 @@ SceneUnknown make_unknown(const SceneParameter& sought, const KindOfNumber& kind
                      format_number(sought.lower < kind.lower ? sought.lower : sought.upper));
   const bool is_on_edge = kind.is_above_lower && unknown.start == kind.lower;
   if (!(unknown.start >= unknown.lower && unknown.start <= unknown.upper) || is_on_edge)
-    throw InputError(sought.place + (sought.start.empty() ? ".bounds" : ".start"),
-                     (is_on_edge ? "a start above " + format_number(kind.lower)
-                                 : "a start from " + format_number(unknown.lower) + " to " +
-                                       format_number(unknown.upper)),
-                     format_number(unknown.start));
+    throw InputError(
+        sought.place + (sought.start.empty() ? ".bounds" : ".start"),
+        (is_on_edge ? "a start above " + format_number(kind.lower)
+                    : "a start from " + format_number(unknown.lower) + " to " + format_number(unknown.upper)),
+        format_number(unknown.start));
   unknown.is_positive = kind.lower >= 0 && unknown.start > 0;
   return unknown;
 }
@@ -163,7 +167,8 @@ UnknownRange add_unknowns(const SceneFitDescription& description, std::size_t p,
   const SceneParameter& sought = description.parameters[p];
   SoughtNumbers numbers;
   const ExperimentModel* first = nullptr;
-  UnknownRange range{.first = static_cast<Eigen::Index>(unknowns.size()), .is_field = sought.per == SoughtPer::cell};
+  UnknownRange range{.first = static_cast<Eigen::Index>(unknowns.size()),
+                     .is_field = sought.per == SoughtPer::cell};
   for (std::size_t e = 0; e < experiments.size(); ++e) {
     ExperimentModel& model = experiments[e];
     if (!sought.experiment.empty() && sought.experiment != model.experiment().name) continue;

@@ -196,8 +196,9 @@ std::vector<MeasuredNumber> collider_force_at(Derivatives& run, const std::strin
                                     ->motion_of_its_own()
                                     ->slopes_by("place", c.time - c.collider_delay)
                                     .shift;
-  const auto force = std::ranges::find(of_frame.reactions.begin() + static_cast<std::ptrdiff_t>(world.supports.size()),
-                                       of_frame.reactions.end(), name, &std::pair<std::string, Vector3>::first);
+  const auto force =
+      std::ranges::find(of_frame.reactions.begin() + static_cast<std::ptrdiff_t>(world.supports.size()),
+                        of_frame.reactions.end(), name, &std::pair<std::string, Vector3>::first);
   std::vector<MeasuredNumber> all;
   for (int k = 0; k < 3; ++k) {
     MeasuredNumber measured{.value = force->second[k], .by_positions = VectorX::Zero(x.size())};

@@ -126,7 +126,8 @@ std::vector<VectorX> StaticDerivatives::slopes_at_places(const std::vector<Frame
 std::vector<VectorX> StaticDerivatives::transposed(const std::vector<FrameChange>& slopes) {
   std::vector<VectorX> found = slopes_at_places(slopes);
   bool is_loose = false;
-  for (std::size_t frame = 1; options_.estimates_errors && frame < std::min(slopes.size(), places_.size()); ++frame)
+  for (std::size_t frame = 1; options_.estimates_errors && frame < std::min(slopes.size(), places_.size());
+       ++frame)
     is_loose |= frames_[frame].residual > loose_residual &&
                 (slopes[frame].positions.size() > 0 || !slopes[frame].reactions.empty());
   if (is_loose) estimate_error(slopes, found);

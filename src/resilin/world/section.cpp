@@ -141,8 +141,8 @@ Vector3 Section::center(const VectorX& x) const {
   return total > 0 ? Vector3(sum / total) : sum;
 }
 
-// With n the unit normal of a facet of area a and t_k = dx/dxi_k: da = dt_0 . (t_1 x n) + dt_1 . (n x t_0), in
-// 2D dt . (-n_y, n_x); d(sum a m / sum a) = sum [a dm + da (m - center)] / sum a.
+// With n the unit normal of a facet of area a and t_k = dx/dxi_k: da = dt_0 . (t_1 x n) + dt_1 . (n x t_0),
+// in 2D dt . (-n_y, n_x); d(sum a m / sum a) = sum [a dm + da (m - center)] / sum a.
 void Section::add_center_slopes(const Vector3& by, const VectorX& x, VectorX& slopes) const {
   const Vector3 middle_of_all = center(x);
   double total = 0;
