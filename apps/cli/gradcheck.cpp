@@ -43,7 +43,8 @@ std::string finding(const GradientCheck& check) {
              "disagree among themselves; they neither confirm the derivative nor contradict it";
     case Verdict::kink:
       return "there is a kink: differences to smaller values lead to " + limit_text(limits.before) +
-             ", those to larger ones to " + limit_text(limits.after) + ", and the derivative is between them";
+             ", those to larger ones to " + limit_text(limits.after) +
+             ", and the derivative is no farther from these than they are apart";
     case Verdict::open:
       return "differences of runs lead nowhere as their steps become shorter: they neither confirm the "
              "derivative nor contradict it (runs may end in one of several equilibria, or cross kinks of "
@@ -54,7 +55,7 @@ std::string finding(const GradientCheck& check) {
   if (!std::isfinite(check.slope)) return "the derivative is not a number";
   if (limits.are_kinked())
     return "the derivative is wrong: differences to smaller values lead to " + limit_text(limits.before) +
-           ", those to larger ones to " + limit_text(limits.after) + ", and it is not between them";
+           ", those to larger ones to " + limit_text(limits.after) + ", and it is far from both";
   return "the derivative is wrong: differences of runs lead to " + limit_text(limits.central);
 }
 

@@ -130,6 +130,14 @@ TEST(StaticDerivatives, OfAMeshWithMiddlesOfEdgesAreTakenByItsVertices) {
   expect_right_derivatives(short_bar(3, false, "P2"), {"body.body.rest_positions"});
 }
 
+/// Facets of a mesh on which no cell stands get middles of edges, too, which move along.
+TEST(StaticDerivatives, OfAMeshWithFacetsOfNoCellAreRight) {
+  Description scene = short_bar(2, false, "P2");
+  std::vector<Index>& nodes = scene.bodies[0].mesh.block(CellKind::triangle).nodes;
+  nodes.resize(nodes.size() - 3);
+  expect_right_derivatives(scene, {"body.body.rest_positions"});
+}
+
 /// What stood on a plane is held although it has moved off it.
 TEST(StaticDerivatives, ByRestPositionsKeepWhatWasSelectedByPlace) {
   for (const std::string element : {"P1", "P2"}) {

@@ -20,26 +20,11 @@ const BodyDescription& description_of(const World& world, std::size_t body) {
 /// their edge's ends.
 class VertexMap {
  public:
-  VertexMap(const World& world, std::size_t body_number) : dim_(world.dimension) {
-    const Body& body = world.bodies[body_number];
-    first_ = body.first_node;
-    num_vertices_ = body.num_vertices;
-    ends_.resize(static_cast<std::size_t>(body.num_nodes - body.num_vertices), {-1, -1});
-    const ElementInfo& element = body.elastic->element();
-    const auto n = static_cast<std::size_t>(element.num_nodes);
-    const auto corners = static_cast<std::size_t>(element.num_corners());
-    for (std::size_t a = corners; a < n; ++a)
-      for (std::size_t i = 0; i < corners; ++i)
-        for (std::size_t k = i + 1; k < corners; ++k) {
-          if ((0.5 * (element.nodes[i] + element.nodes[k]) - element.nodes[a]).norm() > 1e-12) continue;
-          for (std::size_t first = 0; first < body.cells.size(); first += n) {
-            const Index added = body.cells[first + a] - first_ - num_vertices_;
-            if (added >= 0)
-              ends_[static_cast<std::size_t>(added)] = {body.cells[first + i] - first_,
-                                                        body.cells[first + k] - first_};
-          }
-        }
-  }
+  VertexMap(const World& world, std::size_t body_number)
+      : dim_(world.dimension),
+        first_(world.bodies[body_number].first_node),
+        num_vertices_(world.bodies[body_number].num_vertices),
+        ends_(world.bodies[body_number].ends_of_added) {}
 
   Eigen::Index size() const { return Eigen::Index{num_vertices_} * dim_; }
   std::vector<Eigen::Index> shape() const { return {num_vertices_, dim_}; }
@@ -49,18 +34,16 @@ class VertexMap {
     of_world.segment(first, size()) += of_vertices;
     for (std::size_t e = 0; e < ends_.size(); ++e)
       for (const Index end : ends_[e])
-        if (end >= 0)
-          of_world.segment(first + added(e), dim_) +=
-              0.5 * of_vertices.segment(Eigen::Index{end} * dim_, dim_);
+        of_world.segment(first + added(e), dim_) +=
+            0.5 * of_vertices.segment(Eigen::Index{end} * dim_, dim_);
   }
   void gather(const VectorX& of_world, VectorX& of_vertices) const {
     const Eigen::Index first = Eigen::Index{first_} * dim_;
     of_vertices += of_world.segment(first, size());
     for (std::size_t e = 0; e < ends_.size(); ++e)
       for (const Index end : ends_[e])
-        if (end >= 0)
-          of_vertices.segment(Eigen::Index{end} * dim_, dim_) +=
-              0.5 * of_world.segment(first + added(e), dim_);
+        of_vertices.segment(Eigen::Index{end} * dim_, dim_) +=
+            0.5 * of_world.segment(first + added(e), dim_);
   }
   /// Of the vertices, from an array of the world.
   VectorX taken(const VectorX& of_world) const {

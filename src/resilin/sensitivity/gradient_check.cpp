@@ -81,7 +81,9 @@ GradientCheck::Verdict GradientCheck::verdict() const {
   if (are_noise_about(*this)) return Verdict::no_digits;
   if (limits.are_kinked()) {
     const auto [low, high] = std::minmax(limits.before.value, limits.after.value);
-    const double reach = reach_of_differences * std::max(limits.before.error, limits.after.error);
+    // Several kinks may take back of each other what both sides are apart by.
+    const double reach =
+        high - low + reach_of_differences * std::max(limits.before.error, limits.after.error);
     return slope >= low - reach && slope <= high + reach ? Verdict::kink : Verdict::differs;
   }
   const auto& [value, error] = limits.central;

@@ -208,6 +208,7 @@ void Builder::add_body(const BodyDescription& description) {
   body.first_node = world_.num_nodes();
   body.num_nodes = static_cast<Index>(made.mesh.vertices.size());
   body.num_vertices = static_cast<Index>(description.mesh.vertices.size());
+  body.ends_of_added = made.ends;
   body.cell_kind = cell_kind(*made.element);
   body.cells = made.cells().nodes;
   for (Index& node : body.cells) node += body.first_node;

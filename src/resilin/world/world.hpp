@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 #include <utility>
@@ -33,6 +34,9 @@ struct Body {
   Index first_node = 0;
   Index num_nodes = 0;     ///< those of the mesh, then those that the element adds
   Index num_vertices = 0;  ///< of the mesh
+  /// Of each further node, also such as no cell uses: the vertices, from the body's first, between which it
+  /// was added.
+  std::vector<std::array<Index, 2>> ends_of_added;
   CellKind cell_kind = CellKind::tetrahedron;
   std::vector<Index> cells;  ///< nodes of the cells, in the world's numbering
   std::shared_ptr<const ElasticEnergy> elastic;
