@@ -88,8 +88,8 @@ class SceneFit:
     _report: _core.SceneFitReport = field(repr=False)
 
     def save(self, folder: AnyPath) -> None:
-        """Writes what ``resilin fit`` does: fit.html, fit.json, material.toml, and of constants of cells BODY_CONSTANT.csv
-        and, of fields, BODY_CONSTANT.vtu."""
+        """Writes what ``resilin fit`` does: fit.html, fit.json, material.toml, and of constants of cells
+        BODY_CONSTANT.csv and, of fields, BODY_CONSTANT.vtu."""
         self._report.save(file_path(folder, "folder"))
 
     def __getitem__(self, name: str) -> FittedParameter:

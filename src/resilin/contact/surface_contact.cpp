@@ -195,8 +195,7 @@ double SurfaceContact::free_share(Memory& memory, const VectorX& places, const V
 
 double SurfaceContact::free_share(const VectorX& places, const VectorX& displacements,
                                   double share_left) const {
-  return with_memory(
-      [&](Memory& memory) { return free_share(memory, places, displacements, share_left); });
+  return with_memory([&](Memory& memory) { return free_share(memory, places, displacements, share_left); });
 }
 
 double SurfaceContact::max_step(const VectorX& x, const VectorX& p, const Conditions& c) const {

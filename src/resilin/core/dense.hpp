@@ -37,8 +37,8 @@ Eigenpairs generalized_eigenpairs(const Matrix& A, const Matrix& B);
 VectorX solve(const Matrix& A, const VectorX& b);
 Matrix inverse(const Matrix& A);
 
-/// The X of least |A X - B|, by columns; of several the one that leaves dependent columns of A alone. Householder
-/// reflections, columns by their lengths.
+/// The X of least |A X - B|, by columns; of several the one that leaves dependent columns of A alone.
+/// Householder reflections, columns by their lengths.
 Matrix least_squares(const Matrix& A, const Matrix& B);
 /// How many columns of A are independent: pivots of the same reflections above this part of the largest.
 Eigen::Index rank(const Matrix& A, double least_pivot);

@@ -34,16 +34,14 @@ class VertexMap {
     of_world.segment(first, size()) += of_vertices;
     for (std::size_t e = 0; e < ends_.size(); ++e)
       for (const Index end : ends_[e])
-        of_world.segment(first + added(e), dim_) +=
-            0.5 * of_vertices.segment(Eigen::Index{end} * dim_, dim_);
+        of_world.segment(first + added(e), dim_) += 0.5 * of_vertices.segment(Eigen::Index{end} * dim_, dim_);
   }
   void gather(const VectorX& of_world, VectorX& of_vertices) const {
     const Eigen::Index first = Eigen::Index{first_} * dim_;
     of_vertices += of_world.segment(first, size());
     for (std::size_t e = 0; e < ends_.size(); ++e)
       for (const Index end : ends_[e])
-        of_vertices.segment(Eigen::Index{end} * dim_, dim_) +=
-            0.5 * of_world.segment(first + added(e), dim_);
+        of_vertices.segment(Eigen::Index{end} * dim_, dim_) += 0.5 * of_world.segment(first + added(e), dim_);
   }
   /// Of the vertices, from an array of the world.
   VectorX taken(const VectorX& of_world) const {
@@ -74,7 +72,7 @@ std::vector<double> as_vector(const VectorX& values) { return {values.begin(), v
 /// One number of the body, held in a member of the world's change and of the description.
 Parameter number_of_body(std::size_t body, const std::string& name, double value,
                          double WorldChange::OfBody::* change, bool WorldChange::OfBody::* is_asked,
-                         std::function<double&(BodyDescription&)> member) {
+                         const std::function<double&(BodyDescription&)>& member) {
   Parameter parameter{.name = name, .shape = {}, .value = VectorX::Constant(1, value)};
   parameter.ask = [=](WorldChange& world) { world.bodies[body].*is_asked = true; };
   parameter.spread = [=](const VectorX& by, WorldChange& world) { world.bodies[body].*change += by[0]; };

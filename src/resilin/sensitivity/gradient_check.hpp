@@ -28,9 +28,9 @@ struct GradientCheck {
     agrees,
     is_within,  ///< what differences lead to has fewer digits, and within its error it is the derivative
     no_digits,  ///< the derivative is so small that differences hold none of its digits: they say nothing
-    kink,       ///< differences to both sides lead to different slopes, no farther from it than these are apart
-    open,       ///< differences lead nowhere: they say nothing
-    differs     ///< they lead elsewhere: the derivative is wrong
+    kink,    ///< differences to both sides lead to different slopes, no farther from it than these are apart
+    open,    ///< differences lead nowhere: they say nothing
+    differs  ///< they lead elsewhere: the derivative is wrong
   };
   Verdict verdict() const;
 };

@@ -215,20 +215,15 @@ void Builder::add_body(const BodyDescription& description) {
 
   const VectorX rest = placed_vertices(description, made.mesh, world_.dimension);
   append(world_.rest_positions, rest);
-  append(world_.contact_shape, description.contact_shape.empty()
-                                   ? rest
-                                   : values_of_nodes(description.contact_shape, made, world_.dimension,
-                                                     description.place + ".contact_shape"));
+  const auto of_nodes = [&](const auto& given, const char* key, const VectorX& otherwise) {
+    return given.empty() ? otherwise
+                         : values_of_nodes(given, made, world_.dimension, description.place + key);
+  };
+  append(world_.contact_shape, of_nodes(description.contact_shape, ".contact_shape", rest));
   body.skin = make_skin(description, body, world_.contact_shape, world_.dimension, world_.warnings);
-  append(world_.start_positions, description.initial_positions.empty()
-                                     ? rest
-                                     : values_of_nodes(description.initial_positions, made, world_.dimension,
-                                                       description.place + ".initial_positions"));
-  append(world_.start_velocities,
-         description.initial_velocities.empty()
-             ? start_velocities_of(description, rest, world_.dimension)
-             : values_of_nodes(description.initial_velocities, made, world_.dimension,
-                               description.place + ".initial_velocities"));
+  append(world_.start_positions, of_nodes(description.initial_positions, ".initial_positions", rest));
+  append(world_.start_velocities, of_nodes(description.initial_velocities, ".initial_velocities",
+                                           start_velocities_of(description, rest, world_.dimension)));
   world_.bodies.push_back(std::move(body));
 }
 
@@ -360,7 +355,7 @@ World::World(const Description& description, std::shared_ptr<const Description> 
   fingerprint = fingerprint_of(description);
 }
 
-World::World(ScenePart part, Share share_of_part)
+World::World(const ScenePart& part, Share share_of_part)
     : World(part.description, nullptr, &part, std::move(share_of_part)) {}
 
 double largest_turn(const World& world, const Conditions& from, const Conditions& to) {

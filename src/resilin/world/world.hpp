@@ -69,7 +69,7 @@ class World {
       : World(std::make_shared<const Description>(std::move(description))) {}
   explicit World(const std::shared_ptr<const Description>& shared) : World(*shared, shared) {}
   /// One process's part of a scene, which has been checked as a whole. All processes make theirs together.
-  World(ScenePart part, Share share_of_part);
+  World(const ScenePart& part, Share share_of_part);
 
   int dimension = 3;
   bool is_dynamic = false;
