@@ -69,7 +69,8 @@ TEST(MaterialDamping, IsStiffnessDampingWhereViscositiesAreInProportion) {
   const double by_stiffness = left_after_a_period(vibration, {.stiffness = beta}, "tr_bdf2", 0);
   const double by_viscosity = left_after_a_period(
       vibration, {.shear_viscosity = beta * mu, .bulk_viscosity = beta * kappa}, "tr_bdf2", 0);
-  EXPECT_NEAR(by_viscosity, by_stiffness, 1e-9 * by_stiffness);
+  // A step moves the bar, of a metre, by some 1e-8 m: rounding of its places is 1e-8 of that.
+  EXPECT_NEAR(by_viscosity, by_stiffness, 1e-7 * by_stiffness);
   EXPECT_LT(by_stiffness, 0.999);
 }
 
