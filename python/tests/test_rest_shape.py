@@ -113,14 +113,20 @@ def test_two_bodies_are_found_together():
         np.testing.assert_allclose(found.positions[name], alone + [0, shift, 0], rtol=0, atol=1e-9)
 
 
+def floor(height, **more):
+    return {"collider": [{"name": "floor", "kind": "half_space", "point": [0, 0, height], "normal": [0, 0, 1], **more}]}
+
+
+def test_a_floor_that_nothing_touches_changes_nothing():
+    free, above = resilin.find_rest_shape(beam()), resilin.find_rest_shape(beam() | floor(-1))
+    np.testing.assert_allclose(above.positions["beam"], free.positions["beam"], rtol=0, atol=1e-9)
+
+
 @pytest.mark.parametrize(
     ("change", "text"),
     [
         ({"simulation": {"kind": "dynamic", "gravity": [0, 0, -9.81], "time_step": 0.01, "end_time": 0.1}}, "static"),
-        (
-            {"collider": [{"name": "floor", "kind": "half_space", "point": [0, 0, -1], "normal": [0, 0, 1]}]},
-            "a scene without contact",
-        ),
+        (floor(-1, friction=0.3), "contact without friction"),
     ],
 )
 def test_what_cannot_be_sought_is_refused_in_one_line(change, text):
