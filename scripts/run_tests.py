@@ -41,7 +41,7 @@ SLOW_WHEN_SANITIZED = (
     r"|BodiesInMotion.AreNotLedThrough|(SkinsOfEveryKind|BodiesOfEveryElement).KeepApart|ASkinThatIsTheBoundary|ASkin.ThatIsVeryFine"
     r"|ABoxThatPressesABlock|ABlockOnRollers|RandomThrows|ACollidersRun.HasTheSameBits|BroadPhase.MissesNothingThatBruteForceFinds"
     r"|AColliderPlace.*/(3|[6-9]|\d\d+)$|FrictionDerivatives.AreRight(ForEveryLaw|OnEveryKindOfCollider|OnCollidersThatTurn)"
-    r"|AnyNumberOfThreads.GivesTheSameBits"
+    r"|AnyNumberOfThreads.GivesTheSameBits|ContactByEveryIntegrator.*/(bdf2|midpoint|newmark)$"
     r"|GivingUp|StretchCurve.EndsAtExtremeStretches|ResumeCommand.AnywayGoesOnInAnotherScene|EveryFieldIsDrawnWithoutBeingAsked"
     r"|DiscretisationError.IsToldFor(CantileversInSpace|CompressibleAndNearlyIncompressibleBlocks)"
 )

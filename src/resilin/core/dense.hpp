@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "resilin/core/types.hpp"
 
 /// Products and decompositions of dense matrices of any size, by Eigen. They are compiled here and nowhere
@@ -43,9 +45,36 @@ Matrix least_squares(const Matrix& A, const Matrix& B);
 /// How many columns of A are independent: pivots of the same reflections above this part of the largest.
 Eigen::Index rank(const Matrix& A, double least_pivot);
 
+/// A = Q R with an orthogonal Q, which is kept as the reflections that it consists of.
+struct Reflections {
+  Matrix packed;           ///< R in the upper triangle, the reflections below it
+  VectorX coefficients;    ///< one for each reflection
+  std::vector<int> order;  ///< of the columns by their lengths, or empty: A.col(order[i]) = (Q R).col(i)
+};
+
+Reflections reflections(const Matrix& A);
+Reflections pivoted_reflections(const Matrix& A);
+
+/// The R with as many rows as A has columns. \pre A has as many rows
+Matrix upper_triangle(const Reflections& factors);
+Matrix times(const Reflections& factors, const Matrix& X);             ///< Q X
+Matrix transposed_times(const Reflections& factors, const Matrix& X);  ///< Q^T X
+
+struct SingularValues {
+  VectorX values;  ///< falling
+  Matrix right;    ///< by columns
+};
+/// Of A = U diag(values) right^T. By Jacobi rotations, so that small ones have their digits, too.
+SingularValues singular_values(const Matrix& A);
+
+/// R^-1 X and R^-T X for an upper triangle.
+Matrix solve_upper(const Matrix& R, const Matrix& X);
+Matrix solve_upper_transposed(const Matrix& R, const Matrix& X);
+
 /// L with A = L L^T in the lower triangle; false when A is not positive definite.
 bool cholesky(const Matrix& A, Matrix& L);
 /// x = A^-1 x from L.
 void solve_cholesky(const Matrix& L, VectorX& x);
+Matrix solve_lower(const Matrix& L, const Matrix& X);  ///< L^-1 X
 
 }  // namespace resilin::dense

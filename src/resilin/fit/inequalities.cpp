@@ -1,9 +1,10 @@
 #include "resilin/fit/inequalities.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <limits>
 #include <vector>
+
+#include "resilin/core/dense.hpp"
 
 namespace resilin {
 namespace {
@@ -13,7 +14,7 @@ VectorX solve_over(const DenseMatrix& E, const VectorX& f, const std::vector<Eig
   DenseMatrix columns(E.rows(), static_cast<Eigen::Index>(passive.size()));
   for (std::size_t i = 0; i < passive.size(); ++i)
     columns.col(static_cast<Eigen::Index>(i)) = E.col(passive[i]);
-  const VectorX some = Eigen::ColPivHouseholderQR<DenseMatrix>(columns).solve(f);
+  const VectorX some = dense::least_squares(columns, f);
   VectorX all = VectorX::Zero(E.cols());
   for (std::size_t i = 0; i < passive.size(); ++i) all[passive[i]] = some[static_cast<Eigen::Index>(i)];
   return all;
@@ -61,14 +62,14 @@ VectorX nonnegative_least_squares(const DenseMatrix& E, const VectorX& f) {
 bool least_squares_with_inequalities(const DenseMatrix& A, const VectorX& b, const DenseMatrix& G,
                                      const VectorX& h, BoundedStep& step) {
   const Eigen::Index n = A.cols(), m = G.rows();
-  const Eigen::HouseholderQR<DenseMatrix> qr(A);
-  const DenseMatrix R = qr.matrixQR().topRows(n).triangularView<Eigen::Upper>();
-  const VectorX free = (qr.householderQ().adjoint() * b).head(n);
+  const dense::Reflections factors = dense::reflections(A);
+  const DenseMatrix R = dense::upper_triangle(factors);
+  const VectorX free = dense::transposed_times(factors, b).topRows(n);
   step.multipliers = VectorX::Zero(m);
   VectorX shift = VectorX::Zero(n);  // of R x
   if (m > 0) {
     // With y = R x - Q^T b: min |y|, G R^-1 y >= h - G R^-1 Q^T b.
-    const DenseMatrix GR = R.transpose().triangularView<Eigen::Lower>().solve(G.transpose()).transpose();
+    const DenseMatrix GR = dense::solve_upper_transposed(R, G.transpose()).transpose();
     const VectorX bound = h - GR * free;
     DenseMatrix E(n + 1, m);
     E.topRows(n) = GR.transpose();
@@ -87,7 +88,7 @@ bool least_squares_with_inequalities(const DenseMatrix& A, const VectorX& b, con
     shift = -left.head(n) / left[n];
     step.multipliers = (-u / left[n]).cwiseQuotient(size);
   }
-  step.x = R.triangularView<Eigen::Upper>().solve(free + shift);
+  step.x = dense::solve_upper(R, free + shift);
   return step.x.allFinite();
 }
 

@@ -1,11 +1,9 @@
 #include "resilin/fit/regularised_problem.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
+#include "resilin/core/dense.hpp"
 #include "resilin/core/error.hpp"
 
 namespace resilin {
@@ -23,9 +21,9 @@ constexpr double most_freedom = 0.8;
 RegularisedProblem::RegularisedProblem(const DenseMatrix& J, const VectorX& d, const FieldPrior& prior)
     : prior_(prior), J_(J), d_(d), num_values_(d.size()) {
   if (J.rows() > J.cols()) {
-    const Eigen::HouseholderQR<DenseMatrix> qr(J);
-    const VectorX turned = qr.householderQ().transpose() * d;
-    J_ = qr.matrixQR().topRows(J.cols()).triangularView<Eigen::Upper>();
+    const dense::Reflections factors = dense::reflections(J);
+    const VectorX turned = dense::transposed_times(factors, d);
+    J_ = dense::upper_triangle(factors);
     d_ = turned.head(J.cols());
     left_ = turned.tail(d.size() - J.cols()).squaredNorm();
   }
@@ -44,14 +42,14 @@ RegularisedProblem::RegularisedProblem(const DenseMatrix& J, const VectorX& d, c
   if (k >= m)
     throw InputError("fit", "more than " + std::to_string(k) + " measured numbers", std::to_string(m),
                      "measure more");
-  const Eigen::HouseholderQR<DenseMatrix> qr(F_);
-  const DenseMatrix turned =
-      (qr.householderQ().transpose() * Q_ * qr.householderQ()).bottomRightCorner(m - k, m - k);
-  const Eigen::SelfAdjointEigenSolver<DenseMatrix> eigen(turned);
-  s_ = eigen.eigenvalues().cwiseMax(0.0);
-  basis_ = DenseMatrix::Zero(m, m - k);
-  basis_.bottomRows(m - k) = eigen.eigenvectors();
-  basis_ = qr.householderQ() * basis_;
+  const dense::Reflections factors = dense::reflections(F_);
+  const DenseMatrix from_left = dense::transposed_times(factors, Q_);
+  const DenseMatrix turned = dense::transposed_times(factors, from_left.transpose());
+  const dense::Eigenpairs eigen = dense::symmetric_eigenpairs(turned.bottomRightCorner(m - k, m - k));
+  s_ = eigen.values.cwiseMax(0.0);
+  DenseMatrix vectors = DenseMatrix::Zero(m, m - k);
+  vectors.bottomRows(m - k) = eigen.vectors;
+  basis_ = dense::times(factors, vectors);
   b_ = basis_.transpose() * d_;
 }
 
@@ -74,7 +72,7 @@ RegularisedProblem::Point RegularisedProblem::at(double a) const {
 
 VectorX RegularisedProblem::solution(double a) const {
   const VectorX c = basis_ * ((s_.array() + a).inverse() * b_.array()).matrix();
-  const VectorX b = F_.cols() > 0 ? VectorX(F_.householderQr().solve(d_ - Q_ * c)) : VectorX();
+  const VectorX b = F_.cols() > 0 ? VectorX(dense::least_squares(F_, d_ - Q_ * c)) : VectorX();
   return spread_ * c + prior_.unfelt() * b;
 }
 
@@ -84,20 +82,23 @@ double RegularisedProblem::weakest() const { return weakest_share * s_.maxCoeff(
 RegularisedProblem::Uncertainty RegularisedProblem::uncertainty(double a) const {
   const Eigen::Index m = d_.size();
   const DenseMatrix& B = prior_.unfelt();
-  const Eigen::LLT<DenseMatrix> factors(Q_ + a * DenseMatrix::Identity(m, m));
-  const DenseMatrix half_spread = factors.matrixL().solve(spread_.transpose()),
-                    half_F = factors.matrixL().solve(F_);
+  DenseMatrix L;
+  dense::cholesky(Q_ + a * DenseMatrix::Identity(m, m), L);
+  const DenseMatrix half_spread = dense::solve_lower(L, spread_.transpose()),
+                    half_F = dense::solve_lower(L, F_);
   Uncertainty result;
   result.variance = (prior_.inverse_diagonal() - half_spread.colwise().squaredNorm().transpose()) / a;
   const DenseMatrix CJ =
       basis_ * ((s_.array() + a).inverse().matrix().asDiagonal() * (basis_.transpose() * J_));
   result.resolution = spread_.cwiseProduct(CJ.transpose()).rowwise().sum();
   if (B.cols() == 0) return result;
-  const Eigen::LLT<DenseMatrix> of_open(half_F.transpose() * half_F);
+  DenseMatrix of_open;
+  dense::cholesky(half_F.transpose() * half_F, of_open);
   const DenseMatrix rest = B.transpose() - half_F.transpose() * half_spread;
-  result.variance += of_open.matrixL().solve(rest).colwise().squaredNorm().transpose() / a;
-  result.of_open = of_open.solve(DenseMatrix::Identity(B.cols(), B.cols())) / a;
-  const DenseMatrix by_data = F_.householderQr().solve(J_ - Q_ * CJ);
+  result.variance += dense::solve_lower(of_open, rest).colwise().squaredNorm().transpose() / a;
+  const DenseMatrix half = dense::solve_lower(of_open, DenseMatrix::Identity(B.cols(), B.cols()));
+  result.of_open = half.transpose() * half / a;
+  const DenseMatrix by_data = dense::least_squares(F_, J_ - Q_ * CJ);
   result.resolution += B.cwiseProduct(by_data.transpose()).rowwise().sum();
   return result;
 }

@@ -1,8 +1,9 @@
 #include "resilin/fit/separable_fit.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+
+#include "resilin/core/dense.hpp"
 
 namespace resilin {
 namespace {
@@ -78,7 +79,7 @@ class ProjectedSearch {
     right.head(rows) = now_.linear.left;
     for (; damping_ < 1e14; damping_ *= growth_, growth_ *= 2) {
       damped.bottomRows(n) = (std::sqrt(damping_) * scale_.cwiseMax(1e-300)).asDiagonal().toDenseMatrix();
-      const VectorX change = Eigen::ColPivHouseholderQR<DenseMatrix>(damped).solve(right);
+      const VectorX change = dense::least_squares(damped, right);
       const VectorX z = (now_.z + change).cwiseMax(problem_.lower()).cwiseMin(problem_.upper());
       ProjectedPoint next;
       if (!change.allFinite() || !project(problem_, z, next) || !(next.sum < now_.sum)) continue;
@@ -131,15 +132,16 @@ LinearSolution solve_linear(const DenseMatrix& A, const VectorX& y) {
   VectorX scale = A.colwise().norm();
   for (Eigen::Index i = 0; i < n; ++i)
     scale[i] = scale[i] > 0 ? scale[i] * (1 + 1e-6 * static_cast<double>(i)) : 1;
-  const Eigen::ColPivHouseholderQR<DenseMatrix> qr(A * scale.cwiseInverse().asDiagonal());
-  const DenseMatrix& R = qr.matrixQR();
+  const dense::Reflections factors = dense::pivoted_reflections(A * scale.cwiseInverse().asDiagonal());
+  const DenseMatrix& R = factors.packed;
   Eigen::Index rank = 0;
   while (rank < std::min(n, A.rows()) && std::abs(R(rank, rank)) > rank_tolerance * std::abs(R(0, 0))) ++rank;
-  solution.basis = qr.householderQ() * DenseMatrix::Identity(A.rows(), rank);
-  VectorX pivoted = VectorX::Zero(n);
-  pivoted.head(rank) =
-      R.topLeftCorner(rank, rank).triangularView<Eigen::Upper>().solve(solution.basis.transpose() * y);
-  solution.c = (qr.colsPermutation() * pivoted).cwiseQuotient(scale);
+  solution.basis = dense::times(factors, DenseMatrix::Identity(A.rows(), rank));
+  const VectorX pivoted = dense::solve_upper(R.topLeftCorner(rank, rank), solution.basis.transpose() * y);
+  for (Eigen::Index i = 0; i < rank; ++i) {
+    const int column = factors.order[static_cast<std::size_t>(i)];
+    solution.c[column] = pivoted[i] / scale[column];
+  }
   solution.left = y - A * solution.c;
   return solution;
 }

@@ -1,12 +1,11 @@
 #include "resilin/fit/uncertainty.hpp"
 
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
+#include "resilin/core/dense.hpp"
 #include "resilin/core/text.hpp"
 
 namespace resilin {
@@ -20,10 +19,9 @@ constexpr double large_condition = 1e6;
 /// An orthonormal basis of what is orthogonal to these rows.
 DenseMatrix directions_along(const DenseMatrix& rows, Eigen::Index n) {
   if (rows.rows() == 0) return DenseMatrix::Identity(n, n);
-  Eigen::ColPivHouseholderQR<DenseMatrix> qr(rows.transpose());
-  qr.setThreshold(1e-8);
-  const DenseMatrix Q = qr.householderQ() * DenseMatrix::Identity(n, n);
-  return Q.rightCols(n - qr.rank());
+  const DenseMatrix columns = rows.transpose();
+  return dense::times(dense::pivoted_reflections(columns), DenseMatrix::Identity(n, n))
+      .rightCols(n - dense::rank(columns, 1e-8));
 }
 
 std::string two_digits(double value) {
@@ -54,12 +52,11 @@ Uncertainty uncertainty_of(const DenseMatrix& slopes, double variance, const Den
   result.num_free = static_cast<int>(along.cols());
   if (along.cols() == 0) return result;
   const DenseMatrix scaled = slopes * scale.cwiseInverse().asDiagonal() * along;
-  const Eigen::JacobiSVD<DenseMatrix> svd(scaled, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  const VectorX& s = svd.singularValues();
+  const auto [s, right] = dense::singular_values(scaled);
   const double largest = s[0], smallest = s[s.size() - 1];
   result.condition = smallest > 0 && s.size() == along.cols() ? (largest / smallest) * (largest / smallest)
                                                               : std::numeric_limits<double>::infinity();
-  const DenseMatrix V = along * svd.matrixV();
+  const DenseMatrix V = along * right;
   VectorX inverse = VectorX::Zero(s.size());
   Eigen::Index rank = 0;
   for (Eigen::Index k = 0; k < s.size(); ++k) {
