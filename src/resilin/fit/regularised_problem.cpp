@@ -19,22 +19,22 @@ constexpr double most_freedom = 0.8;
 }  // namespace
 
 RegularisedProblem::RegularisedProblem(const DenseMatrix& J, const VectorX& d, const FieldPrior& prior)
-    : prior_(prior), J_(J), d_(d), num_values_(d.size()) {
+    : prior_(prior), slopes_(J), d_(d), num_values_(d.size()) {
   if (J.rows() > J.cols()) {
     const dense::Reflections factors = dense::reflections(J);
     const VectorX turned = dense::transposed_times(factors, d);
-    J_ = dense::upper_triangle(factors);
+    slopes_ = dense::upper_triangle(factors);
     d_ = turned.head(J.cols());
     left_ = turned.tail(d.size() - J.cols()).squaredNorm();
   }
-  spread_ = prior.inverse_times(J_.transpose());
-  Q_ = J_ * spread_;
-  Q_ = 0.5 * (Q_ + Q_.transpose()).eval();
-  F_ = J_ * prior.unfelt();
-  const Eigen::Index m = d_.size(), k = F_.cols();
-  const double size = J_.norm();
+  spread_ = prior.inverse_times(slopes_.transpose());
+  spread_of_values_ = slopes_ * spread_;
+  spread_of_values_ = 0.5 * (spread_of_values_ + spread_of_values_.transpose()).eval();
+  slopes_of_unfelt_ = slopes_ * prior.unfelt();
+  const Eigen::Index m = d_.size(), k = slopes_of_unfelt_.cols();
+  const double size = slopes_.norm();
   for (Eigen::Index i = 0; i < k; ++i)
-    if (!(F_.col(i).norm() > least_influence * size))
+    if (!(slopes_of_unfelt_.col(i).norm() > least_influence * size))
       throw InputError("fit", "measurements that feel all that is sought",
                        "a piece of a body, or a parameter, that "
                        "no datum feels",
@@ -42,8 +42,8 @@ RegularisedProblem::RegularisedProblem(const DenseMatrix& J, const VectorX& d, c
   if (k >= m)
     throw InputError("fit", "more than " + std::to_string(k) + " measured numbers", std::to_string(m),
                      "measure more");
-  const dense::Reflections factors = dense::reflections(F_);
-  const DenseMatrix from_left = dense::transposed_times(factors, Q_);
+  const dense::Reflections factors = dense::reflections(slopes_of_unfelt_);
+  const DenseMatrix from_left = dense::transposed_times(factors, spread_of_values_);
   const DenseMatrix turned = dense::transposed_times(factors, from_left.transpose());
   const dense::Eigenpairs eigen = dense::symmetric_eigenpairs(turned.bottomRightCorner(m - k, m - k));
   s_ = eigen.values.cwiseMax(0.0);
@@ -59,7 +59,7 @@ RegularisedProblem::Point RegularisedProblem::at(double a) const {
   Point point{.strength = a};
   point.misfit = left_ + (a * damped).square().matrix().dot(b2.matrix());
   point.roughness = (s_.array() * damped.square() * b2).sum();
-  point.freedom = static_cast<double>(F_.cols()) + (s_.array() * damped).sum();
+  point.freedom = static_cast<double>(slopes_of_unfelt_.cols()) + (s_.array() * damped).sum();
   // By log a: T = sum s b^2 / (s + a)^3, P = sum s b^2 / (s + a)^4.
   const double T = (s_.array() * b2 * damped.cube()).sum();
   const double P = (s_.array() * b2 * damped.square().square()).sum();
@@ -72,7 +72,9 @@ RegularisedProblem::Point RegularisedProblem::at(double a) const {
 
 VectorX RegularisedProblem::solution(double a) const {
   const VectorX c = basis_ * ((s_.array() + a).inverse() * b_.array()).matrix();
-  const VectorX b = F_.cols() > 0 ? VectorX(dense::least_squares(F_, d_ - Q_ * c)) : VectorX();
+  const VectorX b = slopes_of_unfelt_.cols() > 0
+                        ? VectorX(dense::least_squares(slopes_of_unfelt_, d_ - spread_of_values_ * c))
+                        : VectorX();
   return spread_ * c + prior_.unfelt() * b;
 }
 
@@ -83,13 +85,13 @@ RegularisedProblem::Uncertainty RegularisedProblem::uncertainty(double a) const 
   const Eigen::Index m = d_.size();
   const DenseMatrix& B = prior_.unfelt();
   DenseMatrix L;
-  dense::cholesky(Q_ + a * DenseMatrix::Identity(m, m), L);
+  dense::cholesky(spread_of_values_ + a * DenseMatrix::Identity(m, m), L);
   const DenseMatrix half_spread = dense::solve_lower(L, spread_.transpose()),
-                    half_F = dense::solve_lower(L, F_);
+                    half_F = dense::solve_lower(L, slopes_of_unfelt_);
   Uncertainty result;
   result.variance = (prior_.inverse_diagonal() - half_spread.colwise().squaredNorm().transpose()) / a;
   const DenseMatrix CJ =
-      basis_ * ((s_.array() + a).inverse().matrix().asDiagonal() * (basis_.transpose() * J_));
+      basis_ * ((s_.array() + a).inverse().matrix().asDiagonal() * (basis_.transpose() * slopes_));
   result.resolution = spread_.cwiseProduct(CJ.transpose()).rowwise().sum();
   if (B.cols() == 0) return result;
   DenseMatrix of_open;
@@ -98,7 +100,7 @@ RegularisedProblem::Uncertainty RegularisedProblem::uncertainty(double a) const 
   result.variance += dense::solve_lower(of_open, rest).colwise().squaredNorm().transpose() / a;
   const DenseMatrix half = dense::solve_lower(of_open, DenseMatrix::Identity(B.cols(), B.cols()));
   result.of_open = half.transpose() * half / a;
-  const DenseMatrix by_data = dense::least_squares(F_, J_ - Q_ * CJ);
+  const DenseMatrix by_data = dense::least_squares(slopes_of_unfelt_, slopes_ - spread_of_values_ * CJ);
   result.resolution += B.cwiseProduct(by_data.transpose()).rowwise().sum();
   return result;
 }

@@ -45,12 +45,15 @@ class RegularisedProblem {
 
  private:
   const FieldPrior& prior_;
-  DenseMatrix J_, spread_;  ///< of the data, compressed to at most as many as unknowns; G J^T
+  DenseMatrix slopes_;  ///< J of the data, compressed to at most as many as unknowns
+  DenseMatrix spread_;  ///< G J^T
   VectorX d_;
   Eigen::Index num_values_;
-  double left_ = 0;            ///< of |d|^2: what no u changes
-  DenseMatrix Q_, F_, basis_;  ///< Z U
-  VectorX s_, b_;              ///< S, and U^T Z^T d
+  double left_ = 0;               ///< of |d|^2: what no u changes
+  DenseMatrix spread_of_values_;  ///< J G J^T
+  DenseMatrix slopes_of_unfelt_;  ///< J B
+  DenseMatrix basis_;             ///< Z U
+  VectorX s_, b_;                 ///< S, and U^T Z^T d
 };
 
 /// The weights of a problem from the strongest to the weakest, and its corner: where the curve of the
