@@ -23,9 +23,9 @@ target_link_options(resilin_common_options INTERFACE
 add_library(resilin_options INTERFACE)
 target_link_libraries(resilin_options INTERFACE resilin_common_options)
 target_compile_options(resilin_options INTERFACE
-  # A null pointer and an object that is too small end in the address sanitizer all the same, x86-64 reads from any
-  # address: these three checks are a quarter of what there is to compile.
-  $<$<BOOL:${RESILIN_SANITIZE}>:-O1 -g1 -UNDEBUG -fsanitize=address,undefined -fno-sanitize=null,object-size,alignment
+  # A null pointer, an object that is too small and a pointer out of range end in the address sanitizer all the same,
+  # x86-64 reads from any address: these four checks are a third of what there is to compile.
+  $<$<BOOL:${RESILIN_SANITIZE}>:-O1 -g1 -UNDEBUG -fsanitize=address,undefined -fno-sanitize=null,object-size,alignment,pointer-overflow
   -fno-sanitize-recover=undefined -fno-omit-frame-pointer>
   # Eigen pads its arrays where it sees the address sanitizer, and could not free those of the tests, which do not.
   $<$<BOOL:${RESILIN_SANITIZE}>:-DEIGEN_MALLOC_ALREADY_ALIGNED=1>
