@@ -99,12 +99,15 @@ void MultifrontalSolver::eliminate_with_pivots(const FrontAssembly& front, doubl
   pivoted_[s] = std::move(pivoted);
 }
 
-void MultifrontalSolver::form_update(const FrontAssembly& front, const Place& place) {
+double* MultifrontalSolver::place_of_update(Index s, Offset size, UpdateStacks& stacks) {
+  const int numbers_per_block = dim_ * dim_;
+  if (is_serial_) return factor_.get() + analysis_->update_begin[s] * numbers_per_block;
+  return is_on_stack(s) ? stacks.push(analysis_->stack_of[s], size)
+                        : root_updates_.get() + analysis_->root_update_begin[s] * numbers_per_block;
+}
+
+void MultifrontalSolver::form_update(const FrontAssembly& front, UpdateStacks& stacks) {
   const Index s = front.front;
-  const int own_stack = analysis_->stack_of[s];
-  const auto is_on_stack = [&](Index t) {
-    return num_delayed_by(t) == 0 && (place.root_updates == nullptr || analysis_->root_update_begin[t] < 0);
-  };
   if (front.num_rows() > 0) {
     UpdateMatrix& update = updates_[s];
     const int num_delayed = num_delayed_by(s), order = num_delayed + front.num_rows();
@@ -113,11 +116,10 @@ void MultifrontalSolver::form_update(const FrontAssembly& front, const Place& pl
       pivoted_[s]->update = allocate(update.layout.size(order));
       update.values = pivoted_[s]->update.get();
     } else {
-      update.values = is_on_stack(s) ? place.stacks.push(own_stack, update.layout.size(order))
-                                     : place.root_updates + analysis_->root_update_begin[s] * dim_ * dim_;
+      update.values = place_of_update(s, update.layout.size(order), stacks);
     }
     if (is_pivoted(s)) {
-      eliminate_pivots_from(update, front, square_of(front, place.stacks));
+      eliminate_pivots_from(update, front, square_of(front, stacks));
     } else {
       eliminate_from(update, front);
     }
@@ -126,7 +128,7 @@ void MultifrontalSolver::form_update(const FrontAssembly& front, const Place& pl
   }
   for (const Index child : children_of(s)) {
     const TrapezoidLayout& layout = updates_[child].layout;
-    if (is_on_stack(child)) place.stacks.pop(1 - own_stack, layout.size(layout.order));
+    if (is_on_stack(child)) stacks.pop(analysis_->stack_of[child], layout.size(layout.order));
     if (is_pivoted(child)) pivoted_[child]->update.reset();
   }
 }
@@ -174,29 +176,28 @@ void MultifrontalSolver::keep_panel(const FrontAssembly& front, const double* sq
   }
 }
 
-void MultifrontalSolver::factorize_front(Index s, std::span<const double> values, const Place& place) {
+void MultifrontalSolver::factorize_front(Index s, std::span<const double> values, UpdateStacks& stacks) {
   FrontAssembly front{*analysis_, dim_, values, s};
   for (const Index child : children_of(s)) front.num_delayed += num_delayed_by(child);
-  eliminate(front, place.stacks);
+  eliminate(front, stacks);
   if (bad_position_[s] >= 0) return;
-  form_update(front, place);
-  if (is_pivoted(s)) keep_panel(front, square_of(front, place.stacks));
+  form_update(front, stacks);
+  if (is_pivoted(s)) keep_panel(front, square_of(front, stacks));
 }
 
 /// Stops at the first pivot that fails in every subtree, and before the top when there is one. Every front is
-/// computed alike however many threads there are; one subtree at a time needs less memory.
+/// computed alike however many threads there are; one front at a time needs less memory.
 void MultifrontalSolver::factorize_all(std::span<const double> values) {
   const int numbers_per_block = dim_ * dim_;
-  const auto factorize_in_order = [&](const auto& supernodes, const Place& place) {
+  const auto factorize_in_order = [&](const auto& supernodes, UpdateStacks& stacks) {
     for (const Index s : supernodes) {
-      factorize_front(s, values, place);
+      factorize_front(s, values, stacks);
       if (bad_position_[s] >= 0) return;
     }
   };
   if (is_serial_) {
-    top_stacks_.reserve(analysis_->all_stacks, numbers_per_block);
     const auto num_supernodes = static_cast<Index>(analysis_->supernodes.size());
-    return factorize_in_order(std::views::iota(0, num_supernodes), {top_stacks_, nullptr});
+    return factorize_in_order(std::views::iota(0, num_supernodes), top_stacks_);
   }
   if (!root_updates_)
     root_updates_ =
@@ -205,7 +206,7 @@ void MultifrontalSolver::factorize_all(std::span<const double> values) {
     std::unique_ptr<UpdateStacks> stacks = stack_pool_.take();
     stacks->reserve(analysis_->subtree_stacks, numbers_per_block);
     const auto [first, last] = analysis_->subtrees[k];
-    factorize_in_order(std::views::iota(first, last), {*stacks, root_updates_.get()});
+    factorize_in_order(std::views::iota(first, last), *stacks);
     stack_pool_.give_back(std::move(stacks));
   });
   // Fronts before the first failure have sound descendants: going on to it names the same node as one thread
@@ -214,8 +215,7 @@ void MultifrontalSolver::factorize_all(std::span<const double> values) {
   const auto first_bad = static_cast<Index>(bad - bad_position_.begin());
   const auto top_end = std::lower_bound(analysis_->top.begin(), analysis_->top.end(), first_bad);
   top_stacks_.reserve(analysis_->top_stacks, numbers_per_block);
-  factorize_in_order(std::ranges::subrange(analysis_->top.begin(), top_end),
-                     {top_stacks_, root_updates_.get()});
+  factorize_in_order(std::ranges::subrange(analysis_->top.begin(), top_end), top_stacks_);
 }
 
 void MultifrontalSolver::prepare(const BlockMatrix& A) {
@@ -231,6 +231,7 @@ void MultifrontalSolver::prepare(const BlockMatrix& A) {
 void MultifrontalSolver::forget_factor() {
   analysis_.reset();
   factor_.reset();
+  factor_capacity_ = 0;
   pivoted_.clear();
   root_updates_.reset();
   stack_pool_.clear();
@@ -248,10 +249,11 @@ double MultifrontalSolver::bytes_needed(bool is_serial) const {
   };
   const auto subtrees =
       std::min(static_cast<Offset>(num_threads()), static_cast<Offset>(analysis_->subtrees.size()));
-  const Offset updates = is_serial ? stacks(analysis_->all_stacks)
-                                   : analysis_->root_update_blocks + stacks(analysis_->top_stacks) +
-                                         subtrees * stacks(analysis_->subtree_stacks);
-  const Offset blocks = pattern_.num_slots() + analysis_->factor_blocks + updates;
+  const Offset factor_and_updates = is_serial ? analysis_->shared_blocks
+                                              : analysis_->factor_blocks + analysis_->root_update_blocks +
+                                                    stacks(analysis_->top_stacks) +
+                                                    subtrees * stacks(analysis_->subtree_stacks);
+  const Offset blocks = pattern_.num_slots() + factor_and_updates;
   return static_cast<double>(blocks) * dim_ * dim_ * sizeof(double);
 }
 
@@ -259,12 +261,15 @@ LinearReport MultifrontalSolver::factorize_prepared(const BlockMatrix& A) {
   LinearReport report;
   if (!factor_) has_little_memory_ = !fits(bytes_needed(false));
   is_serial_ = has_little_memory_ || num_threads() == 1;
+  const Offset capacity = is_serial_ ? analysis_->shared_blocks : analysis_->factor_blocks;
+  if (factor_capacity_ < capacity) factor_.reset();
   const double bytes = factor_ ? 0 : bytes_needed(is_serial_);
   foresee(bytes, A);
   const SingleThreadedBlas single_threaded(num_threads(), static_cast<std::size_t>(bytes));
-  if (!factor_)
-    factor_ = make_numbers(static_cast<std::size_t>(analysis_->factor_blocks) *
-                           static_cast<std::size_t>(dim_ * dim_));
+  if (!factor_) {
+    factor_ = make_numbers(static_cast<std::size_t>(capacity * dim_ * dim_));
+    factor_capacity_ = capacity;
+  }
   const std::span<const double> values = gather_values(A);
   updates_.assign(analysis_->supernodes.size(), {});
   bad_position_.assign(analysis_->supernodes.size(), -1);

@@ -59,16 +59,16 @@ class MultifrontalSolver : public DirectSolver {
   static std::unique_ptr<double[]> allocate(Offset size);
   std::span<const double> gather_values(const BlockMatrix& A);
   void forget_factor();
-  /// Where a front keeps its update matrix: the update of a subtree's root outlives the stacks of the
-  /// subtree.
-  struct Place {
-    UpdateStacks& stacks;
-    double* root_updates;  ///< null: on the stacks like the others
-  };
+  /// Whether a front keeps its update matrix on the stacks of its subtree: that of the subtree's root
+  /// outlives them, and front by front the factor's array has the room.
+  bool is_on_stack(Index s) const {
+    return !is_serial_ && num_delayed_by(s) == 0 && analysis_->root_update_begin[s] < 0;
+  }
+  double* place_of_update(Index s, Offset size, UpdateStacks& stacks);
   std::span<const Index> children_of(Index s) const;
   int num_delayed_by(Index s) const { return is_pivoted(s) ? pivoted_[s]->num_delayed() : 0; }
   bool is_pivoted(Index s) const { return !is_definite_ && pivoted_[s] != nullptr; }
-  void factorize_front(Index s, std::span<const double> values, const Place& place);
+  void factorize_front(Index s, std::span<const double> values, UpdateStacks& stacks);
   void factorize_all(std::span<const double> values);
   void assemble(const FrontAssembly& front, const Trapezoid& panel);
   void eliminate(const FrontAssembly& front, UpdateStacks& stacks);
@@ -77,7 +77,7 @@ class MultifrontalSolver : public DirectSolver {
     return stacks.scratch(static_cast<Offset>(front.num_columns()) * front.height());
   }
   void eliminate_with_pivots(const FrontAssembly& front, double* square);
-  void form_update(const FrontAssembly& front, const Place& place);
+  void form_update(const FrontAssembly& front, UpdateStacks& stacks);
   void eliminate_from(const UpdateMatrix& update, const FrontAssembly& front);
   void eliminate_pivots_from(const UpdateMatrix& update, const FrontAssembly& front, const double* square);
   void keep_panel(const FrontAssembly& front, const double* square);
@@ -94,9 +94,10 @@ class MultifrontalSolver : public DirectSolver {
   std::shared_ptr<const MultifrontalAnalysis> analysis_;
   int dim_ = 3;
   bool has_little_memory_ = false;  // for subtrees at the same time, with the present pattern
-  bool is_serial_ = false;          // takes the subtrees one after another
+  bool is_serial_ = false;          // takes front after front, not subtrees at the same time
   std::vector<double> values_;      // by slot of the merged pattern, where they are not those of A
   std::unique_ptr<double[]> factor_;
+  Offset factor_capacity_ = 0;         // in blocks, with the room for updates that are made front by front
   std::vector<UpdateMatrix> updates_;  // by supernode, from its front to its parent's
   std::unique_ptr<double[]> root_updates_;
   StackPool stack_pool_;

@@ -247,7 +247,31 @@ void split_tree(MultifrontalAnalysis& analysis) {
   }
 }
 
-/// Plays the factorisation through to see how high the stacks grow.
+/// Plays a factorisation front by front: each update takes the last gap of the shared array that holds it.
+void place_updates(MultifrontalAnalysis& analysis) {
+  struct Held {
+    Offset begin, end;  // from the end of the array
+    Index parent;
+  };
+  std::vector<Held> held;  // ascending
+  const auto n = static_cast<Index>(analysis.supernodes.size());
+  analysis.shared_blocks = analysis.factor_blocks;
+  for (Index s = 0; s < n; ++s) {
+    const Supernode& supernode = analysis.supernodes[s];
+    const Offset size = update_blocks(supernode.num_rows());
+    Offset begin = 0;
+    auto next = held.begin();
+    for (; next != held.end() && next->begin - begin < size; ++next) begin = next->end;
+    held.insert(next, {begin, begin + size, supernode.parent});
+    analysis.update_begin.push_back(begin + size);
+    const Offset factor_end = s + 1 < n ? analysis.supernodes[s + 1].factor_begin : analysis.factor_blocks;
+    analysis.shared_blocks = std::max(analysis.shared_blocks, factor_end + held.back().end);
+    std::erase_if(held, [&](const Held& update) { return update.parent == s || update.parent < 0; });
+  }
+  for (Offset& begin : analysis.update_begin) begin = analysis.shared_blocks - begin;
+}
+
+/// Plays the factorisation of subtrees through to see how high the stacks grow.
 void size_stacks(MultifrontalAnalysis& analysis) {
   const auto n = static_cast<Index>(analysis.supernodes.size());
   analysis.stack_of.assign(static_cast<std::size_t>(n), 0);
@@ -260,8 +284,8 @@ void size_stacks(MultifrontalAnalysis& analysis) {
     analysis.root_update_blocks += update_blocks(analysis.supernodes[last - 1].num_rows());
   }
   using Sizes = MultifrontalAnalysis::StackSizes;
-  const auto visit = [&](Index s, bool roots_are_apart, Sizes& used, Sizes& peak) {
-    const auto is_on_stack = [&](Index t) { return !roots_are_apart || analysis.root_update_begin[t] < 0; };
+  const auto visit = [&](Index s, Sizes& used, Sizes& peak) {
+    const auto is_on_stack = [&](Index t) { return analysis.root_update_begin[t] < 0; };
     const int own = analysis.stack_of[s];
     if (is_on_stack(s)) used.blocks[own] += update_blocks(analysis.supernodes[s].num_rows());
     peak.blocks[own] = std::max(peak.blocks[own], used.blocks[own]);
@@ -269,13 +293,12 @@ void size_stacks(MultifrontalAnalysis& analysis) {
       if (is_on_stack(analysis.children[k]))
         used.blocks[1 - own] -= update_blocks(analysis.supernodes[analysis.children[k]].num_rows());
   };
-  Sizes used_by_all, used_by_top;
-  for (Index s = 0; s < n; ++s) visit(s, false, used_by_all, analysis.all_stacks);
+  Sizes used_by_top;
   for (const auto& [first, last] : analysis.subtrees) {
     Sizes used;
-    for (Index s = first; s < last; ++s) visit(s, true, used, analysis.subtree_stacks);
+    for (Index s = first; s < last; ++s) visit(s, used, analysis.subtree_stacks);
   }
-  for (const Index s : analysis.top) visit(s, true, used_by_top, analysis.top_stacks);
+  for (const Index s : analysis.top) visit(s, used_by_top, analysis.top_stacks);
 }
 
 }  // namespace
@@ -339,6 +362,7 @@ MultifrontalAnalysis::MultifrontalAnalysis(const MergedPattern& pattern) {
                                 std::min(i, j) - supernodes[s].first, j > i};
   });
   split_tree(*this);
+  place_updates(*this);
   size_stacks(*this);
 }
 

@@ -41,13 +41,17 @@ struct MultifrontalAnalysis {
   std::vector<Entry> entries;
   Offset factor_blocks = 0;  ///< blocks stored for the factor
 
-  /// Update matrices live on two stacks, by the parity of their depth in the tree: then those of a front's
-  /// children are always on top of one, and its own goes onto the other.
+  /// Front by front the factor fills an array of so many blocks from its begin, and update matrices lie at
+  /// its end, where the factor comes last.
+  Offset shared_blocks = 0;
+  std::vector<Offset> update_begin;  ///< by supernode: its update's place there, in blocks
+
+  /// Subtrees at the same time have two stacks each, by the parity of the depth in the tree: then the updates
+  /// of a front's children are always on top of one, and its own goes onto the other.
   std::vector<std::uint8_t> stack_of;  ///< by supernode
   struct StackSizes {
     Offset blocks[2] = {0, 0};
   };
-  StackSizes all_stacks;                  ///< what one thread needs for the whole tree
   StackSizes subtree_stacks, top_stacks;  ///< what any one subtree needs; what the top needs
   std::vector<Offset>
       root_update_begin;  ///< by supernode: where a subtree's root keeps its update, in blocks; else -1
