@@ -6,16 +6,12 @@
 namespace resilin {
 
 LowerPattern::LowerPattern(std::span<const Offset> upper_begin, std::span<const Index> upper_columns)
-    : begin(upper_begin.size(), 0), columns(upper_columns.size()), entries(upper_columns.size()) {
+    : begin(upper_begin.size(), 0), columns(upper_columns.size()) {
   for (const Index column : upper_columns) ++begin[column + 1];
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   std::vector<Offset> next(begin.begin(), begin.end() - 1);
   for (Index i = 0; i + 1 < static_cast<Index>(upper_begin.size()); ++i)
-    for (Offset k = upper_begin[i]; k < upper_begin[i + 1]; ++k) {
-      const Offset place = next[upper_columns[k]]++;
-      columns[place] = i;
-      entries[place] = static_cast<Index>(k);
-    }
+    for (Offset k = upper_begin[i]; k < upper_begin[i + 1]; ++k) columns[next[upper_columns[k]]++] = i;
 }
 
 Aggregates aggregate(const FullPattern& pattern, std::span<const std::uint8_t> is_active,

@@ -9,11 +9,10 @@
 namespace resilin {
 
 /// The strictly lower triangle of a symmetric pattern by rows, columns ascending: transposes of the upper
-/// entries.
+/// entries, in their order.
 struct LowerPattern {
   std::vector<Offset> begin;   ///< num_nodes + 1
   std::vector<Index> columns;  ///< those of the upper entries' rows
-  std::vector<Index> entries;  ///< of the upper part
 
   LowerPattern() = default;
   LowerPattern(std::span<const Offset> upper_begin, std::span<const Index> upper_columns);

@@ -2,15 +2,10 @@
 
 #include <algorithm>
 #include <atomic>
-#include <bit>
-#include <cassert>
 #include <cmath>
 #include <limits>
-#include <numeric>
-#include <span>
 
 #include "resilin/core/parallel.hpp"
-#include "resilin/linear/ordering.hpp"
 #include "resilin/linear/small_block.hpp"
 
 namespace resilin {
@@ -43,194 +38,17 @@ double noise(std::size_t k) {
 
 }  // namespace
 
-bool MultigridLevel::connect(Aggregates& groups, MultigridLevel& coarse) {
-  if (!find_prolongation(groups)) return false;
-  const ProductRows product = find_product_rows(groups.count);
-  if (widest_product_ > std::numeric_limits<std::uint16_t>::max()) return false;
-  const NodeGraph graph = couple_groups(product);
-  SweepOrder order = two_color_order(graph, coarse.least_couplings());
-  if (!find_coarse_rows(product, graph, order, coarse)) return false;
-  coarse.sweeps = std::move(order.chunks);
-  coarse.along_layers = std::move(order.along_layers);
-  const std::vector<Index> number = inverse_of(order.node_at);
-  for (Index& group : groups.of_node)
-    if (group >= 0) group = number[group];
-  for (Index& group : prolongation_columns) group = number[group];
-  color_transfers(groups.count);
-  narrow_the_places();
-  prolongation.resize(prolongation_columns.size() * static_cast<std::size_t>(block_size() * num_modes()) +
-                      static_cast<std::size_t>(lanes_of(num_modes())));
-  return true;
-}
-
-/// A node reaches the groups of its neighbours, in the order in which they come.
-bool MultigridLevel::find_prolongation(const Aggregates& groups) {
-  prolongation_begin.assign(1, 0);
-  prolongation_columns.clear();
-  const FullPattern pattern = full();
-  constexpr auto none = std::numeric_limits<std::uint16_t>::max();
-  std::vector<std::uint16_t>& places = wide_places.smoothing;
-  places.reserve(pattern.num_entries());
-  std::vector<Offset> entry_of(static_cast<std::size_t>(groups.count), -1);
-  for (Index i = 0; i < num_nodes(); ++i) {
-    const Offset begin = prolongation_begin.back();
-    pattern.for_row(i, [&](Index j) {
-      const Index group = groups.of_node[j];
-      places.push_back(none);
-      if (group < 0 || groups.of_node[i] < 0) return;
-      if (entry_of[group] < begin) {
-        entry_of[group] = static_cast<Offset>(prolongation_columns.size());
-        prolongation_columns.push_back(group);
-      }
-      places.back() = static_cast<std::uint16_t>(entry_of[group] - begin);
-    });
-    prolongation_begin.push_back(static_cast<Offset>(prolongation_columns.size()));
-    if (prolongation_begin.back() - begin > none) return false;
-  }
-  prolongation_columns.shrink_to_fit();
-  return true;
-}
-
-/// Rows of A P: the groups that the neighbours of a node reach.
-MultigridLevel::ProductRows MultigridLevel::find_product_rows(Index num_groups) {
-  ProductRows product;
-  product.begin.assign(1, 0);
-  product_width.clear();
-  const FullPattern pattern = full();
-  std::vector<std::uint16_t>& places = wide_places.product;
-  product_begin.assign(1, 0);
-  target_begin.assign(1, 0);
-  widest_product_ = 0;
-  std::vector<Offset> entry_of(static_cast<std::size_t>(num_groups), -1);
-  for (Index i = 0; i < num_nodes(); ++i) {
-    const Offset begin = product.begin.back();
-    pattern.for_row(i, [&](Index j) {
-      for (Offset k = prolongation_begin[j]; k < prolongation_begin[j + 1]; ++k) {
-        const Index group = prolongation_columns[k];
-        if (entry_of[group] < begin) {
-          entry_of[group] = static_cast<Offset>(product.columns.size());
-          product.columns.push_back(group);
-        }
-        places.push_back(static_cast<std::uint16_t>(entry_of[group] - begin));
-      }
-    });
-    const Offset width = static_cast<Offset>(product.columns.size()) - begin;
-    product.begin.push_back(begin + width);
-    widest_product_ = std::max(widest_product_, static_cast<std::size_t>(width));
-    product_width.push_back(static_cast<std::uint16_t>(width));
-    product_begin.push_back(static_cast<Offset>(places.size()));
-    target_begin.push_back(target_begin.back() + width * (prolongation_begin[i + 1] - prolongation_begin[i]));
-  }
-
-  product.reach_begin.assign(static_cast<std::size_t>(num_groups) + 1, 0);
-  for (const Index group : prolongation_columns) ++product.reach_begin[group + 1];
-  std::partial_sum(product.reach_begin.begin(), product.reach_begin.end(), product.reach_begin.begin());
-  product.reach_nodes.resize(prolongation_columns.size());
-  product.reach_targets.resize(prolongation_columns.size());
-  std::vector<Offset> next(product.reach_begin.begin(), product.reach_begin.end() - 1);
-  for (Index i = 0; i < num_nodes(); ++i)
-    for (Offset k = prolongation_begin[i]; k < prolongation_begin[i + 1]; ++k) {
-      const Offset at = next[prolongation_columns[k]]++;
-      product.reach_nodes[at] = i;
-      product.reach_targets[at] = target_begin[i] + product_width[i] * (k - prolongation_begin[i]);
-    }
-  return product;
-}
-
-/// Which groups meet in P^T A P.
-NodeGraph MultigridLevel::couple_groups(const ProductRows& product) {
-  const auto num_groups = static_cast<Index>(product.reach_begin.size()) - 1;
-  NodeGraph graph;
-  graph.begin.assign(1, 0);
-  std::vector<Index> seen_in_row(static_cast<std::size_t>(num_groups), -1);
-  for (Index group = 0; group < num_groups; ++group) {
-    product.for_each(group, [&](Index column, Offset) {
-      if (column == group || seen_in_row[column] == group) return;
-      seen_in_row[column] = group;
-      graph.neighbours.push_back(column);
-    });
-    std::sort(graph.neighbours.begin() + graph.begin.back(), graph.neighbours.end());
-    graph.begin.push_back(static_cast<Index>(graph.neighbours.size()));
-  }
-  return graph;
-}
-
-/// Upper rows of P^T A P in the order given, and to which of their blocks every product of a fine node is
-/// added.
-bool MultigridLevel::find_coarse_rows(const ProductRows& product, const NodeGraph& graph,
-                                      const SweepOrder& order, MultigridLevel& coarse) {
-  const Index num_groups = graph.num_nodes();
-  const std::vector<Index> number = inverse_of(order.node_at);
-  coarse.row_begin.assign(1, 0);
-  coarse.columns.clear();
-  wide_places.coarse.assign(static_cast<std::size_t>(target_begin.back()), 0);
-  std::vector<std::uint16_t> place_of(static_cast<std::size_t>(num_groups), 0);
-  for (Index row = 0; row < num_groups; ++row) {
-    const Index group = order.node_at[row];
-    const Offset begin = coarse.row_begin.back();
-    for (Index k = graph.begin[group]; k < graph.begin[group + 1]; ++k)
-      if (number[graph.neighbours[k]] > row) coarse.columns.push_back(number[graph.neighbours[k]]);
-    std::sort(coarse.columns.begin() + begin, coarse.columns.end());
-    coarse.row_begin.push_back(static_cast<Offset>(coarse.columns.size()));
-    if (coarse.row_begin.back() - begin > std::numeric_limits<std::uint16_t>::max() - 2) return false;
-    place_of[row] = 1;
-    for (Offset k = begin; k < coarse.row_begin.back(); ++k)
-      place_of[coarse.columns[k]] = static_cast<std::uint16_t>(2 + k - begin);
-    product.for_each(group, [&](Index column, Offset target) {
-      if (number[column] >= row) wide_places.coarse[target] = place_of[number[column]];
-    });
-  }
-  coarse.columns.shrink_to_fit();
-  return true;
-}
-
-/// In most levels one byte is enough for the maps: rows of the prolongation and of both products are short.
-void MultigridLevel::narrow_the_places() {
-  constexpr std::uint16_t none = 0xffff, most = 0xff;
-  Places<std::uint8_t> narrow;
-  const auto take = [&](const auto& wide, auto& into) {
-    into.reserve(wide.size());
-    for (const std::uint16_t place : wide) {
-      if (place >= most && place != none) return false;
-      into.push_back(static_cast<std::uint8_t>(std::min(place, most)));
-    }
-    return true;
-  };
-  if (!take(wide_places.smoothing, narrow.smoothing) || !take(wide_places.product, narrow.product) ||
-      !take(wide_places.coarse, narrow.coarse))
-    return;
-  narrow_places = std::move(narrow);
-  wide_places = {};
-}
-
-/// Each chunk of the sweeps takes the first colour that no chunk has with which it shares a group.
-void MultigridLevel::color_transfers(Index num_groups) {
-  std::vector<std::uint64_t> colors_at(static_cast<std::size_t>(num_groups), 0);
-  std::vector<std::vector<ColoredChunks::Rows>> by_color;
-  for (const ColoredChunks::Rows& rows : sweeps.chunks) {
-    const auto groups = std::span(prolongation_columns)
-                            .subspan(static_cast<std::size_t>(prolongation_begin[rows.first]),
-                                     static_cast<std::size_t>(prolongation_begin[rows.last] -
-                                                              prolongation_begin[rows.first]));
-    std::uint64_t taken = 0;
-    for (const Index group : groups) taken |= colors_at[group];
-    const auto color = static_cast<std::size_t>(std::countr_one(taken));
-    assert(color < 64 && "there are no more chunks than that");
-    for (const Index group : groups) colors_at[group] |= std::uint64_t{1} << color;
-    by_color.resize(std::max(by_color.size(), color + 1));
-    by_color[color].push_back(rows);
-  }
-  transfers = {};
-  for (const auto& chunks : by_color) {
-    transfers.color_begin.push_back(transfers.chunks.size());
-    transfers.chunks.insert(transfers.chunks.end(), chunks.begin(), chunks.end());
-  }
-  transfers.color_begin.push_back(transfers.chunks.size());
-}
-
 void MultigridLevel::set_tentative(const std::vector<float>& modes) {
-  tentative.resize(modes.size() + static_cast<std::size_t>(lanes_of(num_modes())));
-  std::ranges::copy(modes, tentative.begin());
+  constexpr std::size_t nodes_per_task = 4096;
+  const auto numbers = static_cast<std::size_t>(block_size() * num_modes()),
+             nodes = static_cast<std::size_t>(num_nodes());
+  tentative.resize(modes.size() + static_cast<std::size_t>(lanes_of(num_modes())), nodes);
+  const auto shorten = multigrid_kernels().shorten;
+  parallel_for(nodes, nodes_per_task, [&](std::size_t first, std::size_t last) {
+    for (std::size_t node = first; node < last; ++node)
+      tentative.scales[node] =
+          shorten(&modes[node * numbers], static_cast<Offset>(numbers), &tentative.numbers[node * numbers]);
+  });
 }
 
 void MultigridLevel::allocate() {
@@ -309,7 +127,8 @@ void MultigridLevel::project_to(MultigridLevel& coarse) {
   const detail::CoarseView to = coarse.writable();
   transfers.forward([&](const ColoredChunks::Rows& rows) {
     std::vector<float> work = row_work();
-    project(view(), transfer(), {rows.first, rows.last}, work.data(), to);
+    std::vector<Index> place_of(static_cast<std::size_t>(coarse.num_nodes()), -1);
+    project(view(), transfer(), {rows.first, rows.last}, work.data(), place_of.data(), to);
   });
 }
 
@@ -374,15 +193,12 @@ detail::LevelView MultigridLevel::view() const {
 detail::TransferView MultigridLevel::transfer() {
   return {.row_begin = prolongation_begin.data(),
           .columns = prolongation_columns.data(),
-          .blocks = prolongation.data(),
-          .tentative = tentative.data(),
+          .blocks = prolongation.view(),
+          .tentative = tentative.view(),
           .lower_begin = lower.begin.data(),
           .lower_columns = lower.columns.data(),
-          .lower_entries = lower.entries.data(),
+          .lower_places = {narrow_places.lower.data(), wide_places.lower.data()},
           .smoothing_places = {narrow_places.smoothing.data(), wide_places.smoothing.data()},
-          .product_width = product_width.data(),
-          .product_begin = product_begin.data(),
-          .product_places = {narrow_places.product.data(), wide_places.product.data()},
           .target_begin = target_begin.data(),
           .coarse_places = {narrow_places.coarse.data(), wide_places.coarse.data()}};
 }

@@ -25,6 +25,20 @@ RESILIN_INLINE Lane<lanes> load(const float* from) {
 }
 
 template <int lanes>
+struct ShortLanes {
+  typedef int32_t whole __attribute__((vector_size(sizeof(int32_t) * lanes)));
+  typedef int16_t loadable
+      __attribute__((vector_size(sizeof(int16_t) * lanes), aligned(sizeof(int16_t)), may_alias));
+};
+
+/// Numbers of two bytes, their scale apart.
+template <int lanes>
+RESILIN_INLINE Lane<lanes> load(const int16_t* from) {
+  return __builtin_convertvector(*reinterpret_cast<const typename ShortLanes<lanes>::loadable*>(from),
+                                 Lane<lanes>);
+}
+
+template <int lanes>
 RESILIN_INLINE void store(float* to, Lane<lanes> value) {
   *reinterpret_cast<typename FloatLanes<lanes>::loadable*>(to) = value;
 }
@@ -149,17 +163,57 @@ void apply_inverse_diagonal(const LevelView& level, NodeRange nodes, const float
     multiply_block<size>(level.inverse_diagonal + i * block_size, r + i * lanes, x + i * lanes);
 }
 
+/// The largest number becomes the largest that two bytes hold.
+RESILIN_INLINE float shorten(const float* numbers, int64_t count, int16_t* to) {
+  constexpr int lanes = 8;
+  constexpr float most = 32767, tiny = 1e-30F;  // whose inverse is a number
+  Lane<lanes> sizes = {}, rest = {};            // `rest` stays zero unless some are no numbers
+  const int64_t whole = count / lanes * lanes;
+  for (int64_t k = 0; k < whole; k += lanes) {
+    const Lane<lanes> v = load<lanes>(numbers + k), size = v < 0 ? -v : v;
+    sizes = size > sizes ? size : sizes;
+    rest += v - v;
+  }
+  float largest = 0, all_rest = 0;
+  const auto look_at = [&](float size, float more) {
+    largest = size > largest ? size : largest;
+    all_rest += more;
+  };
+  for (int lane = 0; lane < lanes; ++lane) look_at(sizes[lane], rest[lane]);
+  for (int64_t k = whole; k < count; ++k) look_at(__builtin_fabsf(numbers[k]), numbers[k] - numbers[k]);
+  if (all_rest != 0 || largest < tiny) {
+    for (int64_t k = 0; k < count; ++k) to[k] = 0;
+    return all_rest;
+  }
+  const float inverse = most / largest;
+  for (int64_t k = 0; k < whole; k += lanes) {
+    const Lane<lanes> v = load<lanes>(numbers + k) * inverse;
+    const Lane<lanes> away = v < 0 ? Lane<lanes>{} - 0.5F : Lane<lanes>{} + 0.5F;  // from zero
+    const auto rounded = __builtin_convertvector(v + away, typename ShortLanes<lanes>::whole);
+    *reinterpret_cast<typename ShortLanes<lanes>::loadable*>(to + k) =
+        __builtin_convertvector(rounded, typename ShortLanes<lanes>::loadable);
+  }
+  for (int64_t k = whole; k < count; ++k) {
+    const float v = numbers[k] * inverse;
+    to[k] = int16_t(int32_t(v + (v < 0 ? -0.5F : 0.5F)));
+  }
+  return largest / most;
+}
+
 template <int fine, int coarse>
 void restrict_add(const TransferView& transfer, NodeRange nodes, const float* from, float* to) {
   constexpr int fine_lanes = lanes_of(fine), lanes = lanes_of(coarse);
-  for (int64_t i = nodes.first; i < nodes.last; ++i)
+  for (int64_t i = nodes.first; i < nodes.last; ++i) {
+    float scaled[fine];
+    for (int r = 0; r < fine; ++r) scaled[r] = transfer.blocks.scales[i] * from[i * fine_lanes + r];
     for (int64_t k = transfer.row_begin[i]; k < transfer.row_begin[i + 1]; ++k) {
-      const float* block = transfer.blocks + k * fine * coarse;
+      const int16_t* block = transfer.blocks.numbers + k * fine * coarse;
       float* target = to + int64_t(transfer.columns[k]) * lanes;
       Lane<lanes> sum = load<lanes>(target);
-      for (int r = 0; r < fine; ++r) sum += load<lanes>(block + r * coarse) * from[i * fine_lanes + r];
+      for (int r = 0; r < fine; ++r) sum += load<lanes>(block + r * coarse) * scaled[r];
       store<lanes>(target, sum);
     }
+  }
 }
 
 template <int fine, int coarse>
@@ -169,23 +223,12 @@ void prolong_add(const TransferView& transfer, NodeRange nodes, const float* fro
     Lane<lanes> sum[fine] = {};
     for (int64_t k = transfer.row_begin[i]; k < transfer.row_begin[i + 1]; ++k) {
       const Lane<lanes> x = load<lanes>(from + int64_t(transfer.columns[k]) * lanes);
-      for (int r = 0; r < fine; ++r) sum[r] += load<lanes>(transfer.blocks + (k * fine + r) * coarse) * x;
+      for (int r = 0; r < fine; ++r)
+        sum[r] += load<lanes>(transfer.blocks.numbers + (k * fine + r) * coarse) * x;
     }
-    for (int r = 0; r < fine; ++r) to[i * fine_lanes + r] += sum_of<coarse>(sum[r]);
+    for (int r = 0; r < fine; ++r)
+      to[i * fine_lanes + r] += transfer.blocks.scales[i] * sum_of<coarse>(sum[r]);
   }
-}
-
-/// Calls visit<is_transposed>(block, column) for the entries of a row of A, columns ascending.
-template <int size, class Visit>
-RESILIN_INLINE void for_row(const LevelView& level, const TransferView& transfer, int64_t row,
-                            const Visit& visit) {
-  constexpr int block_size = size * size;
-  for (int64_t k = transfer.lower_begin[row]; k < transfer.lower_begin[row + 1]; ++k)
-    visit.template operator()<true>(level.upper + int64_t(transfer.lower_entries[k]) * block_size,
-                                    int64_t(transfer.lower_columns[k]));
-  visit.template operator()<false>(level.diagonal + row * block_size, row);
-  for (int64_t k = level.row_begin[row]; k < level.row_begin[row + 1]; ++k)
-    visit.template operator()<false>(level.upper + k * block_size, int64_t(level.columns[k]));
 }
 
 template <class Place>
@@ -196,13 +239,35 @@ RESILIN_INLINE const Place* places_in(const PlacesView& places) {
     return places.wide;
 }
 
-/// to += block * B or block^T * B for a block of size x size and B of size x coarse, its rows `stride`
-/// numbers apart; those of `to` are padded.
-template <int size, int coarse, int stride, bool is_transposed>
-RESILIN_INLINE void add_product(const float* block, const float* B, float* to) {
+/// Calls visit<is_transposed>(block, column) for the entries of a row of A, columns ascending.
+template <class Place, int size, class Visit>
+RESILIN_INLINE void for_row(const LevelView& level, const TransferView& transfer, int64_t row,
+                            const Visit& visit) {
+  constexpr int block_size = size * size;
+  for (int64_t k = transfer.lower_begin[row]; k < transfer.lower_begin[row + 1]; ++k) {
+    const int64_t column = transfer.lower_columns[k];
+    visit.template operator()<true>(
+        level.upper + (level.row_begin[column] + places_in<Place>(transfer.lower_places)[k]) * block_size,
+        column);
+  }
+  visit.template operator()<false>(level.diagonal + row * block_size, row);
+  for (int64_t k = level.row_begin[row]; k < level.row_begin[row + 1]; ++k)
+    visit.template operator()<false>(level.upper + k * block_size, int64_t(level.columns[k]));
+}
+
+/// Rows of a block of size x coarse of a node.
+template <int size, int coarse>
+RESILIN_INLINE void load_rows(const ShortNumbers& all, int64_t block, int64_t node,
+                              Lane<lanes_of(coarse)>* rows) {
+  for (int k = 0; k < size; ++k)
+    rows[k] = load<lanes_of(coarse)>(all.numbers + (block * size + k) * coarse) * all.scales[node];
+}
+
+/// to += block * B or block^T * B for a block of size x size and B of size x coarse by rows; those of `to`
+/// are padded.
+template <int size, int coarse, bool is_transposed>
+RESILIN_INLINE void add_product(const float* block, const Lane<lanes_of(coarse)>* rows, float* to) {
   constexpr int lanes = lanes_of(coarse);
-  Lane<lanes> rows[size];
-  for (int k = 0; k < size; ++k) rows[k] = load<lanes>(B + k * stride);
   constexpr int row_stride = is_transposed ? 1 : size, column_stride = is_transposed ? size : 1;
   for (int r = 0; r < size; ++r) {
     Lane<lanes> sum = load<lanes>(to + r * lanes);
@@ -221,23 +286,25 @@ void smooth_prolongation(const LevelView& level, const TransferView& transfer, N
     const Place* place =
         places_in<Place>(transfer.smoothing_places) + transfer.lower_begin[i] + i + level.row_begin[i];
     const int own_place = place[transfer.lower_begin[i + 1] - transfer.lower_begin[i]];
-    for_row<fine>(level, transfer, i, [&]<bool is_transposed>(const float* block, int64_t j) {
+    for_row<Place, fine>(level, transfer, i, [&]<bool is_transposed>(const float* block, int64_t j) {
       const Place here = *place++;
       if (here == Place(-1)) return;
-      add_product<fine, coarse, coarse, is_transposed>(block, transfer.tentative + j * block_size,
-                                                       row_work + here * work_size);
+      Lane<lanes> T[fine];
+      load_rows<fine, coarse>(transfer.tentative, j, j, T);
+      add_product<fine, coarse, is_transposed>(block, T, row_work + here * work_size);
     });
-    for (int64_t k = begin; k < end; ++k) {  // P_i = T_i - damping D_i^-1 (A T)_i
+    for (int64_t k = 0; k < end - begin; ++k) {  // P_i = T_i - damping D_i^-1 (A T)_i, without padding
+      Lane<lanes> AT[fine], T[fine] = {};
+      for (int r = 0; r < fine; ++r) AT[r] = load<lanes>(row_work + k * work_size + r * lanes);
       float smoothed[work_size] = {};
-      add_product<fine, coarse, lanes, false>(level.inverse_diagonal + i * fine * fine,
-                                              row_work + (k - begin) * work_size, smoothed);
-      const bool is_own = k - begin == own_place;
-      for (int r = 0; r < fine; ++r) {
-        Lane<lanes> row = load<lanes>(smoothed + r * lanes) * -damping;
-        if (is_own) row += load<lanes>(transfer.tentative + i * block_size + r * coarse);
-        store_row<coarse>(transfer.blocks + k * block_size + r * coarse, row);
-      }
+      add_product<fine, coarse, false>(level.inverse_diagonal + i * fine * fine, AT, smoothed);
+      if (k == own_place) load_rows<fine, coarse>(transfer.tentative, i, i, T);
+      for (int r = 0; r < fine; ++r)
+        store_row<coarse>(row_work + (k * fine + r) * coarse,
+                          T[r] - load<lanes>(smoothed + r * lanes) * damping);
     }
+    transfer.blocks.scales[i] =
+        shorten(row_work, (end - begin) * block_size, transfer.blocks.numbers + begin * block_size);
   }
 }
 
@@ -256,27 +323,38 @@ RESILIN_INLINE void add_transposed_product(const float* P, const float* AP, floa
 
 template <class Place, int fine, int coarse>
 void galerkin_product(const LevelView& level, const TransferView& transfer, NodeRange nodes, float* row_work,
-                      CoarseView to) {
+                      int32_t* place_of, CoarseView to) {
   constexpr int lanes = lanes_of(coarse), block_size = fine * coarse, work_size = fine * lanes;
+  int32_t first_place = 0;  // of the row's columns, counted through all rows: places of rows before are less
   for (int64_t i = nodes.first; i < nodes.last; ++i) {
-    const Place* place = places_in<Place>(transfer.product_places) + transfer.product_begin[i];
     const Place* target = places_in<Place>(transfer.coarse_places) + transfer.target_begin[i];
-    const int width = transfer.product_width[i];
-    for (int k = 0; k < width * work_size; ++k) row_work[k] = 0;
-    for_row<fine>(level, transfer, i, [&]<bool is_transposed>(const float* block, int64_t j) {
-      for (int64_t k = transfer.row_begin[j]; k < transfer.row_begin[j + 1]; ++k)  // row i of A P
-        add_product<fine, coarse, coarse, is_transposed>(block, transfer.blocks + k * block_size,
-                                                         row_work + *place++ * work_size);
+    int32_t width = 0;
+    for_row<Place, fine>(level, transfer, i, [&]<bool is_transposed>(const float* block, int64_t j) {
+      for (int64_t k = transfer.row_begin[j]; k < transfer.row_begin[j + 1]; ++k) {  // row i of A P
+        int32_t& place = place_of[transfer.columns[k]];
+        if (place < first_place) {
+          place = first_place + width++;
+          float* added = row_work + (place - first_place) * work_size;
+          for (int n = 0; n < work_size; ++n) added[n] = 0;
+        }
+        Lane<lanes> P[fine];
+        load_rows<fine, coarse>(transfer.blocks, k, j, P);
+        add_product<fine, coarse, is_transposed>(block, P, row_work + (place - first_place) * work_size);
+      }
     });
+    first_place += width;
     for (int64_t k = transfer.row_begin[i]; k < transfer.row_begin[i + 1]; ++k) {  // P_i^T (A P)_i
       const int64_t group = transfer.columns[k];
+      float P[block_size];
+      for (int n = 0; n < block_size; ++n)
+        P[n] = transfer.blocks.scales[i] * float(transfer.blocks.numbers[k * block_size + n]);
       float* diagonal = to.diagonal + group * coarse * coarse;
       float* upper = to.upper + (to.row_begin[group] - 2) * coarse * coarse;
       for (int column = 0; column < width; ++column) {
         const int64_t coarse_place = *target++;
         if (coarse_place == 0) continue;
         add_transposed_product<fine, coarse>(
-            transfer.blocks + k * block_size, row_work + column * work_size,
+            P, row_work + column * work_size,
             coarse_place == 1 ? diagonal : upper + coarse_place * coarse * coarse);
       }
     }
@@ -298,11 +376,17 @@ void galerkin_product(const LevelView& level, const TransferView& transfer, Node
   }
 
 constexpr MultigridKernels kernels = {
-    RESILIN_BY_LEVEL(sweep_forward),        RESILIN_BY_LEVEL(sweep_backward),
-    RESILIN_BY_LEVEL(negate_upper),         RESILIN_BY_LEVEL(subtract_lower),
-    RESILIN_BY_LEVEL(multiply_add),         RESILIN_BY_LEVEL(apply_inverse_diagonal),
-    RESILIN_BY_TRANSFER(restrict_add),      RESILIN_BY_TRANSFER(prolong_add),
-    RESILIN_BY_PLACES(smooth_prolongation), RESILIN_BY_PLACES(galerkin_product),
+    RESILIN_BY_LEVEL(sweep_forward),
+    RESILIN_BY_LEVEL(sweep_backward),
+    RESILIN_BY_LEVEL(negate_upper),
+    RESILIN_BY_LEVEL(subtract_lower),
+    RESILIN_BY_LEVEL(multiply_add),
+    RESILIN_BY_LEVEL(apply_inverse_diagonal),
+    RESILIN_BY_TRANSFER(restrict_add),
+    RESILIN_BY_TRANSFER(prolong_add),
+    shorten,
+    RESILIN_BY_PLACES(smooth_prolongation),
+    RESILIN_BY_PLACES(galerkin_product),
 };
 
 }  // namespace

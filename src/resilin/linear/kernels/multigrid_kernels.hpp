@@ -23,26 +23,31 @@ struct PlacesView {
   const uint16_t* wide;
 };
 
+/// Numbers of fine nodes in two bytes: whole ones from -32767 to 32767 times the scale of their node. Like
+/// blocks they are read by whole lanes.
+struct ShortNumbers {
+  int16_t* numbers;
+  float* scales;
+};
+
 /// The prolongation of a level and the map of the Galerkin product. Rows are fine nodes, columns coarse ones.
 struct TransferView {
   const int64_t* row_begin;
   const int32_t* columns;
-  float* blocks;  ///< fine size x coarse size for every entry of `columns`
+  ShortNumbers blocks;  ///< fine size x coarse size for every entry of `columns`
 
-  const float* tentative;        ///< fine size x coarse size for every fine node
+  ShortNumbers tentative;        ///< fine size x coarse size for every fine node
   const int64_t* lower_begin;    ///< strictly lower part of the fine matrix by rows
   const int32_t* lower_columns;  ///< for every lower entry
-  const int32_t* lower_entries;  ///< the upper one that it is the transpose of
+  PlacesView lower_places;       ///< likewise: of which entry of that column's upper row it is the transpose
   /// By full entry, those of a row being its lower ones, the diagonal, the upper ones: place of its aggregate
   /// in the row of the prolongation; the largest number: none.
   PlacesView smoothing_places;
 
-  const uint16_t* product_width;  ///< by fine node: number of coarse columns in its row of A P
-  const int64_t* product_begin;   ///< by fine node: its first entry of the next
-  PlacesView product_places;      ///< by full entry and prolongation entry of its column: place in that row
-  const int64_t* target_begin;    ///< by fine node: its first entry of the next
-  PlacesView coarse_places;       ///< by prolongation entry and place: which block of the coarse row of the
-                                  ///< entry, counted from 1, the diagonal; 0: one below it
+  const int64_t* target_begin;  ///< by fine node: its first entry of the next
+  /// By prolongation entry and coarse column of the node's row of A P, in the order in which they come: which
+  /// block of the coarse row of the entry, counted from 1, the diagonal; 0: one below it.
+  PlacesView coarse_places;
 };
 
 /// Blocks of the next level's matrix.
@@ -76,14 +81,16 @@ struct MultigridKernels {
   /// coarse += P^T fine; fine += P coarse.
   void (*restrict_add[2][2])(const TransferView& transfer, NodeRange nodes, const float* fine, float* coarse);
   void (*prolong_add[2][2])(const TransferView& transfer, NodeRange nodes, const float* coarse, float* fine);
+  /// Writes numbers of a node in two bytes. @return their scale
+  float (*shorten)(const float* numbers, int64_t count, int16_t* to);
   // Of these the first index is 0 for places in one byte and 1 for those in two.
   /// P = (I - damping D^-1 A) T. Writes transfer.blocks; `row_work` holds the widest row of A P, its rows
   /// padded.
   void (*smooth_prolongation[2][2][2])(const LevelView& level, const TransferView& transfer, NodeRange nodes,
                                        float damping, float* row_work);
-  /// Adds the upper blocks of P^T A P to `coarse`.
+  /// Adds the upper blocks of P^T A P to `coarse`. `place_of`: a number for each coarse node, all negative.
   void (*galerkin_product[2][2][2])(const LevelView& level, const TransferView& transfer, NodeRange nodes,
-                                    float* row_work, CoarseView coarse);
+                                    float* row_work, int32_t* place_of, CoarseView coarse);
 };
 
 /// Those of an instruction set that this build holds; of the preferred one (core/cpu.hpp).
