@@ -78,12 +78,12 @@ double sum_of_tiles(const ElasticTiles& tiles, std::span<const Index> blocks, co
 ElasticEnergy::ElasticEnergy(int dim, const ElementChoice& choice, std::span<const Index> cells,
                              const VectorX& rest_positions, const LawInfo& law,
                              std::span<const double> constants, const FibreDirections& fibres,
-                             InstructionSet instruction_set)
+                             InstructionSet instruction_set, ElasticTiles::Gradients gradients)
     : element_(&require_element(choice.element, dim, "element")),
       rule_(&element_->quadrature(choice.quadrature, "quadrature")),
       instruction_set_(instruction_set),
       tiles_(make_element_blocks(*element_, *rule_, cells, rest_positions), law, element_->has_mean_volume,
-             instruction_set),
+             instruction_set, gradients),
       num_world_unknowns_(rest_positions.size()),
       all_blocks_(tiles_.blocks.num_blocks) {
   if (element_->has_mean_volume && !law.has_volume_energy)
@@ -233,10 +233,35 @@ void ElasticEnergy::add_pattern(BlockPatternBuilder& builder) const {
 }
 
 void ElasticEnergy::bind(const BlockPattern& pattern) {
+  const std::vector<Index>& nodes = tiles_.blocks.world_nodes;
+  row_begin_.resize(nodes.size());
+  Offset longest = 0;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const auto row = static_cast<std::size_t>(nodes[i]);
+    row_begin_[i] = static_cast<std::uint32_t>(pattern.row_begin[row]);
+    longest = std::max(longest, pattern.row_begin[row + 1] - pattern.row_begin[row]);
+  }
+  narrow_places_ = {};
+  wide_places_ = {};
+  if (longest <= std::numeric_limits<std::uint8_t>::max() + 1)
+    find_places(pattern, narrow_places_);
+  else
+    find_places(pattern, wide_places_);
+}
+
+MatrixPlaces ElasticEnergy::places() const {
+  const bool are_narrow = wide_places_.empty();
+  return {.row_begin = row_begin_.data(),
+          .narrow = are_narrow ? narrow_places_.data() : nullptr,
+          .wide = are_narrow ? nullptr : wide_places_.data()};
+}
+
+template <class Place>
+void ElasticEnergy::find_places(const BlockPattern& pattern, std::vector<Place>& places) {
   const ElementBlocks& blocks = tiles_.blocks;
   const auto n = static_cast<std::size_t>(blocks.num_nodes),
              pairs = static_cast<std::size_t>(blocks.num_pairs());
-  slots_.resize(blocks.num_blocks * pairs * block_size);
+  places.resize(blocks.num_blocks * pairs * block_size);
   tiles_.transposed_lanes.assign(blocks.num_blocks * pairs, 0);
   parallel_for(blocks.num_blocks, blocks_per_chunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t block = begin; block < end; ++block)
@@ -248,7 +273,8 @@ void ElasticEnergy::bind(const BlockPattern& pattern) {
         for (std::size_t a = 0, pair = block * pairs; a < n; ++a)
           for (std::size_t b = a; b < n; ++b, ++pair) {
             const auto [row, column] = std::minmax({world(a), world(b)});
-            slots_[pair * block_size + lane] = static_cast<std::uint32_t>(pattern.slot(row, column));
+            places[pair * block_size + lane] = static_cast<Place>(
+                pattern.slot(row, column) - pattern.row_begin[static_cast<std::size_t>(row)]);
             if (world(b) < world(a)) tiles_.transposed_lanes[pair] |= static_cast<std::uint8_t>(1U << lane);
           }
       }
@@ -269,13 +295,14 @@ void ElasticEnergy::add_hessian_at(const VectorX& internal, const VectorX& x, co
 void ElasticEnergy::add_blocks_by_owner(const double* displacements, const FillBlocks& fill,
                                         BlockMatrix& matrix) const {
   const auto shares = parts();
+  const MatrixPlaces at = places();
   parallel_tasks(shares->size(), [&](std::size_t p) {
     const OwnerPart& share = (*shares)[p];
     ElasticTiles::Scratch scratch(tiles_);
     for_tiles(tiles_, share.blocks.data(), share.blocks.size(), [&](const ElasticTiles::Tile& tile) {
-      tiles_.prefetch(tile, displacements, slots_.data(), matrix.values.data());
+      tiles_.prefetch(tile, displacements, at, matrix.values.data());
       fill(tile, scratch);
-      tiles_.scatter(tile, slots_.data(), share.owned, scratch, matrix.values.data());
+      tiles_.scatter(tile, at, share.owned, scratch, matrix.values.data());
     });
   });
 }

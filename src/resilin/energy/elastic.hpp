@@ -46,7 +46,8 @@ class ElasticEnergy final : public Energy {
   ElasticEnergy(int dim, const ElementChoice& choice, std::span<const Index> cells,
                 const VectorX& rest_positions, const LawInfo& law, std::span<const double> constants,
                 const FibreDirections& fibres = {},
-                InstructionSet instruction_set = preferred_instruction_set());
+                InstructionSet instruction_set = preferred_instruction_set(),
+                ElasticTiles::Gradients gradients = ElasticTiles::Gradients::held);
 
   std::string_view name() const override { return "elastic"; }
   EnergyProperties properties() const override {
@@ -169,6 +170,9 @@ class ElasticEnergy final : public Energy {
   template <int dim>
   void add_shape_forces(const VectorX& x, const VectorX& direction, bool is_transposed,
                         VectorX& result) const;
+  template <class Place>
+  void find_places(const BlockPattern& pattern, std::vector<Place>& places);
+  MatrixPlaces places() const;
   bool turns_a_cell_inside_out(const VectorX& from, const VectorX& to) const;
   VectorX mean_pressures(const VectorX& x, const VectorX* p, double t) const;
   /// The parts for the present number of threads, from `parts_` when they were made for it.
@@ -188,11 +192,14 @@ class ElasticEnergy final : public Energy {
   InstructionSet instruction_set_;
   ElasticTiles tiles_;
   Eigen::Index num_world_unknowns_;
-  bool bounds_everywhere_ = false;    ///< see max_step
-  std::size_t num_families_ = 0;      ///< of fibres
-  std::vector<Index> all_blocks_;     ///< 0, 1, 2, ...
-  std::vector<Index> lane_of_cell_;   ///< block * block_size + lane
-  std::vector<std::uint32_t> slots_;  ///< [block][pair][lane]
+  bool bounds_everywhere_ = false;   ///< see max_step
+  std::size_t num_families_ = 0;     ///< of fibres
+  std::vector<Index> all_blocks_;    ///< 0, 1, 2, ...
+  std::vector<Index> lane_of_cell_;  ///< block * block_size + lane
+  // See MatrixPlaces; set once the pattern is known.
+  std::vector<std::uint32_t> row_begin_;
+  std::vector<std::uint8_t> narrow_places_;
+  std::vector<std::uint32_t> wide_places_;
   std::shared_ptr<const std::vector<OwnerPart>> parts_;
 };
 

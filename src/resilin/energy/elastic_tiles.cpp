@@ -2,7 +2,9 @@
 
 #include <cmath>
 #include <memory>
+#include <span>
 
+#include "resilin/core/parallel.hpp"
 #include "resilin/core/simd.hpp"
 
 namespace resilin {
@@ -13,7 +15,7 @@ constexpr int max_frame_rows = 18;
 }  // namespace
 
 ElasticTiles::ElasticTiles(ElementBlocks element_blocks, const LawInfo& material_law, bool has_mean,
-                           InstructionSet set)
+                           InstructionSet set, Gradients gradients)
     : blocks(std::move(element_blocks)),
       law(&material_law),
       simplex_kernels_(&element_kernels(blocks.dim, set)),
@@ -21,7 +23,22 @@ ElasticTiles::ElasticTiles(ElementBlocks element_blocks, const LawInfo& material
           blocks.is_linear_simplex() ? nullptr : &quadrature_kernels(blocks.dim, blocks.num_nodes, set)),
       point_kernels_(&point_kernels(blocks.dim, set)),
       law_kernels_(&resilin::law_kernels(law->index, set)),
-      has_mean_volume_(has_mean) {}
+      has_mean_volume_(has_mean) {
+  constexpr Index small = 50000;  // cells: about what stays in the caches
+  if (blocks.is_linear_simplex() && (gradients == Gradients::held || blocks.num_cells <= small))
+    hold_gradients();
+}
+
+void ElasticTiles::hold_gradients() {
+  const std::size_t rows = static_cast<std::size_t>(blocks.dim * blocks.dim) * block_size;
+  std::vector<double> all(blocks.num_blocks * rows);
+  parallel_for(blocks.num_blocks, blocks_per_chunk, [&](std::size_t begin, std::size_t end) {
+    for (auto block = static_cast<Index>(begin); block < static_cast<Index>(end); ++block)
+      simplex_kernels_->shape_gradients(simplex_tile({&block, 1}), blocks.rest_positions.data(),
+                                        all.data() + static_cast<std::size_t>(block) * rows);
+  });
+  blocks.gradients = std::move(all);
+}
 
 ElasticTiles::Scratch::Scratch(const ElasticTiles& tiles) {
   const ElementBlocks& elements = tiles.blocks;
@@ -34,6 +51,7 @@ ElasticTiles::Scratch::Scratch(const ElasticTiles& tiles) {
     std::size_t rows;
   };
   const Part parts[] = {{&K, K_rows},
+                        {&shape_gradients, elements.is_linear_simplex() ? entries * n : 0},
                         {&H, entries * n},
                         {&G, entries * n},
                         {&variables, entries * max_variables},
@@ -71,8 +89,21 @@ ElementTile ElasticTiles::simplex_tile(const Tile& tile) const {
           blocks.num_blocks,
           blocks.nodes.data(),
           blocks.gradients.data(),
+          /*gradients_are_of_tile=*/false,
           blocks.weights.data(),
           directions.empty() ? nullptr : directions.data()};
+}
+
+ElementTile ElasticTiles::simplex_tile(const Tile& tile, Scratch& scratch) const {
+  ElementTile result = simplex_tile(tile);
+  if (!blocks.gradients.empty()) return result;
+  if (!std::ranges::equal(scratch.gradients_of, std::span(tile.blocks, tile.num_blocks))) {
+    simplex_kernels_->shape_gradients(result, blocks.rest_positions.data(), scratch.shape_gradients);
+    scratch.gradients_of.assign(tile.blocks, tile.blocks + tile.num_blocks);
+  }
+  result.gradients = scratch.shape_gradients;
+  result.gradients_are_of_tile = true;
+  return result;
 }
 
 QuadratureTile ElasticTiles::quadrature_tile(const Tile& tile) const {
@@ -101,7 +132,7 @@ StateTile ElasticTiles::state_tile(const Tile& tile, Scratch& scratch) const {
 void ElasticTiles::gradients(const Tile& tile, const double* u, Scratch& scratch, double* H) const {
   constexpr LawForm any_law = {LawKind::invariants, false};  // H alone is wanted
   if (blocks.is_linear_simplex())
-    simplex_kernels_->measure(simplex_tile(tile), any_law, u, H, scratch.variables, nullptr);
+    simplex_kernels_->measure(simplex_tile(tile, scratch), any_law, u, H, scratch.variables, nullptr);
   else
     quadrature_kernels_->gradients(quadrature_tile(tile), u, H);
 }
@@ -114,7 +145,8 @@ void ElasticTiles::volume_cubics(const Tile& tile, const double* H, const double
 void ElasticTiles::measure(const Tile& tile, const double* u, bool keeps_frames, Scratch& scratch) const {
   double* frames = keeps_frames ? scratch.frames : nullptr;
   if (blocks.is_linear_simplex())
-    return simplex_kernels_->measure(simplex_tile(tile), law_form(), u, scratch.H, scratch.variables, frames);
+    return simplex_kernels_->measure(simplex_tile(tile, scratch), law_form(), u, scratch.H, scratch.variables,
+                                     frames);
   quadrature_kernels_->gradients(quadrature_tile(tile), u, scratch.H);
   point_kernels_->variables(state_tile(tile, scratch), false, scratch.H, scratch.variables, frames);
 }
@@ -224,8 +256,8 @@ void ElasticTiles::add_forces(const Tile& tile, const double* u, bool is_magnitu
   measure(tile, u, true, scratch);
   call_law(law_kernels_->gradient, tile, scratch.variables, true, scratch, scratch.law);
   if (blocks.is_linear_simplex()) {
-    simplex_kernels_->add_forces(simplex_tile(tile), law_form(), scratch.H, scratch.frames, scratch.law,
-                                 is_magnitude, owned, forces);
+    simplex_kernels_->add_forces(simplex_tile(tile, scratch), law_form(), scratch.H, scratch.frames,
+                                 scratch.law, is_magnitude, owned, forces);
     return;
   }
   if (has_mean_volume_) {
@@ -243,7 +275,7 @@ void ElasticTiles::hessians(const Tile& tile, const double* u, Projection projec
   call_law(law_kernels_->curvature, tile, scratch.variables, true, scratch, scratch.law);
   const double removed = removed_part(projection);
   if (blocks.is_linear_simplex()) {
-    simplex_kernels_->hessians(simplex_tile(tile), {law_form(), removed}, scratch.H, scratch.frames,
+    simplex_kernels_->hessians(simplex_tile(tile, scratch), {law_form(), removed}, scratch.H, scratch.frames,
                                scratch.law, scratch.K);
     return;
   }
@@ -269,20 +301,20 @@ void ElasticTiles::hessians(const Tile& tile, const double* u, Projection projec
   }
 }
 
-void ElasticTiles::scatter(const Tile& tile, const std::uint32_t* slots, const OwnedNodes& owned,
+void ElasticTiles::scatter(const Tile& tile, const MatrixPlaces& places, const OwnedNodes& owned,
                            Scratch& scratch, double* values) const {
   if (blocks.is_linear_simplex())
-    simplex_kernels_->scatter(simplex_tile(tile), scratch.K, slots, owned, values);
+    simplex_kernels_->scatter(simplex_tile(tile), scratch.K, places, owned, values);
   else
-    quadrature_kernels_->scatter(quadrature_tile(tile), scratch.K, slots, owned, values);
+    quadrature_kernels_->scatter(quadrature_tile(tile), scratch.K, places, owned, values);
 }
 
-void ElasticTiles::prefetch(const Tile& tile, const double* u, const std::uint32_t* slots,
+void ElasticTiles::prefetch(const Tile& tile, const double* u, const MatrixPlaces& places,
                             const double* values) const {
   if (blocks.is_linear_simplex())
-    simplex_kernels_->prefetch(simplex_tile(tile), u, slots, values);
+    simplex_kernels_->prefetch(simplex_tile(tile), u, places, values);
   else
-    quadrature_kernels_->prefetch(quadrature_tile(tile), slots, values);
+    quadrature_kernels_->prefetch(quadrature_tile(tile), places, values);
 }
 
 void ElasticTiles::volume_energies(const Tile& tile, const double* u, Scratch& scratch) const {

@@ -27,7 +27,12 @@ class ElasticTiles {
     std::size_t num_blocks;
   };
 
-  ElasticTiles(ElementBlocks blocks, const LawInfo& law, bool has_mean_volume, InstructionSet set);
+  /// Whether gradients of the shape functions of linear simplices are held, or made anew for each tile: a
+  /// third of what such a cell takes, for some nanoseconds each time.
+  enum class Gradients { held, held_by_small_bodies };
+
+  ElasticTiles(ElementBlocks blocks, const LawInfo& law, bool has_mean_volume, InstructionSet set,
+               Gradients gradients);
 
   std::size_t blocks_per_tile() const {
     return std::max<std::size_t>(1, entries_per_tile / blocks.num_points);
@@ -57,10 +62,10 @@ class ElasticTiles {
   /// is not null (elements with a mean volume).
   void hessians(const Tile& tile, const double* u, Projection projection, const double* pressures,
                 Scratch& scratch) const;
-  void scatter(const Tile& tile, const std::uint32_t* slots, const OwnedNodes& owned, Scratch& scratch,
+  void scatter(const Tile& tile, const MatrixPlaces& places, const OwnedNodes& owned, Scratch& scratch,
                double* values) const;
   /// Calls what `hessians` and `scatter` of this tile will touch into the cache.
-  void prefetch(const Tile& tile, const double* u, const std::uint32_t* slots, const double* values) const;
+  void prefetch(const Tile& tile, const double* u, const MatrixPlaces& places, const double* values) const;
 
   /// The volume energy and its two derivatives by J, [entry][3][lane] at the points into scratch.volume and
   /// [tile block][3][lane] at the cells' means into scratch.mean_volume.
@@ -95,6 +100,8 @@ class ElasticTiles {
 
   LawForm law_form() const { return {law->kind, law->uses_second_invariant}; }
   ElementTile simplex_tile(const Tile& tile) const;
+  ElementTile simplex_tile(const Tile& tile, Scratch& scratch) const;  ///< with its gradients
+  void hold_gradients();
   StateTile state_tile(const Tile& tile, Scratch& scratch) const;
   void measure(const Tile& tile, const double* u, bool keeps_frames, Scratch& scratch) const;
   LawBatch law_batch(const Tile& tile, const double* variables, bool is_per_entry, Scratch& scratch,
@@ -121,6 +128,8 @@ class ElasticTiles::Scratch {
  public:
   explicit Scratch(const ElasticTiles& tiles);
 
+  double* shape_gradients;
+  std::vector<Index> gradients_of;  ///< the blocks whose gradients these are
   double *H, *G, *variables, *frames, *law, *constants, *directions, *energy, *energy_from;
   double *stress, *tangent;
   double *j, *volume, *mean_j, *mean_volume, *mean;  ///< of elements with a mean volume

@@ -113,13 +113,22 @@ class LanePoint {
     weight_ =
         Eigen::Map<const LaneRow>(blocks.weights.data() + (block * blocks.num_points + point) * block_size);
     if (blocks.is_linear_simplex()) {
-      for (std::size_t k = 0; k < d; ++k) slopes_[k].setZero();
-      for (std::size_t a = 1; a < n; ++a)
-        for (std::size_t k = 0; k < d; ++k) {
-          slopes_[a * d + k] = Eigen::Map<const LaneRow>(blocks.gradients.data() +
-                                                         ((block * (n - 1) + a - 1) * d + k) * block_size);
-          slopes_[k] -= slopes_[a * d + k];
+      LaneMatrix<dim> edges;  // by columns
+      for (int a = 0; a < dim; ++a)
+        for (int i = 0; i < dim; ++i)
+          edges(i, a) = component(blocks.rest_positions, static_cast<std::size_t>(a) + 1, i) -
+                        component(blocks.rest_positions, 0, i);
+      const LaneMatrix<dim> normals = cofactor(edges);
+      LaneRow V = edges(0, 0) * normals(0, 0);
+      for (int i = 1; i < dim; ++i) V += edges(i, 0) * normals(i, 0);
+      for (int k = 0; k < dim; ++k) {
+        slopes_[static_cast<std::size_t>(k)].setZero();
+        for (int a = 0; a < dim; ++a) {
+          LaneRow& slope = slopes_[(static_cast<std::size_t>(a) + 1) * d + static_cast<std::size_t>(k)];
+          slope = (weight_ > 0).select(normals(k, a) / V, 0.0);
+          slopes_[static_cast<std::size_t>(k)] -= slope;
         }
+      }
       return;
     }
     const auto dxi_dX = LaneMatrix<dim>::load(blocks.gradients.data() +
@@ -141,12 +150,8 @@ class LanePoint {
     auto G = LaneMatrix<dim>::zero();
     for (std::size_t a = 0; a < static_cast<std::size_t>(blocks_.num_nodes); ++a)
       for (int i = 0; i < dim; ++i) {
-        LaneRow component;
-        for (std::size_t lane = 0; lane < block_size; ++lane)
-          component[static_cast<Eigen::Index>(lane)] =
-              values[static_cast<std::size_t>(node(a, lane)) * blocks_.stride() +
-                     static_cast<std::size_t>(i)];
-        for (int k = 0; k < dim; ++k) G(i, k) += component * slope(a, k);
+        const LaneRow of_node = component(values, a, i);
+        for (int k = 0; k < dim; ++k) G(i, k) += of_node * slope(a, k);
       }
     return G;
   }
@@ -170,6 +175,14 @@ class LanePoint {
  private:
   Index node(std::size_t a, std::size_t lane) const {
     return blocks_.nodes[(first_node_ + a) * block_size + lane];
+  }
+  /// Of node a, from numbers by local node.
+  LaneRow component(const std::vector<double>& values, std::size_t a, int i) const {
+    LaneRow row;
+    for (std::size_t lane = 0; lane < block_size; ++lane)
+      row[static_cast<Eigen::Index>(lane)] =
+          values[static_cast<std::size_t>(node(a, lane)) * blocks_.stride() + static_cast<std::size_t>(i)];
+    return row;
   }
   const LaneRow& slope(std::size_t a, int k) const {
     return slopes_[a * static_cast<std::size_t>(dim) + static_cast<std::size_t>(k)];

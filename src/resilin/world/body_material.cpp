@@ -21,9 +21,11 @@ std::shared_ptr<ElasticEnergy> give_material(const World& world, const BodyDescr
     for (std::size_t k = i; k < constants.size(); k += num_constants) sum += constants[k];
     body.constants.emplace_back(law.constants[i].name, sum / static_cast<double>(num_sets));
   }
+  using Gradients = ElasticTiles::Gradients;  // that of viscous damping, in motion, are those of the body
   auto elastic = std::make_shared<ElasticEnergy>(
       world.dimension, ElementChoice(body.element, description.quadrature), body.cells, world.rest_positions,
-      law, constants, fibres_of_cells(law, description, body.num_cells()));
+      law, constants, fibres_of_cells(law, description, body.num_cells()), preferred_instruction_set(),
+      world.is_dynamic ? Gradients::held : Gradients::held_by_small_bodies);
   if (world.newton.inversion_bound == InversionBound::everywhere) elastic->bound_inversion_everywhere();
   body.elastic = elastic;
   body.density = material.density;

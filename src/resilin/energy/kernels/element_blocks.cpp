@@ -151,17 +151,10 @@ void fill_lane(const ElementInfo& element, const QuadratureRule& rule, std::span
     const PointGeometry geometry = point_geometry(element, rule.points[q], positions);
     if (!is_copy) check_volume(geometry.weight, out.cells[block * block_size + lane]);
     out.weights[(block * num_points + q) * block_size + lane] = is_copy ? 0 : geometry.weight;
-    if (!out.is_linear_simplex()) {
-      for (std::size_t k = 0; k < dim * dim; ++k)
-        out.gradients[((block * num_points + q) * dim * dim + k) * block_size + lane] =
-            is_copy ? 0
-                    : geometry.dxi_dX(static_cast<Eigen::Index>(k / dim), static_cast<Eigen::Index>(k % dim));
-      continue;
-    }
-    for (std::size_t a = 1; a < n; ++a)
-      for (std::size_t i = 0; i < dim; ++i)
-        out.gradients[((block * (n - 1) + a - 1) * dim + i) * block_size + lane] =
-            is_copy ? 0 : geometry.gradients[order[a] * dim + i];
+    for (std::size_t k = 0; k < dim * dim && !out.is_linear_simplex(); ++k)
+      out.gradients[((block * num_points + q) * dim * dim + k) * block_size + lane] =
+          is_copy ? 0
+                  : geometry.dxi_dX(static_cast<Eigen::Index>(k / dim), static_cast<Eigen::Index>(k % dim));
   }
 }
 
@@ -178,7 +171,7 @@ std::vector<double> reference_gradients(const ElementInfo& element, const Quadra
 void foresee_geometry(const ElementInfo& element, const QuadratureRule& rule, std::size_t num_cells) {
   const auto n = static_cast<double>(element.num_nodes), dim = static_cast<double>(element.dim);
   const double of_points = static_cast<double>(rule.points.size()) * (dim * dim + 1) * sizeof(double);
-  const double of_slots = n * (n + 1) / 2 * sizeof(std::uint32_t);
+  const double of_slots = n * (n + 1) / 2 * sizeof(std::uint8_t);
   const double bytes = static_cast<double>(num_cells) * (of_points + of_slots + n * sizeof(Index));
   if (!fits(bytes))
     foresee_memory(
@@ -236,8 +229,10 @@ ElementBlocks make_element_blocks(const ElementInfo& element, const QuadratureRu
   const auto dim = static_cast<std::size_t>(element.dim);
   out.num_points = rule.points.size();
   out.weights.resize(lanes * out.num_points);
-  out.gradients.resize(lanes * out.num_points * dim * dim);  // a linear simplex has n - 1 = dim
-  if (!out.is_linear_simplex()) out.reference_gradients = reference_gradients(element, rule);
+  if (!out.is_linear_simplex()) {
+    out.gradients.resize(lanes * out.num_points * dim * dim);
+    out.reference_gradients = reference_gradients(element, rule);
+  }
   for (std::size_t i = 0; i < lanes; ++i) {
     const bool is_copy = out.cells[i] < 0;
     const auto cell = static_cast<std::size_t>(is_copy ? order.back() : out.cells[i]);

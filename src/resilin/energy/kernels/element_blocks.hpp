@@ -26,8 +26,8 @@ struct ElementBlocks {
   /// [block][node][lane], local. Linear simplices have the nodes of a cell in the order of their world
   /// numbers, other elements in their own.
   std::vector<Index> nodes;
-  /// [1/m] Linear simplices: dN/dX, [block][node - 1][component][lane]; other elements: dxi/dX by rows,
-  /// [block][point][dim * dim][lane].
+  /// [1/m] Linear simplices: dN/dX, [block][node - 1][component][lane], where they are held (ElasticTiles);
+  /// other elements: dxi/dX by rows, [block][point][dim * dim][lane].
   std::vector<double> gradients;
   std::vector<double> weights;  ///< [block][point][lane], rest volume [m^3] (2D [m^2] on unit thickness)
   std::vector<double> reference_gradients;  ///< but for linear simplices: [point][node][dim], dN/dxi

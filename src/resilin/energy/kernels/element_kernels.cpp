@@ -31,7 +31,8 @@ struct Place {
     return tile.directions == nullptr ? nullptr : tile.directions + block * (fibre_rows * block_size) + lane;
   }
   RESILIN_INLINE void gradients(const ElementTile& tile, Lanes g[dim][dim]) const {
-    load_rows(tile.gradients + block * (dim * dim * block_size) + lane, dim * dim, g[0]);
+    const std::size_t place = tile.gradients_are_of_tile ? in_tile : block;
+    load_rows(tile.gradients + place * (dim * dim * block_size) + lane, dim * dim, g[0]);
   }
 };
 
@@ -49,11 +50,41 @@ RESILIN_INLINE void prefetch_geometry(const ElementTile& tile, std::size_t block
                         gradients_per_block = dim * dim * block_size;
   const std::size_t ahead = block + 2 * tile.num_blocks;
   if (ahead >= tile.total_blocks) return;
-  for (std::size_t i = 0; i < gradients_per_block; i += 8)
+  for (std::size_t i = 0; !tile.gradients_are_of_tile && i < gradients_per_block; i += 8)
     __builtin_prefetch(tile.gradients + ahead * gradients_per_block + i);
   __builtin_prefetch(tile.weights + ahead * block_size);
   for (std::size_t i = 0; i < nodes_per_block; i += 16)
     __builtin_prefetch(tile.nodes + ahead * nodes_per_block + i);
+}
+
+/// With the edges e_a = X_a - X_0: g_1 = e_2 x e_3 / V, V = e_1 . e_2 x e_3, and so around.
+template <int dim>
+[[gnu::flatten]] void shape_gradients(const ElementTile& tile, const double* rest_positions, double* rows) {
+  for_lanes<dim>(tile, [&](const Place<dim>& at) {
+    Lanes X0[dim], e[dim][dim], g[dim][dim];
+    gather<dim>(rest_positions, at.nodes(tile, 0), X0);
+    for (int a = 0; a < dim; ++a) {
+      gather<dim>(rest_positions, at.nodes(tile, a + 1), e[a]);
+      for (int i = 0; i < dim; ++i) e[a][i] -= X0[i];
+    }
+    if constexpr (dim == 2) {
+      g[0][0] = e[1][1];
+      g[0][1] = -e[1][0];
+      g[1][0] = -e[0][1];
+      g[1][1] = e[0][0];
+    } else {
+      for (int a = 0; a < 3; ++a)
+        for (int i = 0; i < 3; ++i)
+          g[a][i] = e[(a + 1) % 3][(i + 1) % 3] * e[(a + 2) % 3][(i + 2) % 3] -
+                    e[(a + 1) % 3][(i + 2) % 3] * e[(a + 2) % 3][(i + 1) % 3];
+    }
+    const Mask has_volume = at.weight(tile) > Lanes(0.0);
+    const Lanes V = select(has_volume, dot<dim>(e[0], g[0]), Lanes(1.0));
+    const Lanes inverse = select(has_volume, Lanes(1.0) / V, Lanes(0.0));
+    for (int a = 0; a < dim; ++a)
+      for (int i = 0; i < dim; ++i) g[a][i] *= inverse;
+    store_rows(g[0], dim * dim, rows + at.row(dim * dim));
+  });
 }
 
 template <int dim>
@@ -210,17 +241,24 @@ void hessians(const ElementTile& tile, const HessianForm& form, const double* H_
   });
 }
 
-template <int dim>
-void prefetch(const ElementTile& tile, const double* displacements, const std::uint32_t* slots,
-              const double* values) {
+template <int dim, class Place>
+void prefetch_slots(const ElementTile& tile, const double* displacements, const std::uint32_t* row_begin,
+                    const Place* places, const double* values) {
   constexpr std::size_t nodes_per_block = (dim + 1) * block_size;
   constexpr std::size_t slots_per_block = num_pairs(dim) * block_size, entries = dim * dim;
   for (std::size_t i = 0; i < tile.num_blocks; ++i) {
     const auto block = static_cast<std::size_t>(tile.blocks[i]);
-    const std::uint32_t* slot = slots + block * slots_per_block;
-    for (std::size_t k = 0; k < slots_per_block; ++k) {
-      __builtin_prefetch(values + entries * slot[k], 1);
-      if constexpr (dim == 3) __builtin_prefetch(values + entries * slot[k] + 8, 1);
+    const std::int32_t* row_nodes = tile.nodes + block * nodes_per_block;
+    const Place* place = places + block * slots_per_block;
+    for (int a = 0; a <= dim; ++a, row_nodes += block_size) {
+      const double* rows[block_size];
+      for (int lane = 0; lane < block_size; ++lane)
+        rows[lane] = values + entries * row_begin[row_nodes[lane]];
+      for (int b = a; b <= dim; ++b)
+        for (int lane = 0; lane < block_size; ++lane, ++place) {
+          __builtin_prefetch(rows[lane] + entries * *place, 1);
+          if constexpr (dim == 3) __builtin_prefetch(rows[lane] + entries * *place + 8, 1);
+        }
     }
     const std::size_t next = block + tile.num_blocks;
     if (next >= tile.total_blocks) continue;
@@ -230,19 +268,32 @@ void prefetch(const ElementTile& tile, const double* displacements, const std::u
 }
 
 template <int dim>
-void scatter(const ElementTile& tile, const double* K, const std::uint32_t* slots, const OwnedNodes& owned,
-             double* values) {
+void prefetch(const ElementTile& tile, const double* displacements, const MatrixPlaces& at,
+              const double* values) {
+  at.narrow != nullptr ? prefetch_slots<dim>(tile, displacements, at.row_begin, at.narrow, values)
+                       : prefetch_slots<dim>(tile, displacements, at.row_begin, at.wide, values);
+}
+
+template <int dim, class Place>
+void scatter_to(const ElementTile& tile, const double* K, const std::uint32_t* row_begin, const Place* places,
+                const OwnedNodes& owned, double* values) {
   constexpr int pairs = num_pairs(dim), entries = dim * dim;
   for (std::size_t i = 0; i < tile.num_blocks; ++i) {
     const auto block = static_cast<std::size_t>(tile.blocks[i]);
     for (int a = 0, pair = 0; a <= dim; ++a) {
       bool is_owned[block_size];
+      std::uint32_t first_slot[block_size];
       const std::int32_t* row_nodes =
           tile.nodes + (block * (dim + 1) + static_cast<std::size_t>(a)) * block_size;
-      for (int lane = 0; lane < block_size; ++lane) is_owned[lane] = owns(owned, row_nodes[lane]);
+      for (int lane = 0; lane < block_size; ++lane) {
+        is_owned[lane] = owns(owned, row_nodes[lane]);
+        first_slot[lane] = row_begin[row_nodes[lane]];
+      }
       for (int b = a; b <= dim; ++b, ++pair) {
         const double* rows = K + (i * pairs + static_cast<std::size_t>(pair)) * (entries * block_size);
-        const std::uint32_t* slot = slots + (block * pairs + static_cast<std::size_t>(pair)) * block_size;
+        const Place* place = places + (block * pairs + static_cast<std::size_t>(pair)) * block_size;
+        std::uint32_t slot[block_size];
+        for (int lane = 0; lane < block_size; ++lane) slot[lane] = first_slot[lane] + place[lane];
         if constexpr (dim == 3) {
           add_blocks3(rows, slot, is_owned, values);
         } else {
@@ -255,6 +306,13 @@ void scatter(const ElementTile& tile, const double* K, const std::uint32_t* slot
       }
     }
   }
+}
+
+template <int dim>
+void scatter(const ElementTile& tile, const double* K, const MatrixPlaces& at, const OwnedNodes& owned,
+             double* values) {
+  at.narrow != nullptr ? scatter_to<dim>(tile, K, at.row_begin, at.narrow, owned, values)
+                       : scatter_to<dim>(tile, K, at.row_begin, at.wide, owned, values);
 }
 
 template <int dim>
@@ -285,8 +343,9 @@ void volume_cubics(std::size_t num_blocks, const double* H_rows, const double* G
 }
 
 template <int dim>
-constexpr ElementKernels kernels = {measure<dim>,  add_energies<dim>, add_forces<dim>,   hessians<dim>,
-                                    prefetch<dim>, scatter<dim>,      volume_cubics<dim>};
+constexpr ElementKernels kernels = {shape_gradients<dim>, measure<dim>,      add_energies<dim>,
+                                    add_forces<dim>,      hessians<dim>,     prefetch<dim>,
+                                    scatter<dim>,         volume_cubics<dim>};
 
 }  // namespace
 

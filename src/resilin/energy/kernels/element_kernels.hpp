@@ -17,8 +17,10 @@ struct ElementTile {
   std::size_t num_blocks;
   std::size_t total_blocks;   ///< of the body: `nodes` and the arrays below hold so many
   const std::int32_t* nodes;  ///< of all blocks: [block][node][lane], local numbers
-  const double* gradients;    ///< of all blocks: [block][node - 1][component][lane], dN/dX of nodes 1, 2, ...
-  const double* weights;      ///< of all blocks: [block][lane], rest volumes
+  /// [block][node - 1][component][lane], dN/dX of nodes 1, 2, ...: of all blocks, or of those of the tile.
+  const double* gradients;
+  bool gradients_are_of_tile;
+  const double* weights;  ///< of all blocks: [block][lane], rest volumes
   /// Of all blocks: [block][fibre_rows][lane], rest directions of the fibres; null for a law without.
   const double* directions;
 };
@@ -35,6 +37,14 @@ struct OwnedNodes {
   std::int32_t begin, end;
 };
 
+/// Where the blocks of the cells stand in a matrix: which one of its row each is, the row being that of the
+/// node of the pair with the smaller world number. In one byte each where no row is too long for that.
+struct MatrixPlaces {
+  const std::uint32_t* row_begin;  ///< by local node: the first slot of its row
+  const std::uint8_t* narrow;      ///< of all blocks: [block][pair][lane]; one of the two is there
+  const std::uint32_t* wide;
+};
+
 /// How the element Hessians are formed.
 struct HessianForm {
   LawForm law;
@@ -43,6 +53,10 @@ struct HessianForm {
 };
 
 struct ElementKernels {
+  /// dN/dX of nodes 1, 2, ... from rest positions by local node, [tile block][node - 1][component][lane];
+  /// zero in lanes without volume.
+  void (*shape_gradients)(const ElementTile&, const double* rest_positions, double* gradients);
+
   /// H = sum_a (u_a - u_0) dN_a/dX, by rows, [tile block][dim * dim][lane], and the variables of the law's
   /// kind; for stretches the frame as well (material/kernels/lane_variables.hpp), unless `frames` is null.
   void (*measure)(const ElementTile&, const LawForm&, const double* displacements, double* H,
@@ -62,11 +76,11 @@ struct ElementKernels {
 
   /// Before `measure` of a tile that will be assembled: calls its slots and the displacements of the next one
   /// into the cache.
-  void (*prefetch)(const ElementTile&, const double* displacements, const std::uint32_t* slots,
+  void (*prefetch)(const ElementTile&, const double* displacements, const MatrixPlaces&,
                    const double* values);
 
-  /// Adds element Hessians to the slots whose row node is owned. `slots`: of all blocks, [block][pair][lane].
-  void (*scatter)(const ElementTile&, const double* K, const std::uint32_t* slots, const OwnedNodes&,
+  /// Adds element Hessians to the slots whose row node is owned.
+  void (*scatter)(const ElementTile&, const double* K, const MatrixPlaces&, const OwnedNodes&,
                   double* values);
 
   /// J(t) = c0 + c1 t + c2 t^2 + c3 t^3 along H + t G: [block][4][lane].

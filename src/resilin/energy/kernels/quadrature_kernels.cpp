@@ -224,21 +224,41 @@ void add_mean_volume(const QuadratureTile& tile, const double* H_rows, const dou
   });
 }
 
-template <int dim, int num_nodes>
-void prefetch(const QuadratureTile& tile, const std::uint32_t* slots, const double* values) {
-  constexpr std::size_t slots_per_block = num_pairs(num_nodes) * block_size, entries = dim * dim;
+/// The node whose row holds the block of nodes a and b of a cell.
+RESILIN_INLINE std::int32_t row_node(const std::int32_t* nodes, int a, int b, unsigned lanes_transposed,
+                                     int lane) {
+  return nodes[((lanes_transposed >> lane & 1U) != 0 ? b : a) * block_size + lane];
+}
+
+template <int dim, int num_nodes, class Place>
+void prefetch_slots(const QuadratureTile& tile, const std::uint32_t* row_begin, const Place* places,
+                    const double* values) {
+  constexpr std::size_t pairs = num_pairs(num_nodes), entries = dim * dim;
   for (std::size_t i = 0; i < tile.num_blocks; ++i) {
-    const std::uint32_t* slot = slots + static_cast<std::size_t>(tile.blocks[i]) * slots_per_block;
-    for (std::size_t k = 0; k < slots_per_block; ++k) {
-      __builtin_prefetch(values + entries * slot[k], 1, 2);
-      if constexpr (dim == 3) __builtin_prefetch(values + entries * slot[k] + 8, 1, 2);
-    }
+    const auto block = static_cast<std::size_t>(tile.blocks[i]);
+    const std::int32_t* nodes = tile.nodes + block * (num_nodes * block_size);
+    const std::uint8_t* transposed = tile.transposed_lanes + block * pairs;
+    const Place* place = places + block * pairs * block_size;
+    for (int a = 0; a < num_nodes; ++a)
+      for (int b = a; b < num_nodes; ++b, ++transposed)
+        for (int lane = 0; lane < block_size; ++lane, ++place) {
+          const double* at =
+              values + entries * (row_begin[row_node(nodes, a, b, *transposed, lane)] + std::size_t{*place});
+          __builtin_prefetch(at, 1, 2);
+          if constexpr (dim == 3) __builtin_prefetch(at + 8, 1, 2);
+        }
   }
 }
 
 template <int dim, int num_nodes>
-void scatter(const QuadratureTile& tile, const double* K, const std::uint32_t* slots, const OwnedNodes& owned,
-             double* values) {
+void prefetch(const QuadratureTile& tile, const MatrixPlaces& at, const double* values) {
+  at.narrow != nullptr ? prefetch_slots<dim, num_nodes>(tile, at.row_begin, at.narrow, values)
+                       : prefetch_slots<dim, num_nodes>(tile, at.row_begin, at.wide, values);
+}
+
+template <int dim, int num_nodes, class Place>
+void scatter_to(const QuadratureTile& tile, const double* K, const std::uint32_t* row_begin,
+                const Place* places, const OwnedNodes& owned, double* values) {
   constexpr int pairs = num_pairs(num_nodes), entries = dim * dim;
   for (std::size_t i = 0; i < tile.num_blocks; ++i) {
     const auto block = static_cast<std::size_t>(tile.blocks[i]);
@@ -247,12 +267,15 @@ void scatter(const QuadratureTile& tile, const double* K, const std::uint32_t* s
     for (int a = 0, pair = 0; a < num_nodes; ++a)
       for (int b = a; b < num_nodes; ++b, ++pair) {
         const double* rows = K + (i * pairs + static_cast<std::size_t>(pair)) * (entries * block_size);
-        const std::uint32_t* slot = slots + (block * pairs + static_cast<std::size_t>(pair)) * block_size;
+        const Place* place = places + (block * pairs + static_cast<std::size_t>(pair)) * block_size;
         const unsigned lanes_transposed = transposed[pair];
         bool is_owned[block_size];
-        for (int lane = 0; lane < block_size; ++lane)
-          is_owned[lane] =
-              owns(owned, nodes[((lanes_transposed >> lane & 1U) != 0 ? b : a) * block_size + lane]);
+        std::uint32_t slot[block_size];
+        for (int lane = 0; lane < block_size; ++lane) {
+          const std::int32_t node = row_node(nodes, a, b, lanes_transposed, lane);
+          is_owned[lane] = owns(owned, node);
+          slot[lane] = row_begin[node] + place[lane];
+        }
         double turned[entries * block_size];
         if (lanes_transposed != 0) {
           for (int r = 0; r < dim; ++r)
@@ -274,6 +297,13 @@ void scatter(const QuadratureTile& tile, const double* K, const std::uint32_t* s
         }
       }
   }
+}
+
+template <int dim, int num_nodes>
+void scatter(const QuadratureTile& tile, const double* K, const MatrixPlaces& at, const OwnedNodes& owned,
+             double* values) {
+  at.narrow != nullptr ? scatter_to<dim, num_nodes>(tile, K, at.row_begin, at.narrow, owned, values)
+                       : scatter_to<dim, num_nodes>(tile, K, at.row_begin, at.wide, owned, values);
 }
 
 template <int dim, int num_nodes>

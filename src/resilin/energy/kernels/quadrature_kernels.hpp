@@ -51,10 +51,10 @@ struct QuadratureKernels {
   void (*add_mean_volume)(const QuadratureTile&, const double* H, const double* c, double* K);
 
   /// Before `hessians` of a tile that will be assembled: calls its slots into the cache.
-  void (*prefetch)(const QuadratureTile&, const std::uint32_t* slots, const double* values);
+  void (*prefetch)(const QuadratureTile&, const MatrixPlaces&, const double* values);
 
-  /// Adds element Hessians to the slots whose row node is owned. `slots`: of all blocks, [block][pair][lane].
-  void (*scatter)(const QuadratureTile&, const double* K, const std::uint32_t* slots, const OwnedNodes&,
+  /// Adds element Hessians to the slots whose row node is owned.
+  void (*scatter)(const QuadratureTile&, const double* K, const MatrixPlaces&, const OwnedNodes&,
                   double* values);
 };
 
