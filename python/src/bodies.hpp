@@ -34,8 +34,8 @@ inline const Body& body_of(const World& world, const std::string& name) {
 /// (M, n), in the world's numbering; mid-edge nodes of quadratic elements behind the corners, as in MSH.
 inline NumpyArray<Index> cells_of(const World& world, const std::string& name) {
   const Body& body = body_of(world, name);
-  return numpy_array(body.cells, {static_cast<std::size_t>(body.num_cells()),
-                                  static_cast<std::size_t>(num_nodes(body.cell_kind))});
+  return numpy_array<Index>(body.cells, {static_cast<std::size_t>(body.num_cells()),
+                                         static_cast<std::size_t>(num_nodes(body.cell_kind))});
 }
 
 inline CellKind cell_kind_of(const World& world, const std::string& name) {

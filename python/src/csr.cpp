@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <string>
 
 #include "resilin/core/error.hpp"
@@ -12,19 +13,34 @@ namespace {
 
 constexpr std::size_t nodes_per_chunk = 1024;
 
-/// Blocks in the row of a node: those left of the diagonal, the diagonal and those right of it.
-Offset num_blocks(const BlockPattern& pattern, std::size_t node) {
-  return pattern.lower_begin[node + 1] - pattern.lower_begin[node] + pattern.row_begin[node + 1] -
-         pattern.row_begin[node];
-}
+/// What stands left of the diagonal in each row: the transposed blocks of slots (j, i), j < i, j ascending.
+struct LowerBlocks {
+  std::vector<Offset> begin, slots;
+  std::vector<Index> columns;
 
-/// The node whose row holds each slot.
-std::vector<Index> rows_of_slots(const BlockPattern& pattern) {
-  std::vector<Index> rows(pattern.columns.size());
-  for (std::size_t i = 0; i + 1 < pattern.row_begin.size(); ++i)
-    std::fill(rows.begin() + pattern.row_begin[i], rows.begin() + pattern.row_begin[i + 1],
-              static_cast<Index>(i));
-  return rows;
+  explicit LowerBlocks(const BlockPattern& pattern) : begin(pattern.row_begin.size(), 0) {
+    const auto for_each = [&](const auto& visit) {
+      for (Index j = 0; j < pattern.num_nodes(); ++j)
+        for (Offset s = pattern.row_begin[static_cast<std::size_t>(j)] + 1;
+             s < pattern.row_begin[static_cast<std::size_t>(j) + 1]; ++s)
+          visit(static_cast<std::size_t>(pattern.columns[static_cast<std::size_t>(s)]), j, s);
+    };
+    for_each([&](std::size_t i, Index, Offset) { ++begin[i + 1]; });
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    slots.resize(static_cast<std::size_t>(begin.back()));
+    columns.resize(slots.size());
+    std::vector<Offset> next = begin;
+    for_each([&](std::size_t i, Index j, Offset s) {
+      const auto place = static_cast<std::size_t>(next[i]++);
+      slots[place] = s;
+      columns[place] = j;
+    });
+  }
+};
+
+/// Blocks in the row of a node: those left of the diagonal, the diagonal and those right of it.
+Offset num_blocks(const BlockPattern& pattern, const LowerBlocks& lower, std::size_t node) {
+  return lower.begin[node + 1] - lower.begin[node] + pattern.row_begin[node + 1] - pattern.row_begin[node];
 }
 
 }  // namespace
@@ -33,7 +49,7 @@ Csr to_csr(const BlockMatrix& matrix) {
   const BlockPattern& pattern = *matrix.pattern;
   const auto num_nodes = static_cast<std::size_t>(pattern.num_nodes());
   const auto dim = static_cast<std::size_t>(matrix.dim);
-  const std::vector<Index> row_of_slot = rows_of_slots(pattern);
+  const LowerBlocks lower(pattern);
   const Offset num_entries = (2 * pattern.num_slots() - pattern.num_nodes()) * matrix.dim * matrix.dim;
   if (num_entries > std::numeric_limits<Index>::max())
     throw InputError("hessian", "at most 2147483647 entries", std::to_string(num_entries));
@@ -42,7 +58,7 @@ Csr to_csr(const BlockMatrix& matrix) {
   for (std::size_t i = 0; i < num_nodes; ++i)
     for (std::size_t a = 0; a < dim; ++a)
       csr.row_begin[i * dim + a + 1] =
-          csr.row_begin[i * dim + a] + static_cast<Index>(matrix.dim * num_blocks(pattern, i));
+          csr.row_begin[i * dim + a] + static_cast<Index>(matrix.dim * num_blocks(pattern, lower, i));
   csr.columns.resize(static_cast<std::size_t>(csr.row_begin.back()));
   csr.values.resize(csr.columns.size());
   parallel_for(num_nodes, nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
@@ -59,10 +75,9 @@ Csr to_csr(const BlockMatrix& matrix) {
         }
         place += dim;
       };
-      for (Offset k = pattern.lower_begin[i]; k < pattern.lower_begin[i + 1]; ++k) {
-        const Offset slot = pattern.lower_slots[static_cast<std::size_t>(k)];
-        put(row_of_slot[static_cast<std::size_t>(slot)], matrix.block(slot), 1, dim);
-      }
+      for (auto k = static_cast<std::size_t>(lower.begin[i]);
+           k < static_cast<std::size_t>(lower.begin[i + 1]); ++k)
+        put(lower.columns[k], matrix.block(lower.slots[k]), 1, dim);
       for (Offset slot = pattern.row_begin[i]; slot < pattern.row_begin[i + 1]; ++slot)
         put(pattern.columns[static_cast<std::size_t>(slot)], matrix.block(slot), dim, 1);
     }

@@ -30,6 +30,7 @@ double linear(const Vector3& X) { return 2 + X.x() - 3 * X.y() + 0.5 * X.z(); }
 /// One cell of an element with straight sides, its corners moved.
 Body one_cell(const ElementInfo& element, VectorX& X) {
   Body body;
+  std::vector<Index> nodes;
   body.num_nodes = element.num_nodes;
   X.resize(Eigen::Index{element.num_nodes} * element.dim);
   for (Index a = 0; a < element.num_nodes; ++a) {
@@ -37,8 +38,9 @@ Body one_cell(const ElementInfo& element, VectorX& X) {
     Vector3 moved = xi + Vector3(0.1 * xi.y(), -0.2 * xi.x(), 0.1 * xi.y() * (element.dim - 2));
     if (!is_simplex(element.shape)) moved += 0.15 * xi.x() * xi.y() * Vector3(1, 1, 0);
     X.segment(Eigen::Index{a} * element.dim, element.dim) = moved.head(element.dim);
-    body.cells.push_back(a);
+    nodes.push_back(a);
   }
+  body.cells = std::move(nodes);
   const LawInfo& law = require_law("neo_hookean", "law");
   const auto constants = law.constants_from(hooke_from_young_poisson(1e5, 0.3));
   body.elastic =

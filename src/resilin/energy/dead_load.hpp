@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "resilin/core/shared_indices.hpp"
 #include "resilin/element/element.hpp"
 #include "resilin/energy/energy.hpp"
 #include "resilin/energy/time_function.hpp"
@@ -50,7 +51,7 @@ class LoadedRegion {
 class LoadedCells final : public LoadedRegion {
  public:
   /// @param cells  nodes in the world, those of one cell after another
-  LoadedCells(const ElementInfo& element, std::vector<Index> cells)
+  LoadedCells(const ElementInfo& element, SharedIndices cells)
       : element_(element), cells_(std::move(cells)) {}
   void add_forces(const Vector3& value, const VectorX& X, VectorX& forces) const override;
   void add_force_change(const Vector3& value, const VectorX& X, const VectorX& change,
@@ -60,7 +61,7 @@ class LoadedCells final : public LoadedRegion {
 
  private:
   const ElementInfo& element_;
-  std::vector<Index> cells_;
+  SharedIndices cells_;
 };
 
 /// A traction [N/m^2] (2D: on unit thickness) on facets: f_a = value integral N_a dA.

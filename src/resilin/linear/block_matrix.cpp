@@ -140,18 +140,19 @@ void eliminate(BlockMatrix& A, std::span<const std::uint8_t> is_fixed) {
   const BlockPattern& pattern = *A.pattern;
   const int dim = A.dim;
   assert(is_fixed.size() == static_cast<std::size_t>(A.num_unknowns()));
-  for (Index node = 0; node < A.num_nodes(); ++node) {
-    const std::uint8_t* fixed = is_fixed.data() + static_cast<Offset>(node) * dim;
-    for (int d = 0; d < dim; ++d) {
-      if (!fixed[d]) continue;
-      const Offset begin = pattern.row_begin[node], end = pattern.row_begin[node + 1];
-      clear_column(A.block(begin), dim, d, 1);
-      clear_row(A.block(begin), dim, d, 1);
-      for (Offset s = begin + 1; s < end; ++s) clear_row(A.block(s), dim, d, 0);
-      for (Offset k = pattern.lower_begin[node]; k < pattern.lower_begin[node + 1]; ++k)
-        clear_column(A.block(pattern.lower_slots[k]), dim, d, 0);
-    }
-  }
+  parallel_for(static_cast<std::size_t>(A.num_nodes()), gather_chunk,
+               [&](std::size_t first, std::size_t last) {
+                 for (std::size_t node = first; node < last; ++node) {
+                   const Offset begin = pattern.row_begin[node], end = pattern.row_begin[node + 1];
+                   for (int d = 0; d < dim; ++d)
+                     if (is_fixed[node * static_cast<std::size_t>(dim) + static_cast<std::size_t>(d)] != 0)
+                       for (Offset s = begin; s < end; ++s) clear_row(A.block(s), dim, d, s == begin ? 1 : 0);
+                   for (Offset s = begin; s < end; ++s)
+                     for (int d = 0; d < dim; ++d)
+                       if (is_fixed[Offset{pattern.columns[s]} * dim + d] != 0)
+                         clear_column(A.block(s), dim, d, s == begin ? 1 : 0);
+                 }
+               });
   for (const BlockMatrix::ExtraBlock& extra : A.extra) {
     double* block = A.extra_values.data() + extra.begin;
     for (int d = 0; d < dim; ++d) {

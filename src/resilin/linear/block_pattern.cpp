@@ -76,14 +76,6 @@ Offset BlockPattern::slot(Index i, Index j) const {
 }
 
 void BlockPattern::complete(Offset slots_per_chunk) {
-  lower_begin.assign(row_begin.size(), 0);
-  for (const Index column : columns) ++lower_begin[column + 1];
-  for (Index i = 0; i < num_nodes(); ++i) lower_begin[i + 1] += lower_begin[i] - 1;  // less the diagonal
-  lower_slots.resize(columns.size() - static_cast<std::size_t>(num_nodes()));
-  std::vector<Offset> next(lower_begin.begin(), lower_begin.end() - 1);
-  for (Index i = 0; i < num_nodes(); ++i)
-    for (Offset s = row_begin[i] + 1; s < row_begin[i + 1]; ++s)
-      lower_slots[next[columns[s]]++] = static_cast<Index>(s);
   product_plan = make_product_plan(*this, slots_per_chunk);
 }
 

@@ -25,14 +25,9 @@ struct BlockPattern {
   /// The same, or -1 when the pair is not in the pattern.
   Offset find_slot(Index i, Index j) const;
 
-  /// What follows is derived from the two arrays above by `complete`, which the builder calls.
-
-  std::vector<Offset> lower_begin;  ///< num_nodes + 1
-  std::vector<Index> lower_slots;   ///< slots of the blocks (j, i), j < i, by column i, j ascending
-
-  /// A product runs over fixed chunks of rows at the same time. A chunk adds the transposed blocks whose
-  /// column lies beyond its last row to places of its own, which are summed afterwards in the order of the
-  /// chunks.
+  /// Derived from the two arrays above by `complete`, which the builder calls. A product runs over fixed
+  /// chunks of rows at the same time. A chunk adds the transposed blocks whose column lies beyond its last
+  /// row to places of its own, which are summed afterwards in the order of the chunks.
   struct ProductPlan {
     std::vector<Index> chunk_begin;    ///< first row of every chunk, then num_nodes
     std::vector<Index> targets;        ///< by slot: its column, or num_nodes + a place of the chunk
@@ -44,7 +39,7 @@ struct BlockPattern {
   };
   ProductPlan product_plan;
 
-  /// Fills the derived tables; `slots_per_chunk` sets the size of the chunks of a product.
+  /// `slots_per_chunk` sets the size of the chunks of a product.
   void complete(Offset slots_per_chunk = 8192);
 };
 

@@ -89,7 +89,7 @@ LinearReport ConjugateGradients::solve(const BlockMatrix& A, const VectorX& b, V
 
 LinearReport ConjugateGradients::iterate(const BlockMatrix& A, const VectorX& b, VectorX& x,
                                          double relative_tolerance) {
-  auto& [r, z, p, product, work] = vectors_;
+  auto& [r, p, image, work] = vectors_;
   const detail::BlockKernels& kernels = detail::block_kernels();
   const auto n = static_cast<std::size_t>(b.size());
   const auto dot = [&](const VectorX& u, const VectorX& v) {
@@ -101,8 +101,8 @@ LinearReport ConjugateGradients::iterate(const BlockMatrix& A, const VectorX& b,
   if (x.size() != b.size()) x.setZero(b.size());
   r = b;
   if (!x.isZero(0)) {
-    multiply(A, x, product, work);
-    r -= product;
+    multiply(A, x, image, work);
+    r -= image;
   }
   const double b_norm = std::sqrt(dot(b, b));
   double r_norm = std::sqrt(dot(r, r));
@@ -114,18 +114,18 @@ LinearReport ConjugateGradients::iterate(const BlockMatrix& A, const VectorX& b,
   double previous_rz = 1;
   report.status = LinearReport::Status::not_converged;
   while (report.iterations < max_iterations_) {
-    preconditioner_->apply(r, r_norm, z);
-    const double rz = dot(r, z);
+    preconditioner_->apply(r, r_norm, image);
+    const double rz = dot(r, image);
     if (!(rz > 0) || !std::isfinite(rz)) break;  // the preconditioner has lost definiteness to round-off
     const double along_last = report.iterations == 0 ? 0.0 : rz / previous_rz;
     parallel_for(n, numbers_per_chunk, [&](std::size_t begin, std::size_t end) {
-      kernels.xpby(z.data() + begin, along_last, p.data() + begin, static_cast<Offset>(end - begin));
+      kernels.xpby(image.data() + begin, along_last, p.data() + begin, static_cast<Offset>(end - begin));
     });
-    multiply(A, p, product, work);
-    const double curvature = dot(p, product);
+    multiply(A, p, image, work);
+    const double curvature = dot(p, image);
     if (!(curvature > 0)) {
       report.status = LinearReport::Status::indefinite;
-      report.worst_node = most_negative_node(p, product, A.dim);
+      report.worst_node = most_negative_node(p, image, A.dim);
       if (report.iterations == 0 && x.isZero(0)) x = p;
       break;
     }
@@ -133,7 +133,7 @@ LinearReport ConjugateGradients::iterate(const BlockMatrix& A, const VectorX& b,
     r_norm = std::sqrt(parallel_sum<double>(n, numbers_per_chunk, [&](std::size_t begin, std::size_t end) {
       const auto count = static_cast<Offset>(end - begin);
       kernels.axpy(step, p.data() + begin, x.data() + begin, count);
-      kernels.axpy(-step, product.data() + begin, r.data() + begin, count);
+      kernels.axpy(-step, image.data() + begin, r.data() + begin, count);
       return kernels.dot(r.data() + begin, r.data() + begin, count);
     }));
     previous_rz = rz;

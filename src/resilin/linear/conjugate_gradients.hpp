@@ -49,7 +49,7 @@ class ConjugateGradients : public LinearSolver {
 
  private:
   struct Vectors {
-    VectorX r, z, p, product;
+    VectorX r, p, image;  ///< of r by M^-1, then of p by A
     std::vector<double> work;
   };
   void foresee(const BlockMatrix& A);

@@ -26,10 +26,25 @@ std::vector<std::uint8_t> decoupled_unknowns(const BlockMatrix& A) {
             look_at_row(A.block(pattern.row_begin[i]), d, d, fixed);
             for (Offset s = pattern.row_begin[i] + 1; fixed != 0 && s < pattern.row_begin[i + 1]; ++s)
               look_at_row(A.block(s), d, none, fixed);
-            for (Offset k = pattern.lower_begin[i]; fixed != 0 && k < pattern.lower_begin[i + 1]; ++k)
-              look_at_column(A.block(pattern.lower_slots[k]), d, fixed);
           }
       });
+  // Few are left, to be looked for in the rows of nodes before them.
+  std::vector<std::vector<Offset>> coupled((static_cast<std::size_t>(A.num_nodes()) + nodes_per_chunk - 1) /
+                                           nodes_per_chunk);
+  parallel_for(static_cast<std::size_t>(A.num_nodes()), nodes_per_chunk,
+               [&](std::size_t first, std::size_t last) {
+                 for (std::size_t i = first; i < last; ++i)
+                   for (Offset s = pattern.row_begin[i] + 1; s < pattern.row_begin[i + 1]; ++s)
+                     for (int d = 0; d < dim; ++d) {
+                       const Offset unknown = Offset{pattern.columns[s]} * dim + d;
+                       std::uint8_t fixed = is_fixed[unknown];
+                       if (fixed == 0) continue;
+                       look_at_column(A.block(s), d, fixed);
+                       if (fixed == 0) coupled[first / nodes_per_chunk].push_back(unknown);
+                     }
+               });
+  for (const std::vector<Offset>& unknowns : coupled)
+    for (const Offset unknown : unknowns) is_fixed[unknown] = 0;
   for (const BlockMatrix::ExtraBlock& extra : A.extra) {
     const double* block = A.extra_values.data() + extra.begin;
     for (int d = 0; d < dim; ++d) {

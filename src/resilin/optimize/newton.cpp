@@ -210,7 +210,7 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
   newton.last_measure_.reset();  // there is no matrix yet
   int blocked_steps = 0, giving_way = 0;
   VectorX gap = boundary_gap();
-  bool boundary_moves = is_any_missing(gap);
+  bool boundary_moves = gap.size() > 0;
   objective.prepare(x, VectorX::Zero(x.size()));
   objective.gradient(x, gradient);
   measure_residual();
@@ -274,7 +274,7 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
         }
       }
       gap = boundary_gap();
-      boundary_moves = is_any_missing(gap);
+      boundary_moves = gap.size() > 0;
       if (!boundary_moves) {
         last_residual = 0;
         giving_way = 0;

@@ -64,15 +64,13 @@ struct Newton::Search {
 
   bool is_free(Eigen::Index i) const { return is_fixed[static_cast<std::size_t>(i)] == 0; }
 
-  /// What is still missing at the fixed unknowns; zero at the free ones.
+  /// What is still missing at the fixed unknowns, zero at the free ones; empty where nothing is.
   VectorX boundary_gap() const {
     VectorX gap = VectorX::Zero(x.size());
     for (Eigen::Index i = 0; i < x.size(); ++i)
       if (!is_free(i)) gap[i] = targets[i] - x[i];
-    return gap;
+    return share.any((gap.array() != 0).any()) ? gap : VectorX();
   }
-
-  bool is_any_missing(const VectorX& gap) const { return share.any((gap.array() != 0).any()); }
 
   void measure_residual() {
     convergence.measure(x, gradient);
@@ -307,6 +305,7 @@ struct Newton::Search {
     result.length = longest_step(/*boundary_moves=*/false);
     const double slope =
         -share.dot(step, right_side);  // right side is minus the gradient, zero at fixed unknowns
+    right_side.resize(0);              // no memory held for it until the next system
     if (passes_whole(slope, result) || watchdog.steps > 0) return result;
     const int max_halvings = internal_is_old ? max_halvings_of_carried_values : settings.max_halvings;
     for (int halving = 0; halving <= max_halvings; ++halving) {
@@ -351,6 +350,7 @@ struct Newton::Search {
   LineSearch follow_boundary() {
     LineSearch result;
     result.length = longest_step(/*boundary_moves=*/true);
+    right_side.resize(0);
     for (int halving = 0; halving < 12; ++halving) {
       trial = x + result.length * step;
       gradient_at_trial_is_known = false;

@@ -202,7 +202,7 @@ Parameter rest_positions_of_body(const World& world, std::size_t body, const std
              speeds_start = description.initial_velocities.empty();
   const Eigen::MatrixXd G = description.velocity_gradient.topLeftCorner(world.dimension, world.dimension);
   const Eigen::Index dim = world.dimension;
-  const std::vector<double> contact_shape = as_vector(plus_origin(world, map.taken(world.contact_shape)));
+  const std::vector<double> contact_shape = as_vector(plus_origin(world, map.taken(world.contact_shape())));
   const std::vector<Selection> fixes = selections_by_place(world, body, world.made_from->fixes),
                                loads = selections_by_place(world, body, world.made_from->loads);
   parameter.ask = [=](WorldChange& change) {

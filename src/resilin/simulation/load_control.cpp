@@ -122,7 +122,7 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
     if (length < 0.99 / world.load_steps && 0.5 * length >= smallest_load_increment)
       settings.max_iterations = std::min(settings.max_iterations, most_iterations_of_a_shortened_step);
     const StageReport searched =
-        solve_stage(potential, world.is_fixed, targets, {.places = x}, settings,
+        solve_stage(potential, world.is_fixed, targets, {}, settings,
                     {.friction_rounds = world.friction_iterations}, newton, x, observer);
     const NewtonReport& search = searched.newton;
     add_to(report.newton, search);

@@ -24,7 +24,7 @@ Potential::Potential(std::span<const std::shared_ptr<const Energy>> terms,
     : share_(std::move(share)),
       is_fixed_(is_fixed),
       conditions_(conditions),
-      base_positions_(stage.base_positions) {
+      base_positions_(stage.is_static() ? VectorX() : stage.base_positions) {
   for (const auto& term : terms) {
     std::unique_ptr<Energy> own = term->begin_stage(stage);
     if (acts_as_impulse(term->properties().category) && EndOfStage::is_needed(stage)) {

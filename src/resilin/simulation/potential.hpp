@@ -82,7 +82,7 @@ class Potential final : public Objective {
   Share share_;
   std::span<const std::uint8_t> is_fixed_;
   Conditions conditions_;
-  VectorX base_positions_;                    ///< of the stage
+  VectorX base_positions_;                    ///< of the stage; empty in statics
   std::vector<std::unique_ptr<Energy>> own_;  ///< made for this stage
   std::vector<const Energy*> terms_;          ///< in order, `own_` in place of those they were made of
   std::vector<std::vector<const CellMatrices*>> along_;  ///< by term: what it takes along into the Hessian

@@ -94,7 +94,8 @@ StageReport solve_stage(Potential& potential, std::span<const std::uint8_t> is_f
                         const Flight& flight, const NewtonSettings& settings, const StageBudget& budget,
                         Newton& newton, VectorX& x, const NewtonObserver& observer) {
   const Clock clock(budget, observer);
-  const VectorX held = x;
+  const bool may_fly = flight.world != nullptr || flight.places.size() > 0;
+  const VectorX held = may_fly ? x : VectorX();
   StageReport report;
   NewtonReport& total = report.newton;
   const auto is_over = [&] { return clock.is_over() || total.iterations >= budget.iterations; };
@@ -111,7 +112,8 @@ StageReport solve_stage(Potential& potential, std::span<const std::uint8_t> is_f
     conditions.collider_delay = potential.least_delay(x);
     potential.set_conditions(conditions);
     const bool is_last = conditions.collider_delay == 0 || advance == most_advances;
-    if (advance == 0) report.flew = choose_lower_start(potential, is_fixed, held, flight.places, x);
+    if (advance == 0 && may_fly)
+      report.flew = choose_lower_start(potential, is_fixed, held, flight.places, x);
     NewtonSettings allowed = settings;
     allowed.lag_rounds = is_last ? budget.friction_rounds : 0;
     if (!is_last) allowed.max_iterations = std::min(allowed.max_iterations, iterations_to_give_way);

@@ -17,7 +17,7 @@ struct StageBudget {
 
 /// Where a stage would end if nothing held the bodies back.
 struct Flight {
-  VectorX places;                ///< [m]
+  VectorX places{};              ///< [m]; empty where the search is to begin where it is told
   const World* world = nullptr;  ///< whose bodies fly; null in statics, where none does
 };
 

@@ -174,4 +174,13 @@ BodyMesh make_body_mesh(const BodyDescription& body, int dim, const ElementCase&
   return made;
 }
 
+SharedIndices cells_in_world(const BodyMesh& mesh, Index first_node,
+                             const std::shared_ptr<const Description>& shared, std::size_t body) {
+  std::vector<Index> nodes = mesh.cells().nodes;
+  for (Index& node : nodes) node += first_node;
+  if (shared == nullptr) return nodes;
+  const std::vector<Index>& given = solid_cells(shared->bodies[body], mesh.element->dim).nodes;
+  return nodes == given ? SharedIndices(shared, given) : SharedIndices(std::move(nodes));
+}
+
 }  // namespace resilin

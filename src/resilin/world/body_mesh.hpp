@@ -1,9 +1,11 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "resilin/core/shared_indices.hpp"
 #include "resilin/element/element.hpp"
 #include "resilin/material/law.hpp"
 #include "resilin/world/description.hpp"
@@ -62,5 +64,10 @@ const CellBlock& solid_cells(const BodyDescription& body, int dim);
 /// out somewhere; inverted ones are turned around with a warning.
 BodyMesh make_body_mesh(const BodyDescription& body, int dim, const ElementCase& c,
                         std::vector<std::string>& warnings);
+
+/// The nodes of a body's cells in the world: the list of its mesh in the description, where that is the same.
+/// @param shared  the description that the world keeps; may be null
+SharedIndices cells_in_world(const BodyMesh& mesh, Index first_node,
+                             const std::shared_ptr<const Description>& shared, std::size_t body);
 
 }  // namespace resilin

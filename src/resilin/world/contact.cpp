@@ -168,7 +168,7 @@ class StartCheck {
 /// How far apart a body's own parts are at rest, up to `distance`.
 double thinnest_gap(const ContactSurface& surface, const BodyMeetings& meetings, double distance,
                     const World& world, const std::string& place) {
-  const VectorX& rest = world.contact_shape;
+  const VectorX& rest = world.contact_shape();
   const SurfaceContact contact("gap", surface, meetings, distance, rest);
   const SurfaceContact::Gap gap = contact.smallest_gap(rest);
   if (!contact.touches(rest)) return gap.distance;
@@ -191,7 +191,7 @@ std::shared_ptr<const SurfaceContact> make_contact(const ContactDescription& des
   std::vector<ContactBody> bodies = contact_bodies(world, description.stiffness);
   if (!description.stiffness)
     for (ContactBody& body : bodies) body.stiffness *= between_bodies;
-  const ContactSurface surface = make_contact_surface(world.dimension, bodies, world.contact_shape);
+  const ContactSurface surface = make_contact_surface(world.dimension, bodies, world.contact_shape());
   double distance = description.activation_distance.value_or(default_activation_distance(world));
   check_fits_bodies(distance, world, description.place);
   if (any_meets_itself(meetings)) {

@@ -23,7 +23,10 @@ std::shared_ptr<Energy> make_body_force(const LoadDescription& load, const LoadS
     throw InputError(site.where, "a part of the volume (cells with all their vertices selected)",
                      std::to_string(site.vertices.size()) + " vertices that fill no cell");
   }
-  return dead_load(std::make_shared<LoadedCells>(site.body.elastic->element(), std::move(cells)), load, site);
+  const bool are_all = cells.size() == site.body.cells.size();
+  return dead_load(std::make_shared<LoadedCells>(site.body.elastic->element(),
+                                                 are_all ? site.body.cells : SharedIndices(std::move(cells))),
+                   load, site);
 }
 
 CellBlock facets_of(const LoadSite& site) {

@@ -52,7 +52,7 @@ ColliderMesh mesh_of(const Skin& skin, int dim) {
 
 /// At rest, of the surface that a body meets others with.
 Reach contact_reach(const World& world, const Body& body, int axis) {
-  if (!body.meets_with_skin()) return reach_along(axis, body, world.contact_shape, world.dimension);
+  if (!body.meets_with_skin()) return reach_along(axis, body, world.contact_shape(), world.dimension);
   const auto coordinates = body.skin->rest_positions(Eigen::seqN(axis, body.skin->num_vertices(), 3));
   return {coordinates.minCoeff(), coordinates.maxCoeff()};
 }
@@ -128,11 +128,11 @@ ContactPoints contact_points(const World& world, std::optional<double> stiffness
   for (const Body& body : world.bodies) {
     const ContactBody own = meeting_body(body, dim, stiffness);
     if (own.carrier == nullptr) {
-      for (const ContactNode& node : contact_nodes(dim, own.facets, world.contact_shape, own.stiffness))
+      for (const ContactNode& node : contact_nodes(dim, own.facets, world.contact_shape(), own.stiffness))
         if (is_held[static_cast<std::size_t>(node.node)] == 0) all.add(node);
       continue;
     }
-    ContactSurface surface = make_contact_surface(dim, {&own, 1}, world.contact_shape);
+    ContactSurface surface = make_contact_surface(dim, {&own, 1}, world.contact_shape());
     leave_held_out(surface, is_held);
     for (const Index vertex : surface.parts.points) {
       const auto v = static_cast<std::size_t>(vertex);
@@ -152,8 +152,8 @@ double thinnest_extent(const World& world, const Body& body) {
   const bool is_sheet = !has_inside(world, body);  // its cells are as thick as they are
   double least = std::numeric_limits<double>::infinity();
   for (int k = 0; k < world.dimension; ++k) {
-    const Reach reach =
-        is_sheet ? reach_along(k, body, world.contact_shape, world.dimension) : contact_reach(world, body, k);
+    const Reach reach = is_sheet ? reach_along(k, body, world.contact_shape(), world.dimension)
+                                 : contact_reach(world, body, k);
     least = std::min(least, reach.length());
   }
   return least;

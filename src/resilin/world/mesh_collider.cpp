@@ -180,10 +180,10 @@ std::shared_ptr<const ObstacleContact> make_mesh_collider(const ColliderDescript
   const std::string& file = description.shape.mesh_name;
   const std::string mesh_place = description.place + (file.empty() ? "" : ".mesh: " + file);
   check_mesh(mesh, world, mesh_place);
-  ContactSurface surface =
-      make_contact_surface(world.dimension, contact_bodies(world, description.stiffness), world.contact_shape,
-                           ContactObstacle{std::move(mesh), motion_of(description, world.end_time)});
-  if (world.dimension == 3) check_folds(surface, world, surface.places(world.contact_shape), mesh_place);
+  ContactSurface surface = make_contact_surface(
+      world.dimension, contact_bodies(world, description.stiffness), world.contact_shape(),
+      ContactObstacle{std::move(mesh), motion_of(description, world.end_time)});
+  if (world.dimension == 3) check_folds(surface, world, surface.places(world.contact_shape()), mesh_place);
   leave_held_out(surface, held_nodes(world));
   const std::size_t num_bodies = surface.stiffness.size();
   auto collider = std::make_shared<ObstacleContact>(description.name, surface, activation_distance,

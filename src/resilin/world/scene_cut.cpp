@@ -173,7 +173,7 @@ BodyDescription SceneCut::body_part(std::size_t body, int rank, std::span<const 
   for (const Index node : nodes)
     part.mesh.vertices.push_back(node_position(world_.dimension, node, world_.rest_positions));
   part.initial_positions = of_nodes(world_.start_positions, nodes, world_.dimension);
-  part.initial_velocities = of_nodes(world_.start_velocities, nodes, world_.dimension);
+  if (world_.is_dynamic) part.initial_velocities = of_nodes(world_.start_velocities, nodes, world_.dimension);
   for (auto& [name, values] : part.material.cell_constants) values = of_cells(values, cells);
   const Eigen::Matrix3d turn = rotation_matrix(world_.made_from->bodies[body].rotate);
   for (std::vector<Vector3>& directions : part.material.fibres) {

@@ -122,6 +122,8 @@ void Builder::build() {
   check_description(description_);
   if (description_.bodies.empty()) throw InputError(world_.place, "at least one [[body]]", "none");
   for (const BodyDescription& body : description_.bodies) add_body(body);
+  if (world_.other_contact_shape == world_.rest_positions) world_.other_contact_shape.resize(0);
+  if (!world_.is_dynamic) world_.start_velocities.resize(0);
   // Once all bodies are placed, so that every energy sees the whole world's vertices.
   for (std::size_t b = 0; b < world_.bodies.size(); ++b)
     coupling_.push_back(give_material(world_, description_.bodies[b], constants_[b], world_.bodies[b]));
@@ -210,8 +212,7 @@ void Builder::add_body(const BodyDescription& description) {
   body.num_vertices = static_cast<Index>(description.mesh.vertices.size());
   body.ends_of_added = made.ends;
   body.cell_kind = cell_kind(*made.element);
-  body.cells = made.cells().nodes;
-  for (Index& node : body.cells) node += body.first_node;
+  body.cells = cells_in_world(made, body.first_node, world_.made_from, world_.bodies.size());
 
   const VectorX rest = placed_vertices(description, made.mesh, world_.dimension);
   append(world_.rest_positions, rest);
@@ -219,8 +220,8 @@ void Builder::add_body(const BodyDescription& description) {
     return given.empty() ? otherwise
                          : values_of_nodes(given, made, world_.dimension, description.place + key);
   };
-  append(world_.contact_shape, of_nodes(description.contact_shape, ".contact_shape", rest));
-  body.skin = make_skin(description, body, world_.contact_shape, world_.dimension, world_.warnings);
+  append(world_.other_contact_shape, of_nodes(description.contact_shape, ".contact_shape", rest));
+  body.skin = make_skin(description, body, world_.other_contact_shape, world_.dimension, world_.warnings);
   append(world_.start_positions, of_nodes(description.initial_positions, ".initial_positions", rest));
   append(world_.start_velocities, of_nodes(description.initial_velocities, ".initial_velocities",
                                            start_velocities_of(description, rest, world_.dimension)));
@@ -284,7 +285,10 @@ void Builder::add_masses() {
   MassMatrix mass;
   mass.dim = world_.dimension;
   mass.nodal = VectorX::Zero(world_.num_nodes());
-  const auto is_consistent = [](const Body& body) { return body.mass_kind == MassKind::consistent; };
+  const bool is_multiplied = world_.is_dynamic || world_.modes;
+  const auto is_consistent = [is_multiplied](const Body& body) {
+    return is_multiplied && body.mass_kind == MassKind::consistent;
+  };
   if (std::ranges::any_of(world_.bodies, is_consistent)) {
     mass.pattern = world_.pattern;
     mass.slots.assign(static_cast<std::size_t>(world_.pattern->num_slots()), 0.0);
@@ -298,17 +302,14 @@ void Builder::add_masses() {
 void Builder::find_fixed_unknowns() {
   const int dim = world_.dimension;
   world_.support_of = supports_of_unknowns(dim, world_.num_nodes(), world_.supports);
-  world_.is_fixed.assign(world_.support_of.size(), 0);
-  for (std::size_t i = 0; i < world_.is_fixed.size(); ++i)
-    world_.is_fixed[i] = world_.support_of[i] >= 0 ? 1 : 0;
+  world_.is_fixed.reserve(world_.support_of.size());
+  for (const std::int32_t support : world_.support_of) world_.is_fixed.push_back(support >= 0 ? 1 : 0);
   // A vertex that no cell uses has no stiffness: it stays where it is.
   std::vector<bool> is_used(static_cast<std::size_t>(world_.num_nodes()), false);
-  for (const Body& body : world_.bodies) {
+  for (const Body& body : world_.bodies)
     for (const Index node : body.cells) is_used[static_cast<std::size_t>(node)] = true;
-  }
-  for (std::size_t i = 0; i < world_.is_fixed.size(); ++i) {
+  for (std::size_t i = 0; i < world_.is_fixed.size(); ++i)
     if (!is_used[i / static_cast<std::size_t>(dim)]) world_.is_fixed[i] = 1;
-  }
 }
 
 }  // namespace

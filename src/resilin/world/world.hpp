@@ -10,6 +10,7 @@
 #include "resilin/contact/friction.hpp"
 #include "resilin/contact/obstacle_contact.hpp"
 #include "resilin/core/share.hpp"
+#include "resilin/core/shared_indices.hpp"
 #include "resilin/energy/elastic.hpp"
 #include "resilin/energy/mass.hpp"
 #include "resilin/world/description.hpp"
@@ -38,7 +39,7 @@ struct Body {
   /// was added.
   std::vector<std::array<Index, 2>> ends_of_added;
   CellKind cell_kind = CellKind::tetrahedron;
-  std::vector<Index> cells;  ///< nodes of the cells, in the world's numbering
+  SharedIndices cells;  ///< nodes of the cells, in the world's numbering
   std::shared_ptr<const ElasticEnergy> elastic;
   std::shared_ptr<const Skin> skin;  ///< null for a body without
   MeetingSurface contact_surface = MeetingSurface::boundary;
@@ -100,10 +101,10 @@ class World {
   /// Where the coordinates of positions begin, in those of the scene: zero, but for scenes far from there
   /// (find_scene_origin). Whatever goes out to the user as a place adds it [m].
   Vector3 origin = Vector3::Zero();
-  VectorX rest_positions;    ///< [m], dim numbers per node, body after body
-  VectorX contact_shape;     ///< [m], likewise: the rest shape by which contact measures
-  VectorX start_positions;   ///< [m]
-  VectorX start_velocities;  ///< [m/s]
+  VectorX rest_positions;       ///< [m], dim numbers per node, body after body
+  VectorX other_contact_shape;  ///< see contact_shape; empty where that is the rest shape of all bodies
+  VectorX start_positions;      ///< [m]
+  VectorX start_velocities;     ///< in motion [m/s]
   std::vector<Body> bodies;
   std::vector<Support> supports;
   std::vector<Probe> probes;
@@ -115,7 +116,7 @@ class World {
   /// Everything that is minimised: strain energies body by body, loads and gravity, colliders, inertia,
   /// damping. A caller may add terms of its own.
   Terms terms;
-  std::shared_ptr<const MassMatrix> mass;
+  std::shared_ptr<const MassMatrix> mass;  ///< lumped in statics, however bodies in motion would have it
   // Colliders are among the terms; here they are for who draws them.
   std::vector<std::shared_ptr<const ColliderBarrier>> colliders;       ///< whose distance is exact
   std::vector<std::shared_ptr<const ObstacleContact>> mesh_colliders;  ///< those of facets
@@ -127,6 +128,10 @@ class World {
 
   /// Of a static run at a load factor: time is the path parameter.
   Conditions at_load(double load) const { return {.time = load * path_time, .load = load}; }
+  /// The rest shape by which contact measures, likewise.
+  const VectorX& contact_shape() const {
+    return other_contact_shape.size() > 0 ? other_contact_shape : rest_positions;
+  }
   Index num_nodes() const { return static_cast<Index>(rest_positions.size() / dimension); }
   /// In the scene's coordinates [m].
   Vector3 place_of(Index node, const VectorX& positions) const;

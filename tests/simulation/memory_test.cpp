@@ -1,0 +1,54 @@
+// How much a large body holds while its equilibrium is sought.
+
+#include <gtest/gtest.h>
+
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#include <malloc.h>
+#define RESILIN_CAN_COUNT_BYTES
+#endif
+
+#include "resilin/core/parallel.hpp"
+#include "resilin/simulation/simulation.hpp"
+#include "small_scenes.hpp"
+
+namespace resilin::testing {
+namespace {
+
+#ifdef RESILIN_CAN_COUNT_BYTES
+double bytes_held() {
+  const struct mallinfo2 info = mallinfo2();
+  return static_cast<double>(info.uordblks + info.hblkhd);
+}
+#else
+double bytes_held() { return 0; }
+#endif
+
+/// So many cells that geometry is made anew where it is needed. What remains is counted between two
+/// iterations, when vectors of solves and of line searches are given back: cells and places in the matrix
+/// 150, matrix 200, multigrid 300, vectors of the state and of Newton's method 130.
+TEST(Memory, OfALinearBodyAtRestIsAFewVectorsBesideTheMatrixAndItsMultigrid) {
+#ifndef RESILIN_CAN_COUNT_BYTES
+  GTEST_SKIP() << "the allocator does not count its bytes";
+#endif
+  const int threads_before = num_threads();
+  set_num_threads(1);
+  Description scene = small_bar(3, false);
+  scene.bodies[0].mesh = make_box({4, 1, 1}, {52, 13, 13});
+  scene.bodies[0].element = "P1";
+  scene.bodies[0].mass = MassKind::consistent;
+  scene.gravity *= 0.01;
+  scene.solver.kind = "cg_amg";
+  const double before = bytes_held();
+  Simulation simulation(std::move(scene));
+  double held = 0;
+  simulation.step([&](const NewtonReport&) {
+    held = bytes_held() - before;
+    return false;
+  });
+  set_num_threads(threads_before);
+  EXPECT_GT(held, 0);
+  EXPECT_LT(held / simulation.world().num_free_unknowns(), 900);
+}
+
+}  // namespace
+}  // namespace resilin::testing
