@@ -230,8 +230,9 @@ RESILIN_INLINE std::int32_t row_node(const std::int32_t* nodes, int a, int b, un
   return nodes[((lanes_transposed >> lane & 1U) != 0 ? b : a) * block_size + lane];
 }
 
+/// In line: a call whose only effect is on the cache is none to the compiler.
 template <int dim, int num_nodes, class Place>
-void prefetch_slots(const QuadratureTile& tile, const std::uint32_t* row_begin, const Place* places,
+RESILIN_INLINE void prefetch_slots(const QuadratureTile& tile, const std::uint32_t* row_begin, const Place* places,
                     const double* values) {
   constexpr std::size_t pairs = num_pairs(num_nodes), entries = dim * dim;
   for (std::size_t i = 0; i < tile.num_blocks; ++i) {

@@ -255,12 +255,10 @@ RESILIN_INLINE void for_row(const LevelView& level, const TransferView& transfer
     visit.template operator()<false>(level.upper + k * block_size, int64_t(level.columns[k]));
 }
 
-/// Rows of a block of size x coarse of a node.
+/// Rows of a block of size x coarse, their scale apart.
 template <int size, int coarse>
-RESILIN_INLINE void load_rows(const ShortNumbers& all, int64_t block, int64_t node,
-                              Lane<lanes_of(coarse)>* rows) {
-  for (int k = 0; k < size; ++k)
-    rows[k] = load<lanes_of(coarse)>(all.numbers + (block * size + k) * coarse) * all.scales[node];
+RESILIN_INLINE void load_rows(const ShortNumbers& all, int64_t block, Lane<lanes_of(coarse)>* rows) {
+  for (int k = 0; k < size; ++k) rows[k] = load<lanes_of(coarse)>(all.numbers + (block * size + k) * coarse);
 }
 
 /// to += block * B or block^T * B for a block of size x size and B of size x coarse by rows; those of `to`
@@ -290,7 +288,8 @@ void smooth_prolongation(const LevelView& level, const TransferView& transfer, N
       const Place here = *place++;
       if (here == Place(-1)) return;
       Lane<lanes> T[fine];
-      load_rows<fine, coarse>(transfer.tentative, j, j, T);
+      load_rows<fine, coarse>(transfer.tentative, j, T);
+      for (int r = 0; r < fine; ++r) T[r] *= transfer.tentative.scales[j];
       add_product<fine, coarse, is_transposed>(block, T, row_work + here * work_size);
     });
     for (int64_t k = 0; k < end - begin; ++k) {  // P_i = T_i - damping D_i^-1 (A T)_i, without padding
@@ -298,10 +297,10 @@ void smooth_prolongation(const LevelView& level, const TransferView& transfer, N
       for (int r = 0; r < fine; ++r) AT[r] = load<lanes>(row_work + k * work_size + r * lanes);
       float smoothed[work_size] = {};
       add_product<fine, coarse, false>(level.inverse_diagonal + i * fine * fine, AT, smoothed);
-      if (k == own_place) load_rows<fine, coarse>(transfer.tentative, i, i, T);
+      if (k == own_place) load_rows<fine, coarse>(transfer.tentative, i, T);
       for (int r = 0; r < fine; ++r)
         store_row<coarse>(row_work + (k * fine + r) * coarse,
-                          T[r] - load<lanes>(smoothed + r * lanes) * damping);
+                          T[r] * transfer.tentative.scales[i] - load<lanes>(smoothed + r * lanes) * damping);
     }
     transfer.blocks.scales[i] =
         shorten(row_work, (end - begin) * block_size, transfer.blocks.numbers + begin * block_size);
@@ -330,16 +329,17 @@ void galerkin_product(const LevelView& level, const TransferView& transfer, Node
     const Place* target = places_in<Place>(transfer.coarse_places) + transfer.target_begin[i];
     int32_t width = 0;
     for_row<Place, fine>(level, transfer, i, [&]<bool is_transposed>(const float* block, int64_t j) {
+      float scaled[fine * fine];
+      for (int n = 0; n < fine * fine; ++n) scaled[n] = block[n] * transfer.blocks.scales[j];
       for (int64_t k = transfer.row_begin[j]; k < transfer.row_begin[j + 1]; ++k) {  // row i of A P
         int32_t& place = place_of[transfer.columns[k]];
         if (place < first_place) {
           place = first_place + width++;
-          float* added = row_work + (place - first_place) * work_size;
-          for (int n = 0; n < work_size; ++n) added[n] = 0;
+          for (int n = 0; n < work_size; ++n) row_work[(place - first_place) * work_size + n] = 0;
         }
         Lane<lanes> P[fine];
-        load_rows<fine, coarse>(transfer.blocks, k, j, P);
-        add_product<fine, coarse, is_transposed>(block, P, row_work + (place - first_place) * work_size);
+        load_rows<fine, coarse>(transfer.blocks, k, P);
+        add_product<fine, coarse, is_transposed>(scaled, P, row_work + (place - first_place) * work_size);
       }
     });
     first_place += width;
