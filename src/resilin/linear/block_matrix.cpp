@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "resilin/core/parallel.hpp"
+#include "resilin/linear/decoupled.hpp"
 #include "resilin/linear/kernels/block_kernels.hpp"
 
 namespace resilin {
@@ -140,19 +141,20 @@ void eliminate(BlockMatrix& A, std::span<const std::uint8_t> is_fixed) {
   const BlockPattern& pattern = *A.pattern;
   const int dim = A.dim;
   assert(is_fixed.size() == static_cast<std::size_t>(A.num_unknowns()));
-  parallel_for(static_cast<std::size_t>(A.num_nodes()), gather_chunk,
-               [&](std::size_t first, std::size_t last) {
-                 for (std::size_t node = first; node < last; ++node) {
-                   const Offset begin = pattern.row_begin[node], end = pattern.row_begin[node + 1];
-                   for (int d = 0; d < dim; ++d)
-                     if (is_fixed[node * static_cast<std::size_t>(dim) + static_cast<std::size_t>(d)] != 0)
-                       for (Offset s = begin; s < end; ++s) clear_row(A.block(s), dim, d, s == begin ? 1 : 0);
-                   for (Offset s = begin; s < end; ++s)
-                     for (int d = 0; d < dim; ++d)
-                       if (is_fixed[Offset{pattern.columns[s]} * dim + d] != 0)
-                         clear_column(A.block(s), dim, d, s == begin ? 1 : 0);
-                 }
-               });
+  const std::vector<std::uint8_t> has_fixed = nodes_with_any(is_fixed, dim);
+  const auto clear_in_row = [&](std::size_t node) {
+    const Offset begin = pattern.row_begin[node], end = pattern.row_begin[node + 1];
+    for (int d = 0; has_fixed[node] != 0 && d < dim; ++d)
+      if (is_fixed[node * static_cast<std::size_t>(dim) + static_cast<std::size_t>(d)] != 0)
+        for (Offset s = begin; s < end; ++s) clear_row(A.block(s), dim, d, s == begin ? 1 : 0);
+    for (Offset s = begin; s < end; ++s)
+      for (int d = 0; has_fixed[pattern.columns[s]] != 0 && d < dim; ++d)
+        if (is_fixed[Offset{pattern.columns[s]} * dim + d] != 0)
+          clear_column(A.block(s), dim, d, s == begin ? 1 : 0);
+  };
+  parallel_for(has_fixed.size(), gather_chunk, [&](std::size_t first, std::size_t last) {
+    for (std::size_t node = first; node < last; ++node) clear_in_row(node);
+  });
   for (const BlockMatrix::ExtraBlock& extra : A.extra) {
     double* block = A.extra_values.data() + extra.begin;
     for (int d = 0; d < dim; ++d) {

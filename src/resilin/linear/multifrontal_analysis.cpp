@@ -150,12 +150,15 @@ std::vector<Columns> find_supernodes(const OrderedGraph& ordered) {
   return relax(fundamental_supernodes(ordered, elimination_tree(ordered)));
 }
 
-Offset update_blocks(Index num_rows) {
-  return TrapezoidLayout{num_rows, TrapezoidLayout::nodes_per_block}.size(num_rows);
+Offset panel_blocks(Index num_columns, Index front_size) {
+  return TrapezoidLayout{front_size, TrapezoidLayout::nodes_per_block}.size(num_columns);
 }
 
-/// Puts the children of every supernode into the order in which the stacks of update matrices grow least: the
-/// highest peak above what is left of it first. Renumbers the columns, children before parents as before.
+Offset update_blocks(Index num_rows) { return panel_blocks(num_rows, num_rows); }
+
+/// Puts the children of every supernode into the order in which factor and update matrices together grow
+/// least: the highest peak above what is left of it first. Renumbers the columns, children before parents as
+/// before.
 ///
 /// Source: Liu 1986 (ACM Trans. Math. Softw. 12, 249).
 std::vector<Columns> order_children(std::vector<Columns> supernodes, std::vector<Index>& node_at) {
@@ -165,19 +168,23 @@ std::vector<Columns> order_children(std::vector<Columns> supernodes, std::vector
     for (Index i = 0; i < supernodes[s].count; ++i)
       supernode_of[supernodes[s].first + i] = static_cast<Index>(s);
   std::vector<std::vector<Index>> children(n + 1);  // the last: the roots
-  std::vector<Offset> update(n), peak(n);
+  std::vector<Offset> update(n), left(n), peak(n);  // left: the factor of the subtree and its update
   const auto sort = [&](std::vector<Index>& siblings) {
-    std::ranges::stable_sort(siblings, std::greater(), [&](Index s) { return peak[s] - update[s]; });
+    std::ranges::stable_sort(siblings, std::greater(), [&](Index s) { return peak[s] - left[s]; });
   };
   for (std::size_t s = 0; s < n; ++s) {
-    update[s] = update_blocks(static_cast<Index>(supernodes[s].rows.size()));
+    const Index count = supernodes[s].count, num_rows = static_cast<Index>(supernodes[s].rows.size());
+    update[s] = update_blocks(num_rows);
     sort(children[s]);
-    Offset used = 0;
+    Offset used = 0, taken_up = 0;
     for (const Index child : children[s]) {
       peak[s] = std::max(peak[s], used + peak[child]);
-      used += update[child];
+      used += left[child];
+      taken_up += update[child];
     }
-    peak[s] = std::max(peak[s], used + update[s]);
+    used += panel_blocks(count, count + num_rows) + update[s];
+    peak[s] = std::max(peak[s], used);
+    left[s] = used - taken_up;
     children[supernodes[s].rows.empty() ? n : static_cast<std::size_t>(supernode_of[supernodes[s].rows[0]])]
         .push_back(static_cast<Index>(s));
   }
@@ -247,26 +254,31 @@ void split_tree(MultifrontalAnalysis& analysis) {
   }
 }
 
-/// Plays a factorisation front by front: each update takes the last gap of the shared array that holds it.
+/// Plays a factorisation front by front, backwards: the later an update is held, the more of the shared array
+/// the factor has taken, and the nearer to the array's end it lies.
 void place_updates(MultifrontalAnalysis& analysis) {
   struct Held {
     Offset begin, end;  // from the end of the array
-    Index parent;
+    Index front;
   };
   std::vector<Held> held;  // ascending
   const auto n = static_cast<Index>(analysis.supernodes.size());
   analysis.shared_blocks = analysis.factor_blocks;
-  for (Index s = 0; s < n; ++s) {
-    const Supernode& supernode = analysis.supernodes[s];
-    const Offset size = update_blocks(supernode.num_rows());
-    Offset begin = 0;
-    auto next = held.begin();
-    for (; next != held.end() && next->begin - begin < size; ++next) begin = next->end;
-    held.insert(next, {begin, begin + size, supernode.parent});
-    analysis.update_begin.push_back(begin + size);
+  analysis.update_begin.assign(static_cast<std::size_t>(n), 0);
+  for (Index s = n - 1; s >= 0; --s) {
+    for (Index k = analysis.child_begin[s]; k < analysis.child_begin[s + 1]; ++k) {
+      const Index child = analysis.children[k];
+      const Offset size = update_blocks(analysis.supernodes[child].num_rows());
+      Offset begin = 0;
+      auto next = held.begin();
+      for (; next != held.end() && next->begin - begin < size; ++next) begin = next->end;
+      held.insert(next, {begin, begin + size, child});
+      analysis.update_begin[child] = begin + size;
+    }
     const Offset factor_end = s + 1 < n ? analysis.supernodes[s + 1].factor_begin : analysis.factor_blocks;
-    analysis.shared_blocks = std::max(analysis.shared_blocks, factor_end + held.back().end);
-    std::erase_if(held, [&](const Held& update) { return update.parent == s || update.parent < 0; });
+    const Offset length = held.empty() ? 0 : held.back().end;
+    analysis.shared_blocks = std::max(analysis.shared_blocks, factor_end + length);
+    std::erase_if(held, [&](const Held& update) { return update.front == s; });
   }
   for (Offset& begin : analysis.update_begin) begin = analysis.shared_blocks - begin;
 }
@@ -317,8 +329,7 @@ MultifrontalAnalysis::MultifrontalAnalysis(const MergedPattern& pattern) {
     rows.insert(rows.end(), column.rows.begin(), column.rows.end());
     supernode.rows_end = static_cast<Offset>(rows.size());
     supernode.factor_begin = factor_blocks;
-    factor_blocks +=
-        TrapezoidLayout{supernode.front_size(), TrapezoidLayout::nodes_per_block}.size(supernode.num_columns);
+    factor_blocks += panel_blocks(supernode.num_columns, supernode.front_size());
     for (Index i = column.first; i < column.first + column.count; ++i)
       supernode_of[i] = static_cast<Index>(supernodes.size());
     supernodes.push_back(supernode);
