@@ -24,7 +24,7 @@ HOLDERS = [
         r"MultigridLevel::|(Lower|Permuted)Pattern|::(build_levels|analyze_pattern)",
     ),
     ("matrix", r"BlockMatrix::BlockMatrix"),
-    ("places of the cells in the matrix", r"ElasticEnergy::bind"),
+    ("places of the cells in the matrix", r"ElasticEnergy::(bind|find_places)"),
     ("pattern of the matrix, plan of its product", r"BlockPattern"),
     ("geometry of the cells", r"make_element_blocks|ElasticEnergy::ElasticEnergy|give_material"),
     ("masses", r"MassMatrix|add_masses|add_cell_masses"),
