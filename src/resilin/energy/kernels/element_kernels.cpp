@@ -243,8 +243,9 @@ void hessians(const ElementTile& tile, const HessianForm& form, const double* H_
 
 /// In line: a call whose only effect is on the cache is none to the compiler.
 template <int dim, class Place>
-RESILIN_INLINE void prefetch_slots(const ElementTile& tile, const double* displacements, const std::uint32_t* row_begin,
-                    const Place* places, const double* values) {
+RESILIN_INLINE void prefetch_slots(const ElementTile& tile, const double* displacements,
+                                   const std::uint32_t* row_begin, const Place* places,
+                                   const double* values) {
   constexpr std::size_t nodes_per_block = (dim + 1) * block_size;
   constexpr std::size_t slots_per_block = num_pairs(dim) * block_size, entries = dim * dim;
   for (std::size_t i = 0; i < tile.num_blocks; ++i) {

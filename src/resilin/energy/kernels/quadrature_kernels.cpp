@@ -232,8 +232,8 @@ RESILIN_INLINE std::int32_t row_node(const std::int32_t* nodes, int a, int b, un
 
 /// In line: a call whose only effect is on the cache is none to the compiler.
 template <int dim, int num_nodes, class Place>
-RESILIN_INLINE void prefetch_slots(const QuadratureTile& tile, const std::uint32_t* row_begin, const Place* places,
-                    const double* values) {
+RESILIN_INLINE void prefetch_slots(const QuadratureTile& tile, const std::uint32_t* row_begin,
+                                   const Place* places, const double* values) {
   constexpr std::size_t pairs = num_pairs(num_nodes), entries = dim * dim;
   for (std::size_t i = 0; i < tile.num_blocks; ++i) {
     const auto block = static_cast<std::size_t>(tile.blocks[i]);
