@@ -22,6 +22,7 @@ void add_view(CommandLine& line, Action& action);
 void add_export(CommandLine& line, Action& action);
 void add_picture(CommandLine& line, Action& action);
 void add_gradcheck(CommandLine& line, Action& action);
+void add_rest_shape(CommandLine& line, Action& action);
 void add_film(CommandLine& line, Action& action);
 void add_materials(CommandLine& line, Action& action);
 void add_fit(CommandLine& line, Action& action);

@@ -91,6 +91,7 @@ int run_command(int argc, char** argv) {
   add_new(line, action);
   add_mesh(line, action);
   add_gradcheck(line, action);
+  add_rest_shape(line, action);
   add_materials(line, action);
   add_fit(line, action);
   add_bench(line, action);

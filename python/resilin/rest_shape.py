@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from resilin import _core
+from resilin.mesh import warn
 from resilin.scene import read_scene
 
 if TYPE_CHECKING:
@@ -21,9 +22,10 @@ class RestShape(NamedTuple):
 
     positions: dict[str, Floats]  #: by body, (V, d) [m]: its vertices at rest, in the order of its mesh
     deformed: dict[str, Floats]  #: likewise, where a run of the scene from that shape leads them
-    distance: float  #: the largest of a deformed vertex from where it was drawn [m]
+    distance: float  #: the largest of a deformed vertex from where it was drawn, or stands on what bears it [m]
     size: float  #: of the bodies as drawn, along the axes [m]
     iterations: int  #: of Newton's method
+    overrides: dict[str, float]  #: what scenes from it have besides: distances from which colliders do not press
 
 
 def find_rest_shape(scene: Scene, *, overrides: Overrides = ()) -> RestShape:
@@ -31,7 +33,11 @@ def find_rest_shape(scene: Scene, *, overrides: Overrides = ()) -> RestShape:
 
     Newton's method on the balance of forces in the shape as drawn, whose unknowns are the rest places; where the loads
     cannot be taken at once, they are raised in parts. The shape found is judged by a run of the scene from it, in the
-    scene's own load steps, which has to end within 1e-8 of the size.
+    scene's own load steps, which has to end within 1e-8 of the size. What touches in the shape as drawn presses there.
+    A body that is borne by what it lies on alone comes to stand where that bears it. A rest shape may lie inside of
+    colliders, where no run begins but one that begins as drawn. Where a collider leaves no rest shape, of which the
+    scene does not say from how far it is felt, it is felt from nearer than it is drawn: `overrides` has that distance,
+    for the scene that is made of the shape. Of each of these a warning is given.
 
     Parameters
     ----------
@@ -49,15 +55,22 @@ def find_rest_shape(scene: Scene, *, overrides: Overrides = ()) -> RestShape:
     Raises
     ------
     InputError
-        For motion and for contact, and when no such shape is found: up to which part of the loads there was one, and
+        For motion and for friction, and when no such shape is found: up to which part of the loads there was one, and
         what stopped the search.
 
     Examples
     --------
     >>> found = resilin.find_rest_shape(scene)
     >>> rest = resilin.Mesh(found.positions["beam"], mesh.cells, mesh.groups)
+    >>> resilin.run(scene_with(rest), overrides=found.overrides)
     """
-    bodies, distance, size, iterations = _core.find_rest_shape(read_scene(scene, overrides))
+    bodies, distance, size, iterations, kept_off, warnings = _core.find_rest_shape(read_scene(scene, overrides))
+    warn(warnings)
     return RestShape(
-        {name: rest for name, rest, _ in bodies}, {name: moved for name, _, moved in bodies}, distance, size, iterations
+        {name: rest for name, rest, _ in bodies},
+        {name: moved for name, _, moved in bodies},
+        distance,
+        size,
+        iterations,
+        {f'collider."{name}".activation_distance': reach for name, reach in kept_off},
     )

@@ -26,6 +26,7 @@ void bind_elastic(nb::module_& module);
 void bind_picture(nb::module_& module);
 void bind_simulation(nb::module_& module);
 void bind_derivatives(nb::module_& module);
+void bind_derivatives_batch(nb::module_& module);
 void bind_sweep(nb::module_& module);
 
 // C-contiguous arrays: the Python layer has seen to that.

@@ -40,5 +40,6 @@ NB_MODULE(_core, module) {
   python::bind_picture(module);
   python::bind_simulation(module);
   python::bind_derivatives(module);
+  python::bind_derivatives_batch(module);
   python::bind_sweep(module);
 }

@@ -122,6 +122,58 @@ def test_a_floor_that_nothing_touches_changes_nothing():
     np.testing.assert_allclose(above.positions["beam"], free.positions["beam"], rtol=0, atol=1e-9)
 
 
+def end_of(scene, rest, **more):
+    drawn = scene["body"][0]["mesh"]
+    body = {**scene["body"][0], "mesh": resilin.Mesh(rest, drawn.cells, drawn.groups), **more.pop("body", {})}
+    result = resilin.run({**scene, "body": [body], "newton": {"tolerance": 1e-11}}, progress=False, **more)
+    assert result.status == "done"
+    return result.positions[-1][: len(drawn.positions)]
+
+
+@pytest.mark.parametrize("gap", [1e-4, 3e-3])
+def test_a_beam_drawn_just_above_a_floor_is_not_pressed_by_it(gap):
+    scene = beam() | floor(-gap)
+    with pytest.warns(UserWarning, match="times the weight"):
+        found = resilin.find_rest_shape(scene)
+    assert list(found.overrides) == ['collider."floor".activation_distance']
+    np.testing.assert_allclose(found.positions["beam"], resilin.find_rest_shape(beam()).positions["beam"], atol=1e-8)
+    end = end_of(scene, found.positions["beam"], overrides=found.overrides)
+    np.testing.assert_allclose(end, scene["body"][0]["mesh"].positions, rtol=0, atol=1e-8)
+
+
+def block(**fix):
+    mesh = resilin.Mesh.rectangle(size=(0.2, 0.1), cells=(4, 2))
+    return {
+        "simulation": {"kind": "static", "dimension": 2, "gravity": [0, -9.81]},
+        "body": [body("block", mesh, 5e4, "P2")],
+        "fix": [{"name": "held", **fix}],
+        "collider": [
+            {"name": "floor", "kind": "half_space", "point": [0, -6e-4], "normal": [0, 1], "activation_distance": 1e-3}
+        ],
+    }
+
+
+def test_a_block_held_pressed_on_a_floor_reaches_through_it_at_rest():
+    scene = block(where={"group": "y_max"})
+    drawn = scene["body"][0]["mesh"].positions
+    with pytest.warns(UserWarning, match='inside of the collider "floor"'):
+        found = resilin.find_rest_shape(scene)
+    assert found.positions["block"][:, 1].min() < -6e-4
+    end = end_of(scene, found.positions["block"], body={"initial_positions": drawn})
+    np.testing.assert_allclose(end, drawn, rtol=0, atol=1e-8)
+
+
+def test_a_block_that_stands_on_a_floor_is_as_drawn_where_the_floor_bears_it():
+    scene = block(where={"group": "x_min"}, components="x")
+    drawn = scene["body"][0]["mesh"].positions
+    with pytest.warns(UserWarning, match="from where it is drawn"):
+        found = resilin.find_rest_shape(scene)
+    moved = found.deformed["block"] - drawn
+    assert 1e-5 < np.abs(moved).max() < 1e-3
+    np.testing.assert_allclose(moved, np.broadcast_to([0, moved[0, 1]], moved.shape), rtol=0, atol=1e-9)
+    np.testing.assert_allclose(end_of(scene, found.positions["block"]), drawn + moved, rtol=0, atol=1e-8)
+
+
 @pytest.mark.parametrize(
     ("change", "text"),
     [

@@ -24,7 +24,9 @@ void check_is_differentiable(const Description& description) {
 
 Derivatives::Derivatives(Description description, const std::vector<std::string>& wrt,
                          const DerivativeOptions& options)
-    : options_(options), simulation_(std::move(description)), links_(simulation_.world()) {
+    : options_(options),
+      simulation_(World(std::move(description)), options.analyses),
+      links_(simulation_.world()) {
   for (const std::string& name : wrt) parameters_.push_back(find_parameter(world(), name));
   if (const std::string kink = kink_of_barrier(world(), asked()); !kink.empty()) warnings_.push_back(kink);
   frames_.push_back(simulation_.frame());

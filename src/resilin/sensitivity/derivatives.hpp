@@ -25,6 +25,8 @@ struct DerivativeOptions {
   /// Statics: gradients where forces do not balance well come with a warning of how far off they may be,
   /// which doubles their price.
   bool estimates_errors = true;
+  /// Of matrices, which runs of one mesh may share; changes no result.
+  std::shared_ptr<AnalysisCache> analyses = nullptr;
   /// Asked after every Newton iteration and between steps; false: the run is given up (Interrupted).
   std::function<bool()> goes_on{};
 };

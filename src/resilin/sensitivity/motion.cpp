@@ -20,7 +20,7 @@ class MotionDerivatives final : public Derivatives {
       : Derivatives(std::move(description), wrt, options),
         scheme_(make_integrator(world().integrator, world().place + ": simulation.integrator")),
         trajectory_(simulation_, *scheme_, options.checkpoints, [this] { return take_step(); }),
-        steps_(world(), *scheme_, links_.inertia()) {}
+        steps_(world(), *scheme_, links_.inertia(), options.analyses) {}
 
   VectorX positions(int frame) override { return trajectory_.end_of(frame).positions; }
   VectorX velocities(int frame) override { return trajectory_.end_of(frame).velocities; }

@@ -14,9 +14,14 @@ bool is_zero(const History& history);
 /// transposed, from the coefficients of the scheme (docs/theory/gradients.md).
 class MotionSteps {
  public:
-  /// @param inertia  the number of its term
-  MotionSteps(const World& world, const Integrator& scheme, int inertia)
-      : world_(world), scheme_(scheme), inertia_(inertia), tangent_(world, world.solver.kind) {}
+  /// @param inertia   the number of its term
+  /// @param analyses  as in LinearOptions
+  MotionSteps(const World& world, const Integrator& scheme, int inertia,
+              std::shared_ptr<AnalysisCache> analyses = nullptr)
+      : world_(world),
+        scheme_(scheme),
+        inertia_(inertia),
+        tangent_(world, world.solver.kind, std::move(analyses)) {}
 
   /// The change of what the next step starts from.
   /// @param gradient  becomes the change of dE/dx of the last stage, from which reactions follow

@@ -279,18 +279,21 @@ void keep_elements(Description& description, const World& world) {
     description.bodies[b].element = world.bodies[b].element;
 }
 
+Parameter find_parameter_of(const World& world, const std::string& name, Eigen::Index count) {
+  Parameter parameter = find_parameter(world, name);
+  const Eigen::Index has = parameter.value.size();
+  if (count != has && !(has == 1 && name.find(".material.") != std::string::npos))
+    throw InputError(name, std::to_string(has) + " numbers", std::to_string(count));
+  return parameter;
+}
+
 Description with_values(const Description& description, const std::map<std::string, VectorX>& values) {
-  Description changed = description;
-  if (values.empty()) return changed;
-  const World world{Description(description)};
-  for (const auto& [name, value] : values) {
-    const Parameter parameter = find_parameter(world, name);
-    const bool is_field = value.size() == parameter.value.size();
-    if (!is_field && !(parameter.value.size() == 1 && name.find(".material.") != std::string::npos))
-      throw InputError(name, std::to_string(parameter.value.size()) + " numbers",
-                       std::to_string(value.size()));
-    parameter.set(value, changed);
-  }
+  return values.empty() ? description : with_values(World(Description(description)), values);
+}
+
+Description with_values(const World& world, const std::map<std::string, VectorX>& values) {
+  Description changed = *world.made_from;
+  for (const auto& [name, value] : values) find_parameter_of(world, name, value.size()).set(value, changed);
   return changed;
 }
 

@@ -49,7 +49,13 @@ Parameter find_parameter(const World& world, const std::string& name);
 /// @param world  made of this description
 void keep_elements(Description& description, const World& world);
 
+/// The parameter of this name, for so many numbers: as many as it has, or one for each cell in place of one.
+/// Throws InputError as `find_parameter` does, and for another count.
+Parameter find_parameter_of(const World& world, const std::string& name, Eigen::Index count);
+
 /// The same scene with other numbers, by the names of their parameters.
 Description with_values(const Description& description, const std::map<std::string, VectorX>& values);
+/// Likewise. @param world  made of the description, which it still has
+Description with_values(const World& world, const std::map<std::string, VectorX>& values);
 
 }  // namespace resilin

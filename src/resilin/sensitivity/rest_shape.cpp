@@ -1,6 +1,7 @@
 #include "resilin/sensitivity/rest_shape.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -8,10 +9,8 @@
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/linear/gmres.hpp"
-#include "resilin/sensitivity/parameter.hpp"
-#include "resilin/sensitivity/prescribed_changes.hpp"
-#include "resilin/sensitivity/stage_slopes.hpp"
-#include "resilin/sensitivity/tangent.hpp"
+#include "resilin/sensitivity/pressing_colliders.hpp"
+#include "resilin/sensitivity/rest_balance.hpp"
 #include "resilin/simulation/simulation.hpp"
 
 namespace resilin {
@@ -20,17 +19,6 @@ namespace {
 constexpr double force_tolerance = 1e-10;  ///< of the run that judges, at most
 constexpr double shortest_step = 1.0 / 64;
 constexpr double least_accuracy = 1e-3;  ///< of GMRES: less is no step of Newton's
-
-/// Rest places of the vertices, by body, and deformed places of all nodes, in the scene's coordinates.
-struct Shape {
-  std::vector<VectorX> rest;
-  VectorX deformed;
-};
-
-VectorX shifted(VectorX places, const Vector3& by, int dim) {
-  for (Eigen::Index i = 0; i < places.size(); ++i) places[i] += by[i % dim];
-  return places;
-}
 
 std::vector<std::string> rest_names(const World& world) {
   std::vector<std::string> names;
@@ -41,112 +29,36 @@ std::vector<std::string> rest_names(const World& world) {
   return names;
 }
 
+/// The scene with other rest shapes.
+/// @param start  of the vertices; null: where the scene lets them begin
 Description with_rest(const Description& description, const std::vector<Parameter>& parameters,
-                      const std::vector<VectorX>& rest) {
+                      const std::vector<VectorX>& rest, const std::vector<VectorX>* start = nullptr) {
   Description changed = description;
   for (std::size_t b = 0; b < rest.size(); ++b) {
     parameters[b].set(rest[b], changed);
     changed.bodies[b].contact_shape.clear();  // as the scene has it that is made of the shape
+    if (start != nullptr) changed.bodies[b].initial_positions.assign((*start)[b].begin(), (*start)[b].end());
   }
   return changed;
 }
 
-/// g(x, X) = 0 at the free unknowns, x = support(X) at the fixed ones, and its derivative by
-///
-///   z = dx - dX,
-///
-/// in which both are one unknown of each node: at a vertex, which stays where it was drawn, z = -dX; of an
-/// added node, whose rest place follows those of the vertices, z says where it goes. Unstrained dg = K z.
-class Balance {
- public:
-  Balance(Description description, const std::vector<std::string>& names, const Shape& shape, double load)
-      : world_(std::move(description)),
-        links_(world_),
-        conditions_(world_.at_load(load)),
-        x_(shifted(shape.deformed, -world_.origin, world_.dimension)),
-        potential_(world_, conditions_, static_stage(x_)),
-        tangent_(world_, world_.solver.kind) {
-    for (const std::string& name : names) parameters_.push_back(find_parameter(world_, name));
-    potential_.prepare(x_, VectorX::Zero(x_.size()));
+/// Less than a gap, in three digits [m].
+double shorter_distance(double gap) {
+  const std::string digits = format_short(0.9 * gap);
+  double distance = 0;
+  std::from_chars(digits.data(), digits.data() + digits.size(), distance);
+  return distance;
+}
+
+/// Of nodes from other ones; not a number where one is.
+double largest_distance(const VectorX& from, const VectorX& to, int dim) {
+  double largest = 0;
+  for (Eigen::Index i = 0; i < from.size(); i += dim) {
+    const double distance = (to.segment(i, dim) - from.segment(i, dim)).norm();
+    if (!(distance <= largest)) largest = distance;
   }
-  Balance(const Balance&) = delete;
-  Balance& operator=(const Balance&) = delete;
-
-  bool is_in_domain() const { return potential_.is_in_domain(x_); }
-  bool is_apart() const { return std::isfinite(potential_.energy(EnergyCategory::contact, x_)); }
-
-  /// Forms K; solutions with it are then to be had.
-  void form() { tangent_.form(potential_, x_); }
-  /// As far as solutions with it have told.
-  Index unstable_modes() const { return tangent_.is_symmetric() ? tangent_.negative_eigenvalues() : 0; }
-
-  /// What is out of balance: forces at the free unknowns, distances at the fixed ones.
-  VectorX residual() const {
-    VectorX found;
-    potential_.gradient(x_, found);
-    for (std::size_t i = 0; i < world_.is_fixed.size(); ++i)
-      if (world_.is_fixed[i] != 0) found[static_cast<Eigen::Index>(i)] = 0;
-    VectorX prescribed = world_.rest_positions;
-    place_supports(world_.dimension, world_.supports, world_.rest_positions, conditions_, prescribed);
-    for (std::size_t i = 0; i < world_.is_fixed.size(); ++i) {
-      const auto k = static_cast<Eigen::Index>(i);
-      if (world_.is_fixed[i] != 0) found[k] = x_[k] - prescribed[k];
-    }
-    return found;
-  }
-
-  /// K z = residual at the free unknowns, z = residual at the fixed ones.
-  VectorX preconditioned(const VectorX& residual) {
-    VectorX z = residual;
-    for (std::size_t i = 0; i < world_.is_fixed.size(); ++i)
-      if (world_.is_fixed[i] == 0) z[static_cast<Eigen::Index>(i)] = 0;
-    return z + tangent_.solve(residual - tangent_.times(z, false), false);
-  }
-
-  /// The change of the residual along z.
-  VectorX product(const VectorX& z) {
-    const WorldChange change = change_of(z);
-    const VectorX dx = z + change.rest_positions;
-    VectorX found = VectorX::Zero(x_.size());
-    add_stage_forces({world_, potential_}, x_, links_.spread(change), {}, found);
-    found += tangent_.times(dx, false);
-    Motion prescribed{dx, VectorX::Zero(dx.size()), VectorX::Zero(dx.size())};
-    place_prescribed_changes(world_, change, conditions_, prescribed);
-    for (std::size_t i = 0; i < world_.is_fixed.size(); ++i) {
-      const auto k = static_cast<Eigen::Index>(i);
-      if (world_.is_fixed[i] != 0) found[k] = dx[k] - prescribed.positions[k];
-    }
-    return found;
-  }
-
-  Shape moved(const Shape& shape, const VectorX& z) const {
-    Shape next = shape;
-    for (std::size_t b = 0; b < parameters_.size(); ++b) next.rest[b] += of_vertices(b, z);
-    next.deformed += z + change_of(z).rest_positions;
-    return next;
-  }
-
- private:
-  /// dX of a body's vertices.
-  VectorX of_vertices(std::size_t body, const VectorX& z) const {
-    return -z.segment(Eigen::Index{world_.bodies[body].first_node} * world_.dimension,
-                      parameters_[body].value.size());
-  }
-  WorldChange change_of(const VectorX& z) const {
-    WorldChange change(world_);
-    for (const Parameter& parameter : parameters_) parameter.ask(change);
-    for (std::size_t b = 0; b < parameters_.size(); ++b) parameters_[b].spread(of_vertices(b, z), change);
-    return change;
-  }
-
-  World world_;
-  TermLinks links_;
-  Conditions conditions_;
-  VectorX x_;
-  Potential potential_;
-  Tangent tangent_;
-  std::vector<Parameter> parameters_;
-};
+  return largest;
+}
 
 class Search {
  public:
@@ -163,43 +75,83 @@ class Search {
                        "with it an equilibrium depends on the way there, which is not known: leave it out");
     keep_elements(description_, drawn);
     names_ = rest_names(drawn);
-    drawn_ = std::make_unique<World>(Description(description_));
-    for (const std::string& name : names_) {
-      parameters_.push_back(find_parameter(*drawn_, name));
-      target_.rest.push_back(parameters_.back().value);
-    }
-    target_.deformed = shifted(drawn_->rest_positions, drawn_->origin, drawn_->dimension);
+    draw();
     size_ = drawn_->largest_extent();
   }
 
   RestShape found() {
-    Shape shape = target_;
-    double part = 0, raise = 1;
-    while (part < 1) {
-      const double towards = std::min(1.0, part + raise);
-      if (std::optional<Shape> better = newton(shape, towards)) {
+    std::optional<RestAndDeformed> shape = search();
+    if (!shape && keep_colliders_off()) shape = search();
+    if (!shape) refuse();
+    return judged(*shape);
+  }
+
+ private:
+  void draw() {
+    drawn_ = std::make_unique<World>(Description(description_));
+    parameters_.clear();
+    target_.rest.clear();
+    for (const std::string& name : names_) {
+      parameters_.push_back(find_parameter(*drawn_, name));
+      target_.rest.push_back(parameters_.back().value);
+    }
+    target_.deformed = places_moved(drawn_->rest_positions, drawn_->origin, drawn_->dimension);
+  }
+
+  /// The loads are raised in parts where they cannot be taken at once.
+  std::optional<RestAndDeformed> search() {
+    RestAndDeformed shape = target_;
+    double raise = 1;
+    for (part_ = 0; part_ < 1;) {
+      const double towards = std::min(1.0, part_ + raise);
+      if (std::optional<RestAndDeformed> better = newton(shape, towards)) {
         shape = *std::move(better);
-        part = towards;
+        part_ = towards;
         raise *= 2;
         continue;
       }
       raise /= 2;
-      if (raise < options_.smallest_part) refuse(part);
+      if (raise < options_.smallest_part) return std::nullopt;
     }
-    return judged(shape);
+    return shape;
   }
 
- private:
-  [[noreturn]] void refuse(double part) const {
+  std::vector<PressingCollider> pressing() const {
+    return pressing_colliders(*drawn_, drawn_->rest_positions);
+  }
+
+  /// Colliders whose activation distance the scene leaves to us are felt from nearer than they are drawn.
+  bool keep_colliders_off() {
+    for (const PressingCollider& collider : pressing()) {
+      const auto found = std::ranges::find(description_.colliders, collider.name, &ColliderDescription::name);
+      if (found == description_.colliders.end() || found->activation_distance) continue;
+      found->activation_distance = shorter_distance(collider.gap);
+      kept_off_.emplace_back(collider.name, *found->activation_distance);
+      warnings_.push_back(description_.place + ": rest shape: there is none where on what is drawn " +
+                          in_words(collider, *drawn_) + ": this one is for a \"" + collider.name +
+                          "\" with activation_distance = " + format_number(*found->activation_distance) +
+                          ", which does not press");
+    }
+    if (kept_off_.empty()) return false;
+    draw();
+    return true;
+  }
+
+  [[noreturn]] void refuse() const {
+    std::string failure = failure_, cure = "take smaller loads or a stiffer body, or hold it at more places";
+    for (const PressingCollider& collider : pressing()) {
+      failure += "; on what is drawn " + in_words(collider, *drawn_);
+      cure = "with an activation_distance below " + format_short(collider.gap) + " m \"" + collider.name +
+             "\" does not press; or draw it farther away, or " + cure;
+    }
     throw InputError(description_.place + ": rest shape", "a shape that the loads deform into what is drawn",
-                     "none beyond " + format_short(100 * part) + " % of the loads: " + failure_,
-                     "take smaller loads or a stiffer body, or hold it at more places");
+                     "none beyond " + format_short(100 * part_) + " % of the loads: " + failure, cure);
   }
 
-  std::unique_ptr<Balance> balance(const Shape& shape, double part) {
+  std::unique_ptr<RestBalance> balance(const RestAndDeformed& shape, double part) {
     try {
-      auto made =
-          std::make_unique<Balance>(with_rest(description_, parameters_, shape.rest), names_, shape, part);
+      auto made = std::make_unique<RestBalance>(
+          with_rest(description_, parameters_, shape.rest, &target_.rest), names_, shape, part);
       if (made->is_in_domain()) return made;
       failure_ = made->is_apart() ? "cells would be turned inside out"
                                   : "bodies as drawn would be inside of what they touch";
@@ -211,8 +163,8 @@ class Search {
 
   /// Steps are shortened until the next one, by the same matrix, would be shorter: the natural test of
   /// Deuflhard 2004, "Newton Methods for Nonlinear Problems", ch. 3.
-  std::optional<Shape> newton(Shape shape, double part) {
-    std::unique_ptr<Balance> now = balance(shape, part);
+  std::optional<RestAndDeformed> newton(RestAndDeformed shape, double part) {
+    std::unique_ptr<RestBalance> now = balance(shape, part);
     for (int k = 0; now && k < options_.max_iterations; ++k) {
       if (options_.goes_on && !options_.goes_on()) throw Interrupted();
       ++iterations_;
@@ -229,8 +181,8 @@ class Search {
         const double length = solution.x.cwiseAbs().maxCoeff(), now_left = b.norm();
         double t = 1;
         for (;;) {
-          Shape next = now->moved(shape, t * solution.x);
-          std::unique_ptr<Balance> there = balance(next, part);
+          RestAndDeformed next = now->moved(shape, t * solution.x);
+          std::unique_ptr<RestBalance> there = balance(next, part);
           if (there && (length <= options_.step * size_ ||
                         now->preconditioned(there->residual()).norm() <= (1 - t / 4) * now_left)) {
             shape = std::move(next);
@@ -264,12 +216,10 @@ class Search {
           "bodies would leave it: take smaller loads or a stiffer body");
   }
 
-  /// By a run of the scene, in its own load steps, from the shape found.
-  RestShape judged(const Shape& shape) {
-    check_is_stable(unstable_modes_);
-    Description changed = with_rest(description_, parameters_, shape.rest);
-    changed.newton.tolerance = std::min(changed.newton.tolerance, force_tolerance);
-    Simulation simulation(std::move(changed));
+  /// The end of a run of the scene in its own load steps.
+  Simulation end_of(Description scene) const {
+    scene.newton.tolerance = std::min(scene.newton.tolerance, force_tolerance);
+    Simulation simulation(std::move(scene));
     while (!simulation.is_finished()) {
       const StepReport report =
           simulation.step([this](const NewtonReport&) { return !options_.goes_on || options_.goes_on(); });
@@ -280,20 +230,85 @@ class Search {
                              report.reason,
                          "take more load steps");
     }
+    return simulation;
+  }
+
+  /// Why no run begins in a rest shape; empty: one does.
+  std::string what_is_in_the_way(const RestAndDeformed& shape) const {
+    try {
+      const World begins{with_rest(description_, parameters_, shape.rest)};
+      return {};
+    } catch (const InputError& error) {
+      const World drawn{with_rest(description_, parameters_, shape.rest, &target_.rest)};
+      const std::string around = collider_around(drawn, drawn.rest_positions);
+      return around.empty() ? error.what() : around;
+    }
+  }
+
+  /// A rest shape that reaches into a collider, moved out of it along an axis along which it may be anywhere.
+  RestAndDeformed lifted(const RestAndDeformed& shape) const {
+    RestAndDeformed out = shape;
+    const World world{with_rest(description_, parameters_, shape.rest, &target_.rest)};
+    VectorX x = world.rest_positions;
+    for (const auto& collider : world.colliders) {
+      const ColliderBarrier::Nearest nearest = collider->nearest(x, {});
+      if (nearest.distance > 0) continue;
+      const Body& body = world.body_of(collider->points().places.nodes_of(nearest.point)[0]);
+      const double way = 0.5 * collider->activation_distance() - nearest.distance;
+      for (int i = 0; i < 2 * world.dimension; ++i) {
+        const int axis = i / 2;
+        if (!is_free_along(world, body, axis)) continue;
+        Vector3 by = Vector3::Zero();
+        by[axis] = i % 2 == 0 ? way : -way;
+        VectorX moved = x;
+        const Eigen::Index first = Eigen::Index{body.first_node} * world.dimension,
+                           count = Eigen::Index{body.num_nodes} * world.dimension;
+        moved.segment(first, count) = places_moved(x.segment(first, count), by, world.dimension);
+        if (!(collider->nearest(moved, {}).distance > 0)) continue;
+        x = moved;
+        VectorX& rest = out.rest[static_cast<std::size_t>(&body - world.bodies.data())];
+        rest = places_moved(rest, by, world.dimension);
+        break;
+      }
+    }
+    return out;
+  }
+
+  /// By a run of the scene from the shape found, which begins there, or as drawn where none can begin there.
+  RestShape judged(const RestAndDeformed& found) {
+    check_is_stable(unstable_modes_);
+    const RestAndDeformed shape = lifted(found);
+    const std::string in_the_way = what_is_in_the_way(shape);
+    RestShape result;
+    result.scene =
+        with_rest(description_, parameters_, shape.rest, in_the_way.empty() ? nullptr : &target_.rest);
+    result.size = size_;
+    result.iterations = iterations_;
+    result.warnings = warnings_;
+    result.kept_off = kept_off_;
+    const Simulation simulation = end_of(result.scene);
     check_is_stable(simulation.frame().unstable_modes.value_or(0));
     const World& world = simulation.world();
-    const VectorX x = shifted(simulation.state().positions, world.origin, world.dimension);
-    RestShape result{.bodies = {}, .distance = 0, .size = size_, .iterations = iterations_};
+    if (!in_the_way.empty())
+      result.warnings.push_back(description_.place + ": rest shape: it lies " + in_the_way +
+                                ", where no run begins: one that has the shape as drawn as the " +
+                                "initial_positions of its bodies ends in it");
+    const VectorX x = places_moved(simulation.state().positions, world.origin, world.dimension);
     for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+      const Eigen::Index first = Eigen::Index{world.bodies[b].first_node} * world.dimension;
       const VectorX& drawn = target_.rest[b];
-      const VectorX deformed =
-          x.segment(Eigen::Index{world.bodies[b].first_node} * world.dimension, drawn.size());
-      for (Eigen::Index i = 0; i < drawn.size(); i += world.dimension) {
-        const double distance =
-            (deformed.segment(i, world.dimension) - drawn.segment(i, world.dimension)).norm();
-        if (!(distance <= result.distance)) result.distance = distance;
-      }
-      result.bodies.push_back({names_[b].substr(5, names_[b].rfind('.') - 5), shape.rest[b], deformed});
+      const VectorX deformed = x.segment(first, drawn.size()),
+                    sought = shape.deformed.segment(first, drawn.size());
+      if (const double distance = largest_distance(deformed, sought, world.dimension);
+          !(distance <= result.distance))
+        result.distance = distance;
+      const std::string name = names_[b].substr(5, names_[b].rfind('.') - 5);
+      if (const double moved = largest_distance(sought, drawn, world.dimension);
+          moved > options_.meets * size_)
+        result.warnings.push_back(description_.place + ": rest shape: \"" + name + "\" comes to stand " +
+                                  format_short(moved) +
+                                  " m from where it is drawn: there what it lies on bears it");
+      result.bodies.push_back({name, shape.rest[b], deformed});
     }
     if (!(result.distance <= options_.meets * size_))
       throw InputError(description_.place + ": rest shape",
@@ -308,8 +323,11 @@ class Search {
   std::unique_ptr<World> drawn_;
   std::vector<std::string> names_;
   std::vector<Parameter> parameters_;
-  Shape target_;
+  RestAndDeformed target_;
   double size_ = 0;
+  std::vector<std::string> warnings_;
+  std::vector<std::pair<std::string, double>> kept_off_;
+  double part_ = 0;  ///< of the loads, for which there is a shape
   int iterations_ = 0;
   Index unstable_modes_ = 0;  ///< of the shape found
   std::string failure_ = "nothing was tried";

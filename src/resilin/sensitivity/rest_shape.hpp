@@ -25,9 +25,21 @@ struct RestShape {
     VectorX rest, deformed;  ///< of its vertices, in the scene [m]
   };
   std::vector<OfBody> bodies;
-  double distance = 0;  ///< largest of a deformed vertex from where it was drawn, by a run of its own [m]
-  double size = 0;      ///< of the bodies as drawn, along the axes [m]
-  int iterations = 0;   ///< of Newton's method
+  /// What was given, from that rest shape: meshes in the bodies' own coordinates, what was selected by place
+  /// as drawn by the numbers of its vertices, and where no run begins in the rest shape the one drawn as its
+  /// start.
+  Description scene;
+  /// Largest of a deformed vertex, by a run of its own, from where it was drawn, or from where a body that is
+  /// only borne by what it lies on stands in the shape that was drawn [m].
+  double distance = 0;
+  double size = 0;     ///< of the bodies as drawn, along the axes [m]
+  int iterations = 0;  ///< of Newton's method
+  /// Colliders that leave no rest shape when they are felt from as far as by default: names, and activation
+  /// distances at which they do not press on what is drawn, which `scene` has [m].
+  std::vector<std::pair<std::string, double>> kept_off;
+  /// A line each: colliders that are kept off, where no run begins in the rest shape, inside of a collider,
+  /// and which body comes to stand beside where it was drawn.
+  std::vector<std::string> warnings;
 };
 
 /// Finds the rest places X of all vertices whose equilibrium is the shape that a scene of statics draws.
@@ -38,8 +50,10 @@ struct RestShape {
 /// the loads cannot be taken at once, they are raised in parts. The verdict is that of a run of the scene
 /// from the shape found (docs/theory/gradients.md).
 ///
-/// What touches in the shape as drawn presses there. The areas that its barriers bear follow the rest shape;
-/// Newton's method leaves that out of its matrix and comes to the same place.
+/// What touches in the shape as drawn presses there, and is raised with the loads. Rest shapes on the way may
+/// be anywhere, inside of colliders as well: only what is drawn has to be outside. The rest shape found may
+/// lie inside, too: a body that is held pressed on a floor. The areas that its barriers bear follow the rest
+/// shape; Newton's method leaves that out of its matrix and comes to the same place.
 ///
 /// @throws InputError  for motion, for friction, and when no such shape is found: why
 RestShape find_rest_shape(Description description, const RestShapeOptions& options = {});

@@ -21,7 +21,8 @@ class StaticDerivatives final : public Derivatives {
  public:
   StaticDerivatives(Description description, const std::vector<std::string>& wrt,
                     const DerivativeOptions& options)
-      : Derivatives(std::move(description), wrt, options), tangent_(world(), world().solver.kind) {
+      : Derivatives(std::move(description), wrt, options),
+        tangent_(world(), world().solver.kind, options.analyses) {
     places_.push_back(simulation_.state().positions);
     int shortened = 0;
     while (!simulation_.is_finished()) {

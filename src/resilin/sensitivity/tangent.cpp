@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
@@ -18,11 +19,13 @@ constexpr double largest_residual = 1e-7;     ///< with which a solution is stil
 constexpr int most_skew_iterations = 200;     ///< of GMRES
 constexpr double refinement = 1e-4;           ///< of what it left
 
-LinearOptions options(const World& world, const std::string& kind, bool is_definite) {
+LinearOptions options(const World& world, const std::string& kind, bool is_definite,
+                      const std::shared_ptr<AnalysisCache>& analyses) {
   return {.kind = kind,
           .is_dynamic = world.is_dynamic,
           .is_definite = is_definite,
-          .max_iterations = world.solver.max_iterations};
+          .max_iterations = world.solver.max_iterations,
+          .analyses = analyses};
 }
 
 }  // namespace
@@ -70,8 +73,11 @@ VectorX SkewPart::skew_times(const VectorX& p) const {
   return (after - before) / (2 * length) - symmetric;
 }
 
-Tangent::Tangent(const World& world, const std::string& solver_kind)
-    : world_(world), solver_kind_(solver_kind), whole_(world.dimension, world.pattern) {}
+Tangent::Tangent(const World& world, const std::string& solver_kind, std::shared_ptr<AnalysisCache> analyses)
+    : world_(world),
+      solver_kind_(solver_kind),
+      analyses_(std::move(analyses)),
+      whole_(world.dimension, world.pattern) {}
 
 void Tangent::form(const Potential& potential, const VectorX& x, Newton* near) {
   whole_.set_zero();
@@ -87,7 +93,8 @@ void Tangent::form(const Potential& potential, const VectorX& x, Newton* near) {
 
 void Tangent::factorize() {
   const Index num_unknowns = world_.num_free_unknowns();
-  if (!definite_) definite_ = make_linear_solver(options(world_, solver_kind_, true), num_unknowns);
+  if (!definite_)
+    definite_ = make_linear_solver(options(world_, solver_kind_, true, analyses_), num_unknowns);
   solver_ = definite_.get();
   solver_->begin_search();
   solver_->analyze(free_, x_);
@@ -101,7 +108,7 @@ void Tangent::factorize() {
     report = solver_->solve(free_, b, probe, 1e-3);
   }
   if (report.status == LinearReport::Status::ok) return;
-  if (!indefinite_) indefinite_ = make_linear_solver(options(world_, "auto", false), num_unknowns);
+  if (!indefinite_) indefinite_ = make_linear_solver(options(world_, "auto", false, analyses_), num_unknowns);
   solver_ = indefinite_.get();
   solver_->analyze(free_, x_);
   report = solver_->factorize(free_);

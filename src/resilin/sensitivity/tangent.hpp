@@ -37,7 +37,9 @@ class SkewPart {
 class Tangent {
  public:
   /// @param solver_kind  a name of the solvers' catalogue, or auto
-  Tangent(const World& world, const std::string& solver_kind);
+  /// @param analyses     as in LinearOptions
+  Tangent(const World& world, const std::string& solver_kind,
+          std::shared_ptr<AnalysisCache> analyses = nullptr);
 
   /// Forms K at x and factorises it; where `near` is given, and holds factors of a matrix near to K, only
   /// when these turn out not to serve.
@@ -62,6 +64,7 @@ class Tangent {
 
   const World& world_;
   std::string solver_kind_;
+  std::shared_ptr<AnalysisCache> analyses_;
   BlockMatrix whole_, free_;
   std::optional<SkewPart> skew_;
   std::unique_ptr<LinearSolver> definite_, indefinite_;
