@@ -19,10 +19,12 @@ from resilin import loading  # first: it loads the libraries  # noqa: F401
 from resilin import _core
 from resilin._core import InputError
 from resilin.catalog import laws
+from resilin.differentiated import Differentiated
+from resilin.differentiated_batch import DifferentiatedBatch
 from resilin.elastic import Elastic
 from resilin.embedding import embed
 from resilin.fit import Fit, fit
-from resilin.gradient import Differentiated, gradient, parameter_names, value_and_gradient
+from resilin.gradient import gradient, parameter_names, value_and_gradient
 from resilin.live import LiveScene
 from resilin.material import Material
 from resilin.mesh import Mesh, MeshReport, read_mesh
@@ -39,6 +41,7 @@ __version__ = _core.version()
 
 __all__ = [
     "Differentiated",
+    "DifferentiatedBatch",
     "Elastic",
     "Fit",
     "InputError",

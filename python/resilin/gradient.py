@@ -2,27 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
+from typing import TYPE_CHECKING, Literal, overload
 
 from resilin import _core
-from resilin.arrays import plain_text, real_array, refuse
-from resilin.mesh import warn
-from resilin.objective import Function, Outcome, Seeds, Sum
+from resilin.differentiated import Differentiated, differentiated
+from resilin.differentiated_batch import DifferentiatedBatch, differentiated_batch
 from resilin.scene import read_scene
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from collections.abc import Iterable, Mapping
 
-    from resilin.objective import FrameSlopes
+    from resilin.differentiated import Numbers, Objective
     from resilin.typing import Overrides, RealArray, Scene
-
-    Floats = NDArray[np.float64]
-    #: terms by kind, or a function of the outcome that gives a value and its slopes
-    Objective = Mapping[str, Any] | Callable[[Outcome], tuple[float, Any]]
-    Numbers = float | Floats
 
 
 def parameter_names(scene: Scene, overrides: Overrides = ()) -> list[str]:
@@ -36,168 +27,30 @@ def parameter_names(scene: Scene, overrides: Overrides = ()) -> list[str]:
     return list(_core.parameter_names(read_scene(scene, overrides)))
 
 
-class Differentiated:
-    """A run, an objective and their derivatives; `value, gradients = differentiated` unpacks it.
+@overload
+def value_and_gradient(
+    scene: Scene,
+    objective: Objective,
+    wrt: Iterable[str],
+    *,
+    overrides: Overrides = (),
+    checkpoints: int = 0,
+    values: Mapping[str, RealArray] | None = None,
+    batch: Literal[False] = False,
+) -> Differentiated: ...
 
-    Attributes
-    ----------
-    value : float or None
-        Of the objective; None without one.
-    gradients : dict
-        By the names of the parameters: a number, an array (M,) by cell, (V, d) by vertex, (d,) of a vector.
-    parameters : dict
-        Their values in the scene, of the same shapes.
-    positions : array (T, N, d)
-        [m]; frame 0 is the start, the others the equilibria of the load steps or the ends of the time steps.
-    """
 
-    def __init__(
-        self,
-        scene: Scene,
-        objective: Objective | None,
-        wrt: Iterable[str],
-        overrides: Overrides = (),
-        values: Mapping[str, RealArray] | None = None,
-        checkpoints: int = 0,
-    ) -> None:
-        given = [wrt] if isinstance(wrt, str) else wrt
-        names = list(dict.fromkeys(plain_text(name, "wrt") for name in given))
-        numbers = {
-            name: np.ascontiguousarray(np.ravel(np.asarray(real_array(value, name), dtype=np.float64)))
-            for name, value in (values or {}).items()
-        }
-        if checkpoints < 0:
-            refuse("checkpoints", "a number of at least 0", str(checkpoints))
-        self._run = _core.DifferentiatedRun(read_scene(scene, overrides), names, numbers, int(checkpoints))
-        warn(self._run.warnings)
-        self._shapes: dict[str, tuple[int, ...]] = {}
-        self.parameters: dict[str, Numbers] = {}
-        for name, shape, value in self._run.parameters():
-            self._shapes[name] = tuple(shape)
-            self.parameters[name] = self._shaped(name, value)
-        self._objective: Sum | Function | None = None
-        if callable(objective):
-            self._objective = Function(objective, self.outcome, self._run)
-        elif isinstance(objective, Mapping):
-            self._objective = Sum(objective, self._run)
-        elif objective is not None:
-            refuse("objective", "a dict of terms or a function", type(objective).__name__)
-        self.value = None if self._objective is None else self._objective.value
-        self.gradients = {} if self._objective is None else self._transposed(self._objective.slopes())
-
-    def __iter__(self) -> Iterator[Any]:
-        return iter((self.value, self.gradients))
-
-    @property
-    def positions(self) -> Floats:
-        return np.array([self._run.positions(frame) for frame in range(self._run.num_frames)])
-
-    @property
-    def outcome(self) -> Outcome:
-        """What a function that is an objective gets."""
-        frames = range(self._run.num_frames)
-        clock = np.array([self._run.time_and_load(frame) for frame in frames])
-        forces = np.array([self._run.reactions(frame) for frame in frames])
-        names = self._run.supports()
-        reactions = {name: forces[:, i] for i, name in enumerate(names)}
-        speeds = [self._run.velocities(frame) for frame in frames]
-        moving = [of_frame for of_frame in speeds if of_frame is not None]
-        return Outcome(self.positions, clock[:, 0], clock[:, 1], reactions, np.array(moving) if moving else None)
-
-    def vjp(self, seed: RealArray | Mapping[str, Any]) -> dict[str, Numbers]:
-        """The gradient of a number of which only its slopes are known.
-
-        Parameters
-        ----------
-        seed : array or dict
-            Slopes by `positions` (T, N, d), or (N, d) for the last frame; or a dict with "positions", "velocities" and
-            "reactions" ({support: (T, 3)}).
-
-        Returns
-        -------
-        dict
-            As `gradients`.
-        """
-        return self._transposed(Seeds(seed, self._run).slopes())
-
-    def jvp(self, direction: Mapping[str, RealArray]) -> dict[str, Any]:
-        """What changes of the parameters do to the results, to first order.
-
-        Parameters
-        ----------
-        direction : dict
-            By the names of parameters; those that are left out do not change.
-
-        Returns
-        -------
-        dict
-            "positions" (T, N, d), "velocities" in motion, "reactions" {support: (T, 3)}, and of an objective of terms
-            "value" and "residuals".
-        """
-        frames = self._forward(direction)
-        names = self._run.supports()
-        forces = np.array([frame[2] for frame in frames])
-        changes: dict[str, Any] = {
-            "positions": np.array([frame[0] for frame in frames]),
-            "reactions": {name: forces[:, i] for i, name in enumerate(names)},
-        }
-        if frames[0][1] is not None:
-            changes["velocities"] = np.array([frame[1] for frame in frames])
-        if isinstance(self._objective, Sum):
-            changes["residuals"] = self._objective.change_of_residuals(frames)
-            changes["value"] = self._objective.change(frames)
-        return changes
-
-    def gauss_newton_product(self, direction: Mapping[str, RealArray]) -> dict[str, Numbers]:
-        """J^T J v, J being the derivative of the residuals r of an objective 1/2 |r|^2 by the parameters: one forward
-        and one transposed product."""
-        if not isinstance(self._objective, Sum):
-            refuse("objective", "a dict of terms with targets", "a function" if self._objective else "none")
-        change = self._objective.change_of_residuals(self._forward(direction))
-        return self._transposed(self._objective.slopes_of_residuals(change))
-
-    @property
-    def residuals(self) -> Floats:
-        """(y - target) / sigma of all terms with a target, one after another."""
-        if not isinstance(self._objective, Sum):
-            refuse("objective", "a dict of terms with targets", "a function" if self._objective else "none")
-        return self._objective.residuals
-
-    def _shaped(self, name: str, values: Floats) -> Numbers:
-        shape = self._shapes[name]
-        return float(values[0]) if shape == () else values.reshape(shape)
-
-    def _transposed(self, slopes: Sequence[FrameSlopes]) -> dict[str, Numbers]:
-        # One entry for each frame.
-        frames: dict[int, list[Floats | None]] = {}
-        for of in slopes:
-            kept = frames.setdefault(of.frame, [None, None, None])
-            for i, part in enumerate((of.positions, of.velocities, of.reactions)):
-                if part is not None:
-                    before = kept[i]
-                    kept[i] = part if before is None else before + part
-        num_warnings = len(self._run.warnings)
-        found = self._run.transposed([(frame, kept[0], kept[1], kept[2]) for frame, kept in sorted(frames.items())])
-        warn(self._run.warnings[num_warnings:])
-        for of in slopes:
-            for values, direct in zip(found, of.parameters or (), strict=of.parameters is not None):
-                values += direct
-        return {name: self._shaped(name, values) for name, values in zip(self._shapes, found, strict=True)}
-
-    def _forward(self, direction: Mapping[str, RealArray]) -> list[Any]:
-        for name in direction:
-            if name not in self._shapes:
-                refuse(f"direction.{name}", "one of " + ", ".join(self._shapes), "a name that is not in wrt")
-        changes = []
-        for name, shape in self._shapes.items():
-            array = np.asarray(real_array(direction.get(name, 0.0), f"direction.{name}"), dtype=np.float64)
-            if array.ndim > 0 and array.shape != shape:
-                refuse(f"direction.{name}", f"an array {shape}", str(array.shape))
-            changes.append(np.ascontiguousarray(np.broadcast_to(array, shape)).ravel())
-        return [(*frame, changes) for frame in self._run.forward(changes)]
-
-    def __repr__(self) -> str:
-        return f"<resilin.Differentiated {self.value}: by {', '.join(self._shapes)}>"
+@overload
+def value_and_gradient(
+    scene: Scene,
+    objective: Objective,
+    wrt: Iterable[str],
+    *,
+    overrides: Overrides = (),
+    checkpoints: int = 0,
+    values: Mapping[str, RealArray] | None = None,
+    batch: Literal[True],
+) -> DifferentiatedBatch: ...
 
 
 def value_and_gradient(
@@ -207,7 +60,9 @@ def value_and_gradient(
     *,
     overrides: Overrides = (),
     checkpoints: int = 0,
-) -> Differentiated:
+    values: Mapping[str, RealArray] | None = None,
+    batch: bool = False,
+) -> Differentiated | DifferentiatedBatch:
     """Runs a scene and gives an objective and its exact gradient by numbers of the scene, all at once.
 
     One adjoint solution for each equilibrium or time step, whatever the number of parameters; see docs/gradients.md.
@@ -229,11 +84,16 @@ def value_and_gradient(
     checkpoints : int
         Motion: 0 keeps the places of all steps; k keeps k states and makes the steps between them again, to the same
         bits.
+    values : dict
+        Numbers in place of those of the scene, by the names of its parameters.
+    batch : bool
+        `values` have a leading dimension B: as many runs of the one scene, on all cores, to the bits of one after
+        another.
 
     Returns
     -------
-    Differentiated
-        Unpacks as `value, gradients`.
+    Differentiated, or DifferentiatedBatch
+        Unpacks as `value, gradients`; of a batch they have the leading dimension.
 
     Raises
     ------
@@ -246,7 +106,9 @@ def value_and_gradient(
     >>> objective = {"position": {"at": [4, 0, 0], "target": [3.5, 0, -1], "sigma": 1e-3}}
     >>> value, gradients = resilin.value_and_gradient("beam.toml", objective, ["body.beam.material.youngs_modulus"])
     """
-    return Differentiated(scene, objective, wrt, overrides, checkpoints=checkpoints)
+    if batch:
+        return differentiated_batch(scene, objective, wrt, overrides, values or {}, checkpoints)
+    return differentiated(scene, objective, wrt, overrides, values, checkpoints)
 
 
 def gradient(

@@ -107,7 +107,9 @@ class StableNeoHookean:
         return self._material.elastic_forces(F, Dm_inv, volume)
 
 
-def simulate(scene: Scene, *, overrides: Overrides = (), checkpoints: int = 0, **tensors: torch.Tensor) -> torch.Tensor:
+def simulate(
+    scene: Scene, *, overrides: Overrides = (), checkpoints: int = 0, batch: bool = False, **tensors: torch.Tensor
+) -> torch.Tensor:
     """The places of all nodes as a function of numbers of the scene, through which autograd goes.
 
     Statics and motion, by the adjoint of `resilin.value_and_gradient`: exact, at the price of one solve for each
@@ -119,13 +121,16 @@ def simulate(scene: Scene, *, overrides: Overrides = (), checkpoints: int = 0, *
         As for `resilin.run`.
     checkpoints : int
         As for `resilin.value_and_gradient`.
+    batch : bool
+        All tensors have a leading dimension B: as many runs of the one scene, on all cores, to the bits of one after
+        another. One that is the same in all is given as `tensor.expand(B, ...)`.
     **tensors
         By the keys of the scene, given with **: {"body.beam.material.youngs_modulus": E}; they take the place of what
         the scene says. A tensor (M,) for a constant is one number for each cell.
 
     Returns
     -------
-    tensor (T, N, d)
+    tensor (T, N, d), of a batch (B, T, N, d)
         [m], float64; frame 0 is the start, the last is the equilibrium or the end of the motion.
 
     Examples
@@ -136,4 +141,4 @@ def simulate(scene: Scene, *, overrides: Overrides = (), checkpoints: int = 0, *
     """
     from resilin.tensor_simulation import simulate_at_tensors
 
-    return simulate_at_tensors(scene, overrides, checkpoints, tensors)
+    return simulate_at_tensors(scene, overrides, checkpoints, batch, tensors)

@@ -29,3 +29,25 @@ def test_torch_goes_through_statics_and_motion(scene):
     field = torch.full((24,), 1e5, dtype=torch.float64, requires_grad=True)
     resilin.torch.simulate(scene(), **{E: field})[-1, :, 2].sum().backward()
     assert field.grad.shape == (24,)
+
+
+@pytest.mark.parametrize("scene", [bar, motion])
+def test_a_batch_has_the_bits_of_one_after_another(scene):
+    steps = torch.arange(4, dtype=torch.float64)
+    moduli = (1e5 * (1 + steps)).requires_grad_()
+    pull = torch.tensor([10.0, 1.0, 2.0], dtype=torch.float64, requires_grad=True)
+    names = (E, "load.pull.value")
+
+    def simulate(*tensors, **options):
+        return resilin.torch.simulate(scene(), **options, **dict(zip(names, tensors, strict=True)))
+
+    places = simulate(moduli, pull.expand(4, 3), batch=True)
+    places[:, -1, :, 2].amin(dim=1).sum().backward()
+    found = moduli.grad.clone()
+    assert pull.grad.shape == (3,)
+    for i in range(4):
+        modulus = moduli[i].detach().requires_grad_()
+        alone = simulate(modulus, pull)
+        assert torch.equal(alone, places[i])
+        alone[-1, :, 2].min().backward()
+        assert modulus.grad == found[i]

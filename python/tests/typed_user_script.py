@@ -133,6 +133,18 @@ def simulations(folder: Path) -> None:
     simulation.set_material("square", resilin.Material("stable_neo_hookean", youngs_modulus=1e5, poissons_ratio=0.3))
 
 
+def derivatives(scene: Scene, modulus: str) -> None:
+    objective = {"volume": {"body": "square", "target": 1.0}}
+    run = resilin.value_and_gradient(scene, objective, [modulus], values={modulus: 2e5})
+    assert_type(run, resilin.Differentiated)
+    assert_type(run.gradients, dict[str, float | Doubles])
+    batch = resilin.value_and_gradient(scene, objective, [modulus], values={modulus: [1e5, 2e5]}, batch=True)
+    assert_type(batch, resilin.DifferentiatedBatch)
+    assert_type(batch.gradients, dict[str, Doubles])
+    assert_type(batch.vjp(batch.positions)[modulus], Doubles)
+    assert_type(batch[1].positions, Doubles)
+
+
 def play(scene: Scene) -> None:
     live = resilin.LiveScene(scene)
     live.set(youngs_modulus=2e5, law="stable_neo_hookean", gravity=np.zeros(3))
@@ -170,5 +182,8 @@ def main(folder: Path) -> None:
     meshes(folder)
     energies()
     simulations(folder)
+    soft = {"name": "square", "mesh": resilin.Mesh.rectangle((1, 1), (2, 2))}
+    motion = {"kind": "dynamic", "dimension": 2, "time_step": 0.01, "end_time": 0.02, "gravity": [0, -9.81]}
+    derivatives({"simulation": motion, "body": [soft]}, "body.square.material.youngs_modulus")
     play({"simulation": {"dimension": 2}, "body": [{"mesh": resilin.Mesh.rectangle((1, 1), (2, 2))}]})
     print(first_error(), resilin.__version__)
