@@ -52,8 +52,9 @@ struct RestShape {
 ///
 /// What touches in the shape as drawn presses there, and is raised with the loads. Rest shapes on the way may
 /// be anywhere, inside of colliders as well: only what is drawn has to be outside. The rest shape found may
-/// lie inside, too: a body that is held pressed on a floor. The areas that its barriers bear follow the rest
-/// shape; Newton's method leaves that out of its matrix and comes to the same place.
+/// lie inside, too: a body that is held pressed on a floor. The areas that barriers bear, and how far the
+/// scene lets them reach by default, follow the rest shape; of that Newton's method has the areas on exact
+/// shapes in its matrix, leaves the rest out and comes to the same place.
 ///
 /// @throws InputError  for motion, for friction, and when no such shape is found: why
 RestShape find_rest_shape(Description description, const RestShapeOptions& options = {});
