@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
@@ -102,21 +103,27 @@ class Search {
   std::optional<RestAndDeformed> search() {
     RestAndDeformed shape = target_;
     double raise = 1;
+    bool has_failed = false;  // the last attempt
     for (part_ = 0; part_ < 1;) {
       const double towards = std::min(1.0, part_ + raise);
       if (std::optional<RestAndDeformed> better = newton(shape, towards)) {
         shape = *std::move(better);
         part_ = towards;
-        raise *= 2;
+        if (!std::exchange(has_failed, false)) raise *= 2;
         continue;
       }
+      has_failed = true;
       raise /= 2;
       if (raise < options_.smallest_part) return std::nullopt;
     }
     return shape;
   }
 
+  /// None where a body may have to be borne by what presses on it.
   std::vector<PressingCollider> pressing() const {
+    for (const Body& body : drawn_->bodies)
+      for (int axis = 0; axis < drawn_->dimension; ++axis)
+        if (is_free_along(*drawn_, body, axis)) return {};
     return pressing_colliders(*drawn_, drawn_->rest_positions);
   }
 
@@ -125,11 +132,12 @@ class Search {
     for (const PressingCollider& collider : pressing()) {
       const auto found = std::ranges::find(description_.colliders, collider.name, &ColliderDescription::name);
       if (found == description_.colliders.end() || found->activation_distance) continue;
-      found->activation_distance = shorter_distance(collider.gap);
-      kept_off_.emplace_back(collider.name, *found->activation_distance);
+      const double distance = shorter_distance(collider.gap);
+      found->activation_distance = distance;
+      kept_off_.emplace_back(collider.name, distance);
       warnings_.push_back(description_.place + ": rest shape: there is none where on what is drawn " +
                           in_words(collider, *drawn_) + ": this one is for a \"" + collider.name +
-                          "\" with activation_distance = " + format_number(*found->activation_distance) +
+                          "\" with activation_distance = " + format_number(distance) +
                           ", which does not press");
     }
     if (kept_off_.empty()) return false;
@@ -141,8 +149,8 @@ class Search {
     std::string failure = failure_, cure = "take smaller loads or a stiffer body, or hold it at more places";
     for (const PressingCollider& collider : pressing()) {
       failure += "; on what is drawn " + in_words(collider, *drawn_);
-      cure = "with an activation_distance below " + format_short(collider.gap) + " m \"" + collider.name +
-             "\" does not press; or draw it farther away, or " + cure;
+      cure.insert(0, "with an activation_distance below " + format_short(collider.gap) + " m \"" +
+                         collider.name + "\" does not press; or draw it farther away, or ");
     }
     throw InputError(description_.place + ": rest shape", "a shape that the loads deform into what is drawn",
                      "none beyond " + format_short(100 * part_) + " % of the loads: " + failure, cure);

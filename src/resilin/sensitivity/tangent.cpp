@@ -153,8 +153,9 @@ std::optional<VectorX> Tangent::solve_near(const VectorX& b) {
   }
   const NearSolve near = [&](const VectorX& residual, VectorX& p) {
     std::optional<VectorX> found = near_->response(residual, world_.is_fixed, 1);
-    if (found) p = *std::move(found);
-    return found.has_value();
+    if (!found) return false;
+    p = *std::move(found);
+    return true;
   };
   const Product times = [&](const VectorX& p, VectorX& product) { multiply(free_, p, product); };
   return solve_by_near(times, near, b, tight_tolerance);
@@ -172,8 +173,7 @@ VectorX Tangent::solve_symmetric(const VectorX& b) {
   LinearReport report = solver_->solve(free_, b, p, tolerance());
   // An iterative solver ends at its rounding; what is left is solved for once more.
   VectorX rest;
-  for (int refinement = 0; refinement < 2 && report.status != LinearReport::Status::indefinite;
-       ++refinement) {
+  for (int again = 0; again < 2 && report.status != LinearReport::Status::indefinite; ++again) {
     multiply(free_, p, rest);
     rest = b - rest;
     if (rest.norm() <= tolerance() * size) break;
