@@ -29,7 +29,7 @@ Description beam_over_floor(int dimension, double thickness, double gap,
   scene.probes.clear();
   scene.bodies[0].name = "beam";
   scene.bodies[0].mesh =
-      dimension == 3 ? make_box({0.8, 0.2, thickness}, {8, 2, 2}) : make_rectangle({0.8, thickness}, {12, 2});
+      dimension == 3 ? make_box({0.8, 0.2, thickness}, {6, 1, 1}) : make_rectangle({0.8, thickness}, {8, 1});
   scene.bodies[0].material.constants["youngs_modulus"] = 1e6;
   scene.colliders.push_back(floor_below(dimension, gap, kind));
   return scene;
