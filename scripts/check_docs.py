@@ -89,6 +89,8 @@ STAND_INS = {
         [ $# -eq 0 ] && [ -f scripts/website/build.py ]""",
     "scripts/build_wasm.sh": """
         true""",
+    "scripts/release.sh": """
+        [ $# -eq 0 ] && [ -f scripts/release.py ]""",
     "scripts/build_wheel.sh": """
         mkdir -p dist && touch dist/resilin-stand-in.whl""",
 }

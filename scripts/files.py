@@ -1,6 +1,7 @@
 """The files of the repository, for the checks beside this one."""
 
 import pathlib
+import re
 import subprocess
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
@@ -20,3 +21,7 @@ def repository_files(*suffixes):
 
 def relative(path):
     return path.relative_to(ROOT).as_posix()
+
+
+def project_version():
+    return re.search(r"project\(resilin VERSION ([0-9.]+)", (ROOT / "CMakeLists.txt").read_text(encoding="utf-8"))[1]

@@ -13,16 +13,17 @@ import os
 import pathlib
 import sys
 import time
-import xml.etree.ElementTree as ElementTree
 
 import check_browser
 import check_consumer
+import check_containers
 import check_docs
 import check_examples
 import check_format
 import check_includes
 import check_petsc
 import check_python
+import check_release
 import check_repository
 import check_setup
 import check_site
@@ -76,6 +77,7 @@ def run_rules():
         "clang-format": check_format.find_cpp_problems,
         "ruff": check_format.find_python_problems,
         "set-up installs what is missing and nothing else": check_setup.find_problems,
+        "a release is made of what was tried": check_release.find_problems,
         "shell scripts": check_format.find_shell_problems,
         "clang-tidy on what changed last": check_tidy.find_problems_in_changes,
     }
@@ -127,7 +129,9 @@ def run_validation():
 
 def run_consumer():
     return [
-        run_check("a project outside the tree finds, builds with and runs the library", check_consumer.find_problems)
+        run_check("a project outside the tree finds, builds with and runs the library", check_consumer.find_problems),
+        run_check("the check of the containers reads what they install", check_containers.find_faults_of_this_check),
+        run_check("containers have the libraries that their programs ask for", check_containers.find_problems),
     ]
 
 
@@ -136,14 +140,7 @@ def run_pytest(name, results_or_problems):
     results, problems = results_or_problems
     if problems:
         return [Outcome(name, "failed", "\n".join(problems))]
-    outcomes = []
-    for case in ElementTree.parse(results).getroot().iter("testcase"):
-        faults = [child for child in case if child.tag in ("failure", "error")]
-        skipped = case.find("skipped")
-        status = "failed" if faults else "skipped" if skipped is not None else "passed"
-        detail = faults[0].text if faults else (skipped.get("message") if skipped is not None else "")
-        outcomes.append(Outcome(f"{case.get('classname')}.{case.get('name')} ({name})", status, detail or ""))
-    return outcomes
+    return [Outcome(f"{test} ({name})", status, detail) for test, status, detail in check_python.outcomes_in(results)]
 
 
 def run_python():

@@ -161,6 +161,22 @@ install_python_environment() {
   cp "$wanted" "$folder/installed"
 }
 
+# What builds a wheel, a line each.
+wheel_tools() { sed -n '/^# To build/,/^# To test/{/==/p}' "$root/python/requirements-dev.txt"; }
+
+# install_wheel_tools PYTHON FOLDER: what builds a wheel for this interpreter, in an environment of its own.
+install_wheel_tools() {
+  local python=$1 folder=$2 wanted
+  wanted="$("$python" -VV) $(wheel_tools)"
+  [ "$(cat "$folder/installed" 2>/dev/null)" != "$wanted" ] || return 0
+  say "Fetching what builds a wheel for $("$python" -V) ..."
+  mkdir -p "$folder"
+  # shellcheck disable=SC2046  # one word for each tool
+  { "$python" -m venv --clear "$folder" && "$folder/bin/pip" install --disable-pip-version-check $(wheel_tools); } \
+    >"$folder.log" 2>&1 || { tail -n 20 "$folder.log" >&2; return 1; }
+  echo "$wanted" >"$folder/installed"
+}
+
 # What makes the site, in the versions of scripts/website/requirements.txt.
 install_site_tools() {
   local folder=$root/build/site wanted=$root/scripts/website/requirements.txt

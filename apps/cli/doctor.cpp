@@ -215,6 +215,7 @@ constexpr std::array<PythonPackage, 8> python_packages = {{
     {"pandas", "Result.to_dataframe", "pip install 'resilin[pandas]'"},
     {"pyvista", "Result.to_pyvista", "pip install 'resilin[pyvista]'"},
     {"meshio", "Result.to_meshio, Mesh.from_meshio", "pip install 'resilin[meshio]'"},
+    {"anywidget", "view() in notebooks", "pip install 'resilin[notebook]'"},
     {"pyarrow", "tables of sweeps as Parquet", "pip install 'resilin[parquet]'"},
     {"distributed", "sweeps on a Dask cluster", "pip install 'resilin[sweep]'"},
 }};

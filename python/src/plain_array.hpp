@@ -113,7 +113,7 @@ nb::object new_array(const Shape& shape) {
   const nb::object axes = nb::steal(PyTuple_New(shape.num_axes));
   if (!axes.is_valid()) nb::raise_python_error();
   for (int axis = 0; axis < shape.num_axes; ++axis)
-    PyTuple_SET_ITEM(axes.ptr(), axis, PyLong_FromSsize_t(shape.lengths[static_cast<std::size_t>(axis)]));
+    PyTuple_SetItem(axes.ptr(), axis, PyLong_FromSsize_t(shape.lengths[static_cast<std::size_t>(axis)]));
   PyObject* const arguments[] = {axes.ptr(), numpy().dtype<Real>().ptr()};
   PyObject* const array = PyObject_Vectorcall(numpy().empty.ptr(), arguments, 2, nullptr);
   if (array == nullptr) nb::raise_python_error();

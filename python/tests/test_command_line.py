@@ -9,10 +9,10 @@ import signal
 import subprocess
 import sys
 import time
-import tomllib
 from importlib.util import find_spec
 
 import pytest
+from toml_reader import tomllib
 
 import resilin
 from resilin.__main__ import PROGRAM
@@ -119,5 +119,5 @@ def test_doctor_finds_this_package_and_what_it_works_with():
     )
     well = {finding["name"]: finding["ok"] for finding in json.loads(run.stdout)}
     assert well["Python"]
-    for package in ("torch", "matplotlib", "pandas", "pyvista", "meshio", "pyarrow", "distributed"):
+    for package in ("torch", "matplotlib", "pandas", "pyvista", "meshio", "anywidget", "pyarrow", "distributed"):
         assert well[package] == (find_spec(package) is not None), package

@@ -1,10 +1,10 @@
 """Scenes fitted to markers; the numbers themselves are checked in C++ (tests/fit)."""
 
 import pathlib
-import tomllib
 
 import numpy as np
 import pytest
+from toml_reader import tomllib
 
 import resilin
 

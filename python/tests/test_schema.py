@@ -3,9 +3,9 @@
 import json
 import pathlib
 import subprocess
-import tomllib
 
 import pytest
+from toml_reader import tomllib
 
 import resilin
 from resilin.__main__ import PROGRAM

@@ -16,7 +16,7 @@ import tomllib
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
 
-from files import ROOT, relative, repository_files  # noqa: E402
+from files import ROOT, project_version, relative, repository_files  # noqa: E402
 from website import command_reference, cpp_reference, gallery, notebooks, python_reference  # noqa: E402
 from website.pages import Links, Stage, code_block, listing, listing_name, page_names, staged_name  # noqa: E402
 
@@ -61,10 +61,6 @@ def first_page(text, scenes, pages):
         at = first_picture.end()
         text = text[:at] + "\n" + gallery.buttons(scenes) + "\n" + gallery.strip(scenes) + "\n" + text[at:]
     return text + "\n" + toctrees(pages)
-
-
-def version():
-    return re.search(r"project\(resilin VERSION ([0-9.]+)", (ROOT / "CMakeLists.txt").read_text(encoding="utf-8"))[1]
 
 
 def write_pages(stage, scenes, files, runs_notebooks, modules):
@@ -127,7 +123,7 @@ def build_alone(out, work, draws, runs_notebooks, modules):
     stage = Stage(work / "pages")
     write_pages(stage, scenes, files, runs_notebooks, modules)
     stage.remove_what_is_old()
-    environment = {**os.environ, "RESILIN_VERSION": version(), "RESILIN_SITE_FILES": str(files)}
+    environment = {**os.environ, "RESILIN_VERSION": project_version(), "RESILIN_SITE_FILES": str(files)}
     command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-j", "auto", "-b", "html"]
     command += ["-c", HERE, "-d", work / "doctrees", stage.folder, out]
     run = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
