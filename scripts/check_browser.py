@@ -36,7 +36,8 @@ def find_type_problems():
 
 
 def find_format_problems():
-    return problems_of(tool("prettier"), "--check", "--log-level=warn", ".")
+    check = (tool("prettier"), "--config=package.json", "--check", "--log-level=warn")
+    return problems_of(*check, ".") + problems_of(*check, "../../../python/resilin/widget.js")
 
 
 def find_lock_problems():

@@ -136,6 +136,7 @@ void LiveTurns::obey(ClientId client, const LoopMessage& message) {
                  },
                  [&](const SaveScene&) { mailbox_->tell(client, scene_->save()); },
                  [this](const OpenScene& opened) { open(opened.scene); },
+                 [this](const SceneTouched& touched) { is_paused_ = is_paused_ || touched.by_a_step; },
                  [this](const auto& for_the_scene) { scene_->apply(for_the_scene); },
              },
              message);

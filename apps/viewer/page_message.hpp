@@ -65,6 +65,11 @@ struct OpenScene {
   std::shared_ptr<ServedScene> scene;
 };
 
+/// The program that hosts the pages has changed the scene by itself; where it steps, the page does not.
+struct SceneTouched {
+  bool by_a_step = false;
+};
+
 template <class Variant, class... More>
 struct Extended;
 template <class... Kind, class... More>
@@ -76,7 +81,7 @@ struct Extended<std::variant<Kind...>, More...> {
 using SceneMessage = std::variant<Grab, Drag, Release, Pin, Unpin, UnpinAll, HoldFace, FreeFaces, Poke,
                                   PokeEnd, SetControl, Reset, Reload>;
 /// What is said to the simulation.
-using LoopMessage = Extended<SceneMessage, Pause, Play, SingleStep, SaveScene, OpenScene>::type;
+using LoopMessage = Extended<SceneMessage, Pause, Play, SingleStep, SaveScene, OpenScene, SceneTouched>::type;
 /// All that a page can say; the rest is for the server.
 using PageMessage = Extended<LoopMessage, ChooseField, Acknowledge>::type;
 

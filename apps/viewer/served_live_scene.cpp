@@ -26,16 +26,20 @@ std::string title_of(const World& world) {
 }  // namespace
 
 ServedLiveScene::Loaded::Loaded(Scene scene)
-    : description(std::move(scene.description)),
-      warnings(std::move(scene.warnings)),
-      live(description),
-      first_controls(live.controls()),
-      surface(live.world()),
-      colliders(shown_colliders(live.world())),
-      fields(live.world(), surface),
-      field_choices(SurfaceFields::quick(live.world().dimension)) {
-  const std::vector<std::string>& more = live.world().warnings;
+    : Loaded(std::make_shared<LiveScene>(scene.description), std::move(scene.warnings)) {
+  description = std::move(scene.description);
+  const std::vector<std::string>& more = live->world().warnings;
   warnings.insert(warnings.end(), more.begin(), more.end());
+}
+
+ServedLiveScene::Loaded::Loaded(std::shared_ptr<LiveScene> played, std::vector<std::string> words)
+    : live(std::move(played)),
+      warnings(std::move(words)),
+      first_controls(live->controls()),
+      surface(live->world()),
+      colliders(shown_colliders(live->world())),
+      fields(live->world(), surface),
+      field_choices(SurfaceFields::quick(live->world().dimension)) {
   const auto num_vertices = static_cast<std::size_t>(surface.num_vertices());
   positions.resize(3 * num_vertices);
   if (surface.dimension() == 3) normals.resize(3 * num_vertices);
@@ -45,17 +49,20 @@ ServedLiveScene::Loaded::Loaded(Scene scene)
 ServedLiveScene::ServedLiveScene(std::function<Scene()> read, SaveChanges save)
     : read_(std::move(read)), save_(std::move(save)), loaded_(std::make_unique<Loaded>(read_())) {}
 
+ServedLiveScene::ServedLiveScene(std::shared_ptr<LiveScene> live, std::vector<std::string> warnings)
+    : loaded_(std::make_unique<Loaded>(std::move(live), std::move(warnings))) {}
+
 Json ServedLiveScene::header() const {
   Json header = Json::parse(encode_header({.title = title_of(world()),
                                            .version = std::string(version()),
-                                           .up = loaded_->live.up(),
-                                           .gravity = loaded_->live.controls().gravity,
+                                           .up = loaded_->live->up(),
+                                           .gravity = loaded_->live->controls().gravity,
                                            .fields = loaded_->field_choices,
                                            .colliders = loaded_->colliders},
                                           world(), loaded_->surface));
   header["saves"] = static_cast<bool>(save_);
   header["controls"] =
-      control_entries(loaded_->live.controls(), world().largest_extent(), world().contact != nullptr);
+      control_entries(loaded_->live->controls(), world().largest_extent(), world().contact != nullptr);
   return header;
 }
 
@@ -70,9 +77,10 @@ std::vector<std::string> ServedLiveScene::field_names() const {
 }
 
 Json ServedLiveScene::state() const {
-  const LiveControls& controls = loaded_->live.controls();
+  const LiveControls& controls = loaded_->live->controls();
   Json pinned = Json::array();
-  for (const Index node : loaded_->live.pinned()) pinned.push_back(loaded_->vertex_of_node.at(node));
+  for (const Index node : loaded_->live->pinned())
+    if (const std::optional<std::uint32_t> vertex = shown_vertex(node)) pinned.push_back(*vertex);
   Json held = Json::array();
   for (const ShownFace& face : loaded_->faces)
     held.push_back({{"vertices", shown_support(face.patch.vertices)}});
@@ -85,8 +93,8 @@ Json ServedLiveScene::state() const {
 }
 
 Json ServedLiveScene::status() const {
-  const LiveReport& report = loaded_->live.report();
-  const std::optional<LiveContact> contact = loaded_->live.contact();
+  const LiveReport& report = loaded_->live->report();
+  const std::optional<LiveContact> contact = loaded_->live->contact();
   return {{"time", time()},
           {"step_ms", report.step_ms},
           {"assembly_ms", report.assembly_ms},
@@ -104,22 +112,22 @@ Json ServedLiveScene::status() const {
           {"active_pairs", contact ? Json(contact->active_pairs) : Json()},
           {"elastic_energy", report.elastic_energy},
           {"kinetic_energy", report.kinetic_energy},
-          {"hand_force", is_grabbed() ? Json(loaded_->live.hand_force().norm()) : Json()},
+          {"hand_force", is_grabbed() ? Json(loaded_->live->hand_force().norm()) : Json()},
           {"words", report.words}};
 }
 
 void ServedLiveScene::step(double seconds) {
-  const State& state = loaded_->live.state();
+  const State& state = loaded_->live->state();
   loaded_->previous_positions = state.positions;
   loaded_->previous_time = state.time;
-  loaded_->previous_conditions = loaded_->live.conditions();
-  loaded_->live.step({seconds});
+  loaded_->previous_conditions = loaded_->live->conditions();
+  loaded_->live->step({seconds});
 }
 
 void ServedLiveScene::forget_previous_state() {
   loaded_->previous_positions.resize(0);
-  loaded_->previous_time = loaded_->live.state().time;
-  loaded_->previous_conditions = loaded_->live.conditions();
+  loaded_->previous_time = loaded_->live->state().time;
+  loaded_->previous_conditions = loaded_->live->conditions();
 }
 
 void ServedLiveScene::apply(const SceneMessage& message) {
@@ -127,31 +135,31 @@ void ServedLiveScene::apply(const SceneMessage& message) {
   std::visit(Overloaded{
                  [this](const Grab& taken) { grab(taken); },
                  [&](const Drag& drag) {
-                   loaded.live.drag(checked_place(drag.target, "drag: target") + loaded.grab_offset);
+                   loaded.live->drag(checked_place(drag.target, "drag: target") + loaded.grab_offset);
                  },
-                 [&](const Release&) { loaded.live.release(); },
+                 [&](const Release&) { loaded.live->release(); },
                  [&](const Pin& pin) {
                    const Index node = loaded.surface.nearest_node(checked_vertex(pin.vertex, "pin"));
                    loaded.vertex_of_node[node] = pin.vertex;
-                   loaded.live.pin(node);
+                   loaded.live->pin(node);
                  },
                  [&](const Unpin& unpin) {
-                   loaded.live.unpin(loaded.surface.nearest_node(checked_vertex(unpin.vertex, "unpin")));
+                   loaded.live->unpin(loaded.surface.nearest_node(checked_vertex(unpin.vertex, "unpin")));
                  },
-                 [&](const UnpinAll&) { loaded.live.unpin_all(); },
+                 [&](const UnpinAll&) { loaded.live->unpin_all(); },
                  [this](const HoldFace& face) { hold(face); },
                  [this](const FreeFaces&) { free_faces(); },
                  [&](const Poke& poke) {
-                   loaded.live.poke(checked_place(poke.center, "poke: center"), poke.radius);
+                   loaded.live->poke(checked_place(poke.center, "poke: center"), poke.radius);
                  },
-                 [&](const PokeEnd&) { loaded.live.stop_poking(); },
+                 [&](const PokeEnd&) { loaded.live->stop_poking(); },
                  [&](const SetControl& set) {
-                   LiveControls controls = loaded.live.controls();
+                   LiveControls controls = loaded.live->controls();
                    set_value(*set.control, set.value, controls);
-                   loaded.live.set_controls(controls);
+                   loaded.live->set_controls(controls);
                  },
                  [&](const Reset&) {
-                   loaded.live.reset();
+                   loaded.live->reset();
                    forget_previous_state();
                  },
                  [this](const Reload&) { reload(); },
@@ -159,12 +167,23 @@ void ServedLiveScene::apply(const SceneMessage& message) {
              message);
 }
 
+/// The vertex by which a node was pinned; of one that a program has pinned the first that stands for it.
+std::optional<std::uint32_t> ServedLiveScene::shown_vertex(Index node) const {
+  std::map<Index, std::uint32_t>& vertices = loaded_->vertex_of_node;
+  if (!vertices.contains(node))
+    for (Index vertex = 0; vertex < num_vertices(); ++vertex)
+      vertices.emplace(loaded_->surface.nearest_node(vertex), static_cast<std::uint32_t>(vertex));
+  const auto known = vertices.find(node);
+  if (known == vertices.end()) return std::nullopt;  // it lies inside
+  return known->second;
+}
+
 /// A second time on the same face lets it go.
 void ServedLiveScene::hold(const HoldFace& hold) {
   Loaded& loaded = *loaded_;
   const Vector3 point = checked_place(hold.point, "hold: point");
   const Index vertex = checked_vertex(hold.vertex, "hold");
-  loaded.surface.positions(loaded.live.state().positions, loaded.positions);
+  loaded.surface.positions(loaded.live->state().positions, loaded.positions);
   loaded.shown_frame = 0;
   FacePatch patch = face_patch(loaded.surface, vertex, point, loaded.positions, hold.reach);
   const auto is_touched = [&patch](const ShownFace& face) {
@@ -172,7 +191,7 @@ void ServedLiveScene::hold(const HoldFace& hold) {
   };
   const auto last = std::find_if(loaded.faces.rbegin(), loaded.faces.rend(), is_touched);
   if (last != loaded.faces.rend()) {
-    loaded.live.let_go(last->number);
+    loaded.live->let_go(last->number);
     loaded.faces.erase(std::next(last).base());
     return;
   }
@@ -181,32 +200,39 @@ void ServedLiveScene::hold(const HoldFace& hold) {
   std::vector<Index> vertices;
   for (const Index node : nodes_of_patch(loaded.surface, patch))
     if (node - body.first_node < body.num_vertices) vertices.push_back(node - body.first_node);
-  loaded.faces.push_back({loaded.live.hold(number, std::move(vertices)), std::move(patch)});
+  loaded.faces.push_back({loaded.live->hold(number, std::move(vertices)), std::move(patch)});
 }
 
 void ServedLiveScene::free_faces() {
-  for (const ShownFace& face : loaded_->faces) loaded_->live.let_go(face.number);
+  for (const ShownFace& face : loaded_->faces) loaded_->live->let_go(face.number);
   loaded_->faces.clear();
 }
 
 std::string ServedLiveScene::save() {
   if (!save_)
-    throw InputError("save", "a scene that was read from a file", "a page that carries its scene with it",
+    throw InputError("save", "a scene that was read from a file", "one that was not",
                      "`resilin view SCENE.toml` saves what is held");
   return save_({.before = &loaded_->description,
-                .up = loaded_->live.up(),
+                .up = loaded_->live->up(),
                 .first = loaded_->first_controls,
-                .now = loaded_->live.controls(),
-                .held = loaded_->live.held_faces()});
+                .now = loaded_->live->controls(),
+                .held = loaded_->live->held_faces()});
 }
 
 /// Everything anew but the speed, which is not the scene's.
 void ServedLiveScene::reload() {
-  auto loaded = std::make_unique<Loaded>(read_());
-  LiveControls controls = loaded->live.controls();
-  controls.speed = speed();
-  loaded->live.set_controls(controls);
-  loaded_ = std::move(loaded);
+  const double present_speed = speed();
+  if (read_) {
+    loaded_ = std::make_unique<Loaded>(read_());
+  } else {
+    free_faces();
+    loaded_->live->set_controls(loaded_->first_controls);
+    loaded_->live->reset();
+    forget_previous_state();
+  }
+  LiveControls controls = loaded_->live->controls();
+  controls.speed = present_speed;
+  loaded_->live->set_controls(controls);
 }
 
 /// The hand holds what is around the place where the pointer hit, and keeps its distance from there, so that
@@ -215,12 +241,12 @@ void ServedLiveScene::grab(const Grab& grab) {
   Loaded& loaded = *loaded_;
   const Vector3 point = checked_place(grab.point, "grab: point");
   const Index vertex = checked_vertex(grab.vertex, "grab");
-  loaded.surface.positions(loaded.live.state().positions, loaded.positions);
+  loaded.surface.positions(loaded.live->state().positions, loaded.positions);
   loaded.shown_frame = 0;
   const MaterialPoint place =
       hand_patch(world(), loaded.surface.touched_place(vertex, point, loaded.positions));
-  const Vector3 position = place.position(world().dimension, loaded.live.state().positions);
-  loaded.live.grab(place, position);
+  const Vector3 position = place.position(world().dimension, loaded.live->state().positions);
+  loaded.live->grab(place, position);
   loaded.grab_offset = position - point;
 }
 
@@ -244,7 +270,7 @@ Vector3 ServedLiveScene::checked_place(const Vector3& place, const char* what) c
 std::string ServedLiveScene::frame(std::uint32_t number, std::uint32_t answered_drag,
                                    std::optional<std::size_t> field, double blend) {
   Loaded& loaded = *loaded_;
-  const State& state = loaded.live.state();
+  const State& state = loaded.live->state();
   if (loaded.shown_frame != number) {
     const bool is_present = blend >= 1 || loaded.previous_positions.size() != state.positions.size();
     loaded.surface.positions(is_present
@@ -255,7 +281,7 @@ std::string ServedLiveScene::frame(std::uint32_t number, std::uint32_t answered_
     loaded.shown_frame = number;
   }
   // Colliders turn and move between the two steps as they do in the scene, not on straight lines.
-  const Conditions now = loaded.live.conditions();
+  const Conditions now = loaded.live->conditions();
   const auto blended = [&](double before, double after) {
     return before + std::min(blend, 1.0) * (after - before);
   };

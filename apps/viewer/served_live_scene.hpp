@@ -3,6 +3,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,15 +28,19 @@ struct SceneChanges {
 /// Writes a scene with its changes into a new file; one line that says where. Throws InputError.
 using SaveChanges = std::function<std::string(const SceneChanges&)>;
 
-/// A scene file that is played with.
+/// A scene that is played with: of a file, or of a program that plays with it as well.
 class ServedLiveScene : public ServedScene {
  public:
   /// @param read  reads the scene, now and at each reload
   /// @param save  null: the scene cannot be saved
   /// @throws InputError
   explicit ServedLiveScene(std::function<Scene()> read, SaveChanges save = {});
+  /// @param live  somebody else's, too, though not at the same time; a reload is a reset with the controls
+  /// that
+  ///              it has now
+  ServedLiveScene(std::shared_ptr<LiveScene> live, std::vector<std::string> warnings);
 
-  const World& world() const { return loaded_->live.world(); }
+  const World& world() const { return loaded_->live->world(); }
   const std::vector<std::string>& warnings() const { return loaded_->warnings; }
   Index num_vertices() const { return loaded_->surface.num_vertices(); }
 
@@ -46,12 +51,12 @@ class ServedLiveScene : public ServedScene {
   nlohmann::json status() const override;
   void apply(const SceneMessage& message) override;
   std::string save() override;
-  bool is_grabbed() const override { return loaded_->live.is_grabbed(); }
-  bool is_poking() const override { return loaded_->live.ball().has_value(); }
-  double time() const override { return loaded_->live.state().time; }
-  double time_step() const override { return loaded_->live.controls().time_step; }
-  double speed() const override { return loaded_->live.controls().speed; }
-  bool is_at_rest() const override { return loaded_->live.report().at_rest; }
+  bool is_grabbed() const override { return loaded_->live->is_grabbed(); }
+  bool is_poking() const override { return loaded_->live->ball().has_value(); }
+  double time() const override { return loaded_->live->state().time; }
+  double time_step() const override { return loaded_->live->controls().time_step; }
+  double speed() const override { return loaded_->live->controls().speed; }
+  bool is_at_rest() const override { return loaded_->live->report().at_rest; }
   void step(double seconds) override;
   std::string frame(std::uint32_t number, std::uint32_t answered_drag, std::optional<std::size_t> field,
                     double blend) override;
@@ -65,10 +70,11 @@ class ServedLiveScene : public ServedScene {
   /// All that a reload replaces.
   struct Loaded {
     explicit Loaded(Scene scene);
+    Loaded(std::shared_ptr<LiveScene> played, std::vector<std::string> words);
 
-    Description description;
+    std::shared_ptr<LiveScene> live;
+    Description description{};  ///< as it was read
     std::vector<std::string> warnings;
-    LiveScene live;
     LiveControls first_controls;
     std::vector<ShownFace> faces;
     ShownSurface surface;
@@ -76,7 +82,7 @@ class ServedLiveScene : public ServedScene {
     SurfaceFields fields;
     std::vector<ScalarField> field_choices;         ///< of which pages choose, in the order of the header
     Vector3 grab_offset = Vector3::Zero();          ///< from the pointer to the place that is held [m]
-    std::map<Index, std::uint32_t> vertex_of_node;  ///< which vertex of the page a pinned node was pinned by
+    std::map<Index, std::uint32_t> vertex_of_node;  ///< which vertex of the page stands for a pinned node
     VectorX previous_positions;                     ///< one step before [m]
     double previous_time = 0;                       ///< [s]
     Conditions previous_conditions{};
@@ -84,6 +90,7 @@ class ServedLiveScene : public ServedScene {
     std::vector<float> positions, normals, field;
   };
 
+  std::optional<std::uint32_t> shown_vertex(Index node) const;
   void forget_previous_state();
   void grab(const Grab& grab);
   void hold(const HoldFace& hold);
@@ -92,7 +99,7 @@ class ServedLiveScene : public ServedScene {
   Index checked_vertex(std::uint32_t vertex, const char* what) const;
   Vector3 checked_place(const Vector3& place, const char* what) const;
 
-  std::function<Scene()> read_;
+  std::function<Scene()> read_;  ///< null: the scene is somebody else's
   SaveChanges save_;
   std::unique_ptr<Loaded> loaded_;
 };

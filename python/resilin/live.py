@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 
 from resilin import _core
 from resilin.arrays import describe, real_array, refuse
+from resilin.live_pages import LivePages
 from resilin.mesh import warn
 from resilin.present_state import PresentState
 from resilin.scene import read_scene
@@ -16,6 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from resilin.typing import ControlValue, IntegerArray, Overrides, RealArray, Scene
+    from resilin.widget import LiveView
 
     Floats = NDArray[np.float64]
 
@@ -43,7 +46,16 @@ class LiveScene(PresentState[_core.LiveScene]):
 
     def __init__(self, scene: Scene, overrides: Overrides = ()) -> None:
         self._core = _core.LiveScene(read_scene(scene, overrides))
+        self._pages = LivePages(self._core)
         warn(self._core.warnings)
+
+    @classmethod
+    def _of(cls, core: _core.LiveScene) -> LiveScene:
+        """That of a simulation."""
+        scene = cls.__new__(cls)
+        scene._core = core
+        scene._pages = LivePages(core)
+        return scene
 
     def step(self, seconds: float | None = None) -> _core.LiveReport:
         """One time step of `controls["time_step"]`.
@@ -63,6 +75,7 @@ class LiveScene(PresentState[_core.LiveScene]):
         if seconds is not None and not seconds >= 0:
             refuse("seconds", "a number of at least 0", repr(seconds))
         self._core.step(None if seconds is None else float(seconds))
+        self._pages.wake()
         return self._core.report()
 
     def grab(self, place: RealArray) -> int:
@@ -78,15 +91,19 @@ class LiveScene(PresentState[_core.LiveScene]):
         int
             The vertex, a row of `positions`.
         """
-        return self._core.grab(_numbers(place, "grab"))
+        vertex = self._core.grab(_numbers(place, "grab"))
+        self._pages.wake()
+        return vertex
 
     def drag(self, place: RealArray) -> None:
         """Pulls what is held towards a place (d,) [m], as hard as `controls["max_force"]` allows, until `release`."""
         self._core.drag(_numbers(place, "drag"))
+        self._pages.wake()
 
     def release(self) -> None:
         """Lets go."""
         self._core.release()
+        self._pages.wake()
 
     @property
     def is_held(self) -> bool:
@@ -101,6 +118,7 @@ class LiveScene(PresentState[_core.LiveScene]):
     def pin(self, vertices: int | IntegerArray) -> None:
         """Holds vertices, rows of `positions`, where they are now."""
         self._core.pin(_vertices(vertices, "pin"), True)
+        self._pages.wake()
 
     def unpin(self, vertices: int | IntegerArray | None = None) -> None:
         """Lets vertices go that were pinned; all without an argument. Supports of the scene stay."""
@@ -108,6 +126,7 @@ class LiveScene(PresentState[_core.LiveScene]):
             self._core.unpin_all()
         else:
             self._core.pin(_vertices(vertices, "unpin"), False)
+        self._pages.wake()
 
     @property
     def pinned(self) -> list[int]:
@@ -117,10 +136,12 @@ class LiveScene(PresentState[_core.LiveScene]):
     def poke(self, center: RealArray, radius: float) -> None:
         """A ball that pushes bodies away; it goes towards `center` (d,) [m] as fast as they let it."""
         self._core.poke(_numbers(center, "poke"), float(radius))
+        self._pages.wake()
 
     def stop_poking(self) -> None:
         """Takes the ball away."""
         self._core.stop_poking()
+        self._pages.wake()
 
     @property
     def ball(self) -> Floats | None:
@@ -136,10 +157,37 @@ class LiveScene(PresentState[_core.LiveScene]):
     def set(self, **controls: ControlValue | RealArray) -> None:
         """Changes controls: `scene.set(youngs_modulus=2e5, gravity=[0, 0, -1.6])`; at a refusal none of them."""
         self._core.set([(name, _plain(value, f"controls: {name}")) for name, value in controls.items()])
+        self._pages.wake()
+
+    def view(self, height: int = 560) -> LiveView:
+        """The page of the scene as a widget of a notebook, to be pulled at in its cell.
+
+        While the page is seen the scene moves by itself, in real time; what is done there is done to this object, and
+        the other way round. A `step` pauses the page, so that programs go on from a state that nobody moves.
+
+        Parameters
+        ----------
+        height : int
+            [px]
+
+        Returns
+        -------
+        LiveView
+            A widget, which a cell that ends with it shows; needs anywidget (`resilin[notebook]`).
+        """
+        if isinstance(height, bool) or not isinstance(height, int) or height < 1:
+            refuse("height", "a positive number of pixels", repr(height))
+        try:
+            widget = import_module("resilin.widget")
+        except ImportError as error:
+            raise ImportError(f"view needs anywidget: pip install 'resilin[notebook]' ({error})") from error
+        shown: LiveView = widget.LiveView(self._pages, self._core.title() or "Resilin", height)
+        return shown
 
     def reset(self) -> None:
         """Back to the start; the controls stay."""
         self._core.reset()
+        self._pages.wake()
 
     @property
     def time(self) -> float:

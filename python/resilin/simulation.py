@@ -9,6 +9,7 @@ import numpy as np
 
 from resilin import _core
 from resilin.arrays import file_path, plain_text, refuse, require_instance
+from resilin.live import LiveScene
 from resilin.material import Material
 from resilin.mesh import warn
 from resilin.present_state import PresentState
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
         Overrides,
         Scene,
     )
+    from resilin.widget import LiveView
 
     Floats = NDArray[np.float64]
 
@@ -54,6 +56,7 @@ class Simulation(PresentState[_core.Simulation]):
 
     def __init__(self, scene: Scene, overrides: Overrides = ()) -> None:
         self._core = _core.Simulation(read_scene(scene, overrides))
+        self._played: LiveScene | None = None
         warn(self._core.warnings)
 
     def step(self) -> Step:
@@ -66,7 +69,9 @@ class Simulation(PresentState[_core.Simulation]):
         Step
             True as a condition when it converged.
         """
-        return Step(*self._core.step())
+        step = Step(*self._core.step())
+        self._wake_pages()
+        return step
 
     def run(
         self,
@@ -110,6 +115,7 @@ class Simulation(PresentState[_core.Simulation]):
             result = Result(self._core.run(folder, how, int(steps or 0), line.after_step))
         finally:
             line.end()
+            self._wake_pages()
         warn(result._core.warnings()[len(self._core.warnings) :])
         return result
 
@@ -135,6 +141,34 @@ class Simulation(PresentState[_core.Simulation]):
         self._core.set_material(
             plain_text(body, "body"), law, uniform, by_cell, fibres, None if density is None else float(density)
         )
+        if self._played is not None:
+            self._played._pages.end("A body has another material now; call view() again.")
+            self._played = None
+
+    def view(self, height: int = 560) -> LiveView:
+        """The page of the bodies as a widget of a notebook, to be pulled at in its cell.
+
+        It begins with the present state and moves by itself while it is seen, under the full loads. Where bodies are
+        led there, they are here: `positions`, `velocities` and `fields` follow, and `step` goes on from there, at the
+        time and load that this simulation had. After a step or a run the page shows where it has led, and pauses.
+
+        Parameters
+        ----------
+        height : int
+            [px]
+
+        Returns
+        -------
+        LiveView
+            A widget, which a cell that ends with it shows; needs anywidget (`resilin[notebook]`).
+        """
+        if self._played is None:
+            self._played = LiveScene._of(self._core.play())
+        return self._played.view(height)
+
+    def _wake_pages(self) -> None:
+        if self._played is not None:
+            self._played._pages.wake()
 
     @property
     def time(self) -> float:

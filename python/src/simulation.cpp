@@ -20,6 +20,7 @@
 #include "bodies.hpp"
 #include "history.hpp"
 #include "interruptible.hpp"
+#include "played_scene.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/stopwatch.hpp"
 #include "resilin/core/text.hpp"
@@ -51,18 +52,35 @@ class RunningSimulation {
   template <class Function>
   auto look(const Function& function) const {
     const Turns::Turn turn(turns_, Turns::Kind::look);
+    take_over_what_was_played();
     return function(std::as_const(*simulation_));
+  }
+
+  /// The same bodies as a scene to play with. What is done to them there is done to them here, and the other
+  /// way round; time and load stay where steps of this simulation have led them.
+  std::shared_ptr<PlayedScene> play() {
+    const Turns::Turn turn(turns_, Turns::Kind::change);
+    if (simulation_->world().modes)
+      throw InputError("view", "bodies in motion or at rest", "modes of vibration",
+                       "resilin.LiveScene(scene).view() plays with their scene");
+    if (!played_.scene) {
+      played_.scene = std::make_shared<PlayedScene>(*simulation_->world().made_from, warnings_);
+      hand_over_to_players();
+    }
+    return played_.scene;
   }
 
   /// (status, reason, iterations, relative residual). The state stays where it was when Ctrl-C comes.
   std::tuple<std::string, std::string, int, double> step() {
     const Turns::Turn turn(turns_, Turns::Kind::change);
+    take_over_what_was_played();
     Interruptible interruptible;
     StepReport report;
     {
       const nb::gil_scoped_release release;
       report = simulation_->step([&](const NewtonReport&) { return !interruptible.is_stopped(); });
     }
+    hand_over_to_players();
     interruptible.rethrow();
     return {report.status == StepReport::Status::converged ? "converged" : "not_converged", report.reason,
             report.newton.iterations, report.newton.relative_residual()};
@@ -74,12 +92,15 @@ class RunningSimulation {
   History run(const std::optional<std::filesystem::path>& out, const std::optional<std::string>& resume,
               int max_steps, const nb::object& after_step) {
     const Turns::Turn turn(turns_, Turns::Kind::change);
+    take_over_what_was_played();
+    const Away away(played_);
     Interruptible interruptible;
     std::optional<History> history;
     {
       const nb::gil_scoped_release release;
       history.emplace(recorded(out, resume, max_steps, interruptible, after_step));
     }
+    hand_over_to_players();
     interruptible.rethrow();
     return std::move(*history);
   }
@@ -90,6 +111,7 @@ class RunningSimulation {
                     const std::map<std::string, std::vector<double>>& cell_constants,
                     const std::vector<Array2d<double>>& fibres, const std::optional<double>& density) {
     const Turns::Turn turn(turns_, Turns::Kind::change);
+    take_over_what_was_played();
     Description changed = *simulation_->world().made_from;
     MaterialDescription& material = changed.bodies[find_body(simulation_->world(), body)].material;
     material.place = "material";
@@ -105,9 +127,65 @@ class RunningSimulation {
     state.accelerations.resize(0);  // those of the new material
     simulation->resume_from(state, "material", simulation_->failed_steps());
     simulation_ = std::move(simulation);
+    played_ = {};  // it has the old material
   }
 
  private:
+  struct Played {
+    std::shared_ptr<PlayedScene> scene;
+    std::uint64_t seen = 0;  ///< of its changes, those that the simulation has followed
+    bool is_away = false;    ///< a run goes its own way until it has come to its end
+  };
+
+  struct Away {
+    explicit Away(Played& its) : played(its) { played.is_away = true; }
+    ~Away() { played.is_away = false; }
+    Played& played;
+  };
+
+  /// Where players have led the bodies since the last look. Throws InputError where the simulation cannot go
+  /// on from there; it is then as before.
+  void take_over_what_was_played() const {
+    if (!played_.scene || played_.is_away || played_.scene->changes() == played_.seen) return;
+    const State before = simulation_->state();
+    State state = before;
+    const std::uint64_t changes = played_.scene->look([&](const LiveScene& live) {
+      state.positions = live.state().positions;
+      if (simulation_->world().is_dynamic) state.velocities = live.state().velocities;
+      return played_.scene->changes();
+    });
+    if (state.positions != before.positions || state.velocities != before.velocities)
+      go_on_from(before, std::move(state));
+    played_.seen = changes;
+  }
+
+  void go_on_from(const State& before, State state) const {
+    // Nothing was a step that an integrator, or the guess of a load step, could look back to.
+    state.previous_positions = state.positions;
+    state.previous_velocities.resize(0);
+    state.accelerations.resize(0);
+    state.previous_time_step = 0;
+    state.previous_load = state.load;
+    state.arc_length = state.load_weight = 0;
+    try {
+      simulation_->resume_from(state, "view", simulation_->failed_steps(), simulation_->most_strained());
+    } catch (const InputError& error) {
+      simulation_->resume_from(before, "view", simulation_->failed_steps(), simulation_->most_strained());
+      throw InputError("view", "a state that the simulation can go on from", one_line(error.what()),
+                       "reset the scene on its page");
+    }
+  }
+
+  void hand_over_to_players() {
+    if (!played_.scene) return;
+    const State& state = simulation_->state();
+    const VectorX velocities =
+        simulation_->world().is_dynamic ? state.velocities : VectorX(VectorX::Zero(state.positions.size()));
+    played_.scene->change([&](LiveScene& live) { live.place(state.positions, velocities, state.time); },
+                          /*is_step=*/true);
+    played_.seen = played_.scene->changes();
+  }
+
   History recorded(const std::optional<std::filesystem::path>& out, const std::optional<std::string>& resume,
                    int max_steps, Interruptible& interruptible, const nb::object& after_step) {
     std::optional<ResultFolder> folder;
@@ -154,6 +232,7 @@ class RunningSimulation {
   }
 
   std::shared_ptr<Simulation> simulation_;
+  mutable Played played_;
   std::vector<std::string> warnings_;
   double setup_seconds_ = 0;
   mutable Turns turns_;
@@ -250,6 +329,7 @@ void bind_simulation(nb::module_& module) {
            nb::sig("def step(self) -> tuple[typing.Literal['converged', 'not_converged'], str, int, float]"))
       .def("run", &RunningSimulation::run, nb::arg("out").none(), nb::arg("resume").none(),
            nb::arg("max_steps"), nb::arg("after_step").none())
+      .def("play", &RunningSimulation::play)
       .def("set_material", &RunningSimulation::set_material, nb::arg("body"), nb::arg("law"),
            nb::arg("constants"), nb::arg("cell_constants"), nb::arg("fibres"), nb::arg("density").none())
       .def("cells", look_at_world(&cells_of), nb::arg("body"))

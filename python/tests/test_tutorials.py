@@ -43,6 +43,7 @@ def test_the_way_from_a_surface_to_a_stress():
     assert "'done'" in outputs("result.status")[-1].data["text/plain"]
     for words in ("result.plot", "live.plot"):
         assert "image/png" in outputs(words)[-1].data
+    assert "application/vnd.jupyter.widget-view+json" in outputs("live.view")[-1].data
     sags = [float(x) for x in re.findall(r"([\d.]+) cm", printed("def sag"))]
     assert len(sags) == 4
     assert sags == sorted(sags, reverse=True)

@@ -15,6 +15,7 @@ INTERPRETER = ROOT / "build" / "python" / "venv" / "bin" / "python"
 PACKAGE = ROOT / "build" / "release" / "python"
 WARNING = re.compile(r"\S+:\d+: UserWarning: (.*)")
 PROGRESS = re.compile(r"\s*\d+ %  ")
+WIDGET = "application/vnd.jupyter.widget-view+json"  # it lives with its kernel, which a page has not
 RUN = """
 import sys, nbformat, nbclient
 book = nbformat.read(sys.argv[1], 4)
@@ -68,7 +69,7 @@ def output_parts(output, name, files):
         folder.mkdir(parents=True, exist_ok=True)
         (folder / f"{name}.html").write_text(joined(data["text/html"]), encoding="utf-8")
         yield f'<iframe class="result" src="UP/notebooks/{name}.html" loading="lazy" title="the result"></iframe>\n'
-    elif "text/plain" in data:
+    elif "text/plain" in data and WIDGET not in data:
         yield code_block(joined(data["text/plain"]), "text")
 
 

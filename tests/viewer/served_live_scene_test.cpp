@@ -290,5 +290,32 @@ TEST_F(ServedLiveSceneTest, StandsAnyOrderOfCommands) {
   }
 }
 
+TEST(ServedSceneOfAProgram, IsWhereTheProgramAndThePageHaveLedIt) {
+  const auto live = std::make_shared<LiveScene>(read_scene_from_text(jelly, "jelly.toml", ".").description);
+  ServedLiveScene scene(live, {"careful"});
+  EXPECT_EQ(scene.header()["saves"], false);
+  EXPECT_EQ(scene.state()["warnings"], json({"careful"}));
+  EXPECT_THROW(scene.save(), InputError);
+
+  const double first_damping = live->controls().damping;
+  scene.apply(set("damping", first_damping + 3));
+  EXPECT_EQ(live->controls().damping, first_damping + 3);
+  scene.step(3600);
+  EXPECT_GT(live->state().time, 0);
+  live->pin(0);  // by the program: the page did not say by which vertex
+  const json pinned = scene.state()["pinned"];
+  ASSERT_EQ(pinned.size(), 1U);
+  scene.apply(Unpin{pinned[0].get<std::uint32_t>()});
+  EXPECT_TRUE(live->pinned().empty());
+
+  live->pin(0);
+  scene.apply(set("speed", 0.5));
+  scene.apply(Reload{});  // there is no file: a reset, with the controls that it was shown with first
+  EXPECT_EQ(live->state().time, 0);
+  EXPECT_TRUE(live->pinned().empty());
+  EXPECT_EQ(live->controls().damping, first_damping);
+  EXPECT_EQ(scene.speed(), 0.5);
+}
+
 }  // namespace
 }  // namespace resilin::viewer

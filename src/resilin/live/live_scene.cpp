@@ -113,7 +113,7 @@ std::optional<double> LiveScene::ground() const {
 
 Vector3 LiveScene::up() const { return contents_->up; }
 
-void LiveScene::place(const VectorX& positions, const VectorX& velocities) {
+void LiveScene::place(const VectorX& positions, const VectorX& velocities, std::optional<double> time) {
   const auto fits = [&](const VectorX& values) {
     return values.size() == contents_->state.positions.size() && values.allFinite();
   };
@@ -122,6 +122,7 @@ void LiveScene::place(const VectorX& positions, const VectorX& velocities) {
                      std::to_string(positions.size()));
   contents_->state.positions = positions;
   contents_->state.velocities = velocities;
+  if (time) contents_->state.time = *time;
   contents_->look_at_cells();
   contents_->wake();
 }

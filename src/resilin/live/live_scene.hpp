@@ -101,7 +101,8 @@ class LiveScene {
   Vector3 up() const;  ///< against the gravity that the scene began with
 
   /// Puts all nodes elsewhere at once, dim numbers each [m], [m/s]; what is held and pinned stays so.
-  void place(const VectorX& positions, const VectorX& velocities);
+  /// @param time  that loads and supports then have [s]; none: they go on
+  void place(const VectorX& positions, const VectorX& velocities, std::optional<double> time = {});
 
   /// Back to the start; the controls and the held faces stay.
   void reset();

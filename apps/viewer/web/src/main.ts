@@ -8,7 +8,7 @@ import { type OtherFields, RecordedValues } from "./recorded_values";
 import { inflated, readRecording } from "./recording";
 import { readReport } from "./report";
 import { ResultsApp } from "./results_app";
-import { carried, served } from "./transport";
+import { carried, hosted, served } from "./transport";
 
 const token = new URLSearchParams(location.search).get("token") ?? "";
 const textOf = (id: string) => document.getElementById(id)?.textContent ?? "";
@@ -80,8 +80,9 @@ async function startPlaying(): Promise<void> {
   }
 }
 
-const readSource = object({ kind: word("live", "recorded", "embedded", "playable") });
+const readSource = object({ kind: word("live", "recorded", "embedded", "playable", "hosted") });
 const { kind } = readSource(JSON.parse(textOf("source")), "source");
 if (kind === "live") new LiveApp(served(token));
+else if (kind === "hosted") new LiveApp(hosted());
 else if (kind === "playable") void startPlaying();
 else void startResults(kind === "embedded");

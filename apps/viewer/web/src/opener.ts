@@ -14,7 +14,7 @@ export function whyNot(files: { name: string; size: number }[], folders: string[
   if (folders.length > 0) return `“${folders[0]}” is a folder; drop one mesh file.`;
   if (files.length > 1) return `Drop one file at a time; these are ${files.length}.`;
   if (!reads)
-    return `This page carries its scene and reads no files. Where Resilin is installed, “resilin view ${first.name}” opens it.`;
+    return `This page shows one scene and reads no files. Where Resilin is installed, “resilin view ${first.name}” opens it.`;
   if (/\.toml$/i.test(first.name))
     return `“${first.name}” is a scene, which names other files: “resilin view ${first.name}” opens it.`;
   if (first.size > MOST_BYTES)

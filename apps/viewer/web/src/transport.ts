@@ -61,6 +61,60 @@ export function served(token: string): Scenery {
   };
 }
 
+/** What a page in a notebook hears of who hosts it, beside the messages of docs/view_protocol.md. */
+interface Ending {
+  end: string; // the words of who ends
+}
+
+/** A scene of the program whose notebook shows the page. What is around the page carries the words over a port. */
+export class HostedTransport implements Transport {
+  onmessage: ((event: MessageEvent<string | ArrayBuffer>) => void) | null = null;
+  onclose: (() => void) | null = null;
+  readyState: number = WebSocket.CONNECTING;
+  private port: MessagePort | null = null;
+
+  constructor(private readonly ended: (words: string) => void) {
+    addEventListener("message", this.connect);
+    parent.postMessage("resilin: open", "*");
+  }
+
+  private readonly connect = (event: MessageEvent<unknown>): void => {
+    if (event.source !== parent || event.data !== "resilin: port" || event.ports.length !== 1) return;
+    removeEventListener("message", this.connect);
+    [this.port] = event.ports;
+    this.readyState = WebSocket.OPEN;
+    this.port.onmessage = (message: MessageEvent<string | ArrayBuffer | Ending>) => {
+      if (typeof message.data === "string" || message.data instanceof ArrayBuffer)
+        return this.onmessage?.(message as MessageEvent<string | ArrayBuffer>);
+      this.ended(message.data.end);
+      this.close();
+    };
+  };
+
+  send(message: string | ArrayBuffer): void {
+    this.port?.postMessage(message);
+  }
+
+  close(): void {
+    if (this.readyState === WebSocket.CLOSED) return;
+    this.readyState = WebSocket.CLOSED;
+    this.port?.close();
+    this.onclose?.();
+  }
+}
+
+/** A scene of a notebook's program: when it has ended it does not come back to this page. */
+export function hosted(): Scenery {
+  let ended: string | null = null;
+  const scenery: Scenery = {
+    open: () => new HostedTransport((words) => (scenery.lost = ended = words)),
+    isAway: async () => ended,
+    lost: "The connection is lost.",
+    send: null,
+  };
+  return scenery;
+}
+
 /** A scene that the page has with it. A worker simulates: the page stays free to draw. */
 export class WorkerTransport implements Transport {
   onmessage: ((event: MessageEvent<string | ArrayBuffer>) => void) | null = null;
