@@ -201,6 +201,42 @@ Finding look_at_petsc() {
   return finding;
 }
 
+/// The clone that this program was built in.
+std::optional<std::filesystem::path> clone_of_this_program() {
+  std::error_code error;
+  std::filesystem::path folder = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
+  for (; folder.has_relative_path(); folder = folder.parent_path())
+    if (std::filesystem::is_regular_file(folder / "scripts/build_site.sh", error)) return folder;
+  return std::nullopt;
+}
+
+/// What a part of the site is made by.
+struct SitePart {
+  const char *part, *tool, *how_to_get;
+};
+
+constexpr std::array<SitePart, 3> site_parts = {
+    {{"pages", "build/site/venv/bin/python", "scripts/build_site.sh fetches Sphinx"},
+     {"what notebooks print", "build/python/venv/bin/python", "./test python fetches what runs them"},
+     {"scenes to play with", "build/wasm/apps/play/resilin_play.wasm", "scripts/build_wasm.sh"}}};
+
+Finding look_at_site(const std::filesystem::path& clone) {
+  std::vector<std::string> lacks, cures;
+  std::error_code error;
+  for (const auto& [part, tool, how_to_get] : site_parts)
+    if (!std::filesystem::exists(clone / tool, error)) {
+      lacks.emplace_back(part);
+      cures.emplace_back(how_to_get);
+    }
+  if (!find_program("ffmpeg")) {
+    lacks.emplace_back("films");
+    cures.emplace_back(how_to_install_ffmpeg);
+  }
+  if (lacks.empty()) return {.name = "site", .found = "scripts/build_site.sh makes all of it", .cure = ""};
+  return {
+      .name = "site", .found = "scripts/build_site.sh lacks what makes " + join(lacks), .cure = join(cures)};
+}
+
 // ---- Python
 
 /// A package that parts of ours work with.
@@ -284,6 +320,7 @@ std::vector<Finding> look_at_everything() {
       look_at_ffmpeg(place.path())};
   for (const Mesher& mesher : meshers()) findings.push_back(look_at_mesher(mesher, place.path()));
   findings.push_back(look_at_petsc());
+  if (const auto clone = clone_of_this_program()) findings.push_back(look_at_site(*clone));
   for (Finding& finding : look_at_python(place.path())) findings.push_back(std::move(finding));
   return findings;
 }

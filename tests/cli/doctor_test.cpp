@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 
 #include "program.hpp"
 #include "resilin/results/build_info.hpp"
@@ -75,6 +76,33 @@ TEST_F(Doctor, LooksForADisplayThenForABrowser) {
   EXPECT_THAT(finding("browser")["found"], HasSubstr("opera --kiosk is not there"));
   put("opera", "exit 0\n");
   EXPECT_TRUE(finding("browser")["ok"]);
+}
+
+/// A program that lies in a clone knows what makes the clone's site.
+TEST_F(Doctor, SaysWhatTheSiteOfItsCloneLacks) {
+  const std::filesystem::path clone = folder / "clone", place = clone / "build/release/apps/cli";
+  std::filesystem::create_directories(place);
+  std::filesystem::copy_file(program_path(), place / "resilin");
+  const auto site = [&] {
+    const ProgramResult result =
+        run_shell(folder.path(), "PATH=$PWD exec clone/build/release/apps/cli/resilin doctor --json");
+    for (const Json& one : Json::parse(result.out))
+      if (one["name"] == "site") return one;
+    return Json();
+  };
+  EXPECT_TRUE(site().is_null());  // no clone
+  std::filesystem::create_directories(clone / "scripts");
+  std::ofstream(clone / "scripts/build_site.sh");
+  EXPECT_EQ(site()["found"],
+            "scripts/build_site.sh lacks what makes pages, what notebooks print, scenes to play with, films");
+  for (const std::string tool : {"build/site/venv/bin/python", "build/python/venv/bin/python",
+                                 "build/wasm/apps/play/resilin_play.wasm"}) {
+    std::filesystem::create_directories((clone / tool).parent_path());
+    std::ofstream{clone / tool};
+  }
+  EXPECT_THAT(site()["cure"], HasSubstr("ffmpeg"));
+  put("ffmpeg", "exit 0\n");
+  EXPECT_TRUE(site()["ok"]);
 }
 
 TEST_F(Doctor, AsksPythonWhatItCanImport) {

@@ -127,6 +127,8 @@ const faultsOfLayout = (watched: Watched, box: Box) =>
     for (const words of document.querySelectorAll("h1, .words, .timeline-words, .item b"))
       if (words.getClientRects().length > 0 && words.scrollWidth > words.clientWidth + 1 && getComputedStyle(words).display !== "inline")
         faults.push("cut off: " + words.textContent);
+    const rows = new Set([...document.querySelectorAll(".toolbar .icon")].map((b) => Math.round(b.getBoundingClientRect().top)));
+    if (rows.size !== 1) faults.push("the tools stand in " + rows.size + " rows");
     const title = document.querySelector("h1").getBoundingClientRect();
     if (title.height < 18) faults.push("the title is " + title.height + " pixels high");
     return faults;
