@@ -131,7 +131,7 @@ def stretch_curve(
     if not isinstance(kind, str):
         refuse("kind", "the name of a curve", repr(kind))
     plain_text(kind, "kind")
-    at = np.linspace(*_core.usual_range(kind), NUM_POINTS) if stretches is None else _stretch_array(stretches)
+    at = _stretch_array(np.linspace(*_core.usual_range(kind), NUM_POINTS) if stretches is None else stretches)
     numbers = [_one_number(law, name, value) for name, value in constants.items()]
     directions = np.zeros((0, 3)) if fibres is None else fibres
     if directions.ndim != 2:

@@ -267,7 +267,7 @@ def _direct_measure(
     body = plain_text(entries.get("body", ""), f"{place}.body")
     if kind == "volume":
         volume, by_positions = run.volume(body, frame)
-        none = [np.zeros(numbers.size) for _, _, numbers in run.parameters()]
+        none: list[NDArray[np.float64]] = [np.zeros(numbers.size) for _, _, numbers in run.parameters()]
         return DirectMeasure(frame, entries, place, [(volume, by_positions, None, none)])
     if kind == "energy":
         which = plain_text(entries.get("kind", ""), f"{place}.kind")

@@ -114,7 +114,7 @@ class Tensor:
 class Parameter(Tensor): ...
 """
 TENSORS = """
-from typing import assert_type
+from typing_extensions import assert_type
 import numpy as np
 import resilin
 import resilin.torch

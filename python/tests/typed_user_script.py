@@ -3,10 +3,11 @@
 # ruff: noqa: N806 - F, H and P are the letters of the field
 
 from pathlib import Path
-from typing import Any, assert_type
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import assert_type  # noqa: UP035 - not in typing of Python 3.10
 
 import resilin
 from resilin.typing import CurveKind, EnergyReport, FrameReport, Projection, Report, RunStatus, Scene
@@ -49,7 +50,7 @@ def laws() -> None:
 
 
 def curves(folder: Path) -> None:
-    kinds: dict[CurveKind, Doubles] = {"uniaxial": np.linspace(0.9, 1.5, 7), "shear": np.linspace(0, 0.5, 3)}
+    kinds: dict[CurveKind, Floats] = {"uniaxial": np.linspace(0.9, 1.5, 7), "shear": np.linspace(0, 0.5, 3)}
     for kind, stretches in kinds.items():
         curve = resilin.Material("ogden", youngs_modulus=1e6, poissons_ratio=0.49).curve(kind, stretches)
         assert_type(curve.nominal_stress, Doubles)
