@@ -33,11 +33,11 @@ def say(line):
     print(line, flush=True)
 
 
-def run(name, command):
+def run(name, command, folder=ROOT):
     """Runs a command; of one that fails the end of what it has said."""
     log = WORK / f"{name}.log"
     with log.open("w") as out:
-        status = subprocess.run(command, stdout=out, stderr=subprocess.STDOUT, cwd=ROOT, check=False).returncode
+        status = subprocess.run(command, stdout=out, stderr=subprocess.STDOUT, cwd=folder, check=False).returncode
     if status != 0:
         last = "\n".join(log.read_text(errors="replace").splitlines()[-20:])
         raise ReleaseError(f"{name}: exit code {status}; the whole log: {log}\n{last}")
@@ -90,10 +90,15 @@ def run_suite(wheel, interpreter):
 
 def made_sources():
     """The archive of the sources, from which a wheel with the same files can be built. Throws."""
-    folder = WORK / "sources"
-    shutil.rmtree(folder, ignore_errors=True)
+    folder, clean = WORK / "sources", WORK / "clean"
+    for old in (folder, clean):
+        shutil.rmtree(old, ignore_errors=True)
+    for path in repository_files():  # nothing of what was built here, which takes minutes to look through
+        target = clean / relative(path)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy2(path, target)
     code = "import sys; from scikit_build_core.build import build_sdist; build_sdist(sys.argv[1])"
-    run("sources", [TOOLS / "python", "-c", code, folder])
+    run("sources", [TOOLS / "python", "-c", code, folder], clean)
     (archive,) = folder.glob("resilin-*.tar.gz")
     if missing := missing_sources(archive, map(relative, repository_files())):
         raise ReleaseError(f"{archive.name}: lacks {', '.join(missing[:5])}; see sdist.include in pyproject.toml")
