@@ -48,6 +48,16 @@ def test_a_batch_has_the_bits_of_one_after_another_with_any_number_of_threads(sc
     assert np.ptp(value) > 0
 
 
+def test_factors_of_several_runs_at_once_have_the_bits_of_each_alone():
+    scene = bar()
+    scene["body"][0]["mesh"]["box"]["cells"] = [25, 2, 2]  # fronts that a BLAS may share among threads
+    values = {E: np.linspace(1e5, 2e5, 12)}
+    alone = [one.gradients[E] for one in runs(scene, TIP, [E], values)]
+    for _ in range(3):
+        batch = resilin.value_and_gradient(scene, TIP, [E], values=values, batch=True)
+        np.testing.assert_array_equal(batch.gradients[E], alone)
+
+
 @pytest.mark.parametrize("scene", [bar(), motion()])
 def test_products_of_a_batch_are_those_of_its_runs(scene):
     values = numbers(3)

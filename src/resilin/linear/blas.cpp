@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "resilin/core/cpu.hpp"
@@ -71,8 +72,10 @@ constexpr int most_buffers = 64;                                       ///< it k
 /// The buffers belong to the process, as OpenBLAS does.
 struct BlasBuffers {
   std::mutex mutex;
-  int held = 0;    ///< at least so many does OpenBLAS have
-  int in_use = 0;  ///< calls that may run at this moment
+  int held = 0;                 ///< at least so many does OpenBLAS have
+  int in_use = 0;               ///< calls that may run at this moment
+  int num_single_threaded = 0;  ///< those who keep it on one thread at this moment
+  int threads_before = 1;       ///< before the first of these came
 };
 
 BlasBuffers& blas_buffers() {
@@ -137,20 +140,21 @@ SingleThreadedBlas::SingleThreadedBlas(int num_calls, std::size_t other_bytes) :
   require_buffers(num_calls, other_bytes);
   static const auto num_threads = find_function<int()>("openblas_get_num_threads");
   static const auto set_num_threads = find_function<void(int)>("openblas_set_num_threads");
-  if (num_threads == nullptr || set_num_threads == nullptr) return;
-  previous_ = num_threads();
-  if (previous_ != 1) set_num_threads(1);
+  BlasBuffers& buffers = blas_buffers();
+  const std::lock_guard lock(buffers.mutex);
+  if (buffers.num_single_threaded++ > 0 || num_threads == nullptr || set_num_threads == nullptr) return;
+  buffers.threads_before = num_threads();
+  if (buffers.threads_before != 1) set_num_threads(1);
 }
 
+// The number of threads is one of the process: who came first may be the first to go, while others work.
 SingleThreadedBlas::~SingleThreadedBlas() {
-  BlasBuffers& buffers = blas_buffers();
-  {
-    const std::lock_guard lock(buffers.mutex);
-    buffers.in_use -= num_calls_;
-  }
-  if (previous_ == 1) return;
   static const auto set_num_threads = find_function<void(int)>("openblas_set_num_threads");
-  set_num_threads(previous_);
+  BlasBuffers& buffers = blas_buffers();
+  const std::lock_guard lock(buffers.mutex);
+  buffers.in_use -= num_calls_;
+  if (--buffers.num_single_threaded > 0 || buffers.threads_before == 1) return;
+  set_num_threads(std::exchange(buffers.threads_before, 1));
 }
 
 }  // namespace resilin

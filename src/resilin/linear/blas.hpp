@@ -19,7 +19,7 @@ bool choose_blas_kernel();
 
 /// Keeps each call of the BLAS on one thread while it lives: the solvers are parallel over tasks of their
 /// own, and a threaded BLAS collapses on a busy machine. Also keeps the bits the same for any number of
-/// threads.
+/// threads. Several may live at once, in any order.
 class SingleThreadedBlas {
  public:
   /// Sees to it that `num_calls` calls can run at the same time, beside `other_bytes` that the caller is
@@ -35,7 +35,6 @@ class SingleThreadedBlas {
 
  private:
   int num_calls_;
-  int previous_ = 1;
 };
 
 }  // namespace resilin
