@@ -23,7 +23,7 @@ def output(*arguments):
 
 def commands():
     listed = output("--help").split("Subcommands:\n")[1].split("\n\n")[0]
-    return re.findall(r"^  (\w+) ", listed, re.MULTILINE)
+    return re.findall(r"^  ([\w-]+) ", listed, re.MULTILINE)
 
 
 def options_of(command):
