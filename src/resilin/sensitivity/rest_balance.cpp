@@ -106,7 +106,7 @@ void RestBalance::add_area_forces(const VectorX& change, VectorX& forces) {
     const ColliderDescription& description = world_.made_from->colliders[i];
     if (k == world_.colliders.size() || world_.colliders[k]->name() != description.name) continue;
     const auto stiffness_at = [&](double t) {
-      other_areas_.contact_shape = world_.contact_shape + t * change;
+      other_areas_.other_contact_shape = world_.contact_shape() + t * change;
       const std::vector<double> found = contact_points(other_areas_, description.stiffness).stiffness;
       return VectorX(Eigen::Map<const VectorX>(found.data(), static_cast<Eigen::Index>(found.size())));
     };
