@@ -244,7 +244,7 @@ struct PythonPackage {
   const char *name, *use, *how_to_install;
 };
 
-constexpr std::array<PythonPackage, 8> python_packages = {{
+constexpr std::array<PythonPackage, 9> python_packages = {{
     {"torch", "tensors and autograd", "pip install 'resilin[torch]'"},
     {"jax", "simulations that JAX differentiates", "pip install 'resilin[jax]'"},
     {"matplotlib", "plots of curves and fits", "pip install 'resilin[plot]'"},
