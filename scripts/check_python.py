@@ -51,7 +51,7 @@ def run_in_empty_environment():
 def pinned():
     """What the tests use, in its versions."""
     text = (ROOT / "python" / "requirements-dev.txt").read_text(encoding="utf-8")
-    return text.partition("# To test")[2].splitlines()[1:]
+    return [line for line in text.partition("# To test")[2].splitlines()[1:] if not line.startswith("#")]
 
 
 def run_on_wheel(python, results_name):
