@@ -1,10 +1,14 @@
 """The functions of setup.sh that decide what to install and how long things take, without installing anything."""
 
+import pathlib
+import shutil
 import subprocess
+import tempfile
 
 from files import ROOT
 
 ABSENT = "resilin-no-such-package"
+OF_EVERY_DEBIAN = ("awk", "bash", "dpkg-query", "head", "sed", "sort")  # of what the functions call
 
 
 def run_setup(commands):
@@ -23,6 +27,20 @@ def find_problems():
         ("timed wrong false || echo failed", "failed\n"),
         ("slow() { SECONDS=$((SECONDS + 9)); }; timed it slow; echo ${spent[0]%=*}", "--spent=it\n"),
     ]
+    with tempfile.TemporaryDirectory() as folder:
+        for tool in OF_EVERY_DEBIAN:
+            pathlib.Path(folder, tool).symlink_to(shutil.which(tool))
+        bare = f"PATH={folder}; hash -r; "  # no compiler, no cmake
+        cases += [
+            (f"{bare}missing_packages {ABSENT} bash coreutils", f"{ABSENT}\n"),
+            (f"{bare}mapfile -t found < <(missing_packages bash {ABSENT}); echo ${{found[@]}}", f"{ABSENT}\n"),
+            (f"{bare}packages_replaced_by_tools; echo none", "none\n"),
+            ("missing_packages() { return 3; }; (install_packages bash) 2>/dev/null || echo told", "told\n"),
+        ]
+        return problems_of(cases)
+
+
+def problems_of(cases):
     problems = []
     for commands, expected in cases:
         run = run_setup(commands)

@@ -23,7 +23,7 @@ packages_replaced_by_tools() {
   command -v npm >/dev/null && echo npm
   command -v chromium >/dev/null && echo chromium
   local version
-  version=$(cmake --version 2>/dev/null | sed -n '1s/[^0-9]*\([0-9.]*\).*/\1/p')
+  version=$(cmake --version 2>/dev/null | sed -n '1s/[^0-9]*\([0-9.]*\).*/\1/p') || version=  # there is none
   [ -n "$version" ] && [ "$(printf '%s\n' 3.25 "$version" | sort -V | head -n 1)" = 3.25 ] && echo cmake
   return 0
 }
@@ -42,9 +42,10 @@ install_packages() {
     say "This is not a Debian system: the equivalents of these packages must be there already: $*"
     return 0
   fi
-  local missing=()
-  mapfile -t missing < <(missing_packages "$@")
-  [ ${#missing[@]} -eq 0 ] && return 0
+  local list missing=()
+  list=$(missing_packages "$@") || die "Which of these packages are there could not be found out: $*"
+  [ -n "$list" ] || return 0
+  mapfile -t missing <<<"$list"
 
   local options=(-y --no-install-recommends --no-remove) as_root=()
   if [ "$(id -u)" -ne 0 ]; then
