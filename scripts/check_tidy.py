@@ -70,12 +70,16 @@ def library_sources():
 
 
 def changed_sources():
-    """Sources that the last commit or the work since then touched, themselves or by the header of the same name."""
+    """Sources that the last commit or the work since then touched, themselves or by the header of the same name.
+
+    None where nobody knows: without git, in an unpacked archive, in a clone without history.
+    """
     command = ["git", "-C", ROOT, "diff", "--name-only", "HEAD~1"]
-    listing = subprocess.run(command, capture_output=True, text=True, check=False)
-    if listing.returncode != 0:  # no git, or no history
-        return library_sources()
-    stems = {name.rsplit(".", 1)[0] for name in listing.stdout.splitlines() if name.endswith((".cpp", ".hpp"))}
+    try:
+        listing = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    except (OSError, subprocess.CalledProcessError):
+        return None
+    stems = {name.rsplit(".", 1)[0] for name in listing.splitlines() if name.endswith((".cpp", ".hpp"))}
     return [path for path in library_sources() if relative(path).removesuffix(".cpp") in stems]
 
 
@@ -102,7 +106,8 @@ def find_problems_everywhere():
 
 
 def find_problems_in_changes():
-    return find_problems(changed_sources())
+    changed = changed_sources()
+    return None if changed is None else find_problems(changed)
 
 
 if __name__ == "__main__":

@@ -66,7 +66,7 @@ def run_check(name, check):
     """One test from a function that returns a list of problems, or None when it cannot be run here."""
     problems = check()
     if problems is None:
-        return Outcome(name, "skipped", "a tool that it needs is not there")
+        return Outcome(name, "skipped", "a tool that it needs, or the history of git, is not there")
     return Outcome(name, "failed" if problems else "passed", "\n".join(problems))
 
 

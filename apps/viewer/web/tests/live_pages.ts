@@ -32,13 +32,32 @@ export interface Grip {
   y: number;
 }
 
-/** A place of the body that is seen near the middle of what the panel leaves free. */
+/**
+ * A place of the body that is seen near the middle of what the panel leaves free, once the body stands still there: it
+ * may swing from what was done to it before, and a place of this frame may be off the body in the next.
+ */
 export async function grip(watched: Watched): Promise<Grip> {
-  const middle = await watched.value<{ x: number; y: number }>("resilin.middleOfBody()");
-  const [x, y] = [Math.round(middle.x), Math.round(middle.y)];
-  const vertex = await watched.value<number | null>(`resilin.pickAt(${x}, ${y})?.vertex ?? null`);
-  if (vertex !== null) return { vertex, x, y };
-  throw new Error("the body is not in the middle of the window");
+  const seen = `(() => {
+    const middle = resilin.middleOfBody();
+    const [x, y] = [Math.round(middle.x), Math.round(middle.y)];
+    const vertex = resilin.pickAt(x, y)?.vertex ?? null;
+    return vertex === null ? null : { grip: { vertex, x, y }, at: resilin.seenAt(vertex) };
+  })()`;
+  const isStill = ({ grip: { vertex, x, y }, at }: Seen) => `(() => {
+    const { x, y } = resilin.seenAt(${vertex});
+    return Math.hypot(x - ${at.x}, y - ${at.y}) < 1 && resilin.pickAt(${x}, ${y}) !== null;
+  })()`;
+  for (const end = Date.now() + 60_000; Date.now() < end; ) {
+    const found = await watched.value<Seen | null>(seen);
+    await watched.page.waitForTimeout(200);
+    if (found && (await watched.value<boolean>(isStill(found)))) return found.grip;
+  }
+  throw new Error("no body stands still in the middle of the window");
+}
+
+interface Seen {
+  grip: Grip;
+  at: { x: number; y: number }; // where its vertex is seen [pixels]
 }
 
 export type Vector = [number, number, number];

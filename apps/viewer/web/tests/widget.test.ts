@@ -87,10 +87,12 @@ test("a widget shows the scene, carries a pull to it, and says when it is gone",
   let frame = await until(watched, "resilin.framesDrawn > 0 && resilin.state");
   assert.equal(await value(frame, "resilin.header.saves"), true); // as the program says; a notebook's says no
 
-  const middle = await value<{ x: number; y: number }>(frame, "resilin.middleOfBody()");
+  const { middle, vertex } = await value<{ middle: { x: number; y: number }; vertex: number }>(
+    frame,
+    "(({ x, y }) => ({ middle: { x, y }, vertex: resilin.pickAt(x, y).vertex }))(resilin.middleOfBody())",
+  );
   const place = await page.locator("iframe").boundingBox();
   const [x, y] = [Math.round(place!.x + middle.x), Math.round(place!.y + middle.y)];
-  const vertex = await value<number>(frame, `resilin.pickAt(${middle.x}, ${middle.y}).vertex`);
   const before = await value<number[]>(frame, `resilin.position(${vertex})`);
   await page.mouse.move(x, y);
   await page.mouse.down();
