@@ -3,7 +3,7 @@
 export interface Inspected {
   kind: string;
   errors: string[]; // scripts that failed
-  framesDrawn: number;
+  framesDrawn: number; // with the bodies: a scene without its first frame yet is not counted
   [name: string]: unknown;
 }
 

@@ -276,7 +276,7 @@ export class Shell {
     if (this.fitIsWanted && this.viewport?.frame) this.seeAll();
     if (force) this.viewport?.touch();
     const drawn = this.viewport?.draw() ?? false;
-    if (drawn) ++this.inspected.framesDrawn;
+    if (drawn && this.viewport?.frame) ++this.inspected.framesDrawn;
     if (frame) this.events.drawn(frame);
     return drawn;
   }

@@ -47,7 +47,7 @@ export async function grip(watched: Watched): Promise<Grip> {
     const { x, y } = resilin.seenAt(${vertex});
     return Math.hypot(x - ${at.x}, y - ${at.y}) < 1 && resilin.pickAt(${x}, ${y}) !== null;
   })()`;
-  for (const end = Date.now() + 60_000; Date.now() < end; ) {
+  for (const end = Date.now() + 60_000; Date.now() < end;) {
     const found = await watched.value<Seen | null>(seen);
     await watched.page.waitForTimeout(200);
     if (found && (await watched.value<boolean>(isStill(found)))) return found.grip;
