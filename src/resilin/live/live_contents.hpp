@@ -84,7 +84,7 @@ struct LiveScene::Contents {
   std::vector<HeldFace> held_faces;
   Calm calm;
   double overrun = 0;     ///< what steps take after their last iteration should have begun [s]
-  int mending_steps = 0;  ///< in a row that started with cells inside out
+  int mending_steps = 0;  ///< in a row that are longer, since cells were inside out
   double extent = 1;
   double end_of_changes = 0;  ///< [s]
   double path_time = 0;       ///< of a static scene: when it has its full load [s]

@@ -18,7 +18,6 @@ constexpr double overrun_weight = 0.1;  ///< of the last step in the mean of wha
 constexpr int quiet_steps_before_seeking = 10;
 constexpr int steps_to_first_estimate = 30;  ///< of the error by the size of the cells
 constexpr int steps_between_estimates = 120;
-constexpr double nearly_flat = 0.1;          ///< volume ratio of a cell about to turn inside out
 constexpr double longest_mending_step = 10;  ///< [s], where bodies are held
 constexpr double fall_while_mending = 0.05;  ///< of the extent, in one step
 constexpr double quiet_speed = 1e-3;         ///< of the body's extent in a second
@@ -123,11 +122,14 @@ void LiveScene::Contents::move_in_time(double dt, const StepBudget& budget) {
   note_calm(dt);
 }
 
-/// Backward Euler dissipates the more the longer its step. Once nobody pulls, each step that starts with
-/// cells turned inside out counts as four times as long as the one before, until they are upright: up to
-/// statics where the bodies are held, and no longer than a free body takes to fall a little.
+/// Backward Euler dissipates the more the longer its step. Once nobody pulls, each step that starts with a
+/// body that had cells inside out, and not all of them at a tenth of their volume again, counts as four times
+/// as long as the one before: up to statics where the bodies are held, and no longer than a free body takes
+/// to fall a little. Cells that are flat and have never been inside out move as their law says.
 double LiveScene::Contents::mending_factor() {
-  const bool is_folded = report.min_volume_ratio < nearly_flat && !held;
+  const bool is_folded = !held && std::ranges::any_of(fold_barriers, [](const auto& barrier) {
+    return barrier && barrier->is_resting();
+  });
   mending_steps = is_folded ? mending_steps + 1 : std::max(0, mending_steps - 1);
   const double g = controls.gravity.norm();
   const bool may_fall = g > 0 && std::ranges::find(is_fixed, std::uint8_t{1}) == is_fixed.end();

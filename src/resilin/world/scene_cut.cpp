@@ -18,8 +18,9 @@ namespace {
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
-[[noreturn]] void refuse(const std::string& place, const std::string& what) {
-  throw InputError(place, "a scene that several processes can share", what, "run it on one process");
+[[noreturn]] void refuse(const std::string& place, const std::string& what,
+                         const std::string& cure = "run it on one process") {
+  throw InputError(place, "a scene that several processes can share", what, cure);
 }
 
 /// The body's cells with its own vertex numbers.
@@ -53,7 +54,9 @@ void require_distributable(const World& world) {
   if (world.follows_path) refuse(scene + ": simulation.load_control", "\"arc_length\"");
   if (world.unstable_modes == UnstableModes::count)
     refuse(scene + ": simulation.unstable_modes", "a count of unstable modes");
-  if (world.contact) refuse(scene + ": contact", "bodies that meet each other or themselves");
+  if (world.contact)
+    refuse(scene + ": contact", "bodies that meet each other or themselves",
+           "run it on one process; where they never meet let [contact] enabled be false");
   if (!world.mesh_colliders.empty()) refuse(scene + ": collider", "a collider of facets");
   if (world.friction) refuse(scene + ": friction", "friction");
   if (!world.sections.empty()) refuse(scene + ": section", "a section force");
