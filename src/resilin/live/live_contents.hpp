@@ -58,7 +58,8 @@ struct LiveScene::Contents {
   void move_in_parts(const StepBudget& budget);
   void move_in_time(double dt, const StepBudget& budget);
   void move_to_equilibrium(const StepBudget& budget);
-  double mending_factor();
+  void count_mending_steps();
+  double mending_factor() const;  ///< by which a step in time is longer than asked for
   void measure(const NewtonReport& newton_report);
   std::optional<LiveContact> contact() const;
   void note_calm(double dt);

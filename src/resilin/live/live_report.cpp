@@ -82,7 +82,7 @@ std::string LiveScene::Contents::words() const {
     add(std::to_string(report.inverted_cells) + (report.inverted_cells == 1 ? " cell is" : " cells are") +
         " turned inside out");
   }
-  if (mending_steps > 0) add("motion is damped until all cells have a tenth of their volume");
+  if (mending_factor() > 1) add("motion is damped, since cells were inside out");
   for (const std::string& coarse : coarseness_texts(world, report.discretisation_errors)) add(coarse);
   return text;
 }

@@ -89,6 +89,7 @@ void LiveScene::Contents::move_in_parts(const StepBudget& budget) {
 }
 
 void LiveScene::Contents::move_in_time(double dt, const StepBudget& budget) {
+  count_mending_steps();
   const double step = dt * mending_factor();
   const History start{.now = {.positions = state.positions,
                               .velocities = (dt / step) * (dt / step) * state.velocities,
@@ -122,15 +123,20 @@ void LiveScene::Contents::move_in_time(double dt, const StepBudget& budget) {
   note_calm(dt);
 }
 
-/// Backward Euler dissipates the more the longer its step. Once nobody pulls, each step that starts with a
-/// body that had cells inside out, and not all of them at a tenth of their volume again, counts as four times
-/// as long as the one before: up to statics where the bodies are held, and no longer than a free body takes
-/// to fall a little. Cells that are flat and have never been inside out move as their law says.
-double LiveScene::Contents::mending_factor() {
+/// Once nobody pulls, steps are longer that start with a body that had cells inside out, and not all of them
+/// at a tenth of their volume again. Cells that are flat and have never been inside out move as their law
+/// says.
+void LiveScene::Contents::count_mending_steps() {
   const bool is_folded = !held && std::ranges::any_of(fold_barriers, [](const auto& barrier) {
     return barrier && barrier->is_resting();
   });
   mending_steps = is_folded ? mending_steps + 1 : std::max(0, mending_steps - 1);
+}
+
+/// Backward Euler dissipates the more the longer its step. Each counts as four times as long as the one
+/// before: up to statics where the bodies are held, and no longer than a free body takes to fall a little.
+double LiveScene::Contents::mending_factor() const {
+  if (mending_steps == 0) return 1;
   const double g = controls.gravity.norm();
   const bool may_fall = g > 0 && std::ranges::find(is_fixed, std::uint8_t{1}) == is_fixed.end();
   const double longest = may_fall ? std::sqrt(fall_while_mending * extent / g) : longest_mending_step;
@@ -164,6 +170,7 @@ void LiveScene::Contents::move_to_equilibrium(const StepBudget& budget) {
   newton_report.worst_unknown = balance.worst_unknown();
   state.positions = std::move(x);
   state.velocities.setZero();
+  mending_steps = 0;
   ++state.step;
   ++calm.seeking_steps;
   measure(newton_report);

@@ -2,6 +2,7 @@
 
 import assert from "node:assert/strict";
 import path from "node:path";
+import { setTimeout } from "node:timers/promises";
 import { webFolder, type TestBrowser, type Watched } from "./harness";
 
 export const jelly = path.join(webFolder, "tests/scenes/jelly.toml");
@@ -32,11 +33,16 @@ export interface Grip {
   y: number;
 }
 
+/** A page that answers: a window's, or that in a frame. */
+interface Answering {
+  value<T>(expression: string): Promise<T>;
+}
+
 /**
  * A place of the body that is seen near the middle of what the panel leaves free, once the body stands still there: it
  * may swing from what was done to it before, and a place of this frame may be off the body in the next.
  */
-export async function grip(watched: Watched): Promise<Grip> {
+export async function grip(page: Answering): Promise<Grip> {
   const seen = `(() => {
     const middle = resilin.middleOfBody();
     const [x, y] = [Math.round(middle.x), Math.round(middle.y)];
@@ -48,9 +54,9 @@ export async function grip(watched: Watched): Promise<Grip> {
     return Math.hypot(x - ${at.x}, y - ${at.y}) < 1 && resilin.pickAt(${x}, ${y}) !== null;
   })()`;
   for (const end = Date.now() + 60_000; Date.now() < end;) {
-    const found = await watched.value<Seen | null>(seen);
-    await watched.page.waitForTimeout(200);
-    if (found && (await watched.value<boolean>(isStill(found)))) return found.grip;
+    const found = await page.value<Seen | null>(seen);
+    await setTimeout(200);
+    if (found && (await page.value<boolean>(isStill(found)))) return found.grip;
   }
   throw new Error("no body stands still in the middle of the window");
 }

@@ -6,7 +6,7 @@ import path from "node:path";
 import { after, before, test } from "node:test";
 import type { Frame } from "playwright-core";
 import { Program, repository, TestBrowser, webFolder, type Watched } from "./harness";
-import { jelly } from "./live_pages";
+import { grip, jelly } from "./live_pages";
 
 const widget = readFileSync(path.join(repository, "python/resilin/widget.js"), "utf8");
 const html = readFileSync(path.join(webFolder, "dist/page.html"), "utf8").replace(
@@ -87,20 +87,17 @@ test("a widget shows the scene, carries a pull to it, and says when it is gone",
   let frame = await until(watched, "resilin.framesDrawn > 0 && resilin.state");
   assert.equal(await value(frame, "resilin.header.saves"), true); // as the program says; a notebook's says no
 
-  const { middle, vertex } = await value<{ middle: { x: number; y: number }; vertex: number }>(
-    frame,
-    "(({ x, y }) => ({ middle: { x, y }, vertex: resilin.pickAt(x, y).vertex }))(resilin.middleOfBody())",
-  );
+  const held = await grip({ value: (expression) => value(frame, expression) });
   const place = await page.locator("iframe").boundingBox();
-  const [x, y] = [Math.round(place!.x + middle.x), Math.round(place!.y + middle.y)];
-  const before = await value<number[]>(frame, `resilin.position(${vertex})`);
+  const [x, y] = [Math.round(place!.x + held.x), Math.round(place!.y + held.y)];
+  const before = await value<number[]>(frame, `resilin.position(${held.vertex})`);
   await page.mouse.move(x, y);
   await page.mouse.down();
   await page.mouse.move(x + 90, y - 30, { steps: 6 });
   await until(watched, "resilin.state.grabbed_by === resilin.header.client");
   await until(
     watched,
-    `Math.hypot(...resilin.position(${vertex}).map((x, i) => x - ${JSON.stringify(before)}[i])) > 0.03`,
+    `Math.hypot(...resilin.position(${held.vertex}).map((x, i) => x - ${JSON.stringify(before)}[i])) > 0.03`,
   );
   await page.mouse.up();
   await until(watched, "resilin.state.grabbed_by === null");
