@@ -5,6 +5,7 @@
 
 #include "resilin/core/parallel.hpp"
 #include "resilin/core/simd.hpp"
+#include "resilin/element/catalog.hpp"
 #include "resilin/element/jacobian_bound.hpp"
 #include "resilin/energy/elastic.hpp"
 #include "resilin/energy/inversion_bound.hpp"

@@ -73,8 +73,11 @@ class TouchedFaces {
   TouchedFaces(const World& world, const VectorX& x, const VectorX& forces) {
     const int dim = world.dimension;
     for (const Body& body : world.bodies) {
+      const auto own =
+          forces.segment(Eigen::Index{body.first_node} * dim, Eigen::Index{body.num_nodes} * dim);
+      if (own.isZero(0)) continue;
       if (body.meets_with_skin()) {
-        add_skin(world, body, x, forces);
+        add_skin(world, body, x);
         continue;
       }
       const CellBlock facets = boundary({.kind = body.cell_kind, .nodes = body.cells}).facets;
@@ -110,10 +113,7 @@ class TouchedFaces {
 
  private:
   /// Of a skin each node has as much of a facet as it carries of its vertices.
-  void add_skin(const World& world, const Body& body, const VectorX& x, const VectorX& forces) {
-    const auto own = forces.segment(Eigen::Index{body.first_node} * world.dimension,
-                                    Eigen::Index{body.num_nodes} * world.dimension);
-    if (own.isZero(0)) return;
+  void add_skin(const World& world, const Body& body, const VectorX& x) {
     const int dim = world.dimension;
     const MiddleNodes middles(body);
     const CellBlock facets = meeting_body(body, dim, 1.0).facets;
