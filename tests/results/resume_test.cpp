@@ -6,9 +6,8 @@
 #include <random>
 
 #include "resilin/integrator/integrator.hpp"
-#include "resilin/results/results.hpp"
-#include "resilin/results/run.hpp"
 #include "resilin/results/saved_report.hpp"
+#include "run_into.hpp"
 #include "small_scenes.hpp"
 #include "temporary_folder.hpp"
 
@@ -16,25 +15,6 @@ namespace resilin::testing {
 namespace {
 
 using ::testing::HasSubstr;
-
-/// Runs `steps` steps (0: to the end) into a folder, from its checkpoint where there is one.
-RunOutcome run_into(const std::filesystem::path& folder, const Description& scene, int steps,
-                    Resume resume = Resume::same_scene) {
-  Simulation simulation(scene);
-  ResultFolder results(folder);
-  results.resume(simulation, resume);
-  results.record(simulation, false);
-  const RunOutcome outcome = run_to_end(simulation, {.after_step =
-                                                         [&](const StepReport&) {
-                                                           if (simulation.is_finished())
-                                                             return results.record(simulation, true);
-                                                           results.record(simulation, false);
-                                                         },
-                                                     .max_steps = steps});
-  results.record(simulation, true);
-  results.finish(simulation, outcome);
-  return outcome;
-}
 
 /// Steps that are cut short now and then.
 Description failing_scene(const std::string& integrator) {

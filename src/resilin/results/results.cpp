@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <chrono>
+#include <future>
 #include <iterator>
 #include <vector>
 
+#include "resilin/core/background.hpp"
 #include "resilin/core/error.hpp"
+#include "resilin/core/stopwatch.hpp"
 #include "resilin/io/atomic_file.hpp"
 #include "resilin/io/vtu.hpp"
 #include "resilin/results/build_info.hpp"
@@ -36,6 +39,7 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+constexpr Offset most_cells_beside = 200'000;
 constexpr const char* collider_list_name = "colliders.pvd";
 
 std::string frame_name(std::size_t number) { return "frames/" + numbered_vtu(number); }
@@ -72,9 +76,49 @@ struct ResultFolder::Contents {
   std::optional<ShownResults> shown;        ///< of the same
   std::vector<std::pair<std::string, std::uintmax_t>> shown_files;
   bool has_written_colliders = false;  ///< one file is enough where none moves
-  double output_seconds = 0;
-  double seconds_before;  ///< until the folder was made, and of the run that this one resumes
+  double output_seconds = 0;           ///< that the run has waited for
+  double seconds_before;               ///< until the folder was made, and of the run that this one resumes
   int resumed_step = -1;  ///< whose frame was measured anew, without the numbers of the step that led to it
+
+  /// Waits for what is written beside a step; throws what went wrong with it.
+  void settle() {
+    const Stopwatch waiting(output_seconds);
+    if (writing.valid()) writing.get();
+  }
+
+  /// Writes a state as the next frame when it is due, and then, given a summary, report and checkpoint:
+  /// beside the next step where that is safe.
+  void record(const World& world, const State& state, const Frame& frame, bool is_last,
+              const std::optional<RunSummary>& so_far) {
+    const bool is_new =
+        frame.step != resumed_step && (frames.empty() || frames.back()["step"].get<int>() < frame.step);
+    const bool is_due = is_new && (is_last || frame.step % world.output.every == 0);
+    if (!is_due && !so_far) return;
+    const auto work = [this, &world, is_due, so_far](const State& of, const Frame& measured) {
+      if (is_due) write_next(world, of, measured);
+      if (so_far) save(world, of, *so_far, false);
+    };
+    const Stopwatch waiting(output_seconds);
+    if (is_last || !can_write_beside(world)) return work(state, frame);
+    writing = run_beside([work, state, frame] { work(state, frame); });
+    if (writing.wait_for(std::chrono::seconds(0)) == std::future_status::ready) writing.get();
+  }
+
+  /// Fields of contact between bodies ask what the next step changes; of large bodies the fields of a frame
+  /// take as much memory as a step.
+  static bool can_write_beside(const World& world) {
+    Offset num_cells = 0;
+    for (const Body& body : world.bodies) num_cells += body.num_cells();
+    return !world.contact && num_cells <= most_cells_beside;
+  }
+
+  void write_next(const World& world, const State& state, const Frame& frame) {
+    // The last frame of a run that was broken off is not one of the unbroken run, unless it was due.
+    if (!frames.empty() && frames.back()["step"].get<int>() % world.output.every != 0)
+      frames.erase(frames.size() - 1);
+    const std::vector<FieldValues> fields = write(world, state);
+    frames.push_back(frame_json(frame, world, state, fields));
+  }
 
   /// Writes a state as the next frame of all formats; gives the fields whose extremes the report has.
   std::vector<FieldValues> write(const World& world, const State& state) {
@@ -148,7 +192,6 @@ struct ResultFolder::Contents {
                                                               .most_strained = summary.most_strained,
                                                               .state = state}));
     const double cost = seconds_since(begin);
-    output_seconds += cost;
     // At most a tenth of the time goes into saving, however long the report has grown.
     next_save = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                    std::chrono::duration<double>(std::max(1.0, 10 * cost)));
@@ -160,6 +203,9 @@ struct ResultFolder::Contents {
   }
 
   static bool writes_vtu(const World& world) { return world.output.writes(OutputFormat::vtu); }
+
+  std::future<void>
+      writing;  ///< what it touches is read by nobody before `settle`; the first to be destroyed
 };
 
 ResultFolder::ResultFolder(std::filesystem::path folder, double seconds_before) {
@@ -206,40 +252,33 @@ ResultFolder::Resumed ResultFolder::resume(Simulation& simulation, Resume rule) 
 }
 
 void ResultFolder::record(const Simulation& simulation, bool is_last) {
-  record(simulation.world(), simulation.state(), simulation.frame(), is_last);
-  if (Clock::now() >= contents_->next_save) {
-    contents_->save(
-        simulation.world(), simulation.state(),
-        contents_->summary(simulation, {RunStatus::running, "the run had not ended when this was written"}),
-        false);
-  }
+  contents_->settle();
+  std::optional<RunSummary> so_far;
+  if (Clock::now() >= contents_->next_save)
+    so_far =
+        contents_->summary(simulation, {RunStatus::running, "the run had not ended when this was written"});
+  contents_->record(simulation.world(), simulation.state(), simulation.frame(), is_last, so_far);
 }
 
 void ResultFolder::record(const World& world, const State& state, const Frame& frame, bool is_last) {
-  Json& frames = contents_->frames;
-  const bool is_new = frame.step != contents_->resumed_step &&
-                      (frames.empty() || frames.back()["step"].get<int>() < frame.step);
-  if (is_new && (is_last || frame.step % world.output.every == 0)) {
-    const Clock::time_point begin = Clock::now();
-    // The last frame of a run that was broken off is not one of the unbroken run, unless it was due.
-    if (!frames.empty() && frames.back()["step"].get<int>() % world.output.every != 0)
-      frames.erase(frames.size() - 1);
-    const std::vector<FieldValues> fields = contents_->write(world, state);
-    frames.push_back(frame_json(frame, world, state, fields));
-    contents_->output_seconds += seconds_since(begin);
-  }
+  contents_->settle();
+  contents_->record(world, state, frame, is_last, std::nullopt);
 }
 
 void ResultFolder::add(const World& world, const State& state, const std::string& frame) {
+  contents_->settle();
   contents_->write(world, state);
   contents_->frames.push_back(Json::parse(frame));
 }
 
 void ResultFolder::finish(const Simulation& simulation, const RunOutcome& outcome) {
+  contents_->settle();
   finish(simulation.world(), simulation.state(), contents_->summary(simulation, outcome));
 }
 
 void ResultFolder::finish(const World& world, const State& state, const RunSummary& summary) {
+  contents_->settle();
+  const Stopwatch waiting(contents_->output_seconds);
   contents_->save(world, state, summary, true);
   // Frames of an earlier, longer run into the same folder are not part of this one.
   std::error_code error;

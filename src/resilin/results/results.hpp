@@ -21,8 +21,9 @@ std::vector<std::string> fields_of_report(const World& world);
 /// result.html, result.usda. It records one world, which must outlive it.
 ///
 /// Every file is written beside and renamed, so that a folder always holds whole files. Frames are written at
-/// once; report and checkpoint at most about once a second, and by `finish`. As long as this lives no other
-/// run writes into the folder.
+/// once, or beside the next step where loops have more than one thread; report and checkpoint at most about
+/// once a second, and by `finish`. What cannot be written is then told by the next call. As long as this
+/// lives no other run writes into the folder.
 class ResultFolder {
  public:
   /// Makes the folder and sweeps up what a killed run has left half-written. Throws FileError naming it when
@@ -34,7 +35,7 @@ class ResultFolder {
   ResultFolder& operator=(const ResultFolder&) = delete;
 
   const std::filesystem::path& path() const;
-  double output_seconds() const;  ///< spent on writing
+  double output_seconds() const;  ///< that the run has waited for what is written
 
   /// What `finish` has made to be looked at: names and sizes [bytes].
   const std::vector<std::pair<std::string, std::uintmax_t>>& shown_files() const;

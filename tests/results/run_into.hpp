@@ -1,0 +1,29 @@
+#pragma once
+
+#include <filesystem>
+
+#include "resilin/results/results.hpp"
+#include "resilin/results/run.hpp"
+
+namespace resilin::testing {
+
+/// Runs `steps` steps (0: to the end) into a folder, from its checkpoint where there is one.
+inline RunOutcome run_into(const std::filesystem::path& folder, const Description& scene, int steps,
+                           Resume resume = Resume::same_scene) {
+  Simulation simulation(scene);
+  ResultFolder results(folder);
+  results.resume(simulation, resume);
+  results.record(simulation, false);
+  const RunOutcome outcome = run_to_end(simulation, {.after_step =
+                                                         [&](const StepReport&) {
+                                                           if (simulation.is_finished())
+                                                             return results.record(simulation, true);
+                                                           results.record(simulation, false);
+                                                         },
+                                                     .max_steps = steps});
+  results.record(simulation, true);
+  results.finish(simulation, outcome);
+  return outcome;
+}
+
+}  // namespace resilin::testing
