@@ -51,6 +51,8 @@ def plain_text(value: object, place: str) -> str:
 
 def file_path(path: AnyPath, place: str) -> str:
     """A path that the system can hold."""
+    if not isinstance(path, str | os.PathLike):
+        refuse(place, "a path", type(path).__name__)
     text = os.fspath(path)
     try:
         has_null = b"\0" in os.fsencode(text)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Literal, NoReturn
 
 import numpy as np
@@ -239,4 +240,6 @@ def run(
     >>> result = resilin.run("beam.toml", overrides={"body.beam.material.youngs_modulus": 1e6})
     >>> result.report["frames"][-1]["probes"]["tip"]["displacement"]
     """
+    if isinstance(out, Mapping):
+        refuse("out", "a folder for the results", "a dict", "changes of the scene are given as overrides={...}")
     return Simulation(scene, overrides).run(out, resume=resume, steps=steps, progress=progress)

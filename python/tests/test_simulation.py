@@ -116,6 +116,13 @@ def test_a_run_is_resumed_in_another_scene_only_when_that_is_meant(tmp_path, ove
         resilin.run(square(), out=tmp_path, resume="always")
 
 
+def test_what_is_no_folder_is_refused():
+    with pytest.raises(resilin.InputError, match="out: expected a path, got int"):
+        resilin.run(square(), out=7)
+    with pytest.raises(resilin.InputError, match="out: expected a folder .* overrides"):
+        resilin.run(square(), {"simulation.gravity": [0, 0]})
+
+
 def test_a_folder_that_another_simulation_writes_into_is_refused(tmp_path):
     fcntl = pytest.importorskip("fcntl")
     with (tmp_path / "run.lock").open("w") as lock:

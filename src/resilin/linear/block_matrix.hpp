@@ -52,7 +52,7 @@ void multiply(const BlockMatrix& A, const VectorX& x, VectorX& y);
 void multiply(const BlockMatrix& A, const VectorX& x, VectorX& y, std::vector<double>& work);
 
 /// Takes the unknowns with is_fixed[i] != 0 out: their rows and columns become those of the identity.
-/// Cost: one pass over `is_fixed`, and the blocks of the nodes that are fixed.
+/// Cost: one pass over the columns of the pattern, and the blocks of the nodes that are fixed.
 void eliminate(BlockMatrix& A, std::span<const std::uint8_t> is_fixed);
 
 }  // namespace resilin
