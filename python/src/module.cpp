@@ -7,6 +7,7 @@
 #include "resilin/core/memory.hpp"
 #include "resilin/core/parallel.hpp"
 #include "resilin/core/thread_count.hpp"
+#include "resilin/linear/blas.hpp"
 #include "resilin/results/build_info.hpp"
 
 namespace nb = nanobind;
@@ -31,6 +32,8 @@ NB_MODULE(_core, module) {
   module.def("max_threads", [] { return max_threads; });
   module.def("num_threads", &num_threads);
   module.def("set_num_threads", &set_num_threads, nb::arg("count"));
+  module.def("choose_blas_kernel", &choose_blas_kernel);
+  module.def("blas_kernel_name", &blas_kernel_name);
   python::bind_material(module);
   python::bind_batch_law(module);
   python::bind_curve(module);

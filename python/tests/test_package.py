@@ -13,8 +13,8 @@ import resilin
 FOLDER = pathlib.Path(resilin.__file__).parent
 
 
-def python(code):
-    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+def python(code, environment=None):
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment)
     return run.stdout.strip()
 
 
@@ -28,6 +28,26 @@ loaded = {name.split(".")[0] for name in sys.modules} - before - set(sys.stdlib_
 print(*sorted(loaded))
 """
     assert python(code) == "resilin"
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="asks /proc")
+def test_the_direct_solver_uses_kernels_of_the_processor_unless_it_shares_them():
+    """Those of the set that is asked for, where our OpenBLAS is our own; else those that were in use before."""
+    code = """
+import pathlib, numpy
+def libraries():
+    return {line.split()[-1] for line in pathlib.Path("/proc/self/maps").read_text().splitlines() if "openblas" in line}
+before = libraries()
+import resilin
+print(bool(libraries() - before), resilin._core.blas_kernel_name())
+"""
+    environment = {name: value for name, value in os.environ.items() if name != "OPENBLAS_CORETYPE"}
+    kernels = [python(code, environment | {"RESILIN_ISA": name}) for name in ("baseline", "wrong")]
+    if kernels[0].startswith("True"):
+        assert kernels[0] == "True OpenBLAS Prescott"
+        assert kernels[1] != kernels[0]
+    else:
+        assert kernels[0] == kernels[1]
 
 
 def test_the_version_is_that_of_the_distribution():
