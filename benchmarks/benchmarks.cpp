@@ -3,6 +3,7 @@
 #include "collision.hpp"
 #include "damping.hpp"
 #include "fit_laws.hpp"
+#include "gradients.hpp"
 #include "heap.hpp"
 #include "kernel_benchmark.hpp"
 #include "latency.hpp"
@@ -69,6 +70,10 @@ std::vector<Measurement> bench_view(const BenchOptions&) { return measure_view()
 
 std::vector<Measurement> bench_fit(const BenchOptions&) { return measure_fits(); }
 
+std::vector<Measurement> bench_gradients(const BenchOptions& options) {
+  return measure_gradients(options.n, options.dynamic);
+}
+
 std::vector<Measurement> bench_heap(const BenchOptions&) { return measure_heap(); }
 
 std::vector<Measurement> bench_latency(const BenchOptions&) { return measure_latency(); }
@@ -113,6 +118,10 @@ const std::vector<Benchmark>& benchmarks() {
        bench_seed001},
       {"view", "Dragging in real time: time of a step, and its distance to the solved step", bench_view},
       {"fit", "Six laws fitted to three tests of a rubber, with intervals and stability", bench_fit},
+      {"gradients",
+       "Going back for a gradient beside the run: a bar at rest, --n cells across; --dynamic: a cube and a "
+       "bar",
+       bench_gradients},
       {"heap", "Three soft creatures fall into a heap on the page: time of a step, and its parts",
        bench_heap},
       {"latency", "From moving the hand in the browser to the frame that shows it, through the page server",
