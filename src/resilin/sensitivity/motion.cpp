@@ -64,6 +64,7 @@ std::vector<VectorX> MotionDerivatives::transposed(const std::vector<FrameChange
   TermChanges term_slopes = links_.zero(world_slopes);
   const Eigen::Index size = world().rest_positions.size();
   History by_history = zero_history(size);
+  steps_.begin();
   for (int k = trajectory_.num_steps(); k >= 0; --k) {
     check_goes_on();
     VectorX w;
@@ -93,6 +94,7 @@ std::vector<FrameChange> MotionDerivatives::forward_along(const std::vector<Vect
   const TermChanges of_terms = links_.spread(change);
   std::vector<FrameChange> all(1);
   History of_history = zero_history(world().rest_positions.size());
+  steps_.begin();
   if (trajectory_.num_steps() > 0)
     of_history.now = steps_.forward_start(trajectory_.step(1), of_terms, change);
   all[0] = {of_history.now.positions, of_history.now.velocities,

@@ -47,6 +47,11 @@ bool is_zero(const History& history) {
   return true;
 }
 
+void MotionSteps::begin() {
+  tangent_.begin_sequence();
+  earlier_.assign(static_cast<std::size_t>(scheme_.num_stages()), {});
+}
+
 VectorX MotionSteps::mass_changes(const VectorX& accelerations, const TermChanges& of_terms) const {
   VectorX force = VectorX::Zero(accelerations.size());
   const auto& of_mass = of_terms[static_cast<std::size_t>(inertia_)];
@@ -100,8 +105,8 @@ History MotionSteps::forward(const StepReplay& step, const History& change, cons
     gradient = VectorX::Zero(size);
     add_stage_forces({world_, potential}, at.motion.positions, of_terms, stage, gradient);
     if (at.stage.is_mean) gradient += impulses.by_base(stage.base_positions, false);
-    VectorX dx =
-        prescribed.positions - tangent_.solve(gradient + tangent_.times(prescribed.positions, false), false);
+    VectorX dx = prescribed.positions -
+                 tangent_.solve(gradient + tangent_.times(prescribed.positions, false), false, &earlier_[i]);
     gradient += tangent_.times(dx, false);
     jump.resize(0);
     VectorX of_impulses;
@@ -172,9 +177,9 @@ History MotionSteps::transposed(const StepReplay& step, const History& by_next, 
     VectorX lambda = VectorX::Zero(size);
     if (is_last && w.size() > 0) {
       lambda = w;
-      lambda -= tangent_.solve(by_x + tangent_.times(w, true), true);
+      lambda -= tangent_.solve(by_x + tangent_.times(w, true), true, &earlier_[i]);
     } else {
-      lambda -= tangent_.solve(by_x, true);
+      lambda -= tangent_.solve(by_x, true, &earlier_[i]);
     }
     by_x += tangent_.times(lambda, true);  // zero at the free unknowns
     add_stage_slopes({world_, potential}, at.motion.positions, lambda, by_terms, by_stage);

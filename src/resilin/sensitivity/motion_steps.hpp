@@ -23,6 +23,9 @@ class MotionSteps {
         inertia_(inertia),
         tangent_(world, world.solver.kind, std::move(analyses)) {}
 
+  /// Steps follow in their order, or against it.
+  void begin();
+
   /// The change of what the next step starts from.
   /// @param gradient  becomes the change of dE/dx of the last stage, from which reactions follow
   History forward(const StepReplay& step, const History& change, const TermChanges& of_terms,
@@ -53,6 +56,7 @@ class MotionSteps {
   const Integrator& scheme_;
   int inertia_;
   Tangent tangent_;
+  std::vector<EarlierSolutions> earlier_;  ///< by stage, of the steps since `begin`
 };
 
 }  // namespace resilin

@@ -15,9 +15,13 @@ namespace {
 
 constexpr double tight_tolerance = 1e-13;     ///< asked of solvers
 constexpr double iterative_tolerance = 1e-8;  ///< of those that iterate, at rest, as of equilibria themselves
-constexpr double largest_residual = 1e-7;     ///< with which a solution is still taken
-constexpr int most_skew_iterations = 200;     ///< of GMRES
-constexpr double refinement = 1e-4;           ///< of what it left
+/// In motion beside newton.tolerance, to which the steps are right themselves; and at most.
+constexpr double beside_newton = 1e-2, loosest_in_motion = 1e-8;
+/// When a solution takes more, the next matrix gets factors of its own.
+constexpr int most_solves_with_old_factors = 10;
+constexpr double largest_residual = 1e-7;  ///< with which a solution is still taken
+constexpr int most_skew_iterations = 200;  ///< of GMRES
+constexpr double refinement = 1e-4;        ///< of what it left
 
 LinearOptions options(const World& world, const std::string& kind, bool is_definite,
                       const std::shared_ptr<AnalysisCache>& analyses) {
@@ -79,16 +83,25 @@ Tangent::Tangent(const World& world, const std::string& solver_kind, std::shared
       analyses_(std::move(analyses)),
       whole_(world.dimension, world.pattern) {}
 
+void Tangent::begin_sequence() {
+  is_sequence_ = true;
+  has_factors_ = false;
+  if (definite_) definite_->begin_search();
+}
+
 void Tangent::form(const Potential& potential, const VectorX& x, Newton* near) {
   whole_.set_zero();
   potential.hessian(x, Projection::none, whole_);
   skew_.emplace(world_, potential, x);
   free_ = whole_;
   eliminate(free_, world_.is_fixed);
+  has_impulses_ = std::ranges::any_of(
+      potential.terms(), [](const Energy* term) { return acts_as_impulse(term->properties().category); });
   x_ = x;
   near_ = near;
   negative_ = 0;
-  if (near_ == nullptr) factorize();
+  are_factors_old_ = has_factors_;
+  if (near_ == nullptr && !has_factors_) factorize();
 }
 
 void Tangent::factorize() {
@@ -96,22 +109,31 @@ void Tangent::factorize() {
   if (!definite_)
     definite_ = make_linear_solver(options(world_, solver_kind_, true, analyses_), num_unknowns);
   solver_ = definite_.get();
-  solver_->begin_search();
+  has_factors_ = are_factors_old_ = false;
+  if (!is_sequence_) solver_->begin_search();
   solver_->analyze(free_, x_);
   LinearReport report = solver_->factorize(free_);
   require_memory(report);
-  if (report.status == LinearReport::Status::ok && !solver_->is_direct()) {
+  if (report.status == LinearReport::Status::ok && !solver_->is_direct() && !is_sequence_) {
     // What a solver that iterates has not refused it may still find indefinite.
     VectorX probe = VectorX::Zero(x_.size()), b(x_.size());
     for (Eigen::Index i = 0; i < b.size(); ++i) b[i] = std::sin(1.0 + 12.9898 * static_cast<double>(i));
     set_fixed_to_zero(world_.is_fixed, b);
     report = solver_->solve(free_, b, probe, 1e-3);
   }
-  if (report.status == LinearReport::Status::ok) return;
+  if (report.status == LinearReport::Status::ok) {
+    has_factors_ = is_sequence_ && solver_->is_direct();
+    return;
+  }
+  factorize_indefinite();
+}
+
+void Tangent::factorize_indefinite() {
+  const Index num_unknowns = world_.num_free_unknowns();
   if (!indefinite_) indefinite_ = make_linear_solver(options(world_, "auto", false, analyses_), num_unknowns);
   solver_ = indefinite_.get();
   solver_->analyze(free_, x_);
-  report = solver_->factorize(free_);
+  const LinearReport report = solver_->factorize(free_);
   require_memory(report);
   if (report.status != LinearReport::Status::ok)
     throw InputError(world_.place, "a stiffness that can be solved with", "a singular one",
@@ -127,19 +149,23 @@ VectorX Tangent::times(const VectorX& p, bool is_transposed) const {
 }
 
 double Tangent::tolerance() const {
+  if (world_.is_dynamic) {
+    // Impulses of stiff barriers magnify what is left.
+    if (!is_symmetric() || has_impulses_) return tight_tolerance;
+    return std::clamp(beside_newton * world_.newton.tolerance, tight_tolerance, loosest_in_motion);
+  }
   const bool is_direct = near_ != nullptr ? near_->solver_is_direct() : solver_->is_direct();
-  // Mass makes iterations few.
-  return is_direct || world_.is_dynamic ? tight_tolerance : iterative_tolerance;
+  return is_direct ? tight_tolerance : iterative_tolerance;
 }
 
 /// With a solver that iterates, whose answers are no linear function of
 /// what it is asked, the residual is solved for again and again.
-std::optional<VectorX> Tangent::solve_near(const VectorX& b) {
+std::optional<VectorX> Tangent::solve_by_newton(const VectorX& b, double tolerance) {
   constexpr double inner_tolerance = 1e-4;
   const double size = b.norm();
   if (!near_->solver_is_direct()) {
     VectorX p = VectorX::Zero(b.size()), residual = b, product;
-    for (double left = size; left > tolerance() * size;) {
+    for (double left = size; left > tolerance * size;) {
       const std::optional<VectorX> z = near_->response(residual, world_.is_fixed, inner_tolerance);
       if (!z) return std::nullopt;
       p += *z;
@@ -158,43 +184,80 @@ std::optional<VectorX> Tangent::solve_near(const VectorX& b) {
     return true;
   };
   const Product times = [&](const VectorX& p, VectorX& product) { multiply(free_, p, product); };
-  return solve_by_near(times, near, b, tight_tolerance);
+  return solve_by_near(times, near, b, tolerance);
 }
 
-VectorX Tangent::solve_symmetric(const VectorX& b) {
-  VectorX p = VectorX::Zero(b.size());
+std::optional<VectorX> Tangent::solve_with_old_factors(const VectorX& b, double tolerance) {
+  int solves = 0;
+  const NearSolve near = [&](const VectorX& residual, VectorX& p) {
+    ++solves;
+    p.setZero(residual.size());
+    return solver_->solve(free_, residual, p, 1).status == LinearReport::Status::ok;
+  };
+  const Product times = [&](const VectorX& p, VectorX& product) { multiply(free_, p, product); };
+  std::optional<VectorX> found = solve_by_near(times, near, b, tolerance);
+  if (solves > most_solves_with_old_factors) has_factors_ = false;
+  return found;
+}
+
+std::optional<VectorX> Tangent::solve_with_near(const VectorX& b, double tolerance) {
+  std::optional<VectorX> found;
+  if (near_ == nullptr && !are_factors_old_) return found;
+  found = near_ != nullptr ? solve_by_newton(b, tolerance) : solve_with_old_factors(b, tolerance);
+  if (found) return found;
+  near_ = nullptr;
+  factorize();
+  return found;
+}
+
+VectorX Tangent::solve_symmetric(const VectorX& b, EarlierSolutions* earlier) {
+  VectorX p = VectorX::Zero(b.size()), product;
   const double size = b.norm();
   if (!(size > 0)) return p;
-  if (near_ != nullptr) {
-    if (std::optional<VectorX> found = solve_near(b)) return *std::move(found);
-    near_ = nullptr;
-    factorize();
+  VectorX rest = b;
+  if (earlier != nullptr) {
+    if (VectorX start = earlier->nearest(free_, b); start.size() > 0) {
+      p = std::move(start);
+      multiply(free_, p, product);
+      rest -= product;
+    }
   }
-  LinearReport report = solver_->solve(free_, b, p, tolerance());
+  LinearReport report;
   // An iterative solver ends at its rounding; what is left is solved for once more.
-  VectorX rest;
-  for (int again = 0; again < 2 && report.status != LinearReport::Status::indefinite; ++again) {
-    multiply(free_, p, rest);
-    rest = b - rest;
-    if (rest.norm() <= tolerance() * size) break;
+  for (int again = 0; again < 3; ++again) {
+    const double left = rest.norm();
+    if (left <= tolerance() * size) break;
+    const double wanted = std::min(0.5, tolerance() * size / left);
     VectorX more = VectorX::Zero(b.size());
-    report = solver_->solve(free_, rest, more, 1e-6);
+    if (std::optional<VectorX> found = solve_with_near(rest, wanted)) {
+      more = *std::move(found);
+    } else {
+      report = solver_->solve(free_, rest, more, wanted);
+      if (report.status == LinearReport::Status::indefinite && is_sequence_) {
+        factorize_indefinite();
+        more.setZero();
+        report = solver_->solve(free_, rest, more, wanted);
+      }
+    }
     p += more;
+    multiply(free_, p, product);
+    rest = b - product;
+    if (report.status == LinearReport::Status::indefinite) break;
   }
-  multiply(free_, p, rest);
-  const double left = (b - rest).norm() / size;
+  const double left = rest.norm() / size;
   if (!(left <= largest_residual))
     throw InputError(world_.place, "a stiffness that can be solved with to " + format_short(largest_residual),
                      "what leaves " + format_short(left),
                      "the body is near a limit of stability, or solver.kind = \"" + solver_kind_ +
                          "\" is too weak: take \"auto\"");
+  if (earlier != nullptr) earlier->take(p);
   return p;
 }
 
 /// With the symmetric part as preconditioner.
-VectorX Tangent::solve(VectorX b, bool is_transposed) {
+VectorX Tangent::solve(VectorX b, bool is_transposed, EarlierSolutions* earlier) {
   set_fixed_to_zero(world_.is_fixed, b);
-  if (is_symmetric()) return solve_symmetric(b);
+  if (is_symmetric()) return solve_symmetric(b, earlier);
   const auto product = [&](const VectorX& p) {
     VectorX forces = times(p, is_transposed);
     set_fixed_to_zero(world_.is_fixed, forces);

@@ -4,6 +4,7 @@
 
 #include "resilin/linear/linear_solver.hpp"
 #include "resilin/optimize/newton.hpp"
+#include "resilin/sensitivity/earlier_solutions.hpp"
 #include "resilin/simulation/potential.hpp"
 
 namespace resilin {
@@ -41,6 +42,11 @@ class Tangent {
   Tangent(const World& world, const std::string& solver_kind,
           std::shared_ptr<AnalysisCache> analyses = nullptr);
 
+  /// Matrices of a sequence follow, each near to the one before it, as those of the steps of a motion:
+  /// factors serve for as many of them as they can. What was learnt of those before is forgotten, so that a
+  /// sequence gives the same bits whatever went before it.
+  void begin_sequence();
+
   /// Forms K at x and factorises it; where `near` is given, and holds factors of a matrix near to K, only
   /// when these turn out not to serve.
   /// @throws InputError  where K is singular
@@ -53,14 +59,19 @@ class Tangent {
   /// K p, or K^T p, of all unknowns.
   VectorX times(const VectorX& p, bool is_transposed) const;
   /// Solves K p = b, or K^T p = b, over the free unknowns; p is zero at the others.
-  VectorX solve(VectorX b, bool is_transposed);
+  /// @param earlier  of like equations, to begin with; the solution joins them
+  VectorX solve(VectorX b, bool is_transposed, EarlierSolutions* earlier = nullptr);
 
  private:
   void factorize();
+  void factorize_indefinite();
   double tolerance() const;
-  VectorX solve_symmetric(const VectorX& b);
-  /// With the factors that are near; none: they take too long.
-  std::optional<VectorX> solve_near(const VectorX& b);
+  VectorX solve_symmetric(const VectorX& b, EarlierSolutions* earlier = nullptr);
+  /// To a tolerance beside b with factors of a matrix that is near. None: there are none, or they take too
+  /// long, and K has its own now.
+  std::optional<VectorX> solve_with_near(const VectorX& b, double tolerance);
+  std::optional<VectorX> solve_by_newton(const VectorX& b, double tolerance);
+  std::optional<VectorX> solve_with_old_factors(const VectorX& b, double tolerance);
 
   const World& world_;
   std::string solver_kind_;
@@ -70,6 +81,11 @@ class Tangent {
   std::unique_ptr<LinearSolver> definite_, indefinite_;
   LinearSolver* solver_ = nullptr;
   Newton* near_ = nullptr;
+  bool has_impulses_ = false;  ///< contact or friction is among the terms
+  bool is_sequence_ = false;
+  /// Of `solver_`, which is a direct one: they are of a definite matrix of this sequence ...
+  bool has_factors_ = false;
+  bool are_factors_old_ = false;  ///< ... before the present one
   Index negative_ = 0;
   VectorX x_;
 };
