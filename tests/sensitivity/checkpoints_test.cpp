@@ -1,3 +1,5 @@
+#include <malloc.h>
+
 #include "derivative_checks.hpp"
 #include "every_integrator.hpp"
 #include "small_scenes.hpp"
@@ -40,6 +42,29 @@ TEST(Trajectory, IsThatOfAPlainRun) {
     plain.step();
     EXPECT_LE((run->positions(k) - plain.state().positions).cwiseAbs().maxCoeff(), 1e-15);
   }
+}
+
+/// What the heap holds [bytes]; 0 where it is not glibc's, as with sanitizers.
+double heap_bytes() {
+  const struct mallinfo2 info = mallinfo2();
+  return static_cast<double>(info.uordblks) + static_cast<double>(info.hblkhd);
+}
+
+/// Three numbers for each vertex, and at the starts of chunks three more.
+TEST(Trajectory, KeepsTwentySixBytesForAVertexAndStep) {
+  Description scene = small_bar(3, true);
+  scene.bodies[0].mesh = make_box({1, 0.5, 0.5}, {16, 8, 8});
+  double bytes[2], steps[2] = {49, 196};
+  Index vertices = 1;
+  for (std::size_t k = 0; k < 2; ++k) {
+    scene.end_time = steps[k] * scene.time_step;
+    const double before = heap_bytes();
+    const auto run = Derivatives::run(scene, {"body.body.density"});
+    bytes[k] = heap_bytes() - before;
+    vertices = run->world().num_nodes();
+  }
+  if (bytes[0] == 0) GTEST_SKIP() << "the heap does not say what it holds";
+  EXPECT_LT((bytes[1] - bytes[0]) / (vertices * (steps[1] - steps[0])), 26);
 }
 
 }  // namespace

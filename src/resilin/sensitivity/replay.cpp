@@ -38,16 +38,14 @@ std::vector<VectorX> places_of_stages(const Integrator& scheme, const History& s
 
 namespace {
 
-/// As a run takes them apart (TimeStepper).
-void take_impulses_apart(const World& world, const Integrator& scheme, StageReplay& stage) {
-  if (!scheme.looks_back() && stage.stage.count_of_impulse() == 1) return;
+/// As a run takes them apart (TimeStepper). @return StageReplay::by_impulses
+VectorX impulses_apart(const World& world, const Integrator& scheme, const StageReplay& stage) {
+  if (!scheme.looks_back() && stage.stage.count_of_impulse() == 1) return {};
   if (std::ranges::none_of(world.terms,
                            [](const auto& term) { return acts_as_impulse(term->properties().category); }))
-    return;
+    return {};
   const VectorX impulses = potential_of(world, stage).impulses(stage.motion.positions);
-  if (impulses.isZero(0)) return;
-  stage.by_impulses = accelerations_by(world, -impulses);
-  if (scheme.looks_back()) stage.motion.accelerations -= stage.by_impulses;
+  return impulses.isZero(0) ? VectorX() : accelerations_by(world, -impulses);
 }
 
 /// What a step started from as it looks after an impulse in one of its stages.
@@ -61,7 +59,7 @@ void follow_impulse(const Integrator& scheme, const StageReplay& stage, double t
 }  // namespace
 
 StepReplay replay_step(const World& world, const Integrator& scheme, const History& start, double time,
-                       double time_step, std::vector<VectorX> places) {
+                       double time_step, std::vector<VectorX> places, std::vector<VectorX> by_impulses) {
   StepReplay step{.time = time, .time_step = time_step, .start = start};
   const State state = state_of(start, time);
   if (scheme.needs_accelerations() && is_event(world, time)) {
@@ -79,9 +77,11 @@ StepReplay replay_step(const World& world, const Integrator& scheme, const Histo
     Motion motion = stage.motion(std::move(prescribed.positions));
     const Conditions conditions{.time = time + stage.time_fraction * time_step, .load = 1};
     step.stages.push_back({std::move(stage), conditions, std::move(motion)});
-    take_impulses_apart(world, scheme, step.stages.back());
-    follow_impulse(scheme, step.stages.back(), time_step, seen.now.positions, seen.now.velocities);
-    solutions.push_back(step.stages.back().motion);
+    StageReplay& made = step.stages.back();
+    made.by_impulses = by_impulses.empty() ? impulses_apart(world, scheme, made) : std::move(by_impulses[i]);
+    if (scheme.looks_back() && made.by_impulses.size() > 0) made.motion.accelerations -= made.by_impulses;
+    follow_impulse(scheme, made, time_step, seen.now.positions, seen.now.velocities);
+    solutions.push_back(made.motion);
   }
   return step;
 }

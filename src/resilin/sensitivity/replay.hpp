@@ -35,8 +35,9 @@ Potential potential_of(const World& world, const StageReplay& stage);
 std::vector<VectorX> places_of_stages(const Integrator& scheme, const History& start, const State& end,
                                       std::vector<VectorX> earlier);
 
+/// @param by_impulses  StageReplay::by_impulses of the stages, where they are known; empty: not yet
 StepReplay replay_step(const World& world, const Integrator& scheme, const History& start, double time,
-                       double time_step, std::vector<VectorX> places);
+                       double time_step, std::vector<VectorX> places, std::vector<VectorX> by_impulses = {});
 
 /// What the next step starts from.
 History history_after(const World& world, const Integrator& scheme, const StepReplay& step);

@@ -9,8 +9,9 @@ namespace resilin {
 
 /// The steps of a run in motion, to be gone through again forwards or backwards, in chunks of about the
 /// square root of their number. Kept are the places where stages ended, 24 bytes for a vertex and stage in
-/// 3D, and whole states at the starts of the chunks; or, with checkpoints, some of these states alone. Each
-/// chunk begins with the bits of the run, whatever is kept.
+/// 3D, and what the scheme starts from at the starts of the chunks; or, with checkpoints, whole states at
+/// some of these alone. Of one chunk there is besides what each of its steps starts from. Each chunk begins
+/// with the bits of the run, whatever is kept.
 class Trajectory {
  public:
   /// Takes a step of the simulation; throws when it cannot. @return StepReport::stage_places
@@ -24,15 +25,26 @@ class Trajectory {
   struct End {
     const VectorX &positions, &velocities;
   };
-  /// Of the step, from 1; 0: the start. Valid until steps are asked for.
+  /// Of the step, from 1; 0: the start. Valid until another end or step is asked for.
   End end_of(int step);
-  /// The step of this number, from 1.
+  /// The step of this number, from 1; likewise.
   const StepReplay& step(int number);
 
  private:
+  /// What a step starts from, as far as the scheme looks at it; positions that are the last place before are
+  /// left out at the start of a chunk.
+  struct Start {
+    double time = 0;
+    History history{};
+    std::vector<VectorX> by_impulses{};  ///< of the stages of the step
+  };
+  void leave_out_unneeded(History& history) const;
+  void make_room(int num_steps);
+  void keep_step(int step);
   int chunk_of(int step) const { return (step - 1) / length_; }
   void load(int chunk);
   void make_again(int segment);
+  StepReplay replay(int step) const;
 
   Simulation& simulation_;
   const Integrator& scheme_;
@@ -41,15 +53,16 @@ class Trajectory {
   int length_;                  ///< of a chunk, whose steps are there at the same time
   int chunks_per_segment_ = 1;  ///< between checkpoints
   bool keeps_places_;
-  std::vector<State> checkpoints_;  ///< at the starts of the segments
-  State end_;                       ///< of the run
+  Motion begin_, end_;              ///< of the run, without accelerations
+  std::vector<State> checkpoints_;  ///< at the starts of the segments, where there are such
   // Of all chunks, or with checkpoints of the segment that was made again last, the others being empty:
-  std::vector<State> states_;                 ///< at the starts
+  std::vector<Start> chunk_starts_;
   std::vector<std::vector<VectorX>> places_;  ///< of the stages, by step
   int segment_ = -1;
-  int loaded_ = -1;  ///< the chunk of `steps_`
-  std::vector<StepReplay> steps_;
-  std::vector<Motion> ends_;  ///< of these steps
+  int loaded_ = -1;            ///< the chunk of `starts_`
+  std::vector<Start> starts_;  ///< of its steps, and of the one after
+  int replayed_ = 0;           ///< the number of `step_`; 0: none
+  StepReplay step_;
 };
 
 }  // namespace resilin
