@@ -232,7 +232,7 @@ def measures_of(objective: Mapping[str, Any], run: _core.DifferentiatedRun) -> l
         if kind in ("position", "displacement"):
             at = _places(entries, place, dim)
             body = plain_text(entries.get("body", ""), f"{place}.body")
-            markers = [run.marker(body, row.tolist()) for row in at]
+            markers = run.markers(body, at.tolist())
             offset = at if kind == "displacement" else np.zeros_like(at)
             measures.append(PlaceMeasure(frame, entries, place, list(markers), offset, len(start)))
         elif kind == "probe":

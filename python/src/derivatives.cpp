@@ -62,7 +62,7 @@ void bind_derivatives(nb::module_& module) {
       .def("vertex_range", &DifferentiatedRun::vertex_range, nb::arg("body"))
       .def("transposed", &DifferentiatedRun::transposed, nb::arg("frames"))
       .def("forward", &DifferentiatedRun::forward, nb::arg("changes"))
-      .def("marker", &DifferentiatedRun::marker, nb::arg("body"), nb::arg("at"))
+      .def("markers", &DifferentiatedRun::markers, nb::arg("body"), nb::arg("at"))
       .def("rest_position", &DifferentiatedRun::rest_position, nb::arg("node"))
       .def("probe", &DifferentiatedRun::probe, nb::arg("name"))
       .def("energy", &DifferentiatedRun::energy, nb::arg("kind"), nb::arg("body").none(), nb::arg("frame"))

@@ -175,11 +175,16 @@ class DifferentiatedRun {
     return all;
   }
 
-  /// Nodes of the world and their weights, which give the place of a marker.
-  std::pair<std::vector<Index>, std::vector<double>> marker(const std::string& body,
-                                                            const std::vector<double>& at) const {
-    const Marker found = marker_at(world(), body, point(at), "marker");
-    return {found.nodes, found.weights};
+  /// Nodes of the world and their weights, which give the places of markers.
+  std::vector<std::pair<std::vector<Index>, std::vector<double>>> markers(
+      const std::string& body, const std::vector<std::vector<double>>& at) const {
+    std::vector<Vector3> points;
+    for (const std::vector<double>& place : at) points.push_back(point(place));
+    std::vector<std::pair<std::vector<Index>, std::vector<double>>> all;
+    for (Marker& found : markers_at(world(), body_named(world(), body, "marker.body"), points,
+                                    std::vector<std::string>(points.size(), "marker.at")))
+      all.emplace_back(std::move(found.nodes), std::move(found.weights));
+    return all;
   }
   /// (3,) [m]
   NumpyArray<double> rest_position(Index node) const {

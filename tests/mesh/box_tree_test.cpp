@@ -24,8 +24,9 @@ std::vector<Box> sample_boxes(int count, unsigned seed) {
 TEST(BoxTree, FindsTheBoxesAroundAPointAsLookingAtEachDoes) {
   for (const int count : {0, 1, 4, 5, 300}) {
     const std::vector<Box> boxes = sample_boxes(count, 1);
-    const BoxTree tree(boxes);
+    int number = 0;
     for (const Box& place : sample_boxes(50, 2)) {
+      const BoxTree tree(boxes, ++number % 2 == 0 ? 1000 : 1);  // split, or not
       std::vector<Index> found, expected;
       tree.visit_containing(place.min, [&](Index i) { found.push_back(i); });
       for (Index i = 0; i < count; ++i)
@@ -55,14 +56,15 @@ TEST(BoxTree, FindsTheNearestBoxAndOfSeveralTheFirst) {
   const std::vector<Box> boxes = sample_boxes(300, 3);
   std::vector<Box> twice = boxes;
   twice.insert(twice.end(), boxes.begin(), boxes.end());
-  const BoxTree tree(twice);
+  const BoxTree split(twice), whole(twice, 1);
   for (const Box& place : sample_boxes(50, 4)) {
     const Vector3 point = 2 * place.min;
     const auto distance = [&](Index i) { return twice[static_cast<std::size_t>(i)].squared_distance(point); };
     Index expected = 0;
     for (Index i = 1; i < 600; ++i)
       if (distance(i) < distance(expected)) expected = i;
-    EXPECT_EQ(tree.nearest(point, distance), expected);
+    EXPECT_EQ(split.nearest(point, distance), expected);
+    EXPECT_EQ(whole.nearest(point, distance), expected);
   }
   EXPECT_EQ(BoxTree().nearest(Vector3::Zero(), [](Index) { return 0.0; }), -1);
 }

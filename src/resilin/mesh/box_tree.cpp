@@ -5,16 +5,17 @@
 
 namespace resilin {
 
-BoxTree::BoxTree(std::span<const Box> boxes) : items_(boxes.size()) {
+BoxTree::BoxTree(std::span<const Box> boxes, std::size_t num_searches) : items_(boxes.size()) {
   std::iota(items_.begin(), items_.end(), 0);
   if (items_.empty()) return;
-  nodes_.reserve(boxes.size());
+  const auto count = static_cast<Index>(boxes.size());
+  nodes_.reserve(num_searches > few_searches ? boxes.size() : 1);
   nodes_.emplace_back();
-  build(boxes, 0, 0, static_cast<Index>(boxes.size()));
+  build(boxes, num_searches > few_searches ? leaf_size : count, 0, 0, count);
   for (const Index item : items_) boxes_.push_back(boxes[static_cast<std::size_t>(item)]);
 }
 
-void BoxTree::build(std::span<const Box> boxes, Index node, Index first, Index last) {
+void BoxTree::build(std::span<const Box> boxes, Index most_in_leaf, Index node, Index first, Index last) {
   Box all, centers;
   const auto center = [&](Index item) -> Vector3 {
     const Box& box = boxes[static_cast<std::size_t>(item)];
@@ -27,7 +28,7 @@ void BoxTree::build(std::span<const Box> boxes, Index node, Index first, Index l
     centers.add(center(item));
   }
   Node made{.box = all, .first = first, .last = last};
-  if (last - first > leaf_size) {
+  if (last - first > most_in_leaf) {
     Eigen::Index axis = 0;
     (centers.max - centers.min).maxCoeff(&axis);
     const Index middle = first + (last - first) / 2;
@@ -39,8 +40,8 @@ void BoxTree::build(std::span<const Box> boxes, Index node, Index first, Index l
     made.left = static_cast<Index>(nodes_.size());
     nodes_.emplace_back();
     nodes_.emplace_back();
-    build(boxes, made.left, first, middle);
-    build(boxes, made.left + 1, middle, last);
+    build(boxes, most_in_leaf, made.left, first, middle);
+    build(boxes, most_in_leaf, made.left + 1, middle, last);
   }
   nodes_[static_cast<std::size_t>(node)] = made;
 }

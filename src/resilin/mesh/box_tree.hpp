@@ -30,11 +30,13 @@ struct Box {
 };
 
 /// A binary tree over boxes, split at the median of their centres along the longest side. Built in O(n log
-/// n); the same for the same boxes.
+/// n); the same for the same boxes, and with the same answers whether or not it is split at all.
 class BoxTree {
  public:
   BoxTree() = default;
-  explicit BoxTree(std::span<const Box> boxes);
+  /// @param num_searches  that will be made: for few of them looking at every box costs less than a tree
+  explicit BoxTree(std::span<const Box> boxes,
+                   std::size_t num_searches = std::numeric_limits<std::size_t>::max());
 
   /// Calls `visit(i)` for each box that contains the point.
   template <class Visit>
@@ -115,9 +117,10 @@ class BoxTree {
     bool is_leaf() const { return left < 0; }
   };
   static constexpr Index leaf_size = 4;
-  static constexpr std::size_t max_depth = 64;  ///< halving 2^31 items ends far above
+  static constexpr std::size_t few_searches = 32;  ///< a tree takes as long as looking 100 times at its boxes
+  static constexpr std::size_t max_depth = 64;     ///< halving 2^31 items ends far above
 
-  void build(std::span<const Box> boxes, Index node, Index first, Index last);
+  void build(std::span<const Box> boxes, Index most_in_leaf, Index node, Index first, Index last);
 
   std::vector<Node> nodes_;
   std::vector<Index> items_;

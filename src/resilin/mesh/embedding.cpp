@@ -15,14 +15,15 @@ constexpr std::size_t searches_per_chunk = 1024;
 constexpr double weight_rounding = 1e-12;  // of a point's largest weight
 constexpr double inside_tolerance = 1e-9;  // of a reference coordinate: a point on a side is inside
 
-BoxTree tree_of(const CellMap& map, double margin) {
+BoxTree tree_of(const CellMap& map, double margin, std::size_t num_searches) {
   std::vector<Box> boxes;
+  boxes.reserve(static_cast<std::size_t>(map.num_cells()));
   for (Index cell = 0; cell < map.num_cells(); ++cell) {
     boxes.push_back(map.box(cell));
     boxes.back().min.array() -= margin;
     boxes.back().max.array() += margin;
   }
-  return BoxTree(boxes);
+  return BoxTree(boxes, num_searches);
 }
 
 double extent_of(const VectorX& X, std::span<const Index> cells, int dim) {
@@ -84,7 +85,7 @@ void Embedding::find_cells(const ElementInfo& element, std::span<const Index> ce
                            const VectorX& rest_positions, std::span<const Vector3> points) {
   const CellMap map(element, cells, rest_positions);
   const double extent = extent_of(rest_positions, cells, dim_);
-  const BoxTree tree = tree_of(map, inside_tolerance * extent);
+  const BoxTree tree = tree_of(map, inside_tolerance * extent, points.size());
   const auto place = [&](std::size_t p) {
     return dim_ == 2 ? Vector3(points[p].x(), points[p].y(), 0) : points[p];
   };

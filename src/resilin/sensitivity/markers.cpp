@@ -28,10 +28,6 @@ const Probe& probe_named(const World& world, const std::string& name, const std:
   refuse_word(place, name, names);
 }
 
-Marker marker_at(const World& world, const std::string& name, const Vector3& at, const std::string& place) {
-  return markers_at(world, body_named(world, name, place + ".body"), {at}, {place + ".at"}).front();
-}
-
 std::vector<Marker> markers_at(const World& world, const Body& body, const std::vector<Vector3>& points,
                                const std::vector<std::string>& places, double tolerance) {
   std::vector<Vector3> centred = points;

@@ -17,13 +17,9 @@ struct Marker {
 /// The body of this name; "" where there is but one. Throws InputError at `place`.
 const Body& body_named(const World& world, const std::string& name, const std::string& place);
 
-/// The marker that stands at `at` in the scene [m] in the rest shape of a body.
-/// @throws InputError  at `place`, for a point outside the body: by how much
-Marker marker_at(const World& world, const std::string& body, const Vector3& at, const std::string& place);
-
-/// Those of many points: found together. A point may be `tolerance` [m] outside, and is then carried by the
-/// nearest cell.
-/// @throws InputError  at the one of `places` whose point is farthest outside
+/// The markers that stand at these points in the scene [m] in the rest shape of a body. A point may be
+/// `tolerance` [m] outside, and is then carried by the nearest cell.
+/// @throws InputError  at the one of `places` whose point is farthest outside the body: by how much
 std::vector<Marker> markers_at(const World& world, const Body& body, const std::vector<Vector3>& points,
                                const std::vector<std::string>& places, double tolerance = 0);
 

@@ -229,7 +229,8 @@ VectorX Tangent::solve_symmetric(const VectorX& b, EarlierSolutions* earlier) {
     if (left <= tolerance() * size) break;
     const double wanted = std::min(0.5, tolerance() * size / left);
     VectorX more = VectorX::Zero(b.size());
-    if (std::optional<VectorX> found = solve_with_near(rest, wanted)) {
+    std::optional<VectorX> found = solve_with_near(rest, wanted);
+    if (found) {
       more = *std::move(found);
     } else {
       report = solver_->solve(free_, rest, more, wanted);
@@ -242,7 +243,7 @@ VectorX Tangent::solve_symmetric(const VectorX& b, EarlierSolutions* earlier) {
     p += more;
     multiply(free_, p, product);
     rest = b - product;
-    if (report.status == LinearReport::Status::indefinite) break;
+    if (found || report.status == LinearReport::Status::indefinite) break;
   }
   const double left = rest.norm() / size;
   if (!(left <= largest_residual))
