@@ -76,30 +76,36 @@ def page_checks():
 
 
 def browser_outcomes():
-    """(name, problem) of each test in the browser; the problem is empty when it passed."""
+    """(name, status, detail) of each test in the browser."""
     try:
         run = run_node("node", "tests/run.mjs", timeout=TIME_LIMIT)
     except subprocess.TimeoutExpired:
-        return [("tests in the browser", f"took more than {TIME_LIMIT} s")]
+        return [("tests in the browser", "failed", f"took more than {TIME_LIMIT} s")]
     outcomes = outcomes_of_tap(run.stdout)
-    if not outcomes or (run.returncode != 0 and not any(problem for _, problem in outcomes)):
+    if not outcomes or (run.returncode != 0 and not any(status == "failed" for _, status, _ in outcomes)):
         lines = (run.stdout + run.stderr).strip().splitlines()[-30:]
-        outcomes.append(("tests in the browser", "\n".join([f"exit code {run.returncode}", *lines])))
+        outcomes.append(("tests in the browser", "failed", "\n".join([f"exit code {run.returncode}", *lines])))
     return outcomes
 
 
 def outcomes_of_tap(text):
     outcomes = []
     for block in re.split(r"^(?=(?:not )?ok \d+ - )", text, flags=re.MULTILINE):
-        head = re.match(r"(not )?ok \d+ - (.*)\n", block)
+        head = re.match(r"(not )?ok \d+ - (.*?)(?: # SKIP (.*))?\n", block)
         if head:
-            outcomes.append((head[2], block.strip() if head[1] else ""))
+            failed, name, lack = head.groups()
+            status = "failed" if failed else "skipped" if lack else "passed"
+            outcomes.append((name, status, block.strip() if failed else lack or ""))
     return outcomes
 
 
 def find_faults_of_this_check():
     """What the runner of node writes is read rightly."""
-    text = "TAP version 13\n# Subtest: a\nok 1 - a\n  ---\n  ...\n# Subtest: b\nnot ok 2 - b\n  error: 'why'\n1..2\n"
-    (first, passed), (second, failed) = outcomes_of_tap(text)
-    wrong = (first, passed, second) != ("a", "", "b") or "why" not in failed
+    text = (
+        "TAP version 13\n# Subtest: a\nok 1 - a\n  ---\n  ...\n# Subtest: b\nnot ok 2 - b\n  error: 'why'\n"
+        "# Subtest: c\nok 3 - c # SKIP no browser\n1..3\n"
+    )
+    first, (name, status, why), third = outcomes_of_tap(text)
+    right = (("a", "passed", ""), ("b", "failed"), ("c", "skipped", "no browser"))
+    wrong = (first, (name, status), third) != right or "why" not in why
     return [f"outcomes_of_tap: got {outcomes_of_tap(text)}"] if wrong else []

@@ -155,8 +155,7 @@ def run_browser():
     if any(outcome.status == "skipped" for outcome in outcomes):
         return outcomes
     return outcomes + [
-        Outcome(f"browser: {name}", "failed" if problem else "passed", problem)
-        for name, problem in check_browser.browser_outcomes()
+        Outcome(f"browser: {name}", status, detail) for name, status, detail in check_browser.browser_outcomes()
     ]
 
 

@@ -6,6 +6,8 @@ build_packages=(g++ cmake ninja-build libeigen3-dev libsuitesparse-dev libopenbl
   ccache)  # what ./run compiles, ./test and the wheel need not compile again
 test_packages=(libgtest-dev libgmock-dev python3 python3-venv ffmpeg fish zsh mandoc)
 browser_packages=(nodejs npm chromium)
+# Tests in Firefox, which has WebGL on screens alone; 87 MB more to fetch, so that elsewhere they run where both are there already.
+[ "${CI-}" != true ] || browser_packages+=(firefox-esr xvfb)
 wasm_packages=(cmake ninja-build libeigen3-dev nlohmann-json3-dev python3 python3-venv)  # of scripts/build_wasm.sh
 petsc_packages=(libpetsc-real-dev openmpi-bin pkg-config)  # of the preset petsc alone
 python_packages=(python3-dev python3-venv python3-numpy python3-scipy python3-matplotlib python3-torch

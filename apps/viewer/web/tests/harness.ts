@@ -4,7 +4,8 @@ import { spawn, spawnSync, type ChildProcess } from "node:child_process";
 import { existsSync, mkdtempSync, rmSync } from "node:fs";
 import os from "node:os";
 import path from "node:path";
-import { chromium, type Browser, type BrowserContext, type Page } from "playwright-core";
+import { chromium, firefox, type Browser, type BrowserContext, type Page } from "playwright-core";
+import { FIREFOX, VirtualScreen } from "./virtual_screen";
 
 export const webFolder = process.cwd(); // run.mjs says so
 export const repository = path.resolve(webFolder, "../../..");
@@ -75,6 +76,7 @@ export class TestBrowser {
   private constructor(
     private readonly browser: Browser,
     readonly scratch: string,
+    private readonly screen: VirtualScreen | null = null,
   ) {}
 
   static async start(): Promise<TestBrowser> {
@@ -83,6 +85,20 @@ export class TestBrowser {
     const scratch = mkdtempSync(path.join(os.tmpdir(), "resilin-browser-"));
     const browser = await chromium.launch({ executablePath, headless: true, args: ARGUMENTS, timeout: 60_000 });
     return new TestBrowser(browser, scratch);
+  }
+
+  /** Debian's own Firefox, led by WebDriver BiDi. Without a screen it has no WebGL. */
+  static async startFirefox(): Promise<TestBrowser> {
+    const screen = await VirtualScreen.start();
+    const scratch = mkdtempSync(path.join(os.tmpdir(), "resilin-browser-"));
+    const env = { ...process.env, DISPLAY: screen.display } as Record<string, string>;
+    const launch = { channel: "moz-firefox", executablePath: FIREFOX, headless: false, env, timeout: 60_000 };
+    try {
+      return new TestBrowser(await firefox.launch(launch), scratch, screen);
+    } catch (error) {
+      screen.stop();
+      throw error;
+    }
   }
 
   /** A page of its own; half as many pixels as a screen has, since they are drawn in software. */
@@ -100,6 +116,7 @@ export class TestBrowser {
 
   async stop(): Promise<void> {
     await this.browser.close();
+    this.screen?.stop();
     rmSync(this.scratch, { recursive: true, force: true });
   }
 }

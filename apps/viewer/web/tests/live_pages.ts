@@ -1,12 +1,17 @@
 /** Pages on a live scene, for the tests. */
 
 import assert from "node:assert/strict";
+import { existsSync } from "node:fs";
 import path from "node:path";
 import { setTimeout } from "node:timers/promises";
-import { webFolder, type TestBrowser, type Watched } from "./harness";
+import { repository, webFolder, type TestBrowser, type Watched } from "./harness";
 
 export const jelly = path.join(webFolder, "tests/scenes/jelly.toml");
 export const strip = path.join(webFolder, "tests/scenes/strip.toml");
+
+/** The solver in WebAssembly, and why a test without it is skipped. */
+export const module = path.join(repository, "build/wasm/apps/play/resilin_play.wasm");
+export const withoutModule = existsSync(module) ? false : "no module: scripts/build_wasm.sh builds it";
 
 /** Opens a page, waits for the scene, works with it, and asks that nothing went wrong in it. */
 export async function withPage(

@@ -1,7 +1,7 @@
 /** A page that carries its scene: the solver in WebAssembly, in node and in a real browser, beside the program. */
 
 import assert from "node:assert/strict";
-import { existsSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import os from "node:os";
 import path from "node:path";
 import { after, before, test, type TestContext } from "node:test";
@@ -9,18 +9,16 @@ import { pathToFileURL } from "node:url";
 import { inflateSync } from "node:zlib";
 import { Engine } from "../src/engine";
 import { Program, repository, runProgram, TestBrowser, type Watched } from "./harness";
-import { grip, jelly, position, withPage } from "./live_pages";
+import { grip, jelly, module, position, withoutModule, withPage } from "./live_pages";
 
-const module = path.join(repository, "build/wasm/apps/play/resilin_play.wasm");
-const isBuilt = existsSync(module);
-const options = { skip: isBuilt ? false : "no module: scripts/build_wasm.sh builds it" };
+const options = { skip: withoutModule };
 
 let scratch: string;
 let browser: TestBrowser | null = null;
 
 before(async () => {
   scratch = mkdtempSync(path.join(os.tmpdir(), "resilin-play-"));
-  if (isBuilt) browser = await TestBrowser.start();
+  if (!withoutModule) browser = await TestBrowser.start();
 });
 
 after(async () => {

@@ -161,6 +161,33 @@ for (const [name, options] of SCREENS)
     );
   });
 
+test("however much there is to say, the strip leaves the cards beside it free, and tells all under the pointer", async () => {
+  await withPage(
+    browser,
+    program.address,
+    async (watched) => {
+      const { page } = watched;
+      await watched.until("resilin.status");
+      await watched.value("resilin.send({ type: 'pause' })");
+      await watched.until("resilin.state.paused");
+      const words = page.getByTestId("words");
+      const isCovered = `(() => {
+        const top = document.querySelector(".head-up").getBoundingClientRect().top;
+        const cards = [...document.querySelectorAll(".lil-root, .strip")].map((card) => card.getBoundingClientRect());
+        return cards.some((card) => card.bottom > top);
+      })()`;
+      const said = "a body may be off by about 20 %; take finer cells; ".repeat(12);
+      await watched.value(`document.querySelector(".words").textContent = ${JSON.stringify(said)}`);
+      assert.equal(await watched.value(isCovered), false);
+      const height = (await words.boundingBox())!.height;
+      await words.hover();
+      assert.ok((await words.boundingBox())!.height > 1.9 * height);
+      await watched.value("resilin.send({ type: 'play' })");
+    },
+    { viewport: { width: 1280, height: 800 } },
+  );
+});
+
 test("the page follows the system into the dark", async () => {
   const lightness = async (colorScheme: "light" | "dark") => {
     let seen = 0;
