@@ -15,10 +15,9 @@ PAGE = WEB / "dist" / "page.html"
 TIME_LIMIT = 1800  # [s] for all tests in the browser when one hangs; they take about a minute on quiet cores
 
 
-def run_node(*command, **options):
-    return subprocess.run(
-        command, cwd=WEB, capture_output=True, text=True, check=False, env={**os.environ, "NO_COLOR": "1"}, **options
-    )
+def run_node(*command, environment=None, **options):
+    variables = {**os.environ, "NO_COLOR": "1", **(environment or {})}
+    return subprocess.run(command, cwd=WEB, capture_output=True, text=True, check=False, env=variables, **options)
 
 
 def problems_of(*command):
@@ -64,8 +63,12 @@ def find_difference_of_built_page():
     return []
 
 
+def is_installed():
+    return shutil.which("node") is not None and (WEB / "node_modules" / "installed").is_file()
+
+
 def page_checks():
-    if shutil.which("node") is None or not (WEB / "node_modules" / "installed").is_file():
+    if not is_installed():
         return {"the page": lambda: None}
     return {
         "types of the page": find_type_problems,
@@ -75,10 +78,10 @@ def page_checks():
     }
 
 
-def browser_outcomes():
-    """(name, status, detail) of each test in the browser."""
+def browser_outcomes(*names, **environment):
+    """(name, status, detail) of each test in the browser; `names` of files, by default those of the program alone."""
     try:
-        run = run_node("node", "tests/run.mjs", timeout=TIME_LIMIT)
+        run = run_node("node", "tests/run.mjs", *names, timeout=TIME_LIMIT, environment=environment)
     except subprocess.TimeoutExpired:
         return [("tests in the browser", "failed", f"took more than {TIME_LIMIT} s")]
     outcomes = outcomes_of_tap(run.stdout)

@@ -1,4 +1,5 @@
-"""Builds the site, without the pictures of the gallery, and follows every link in it that leads to the site itself."""
+"""Builds the site with few pictures of the gallery, follows every link in it that leads to the site itself, and reads,
+searches and plays in it in a real browser, where what tests the page is installed."""
 
 import html.parser
 import os
@@ -8,12 +9,15 @@ import subprocess
 import tempfile
 import urllib.parse
 
+import check_browser
 from files import ROOT
 
 BUILDER = ROOT / "scripts" / "website" / "build.py"
 INTERPRETER = ROOT / "build" / "site" / "venv" / "bin" / "python"  # made by setup.sh
 PROGRAM = ROOT / "build" / "release" / "apps" / "cli" / "resilin"
 TIME_LIMIT = 900  # [s] when it hangs; it takes seconds on quiet cores
+DRAWN = ("beam_2d", "twisted_bar")  # a picture and a film
+PLAYED = "jelly_cube"
 LISTED = "mesh"  # the module whose headers are listed here; all of them take as long as the rest together
 LOADED = {("link", "href"), ("script", "src"), ("img", "src"), ("iframe", "src"), ("video", "src"), ("video", "poster")}
 STYLED = re.compile(r"""url\(["']?(?!data:)([^"')]+)|@import\s+["']([^"']+)""")
@@ -84,24 +88,39 @@ def what_is_missing(folder):
     return problems
 
 
-def find_problems():
-    """None where what makes the site is not installed."""
+def command(folder):
+    """What builds the site of `folder`."""
+    few = ["--no-pictures", "--pictures", *DRAWN, "--play", PLAYED, "--modules", LISTED]
+    return [INTERPRETER, BUILDER, *few, "--out", folder / "site", "--work", folder / "work"]
+
+
+def build_problems(folder):
+    environment = {**os.environ, "PYTHONDONTWRITEBYTECODE": "1"}
+    try:
+        run = subprocess.run(
+            command(folder), capture_output=True, text=True, check=False, timeout=TIME_LIMIT, env=environment
+        )
+    except subprocess.TimeoutExpired:
+        return [f"the site was not built within {TIME_LIMIT} s"]
+    if run.returncode != 0:
+        return (run.stdout + run.stderr).splitlines()[-30:]
+    return what_is_missing(folder / "site") + problems_of(folder / "site")
+
+
+def outcomes():
+    """(name, status, detail) of each test."""
+    built, read = "the site is built, and every link in it leads somewhere", "the site is read in a browser"
     if not INTERPRETER.is_file() or not PROGRAM.is_file():
-        return None
+        return [(name, "skipped", "what makes the site is not installed") for name in (built, read)]
     with tempfile.TemporaryDirectory(prefix="resilin-site-") as name:
         folder = pathlib.Path(name).resolve()
-        out = folder / "site"
-        command = [INTERPRETER, BUILDER, "--no-pictures", "--modules", LISTED, "--out", out, "--work", folder / "work"]
-        environment = {**os.environ, "PYTHONDONTWRITEBYTECODE": "1"}
-        try:
-            run = subprocess.run(
-                command, capture_output=True, text=True, check=False, timeout=TIME_LIMIT, env=environment
-            )
-        except subprocess.TimeoutExpired:
-            return [f"the site was not built within {TIME_LIMIT} s"]
-        if run.returncode != 0:
-            return (run.stdout + run.stderr).splitlines()[-30:]
-        return what_is_missing(out) + problems_of(out)
+        problems = build_problems(folder)
+        results = [(built, "failed" if problems else "passed", "\n".join(problems))]
+        if not (folder / "site" / "index.html").is_file():
+            return results
+        if not check_browser.is_installed():
+            return [*results, (read, "skipped", "./test browser installs what reads it")]
+        return results + check_browser.browser_outcomes("site/site", RESILIN_SITE=str(folder / "site"))
 
 
 def find_faults_of_this_check():

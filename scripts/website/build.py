@@ -96,9 +96,10 @@ def write_pages(stage, scenes, files, runs_notebooks, modules):
         stage.write(path, (ROOT / path).read_bytes())
 
 
-def build(out, work, *, draws, runs_notebooks, modules=None):
+def build(out, work, *, drawn, played, runs_notebooks, modules=None):
     """Writes the site into `out`; what is kept from build to build is in `work`.
 
+    `drawn`, `played`: names of scenes that get a picture and a page to play with; None: all of the gallery.
     Raises RuntimeError with what Sphinx said.
     """
     if not PROGRAM.is_file():
@@ -109,17 +110,23 @@ def build(out, work, *, draws, runs_notebooks, modules=None):
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             raise RuntimeError(f"{work}: another build of the site is at work there; wait for its end") from None
-        build_alone(out, work, draws, runs_notebooks, modules)
+        build_alone(out, work, drawn, played, runs_notebooks, modules)
 
 
-def build_alone(out, work, draws, runs_notebooks, modules):
+def is_among(name, names):
+    return names is None or name in names
+
+
+def build_alone(out, work, drawn, played, runs_notebooks, modules):
     files = work / "files"
     shutil.rmtree(files, ignore_errors=True)
     files.mkdir(parents=True)
     scenes = gallery.scenes()
-    if draws:
-        module = MODULE if MODULE.is_file() else None
-        gallery.make_pictures(scenes, PROGRAM, work / "pictures", files, module)
+    pictures = work / "pictures"
+    gallery.make_pictures([scene for scene in scenes if is_among(scene.name, drawn)], PROGRAM, pictures, files)
+    if MODULE.is_file():
+        playable = [scene for scene in scenes if scene.plays and is_among(scene.name, played)]
+        gallery.make_pages_to_play(playable, PROGRAM, pictures, files, MODULE)
     stage = Stage(work / "pages")
     write_pages(stage, scenes, files, runs_notebooks, modules)
     stage.remove_what_is_old()
@@ -136,12 +143,17 @@ def main():
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out" / "site", help="default out/site")
     parser.add_argument("--work", type=pathlib.Path, default=BUILD, help="what is kept from build to build")
     parser.add_argument("--modules", nargs="*", help="of the C++ reference; default all")
-    parser.add_argument("--no-pictures", action="store_true", help="run no scenes and no notebooks")
+    parser.add_argument("--no-pictures", action="store_true", help="run no notebooks, and no scenes but those named")
+    parser.add_argument("--pictures", nargs="*", metavar="SCENE", help="that are drawn; default all")
+    parser.add_argument("--play", nargs="*", metavar="SCENE", help="that are pages to play with; default all")
     arguments = parser.parse_args()
     try:
-        draws = not arguments.no_pictures
+        unnamed = () if arguments.no_pictures else None
+        drawn = unnamed if arguments.pictures is None else arguments.pictures
+        played = unnamed if arguments.play is None else arguments.play
         out, work = arguments.out.resolve(), arguments.work.resolve()
-        build(out, work, draws=draws, runs_notebooks=draws, modules=arguments.modules)
+        runs_notebooks = not arguments.no_pictures
+        build(out, work, drawn=drawn, played=played, runs_notebooks=runs_notebooks, modules=arguments.modules)
     except (RuntimeError, ValueError, FileNotFoundError) as error:
         sys.exit(f"The site could not be built: {error}")
     if not MODULE.is_file() and not arguments.no_pictures:

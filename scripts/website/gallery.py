@@ -114,8 +114,11 @@ def take_still(film, picture, share):
         raise RuntimeError(f"{film.name}: ffmpeg gave no picture {number} of {int(said)}")
 
 
-def make_pictures(found, program, kept, files, module):
-    """Fills `shown` of the scenes; `kept` is the folder that outlives a build, `files` goes into the site as it is."""
+def make_pictures(found, program, kept, files):
+    """Draws these scenes and fills their `shown`.
+
+    `kept` is the folder that outlives a build; `files` goes into the site as it is.
+    """
     for number, scene in enumerate(found):
         folder = kept / scene.name
         stamp = folder / "stamp"
@@ -132,13 +135,17 @@ def make_pictures(found, program, kept, files, module):
             if (folder / f"{scene.name}{suffix}").is_file():
                 put(folder / f"{scene.name}{suffix}", files / "gallery")
                 scene.shown[kind] = f"gallery/{scene.name}{suffix}"
-        if scene.plays and module:
-            page = folder / f"{scene.name}.html"
-            folder.mkdir(parents=True, exist_ok=True)
-            if not page.is_file() or page.stat().st_mtime < module.stat().st_mtime:
-                run(program, "export", scene.source, page, "--engine", module)
-            put(page, files / "play")
-            scene.shown["play"] = f"play/{scene.name}.html"
+
+
+def make_pages_to_play(found, program, kept, files, module):
+    """Of these scenes, into the same folders."""
+    for scene in found:
+        page = kept / scene.name / f"{scene.name}.html"
+        page.parent.mkdir(parents=True, exist_ok=True)
+        if not page.is_file() or page.stat().st_mtime < module.stat().st_mtime:
+            run(program, "export", scene.source, page, "--engine", module)
+        put(page, files / "play")
+        scene.shown["play"] = f"play/{scene.name}.html"
 
 
 def put(path, folder):
