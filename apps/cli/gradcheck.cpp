@@ -47,8 +47,8 @@ std::string finding(const GradientCheck& check) {
              ", and the derivative is no farther from these than they are apart";
     case Verdict::open:
       return "differences of runs lead nowhere as their steps become shorter: they neither confirm the "
-             "derivative nor contradict it (runs may end in one of several equilibria, or cross kinks of "
-             "contact within the shortest step)";
+             "derivative nor contradict it (runs may end in one of several equilibria, cross kinks of "
+             "contact within the shortest step, or take other steps than the run itself)";
     case Verdict::differs:
       break;
   }

@@ -139,5 +139,25 @@ TEST(GradientChecks, KeepTheElementsOfTheScene) {
   EXPECT_EQ(checks[0].verdict(), Verdict::agrees);
 }
 
+/// A wall that moves does work, so that a run whose energy has risen a little is slowed down where it would
+/// not be beside a wall that stands: such runs are no differences of the one that is differentiated.
+TEST(GradientChecks, CompareWithNoRunThatTakesOtherSteps) {
+  Description scene = small_bar(3, true);
+  scene.integrator = "newmark";
+  scene.gravity = {0, 0, -4.905};
+  BodyDescription& body = scene.bodies[0];
+  body.mesh = make_box({0.8, 0.25, 0.25}, {5, 2, 2});
+  body.mass = MassKind::consistent;
+  body.material.constants = {{"youngs_modulus", 3e5}, {"poissons_ratio", 0.2}};
+  body.velocity = {0, -0.84, 0.71};
+  const std::string velocity = "fix.wall.velocity";
+  scene.fixes[0].velocity = {1e-6, 0, 0};
+  EXPECT_THROW(Derivatives::run(scene, {velocity}), InputError);  // it is slowed down
+  scene.fixes[0].velocity = Vector3::Zero();
+  const GradientCheck check = check_gradients(scene, {velocity}).front();
+  EXPECT_TRUE(std::isnan(check.differences[2]));
+  EXPECT_EQ(check.verdict(), Verdict::open);
+}
+
 }  // namespace
 }  // namespace resilin::testing

@@ -87,7 +87,7 @@ double CholmodSolver::bytes_needed() const {
 }
 
 void CholmodSolver::prepare(const BlockMatrix& A) {
-  if (!pattern_.update(A, MergedPattern::Keep::superset)) return;
+  if (!pattern_.update(A, keep())) return;
   analyze_pattern(A.dim);
   if (factors_ == nullptr || common_.status < CHOLMOD_OK) throw std::bad_alloc();
   foresee(bytes_needed(), A);

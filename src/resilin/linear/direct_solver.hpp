@@ -1,9 +1,11 @@
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "resilin/core/memory.hpp"
 #include "resilin/linear/linear_solver.hpp"
+#include "resilin/linear/merged_pattern.hpp"
 
 namespace resilin {
 
@@ -13,6 +15,7 @@ class DirectSolver : public LinearSolver {
  public:
   bool is_direct() const override { return true; }
 
+  void begin_search() final { is_new_search_ = true; }
   void release() final { forget(); }
   void analyze(const BlockMatrix& A, const VectorX& node_positions) final;
   LinearReport factorize(const BlockMatrix& A) final;
@@ -22,6 +25,12 @@ class DirectSolver : public LinearSolver {
   LinearReport solve(const BlockMatrix& A, const VectorX& b, VectorX& x, double relative_tolerance) override;
 
  protected:
+  /// What `prepare` keeps of the pattern held. Pairs that have gone stay within a search, of which they are
+  /// often part again; one that began with those of a search before would round in another order.
+  MergedPattern::Keep keep() {
+    const bool is_first = std::exchange(is_new_search_, false);
+    return is_first ? MergedPattern::Keep::same_pairs : MergedPattern::Keep::superset;
+  }
   /// Analyses the pattern of A unless it is the one held. These two may throw std::bad_alloc.
   virtual void prepare(const BlockMatrix& A) = 0;
   virtual LinearReport factorize_prepared(const BlockMatrix& A) = 0;
@@ -34,6 +43,7 @@ class DirectSolver : public LinearSolver {
   void foresee(double bytes, const BlockMatrix& A, MemoryRoom (*room)() = memory_room) const;
 
  private:
+  bool is_new_search_ = false;
   VectorX residual_, correction_;
   std::vector<double> work_;
 };

@@ -18,7 +18,7 @@ class SimplicialSolver : public DirectSolver {
 
  protected:
   void prepare(const BlockMatrix& A) override {
-    if (!pattern_.update(A, MergedPattern::Keep::superset)) return;
+    if (!pattern_.update(A, keep())) return;
     columns_.set_pattern(pattern_, A.dim);
     factors_.analyzePattern(matrix());
     // Eigen has asked for the factor by now: what its use takes is foreseen.

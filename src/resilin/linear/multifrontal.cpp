@@ -219,7 +219,7 @@ void MultifrontalSolver::factorize_all(std::span<const double> values) {
 }
 
 void MultifrontalSolver::prepare(const BlockMatrix& A) {
-  if (!pattern_.update(A, MergedPattern::Keep::superset)) return;
+  if (!pattern_.update(A, keep())) return;
   forget_factor();
   // Pairs that meet are a pattern of their own in each scene.
   const bool is_of_mesh = pattern_.is_that_of(A);

@@ -87,6 +87,7 @@ void Tangent::begin_sequence() {
   is_sequence_ = true;
   has_factors_ = false;
   if (definite_) definite_->begin_search();
+  if (indefinite_) indefinite_->begin_search();
 }
 
 void Tangent::form(const Potential& potential, const VectorX& x, Newton* near) {
@@ -132,6 +133,7 @@ void Tangent::factorize_indefinite() {
   const Index num_unknowns = world_.num_free_unknowns();
   if (!indefinite_) indefinite_ = make_linear_solver(options(world_, "auto", false, analyses_), num_unknowns);
   solver_ = indefinite_.get();
+  if (!is_sequence_) solver_->begin_search();
   solver_->analyze(free_, x_);
   const LinearReport report = solver_->factorize(free_);
   require_memory(report);
