@@ -232,6 +232,7 @@ VectorX Tangent::solve_symmetric(const VectorX& b, EarlierSolutions* earlier) {
     const double wanted = std::min(0.5, tolerance() * size / left);
     VectorX more = VectorX::Zero(b.size());
     std::optional<VectorX> found = solve_with_near(rest, wanted);
+    const bool is_near_enough = found.has_value();
     if (found) {
       more = *std::move(found);
     } else {
@@ -245,7 +246,7 @@ VectorX Tangent::solve_symmetric(const VectorX& b, EarlierSolutions* earlier) {
     p += more;
     multiply(free_, p, product);
     rest = b - product;
-    if (found || report.status == LinearReport::Status::indefinite) break;
+    if (is_near_enough || report.status == LinearReport::Status::indefinite) break;
   }
   const double left = rest.norm() / size;
   if (!(left <= largest_residual))
