@@ -28,7 +28,7 @@ struct FilmCommand {
   std::vector<int> size;
   std::vector<double> range;
   double frames_per_second = 0;
-  bool no_colliders = false;
+  LeftOut left_out;
   FilmOptions film;
 };
 
@@ -128,7 +128,7 @@ int film(const FilmCommand& command) {
   }
   if (!command.range.empty()) options.picture.range = {command.range[0], command.range[1]};
   if (command.frames_per_second != 0) options.frames_per_second = command.frames_per_second;
-  options.picture.shows_colliders = !command.no_colliders;
+  command.left_out.apply(options.picture);
   const std::filesystem::path out = command.out;
   const Kind kind = kind_of(out);
   if (kind == Kind::by_ffmpeg) required_ffmpeg(out);  // before any work is done
@@ -211,7 +211,7 @@ void add_film(CommandLine& line, Action& action) {
       .type_name("MIN MAX")
       .group("Colours");
   add_color_options(command, picture);
-  add_surroundings(command, picture, options->no_colliders);
+  add_surroundings(command, picture, options->left_out);
   command.footer(
       "Examples:\n  resilin film out/spot --out cow.png\n  resilin film out/heap --out heap.mp4 --size 1280 "
       "720 "

@@ -16,7 +16,8 @@ struct PictureCommand {
   int frame = -1;
   std::vector<int> size;
   std::vector<double> range;
-  bool edges = false, no_edges = false, no_colliders = false;
+  bool edges = false, no_edges = false;
+  LeftOut left_out;
   PictureOptions picture;
 };
 
@@ -29,7 +30,7 @@ int draw(const PictureCommand& command) {
   if (!command.range.empty()) options.range = {command.range[0], command.range[1]};
   if (command.edges) options.edges = "on";
   if (command.no_edges) options.edges = "off";
-  options.shows_colliders = !command.no_colliders;
+  command.left_out.apply(options);
   const Image image = draw_result(command.folder, command.frame, options);
   write_png(command.out, image);
   print_line(command.out + ": " + std::to_string(image.width) + " x " + std::to_string(image.height) +
@@ -76,7 +77,7 @@ void add_picture(CommandLine& line, Action& action) {
   const Option edges = command.flag("--edges", options->edges, "Edges of cells; default where there is room")
                            .group("What is shown");
   command.flag("--no-edges", options->no_edges, "No edges").excludes(edges).group("What is shown");
-  add_surroundings(command, picture, options->no_colliders);
+  add_surroundings(command, picture, options->left_out);
   command
       .flag("--transparent", picture.is_transparent,
             "No background, to be put on a bright one; with --dark on a dark one")

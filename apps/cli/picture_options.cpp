@@ -33,10 +33,19 @@ void add_color_options(const Command& command, PictureOptions& picture) {
       .group("What is shown");
 }
 
-void add_surroundings(const Command& command, PictureOptions& picture, bool& no_colliders) {
+void add_surroundings(const Command& command, PictureOptions& picture, LeftOut& left_out) {
   command.flag("--rest", picture.shows_rest, "Outline of the rest shape").group("What is shown");
-  command.flag("--no-colliders", no_colliders, "No colliders").group("What is shown");
+  command.flag("--no-colliders", left_out.no_colliders, "No colliders").group("What is shown");
+  command.flag("--no-bar", left_out.no_bar, "No bar of the colours").group("Picture");
+  command.flag("--no-caption", left_out.no_caption, "No time, load factor or mode in the corner")
+      .group("Picture");
   command.flag("--dark", picture.is_dark, "Dark background").group("Colours");
+}
+
+void LeftOut::apply(PictureOptions& picture) const {
+  picture.shows_colliders = !no_colliders;
+  picture.shows_bar = !no_bar;
+  picture.shows_caption = !no_caption;
 }
 
 }  // namespace resilin::cli

@@ -14,7 +14,13 @@ void add_view_options(const Command& command, PictureOptions& picture, const std
 /// Colours and the factor on displacements.
 void add_color_options(const Command& command, PictureOptions& picture);
 
+/// What pictures and films have unless it is asked that they have it not.
+struct LeftOut {
+  bool no_colliders = false, no_bar = false, no_caption = false;
+  void apply(PictureOptions& picture) const;
+};
+
 /// What is drawn besides the bodies, and on what.
-void add_surroundings(const Command& command, PictureOptions& picture, bool& no_colliders);
+void add_surroundings(const Command& command, PictureOptions& picture, LeftOut& left_out);
 
 }  // namespace resilin::cli

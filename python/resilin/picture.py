@@ -83,6 +83,8 @@ def picture_options(
     edges: bool | None = None,
     rest: bool = False,
     colliders: bool = True,
+    bar: bool = True,
+    caption: bool = True,
     dark: bool = False,
     transparent: bool = False,
 ) -> _core.PictureOptions:
@@ -103,5 +105,5 @@ def picture_options(
     options.up, options.map, options.scale = plain_text(up, "up"), plain_text(map, "map"), float(scale)
     options.edges = "auto" if edges is None else "on" if edges else "off"
     options.rest, options.colliders, options.dark = bool(rest), bool(colliders), bool(dark)
-    options.transparent = bool(transparent)
+    options.bar, options.caption, options.transparent = bool(bar), bool(caption), bool(transparent)
     return options

@@ -137,6 +137,10 @@ class Result:
             The outline of the rest shape.
         colliders : bool
             What of the colliders is near the bodies; True.
+        bar : bool
+            The bar of the colours, with the field, its unit and its range; True.
+        caption : bool
+            Time, load factor or mode in the corner; True.
         dark : bool
             A dark background.
         transparent : bool

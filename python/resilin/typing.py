@@ -73,6 +73,8 @@ class PictureOptions(TypedDict, total=False):
     edges: bool | None
     rest: bool
     colliders: bool
+    bar: bool
+    caption: bool
     dark: bool
     transparent: bool
 

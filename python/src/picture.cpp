@@ -38,6 +38,8 @@ void bind_picture(nb::module_& module) {
       .def_rw("edges", &PictureOptions::edges)
       .def_rw("rest", &PictureOptions::shows_rest)
       .def_rw("colliders", &PictureOptions::shows_colliders)
+      .def_rw("bar", &PictureOptions::shows_bar)
+      .def_rw("caption", &PictureOptions::shows_caption)
       .def_rw("dark", &PictureOptions::is_dark)
       .def_rw("transparent", &PictureOptions::is_transparent);
   nb::class_<Image>(module, "Image")

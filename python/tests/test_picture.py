@@ -62,6 +62,16 @@ def test_a_folder_is_drawn_like_the_result_in_memory(result, tmp_path):
         resilin.picture(tmp_path / "nowhere")
 
 
+def test_the_bar_and_the_caption_are_left_out_where_asked(result):
+    def drawn(**options):
+        return result.plot("von_mises", frame=0, size=(300, 200), view="front", **options).pixels
+
+    bare, said, whole = drawn(bar=False, caption=False), drawn(bar=False), drawn()
+    rows, columns = (bare != said).any(axis=2).nonzero()
+    assert len(rows) > 20 and rows.max() < 30 and columns.max() < 90  # "load 0" in the corner
+    assert (bare[:30, 150:] == 255).all() and not (whole[:30, 150:] == 255).all()  # the name of the field
+
+
 def test_wrong_arguments_are_refused(result):
     for options in ({"size": 3}, {"range": 1}, {"view": "fron"}, {"frame": 99}, {"map": "jet"}):
         with pytest.raises(resilin.InputError):

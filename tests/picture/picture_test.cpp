@@ -49,6 +49,22 @@ TEST(Picture, HasAColourBarWithAllColoursAndItsText) {
   EXPECT_GT(dark_beside_it, 30);  // digits
 }
 
+/// Without its bar a picture keeps the colours, and gives the bar's place to the body.
+TEST(Picture, LeavesItsColourBarOutWhereAsked) {
+  PictureOptions options = small("x");
+  options.caption = "0.1 s";
+  const Image with = draw_picture(bar(), options);
+  options.shows_bar = false;
+  const Image without = draw_picture(bar(), options);
+  const auto body = [](Color c) { return c.green > c.red + 20; };  // the middle of the map
+  EXPECT_GT(count(without, body), 1.3 * count(with, body));
+  EXPECT_EQ(without.at(285, 20), white);
+  EXPECT_EQ(without.legend, with.legend);
+  options.shows_caption = false;
+  EXPECT_GT(count(draw_picture(bar(), options), [](Color c) { return c == white; }),
+            count(without, [](Color c) { return c == white; }) + 20);
+}
+
 TEST(Picture, IsAnotherForAnotherFieldAndTheSameBitsForTheSame) {
   const std::string first = encode_png(draw_picture(bar(), small("x")));
   EXPECT_EQ(first, encode_png(draw_picture(bar(), small("x"))));

@@ -12,6 +12,7 @@
 #include "resilin/picture/color_map.hpp"
 #include "resilin/picture/ground_shadow.hpp"
 #include "resilin/picture/lighting.hpp"
+#include "resilin/picture/picture_check.hpp"
 #include "resilin/picture/picture_field.hpp"
 #include "resilin/picture/surface.hpp"
 #include "resilin/picture/text.hpp"
@@ -40,21 +41,6 @@ std::vector<Vector3> shape(const VtuContent& frame, double factor, const std::st
   for (std::size_t i = 0; i < points.size(); ++i)
     points[i] += (factor - 1) * Eigen::Map<const Vector3>(found->values.data() + 3 * i);
   return points;
-}
-
-void check(const PictureOptions& options) {
-  for (const int size : {options.width, options.height})
-    if (size < 64 || size > 8192) throw InputError("size", "64 to 8192 pixels", std::to_string(size));
-  if (options.range && !((*options.range)[0] < (*options.range)[1]))
-    throw InputError("range", "a smaller and a larger number",
-                     format_number((*options.range)[0]) + " and " + format_number((*options.range)[1]));
-  std::vector<std::string> maps = color_map_names();
-  maps.insert(maps.begin(), "auto");
-  if (std::ranges::find(maps, options.map) == maps.end())
-    throw InputError("map", "one of " + join(maps), '"' + options.map + '"');
-  if (options.edges != "auto" && options.edges != "on" && options.edges != "off")
-    throw InputError("edges", "auto, on or off", '"' + options.edges + '"');
-  if (!std::isfinite(options.scale)) throw InputError("scale", "a finite number", "another");
 }
 
 Vector3 vertical_of(const PictureOptions& options) {
@@ -98,14 +84,15 @@ class Picture {
     image.view = view_;
     if (shows_field()) image.legend = text_.title + ": " + text_.extremes;
     name_axes(image);
-    if (shows_field()) draw_color_bar(image, scale_, text_, pen_, ink_);
-    if (const double em = pen_.digit_height(); !options_.caption.empty())
+    if (shows_bar()) draw_color_bar(image, scale_, text_, pen_, ink_);
+    if (const double em = pen_.digit_height(); options_.shows_caption)
       pen_.draw(image, 1.5 * em, 2.8 * em, options_.caption, ink_);
     return image;
   }
 
  private:
   bool shows_field() const { return !options_.field.empty() && options_.field != no_field; }
+  bool shows_bar() const { return shows_field() && options_.shows_bar; }
 
   /// Which body each cell belongs to, where the frame knows.
   void find_bodies() {
@@ -168,7 +155,7 @@ class Picture {
     note_view(shown);
     if (options_.reach) shown = corners_of((*options_.reach)[0], (*options_.reach)[1]);
     const double margin = 0.06 * std::min(options_.width, options_.height);
-    const double right = shows_field() ? margin / 2 + color_bar_width(text_, pen_) : margin;
+    const double right = shows_bar() ? margin / 2 + color_bar_width(text_, pen_) : margin;
     const Camera camera = choose_camera();
     view_.toward = camera.toward;
     projection_ = fit(
@@ -391,7 +378,7 @@ class Picture {
 }  // namespace
 
 Image draw_picture(const VtuContent& frame, const PictureOptions& options, const Mesh& colliders) {
-  check(options);
+  check_picture(options);
   if (!options.is_transparent) return Picture(frame, options, colliders).draw();
   return see_through(Picture(frame, options, colliders, Color{0, 0, 0}).draw(),
                      Picture(frame, options, colliders, Color{255, 255, 255}).draw());

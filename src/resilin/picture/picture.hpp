@@ -30,7 +30,9 @@ struct PictureOptions {
   bool shows_colliders = true;                 ///< what of them is near the bodies
   bool is_dark = false;                        ///< background
   bool is_transparent = false;                 ///< background; `is_dark` says what it is to be put on
-  std::string caption;                         ///< above the picture
+  bool shows_bar = true;                       ///< of the colours of the field
+  bool shows_caption = true;
+  std::string caption;  ///< in the corner; empty: the moment, or the mode, of what a run has left
   /// Least and greatest value of the field, where they are not those of the frame.
   std::optional<std::array<double, 2>> extremes;
   std::optional<std::array<Vector3, 2>> reach;  ///< corners of the box that is framed; default: what is drawn

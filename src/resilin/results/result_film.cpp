@@ -10,6 +10,7 @@
 #include "resilin/core/text.hpp"
 #include "resilin/io/atomic_file.hpp"
 #include "resilin/results/file_names.hpp"
+#include "resilin/results/moment.hpp"
 #include "resilin/results/report.hpp"
 #include "resilin/results/result_picture.hpp"
 #include "resilin/results/saved_run.hpp"
@@ -36,6 +37,12 @@ Json frames_of_report(const std::filesystem::path& folder) {
   if (!std::filesystem::is_regular_file(file)) return Json::array();
   const Json report = Json::parse(read_file(file), nullptr, /*allow_exceptions=*/false);
   return report.is_object() && report.contains("frames") ? report["frames"] : Json::array();
+}
+
+std::vector<double> numbers_of(const Json& frames, const char* name) {
+  std::vector<double> numbers;
+  for (const Json& frame : frames) numbers.push_back(frame.value(name, 0.0));
+  return numbers;
 }
 
 /// The frame of the asked mode, or of the first that is not rigid; none when the run shows no vibrations.
@@ -89,8 +96,9 @@ FilmPlan plan_film(const std::filesystem::path& folder, const FilmOptions& optio
       plan.shots.push_back({.frame = *mode, .swing = std::cos(2 * std::numbers::pi * k / swing_shots)});
     plan.frames_per_second = swing_shots;
   } else {
+    const MomentsOfFrames moments(numbers_of(frames, "time"), numbers_of(frames, "load"));
     for (std::size_t i = 0; i < num_frames; i += static_cast<std::size_t>(options.every))
-      plan.shots.push_back({.frame = static_cast<int>(i)});
+      plan.shots.push_back({.frame = static_cast<int>(i), .moment = moments.words(i)});
     if (const auto rate = rate_of_motion(frames, options.every, options.speed))
       plan.frames_per_second = *rate;
   }
@@ -140,6 +148,7 @@ Image draw_shot(const FilmPlan& plan, std::size_t shot) {
   options.scale *= wanted.swing;
   const Vector3 toward = Eigen::AngleAxisd(wanted.turned, plan.picture.vertical.normalized()) * plan.toward;
   options.view = direction_text(toward);
+  if (options.caption.empty()) options.caption = wanted.moment;
   return draw_result(plan.folder, wanted.frame, std::move(options));
 }
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <filesystem>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "resilin/picture/picture.hpp"
@@ -21,9 +22,10 @@ struct FilmOptions {
 
 struct FilmPlan {
   struct Shot {
-    int frame;          ///< of the run
-    double swing = 1;   ///< factor on its displacements
-    double turned = 0;  ///< about up, from the first [rad]
+    int frame;                ///< of the run
+    double swing = 1;         ///< factor on its displacements
+    double turned = 0;        ///< about up, from the first [rad]
+    std::string moment = {};  ///< in words
   };
   std::vector<Shot> shots;
   double frames_per_second = 10;

@@ -15,6 +15,7 @@
 #include "resilin/results/collider_file.hpp"
 #include "resilin/results/file_names.hpp"
 #include "resilin/results/frame_file.hpp"
+#include "resilin/results/moment.hpp"
 #include "resilin/results/report.hpp"
 #include "resilin/results/saved_run.hpp"
 #include "resilin/results/skinned_frame.hpp"
@@ -85,6 +86,7 @@ std::optional<std::array<double, 2>> extremes_of(const World& world, const Pictu
 Image draw_frame(const World& world, const State& state, const VtuContent& frame, const Mesh& colliders,
                  PictureOptions options) {
   describe_field(options);
+  if (options.caption.empty()) options.caption = words_of_moment(world, state);
   for (const FieldInfo& known : fields())
     if (known.name == base_name(options.field)) options.smallest_range = 1e-9 * field_scale(known, world);
   if (world.gravity.norm() > 0) options.vertical = -world.gravity.normalized();
