@@ -11,7 +11,7 @@ target_compile_options(resilin_common_options INTERFACE
   -Wno-error=stringop-overflow>
   # g++ collects garbage once it holds so many KiB; by then most files are done.
   $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=400000>
-  $<$<BOOL:${RESILIN_SANITIZE_THREAD}>:-fsanitize=thread -fno-omit-frame-pointer>
+  $<$<BOOL:${RESILIN_SANITIZE_THREAD}>:-fsanitize=thread -fno-omit-frame-pointer -Wno-tsan>
   $<$<BOOL:${RESILIN_COVERAGE}>:--coverage>)
 target_link_options(resilin_common_options INTERFACE
   $<$<BOOL:${RESILIN_SANITIZE}>:-fsanitize=address,undefined>

@@ -126,7 +126,7 @@ def test_few_scenes_are_in_flight(client, tmp_path):
     def watch():
         nonlocal most
         while not stop.is_set():
-            most = max(most, len(client.futures))
+            most = max(most, [future.status for future in list(client.futures.values())].count("pending"))
             time.sleep(0.001)
 
     watcher = threading.Thread(target=watch)
@@ -137,4 +137,4 @@ def test_few_scenes_are_in_flight(client, tmp_path):
     stop.set()
     watcher.join()
     assert table.num_rows == 500
-    assert most <= 3 + 2  # the definition, and one that is being let go
+    assert 0 < most <= 3
