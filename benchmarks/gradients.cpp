@@ -1,11 +1,10 @@
 #include "gradients.hpp"
 
-#include <malloc.h>
-
 #include <algorithm>
 #include <memory>
 
 #include "clock.hpp"
+#include "resilin/core/memory.hpp"
 #include "resilin/sensitivity/derivatives.hpp"
 
 namespace resilin::bench {
@@ -16,12 +15,6 @@ constexpr int num_repetitions = 3;
 double median(std::vector<double> times) {
   std::ranges::sort(times);
   return times[times.size() / 2];
-}
-
-/// What the heap holds [bytes].
-double heap_bytes() {
-  const struct mallinfo2 info = mallinfo2();
-  return static_cast<double>(info.uordblks) + static_cast<double>(info.hblkhd);
 }
 
 /// Young's modulus of each cell, named so that it can be differentiated by.

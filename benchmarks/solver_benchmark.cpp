@@ -4,10 +4,8 @@
 
 #include <algorithm>
 #include <limits>
-#if __has_include(<malloc.h>)
-#include <malloc.h>
-#endif
 
+#include "resilin/core/memory.hpp"
 #include "resilin/linear/linear_solver.hpp"
 
 namespace resilin {
@@ -17,15 +15,6 @@ double thread_seconds() {
   timespec now;
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-double heap_MiB() {
-#if defined(__GLIBC__)
-  const struct mallinfo2 info = mallinfo2();
-  return static_cast<double>(info.uordblks + info.hblkhd) / (1024.0 * 1024.0);
-#else
-  return 0;
-#endif
 }
 
 template <class Work>
@@ -41,7 +30,7 @@ SolverTiming time_solver(const std::string& name, const BarProblem& bar,
   timing.solver = name;
   timing.num_unknowns = bar.matrix.num_unknowns();
   const bool is_dynamic = options.bar.time_step > 0;
-  const double heap_before = heap_MiB();
+  const double heap_before = heap_bytes();
   const auto solver = make_linear_solver({.kind = name, .is_dynamic = is_dynamic, .max_iterations = 5000},
                                          timing.num_unknowns);
   LinearReport report;
@@ -61,7 +50,7 @@ SolverTiming time_solver(const std::string& name, const BarProblem& bar,
     timing.solve = std::min(timing.solve, solve);
   }
   timing.analyze = std::max(timing.analyze - timing.factorize, 0.0);
-  timing.memory_MiB = heap_MiB() - heap_before;
+  timing.memory_MiB = (heap_bytes() - heap_before) / (1024.0 * 1024.0);
   timing.iterations = report.iterations;
   switch (report.status) {
     case LinearReport::Status::ok:

@@ -86,6 +86,11 @@ TEST(FormatNumber, IsAsShortAsItMayBe) {
 }
 
 TEST(FormatShort, HasThreeDigits) {
+  EXPECT_EQ(format_fixed(0.5, 2), "0.50");
+  EXPECT_EQ(format_fixed(-1.2, 1),
+            "\xE2\x88\x92"
+            "1.2");
+  EXPECT_EQ(format_fixed(-0.001, 2), "0.00");
   EXPECT_EQ(format_short(0.0123456), "0.0123");
   EXPECT_EQ(format_short(1.23456e-9), "1.23e-09");
   EXPECT_EQ(format_short(2), "2");

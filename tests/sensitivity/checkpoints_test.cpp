@@ -1,7 +1,6 @@
-#include <malloc.h>
-
 #include "derivative_checks.hpp"
 #include "every_integrator.hpp"
+#include "resilin/core/memory.hpp"
 #include "small_scenes.hpp"
 
 namespace resilin::testing {
@@ -42,12 +41,6 @@ TEST(Trajectory, IsThatOfAPlainRun) {
     plain.step();
     EXPECT_LE((run->positions(k) - plain.state().positions).cwiseAbs().maxCoeff(), 1e-15);
   }
-}
-
-/// What the heap holds [bytes]; 0 where it is not glibc's, as with sanitizers.
-double heap_bytes() {
-  const struct mallinfo2 info = mallinfo2();
-  return static_cast<double>(info.uordblks) + static_cast<double>(info.hblkhd);
 }
 
 /// Three numbers for each vertex, and at the starts of chunks three more.

@@ -52,12 +52,7 @@ TEST(OlderDerivativeRows, CooksMembraneByBothConstants) {
                                       reference["material"]["nu"]);
     scene.bodies[0].element = row["element"];
     if (row["element"] == "P2") scene.bodies[0].quadrature = "exact";
-    scene.fixes.push_back(fix("left", group("left")));
-    LoadDescription traction;
-    traction.kind = "traction";
-    traction.where = group("right");
-    traction.value = {0, 1.0 / 16, 0};
-    scene.loads.push_back(traction);
+    load_as_cooks_membrane(scene);
     const auto run = Derivatives::run(scene, both_constants);
     const double height = row["quantity"] == "uy_mid" ? 52 : 60;
     const std::vector<Vector3> slopes = slopes_of_vertex(*run, {48, height, 0}, run->num_frames() - 1);

@@ -21,12 +21,7 @@ TEST(StaticsReference, CooksMembraneInTwoDimensions) {
     SCOPED_TRACE(row.dump());
     Description description = one_body(2, reference_mesh(row["mesh"]), reference_law(row["law"], mu, lambda));
     use_element(description, row);
-    description.fixes.push_back(fix("left", group("left")));
-    LoadDescription traction;
-    traction.kind = "traction";
-    traction.where = group("right");
-    traction.value = {0, 1.0 / 16, 0};
-    description.loads.push_back(traction);
+    load_as_cooks_membrane(description);
     description.probes = {probe("mid", {48, 52, 0}), probe("top", {48, 60, 0})};
     Simulation simulation(description);
     const Frame frame = run_to_end(simulation);

@@ -68,6 +68,16 @@ inline FixDescription fix(const std::string& name, const Where& where) {
   return description;
 }
 
+/// Cook's membrane: held at its left side, pulled upward along its right one.
+inline void load_as_cooks_membrane(Description& description) {
+  description.fixes.push_back(fix("left", group("left")));
+  LoadDescription traction;
+  traction.kind = "traction";
+  traction.where = group("right");
+  traction.value = {0, 1.0 / 16, 0};
+  description.loads.push_back(traction);
+}
+
 inline ProbeDescription probe(const std::string& name, const Vector3& at) {
   ProbeDescription description;
   description.name = name;

@@ -3,6 +3,7 @@
 #include <tbb/task_arena.h>
 
 #include <cmath>
+#include <memory>
 #include <system_error>
 #include <utility>
 
@@ -12,17 +13,17 @@
 namespace resilin {
 
 std::future<void> run_beside(std::function<void()> job) {
-  const auto job_alone = [job] {
-    tbb::task_arena arena(1);
-    arena.execute(job);
-  };
+  const auto shared_job = std::make_shared<const std::function<void()>>(std::move(job));  // may hold a lot
   if (num_threads() > 1 && std::isinf(address_space_left().bytes)) {
     try {
-      return std::async(std::launch::async, job_alone);
+      return std::async(std::launch::async, [shared_job] {
+        tbb::task_arena arena(1);
+        arena.execute(*shared_job);
+      });
     } catch (const std::system_error&) {  // no thread is to be had
     }
   }
-  std::packaged_task<void()> task(std::move(job));
+  std::packaged_task<void()> task([shared_job] { (*shared_job)(); });
   std::future<void> end = task.get_future();
   task();
   return end;

@@ -35,6 +35,9 @@ bool fits(double bytes, MemoryRoom (*room)() = memory_room);
 /// What this process uses now [bytes]; 0 where the system does not say.
 double memory_in_use();
 
+/// What the heap holds now [bytes]; 0 where the allocator does not count, as those of sanitizers.
+double heap_bytes();
+
 /// Whether so much address space can be had in one piece now: asks for it and gives it back.
 bool can_allocate(std::size_t bytes);
 

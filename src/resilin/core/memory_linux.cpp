@@ -14,6 +14,11 @@
 
 #include "resilin/core/memory.hpp"
 
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#include <malloc.h>
+#define RESILIN_HEAP_IS_COUNTED
+#endif
+
 /// What Linux says about memory, and gives.
 namespace resilin {
 namespace {
@@ -120,6 +125,15 @@ double memory_in_use() {
   double all = 0, resident = 0;
   file >> all >> resident;
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
+double heap_bytes() {
+#ifdef RESILIN_HEAP_IS_COUNTED
+  const struct mallinfo2 info = mallinfo2();
+  return static_cast<double>(info.uordblks) + static_cast<double>(info.hblkhd);
+#else
+  return 0;
+#endif
 }
 
 bool can_allocate(std::size_t bytes) {

@@ -130,6 +130,16 @@ std::string format_short(double value) {
   return {buffer.data(), end.ptr};
 }
 
+std::string format_fixed(double value, int decimals) {
+  constexpr const char* minus = "\xE2\x88\x92";
+  std::array<char, 400> digits{};
+  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), std::abs(value),
+                                 std::chars_format::fixed, decimals);
+  const std::string text(digits.data(), end.ptr);
+  const bool is_zero = text.find_first_not_of("0.") == text.npos;
+  return value < 0 && !is_zero ? minus + text : text;
+}
+
 std::string format_point(const Vector3& point, int dim) {
   std::string text = "(" + format_short(point.x());
   for (int k = 1; k < dim; ++k) text += ", " + format_short(point[k]);

@@ -26,6 +26,9 @@ std::string format_number(double value);
 /// Three digits: "0.0123", "1.23e-09", independent of the locale.
 std::string format_short(double value);
 
+/// "0.50", "-1.20" with a true minus sign, and "0.00" without one: so many decimals, as pictures have them.
+std::string format_fixed(double value, int decimals);
+
 /// "(0.1, -2, 1e-09)": each coordinate by format_short.
 std::string format_point(const Vector3& point, int dim = 3);
 

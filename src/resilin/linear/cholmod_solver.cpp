@@ -37,7 +37,7 @@ class CholmodSolver : public DirectSolver {
   std::string_view name() const override { return "cholesky"; }
 
  protected:
-  void prepare(const BlockMatrix& A) override;
+  void prepare(const BlockMatrix& A, MergedPattern::Keep keep) override;
   LinearReport factorize_prepared(const BlockMatrix& A) override;
   void forget() override {
     pattern_.reset();
@@ -86,8 +86,8 @@ double CholmodSolver::bytes_needed() const {
   return static_cast<double>(factors_->xsize + factors_->maxcsize) * sizeof(double);
 }
 
-void CholmodSolver::prepare(const BlockMatrix& A) {
-  if (!pattern_.update(A, keep())) return;
+void CholmodSolver::prepare(const BlockMatrix& A, MergedPattern::Keep keep) {
+  if (!pattern_.update(A, keep)) return;
   analyze_pattern(A.dim);
   if (factors_ == nullptr || common_.status < CHOLMOD_OK) throw std::bad_alloc();
   foresee(bytes_needed(), A);

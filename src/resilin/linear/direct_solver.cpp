@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <utility>
 
 #include "resilin/core/text.hpp"
 
@@ -16,6 +17,13 @@ std::string shortage_text(std::string_view solver, const std::string& needs, con
 }
 
 }  // namespace
+
+/// Pairs that have gone stay within a search, of which they are often part again; one that began with those
+/// of a search before would round in another order.
+void DirectSolver::prepare(const BlockMatrix& A) {
+  const bool is_first = std::exchange(is_new_search_, false);
+  prepare(A, is_first ? MergedPattern::Keep::same_pairs : MergedPattern::Keep::superset);
+}
 
 void DirectSolver::analyze(const BlockMatrix& A, const VectorX&) {
   try {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <utility>
 #include <vector>
 
 #include "resilin/core/memory.hpp"
@@ -25,14 +24,9 @@ class DirectSolver : public LinearSolver {
   LinearReport solve(const BlockMatrix& A, const VectorX& b, VectorX& x, double relative_tolerance) override;
 
  protected:
-  /// What `prepare` keeps of the pattern held. Pairs that have gone stay within a search, of which they are
-  /// often part again; one that began with those of a search before would round in another order.
-  MergedPattern::Keep keep() {
-    const bool is_first = std::exchange(is_new_search_, false);
-    return is_first ? MergedPattern::Keep::same_pairs : MergedPattern::Keep::superset;
-  }
-  /// Analyses the pattern of A unless it is the one held. These two may throw std::bad_alloc.
-  virtual void prepare(const BlockMatrix& A) = 0;
+  /// Analyses the pattern of A unless it is the one held, of which `keep` says what stays. These two may
+  /// throw std::bad_alloc.
+  virtual void prepare(const BlockMatrix& A, MergedPattern::Keep keep) = 0;
   virtual LinearReport factorize_prepared(const BlockMatrix& A) = 0;
   /// Gives back what they hold, which may be half done.
   virtual void forget() = 0;
@@ -43,6 +37,8 @@ class DirectSolver : public LinearSolver {
   void foresee(double bytes, const BlockMatrix& A, MemoryRoom (*room)() = memory_room) const;
 
  private:
+  void prepare(const BlockMatrix& A);
+
   bool is_new_search_ = false;
   VectorX residual_, correction_;
   std::vector<double> work_;

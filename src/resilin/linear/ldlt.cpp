@@ -17,8 +17,8 @@ class SimplicialSolver : public DirectSolver {
   std::string_view name() const override { return "ldlt"; }
 
  protected:
-  void prepare(const BlockMatrix& A) override {
-    if (!pattern_.update(A, keep())) return;
+  void prepare(const BlockMatrix& A, MergedPattern::Keep keep) override {
+    if (!pattern_.update(A, keep)) return;
     columns_.set_pattern(pattern_, A.dim);
     factors_.analyzePattern(matrix());
     // Eigen has asked for the factor by now: what its use takes is foreseen.

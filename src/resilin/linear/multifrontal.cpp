@@ -218,8 +218,8 @@ void MultifrontalSolver::factorize_all(std::span<const double> values) {
   factorize_in_order(std::ranges::subrange(analysis_->top.begin(), top_end), top_stacks_);
 }
 
-void MultifrontalSolver::prepare(const BlockMatrix& A) {
-  if (!pattern_.update(A, keep())) return;
+void MultifrontalSolver::prepare(const BlockMatrix& A, MergedPattern::Keep keep) {
+  if (!pattern_.update(A, keep)) return;
   forget_factor();
   // Pairs that meet are a pattern of their own in each scene.
   const bool is_of_mesh = pattern_.is_that_of(A);

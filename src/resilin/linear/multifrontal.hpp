@@ -40,7 +40,7 @@ class MultifrontalSolver : public DirectSolver {
   std::string_view name() const override { return "multifrontal"; }
 
  protected:
-  void prepare(const BlockMatrix& A) override;
+  void prepare(const BlockMatrix& A, MergedPattern::Keep keep) override;
   LinearReport factorize_prepared(const BlockMatrix& A) override;
   void forget() override;
   void solve_factored(const VectorX& b, VectorX& x) override;

@@ -2,14 +2,14 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
+
+#include "resilin/core/text.hpp"
 
 namespace resilin {
 namespace {
 
-constexpr const char* minus = "\xE2\x88\x92";
 constexpr std::array<const char*, 10> superscripts = {
     "\xE2\x81\xB0", "\xC2\xB9",     "\xC2\xB2",     "\xC2\xB3",     "\xE2\x81\xB4",
     "\xE2\x81\xB5", "\xE2\x81\xB6", "\xE2\x81\xB7", "\xE2\x81\xB8", "\xE2\x81\xB9"};
@@ -41,15 +41,6 @@ std::string with_prefix(int exponent, const std::string& unit) {
   const int place = exponent / 3 + 4;
   if (place < 0 || place >= static_cast<int>(prefixes.size())) return {};
   return prefixes[static_cast<std::size_t>(place)] + raised(unit);
-}
-
-std::string number(double value, int decimals) {
-  std::array<char, 400> digits{};
-  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), std::abs(value),
-                                 std::chars_format::fixed, decimals);
-  const std::string text(digits.data(), end.ptr);
-  const bool is_zero = text.find_first_not_of("0.") == text.npos;
-  return value < 0 && !is_zero ? minus + text : text;
 }
 
 /// 1, 2, 2.5 or 5 times a power of ten, so that about six fit into `span`.
@@ -121,10 +112,11 @@ ScaleText scale_text(const ColorScale& scale, const std::string& label, const st
   const double step = round_step(high - low);
   const int decimals = decimals_of(step);
   for (double k = std::ceil(low / step - 1e-6); k * step <= high + 1e-6 * step; ++k)
-    text.ticks.push_back({std::clamp((k * step - low) / (high - low), 0.0, 1.0), number(k * step, decimals)});
+    text.ticks.push_back(
+        {std::clamp((k * step - low) / (high - low), 0.0, 1.0), format_fixed(k * step, decimals)});
   const int more = decimals + 1;
-  text.extremes =
-      "min " + number(factor * scale.least, more) + "   max " + number(factor * scale.greatest, more);
+  text.extremes = "min " + format_fixed(factor * scale.least, more) + "   max " +
+                  format_fixed(factor * scale.greatest, more);
   return text;
 }
 

@@ -1,28 +1,12 @@
 #include "resilin/results/moment.hpp"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <utility>
 
 #include "resilin/core/text.hpp"
 
 namespace resilin {
-namespace {
-
-constexpr const char* minus = "\xE2\x88\x92";
-
-std::string fixed(double value, int decimals) {
-  std::array<char, 400> digits{};
-  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), std::abs(value),
-                                 std::chars_format::fixed, decimals);
-  const std::string text(digits.data(), end.ptr);
-  return value < 0 && text.find_first_not_of("0.") != text.npos ? minus + text : text;
-}
-
-}  // namespace
-
 std::string words_of_moment(const World& world, const State& state) {
   if (world.modes) return {};
   if (world.is_dynamic) return format_short(state.time) + " s";
@@ -54,8 +38,8 @@ MomentsOfFrames::MomentsOfFrames(std::vector<double> times, std::vector<double> 
 
 std::string MomentsOfFrames::words(std::size_t frame) const {
   if (frame >= times_.size()) return {};
-  return is_motion_ ? fixed(factor_ * times_[frame], decimals_) + " " + unit_
-                    : "load " + fixed(loads_[frame], decimals_);
+  return is_motion_ ? format_fixed(factor_ * times_[frame], decimals_) + " " + unit_
+                    : "load " + format_fixed(loads_[frame], decimals_);
 }
 
 }  // namespace resilin

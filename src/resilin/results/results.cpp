@@ -204,8 +204,8 @@ struct ResultFolder::Contents {
 
   static bool writes_vtu(const World& world) { return world.output.writes(OutputFormat::vtu); }
 
-  std::future<void>
-      writing;  ///< what it touches is read by nobody before `settle`; the first to be destroyed
+  /// What it touches is read by nobody before `settle`. The last member, so that it ends before others go.
+  std::future<void> writing;
 };
 
 ResultFolder::ResultFolder(std::filesystem::path folder, double seconds_before) {

@@ -203,12 +203,13 @@ std::optional<VectorX> Tangent::solve_with_old_factors(const VectorX& b, double 
 }
 
 std::optional<VectorX> Tangent::solve_with_near(const VectorX& b, double tolerance) {
-  std::optional<VectorX> found;
-  if (near_ == nullptr && !are_factors_old_) return found;
-  found = near_ != nullptr ? solve_by_newton(b, tolerance) : solve_with_old_factors(b, tolerance);
-  if (found) return found;
-  near_ = nullptr;
-  factorize();
+  if (near_ == nullptr && !are_factors_old_) return std::nullopt;
+  std::optional<VectorX> found =
+      near_ != nullptr ? solve_by_newton(b, tolerance) : solve_with_old_factors(b, tolerance);
+  if (!found) {
+    near_ = nullptr;
+    factorize();
+  }
   return found;
 }
 

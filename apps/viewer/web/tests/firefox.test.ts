@@ -36,10 +36,6 @@ async function pull(watched: Watched): Promise<void> {
   await watched.until(`!(${isMoved})`);
 }
 
-/** Asks of no other host: what is not the page's own. */
-const isForeign = (origin: string) => (url: string) =>
-  !url.startsWith(origin) && !url.startsWith("data:") && !url.startsWith("blob:");
-
 test("Firefox: a body of a live scene follows the mouse, keys and sliders act", options, async () => {
   const program = await Program.start(jelly, "--port", "0");
   try {
@@ -56,7 +52,7 @@ test("Firefox: a body of a live scene follows the mouse, keys and sliders act", 
       const at = (await slider.boundingBox())!;
       await page.mouse.click(at.x + 0.95 * at.width, at.y + at.height / 2);
       await watched.until(`${stiffness} > ${2 * before}`);
-      assert.deepEqual(watched.requests.filter(isForeign(new URL(program.address).origin)), []);
+      assert.deepEqual(watched.requestsBeyond(new URL(program.address).origin), []);
     });
   } finally {
     await program.stop();
@@ -69,7 +65,7 @@ test("Firefox: a page from disk carries its solver, and its body follows the mou
   await withPage(browser, pathToFileURL(page).href, async (watched) => {
     await pull(watched);
     await watched.until("resilin.status.step_ms > 0");
-    assert.deepEqual(watched.requests.filter(isForeign("file:")), []);
+    assert.deepEqual(watched.requestsBeyond("file:"), []);
   });
 });
 

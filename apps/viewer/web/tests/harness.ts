@@ -146,6 +146,11 @@ export class Watched {
     page.on("request", (request) => this.requests.push(request.url()));
   }
 
+  /** What was asked of others than whose addresses begin so, beside what the page holds itself. */
+  requestsBeyond(own: string): string[] {
+    return this.requests.filter((url) => ![own, "data:", "blob:"].some((begin) => url.startsWith(begin)));
+  }
+
   async firstFrame(): Promise<void> {
     await this.until("resilin && resilin.framesDrawn > 0");
   }

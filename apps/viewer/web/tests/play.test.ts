@@ -146,12 +146,7 @@ test("a body is pulled by the mouse from disk, without a request, to where the p
     let played!: Awaited<ReturnType<typeof pulled>>, served!: Awaited<ReturnType<typeof pulled>>;
     await withPage(browser!, address + EYE, async (watched) => {
       played = await pulled(watched);
-      assert.deepEqual(
-        watched.requests.filter(
-          (url) => !url.startsWith("file:") && !url.startsWith("blob:") && !url.startsWith("data:"),
-        ),
-        [],
-      );
+      assert.deepEqual(watched.requestsBeyond("file:"), []);
     });
     await withPage(browser!, program.address + EYE, async (watched) => void (served = await pulled(watched)));
     assert.equal(played.vertex, served.vertex);

@@ -60,8 +60,7 @@ after(async () => {
 /** Nothing went wrong in the page, and nothing was asked of anyone but the site. */
 function isSound(watched: Watched, root: string): void {
   assert.deepEqual(watched.faults, []);
-  const foreign = (url: string) => ![root, "data:", "blob:"].some((own) => url.startsWith(own));
-  assert.deepEqual(watched.requests.filter(foreign), []);
+  assert.deepEqual(watched.requestsBeyond(root), []);
 }
 
 /** What a reader would complain of. */
