@@ -218,7 +218,7 @@ class Differentiated:
         for name in direction:
             if name not in self._shapes:
                 refuse(f"direction.{name}", "one of " + ", ".join(self._shapes), "a name that is not in wrt")
-        changes = []
+        changes: list[Floats] = []
         for name, shape in self._shapes.items():
             array = np.asarray(real_array(direction.get(name, 0.0), f"direction.{name}"), dtype=np.float64)
             if array.ndim > 0 and array.shape != shape:
