@@ -57,6 +57,41 @@ double awkward(std::size_t i) {
   return std::sin(x * x) * std::exp2(std::fmod(7 * x, 60));
 }
 
+TEST_P(EveryNumberOfThreads, WhatIsMadeIsTakenInOrder) {
+  for (const std::size_t size : {0U, 1U, 63U, 1000U, 5000U}) {
+    for (const std::size_t chunk : {1U, 7U, 10000U}) {
+      std::vector<double> taken;
+      std::size_t next = 0;
+      parallel_in_order(
+          size, chunk,
+          [](std::size_t begin, std::size_t end) {
+            std::vector<double> made;
+            for (std::size_t i = begin; i < end; ++i) made.push_back(awkward(i));
+            return made;
+          },
+          [&](std::size_t begin, const std::vector<double>& made) {
+            EXPECT_EQ(begin, next);
+            next += made.size();
+            taken.insert(taken.end(), made.begin(), made.end());
+          });
+      ASSERT_EQ(taken.size(), size);
+      for (std::size_t i = 0; i < size; ++i) EXPECT_EQ(taken[i], awkward(i));
+    }
+  }
+}
+
+TEST_P(EveryNumberOfThreads, SortingSorts) {
+  for (const std::size_t size : {0U, 1U, 4095U, 4096U, 4097U, 100003U}) {
+    std::vector<std::pair<int, std::size_t>> items;
+    for (std::size_t i = 0; i < size; ++i)
+      items.emplace_back(static_cast<int>(i * 7919 % 101), i * 31 % (size + 1));
+    auto expected = items;
+    std::ranges::sort(expected);
+    parallel_sort(items, std::less<>());
+    EXPECT_EQ(items, expected);
+  }
+}
+
 TEST_P(EveryNumberOfThreads, SumsHaveTheBitsOfTheirChunksInOrder) {
   constexpr std::size_t size = 10001, chunk = 64;
   const auto body = [](std::size_t begin, std::size_t end) {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <string>
 
+#include "resilin/core/parallel.hpp"
 #include "resilin/core/text.hpp"
 
 namespace resilin {
@@ -43,6 +44,15 @@ std::string out_of_memory_text(const std::bad_alloc& error) {
   if (dynamic_cast<const OutOfMemory*>(&error) != nullptr) return error.what();
   return "out of memory: more was needed than there is, and " + words(memory_room()) +
          " once it is given back; take fewer cells or simpler elements, fewer threads, or raise the limit";
+}
+
+void take_pages(void* begin, std::size_t bytes) {
+  constexpr std::size_t page = 4096, pages_per_chunk = 256, much = std::size_t{4} << 20;
+  if (bytes < much) return;
+  auto* const first = static_cast<volatile char*>(begin);
+  parallel_for(bytes / page, pages_per_chunk, [&](std::size_t from, std::size_t to) {
+    for (std::size_t k = from; k < to; ++k) first[k * page] = 0;
+  });
 }
 
 }  // namespace resilin

@@ -5,6 +5,7 @@
 #include <new>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace resilin {
 
@@ -44,6 +45,20 @@ bool can_allocate(std::size_t bytes);
 /// An array of numbers that are yet to be written; a long one on large pages where the system has them, so
 /// that fewer addresses are looked up.
 std::unique_ptr<double[]> make_numbers(std::size_t count);
+
+/// The system hands out memory, zeroed, when it is first written to: here on all threads, where it is much.
+void take_pages(void* begin, std::size_t bytes);
+
+/// `vector.assign(count, Number{})` of a long vector that holds nothing that is needed.
+template <class Number>
+void assign_zeros(std::vector<Number>& vector, std::size_t count) {
+  vector.clear();
+  if (vector.capacity() < count) {
+    vector.reserve(count);
+    take_pages(vector.data(), count * sizeof(Number));
+  }
+  vector.resize(count);
+}
 
 /// More memory is needed than there is; `what()` is one line. Whatever catches std::bad_alloc catches this.
 class OutOfMemory : public std::bad_alloc {

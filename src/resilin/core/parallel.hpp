@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <functional>
 #include <vector>
@@ -72,6 +73,39 @@ T parallel_sum(std::size_t size, std::size_t chunk_size, const Body& body) {
   T sum{};
   for (const T& part : partial) sum += part;
   return sum;
+}
+
+/// Calls `take(begin, make(begin, end))` for the chunks of [0, size): what many threads have made is taken by
+/// one, in the order of the chunks. What some chunks make is held at once.
+template <class Make, class Take>
+void parallel_in_order(std::size_t size, std::size_t chunk_size, const Make& make, const Take& take) {
+  constexpr std::size_t chunks_at_once = 64;
+  const std::size_t batch_size = chunks_at_once * chunk_size;
+  for (std::size_t first = 0; first < size; first += batch_size) {
+    const std::size_t count = std::min(batch_size, size - first);
+    std::vector<decltype(make(first, first))> made((count + chunk_size - 1) / chunk_size);
+    parallel_for(count, chunk_size, [&](std::size_t begin, std::size_t end) {
+      made[begin / chunk_size] = make(first + begin, first + end);
+    });
+    for (std::size_t chunk = 0; chunk < made.size(); ++chunk) take(first + chunk * chunk_size, made[chunk]);
+  }
+}
+
+/// Sorts in an order that leaves no two items equal, so that the result is the same on every machine.
+template <class Item, class Less>
+void parallel_sort(std::vector<Item>& items, const Less& less) {
+  constexpr std::size_t num_parts = 16, least_items = 4096;
+  const std::size_t size = items.size();
+  if (size < least_items) return std::sort(items.begin(), items.end(), less);
+  const auto at = [&](std::size_t part) {
+    return items.begin() + static_cast<std::ptrdiff_t>(size * std::min(part, num_parts) / num_parts);
+  };
+  parallel_tasks(num_parts, [&](std::size_t part) { std::sort(at(part), at(part + 1), less); });
+  for (std::size_t width = 1; width < num_parts; width *= 2)
+    parallel_tasks(num_parts / (2 * width), [&](std::size_t pair) {
+      const std::size_t first = 2 * pair * width;
+      std::inplace_merge(at(first), at(first + width), at(first + 2 * width), less);
+    });
 }
 
 }  // namespace resilin

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "resilin/core/parallel.hpp"
 #include "resilin/mesh/cell_positions.hpp"
 #include "resilin/mesh/facet.hpp"
 #include "resilin/mesh/shape_integrals.hpp"
@@ -194,17 +195,23 @@ void LoadedCells::add_rest_slopes(const Vector3& value, const VectorX& X, const 
 
 void add_body_force(const ElementInfo& element, std::span<const Index> cells, const VectorX& rest_positions,
                     const Vector3& force, VectorX& nodal_forces) {
+  constexpr std::size_t cells_per_chunk = 1024;
   const auto n = static_cast<std::size_t>(element.num_nodes);
-  ShapeIntegrals integrals(element);
-  std::vector<double> X, shares(n);
-  for (std::size_t first = 0; first < cells.size(); first += n) {
-    const std::span<const Index> nodes = cells.subspan(first, n);
-    cell_positions(element.dim, nodes, rest_positions, X);
-    integrals.of_values(X, shares);
-    for (std::size_t a = 0; a < n; ++a)
-      nodal_forces.segment(Eigen::Index{nodes[a]} * element.dim, element.dim) +=
-          shares[a] * force.head(element.dim);
-  }
+  const auto integrate = [&](std::size_t first, std::size_t last) {
+    ShapeIntegrals integrals(element);
+    std::vector<double> X, shares((last - first) * n);
+    for (std::size_t cell = first; cell < last; ++cell) {
+      cell_positions(element.dim, cells.subspan(cell * n, n), rest_positions, X);
+      integrals.of_values(X, std::span(shares).subspan((cell - first) * n, n));
+    }
+    return shares;
+  };
+  parallel_in_order(cells.size() / n, cells_per_chunk, integrate,
+                    [&](std::size_t first, const std::vector<double>& shares) {
+                      for (std::size_t k = 0; k < shares.size(); ++k)
+                        nodal_forces.segment(Eigen::Index{cells[first * n + k]} * element.dim, element.dim) +=
+                            shares[k] * force.head(element.dim);
+                    });
 }
 
 void add_body_force_change(const ElementInfo& element, std::span<const Index> cells,

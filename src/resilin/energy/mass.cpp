@@ -10,7 +10,7 @@
 namespace resilin {
 namespace {
 
-constexpr std::size_t nodes_per_chunk = 8192, slots_per_chunk = 32768;
+constexpr std::size_t nodes_per_chunk = 2048, slots_per_chunk = 8192;
 
 /// Volumes that the nodes of a cell stand for, from integral N_a N_b dV.
 void lump(const ElementInfo& element, std::span<const double> products, std::span<double> volumes) {
@@ -160,25 +160,40 @@ void MassMatrix::add_change(const VectorX& entries, const VectorX& y, VectorX& o
 
 void add_cell_masses(MassMatrix& mass, const ElementInfo& element, std::span<const Index> cells,
                      const VectorX& rest_positions, double density, bool is_consistent) {
+  constexpr std::size_t cells_per_chunk = 512;
   const auto n = static_cast<std::size_t>(element.num_nodes);
-  ShapeIntegrals integrals(element);
-  std::vector<double> X, products(n * n), lumped(n);
+  const bool needs_products = !mass.is_lumped() && is_consistent;
+  const std::size_t numbers_per_cell = n + (needs_products ? n * n : 0);  // lumped volumes, then products
   const auto add = [&mass](Index i, Index j, double entry) {
     mass.slots[static_cast<std::size_t>(mass.pattern->slot(std::min(i, j), std::max(i, j)))] += entry;
   };
-  for (std::size_t first = 0; first < cells.size(); first += n) {
-    const std::span<const Index> nodes = cells.subspan(first, n);
-    cell_positions(element.dim, nodes, rest_positions, X);
-    integrals.of_products(X, products);
-    lump(element, products, lumped);
-    for (std::size_t a = 0; a < n; ++a) {
-      mass.nodal[nodes[a]] += density * lumped[a];
-      if (mass.is_lumped()) continue;
-      if (!is_consistent) add(nodes[a], nodes[a], density * lumped[a]);
-      for (std::size_t b = a; b < n && is_consistent; ++b)
-        add(nodes[a], nodes[b], density * products[a * n + b]);
+  const auto integrate = [&](std::size_t first, std::size_t last) {
+    ShapeIntegrals integrals(element);
+    std::vector<double> X, products(n * n), numbers((last - first) * numbers_per_cell);
+    for (std::size_t cell = first; cell < last; ++cell) {
+      const std::span of_cell = std::span(numbers).subspan((cell - first) * numbers_per_cell, numbers_per_cell);
+      cell_positions(element.dim, cells.subspan(cell * n, n), rest_positions, X);
+      integrals.of_products(X, products);
+      lump(element, products, of_cell.first(n));
+      if (needs_products) std::ranges::copy(products, of_cell.subspan(n).begin());
     }
-  }
+    return numbers;
+  };
+  parallel_in_order(
+      cells.size() / n, cells_per_chunk, integrate, [&](std::size_t first, const std::vector<double>& numbers) {
+        for (std::size_t k = 0; k * numbers_per_cell < numbers.size(); ++k) {
+          const std::span<const Index> nodes = cells.subspan((first + k) * n, n);
+          const double* lumped = numbers.data() + k * numbers_per_cell;
+          const double* products = lumped + n;
+          for (std::size_t a = 0; a < n; ++a) {
+            mass.nodal[nodes[a]] += density * lumped[a];
+            if (mass.is_lumped()) continue;
+            if (!is_consistent) add(nodes[a], nodes[a], density * lumped[a]);
+            for (std::size_t b = a; b < n && is_consistent; ++b)
+              add(nodes[a], nodes[b], density * products[a * n + b]);
+          }
+        }
+      });
 }
 
 namespace {

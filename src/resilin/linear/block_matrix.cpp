@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cstdint>
 
+#include "resilin/core/memory.hpp"
 #include "resilin/core/parallel.hpp"
 #include "resilin/linear/decoupled.hpp"
 #include "resilin/linear/kernels/block_kernels.hpp"
@@ -12,7 +13,7 @@ namespace resilin {
 namespace {
 
 constexpr std::size_t gather_chunk = 4096;  // nodes
-constexpr std::size_t numbers_per_chunk = 1 << 16;
+constexpr std::size_t numbers_per_chunk = 1 << 15;
 
 void multiply_extra(const BlockMatrix& A, const VectorX& x, VectorX& y) {
   const int dim = A.dim;
@@ -45,9 +46,8 @@ void clear_column(double* block, int dim, int column, double diagonal) {
 }  // namespace
 
 BlockMatrix::BlockMatrix(int dimension, std::shared_ptr<const BlockPattern> fixed_pattern)
-    : dim(dimension),
-      pattern(std::move(fixed_pattern)),
-      values(static_cast<std::size_t>(pattern->num_slots()) * dimension * dimension, 0.0) {
+    : dim(dimension), pattern(std::move(fixed_pattern)) {
+  assign_zeros(values, static_cast<std::size_t>(pattern->num_slots()) * dimension * dimension);
   assert(pattern->product_plan.num_chunks() > 0 && "the pattern is not complete");
 }
 

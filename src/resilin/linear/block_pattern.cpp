@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "resilin/core/error.hpp"
+#include "resilin/core/parallel.hpp"
 
 namespace resilin {
 namespace {
@@ -105,25 +106,39 @@ BlockPattern BlockPatternBuilder::build() const {
   std::sort(pairs.begin(), pairs.end());
 
   pattern.row_begin.assign(1, 0);
-  std::vector<Index> last_row(static_cast<std::size_t>(num_nodes_), -1);
-  auto pair = pairs.begin();
-  for (Index i = 0; i < num_nodes_; ++i) {
-    const auto couple = [&](Index j) {
-      if (j < i || last_row[j] == i) return;
-      last_row[j] = i;
-      pattern.columns.push_back(j);
-    };
-    couple(i);
-    for (std::size_t group = 0; group < cells_.size(); ++group) {
-      const auto& [nodes, per_cell] = cells_[group];
-      for (Offset k = cells_begin[group][i]; k < cells_begin[group][i + 1]; ++k)
-        for (int corner = 0; corner < per_cell; ++corner)
-          couple(nodes[static_cast<std::size_t>(cells_of[group][k]) * per_cell + corner]);
+  struct Rows {
+    std::vector<Index> columns;
+    std::vector<Offset> ends;  // in `columns`, by row
+  };
+  const auto couple_rows = [&](std::size_t first, std::size_t last) {
+    Rows rows;
+    auto pair = std::lower_bound(pairs.begin(), pairs.end(), std::pair(static_cast<Index>(first), Index{-1}));
+    for (auto i = static_cast<Index>(first); i < static_cast<Index>(last); ++i) {
+      const auto begin = static_cast<Offset>(rows.columns.size());
+      const auto couple = [&](Index j) {
+        if (j >= i) rows.columns.push_back(j);
+      };
+      couple(i);
+      for (std::size_t group = 0; group < cells_.size(); ++group) {
+        const auto& [nodes, per_cell] = cells_[group];
+        for (Offset k = cells_begin[group][i]; k < cells_begin[group][i + 1]; ++k)
+          for (int corner = 0; corner < per_cell; ++corner)
+            couple(nodes[static_cast<std::size_t>(cells_of[group][k]) * per_cell + corner]);
+      }
+      for (; pair != pairs.end() && pair->first == i; ++pair) couple(pair->second);
+      std::sort(rows.columns.begin() + begin, rows.columns.end());
+      rows.columns.erase(std::unique(rows.columns.begin() + begin, rows.columns.end()), rows.columns.end());
+      rows.ends.push_back(static_cast<Offset>(rows.columns.size()));
     }
-    for (; pair != pairs.end() && pair->first == i; ++pair) couple(pair->second);
-    std::sort(pattern.columns.begin() + pattern.row_begin.back(), pattern.columns.end());
-    pattern.row_begin.push_back(static_cast<Offset>(pattern.columns.size()));
-  }
+    return rows;
+  };
+  constexpr std::size_t rows_per_chunk = 1024;
+  parallel_in_order(static_cast<std::size_t>(num_nodes_), rows_per_chunk, couple_rows,
+                    [&](std::size_t, const Rows& rows) {
+                      const Offset begin = pattern.row_begin.back();
+                      for (const Offset end : rows.ends) pattern.row_begin.push_back(begin + end);
+                      pattern.columns.insert(pattern.columns.end(), rows.columns.begin(), rows.columns.end());
+                    });
   constexpr Offset most_slots = std::numeric_limits<Index>::max();
   if (pattern.num_slots() > most_slots)
     throw InputError("mesh", "at most " + std::to_string(most_slots) + " coupled pairs of nodes",

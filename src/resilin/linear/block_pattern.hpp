@@ -40,7 +40,7 @@ struct BlockPattern {
   ProductPlan product_plan;
 
   /// `slots_per_chunk` sets the size of the chunks of a product.
-  void complete(Offset slots_per_chunk = 8192);
+  void complete(Offset slots_per_chunk = 4096);
 };
 
 /// Collects which nodes are coupled.

@@ -13,7 +13,7 @@
 namespace resilin {
 namespace {
 
-constexpr std::size_t nodes_per_chunk = 4096;
+constexpr std::size_t nodes_per_chunk = 2048;
 
 /// Smoothed aggregation with the rigid body modes: a W-cycle with a forward Gauss-Seidel sweep on the way
 /// down and a backward one on the way up, in single precision.

@@ -10,7 +10,7 @@
 namespace resilin {
 namespace {
 
-constexpr std::size_t numbers_per_chunk = 1 << 14;
+constexpr std::size_t numbers_per_chunk = 1 << 13;
 /// A matrix that has changed by no more than this share of its diagonals is served by the preconditioner of
 /// the one before: at 0.1 a bar under load took a quarter more iterations, at 0.03 as many as before.
 constexpr double near_enough = 0.03;

@@ -25,7 +25,7 @@ std::vector<std::uint8_t> decoupled_unknowns(const BlockMatrix& A) {
       if (block[r * dim + c] != 0) fixed = 0;
   };
   constexpr int none = -1;
-  constexpr std::size_t nodes_per_chunk = 4096;
+  constexpr std::size_t nodes_per_chunk = 2048;
   parallel_for(
       static_cast<std::size_t>(A.num_nodes()), nodes_per_chunk, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i)

@@ -9,7 +9,7 @@ namespace resilin {
 
 DiagonalCheck check_diagonal(const BlockMatrix& A) {
   constexpr double round_off = 1e-14;
-  constexpr std::size_t nodes_per_chunk = 4096;
+  constexpr std::size_t nodes_per_chunk = 2048;
   struct Check : DiagonalCheck {
     Check& operator+=(const Check& later) {
       largest = std::max(largest, later.largest);

@@ -8,7 +8,7 @@
 namespace resilin {
 namespace {
 
-constexpr std::size_t nodes_per_chunk = 4096;
+constexpr std::size_t nodes_per_chunk = 2048;
 
 /// The diagonal of a node's diagonal block, then a row of the next block, or zeros.
 template <int dim>
@@ -42,10 +42,17 @@ void MatrixSample::take(const BlockMatrix& A) {
   pattern_ = A.pattern;
   const auto num_nodes = static_cast<std::size_t>(A.num_nodes());
   numbers_.resize(2 * num_nodes * static_cast<std::size_t>(A.dim));
-  double largest = 0;
-  for (std::size_t node = 0; node < num_nodes; ++node)
-    for (int d = 0; d < A.dim; ++d)
-      largest = std::max(largest, A.block(A.pattern->row_begin[node])[d * (A.dim + 1)]);
+  struct Largest {
+    double value = 0;
+    void operator+=(const Largest& other) { value = std::max(value, other.value); }
+  };
+  const double largest =
+      parallel_sum<Largest>(num_nodes, nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
+        Largest part;
+        for (std::size_t node = begin; node < end; ++node)
+          for (int d = 0; d < A.dim; ++d) part += {A.block(A.pattern->row_begin[node])[d * (A.dim + 1)]};
+        return part;
+      }).value;
   scale_ = largest > 0 ? 1 / largest : 1;
   parallel_for(num_nodes, nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t node = begin; node < end; ++node)

@@ -41,7 +41,7 @@ class MergedPattern {
   /// different slots at the same time.
   template <class Visit>
   void for_each_block(const BlockMatrix& A, const Visit& visit) const {
-    constexpr std::size_t slots_per_chunk = 8192;
+    constexpr std::size_t slots_per_chunk = 4096;
     parallel_for(A.pattern->columns.size(), slots_per_chunk, [&](std::size_t begin, std::size_t end) {
       for (auto s = static_cast<Offset>(begin); s < static_cast<Offset>(end); ++s)
         visit(base_slots_.empty() ? s : base_slots_[s], A.block(s));

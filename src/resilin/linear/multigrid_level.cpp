@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "resilin/core/memory.hpp"
 #include "resilin/core/parallel.hpp"
 #include "resilin/linear/small_block.hpp"
 
@@ -12,6 +13,8 @@ namespace resilin {
 namespace {
 
 using detail::multigrid_kernels;
+
+constexpr std::size_t numbers_per_task = 1 << 14;
 
 /// Inverts one block; its diagonal is raised until it is definite.
 template <int size>
@@ -54,8 +57,8 @@ void MultigridLevel::set_tentative(const std::vector<float>& modes) {
 void MultigridLevel::allocate() {
   const auto n = static_cast<std::size_t>(num_nodes()),
              numbers = static_cast<std::size_t>(numbers_per_block());
-  blocks.assign((n + columns.size()) * numbers + static_cast<std::size_t>(lanes()), 0.0F);
-  inverse_diagonal.assign(n * numbers + static_cast<std::size_t>(lanes()), 0.0F);
+  assign_zeros(blocks, (n + columns.size()) * numbers + static_cast<std::size_t>(lanes()));
+  assign_zeros(inverse_diagonal, n * numbers + static_cast<std::size_t>(lanes()));
   for (std::vector<float>* vector : {&x, &r, &b}) vector->assign(n * lanes(), 0.0F);
 }
 
@@ -78,7 +81,6 @@ bool MultigridLevel::invert_diagonal() {
 
 float MultigridLevel::largest_eigenvalue() {
   constexpr int iterations = 8;
-  constexpr std::size_t numbers_per_chunk = 1 << 15;
   struct Squares {
     double before = 0, after = 0;
     Squares& operator+=(const Squares& other) {
@@ -87,7 +89,7 @@ float MultigridLevel::largest_eigenvalue() {
       return *this;
     }
   };
-  parallel_for(x.size(), numbers_per_chunk, [&](std::size_t begin, std::size_t end) {
+  parallel_for(x.size(), numbers_per_task, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) x[k] = static_cast<float>(noise(k));
   });
   const auto apply_inverse = of_kind(multigrid_kernels().apply_inverse_diagonal);
@@ -98,7 +100,7 @@ float MultigridLevel::largest_eigenvalue() {
       apply_inverse(view(), {rows.first, rows.last}, r.data(), b.data());
     });
     const auto sum =
-        parallel_sum<Squares>(x.size(), numbers_per_chunk, [&](std::size_t begin, std::size_t end) {
+        parallel_sum<Squares>(x.size(), numbers_per_task, [&](std::size_t begin, std::size_t end) {
           Squares part;
           for (std::size_t k = begin; k < end; ++k) {
             if (static_cast<int>(k % lanes()) >= block_size()) continue;  // padding
@@ -108,7 +110,7 @@ float MultigridLevel::largest_eigenvalue() {
           return part;
         });
     estimate = static_cast<float>(std::sqrt(sum.after / sum.before));
-    parallel_for(x.size(), numbers_per_chunk, [&](std::size_t begin, std::size_t end) {
+    parallel_for(x.size(), numbers_per_task, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) x[k] = b[k] / estimate;
     });
   }
@@ -123,7 +125,9 @@ void MultigridLevel::project_to(MultigridLevel& coarse) {
     std::vector<float> work = row_work();
     smooth(view(), transfer(), {rows.first, rows.last}, damping, work.data());
   });
-  std::fill(coarse.blocks.begin(), coarse.blocks.end(), 0.0F);
+  parallel_for(coarse.blocks.size(), numbers_per_task, [&](std::size_t begin, std::size_t end) {
+    std::fill_n(coarse.blocks.begin() + static_cast<Offset>(begin), end - begin, 0.0F);
+  });
   const detail::CoarseView to = coarse.writable();
   transfers.forward([&](const ColoredChunks::Rows& rows) {
     std::vector<float> work = row_work();

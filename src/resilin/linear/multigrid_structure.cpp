@@ -1,15 +1,37 @@
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cassert>
 #include <limits>
 #include <numeric>
 #include <span>
 
+#include "resilin/core/memory.hpp"
+#include "resilin/core/parallel.hpp"
 #include "resilin/linear/multigrid_level.hpp"
 #include "resilin/linear/ordering.hpp"
 
 /// What of a level and the way to the next depends on its pattern alone.
 namespace resilin {
+namespace {
+
+constexpr std::size_t fine_rows_at_once = 2048, coarse_rows_at_once = 128;
+
+/// Rows of a pattern that a thread has found.
+struct RowsOfColumns {
+  std::vector<Index> columns;
+  std::vector<Offset> ends;  ///< in `columns`
+
+  void end_row() { ends.push_back(static_cast<Offset>(columns.size())); }
+  template <class Place>
+  void append_to(std::vector<Place>& begin_of_row, std::vector<Index>& all) const {
+    const auto begin = static_cast<Offset>(all.size());
+    for (const Offset end : ends) begin_of_row.push_back(static_cast<Place>(begin + end));
+    all.insert(all.end(), columns.begin(), columns.end());
+  }
+};
+
+}  // namespace
 
 bool MultigridLevel::connect(Aggregates& groups, MultigridLevel& coarse) {
   if (!find_lower_places() || !find_prolongation(groups)) return false;
@@ -52,22 +74,35 @@ bool MultigridLevel::find_prolongation(const Aggregates& groups) {
   constexpr auto none = std::numeric_limits<std::uint16_t>::max();
   std::vector<std::uint16_t>& places = wide_places.smoothing;
   places.reserve(pattern.num_entries());
-  std::vector<Offset> entry_of(static_cast<std::size_t>(groups.count), -1);
-  for (Index i = 0; i < num_nodes(); ++i) {
-    const Offset begin = prolongation_begin.back();
-    pattern.for_row(i, [&](Index j) {
-      const Index group = groups.of_node[j];
-      places.push_back(none);
-      if (group < 0 || groups.of_node[i] < 0) return;
-      if (entry_of[group] < begin) {
-        entry_of[group] = static_cast<Offset>(prolongation_columns.size());
-        prolongation_columns.push_back(group);
-      }
-      places.back() = static_cast<std::uint16_t>(entry_of[group] - begin);
-    });
-    prolongation_begin.push_back(static_cast<Offset>(prolongation_columns.size()));
-    if (prolongation_begin.back() - begin > none) return false;
-  }
+  struct Rows : RowsOfColumns {
+    std::vector<std::uint16_t> places;
+  };
+  const auto find = [&](std::size_t first, std::size_t last) {
+    Rows rows;
+    std::vector<Offset> entry_of(static_cast<std::size_t>(groups.count), -1);
+    for (auto i = static_cast<Index>(first); i < static_cast<Index>(last); ++i) {
+      const auto begin = static_cast<Offset>(rows.columns.size());
+      pattern.for_row(i, [&](Index j) {
+        const Index group = groups.of_node[j];
+        rows.places.push_back(none);
+        if (group < 0 || groups.of_node[i] < 0) return;
+        if (entry_of[group] < begin) {
+          entry_of[group] = static_cast<Offset>(rows.columns.size());
+          rows.columns.push_back(group);
+        }
+        rows.places.back() = static_cast<std::uint16_t>(entry_of[group] - begin);
+      });
+      rows.end_row();
+    }
+    return rows;
+  };
+  parallel_in_order(static_cast<std::size_t>(num_nodes()), fine_rows_at_once, find,
+                    [&](std::size_t, const Rows& rows) {
+                      rows.append_to(prolongation_begin, prolongation_columns);
+                      places.insert(places.end(), rows.places.begin(), rows.places.end());
+                    });
+  for (std::size_t i = 0; i + 1 < prolongation_begin.size(); ++i)
+    if (prolongation_begin[i + 1] - prolongation_begin[i] > none) return false;
   prolongation_columns.shrink_to_fit();
   return true;
 }
@@ -77,22 +112,29 @@ MultigridLevel::ProductRows MultigridLevel::find_product_rows(Index num_groups) 
   ProductRows product;
   product.begin.assign(1, 0);
   const FullPattern pattern = full();
+  const auto find = [&](std::size_t first, std::size_t last) {
+    RowsOfColumns rows;
+    std::vector<Index> seen_in_row(static_cast<std::size_t>(num_groups), -1);
+    for (auto i = static_cast<Index>(first); i < static_cast<Index>(last); ++i) {
+      pattern.for_row(i, [&](Index j) {
+        for (Offset k = prolongation_begin[j]; k < prolongation_begin[j + 1]; ++k) {
+          const Index group = prolongation_columns[k];
+          if (seen_in_row[group] == i) continue;
+          seen_in_row[group] = i;
+          rows.columns.push_back(group);
+        }
+      });
+      rows.end_row();
+    }
+    return rows;
+  };
+  parallel_in_order(
+      static_cast<std::size_t>(num_nodes()), fine_rows_at_once, find,
+      [&](std::size_t, const RowsOfColumns& rows) { rows.append_to(product.begin, product.columns); });
   target_begin.assign(1, 0);
   widest_product_ = 0;
-  std::vector<Offset> entry_of(static_cast<std::size_t>(num_groups), -1);
   for (Index i = 0; i < num_nodes(); ++i) {
-    const Offset begin = product.begin.back();
-    pattern.for_row(i, [&](Index j) {
-      for (Offset k = prolongation_begin[j]; k < prolongation_begin[j + 1]; ++k) {
-        const Index group = prolongation_columns[k];
-        if (entry_of[group] < begin) {
-          entry_of[group] = static_cast<Offset>(product.columns.size());
-          product.columns.push_back(group);
-        }
-      }
-    });
-    const Offset width = static_cast<Offset>(product.columns.size()) - begin;
-    product.begin.push_back(begin + width);
+    const Offset width = product.begin[i + 1] - product.begin[i];
     widest_product_ = std::max(widest_product_, static_cast<std::size_t>(width));
     target_begin.push_back(target_begin.back() + width * (prolongation_begin[i + 1] - prolongation_begin[i]));
   }
@@ -116,18 +158,26 @@ MultigridLevel::ProductRows MultigridLevel::find_product_rows(Index num_groups) 
 /// Which groups meet in P^T A P.
 NodeGraph MultigridLevel::couple_groups(const ProductRows& product) {
   const auto num_groups = static_cast<Index>(product.reach_begin.size()) - 1;
+  const auto couple = [&](std::size_t first, std::size_t last) {
+    RowsOfColumns rows;
+    std::vector<Index> seen_in_row(static_cast<std::size_t>(num_groups), -1);
+    for (auto group = static_cast<Index>(first); group < static_cast<Index>(last); ++group) {
+      const auto begin = static_cast<Offset>(rows.columns.size());
+      product.for_each(group, [&](Index column, Offset) {
+        if (column == group || seen_in_row[column] == group) return;
+        seen_in_row[column] = group;
+        rows.columns.push_back(column);
+      });
+      std::sort(rows.columns.begin() + begin, rows.columns.end());
+      rows.end_row();
+    }
+    return rows;
+  };
   NodeGraph graph;
   graph.begin.assign(1, 0);
-  std::vector<Index> seen_in_row(static_cast<std::size_t>(num_groups), -1);
-  for (Index group = 0; group < num_groups; ++group) {
-    product.for_each(group, [&](Index column, Offset) {
-      if (column == group || seen_in_row[column] == group) return;
-      seen_in_row[column] = group;
-      graph.neighbours.push_back(column);
-    });
-    std::sort(graph.neighbours.begin() + graph.begin.back(), graph.neighbours.end());
-    graph.begin.push_back(static_cast<Index>(graph.neighbours.size()));
-  }
+  parallel_in_order(
+      static_cast<std::size_t>(num_groups), coarse_rows_at_once, couple,
+      [&](std::size_t, const RowsOfColumns& rows) { rows.append_to(graph.begin, graph.neighbours); });
   return graph;
 }
 
@@ -139,23 +189,33 @@ bool MultigridLevel::find_coarse_rows(const ProductRows& product, const NodeGrap
   const std::vector<Index> number = inverse_of(order.node_at);
   coarse.row_begin.assign(1, 0);
   coarse.columns.clear();
-  wide_places.coarse.assign(static_cast<std::size_t>(target_begin.back()), 0);
-  std::vector<std::uint16_t> place_of(static_cast<std::size_t>(num_groups), 0);
-  for (Index row = 0; row < num_groups; ++row) {
-    const Index group = order.node_at[row];
-    const Offset begin = coarse.row_begin.back();
-    for (Index k = graph.begin[group]; k < graph.begin[group + 1]; ++k)
-      if (number[graph.neighbours[k]] > row) coarse.columns.push_back(number[graph.neighbours[k]]);
-    std::sort(coarse.columns.begin() + begin, coarse.columns.end());
-    coarse.row_begin.push_back(static_cast<Offset>(coarse.columns.size()));
-    if (coarse.row_begin.back() - begin > std::numeric_limits<std::uint16_t>::max() - 2) return false;
-    place_of[row] = 1;
-    for (Offset k = begin; k < coarse.row_begin.back(); ++k)
-      place_of[coarse.columns[k]] = static_cast<std::uint16_t>(2 + k - begin);
-    product.for_each(group, [&](Index column, Offset target) {
-      if (number[column] >= row) wide_places.coarse[target] = place_of[number[column]];
-    });
-  }
+  assign_zeros(wide_places.coarse, static_cast<std::size_t>(target_begin.back()));
+  // Each product belongs to one row, so that rows write to places of their own.
+  const auto find = [&](std::size_t first, std::size_t last) {
+    RowsOfColumns rows;
+    std::vector<std::uint16_t> place_of(static_cast<std::size_t>(num_groups), 0);
+    for (auto row = static_cast<Index>(first); row < static_cast<Index>(last); ++row) {
+      const Index group = order.node_at[row];
+      const auto begin = static_cast<Offset>(rows.columns.size());
+      for (Index k = graph.begin[group]; k < graph.begin[group + 1]; ++k)
+        if (number[graph.neighbours[k]] > row) rows.columns.push_back(number[graph.neighbours[k]]);
+      std::sort(rows.columns.begin() + begin, rows.columns.end());
+      rows.end_row();
+      place_of[row] = 1;
+      for (Offset k = begin; k < rows.ends.back(); ++k)
+        place_of[rows.columns[k]] = static_cast<std::uint16_t>(2 + k - begin);
+      product.for_each(group, [&](Index column, Offset target) {
+        if (number[column] >= row) wide_places.coarse[target] = place_of[number[column]];
+      });
+    }
+    return rows;
+  };
+  parallel_in_order(
+      static_cast<std::size_t>(num_groups), coarse_rows_at_once, find,
+      [&](std::size_t, const RowsOfColumns& rows) { rows.append_to(coarse.row_begin, coarse.columns); });
+  for (Index row = 0; row < num_groups; ++row)
+    if (coarse.row_begin[row + 1] - coarse.row_begin[row] > std::numeric_limits<std::uint16_t>::max() - 2)
+      return false;
   coarse.columns.shrink_to_fit();
   return true;
 }
@@ -163,14 +223,18 @@ bool MultigridLevel::find_coarse_rows(const ProductRows& product, const NodeGrap
 /// In most levels one byte is enough for the maps: rows of the prolongation and of both products are short.
 void MultigridLevel::narrow_the_places() {
   constexpr std::uint16_t none = 0xffff, most = 0xff;
+  constexpr std::size_t places_per_chunk = 1 << 16;
   Places<std::uint8_t> narrow;
   const auto take = [&](const auto& wide, auto& into) {
-    into.reserve(wide.size());
-    for (const std::uint16_t place : wide) {
-      if (place >= most && place != none) return false;
-      into.push_back(static_cast<std::uint8_t>(std::min(place, most)));
-    }
-    return true;
+    std::atomic<bool> are_narrow = true;
+    assign_zeros(into, wide.size());
+    parallel_for(wide.size(), places_per_chunk, [&](std::size_t first, std::size_t last) {
+      for (std::size_t k = first; k < last; ++k) {
+        if (wide[k] >= most && wide[k] != none) are_narrow = false;
+        into[k] = static_cast<std::uint8_t>(std::min(wide[k], most));
+      }
+    });
+    return are_narrow.load();
   };
   if (!take(wide_places.lower, narrow.lower) || !take(wide_places.smoothing, narrow.smoothing) ||
       !take(wide_places.coarse, narrow.coarse))

@@ -91,7 +91,7 @@ TentativeProlongation orthonormalize_groups(const NodeModes& modes, const Aggreg
 RigidModes::RigidModes(int dim, const VectorX& positions, std::span<const std::uint8_t> is_fixed,
                        std::span<const Index> node_at)
     : size(dim), count(dim == 3 ? 6 : 3), positions_(positions), is_fixed_(is_fixed), node_at_(node_at) {
-  constexpr std::size_t nodes_per_chunk = 8192;
+  constexpr std::size_t nodes_per_chunk = 2048;
   struct Sum {
     Vector3 vector = Vector3::Zero();
     Sum& operator+=(const Sum& other) {

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <span>
 
+#include "resilin/core/parallel.hpp"
 #include "resilin/element/catalog.hpp"
 #include "resilin/element/jacobian_bound.hpp"
 #include "resilin/mesh/edit.hpp"
@@ -135,11 +136,13 @@ double volume_round_off(const Mesh& mesh, const CellBlock& block, Index cell) {
   return 16 * std::numeric_limits<double>::epsilon() * side * std::max(length, coordinate);
 }
 
-CellSigns cell_signs(const Mesh& mesh, const CellBlock& block) {
+namespace {
+
+CellSigns signs_of_some(const Mesh& mesh, const CellBlock& block, Index first, Index last) {
   CellSigns signs;
   const bool has_constant_jacobian = !is_box_like(block.kind) && !is_second_order(block.kind);
   std::vector<Index> nodes;
-  for (Index cell = 0; cell < block.num_cells(); ++cell) {
+  for (Index cell = first; cell < last; ++cell) {
     const double volume = signed_volume(mesh, block, cell);
     const double round_off = volume_round_off(mesh, block, cell);
     if (!std::isfinite(volume) || !std::isfinite(round_off)) {
@@ -159,6 +162,26 @@ CellSigns cell_signs(const Mesh& mesh, const CellBlock& block) {
     if (sign.kind != JacobianSign::Kind::positive) signs.folded.push_back({cell, sign.value, sign.xi});
   }
   return signs;
+}
+
+}  // namespace
+
+CellSigns cell_signs(const Mesh& mesh, const CellBlock& block) {
+  constexpr std::size_t cells_per_chunk = 2048;
+  CellSigns all;
+  const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+  parallel_in_order(
+      static_cast<std::size_t>(block.num_cells()), cells_per_chunk,
+      [&](std::size_t first, std::size_t last) {
+        return signs_of_some(mesh, block, static_cast<Index>(first), static_cast<Index>(last));
+      },
+      [&](std::size_t, const CellSigns& signs) {
+        append(all.inverted, signs.inverted);
+        append(all.flat, signs.flat);
+        append(all.not_finite, signs.not_finite);
+        append(all.folded, signs.folded);
+      });
+  return all;
 }
 
 std::vector<std::pair<Index, Index>> duplicate_cells(const CellBlock& block) {

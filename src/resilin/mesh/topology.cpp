@@ -1,10 +1,13 @@
 #include "resilin/mesh/topology.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <numeric>
 #include <string>
+#include <tuple>
 
 #include "resilin/core/memory.hpp"
+#include "resilin/core/parallel.hpp"
 
 namespace resilin {
 namespace {
@@ -65,36 +68,44 @@ void visit_facets(const CellBlock& block, const std::function<void(std::span<con
     std::array<Index, 4> key;
     Facet facet;
   };
+  constexpr std::size_t cells_per_chunk = 4096, buckets_per_chunk = 4096;
   const auto num_sides = static_cast<int>(cell_sides(block.kind).size());
-  const std::size_t num_facets =
-      static_cast<std::size_t>(block.num_cells()) * static_cast<std::size_t>(num_sides);
-  const double bytes = 2.0 * static_cast<double>(num_facets * sizeof(Keyed));  // in both orders
+  const auto num_cells = static_cast<std::size_t>(block.num_cells());
+  const std::size_t num_facets = num_cells * static_cast<std::size_t>(num_sides);
+  const auto bytes = static_cast<double>(num_facets * sizeof(Keyed));
   if (!fits(bytes))
     foresee_memory(bytes, "finding the surface of " + std::to_string(block.num_cells()) + " cells",
                    what_would_fit(block.num_cells(), bytes, "cells") + ": take fewer, or raise the limit");
-  std::vector<Keyed> facets;
-  facets.reserve(num_facets);
-  Index largest = -1;
-  for (Index cell = 0; cell < block.num_cells(); ++cell) {
-    for (int local = 0; local < num_sides; ++local) {
-      const auto key = sorted(facet_corners(block, {cell, local}));
-      largest = std::max(largest, key[3]);
-      facets.push_back({key, {cell, local}});
-    }
-  }
-  // Counting sort by the largest node, then a short sort within each bucket.
-  std::vector<std::size_t> begin(static_cast<std::size_t>(largest) + 2, 0);
-  for (const Keyed& f : facets) ++begin[static_cast<std::size_t>(f.key[3]) + 1];
-  std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  std::vector<Keyed> ordered(facets.size());
-  std::vector<std::size_t> next = begin;
-  for (const Keyed& f : facets) ordered[next[static_cast<std::size_t>(f.key[3])]++] = f;
-
-  const auto at = [&](std::size_t i) { return ordered.begin() + static_cast<std::ptrdiff_t>(i); };
-  for (std::size_t bucket = 0; bucket + 1 < begin.size(); ++bucket) {
-    std::stable_sort(at(begin[bucket]), at(begin[bucket + 1]),
-                     [](const Keyed& a, const Keyed& b) { return a.key < b.key; });
-  }
+  const auto for_each_side = [&](const auto& use) {
+    parallel_for(num_cells, cells_per_chunk, [&](std::size_t first, std::size_t last) {
+      for (auto cell = static_cast<Index>(first); cell < static_cast<Index>(last); ++cell)
+        for (int local = 0; local < num_sides; ++local)
+          use(Keyed{sorted(facet_corners(block, {cell, local})), {cell, local}});
+    });
+  };
+  // Counting sort by the largest node, then a short sort within each bucket, in whose order no two are equal.
+  const Index num_nodes = block.nodes.empty() ? 0 : *std::ranges::max_element(block.nodes) + 1;
+  std::vector<std::size_t> next(static_cast<std::size_t>(num_nodes) + 1, 0);
+  for_each_side([&](const Keyed& f) {
+    std::atomic_ref(next[static_cast<std::size_t>(f.key[3]) + 1]).fetch_add(1, std::memory_order_relaxed);
+  });
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  std::vector<Keyed> ordered;
+  assign_zeros(ordered, num_facets);
+  for_each_side([&](const Keyed& f) {
+    const auto bucket = static_cast<std::size_t>(f.key[3]);
+    ordered[std::atomic_ref(next[bucket]).fetch_add(1, std::memory_order_relaxed)] = f;
+  });
+  // Each bucket now ends where it says, and begins where the one before ends.
+  parallel_for(next.size() - 1, buckets_per_chunk, [&](std::size_t first, std::size_t last) {
+    for (std::size_t bucket = first; bucket < last; ++bucket)
+      std::sort(ordered.begin() + static_cast<std::ptrdiff_t>(bucket == 0 ? 0 : next[bucket - 1]),
+                ordered.begin() + static_cast<std::ptrdiff_t>(next[bucket]),
+                [](const Keyed& a, const Keyed& b) {
+                  return std::tie(a.key, a.facet.cell, a.facet.local) <
+                         std::tie(b.key, b.facet.cell, b.facet.local);
+                });
+  });
   std::vector<Facet> uses;
   for (std::size_t i = 0; i < ordered.size(); ++i) {
     uses.push_back(ordered[i].facet);

@@ -5,6 +5,8 @@
 #include <limits>
 #include <vector>
 
+#include "resilin/core/parallel.hpp"
+
 namespace resilin {
 namespace {
 
@@ -51,17 +53,24 @@ double Convergence::weighted_norm(const VectorX& gradient) const {
 
 Index Convergence::worst_unknown() const {
   const Eigen::Index dim = gradient_->size() / parts_->num_nodes();
-  Index worst = -1;
-  double largest = -1;
-  for (Eigen::Index i = 0; i < gradient_->size(); ++i) {
-    if (is_fixed_[static_cast<std::size_t>(i)] != 0 || parts_->of_node(static_cast<Index>(i / dim)) != worst_)
-      continue;
-    const double size = std::abs((*gradient_)[i]);
-    if (!(size > largest) && !std::isnan(size)) continue;
-    largest = size;
-    worst = static_cast<Index>(i);
-    if (std::isnan(size)) break;
-  }
+  constexpr std::size_t numbers_per_chunk = 1 << 14;
+  struct Worst {  // the first that is none, else the first of the largest
+    Index unknown = -1;
+    double size = -1;
+    void operator+=(const Worst& other) {
+      if (!std::isnan(size) && (other.size > size || std::isnan(other.size))) *this = other;
+    }
+  };
+  const auto [worst, largest] =
+      parallel_sum<Worst>(static_cast<std::size_t>(gradient_->size()), numbers_per_chunk,
+                          [&](std::size_t begin, std::size_t end) {
+                            Worst part;
+                            for (auto i = static_cast<Index>(begin); i < static_cast<Index>(end); ++i)
+                              if (is_fixed_[static_cast<std::size_t>(i)] == 0 &&
+                                  parts_->of_node(static_cast<Index>(i / dim)) == worst_)
+                                part += {i, std::abs((*gradient_)[i])};
+                            return part;
+                          });
   const Share& share = parts_->share();
   if (share.is_whole()) return worst;
   // One process knows it: nan is the largest, and the first process goes before others.

@@ -33,7 +33,7 @@ class Sets {
   std::vector<Index> parent_;
 };
 
-constexpr std::size_t nodes_per_chunk = 4096;
+constexpr std::size_t nodes_per_chunk = 2048;
 
 /// A power of two times which numbers have squares that neither vanish nor overflow; 1 where they have
 /// anyway.
@@ -180,14 +180,25 @@ VectorX Parts::norms(const VectorX& values, std::span<const std::uint8_t> is_fix
 }
 
 VectorX Parts::largest(const VectorX& values) const {
-  VectorX largest = VectorX::Zero(count_);
-  const auto num_nodes = static_cast<Eigen::Index>(part_of_.size());
-  const Eigen::Index dim = values.size() / num_nodes;
-  for (Eigen::Index node = 0; node < num_nodes; ++node) {
-    double& so_far = largest[part_of_[static_cast<std::size_t>(node)]];
-    for (Eigen::Index i = node * dim; i < (node + 1) * dim; ++i)
-      so_far = std::max(so_far, std::abs(values[i]));
-  }
+  struct Largest : VectorX {
+    Largest& operator+=(const Largest& other) {
+      if (size() == 0) return *this = other;
+      for (Eigen::Index part = 0; part < size(); ++part) (*this)[part] = std::max((*this)[part], other[part]);
+      return *this;
+    }
+  };
+  const Eigen::Index dim = values.size() / static_cast<Eigen::Index>(part_of_.size());
+  VectorX largest =
+      parallel_sum<Largest>(part_of_.size(), nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
+        Largest so_far;
+        so_far.setZero(count_);
+        for (std::size_t node = begin; node < end; ++node) {
+          double& of_part = so_far[part_of_[node]];
+          const auto first = static_cast<Eigen::Index>(node) * dim;
+          for (Eigen::Index i = first; i < first + dim; ++i) of_part = std::max(of_part, std::abs(values[i]));
+        }
+        return so_far;
+      });
   share_.largest(std::span(largest.data(), static_cast<std::size_t>(largest.size())));
   return largest;
 }

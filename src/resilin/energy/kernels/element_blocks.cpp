@@ -14,7 +14,7 @@
 namespace resilin {
 namespace {
 
-constexpr std::size_t nodes_per_chunk = 16384;
+constexpr std::size_t nodes_per_chunk = 2048, lanes_per_chunk = 1024;
 
 /// Interleaves the bits of up to three coordinates of 21 bits: position on the Morton curve.
 std::uint64_t morton_key(const std::array<std::uint32_t, 3>& coordinates) {
@@ -61,7 +61,7 @@ void sort_in_space(std::vector<Index>& nodes, int dim, const VectorX& positions)
                                   static_cast<std::uint32_t>(p[2])}),
                       node);
   }
-  std::sort(keys.begin(), keys.end());
+  parallel_sort(keys, std::less<>());
   for (std::size_t i = 0; i < keys.size(); ++i) nodes[i] = keys[i].second;
 }
 
@@ -94,12 +94,14 @@ std::vector<Index> sorted_cells(const std::vector<Index>& cells, int num_nodes) 
   const auto n = static_cast<std::size_t>(num_nodes);
   std::vector<Index> keys = cells;
   const std::size_t num_cells = cells.size() / n;
-  for (std::size_t c = 0; c < num_cells; ++c)
-    std::sort(keys.begin() + static_cast<std::ptrdiff_t>(c * n),
-              keys.begin() + static_cast<std::ptrdiff_t>((c + 1) * n));
+  parallel_for(num_cells, lanes_per_chunk, [&](std::size_t first, std::size_t last) {
+    for (std::size_t c = first; c < last; ++c)
+      std::sort(keys.begin() + static_cast<std::ptrdiff_t>(c * n),
+                keys.begin() + static_cast<std::ptrdiff_t>((c + 1) * n));
+  });
   std::vector<Index> order(num_cells);
   std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&](Index a, Index b) {
+  parallel_sort(order, [&](Index a, Index b) {
     const Index* ka = keys.data() + static_cast<std::size_t>(a) * n;
     const Index* kb = keys.data() + static_cast<std::size_t>(b) * n;
     for (std::size_t i = 0; i < n; ++i)
@@ -125,10 +127,14 @@ std::vector<Index> spread_over_blocks(const std::vector<Index>& order) {
   return lanes;
 }
 
-void check_volume(double volume, Index cell) {
-  if (volume > 0 && std::isfinite(volume)) return;
-  throw InputError("cell " + std::to_string(cell), "a positive volume", format_number(volume),
-                   "number its nodes the other way round, or remove it");
+void check_volumes(const ElementBlocks& blocks) {
+  const std::size_t of_block = blocks.num_points * block_size;
+  for (std::size_t i = 0; i < blocks.weights.size(); ++i) {
+    const Index cell = blocks.cells[i / of_block * block_size + i % block_size];
+    if (cell < 0 || (blocks.weights[i] > 0 && std::isfinite(blocks.weights[i]))) continue;
+    throw InputError("cell " + std::to_string(cell), "a positive volume", format_number(blocks.weights[i]),
+                     "number its nodes the other way round, or remove it");
+  }
 }
 
 /// Writes geometry and nodes of a cell into a lane.
@@ -149,7 +155,6 @@ void fill_lane(const ElementInfo& element, const QuadratureRule& rule, std::span
   const std::size_t num_points = rule.points.size();
   for (std::size_t q = 0; q < num_points; ++q) {
     const PointGeometry geometry = point_geometry(element, rule.points[q], positions);
-    if (!is_copy) check_volume(geometry.weight, out.cells[block * block_size + lane]);
     out.weights[(block * num_points + q) * block_size + lane] = is_copy ? 0 : geometry.weight;
     for (std::size_t k = 0; k < dim * dim && !out.is_linear_simplex(); ++k)
       out.gradients[((block * num_points + q) * dim * dim + k) * block_size + lane] =
@@ -225,20 +230,23 @@ ElementBlocks make_element_blocks(const ElementInfo& element, const QuadratureRu
   const std::size_t lanes = out.num_blocks * block_size;
   foresee_geometry(element, rule, lanes);
   out.cells = spread_over_blocks(order);
-  out.nodes.resize(lanes * n);
+  assign_zeros(out.nodes, lanes * n);
   const auto dim = static_cast<std::size_t>(element.dim);
   out.num_points = rule.points.size();
-  out.weights.resize(lanes * out.num_points);
+  assign_zeros(out.weights, lanes * out.num_points);
   if (!out.is_linear_simplex()) {
-    out.gradients.resize(lanes * out.num_points * dim * dim);
+    assign_zeros(out.gradients, lanes * out.num_points * dim * dim);
     out.reference_gradients = reference_gradients(element, rule);
   }
-  for (std::size_t i = 0; i < lanes; ++i) {
-    const bool is_copy = out.cells[i] < 0;
-    const auto cell = static_cast<std::size_t>(is_copy ? order.back() : out.cells[i]);
-    fill_lane(element, rule, cells.subspan(cell * n, n), std::span(local).subspan(cell * n, n), is_copy,
-              i / block_size, i % block_size, rest_positions, out);
-  }
+  parallel_for(lanes, lanes_per_chunk, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      const bool is_copy = out.cells[i] < 0;
+      const auto cell = static_cast<std::size_t>(is_copy ? order.back() : out.cells[i]);
+      fill_lane(element, rule, cells.subspan(cell * n, n), std::span(local).subspan(cell * n, n), is_copy,
+                i / block_size, i % block_size, rest_positions, out);
+    }
+  });
+  check_volumes(out);
   return out;
 }
 
