@@ -85,6 +85,79 @@ TEST(ResumedRun, GoesOnToALaterEndWithoutBeingAskedTwice) {
   EXPECT_EQ(folder.read("longer/checkpoint.bin"), folder.read("whole/checkpoint.bin"));
 }
 
+/// Steps into the folder, and then no more: what a run that is killed leaves.
+void run_until_killed(const std::filesystem::path& folder, const Description& scene, int steps) {
+  Simulation simulation(scene);
+  ResultFolder results(folder);
+  results.resume(simulation, Resume::same_scene);
+  results.record(simulation, false);
+  for (int step = 0; step < steps; ++step) {
+    simulation.step();
+    results.record(simulation, false);
+  }
+}
+
+/// A bar that falls onto colliders: a floor and a ball, standing or moving.
+Description bar_onto_colliders(int dimension, bool floor_moves, bool ball_moves) {
+  Description scene = small_bar(dimension, true);
+  const Vector3 down = scene.gravity.normalized();
+  ColliderDescription floor;
+  floor.name = "floor";
+  floor.shape.point = 0.02 * down;
+  floor.shape.normal = -down;
+  if (floor_moves) floor.velocity = -0.05 * down;
+  ColliderDescription ball;
+  ball.name = "ball";
+  ball.kind = "sphere";
+  ball.shape.center = Vector3(1.1, 0.1, dimension == 3 ? 0.1 : 0) + 0.4 * down;
+  ball.shape.radius = 0.2;
+  if (ball_moves) ball.velocity = -0.1 * down;
+  scene.colliders = {floor, ball};
+  scene.output.every = 2;
+  scene.output.formats = {OutputFormat::vtu, OutputFormat::html, OutputFormat::usda};
+  return scene;
+}
+
+TEST(ResumedRun, LeavesTheFilesOfTheUnbrokenRunHoweverOftenItWasKilled) {
+  std::mt19937 random(7);
+  for (const int dimension : {2, 3})
+    for (const auto& [floor_moves, ball_moves] :
+         {std::pair(false, false), std::pair(true, false), std::pair(false, true), std::pair(true, true)}) {
+      SCOPED_TRACE(std::to_string(dimension) + (floor_moves ? " floor" : "") + (ball_moves ? " ball" : ""));
+      const TemporaryFolder folder;
+      const Description scene = bar_onto_colliders(dimension, floor_moves, ball_moves);
+      run_into(folder / "whole", scene, 0);
+      run_until_killed(folder / "parts", scene, 2);
+      for (int part = 0; part < 3; ++part) {
+        run_into(folder / "parts", scene, 1 + static_cast<int>(random() % 3));
+        run_until_killed(folder / "parts", scene, static_cast<int>(random() % 4));
+      }
+      run_into(folder / "parts", scene, 0);
+      const auto whole = files_in(folder / "whole"), parts = files_in(folder / "parts");
+      EXPECT_EQ(whole.contains("colliders/0001.vtu"), floor_moves || ball_moves);
+      for (const auto& [name, bytes] : whole)
+        EXPECT_TRUE(parts.contains(name) && parts.at(name) == bytes) << name;
+      EXPECT_EQ(parts.size(), whole.size());
+    }
+}
+
+/// What stands in the folder is kept where it is of the scene that is gone on with, and only there.
+TEST(ResumedRun, WritesCollidersAnewThatHaveNoFileOrAreOfAnotherScene) {
+  const TemporaryFolder folder;
+  Description scene = bar_onto_colliders(3, false, false);
+  run_into(folder / "out", scene, 2);
+  const std::string first = folder.read("out/colliders/0000.vtu");
+  std::filesystem::remove(folder / "out" / "colliders" / "0000.vtu");
+  run_into(folder / "out", scene, 2);
+  EXPECT_FALSE(folder.read("out/colliders/0000.vtu").empty());
+  scene.colliders[1].shape.radius = 0.1;
+  run_into(folder / "out", scene, 2, Resume::anyway);
+  const std::string other = folder.read("out/colliders/0000.vtu");
+  EXPECT_TRUE(other != first);
+  run_into(folder / "out", scene, 0);
+  EXPECT_TRUE(folder.read("out/colliders/0000.vtu") == other);
+}
+
 /// The clock goes on where it stood, whatever the steps are from there on.
 TEST(ResumedRun, WithOtherStepsGoesOnFromTheTimeThatItHadReached) {
   for (const double factor : {0.25, 0.7, 3.0}) {

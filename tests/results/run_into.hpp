@@ -1,7 +1,10 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <string>
 
+#include "resilin/io/atomic_file.hpp"
 #include "resilin/results/results.hpp"
 #include "resilin/results/run.hpp"
 
@@ -24,6 +27,17 @@ inline RunOutcome run_into(const std::filesystem::path& folder, const Descriptio
   results.record(simulation, true);
   results.finish(simulation, outcome);
   return outcome;
+}
+
+/// Every kind of file that a run leaves, by its name, but those that hold times.
+inline std::map<std::string, std::string> files_in(const std::filesystem::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    const std::string name = std::filesystem::relative(entry.path(), folder).string();
+    if (entry.is_regular_file() && name != "report.json" && name != "result.html")
+      files[name] = read_file(entry.path());
+  }
+  return files;
 }
 
 }  // namespace resilin::testing

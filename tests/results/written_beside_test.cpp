@@ -25,18 +25,11 @@ class WrittenBeside : public ::testing::TestWithParam<int> {
   int before_ = num_threads();
 };
 
-/// Every kind of file that a run leaves, by its name.
 std::map<std::string, std::string> files_of(const Description& scene) {
   const TemporaryFolder folder;
   run_into(folder / "run", scene, 3);
   run_into(folder / "run", scene, 0);
-  std::map<std::string, std::string> files;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder / "run")) {
-    const std::string name = std::filesystem::relative(entry.path(), folder / "run").string();
-    if (entry.is_regular_file() && name != "report.json" && name != "result.html")  // they hold times
-      files[name] = folder.read("run/" + name);
-  }
-  return files;
+  return files_in(folder / "run");
 }
 
 Description bar_above_a_floor(int dimension, const std::string& element) {

@@ -75,9 +75,8 @@ struct ResultFolder::Contents {
   std::optional<FieldEvaluator> evaluator;  ///< of the world whose states are recorded
   std::optional<ShownResults> shown;        ///< of the same
   std::vector<std::pair<std::string, std::uintmax_t>> shown_files;
-  bool has_written_colliders = false;  ///< one file is enough where none moves
-  double output_seconds = 0;           ///< that the run has waited for
-  double seconds_before;               ///< until the folder was made, and of the run that this one resumes
+  double output_seconds = 0;  ///< that the run has waited for
+  double seconds_before;      ///< until the folder was made, and of the run that this one resumes
   int resumed_step = -1;  ///< whose frame was measured anew, without the numbers of the step that led to it
 
   /// Waits for what is written beside a step; throws what went wrong with it.
@@ -162,10 +161,13 @@ struct ResultFolder::Contents {
     std::filesystem::remove(folder / collider_list_name, error);
   }
 
+  /// Colliders that stand still have one file, that of the first frame, whichever run has written it.
   void write_colliders(const World& world, const State& state) {
-    if (!has_colliders(world) || (has_written_colliders && !any_collider_moves(world))) return;
-    write_frame(folder / collider_file_name(world, frames.size()), collider_content(world, state));
-    has_written_colliders = true;
+    if (!has_colliders(world)) return;
+    const std::filesystem::path file = folder / collider_file_name(world, frames.size());
+    const bool is_first = frames.empty() || any_collider_moves(world);
+    if (is_first || !std::filesystem::is_regular_file(file))
+      write_frame(file, collider_content(world, state));
   }
 
   RunSummary summary(const Simulation& simulation, const RunOutcome& outcome) const {
@@ -238,8 +240,12 @@ ResultFolder::Resumed ResultFolder::resume(Simulation& simulation, Resume rule) 
   Checkpoint checkpoint = parse_checkpoint(read_file(path), path.string());
   Resumed resumed{.has_checkpoint = true,
                   .difference = check_scene(checkpoint, simulation.world().fingerprint, rule, path.string())};
-  // Those of the scene as it was.
-  if (resumed.difference) checkpoint.state.accelerations.resize(0);
+  if (resumed.difference) {  // those of the scene as it was
+    checkpoint.state.accelerations.resize(0);
+    std::error_code error;
+    if (!any_collider_moves(simulation.world()))
+      std::filesystem::remove(contents_->folder / collider_file_name(simulation.world(), 0), error);
+  }
   SavedReport report = read_report(contents_->folder / report_name);
   // Of another scene the strain then is none of this one's.
   simulation.resume_from(checkpoint.state, path.string(), checkpoint.failed_steps,
