@@ -12,7 +12,10 @@
 #include "resilin/core/text.hpp"
 #include "resilin/io/atomic_file.hpp"
 #include "resilin/live/live_scene.hpp"
+#include "resilin/live/played_otherwise.hpp"
+#include "resilin/results/build_info.hpp"
 #include "resilin/results/playable_page.hpp"
+#include "resilin/results/taking_up.hpp"
 #include "resilin/scene/scene.hpp"
 #include "terminal.hpp"
 
@@ -20,7 +23,7 @@ namespace resilin::cli {
 namespace {
 
 struct ExportOptions {
-  std::string scene, out, engine;
+  std::string shown, out, engine;  ///< `shown`: scene or folder
   std::vector<std::string> overrides;
 };
 
@@ -42,10 +45,44 @@ std::filesystem::path engine_file(const ExportOptions& options) {
 std::string read_engine(const std::filesystem::path& path) {
   std::string engine = read_file(path);
   constexpr std::string_view mark("\0asm", 4);
-  if (!engine.starts_with(mark))
-    throw InputError(one_line(path.string()), "a WebAssembly module", "a file that is none",
-                     "scripts/build_wasm.sh builds it");
+  const bool is_module = engine.starts_with(mark);
+  constexpr std::string_view newest_call = "resilin_start";
+  if (!is_module || engine.find(newest_call) == std::string::npos)
+    throw InputError(one_line(path.string()), "the WebAssembly module of Resilin " + std::string(version()),
+                     is_module ? "another one" : "a file that is none", "scripts/build_wasm.sh builds it");
   return engine;
+}
+
+std::string cells_of(const World& world) {
+  Offset cells = 0;
+  for (const Body& body : world.bodies) cells += body.num_cells();
+  return std::to_string(cells) + " cells to play with";
+}
+
+void write_page(const ExportOptions& options, const std::string& page, const std::string& what) {
+  write_text(options.out, page);
+  print_line(one_line(options.out) + ": " + what + " in " + format_bytes(page.size()) +
+             "; open it in a browser, no server and no network is needed");
+}
+
+void export_scene(const ExportOptions& options, const std::string& engine) {
+  const Scene scene = read_scene(options.shown, {.overrides = options.overrides});
+  const LiveScene live(scene.description);  // what cannot be played is said here, not in the browser
+  print_warnings(scene.warnings);
+  write_page(options, playable_page(engine, scene.description, scene.warnings), cells_of(live.world()));
+}
+
+/// A recording that is taken up by hand.
+void export_results(const ExportOptions& options, const std::string& engine) {
+  if (!options.overrides.empty())
+    throw InputError("--set", "a scene to change", "the folder of results " + one_line(options.shown));
+  const std::filesystem::path folder = options.shown;
+  const std::shared_ptr<const World> world = world_to_take_up(folder);
+  const LiveScene live(*world->made_from, state_to_take_up(folder, *world, 0));
+  const std::vector<std::string> notes = played_otherwise(*world->made_from);
+  const std::string page = recorded_page_to_take_up(engine, folder, *world, notes);
+  for (const std::string& note : notes) print_line("taken up by hand: " + note);
+  write_page(options, page, "a recording, and " + cells_of(*world) + " from each of its frames");
 }
 
 int export_page(const ExportOptions& options) {
@@ -54,16 +91,10 @@ int export_page(const ExportOptions& options) {
     throw InputError(one_line(options.out), "a name that ends in .html",
                      out.extension().empty() ? "none" : one_line(out.extension().string()));
   const std::string engine = read_engine(engine_file(options));
-  const Scene scene = read_scene(options.scene, {.overrides = options.overrides});
-  const LiveScene live(scene.description);  // what cannot be played is said here, not in the browser
-  std::vector<std::string> warnings = scene.warnings;
-  print_warnings(warnings);
-  Offset cells = 0;
-  for (const Body& body : live.world().bodies) cells += body.num_cells();
-  const std::string page = playable_page(engine, scene.description, warnings);
-  write_text(out, page);
-  print_line(one_line(options.out) + ": " + std::to_string(cells) + " cells to play with in " +
-             format_bytes(page.size()) + "; open it in a browser, no server and no network is needed");
+  if (std::filesystem::is_directory(options.shown))
+    export_results(options, engine);
+  else
+    export_scene(options, engine);
   return done;
 }
 
@@ -71,9 +102,14 @@ int export_page(const ExportOptions& options) {
 
 void add_export(CommandLine& line, Action& action) {
   auto options = std::make_shared<ExportOptions>();
-  const Command command =
-      line.command("export", "Write a scene as one page that anyone can open and pull at, offline");
-  command.option("scene", options->scene, "Scene file (TOML)").required().type_name("SCENE.toml");
+  const Command command = line.command(
+      "export", "Write a scene, or a run, as one page that anyone can open and pull at, offline");
+  command
+      .option("shown", options->shown,
+              "Scene file (TOML), or folder of a run with formats = [\"vtu\", \"html\"]")
+      .required()
+      .type_name("SCENE.toml|DIR")
+      .is_file_or_folder({"toml"});
   command.option("out", options->out, "The page to write").required().type_name("PAGE.html");
   command.option("--set", options->overrides, "Change a value of the scene; may be given several times")
       .type_name("KEY=VALUE")
@@ -83,11 +119,11 @@ void add_export(CommandLine& line, Action& action) {
               "The WebAssembly module that simulates in the page; default that of this installation")
       .type_name("resilin_play.wasm");
   command.footer(
-      "Example:\n  resilin export examples/spot.toml spot.html\n\nThe page holds the scene, its meshes and "
-      "the "
-      "solver, "
-      "compiled to WebAssembly: it opens from disk in\na browser of today, on a phone, too. "
-      "scripts/build_wasm.sh builds the module once.");
+      "Examples:\n  resilin export examples/spot.toml spot.html\n  resilin export out/spot spot.html\n\n"
+      "The page holds the scene, its meshes and the solver, compiled to WebAssembly: it opens from disk in\n"
+      "a browser of today, on a phone, too. That of a run plays its frames, as result.html does, and goes "
+      "on\n"
+      "by hand from any of them. scripts/build_wasm.sh builds the module once.");
   command.on_chosen([options, &action] { action = [options] { return export_page(*options); }; });
 }
 

@@ -27,11 +27,12 @@ using Clock = resilin::viewer::LiveTurns::Clock;
 
 /// A scene that one page plays with.
 struct Game {
-  explicit Game(std::string image, std::vector<std::string> warnings)
+  Game(std::string image, std::vector<std::string> warnings, std::optional<resilin::State> start)
       : turns(std::make_unique<resilin::viewer::ServedLiveScene>(
                   [image = std::move(image), warnings = std::move(warnings)] {
                     return Scene{resilin::deserialize_description(image, "the scene of this page"), warnings};
-                  }),
+                  },
+                  resilin::viewer::SaveChanges{}, std::move(start)),
               mailbox) {
     room.opened(page);
   }
@@ -46,6 +47,7 @@ struct Game {
 struct Program {
   std::string input, output;
   std::vector<std::string> warnings;
+  std::optional<resilin::State> start;
   std::unique_ptr<Game> game;
 };
 
@@ -83,10 +85,17 @@ RESILIN_EXPORT(resilin_output_size) std::uint32_t resilin_output_size() {
 /// Adds the input to the warnings of the scene that is then opened.
 RESILIN_EXPORT(resilin_warn) void resilin_warn() { program().warnings.push_back(program().input); }
 
+/// The scene that is then opened begins at the state whose image is the input.
+RESILIN_EXPORT(resilin_start) int resilin_start() {
+  return without_throwing(
+      [] { program().start = resilin::deserialize_state(program().input, "the frame of this page"); });
+}
+
 /// Begins to play with the scene whose image is the input.
 RESILIN_EXPORT(resilin_open) int resilin_open() {
-  return without_throwing(
-      [] { program().game = std::make_unique<Game>(std::move(program().input), program().warnings); });
+  return without_throwing([] {
+    program().game = std::make_unique<Game>(std::move(program().input), program().warnings, program().start);
+  });
 }
 
 /// The page says what the input holds: docs/view_protocol.md, "Messages of the page".

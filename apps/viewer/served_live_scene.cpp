@@ -25,8 +25,8 @@ std::string title_of(const World& world) {
 
 }  // namespace
 
-ServedLiveScene::Loaded::Loaded(Scene scene)
-    : Loaded(std::make_shared<LiveScene>(scene.description), std::move(scene.warnings)) {
+ServedLiveScene::Loaded::Loaded(Scene scene, const std::optional<State>& start)
+    : Loaded(std::make_shared<LiveScene>(scene.description, start), std::move(scene.warnings)) {
   description = std::move(scene.description);
   const std::vector<std::string>& more = live->world().warnings;
   warnings.insert(warnings.end(), more.begin(), more.end());
@@ -44,10 +44,15 @@ ServedLiveScene::Loaded::Loaded(std::shared_ptr<LiveScene> played, std::vector<s
   positions.resize(3 * num_vertices);
   if (surface.dimension() == 3) normals.resize(3 * num_vertices);
   field.resize(num_vertices);
+  previous_time = live->state().time;
+  previous_conditions = live->conditions();
 }
 
-ServedLiveScene::ServedLiveScene(std::function<Scene()> read, SaveChanges save)
-    : read_(std::move(read)), save_(std::move(save)), loaded_(std::make_unique<Loaded>(read_())) {}
+ServedLiveScene::ServedLiveScene(std::function<Scene()> read, SaveChanges save, std::optional<State> start)
+    : read_(std::move(read)),
+      start_(std::move(start)),
+      save_(std::move(save)),
+      loaded_(std::make_unique<Loaded>(read_(), start_)) {}
 
 ServedLiveScene::ServedLiveScene(std::shared_ptr<LiveScene> live, std::vector<std::string> warnings)
     : loaded_(std::make_unique<Loaded>(std::move(live), std::move(warnings))) {}
@@ -223,7 +228,7 @@ std::string ServedLiveScene::save() {
 void ServedLiveScene::reload() {
   const double present_speed = speed();
   if (read_) {
-    loaded_ = std::make_unique<Loaded>(read_());
+    loaded_ = std::make_unique<Loaded>(read_(), start_);
   } else {
     free_faces();
     loaded_->live->set_controls(loaded_->first_controls);

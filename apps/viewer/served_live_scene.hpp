@@ -32,9 +32,11 @@ using SaveChanges = std::function<std::string(const SceneChanges&)>;
 class ServedLiveScene : public ServedScene {
  public:
   /// @param read  reads the scene, now and at each reload
-  /// @param save  null: the scene cannot be saved
+  /// @param save   null: the scene cannot be saved
+  /// @param start  of a run of this scene, which goes on from there; none: the scene's own
   /// @throws InputError
-  explicit ServedLiveScene(std::function<Scene()> read, SaveChanges save = {});
+  explicit ServedLiveScene(std::function<Scene()> read, SaveChanges save = {},
+                           std::optional<State> start = {});
   /// @param live  somebody else's, too, though not at the same time; a reload is a reset with the controls
   /// that
   ///              it has now
@@ -69,7 +71,7 @@ class ServedLiveScene : public ServedScene {
   };
   /// All that a reload replaces.
   struct Loaded {
-    explicit Loaded(Scene scene);
+    Loaded(Scene scene, const std::optional<State>& start);
     Loaded(std::shared_ptr<LiveScene> played, std::vector<std::string> words);
 
     std::shared_ptr<LiveScene> live;
@@ -100,6 +102,7 @@ class ServedLiveScene : public ServedScene {
   Vector3 checked_place(const Vector3& place, const char* what) const;
 
   std::function<Scene()> read_;  ///< null: the scene is somebody else's
+  std::optional<State> start_;
   SaveChanges save_;
   std::unique_ptr<Loaded> loaded_;
 };

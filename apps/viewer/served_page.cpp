@@ -6,7 +6,7 @@
 #include "recorded_fields.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/percent_decoding.hpp"
-#include "resilin/results/saved_report.hpp"
+#include "resilin/results/taking_up.hpp"
 #include "resilin/view/page.hpp"
 
 namespace resilin::viewer {
@@ -40,21 +40,15 @@ LiveServer::LiveServer(std::unique_ptr<ServedScene> scene, const ServerOptions& 
       loop_(std::move(scene), mailbox_, [this] { server_.wake(); }) {}
 
 std::map<std::string, Resource> recorded_resources(const std::filesystem::path& folder) {
-  const std::filesystem::path recording = folder / "recording.bin", report = folder / "report.json";
-  for (const std::filesystem::path& file : {recording, report}) {
-    if (std::filesystem::is_regular_file(file)) continue;
-    throw InputError(folder.string(), "a folder of results with " + file.filename().string(), "one without",
-                     "run the scene again with formats = [\"vtu\", \"html\"] in [output]");
-  }
-  read_report(report);  // what is damaged is said here, not in the browser
+  const RecordedFiles files(folder);
   const auto fields = std::make_shared<RecordedFields>(folder);
   const MakeBytes list = [fields](std::string_view, const std::function<bool()>&) { return fields->list(); };
   const MakeBytes values = [fields](std::string_view target, const std::function<bool()>& is_wanted) {
     return fields->values(query_value(target, "name"), is_wanted);
   };
   return {{"/", page("recorded")},
-          {"/recording", {"application/octet-stream", recording, {}}},
-          {"/report", {"application/json", report, {}}},
+          {"/recording", {"application/octet-stream", files.recording, {}}},
+          {"/report", {"application/json", files.report, {}}},
           {"/fields", {"application/json", list, {}}},
           {"/field", {"application/octet-stream", values, {}}}};
 }

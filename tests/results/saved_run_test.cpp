@@ -14,6 +14,7 @@
 #include "resilin/results/result_picture.hpp"
 #include "resilin/results/results.hpp"
 #include "resilin/results/run.hpp"
+#include "resilin/results/taking_up.hpp"
 #include "small_scenes.hpp"
 #include "temporary_folder.hpp"
 
@@ -250,6 +251,42 @@ TEST(PicturesOfFarScenes, AreThoseOfNearOnes) {
   std::size_t different = 0;
   for (std::size_t i = 0; i < near.pixels.size(); ++i) different += near.pixels[i] != far.pixels[i] ? 1 : 0;
   EXPECT_LE(different, near.pixels.size() / 1000);  // edges of triangles that end on the edge of a pixel
+}
+
+/// A ball that comes too fast for the bar in its way: where it is then, its frames say.
+TEST(FramesOfARunWithColliders, SayHowFarTheseAreBehind) {
+  const TemporaryFolder folder;
+  Description scene = small_bar(3, true);
+  scene.end_time = 0.2;
+  ColliderDescription ball;
+  ball.name = "ball";
+  ball.kind = "sphere";
+  ball.shape.center = {1.6, 0.13, 0.12};
+  ball.shape.radius = 0.5;
+  ball.velocity = {-20, 0, 0};
+  scene.colliders.push_back(ball);
+  Simulation simulation(scene);
+  ResultFolder results(folder / "out");
+  std::vector<State> states;
+  double longest_delay = 0;
+  const auto record = [&](bool is_last) {
+    results.record(simulation, is_last);
+    states.push_back(simulation.state());
+    longest_delay = std::max(longest_delay, simulation.state().collider_delay);
+  };
+  record(false);
+  const RunOutcome outcome =
+      run_to_end(simulation, {.after_step = [&](const StepReport&) { record(simulation.is_finished()); }});
+  results.finish(simulation, outcome);
+  ASSERT_GT(longest_delay, 0);
+  const std::shared_ptr<const World> world = world_to_take_up(folder / "out");
+  for (std::size_t number = 0; number < states.size(); ++number) {
+    const State state = state_to_take_up(folder / "out", *world, number);
+    EXPECT_EQ(state.time, states[number].time);
+    EXPECT_EQ(state.positions, states[number].positions);
+    EXPECT_EQ(state.velocities, states[number].velocities);
+    EXPECT_EQ(state.collider_delay, states[number].collider_delay);
+  }
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <iosfwd>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -27,8 +28,9 @@ struct VtuData {
   std::span<const Vector3> points;    ///< [m]
   std::span<const CellBlock> blocks;  ///< written one after another
   std::vector<VtuArray> point_data;
-  std::vector<VtuArray> cell_data;  ///< over the cells of all blocks, in their order
-  std::optional<double> time = {};  ///< [s], shown by ParaView
+  std::vector<VtuArray> cell_data;             ///< over the cells of all blocks, in their order
+  std::optional<double> time = {};             ///< [s], shown by ParaView
+  std::map<std::string, double> numbers = {};  ///< of the whole
 };
 
 /// Writes VTK XML (UnstructuredGrid) with raw appended doubles; beside and renamed.
@@ -54,6 +56,7 @@ struct VtuContent {
   std::vector<VtuValues> point_data;
   std::vector<VtuValues> cell_data;
   std::optional<double> time = {};
+  std::map<std::string, double> numbers = {};  ///< others of the whole
 };
 
 /// Reads VTK XML unstructured grids: one piece, ASCII, base64 or appended (raw or base64), also

@@ -58,9 +58,14 @@ class VtuReader {
       if (is_numeric(array)) content.cell_data.push_back(values(array, cells_.size()));
     }
     for (const XmlTag& array : arrays_.field_data) {
-      if (array.attribute("Name") != "TimeValue") continue;
-      const std::vector<double> time = decoder_.values(array);
-      if (time.size() == 1 && std::isfinite(time[0])) content.time = time[0];
+      const bool is_time = array.attribute("Name") == "TimeValue";
+      if (!is_time && (!is_numeric(array) || array.attribute("NumberOfTuples", "") != "1")) continue;
+      const std::vector<double> number = decoder_.values(array);
+      if (number.size() != 1 || !std::isfinite(number[0])) continue;
+      if (is_time)
+        content.time = number[0];
+      else
+        content.numbers[array.attribute("Name")] = number[0];
     }
     restore_groups(content);
     content.file = mesh_.finish();

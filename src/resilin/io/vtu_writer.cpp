@@ -68,7 +68,7 @@ class Appended {
   /// Field data need the number of tuples.
   void single_value(std::string_view name, double value) {
     kept_.push_back(std::make_unique<double>(value));
-    stream_ << "<DataArray type=\"Float64\" Name=\"" << name
+    stream_ << "<DataArray type=\"Float64\" Name=\"" << escaped(name)
             << "\" NumberOfTuples=\"1\" format=\"appended\" offset=\"" << offset_ << "\"/>\n";
     add_bytes(std::as_bytes(std::span<const double>(kept_.back().get(), 1)));
   }
@@ -165,9 +165,10 @@ void write_vtu(std::ostream& stream, const VtuData& data) {
   stream << "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\""
          << (is_little ? "LittleEndian" : "BigEndian") << "\" header_type=\"UInt64\">\n<UnstructuredGrid>\n";
   Appended appended(stream);
-  if (data.time) {
+  if (data.time || !data.numbers.empty()) {
     stream << "<FieldData>\n";
-    appended.single_value("TimeValue", *data.time);
+    if (data.time) appended.single_value("TimeValue", *data.time);
+    for (const auto& [name, number] : data.numbers) appended.single_value(name, number);
     stream << "</FieldData>\n";
   }
   stream << "<Piece NumberOfPoints=\"" << data.points.size() << "\" NumberOfCells=\"" << cells.types.size()

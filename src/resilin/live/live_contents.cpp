@@ -80,7 +80,7 @@ std::unique_ptr<LinearSolver> live_solver(const World& world) {
 
 }  // namespace
 
-LiveScene::Contents::Contents(const Description& scene)
+LiveScene::Contents::Contents(const Description& scene, const std::optional<State>& given_start)
     : description(in_motion(scene)),
       world(description),
       newton(world.dimension, world.pattern, live_solver(world)),
@@ -95,22 +95,41 @@ LiveScene::Contents::Contents(const Description& scene)
     controls.has_ground = true;
     controls.ground_friction = collider.friction;
     controls.ground_height = collider.shape.point.dot(up);
+    floor_options = {.activation_distance = collider.activation_distance, .stiffness = collider.stiffness};
+  }
+  start.positions = world.start_positions;
+  start.velocities = world.start_velocities;
+  start.load = 1;
+  if (given_start) {
+    check_places(given_start->positions, given_start->velocities, "start");
+    start.positions = given_start->positions;
+    start.velocities = given_start->velocities;
+    start.time = given_start->time;
+    start.load = given_start->load;
+    start.collider_delay = given_start->collider_delay;
+    goes_on = has_path;
   }
   reset();
 }
 
+void LiveScene::Contents::check_places(const VectorX& positions, const VectorX& velocities,
+                                       const char* place) const {
+  const Eigen::Index size = world.rest_positions.size();
+  for (const VectorX* values : {&positions, &velocities})
+    if (values->size() != size || !values->allFinite())
+      throw InputError(place, std::to_string(size) + " finite numbers",
+                       values->size() != size ? std::to_string(values->size()) : "inf or nan");
+}
+
 void LiveScene::Contents::reset() {
-  state = State{};
-  state.positions = world.start_positions;
-  state.velocities = world.start_velocities;
-  state.load = 1;
+  state = start;
   held.reset();
   pinned.clear();
   ball.reset();
   floor.reset();
   mending_steps = 0;
   renew_fixed();
-  renew_floor();
+  renew_floor(/*least_gap=*/0);  // where bodies start on it, as in a run
   renew_fold_barriers();
   look_at_cells();
   renew_terms();
@@ -172,13 +191,15 @@ void LiveScene::Contents::look_at_cells() {
 }
 
 /// Places a floor below all bodies; it then rises to its height.
-void LiveScene::Contents::renew_floor() {
+void LiveScene::Contents::renew_floor(double least_gap) {
   const Vector3 goal = controls.ground_height * up;
-  const Vector3 start = floor ? floor->barrier()->place({}) : goal;
+  const Vector3 begin = floor ? floor->barrier()->place({}) : goal;
   floor.reset();
   if (!controls.has_ground) return;
-  floor.emplace("ground", world, state.positions, std::make_shared<HalfSpace>(start, up), -up,
-                controls.ground_friction);
+  ObstacleOptions options = floor_options;
+  options.friction = controls.ground_friction;
+  options.least_gap = least_gap;
+  floor.emplace("ground", world, state.positions, std::make_shared<HalfSpace>(begin, up), -up, options);
   floor->set_goal(goal);
 }
 

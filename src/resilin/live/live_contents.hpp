@@ -28,13 +28,14 @@ struct Calm {
 };
 
 struct LiveScene::Contents {
-  explicit Contents(const Description& scene);
+  Contents(const Description& scene, const std::optional<State>& given_start);
 
   void reset();
   void wake() { calm = {}, report.at_rest = false; }
   void renew_terms();
   void renew_fixed();
-  void renew_floor();
+  void renew_floor(double least_gap = ObstacleOptions{}.least_gap);
+  void check_places(const VectorX& positions, const VectorX& velocities, const char* place) const;
   void renew_fold_barriers();  ///< the terms are then to be renewed
   void look_at_cells();
   void advance_obstacles();
@@ -46,8 +47,12 @@ struct LiveScene::Contents {
   bool is_seeking() const;
   /// What loads and supports take for the time: that of a static scene ends with its path.
   double scene_time(double time) const { return std::min(time, path_time); }
+  /// Likewise the load factor: that of the start, unless a static run goes on along its path.
+  double scene_load(double time) const { return goes_on ? scene_time(time) / path_time : state.load; }
   Conditions conditions() const {
-    return {.time = scene_time(state.time), .load = 1, .collider_delay = state.collider_delay};
+    return {.time = scene_time(state.time),
+            .load = scene_load(state.time),
+            .collider_delay = state.collider_delay};
   }
   void step(const StepBudget& budget);
   NewtonReport minimize(Potential& potential, const Flight& guess, const VectorX& targets, double tolerance,
@@ -74,11 +79,13 @@ struct LiveScene::Contents {
   std::vector<std::uint8_t> is_fixed;  ///< by supports, pins and held faces
   Newton newton;
   LiveControls controls;
+  State start;  ///< to which a reset comes back
   State state;
   LiveReport report;
   std::optional<Held> held;
   std::vector<std::shared_ptr<FoldBarrier>> fold_barriers;  ///< by body; null where the law has its own
   std::optional<Obstacle> floor, ball;
+  ObstacleOptions floor_options;  ///< what the scene says of its own
   double ball_radius = 0;
   Vector3 up = Vector3::UnitZ();  ///< what the floor faces, whatever gravity becomes
   std::vector<Index> pinned;
@@ -89,6 +96,7 @@ struct LiveScene::Contents {
   double extent = 1;
   double end_of_changes = 0;  ///< [s]
   double path_time = 0;       ///< of a static scene: when it has its full load [s]
+  bool goes_on = false;       ///< a static scene from where a run has left it on such a path
 };
 
 }  // namespace resilin

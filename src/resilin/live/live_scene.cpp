@@ -9,7 +9,8 @@
 
 namespace resilin {
 
-LiveScene::LiveScene(const Description& description) : contents_(std::make_unique<Contents>(description)) {}
+LiveScene::LiveScene(const Description& description, const std::optional<State>& start)
+    : contents_(std::make_unique<Contents>(description, start)) {}
 LiveScene::~LiveScene() = default;
 LiveScene::LiveScene(LiveScene&&) noexcept = default;
 LiveScene& LiveScene::operator=(LiveScene&&) noexcept = default;
@@ -114,12 +115,7 @@ std::optional<double> LiveScene::ground() const {
 Vector3 LiveScene::up() const { return contents_->up; }
 
 void LiveScene::place(const VectorX& positions, const VectorX& velocities, std::optional<double> time) {
-  const auto fits = [&](const VectorX& values) {
-    return values.size() == contents_->state.positions.size() && values.allFinite();
-  };
-  if (!fits(positions) || !fits(velocities))
-    throw InputError("place", std::to_string(contents_->state.positions.size()) + " finite numbers",
-                     std::to_string(positions.size()));
+  contents_->check_places(positions, velocities, "place");
   contents_->state.positions = positions;
   contents_->state.velocities = velocities;
   if (time) contents_->state.time = *time;

@@ -56,7 +56,11 @@ struct StepBudget {
 class LiveScene {
  public:
   /// Static scenes move under their full loads. Throws InputError.
-  explicit LiveScene(const Description& description);
+  ///
+  /// @param start  a state that a run of this scene has left, from which it goes on, and to which `reset`
+  ///               comes back: its places, velocities, time, load factor and delay of colliders; none: the
+  ///               scene's own. What a static run left keeps its load factor, or goes on along its path.
+  explicit LiveScene(const Description& description, const std::optional<State>& start = {});
   ~LiveScene();
   LiveScene(LiveScene&&) noexcept;
   LiveScene& operator=(LiveScene&&) noexcept;

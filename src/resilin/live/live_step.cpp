@@ -91,13 +91,14 @@ void LiveScene::Contents::move_in_parts(const StepBudget& budget) {
 void LiveScene::Contents::move_in_time(double dt, const StepBudget& budget) {
   count_mending_steps();
   const double step = dt * mending_factor();
-  const History start{.now = {.positions = state.positions,
-                              .velocities = (dt / step) * (dt / step) * state.velocities,
-                              .accelerations = {}}};
-  const Stage stage = BackwardEuler().begin_stage(0, start, {}, step);
+  const History history{.now = {.positions = state.positions,
+                                .velocities = (dt / step) * (dt / step) * state.velocities,
+                                .accelerations = {}}};
+  const Stage stage = BackwardEuler().begin_stage(0, history, {}, step);
   const double time = scene_time(state.time + dt);
-  const Conditions conditions{
-      .time = time, .load = 1, .collider_delay = state.collider_delay + time - scene_time(state.time)};
+  const Conditions conditions{.time = time,
+                              .load = scene_load(state.time + dt),
+                              .collider_delay = state.collider_delay + time - scene_time(state.time)};
   VectorX targets = state.positions;
   place_supports(world.dimension, world.supports, world.rest_positions, conditions, targets);
   const bool is_driven = targets != state.positions;
@@ -147,8 +148,7 @@ double LiveScene::Contents::mending_factor() const {
 /// definite while velocities are no longer carried along.
 void LiveScene::Contents::move_to_equilibrium(const StepBudget& budget) {
   const double dt = controls.time_step;
-  const Conditions conditions{
-      .time = scene_time(state.time), .load = 1, .collider_delay = state.collider_delay};
+  const Conditions conditions = this->conditions();
   VectorX targets = state.positions;
   place_supports(world.dimension, world.supports, world.rest_positions, conditions, targets);
   const Stage stage{.base_positions = state.positions,

@@ -11,15 +11,16 @@ constexpr double least_motion = 1e-3;  ///< of the activation distance, to speak
 
 Obstacle::Obstacle(const std::string& name, const World& world, const VectorX& positions,
                    const std::shared_ptr<const ColliderShape>& shape, const Vector3& way_out,
-                   double friction) {
-  const double reach = default_activation_distance(world);
-  barrier_ = std::make_shared<ColliderBarrier>(name, world.dimension, shape, contact_points(world), reach,
-                                               ColliderMotion{}, friction);
+                   const ObstacleOptions& options) {
+  const double reach = options.activation_distance.value_or(default_activation_distance(world));
+  barrier_ = std::make_shared<ColliderBarrier>(name, world.dimension, shape,
+                                               contact_points(world, options.stiffness), reach,
+                                               ColliderMotion{}, options.friction);
   goal_ = shape->reference_point();
   // A node that is d inside comes out by moving at least -d along the way.
   for (int attempt = 0; attempt < 1000; ++attempt) {
     const double distance = barrier_->nearest(positions, {}).distance;
-    if (distance >= 0.1 * reach) break;
+    if (distance > options.least_gap * reach) break;
     barrier_->move_by((reach - distance + 1e-3 * reach) * way_out);
   }
 }

@@ -60,6 +60,7 @@ VtuContent frame_content(const World& world, const State& state, std::span<const
           {field->name, field->components(), reordered(values, field->components(), world, order)});
   }
   content.time = shown_time(world, state);
+  if (state.collider_delay > 0) content.numbers[delay_name] = state.collider_delay;
   return content;
 }
 
@@ -85,7 +86,8 @@ void write_frame(const std::filesystem::path& path, const VtuContent& content) {
                .blocks = content.file.mesh.blocks,
                .point_data = {},
                .cell_data = {},
-               .time = content.time};
+               .time = content.time,
+               .numbers = content.numbers};
   for (const VtuValues& array : content.point_data)
     data.point_data.push_back({array.name, array.components, array.values});
   for (const VtuValues& array : content.cell_data)

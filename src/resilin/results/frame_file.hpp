@@ -13,6 +13,9 @@ namespace resilin {
 /// number of the body on each cell. Bodies of one kind of cell stand together, else in their order.
 VtuContent frame_content(const World& world, const State& state, std::span<const FieldValues> fields);
 
+/// How far moving colliders are behind [s], among the numbers of a frame where they are.
+constexpr const char* delay_name = "collider_delay";
+
 /// "0007.vtu".
 std::string numbered_vtu(std::size_t number);
 

@@ -22,21 +22,27 @@ constexpr std::string_view notice =
     "libc++, libc++abi "
     "and libunwind (Apache-2.0 with LLVM exception), wasi-libc and musl (MIT, Rich Felker and others). -->";
 
-std::string packed(std::string_view id, std::string_view bytes) {
+}  // namespace
+
+std::string packed_script(std::string_view id, std::string_view bytes) {
   return script(id, "text/plain", base64(deflated(bytes)));
 }
 
-}  // namespace
+std::string json_script(std::string_view id, const nlohmann::json& value) {
+  const std::string json =
+      value.dump(-1, ' ', /*ensure_ascii=*/true, nlohmann::json::error_handler_t::replace);
+  return script(id, "application/json", escaped_for_page(json));
+}
+
+std::string solver_scripts(std::string_view engine, const Description& scene,
+                           std::span<const std::string> warnings) {
+  return std::string(notice) + packed_script("engine", engine) + packed_script("scene", serialize(scene)) +
+         json_script("warnings", std::vector<std::string>(warnings.begin(), warnings.end()));
+}
 
 std::string playable_page(std::string_view engine, const Description& scene,
                           std::span<const std::string> warnings) {
-  const nlohmann::json words(std::vector<std::string>(warnings.begin(), warnings.end()));
-  const std::string json =
-      words.dump(-1, ' ', /*ensure_ascii=*/true, nlohmann::json::error_handler_t::replace);
-  return page_with(source_script("playable") + std::string(notice) + packed("engine", engine) +
-                       packed("scene", serialize(scene)) +
-                       script("warnings", "application/json", escaped_for_page(json)),
-                   "");
+  return page_with(source_script("playable") + solver_scripts(engine, scene, warnings), "");
 }
 
 }  // namespace resilin

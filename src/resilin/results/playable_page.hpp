@@ -1,5 +1,6 @@
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
 #include <string_view>
@@ -15,5 +16,14 @@ namespace resilin {
 /// @param warnings  of the scene, one line each
 std::string playable_page(std::string_view engine, const Description& scene,
                           std::span<const std::string> warnings);
+
+/// What such a page has beside its source: the module, the scene and its warnings, each in a script.
+std::string solver_scripts(std::string_view engine, const Description& scene,
+                           std::span<const std::string> warnings);
+
+/// Bytes in a script of a page, as a zlib stream in base64.
+std::string packed_script(std::string_view id, std::string_view bytes);
+/// Values in a script of a page.
+std::string json_script(std::string_view id, const nlohmann::json& value);
 
 }  // namespace resilin

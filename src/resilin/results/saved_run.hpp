@@ -24,7 +24,8 @@ std::shared_ptr<const World> saved_world(const std::filesystem::path& folder);
 /// The same for the run that has left a file in its `frames`.
 std::shared_ptr<const World> saved_world_of_frame(const std::filesystem::path& file);
 
-/// The state whose frame this is: positions, velocities where time passes, time or load factor.
+/// The state whose frame this is: positions, velocities where time passes, time or load factor, and how
+/// far colliders are behind.
 /// @throws InputError  when `file` is not a frame of this world
 State state_of_frame(const World& world, const VtuContent& frame, const std::filesystem::path& file);
 

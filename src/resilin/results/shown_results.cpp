@@ -7,6 +7,7 @@
 #include "resilin/core/text.hpp"
 #include "resilin/io/atomic_file.hpp"
 #include "resilin/results/build_info.hpp"
+#include "resilin/results/file_names.hpp"
 #include "resilin/results/frame_fields.hpp"
 #include "resilin/results/saved_run.hpp"
 #include "resilin/view/page.hpp"
@@ -14,7 +15,6 @@
 namespace resilin {
 namespace {
 
-constexpr const char* recording_name = "recording.bin";
 constexpr const char* page_name = "result.html";
 constexpr const char* stage_name = "result.usda";
 constexpr const char* points_name = "result.usda.points";  ///< of the stage, while there is more to come
@@ -94,14 +94,32 @@ std::string base64(std::string_view bytes) {
   return text;
 }
 
-std::string page_with_recording(std::string_view recording, std::string_view report,
-                                std::string_view fields) {
+std::string page_with_recording(std::string_view recording, std::string_view report, std::string_view fields,
+                                std::string_view more) {
   return page_with(source_script("embedded") + "\n<script id=\"recording\" type=\"text/plain\">" +
                        base64(recording) + "</script>\n<script id=\"report\" type=\"application/json\">" +
                        escaped_for_page(report) +
                        "</script>\n<script id=\"fields\" type=\"application/json\">" +
-                       escaped_for_page(fields) + "</script>",
+                       escaped_for_page(fields) + "</script>" + std::string(more),
                    "");
+}
+
+std::string fields_beside_recording(const std::filesystem::path& folder, const World& world,
+                                    std::size_t num_frames) {
+  std::vector<std::filesystem::path> files = frame_files(folder);
+  if (!world.output.writes(OutputFormat::vtu) || num_frames > ShownResults::most_values_of_a_field ||
+      files.size() < num_frames)
+    return "[]";
+  files.resize(num_frames);
+  FrameFields frames(world, std::move(files));
+  if (frames.num_values() > ShownResults::most_values_of_a_field) return "[]";
+  const std::vector<ScalarField> fields = SurfaceFields::quick(world.dimension);
+  const std::vector<std::string> values = frames.values(fields, [] { return true; });
+  std::string list;
+  for (std::size_t i = 0; i < fields.size(); ++i)
+    list += (i > 0 ? ",\n" : "") + ("{\"field\": " + encode_field_info(fields[i], world)) +
+            ", \"values\": \"" + base64(deflated(values[i])) + "\"}";
+  return "[" + list + "]";
 }
 
 std::string recorded_page(const std::filesystem::path& folder, const World& world,
@@ -144,24 +162,6 @@ void ShownResults::record(std::size_t number, const State& state) {
   if (usda_) usda_->record(state.positions, time);
 }
 
-/// The fields that the recording does not hold, where they are small together.
-std::string ShownResults::other_fields(std::size_t num_frames) const {
-  std::vector<std::filesystem::path> files = frame_files(folder_);
-  if (!world_.output.writes(OutputFormat::vtu) || num_frames > most_values_of_a_field ||
-      files.size() < num_frames)
-    return "[]";
-  files.resize(num_frames);
-  FrameFields frames(world_, std::move(files));
-  if (frames.num_values() > most_values_of_a_field) return "[]";
-  const std::vector<ScalarField> fields = SurfaceFields::quick(world_.dimension);
-  const std::vector<std::string> values = frames.values(fields, [] { return true; });
-  std::string list;
-  for (std::size_t i = 0; i < fields.size(); ++i)
-    list += (i > 0 ? ",\n" : "") + ("{\"field\": " + encode_field_info(fields[i], world_)) +
-            ", \"values\": \"" + base64(deflated(values[i])) + "\"}";
-  return "[" + list + "]";
-}
-
 std::vector<std::pair<std::string, std::uintmax_t>> ShownResults::finish(std::size_t num_frames,
                                                                          const std::string& report,
                                                                          bool is_complete) {
@@ -174,7 +174,8 @@ std::vector<std::pair<std::string, std::uintmax_t>> ShownResults::finish(std::si
         recording.string() + " has " + format_bytes(size_of(recording)) +
         ", too much for one page: \"resilin view\" shows the folder; output.every writes fewer frames");
   } else if (recorder_) {
-    const std::string page = page_with_recording(read_file(recording), report, other_fields(num_frames));
+    const std::string page = page_with_recording(read_file(recording), report,
+                                                 fields_beside_recording(folder_, world_, num_frames));
     write_atomically(folder_ / page_name, [&page](std::ostream& stream) { stream << page; });
     files.emplace_back(page_name, page.size());
   }

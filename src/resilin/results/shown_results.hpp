@@ -42,7 +42,6 @@ class ShownResults {
 
  private:
   void keep(std::size_t num_frames);
-  std::string other_fields(std::size_t num_frames) const;
 
   std::filesystem::path folder_;
   const World& world_;
@@ -67,8 +66,14 @@ std::string recorded_page(const std::filesystem::path& folder, const World& worl
 
 /// A page with a recording and its report inside, and with fields beside those of the recording, as JSON
 /// (docs/view_protocol.md, "Addresses").
+/// @param more  scripts that the page has besides
 std::string page_with_recording(std::string_view recording, std::string_view report,
-                                std::string_view fields = "[]");
+                                std::string_view fields = "[]", std::string_view more = "");
+
+/// The fields of such a page, where they are small together: those of the frames in a folder that its
+/// recording does not hold.
+std::string fields_beside_recording(const std::filesystem::path& folder, const World& world,
+                                    std::size_t num_frames);
 
 /// JSON in a script of a page: no "<" can end the script or begin a comment.
 std::string escaped_for_page(std::string_view json);

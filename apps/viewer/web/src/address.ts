@@ -5,6 +5,7 @@ import type { Look } from "./viewport";
 
 export interface SharedView {
   frame?: number;
+  from?: number; // number of the frame from which the recorded scene is played with
   field?: string;
   camera?: Pose;
   look?: Partial<Look>;
@@ -16,6 +17,7 @@ const SWITCHES = ["wireframe", "cells", "cut", "cutFlip"] as const;
 export function writeAddress(view: SharedView): string {
   const parts: string[] = [];
   if (view.frame !== undefined) parts.push(`frame=${view.frame}`);
+  if (view.from !== undefined) parts.push(`from=${view.from}`);
   if (view.field) parts.push(`field=${encodeURIComponent(view.field)}`);
   if (view.camera) {
     const { azimuth, elevation, distance, target } = view.camera;
@@ -33,8 +35,10 @@ export function readAddress(hash: string): SharedView {
   const words = new URLSearchParams(hash.replace(/^#/, ""));
   const view: SharedView = {};
   const numbers = (name: string) => words.get(name)?.split(",").map(Number) ?? [];
-  const frame = Number(words.get("frame") ?? NaN);
-  if (Number.isInteger(frame) && frame >= 0) view.frame = frame;
+  for (const key of ["frame", "from"] as const) {
+    const number = Number(words.get(key) || NaN);
+    if (Number.isInteger(number) && number >= 0) view[key] = number;
+  }
   const field = words.get("field");
   if (field !== null) view.field = field;
   const camera = numbers("camera");

@@ -5,6 +5,7 @@ export interface Game {
   engine: Uint8Array; // the module
   scene: Uint8Array; // its image
   warnings: string[];
+  start: Uint8Array | null; // the image of the state that it begins at; null: its own start
 }
 
 interface Exports {
@@ -14,6 +15,7 @@ interface Exports {
   resilin_output(): number;
   resilin_output_size(): number;
   resilin_warn(): void;
+  resilin_start(): number;
   resilin_open(): number;
   resilin_receive(isText: number): number;
   resilin_wait(): number;
@@ -69,11 +71,15 @@ export class Engine {
     return new Engine(exports);
   }
 
-  /** Begins to play. */
-  open(scene: Uint8Array, warnings: string[]): void {
+  /** Begins to play, at the scene's own start or at another state. */
+  open(scene: Uint8Array, warnings: string[], start: Uint8Array | null = null): void {
     for (const warning of warnings) {
       this.put(new TextEncoder().encode(warning));
       this.exports.resilin_warn();
+    }
+    if (start) {
+      this.put(start);
+      this.check(this.exports.resilin_start());
     }
     this.put(scene);
     this.check(this.exports.resilin_open());

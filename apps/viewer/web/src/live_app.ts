@@ -1,6 +1,6 @@
 /** The page of a live scene. */
 
-import { AddressBar, nameOfField, readAddress } from "./address";
+import { AddressBar, nameOfField, readAddress, type SharedView, writeAddress } from "./address";
 import { element, icon, iconButton } from "./dom";
 import { Crosshair } from "./crosshair";
 import { Gestures, type Place } from "./gestures";
@@ -14,6 +14,7 @@ import type { ControlValue, Frame, Hello, PageMessage, State, Topology } from ".
 import { Shell } from "./shell";
 import type { Viewport } from "./viewport";
 import { Strip } from "./strip";
+import { goTo, type WordsOfStart } from "./taking_up";
 import { Tools, type Tool } from "./tools";
 import type { Scenery } from "./transport";
 
@@ -61,13 +62,13 @@ export class LiveApp {
   private hovered: Place | null = null;
   private isFirstScene = true;
   private restarts = 0; // how often time went back
-  private readonly addressBar = new AddressBar(() => ({
-    field: this.shell.choices.field,
-    camera: this.shell.viewport!.orbit.pose,
-    look: this.shell.choices,
-  }));
+  private readonly addressBar = new AddressBar(() => this.view());
 
-  constructor(scenery: Scenery) {
+  /** `start`: of a recorded scene, where it was taken up. */
+  constructor(
+    scenery: Scenery,
+    private readonly start: WordsOfStart | null = null,
+  ) {
     this.connection = new LiveConnection(scenery, {
       scene: (hello, topology) => this.setScene(hello, topology),
       state: (state) => this.setState(state),
@@ -115,12 +116,26 @@ export class LiveApp {
       },
     });
     addEventListener("keydown", (event) => this.key(event));
+    if (start)
+      addEventListener("hashchange", () => readAddress(location.hash).from !== start.from && location.reload());
     Object.assign(this.shell.inspected, {
       connection: this.connection,
       send: (message: PageMessage) => this.connection.send(message),
       held: () => this.tools?.held ?? null,
     });
     this.connection.connect();
+  }
+
+  private view(): SharedView {
+    const { choices, viewport } = this.shell;
+    const shown = readAddress(location.hash);
+    const frame = this.start ? { frame: shown.frame, from: this.start.from } : {};
+    return { ...frame, field: choices.field, camera: viewport!.orbit.pose, look: choices };
+  }
+
+  /** To the recording that the scene was taken up from. */
+  private goBack(): void {
+    goTo(writeAddress({ ...this.view(), from: undefined }));
   }
 
   private toolbar(): HTMLElement {
@@ -144,7 +159,9 @@ export class LiveApp {
       iconButton("reset", "Reset (r)", () => this.connection.send({ type: "reset" })),
     );
     group(
-      iconButton("open", "Open a mesh or a surface (Ctrl o)", () => this.opener.choose()),
+      this.start
+        ? iconButton("back", "Back to the recording (b)", () => this.goBack())
+        : iconButton("open", "Open a mesh or a surface (Ctrl o)", () => this.opener.choose()),
       this.saveButton,
       ...this.shell.cameraButtons,
       iconButton("help", "Mouse and keys (?)", () => this.overlays.showHelp(true)),
@@ -167,11 +184,13 @@ export class LiveApp {
       complain: (words) => this.overlays.say(words),
     };
     this.panel = new LivePanel(this.shell.gui!, hello, actions, this.tools);
-    this.overlays.setKeys([...KEYS, ...this.panel.hotkeys]);
+    const back: [string, string][] = this.start ? [["b", "back to the recording"]] : [];
+    this.overlays.setKeys([...KEYS, ...this.panel.hotkeys, ...back]);
     const { choices } = this.shell;
     viewport.setGround(hello.state.ground);
     if (!this.shell.cameraWasKept) this.shell.seeAll();
     if (this.isFirstScene) this.applyAddress(viewport);
+    if (this.start) this.describe(this.start);
     this.isFirstScene = false;
     choices.field = nameOfField(hello.fields, choices.field);
     this.shell.addDisplay({ look: () => this.addressBar.changed() });
@@ -181,6 +200,10 @@ export class LiveApp {
       .onChange((visible: boolean) => (this.strip.root.hidden = !visible));
     this.chooseField(choices.field);
     this.shell.inspected.header = hello;
+  }
+
+  private describe({ heading, notes }: WordsOfStart): void {
+    this.shell.subtitle.append(` · ${[heading, ...notes].join(" · ")}`);
   }
 
   /** What the address says of the view, as after the page was loaded again. */
@@ -266,6 +289,7 @@ export class LiveApp {
       m: () => shell.toggle("marks"),
       v: () => shell.recorder.toggle(),
       p: () => shell.takePicture(),
+      ...(this.start ? { b: () => this.goBack() } : {}),
       "?": () => this.overlays.showHelp(!this.overlays.helpIsOpen),
       Enter: () => this.actAtCrosshair(),
       Escape: () => this.leaveCrosshair(),

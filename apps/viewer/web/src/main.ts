@@ -3,11 +3,13 @@
 import { list, nullable, object, text, word } from "./decode";
 import { element } from "./dom";
 import { LiveApp } from "./live_app";
+import { readAddress } from "./address";
 import { readField } from "./protocol";
 import { type OtherFields, RecordedValues } from "./recorded_values";
 import { inflated, readRecording } from "./recording";
 import { readReport } from "./report";
 import { ResultsApp } from "./results_app";
+import { readTakingUp, type TakingUp, wordsOfStart } from "./taking_up";
 import { carried, hosted, served } from "./transport";
 
 const token = new URLSearchParams(location.search).get("token") ?? "";
@@ -58,22 +60,24 @@ async function startResults(embedded: boolean): Promise<void> {
     if (recording.frames.length === 0) throw new Error(recording.damage || "The recording holds no frame.");
     const report: unknown = JSON.parse(embedded ? textOf("report") || "null" : await (await fetched("report")).text());
     const values = new RecordedValues(recording, await otherFields(embedded));
-    new ResultsApp(values, nullable(readReport)(report, "report"));
+    new ResultsApp(values, nullable(readReport)(report, "report"), takingUp);
     words.remove();
   } catch (error) {
     words.textContent = `The results cannot be shown. ${error instanceof Error ? error.message : String(error)}`;
   }
 }
 
-/** A scene that the page has with it, and what simulates it. */
-async function startPlaying(): Promise<void> {
-  const unpacked = (id: string) => inflated(new Uint8Array(bytesOfBase64(textOf(id))));
+const unpacked = (id: string) => inflated(new Uint8Array(bytesOfBase64(textOf(id))));
+
+/** A scene that the page has with it, and what simulates it; `from`: the number of the recorded frame it begins at. */
+async function startPlaying(from?: number): Promise<void> {
   const words = element("p", { class: "reading", data: "reading", role: "status" }, "Reading the scene …");
   document.body.append(words);
   try {
     const warnings = list(text)(JSON.parse(textOf("warnings") || "[]"), "warnings");
-    const game = { engine: await unpacked("engine"), scene: await unpacked("scene"), warnings };
-    new LiveApp(carried(textOf("worker"), game));
+    const start = from === undefined ? null : await unpacked(`state-${from}`);
+    const game = { engine: await unpacked("engine"), scene: await unpacked("scene"), warnings, start };
+    new LiveApp(carried(textOf("worker"), game), from === undefined ? null : wordsOfStart(takingUp!, from));
     words.remove();
   } catch (error) {
     words.textContent = `The scene cannot be played with. ${error instanceof Error ? error.message : String(error)}`;
@@ -82,7 +86,10 @@ async function startPlaying(): Promise<void> {
 
 const readSource = object({ kind: word("live", "recorded", "embedded", "playable", "hosted") });
 const { kind } = readSource(JSON.parse(textOf("source")), "source");
+const takingUp: TakingUp | null = nullable(readTakingUp)(JSON.parse(textOf("taking_up") || "null"), "taking_up");
+const { from } = readAddress(location.hash);
 if (kind === "live") new LiveApp(served(token));
 else if (kind === "hosted") new LiveApp(hosted());
 else if (kind === "playable") void startPlaying();
+else if (takingUp?.frames.some(({ number }) => number === from)) void startPlaying(from);
 else void startResults(kind === "embedded");

@@ -39,7 +39,7 @@ function guarded(work: () => void): void {
 async function open(game: Game): Promise<void> {
   try {
     const loaded = await Engine.load(game.engine as BufferSource);
-    loaded.open(game.scene, game.warnings);
+    loaded.open(game.scene, game.warnings, game.start);
     engine = loaded;
   } catch (error) {
     scope.postMessage({ fault: error instanceof Error ? error.message : String(error) } satisfies Fault);

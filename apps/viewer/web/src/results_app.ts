@@ -1,6 +1,6 @@
 /** The page of recorded results. */
 
-import { AddressBar, nameOfField, readAddress, type SharedView } from "./address";
+import { AddressBar, nameOfField, readAddress, type SharedView, writeAddress } from "./address";
 import { Crosshair } from "./crosshair";
 import { element, iconButton } from "./dom";
 import { Gestures, type Place } from "./gestures";
@@ -13,6 +13,7 @@ import type { RecordedValues } from "./recorded_values";
 import type { Recording } from "./recording";
 import type { Report } from "./report";
 import { Shell } from "./shell";
+import { goTo, type TakingUp } from "./taking_up";
 import { Timeline } from "./timeline";
 import type { Viewport } from "./viewport";
 import * as THREE from "three";
@@ -52,6 +53,7 @@ export class ResultsApp {
   constructor(
     private readonly values: RecordedValues,
     private readonly report: Report | null,
+    private readonly takingUp: TakingUp | null,
   ) {
     const { recording } = values;
     this.shell = new Shell("recorded", this.overlays, {
@@ -84,7 +86,9 @@ export class ResultsApp {
         this.addressBar.changed();
       },
       share: () => void this.share(),
+      takenUp: takingUp ? () => this.takeUp() : null,
     });
+    if (takingUp) this.overlays.setKeys([...KEYS.slice(0, -1), ["t", "take the scene up by hand"], ...KEYS.slice(-1)]);
     this.plots = new Plots(values, report, (index) => this.timeline.seek(index));
     this.shell.bottom.append(this.timeline.root);
     this.shell.panelPlace.append(this.plots.root);
@@ -151,7 +155,9 @@ export class ResultsApp {
       },
     });
     addEventListener("keydown", (event) => this.key(event));
-    addEventListener("hashchange", () => this.applyAddress());
+    addEventListener("hashchange", () =>
+      readAddress(location.hash).from === undefined ? this.applyAddress() : location.reload(),
+    );
   }
 
   private click(at: Place): void {
@@ -268,6 +274,15 @@ export class ResultsApp {
     }
   }
 
+  /** The scene is played with from the frame that is shown. */
+  private takeUp(): void {
+    const { number } = this.values.recording.frames[this.timeline.index];
+    if (this.takingUp!.frames.some((frame) => frame.number === number)) {
+      this.addressBar.write(); // to which the browser's way back leads
+      goTo(writeAddress({ ...this.view(), range: undefined, from: number }));
+    } else this.overlays.say(`The state of frame ${number} is not in this page; take another one.`);
+  }
+
   private key(event: KeyboardEvent): void {
     if (event.ctrlKey || event.metaKey || event.altKey || belongsToControl(event)) return;
     const { timeline, shell } = this;
@@ -285,6 +300,7 @@ export class ResultsApp {
       m: () => shell.toggle("marks"),
       v: () => shell.recorder.toggle(),
       p: () => shell.takePicture(),
+      ...(this.takingUp ? { t: () => this.takeUp() } : {}),
       "?": () => this.overlays.showHelp(!this.overlays.helpIsOpen),
       Enter: () => this.probeAtCrosshair(),
       Escape: () => this.leaveProbe(),

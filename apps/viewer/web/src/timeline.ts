@@ -13,6 +13,7 @@ export interface TimelineEvents {
   /** `swing`: how much of a mode's shape is to be seen, 1 to -1. */
   shown(index: number, swing: number): void;
   share(): void;
+  takenUp: (() => void) | null; // null: the page cannot play with the scene
 }
 
 export class Timeline {
@@ -63,6 +64,7 @@ export class Timeline {
       "footer",
       { class: "head-up timeline-bar", data: "timeline-bar" },
       this.playButton,
+      ...(events.takenUp ? [iconButton("hand", "Take the scene up from here, by hand (t)", events.takenUp)] : []),
       this.slider,
       this.words,
       this.soundButton,

@@ -275,13 +275,14 @@ test("drags and acknowledgements are bytes, all else is JSON", () => {
 test("an address holds the whole view, and what is wrong in it is left out", () => {
   const view = {
     frame: 12,
+    from: 0,
     field: "von_mises",
     camera: { azimuth: 0.5, elevation: 0.25, distance: 3, target: [0, 1, -2] as [number, number, number] },
     look: { wireframe: true, cells: false, cut: true, cutFlip: false, cutAxis: "y" as const, cutAt: 0.3 },
     range: [1, 2e5] as [number, number],
   };
   assert.deepEqual(readAddress(writeAddress(view)), view);
-  const wrong = readAddress("#frame=-3&camera=1,2&cut=q9&range=5,1&show=nothing");
+  const wrong = readAddress("#frame=-3&from=x&camera=1,2&cut=q9&range=5,1&show=nothing");
   assert.deepEqual(wrong, { look: { wireframe: false, cells: false, cut: false, cutFlip: false } });
 });
 
