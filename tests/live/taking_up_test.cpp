@@ -126,10 +126,40 @@ TEST(TakenUpScene, GoesOnAsTheRunDoes) {
   }
 }
 
+/// Cells that a run has turned inside out move as their law says, until somebody lays hand on them.
+TEST(TakenUpScene, GoesOnWithCellsInsideOutAsTheRunDoes) {
+  Description scene = small_bar(3, true);
+  scene.gravity.setZero();
+  scene.bodies[0].material.law = "stable_neo_hookean";
+  scene.bodies[0].velocity_gradient = Vector3(-60, 0, 0).asDiagonal();
+  Simulation run(scene);
+  while (run.frame().min_volume_ratio > 0 && !run.is_finished()) ASSERT_EQ(run.step().reason, "");
+  ASSERT_LT(run.frame().min_volume_ratio, 0);
+  const State before = run.state();
+  LiveScene live(scene, before), pulled(scene, before);
+  LiveControls exact = live.controls();
+  exact.tolerance = 1e-8;
+  live.set_controls(exact);
+  pulled.set_controls(exact);
+  pulled.grab(at_node(0), live.world().place_of(0, before.positions));
+  pulled.release();
+  ASSERT_EQ(run.step().reason, "");
+  live.step(unhurried);
+  pulled.step(unhurried);
+  const double moved = (run.state().positions - before.positions).norm();
+  EXPECT_LE((live.state().positions - run.state().positions).norm(), 1e-6 * moved);
+  EXPECT_GT((pulled.state().positions - run.state().positions).norm(), 1e-2 * moved);
+}
+
 /// What stood still under a part of its load does so by hand.
 TEST(TakenUpScene, OfARunAtRestRestsUnderTheLoadOfItsFrame) {
   Description scene = small_bar(3, false);
   scene.load_steps = 4;
+  FixDescription turned = scene.fixes[0];
+  turned.name = "turned";
+  turned.where.at = 1;
+  turned.rotate = Rotation{.axis = {1, 0, 0}, .center = {0, 0.125, 0.125}, .degrees = 150};
+  scene.fixes.push_back(turned);
   Simulation run(scene);
   for (int step = 0; step < 2; ++step) ASSERT_EQ(run.step().reason, "");
   ASSERT_EQ(run.state().load, 0.5);

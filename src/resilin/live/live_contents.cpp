@@ -107,7 +107,11 @@ LiveScene::Contents::Contents(const Description& scene, const std::optional<Stat
     start.time = given_start->time;
     start.load = given_start->load;
     start.collider_delay = given_start->collider_delay;
+    was_run = true;
     goes_on = has_path;
+    // What turns far has gone with the load factor, not at once.
+    for (std::size_t i = 0; !scene.is_dynamic && i < world.supports.size(); ++i)
+      world.supports[i].time_function = scene.fixes[i].time_function;
   }
   reset();
 }
@@ -135,6 +139,7 @@ void LiveScene::Contents::reset() {
   renew_terms();
   report = LiveReport{};
   wake();
+  is_as_run = was_run;
 }
 
 /// The terms of the world, and those of what can be changed: gravity, floor, ball, damping.

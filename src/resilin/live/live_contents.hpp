@@ -97,6 +97,8 @@ struct LiveScene::Contents {
   double end_of_changes = 0;  ///< [s]
   double path_time = 0;       ///< of a static scene: when it has its full load [s]
   bool goes_on = false;       ///< a static scene from where a run has left it on such a path
+  bool was_run = false;       ///< the start is that of a run
+  bool is_as_run = false;     ///< since a run has left it here, nobody has laid hand on it
 };
 
 }  // namespace resilin

@@ -27,6 +27,7 @@ void LiveScene::reset() { contents_->reset(); }
 void LiveScene::grab(MaterialPoint place, const Vector3& target) {
   if (!target.allFinite()) throw InputError("grab", "a finite place", "inf or nan");
   contents_->held = Held{std::move(place), target};
+  contents_->is_as_run = false;
   contents_->wake();
 }
 
@@ -87,6 +88,7 @@ void LiveScene::poke(const Vector3& center, double radius) {
     c.ball.emplace("ball", c.world, c.state.positions, std::make_shared<Sphere>(center, radius),
                    out.norm() > 0 ? Vector3(out.normalized()) : c.up);
     c.ball_radius = radius;
+    c.is_as_run = false;
     c.renew_terms();
   }
   c.ball->set_goal(center);
@@ -119,6 +121,7 @@ void LiveScene::place(const VectorX& positions, const VectorX& velocities, std::
   contents_->state.positions = positions;
   contents_->state.velocities = velocities;
   if (time) contents_->state.time = *time;
+  contents_->is_as_run = false;
   contents_->look_at_cells();
   contents_->wake();
 }

@@ -125,10 +125,10 @@ void LiveScene::Contents::move_in_time(double dt, const StepBudget& budget) {
 }
 
 /// Once nobody pulls, steps are longer that start with a body that had cells inside out, and not all of them
-/// at a tenth of their volume again. Cells that are flat and have never been inside out move as their law
-/// says.
+/// at a tenth of their volume again; not before anybody has laid hand on what a run has left. Cells that are
+/// flat and have never been inside out move as their law says.
 void LiveScene::Contents::count_mending_steps() {
-  const bool is_folded = !held && std::ranges::any_of(fold_barriers, [](const auto& barrier) {
+  const bool is_folded = !held && !is_as_run && std::ranges::any_of(fold_barriers, [](const auto& barrier) {
     return barrier && barrier->is_resting();
   });
   mending_steps = is_folded ? mending_steps + 1 : std::max(0, mending_steps - 1);
