@@ -2,6 +2,7 @@
 
 #include <array>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "resilin/core/types.hpp"
@@ -30,7 +31,8 @@ class Canvas {
   /// Colour of a place by value and light.
   using Shader = std::function<Color(double value, double light)>;
 
-  Canvas(int width, int height, Color background);
+  /// @param other  what is drawn is drawn over this background, too
+  Canvas(int width, int height, Color background, std::optional<Color> other = {});
 
   void triangle(const std::array<CanvasVertex, 3>& corners, const Shader& shader);
 
@@ -55,7 +57,8 @@ class Canvas {
   void line(const Vector3& from, const Vector3& to, double width, double lift, const Ink& ink);
 
   /// The mean of each pixel's samples.
-  Image image() const;
+  Image image() const { return image_of(colors_); }
+  Image image_over_other() const { return image_of(others_); }
 
  private:
   static constexpr int samples = 3;  // for each pixel, along each side
@@ -67,9 +70,11 @@ class Canvas {
   template <class Visit>
   void for_each_sample(const std::array<CanvasVertex, 3>& corners, const Visit& visit) const;
   void stamp(const Vector3& middle, double radius, double depth, const Ink& ink);
+  void mix_in(std::size_t sample, Color color, double opacity);
+  Image image_of(const std::vector<Color>& colors) const;
 
-  int columns_, rows_;  ///< of samples
-  std::vector<Color> colors_;
+  int columns_, rows_;                  ///< of samples
+  std::vector<Color> colors_, others_;  ///< of the samples; over the other background, where there is one
   std::vector<float> depths_;
   std::vector<std::uint32_t> last_line_;  ///< which line touched the sample last: each inks it once
   std::uint32_t num_lines_ = 0;

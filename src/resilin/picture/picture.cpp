@@ -50,17 +50,20 @@ Vector3 vertical_of(const PictureOptions& options) {
 /// The parts of one picture.
 class Picture {
  public:
-  Picture(const VtuContent& frame, const PictureOptions& options, const Mesh& colliders,
-          std::optional<Color> background = std::nullopt)
+  Picture(const VtuContent& frame, const PictureOptions& options, const Mesh& colliders)
       : frame_(frame),
         colliders_(colliders),
         options_(options),
-        background_(background.value_or(options.is_dark ? Color{27, 30, 36} : Color{255, 255, 255})),
         ink_(options.is_dark ? Color{226, 228, 232} : Color{30, 32, 36}),
         pen_(std::clamp(0.024 * options.height, 11.0, 40.0)),
         points_(shape(frame, options.scale, "scale")),
         surface_(find_surface(frame.file.mesh.blocks, points_, options.has_skins)),
-        canvas_(options.width, options.height, background_) {
+        // What is seen through is found by the two that differ most.
+        canvas_(options.width, options.height,
+                options.is_transparent ? black
+                : options.is_dark      ? dusk
+                                       : white,
+                options.is_transparent ? std::optional(white) : std::nullopt) {
     if (surface_.triangles.empty())
       throw InputError("frame", "triangles, quadrilaterals, tetrahedra or hexahedra", "none");
     if (options.shows_rest) rest_ = shape(frame, 0, "rest");
@@ -81,17 +84,26 @@ class Picture {
     if (options_.shows_colliders && !colliders_.blocks.empty()) draw_colliders();
     draw_axes();
     Image image = canvas_.image();
+    write_on(image);
+    if (!options_.is_transparent) return image;
+    Image over_other = canvas_.image_over_other();
+    write_on(over_other);
+    return see_through(image, over_other);
+  }
+
+ private:
+  static constexpr Color black = {0, 0, 0}, white = {255, 255, 255}, dusk = {27, 30, 36};
+
+  bool shows_field() const { return !options_.field.empty() && options_.field != no_field; }
+  void write_on(Image& image) const {
     image.view = view_;
     if (shows_field()) image.legend = text_.title + ": " + text_.extremes;
     name_axes(image);
     if (shows_bar()) draw_color_bar(image, scale_, text_, pen_, ink_);
     if (const double em = pen_.digit_height(); options_.shows_caption)
       pen_.draw(image, 1.5 * em, 2.8 * em, options_.caption, ink_);
-    return image;
   }
 
- private:
-  bool shows_field() const { return !options_.field.empty() && options_.field != no_field; }
   bool shows_bar() const { return shows_field() && options_.shows_bar; }
 
   /// Which body each cell belongs to, where the frame knows.
@@ -362,7 +374,7 @@ class Picture {
   const VtuContent& frame_;
   const Mesh& colliders_;
   const PictureOptions& options_;
-  Color background_, ink_;
+  Color ink_;
   TextPen pen_;
   std::vector<Vector3> points_, rest_;
   DrawnSurface surface_;
@@ -379,9 +391,7 @@ class Picture {
 
 Image draw_picture(const VtuContent& frame, const PictureOptions& options, const Mesh& colliders) {
   check_picture(options);
-  if (!options.is_transparent) return Picture(frame, options, colliders).draw();
-  return see_through(Picture(frame, options, colliders, Color{0, 0, 0}).draw(),
-                     Picture(frame, options, colliders, Color{255, 255, 255}).draw());
+  return Picture(frame, options, colliders).draw();
 }
 
 }  // namespace resilin
