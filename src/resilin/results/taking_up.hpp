@@ -21,7 +21,8 @@ struct RecordedFiles {
 };
 
 /// The scene of a run of which every frame can be gone on from.
-/// @throws InputError  when the folder holds no recording or no scene, or shapes of vibrations, which are no states
+/// @throws InputError  when the folder holds no recording or no scene, or shapes of vibrations, which are no
+/// states
 std::shared_ptr<const World> world_to_take_up(const std::filesystem::path& folder);
 
 /// The state of a frame with this number of the report, from which a scene goes on as it stood there.
