@@ -143,6 +143,7 @@ export class ResultsApp {
   }
 
   private listen(): void {
+    const { takingUp } = this;
     new Gestures(this.shell.canvas, () => this.shell.viewport!.orbit, {
       press: () => false,
       drag: () => {},
@@ -156,7 +157,7 @@ export class ResultsApp {
     });
     addEventListener("keydown", (event) => this.key(event));
     addEventListener("hashchange", () =>
-      readAddress(location.hash).from === undefined ? this.applyAddress() : location.reload(),
+      takingUp && readAddress(location.hash).from !== undefined ? location.reload() : this.applyAddress(),
     );
   }
 
