@@ -5,6 +5,7 @@
 
 #include <random>
 
+#include "resilin/core/error.hpp"
 #include "resilin/integrator/integrator.hpp"
 #include "resilin/results/saved_report.hpp"
 #include "run_into.hpp"
@@ -139,6 +140,35 @@ TEST(ResumedRun, LeavesTheFilesOfTheUnbrokenRunHoweverOftenItWasKilled) {
         EXPECT_TRUE(parts.contains(name) && parts.at(name) == bytes) << name;
       EXPECT_EQ(parts.size(), whole.size());
     }
+}
+
+/// As if killed at its very end: all is made of its frames, and the checkpoint is still one from before.
+TEST(ResumedRun, MakesTheSameOnceMoreWhereItEndedBeforeItsLastCheckpoint) {
+  const TemporaryFolder folder;
+  const Description scene = bar_onto_colliders(3, true, true);
+  run_into(folder / "whole", scene, 0);
+  run_into(folder / "parts", scene, 4);
+  const std::filesystem::path checkpoint = folder / "parts" / "checkpoint.bin";
+  const std::filesystem::path kept = folder / "kept.bin";
+  {
+    Simulation simulation(scene);
+    ResultFolder results(folder / "parts");
+    results.resume(simulation, Resume::same_scene);
+    const RunOutcome outcome = run_to_end(simulation, {.after_step = [&](const StepReport&) {
+                                            results.record(simulation, simulation.is_finished());
+                                          }});
+    ASSERT_EQ(outcome.status, RunStatus::done);
+    std::filesystem::rename(checkpoint, kept);
+    std::filesystem::create_directories(checkpoint / "in the way");
+    EXPECT_THROW(results.finish(simulation, outcome), FileError);
+    std::filesystem::remove_all(checkpoint);
+    std::filesystem::rename(kept, checkpoint);
+  }
+  run_into(folder / "parts", scene, 0);
+  const auto whole = files_in(folder / "whole"), parts = files_in(folder / "parts");
+  for (const auto& [name, bytes] : whole)
+    EXPECT_TRUE(parts.contains(name) && parts.at(name) == bytes) << name;
+  EXPECT_EQ(parts.size(), whole.size());
 }
 
 /// What stands in the folder is kept where it is of the scene that is gone on with, and only there.

@@ -181,8 +181,7 @@ struct ResultFolder::Contents {
     Json report = report_json(world, std::move(frames), summary);
     // The report first: a checkpoint never runs ahead of the frames that go with it.
     if (is_end) {
-      shown_files = shown_of(world).finish(report["frames"].size(), report_text(report),
-                                           summary.outcome.status == RunStatus::done);
+      shown_files = shown_of(world).finish(report["frames"].size(), report_text(report));
       report["files"] = Json::object();
       for (const auto& [name, size] : shown_files) report["files"][name] = size;
     }
@@ -193,6 +192,8 @@ struct ResultFolder::Contents {
                                                               .failed_steps = summary.failed_steps,
                                                               .most_strained = summary.most_strained,
                                                               .state = state}));
+    // Not before the checkpoint is there: a run that is killed in between goes on from the one before.
+    if (is_end && summary.outcome.status == RunStatus::done) shown_of(world).remove_leftovers();
     const double cost = seconds_since(begin);
     // At most a tenth of the time goes into saving, however long the report has grown.
     next_save = Clock::now() + std::chrono::duration_cast<Clock::duration>(

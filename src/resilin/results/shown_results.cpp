@@ -163,8 +163,7 @@ void ShownResults::record(std::size_t number, const State& state) {
 }
 
 std::vector<std::pair<std::string, std::uintmax_t>> ShownResults::finish(std::size_t num_frames,
-                                                                         const std::string& report,
-                                                                         bool is_complete) {
+                                                                         const std::string& report) {
   keep(num_frames);
   std::vector<std::pair<std::string, std::uintmax_t>> files;
   const std::filesystem::path recording = folder_ / recording_name;
@@ -184,11 +183,12 @@ std::vector<std::pair<std::string, std::uintmax_t>> ShownResults::finish(std::si
     write_atomically(folder_ / stage_name,
                      [this](std::ostream& stream) { usda_->write(stream, title_, codes_per_second_); });
   }
-  if (usda_) {
-    files.emplace_back(stage_name, size_of(folder_ / stage_name));
-    if (is_complete) usda_->remove_points();
-  }
+  if (usda_) files.emplace_back(stage_name, size_of(folder_ / stage_name));
   return files;
+}
+
+void ShownResults::remove_leftovers() {
+  if (usda_) usda_->remove_points();
 }
 
 }  // namespace resilin

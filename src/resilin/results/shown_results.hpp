@@ -33,12 +33,14 @@ class ShownResults {
   void record(std::size_t number, const State& state);
 
   /// Makes result.html and result.usda.
-  /// @param num_frames   of the report
-  /// @param report       text of report.json
-  /// @param is_complete  the run has ended: no later run goes on with it
+  /// @param num_frames  of the report
+  /// @param report      text of report.json
   /// @return  name and size of each file that was made [bytes]
   std::vector<std::pair<std::string, std::uintmax_t>> finish(std::size_t num_frames,
-                                                             const std::string& report, bool is_complete);
+                                                             const std::string& report);
+
+  /// Removes what a run that goes on would need: the checkpoint says that there is nothing left to do.
+  void remove_leftovers();
 
  private:
   void keep(std::size_t num_frames);
