@@ -18,6 +18,7 @@
 #include "resilin/io/atomic_file.hpp"
 #include "resilin/io/mesh_file.hpp"
 #include "resilin/scene/scene.hpp"
+#include "share_line.hpp"
 #include "terminal.hpp"
 
 namespace resilin::cli {
@@ -26,6 +27,7 @@ namespace {
 struct RestShapeCommand {
   std::string scene, out;
   std::vector<std::string> overrides;
+  bool quiet = false;
 };
 
 bool is_by_place(const Where& where) {
@@ -80,10 +82,19 @@ void write_places(const std::filesystem::path& path, const VectorX& places, int 
 
 int find(const RestShapeCommand& options) {
   const Stopwatch watch;
+  const auto tell = [&](const std::string& line) {
+    if (!options.quiet) print_line(line);
+  };
   const Scene scene = read_scene(options.scene, {.overrides = options.overrides});
   print_warnings(scene.warnings);
   catch_interrupts();
-  const RestShape found = find_rest_shape(scene.description, {.goes_on = [] { return !is_interrupted(); }});
+  ShareLine shown(Progress::style_for_stdout(options.quiet));
+  const RestShape found =
+      find_rest_shape(scene.description, {.goes_on = [&](const RestShapeProgress& progress) {
+                        shown.show(progress.share, [&] { return progress.text(); });
+                        return !is_interrupted();
+                      }});
+  shown.end();
   const std::filesystem::path source = options.scene,
                               folder = options.out.empty()
                                            ? std::filesystem::path("out") / (source.stem().string() + "_rest")
@@ -110,25 +121,25 @@ int find(const RestShapeCommand& options) {
     keep_selections("fix", scene.description.fixes, found.scene.fixes, body, mesh, groups, lines);
     keep_selections("load", scene.description.loads, found.scene.loads, body, mesh, groups, lines);
     write_mesh(path, mesh);
-    print_line(path_text(path) + ": the rest shape of " + quoted_text(one_line(body.name)));
+    tell(path_text(path) + ": the rest shape of " + quoted_text(one_line(body.name)));
     if (!body.initial_positions.empty() && scene.description.bodies[b].initial_positions.empty()) {
       std::filesystem::path start = path;
       start.replace_filename(path.stem().string() + "_drawn.csv");
       const std::vector<double>& places = body.initial_positions;
       write_places(start, Eigen::Map<const VectorX>(places.data(), static_cast<Eigen::Index>(places.size())),
                    found.scene.dimension);
-      print_line(path_text(start) + ": its vertices as drawn");
+      tell(path_text(start) + ": its vertices as drawn");
       lines.push_back(table + "initial_positions = " + name_in_scene(start));
     }
   }
   for (const auto& [collider, distance] : found.kept_off)
     lines.push_back("[[collider]] " + quoted_text(one_line(collider)) +
                     ": activation_distance = " + format_number(distance));
-  print_line("a run from it ends " + format_short(found.distance) + " m from what is drawn, " +
-             format_short(found.distance / found.size) + " of its size; " + std::to_string(found.iterations) +
-             (found.iterations == 1 ? " iteration, " : " iterations, ") + format_seconds(watch.seconds()));
-  print_line("in a scene that begins with it:");
-  for (const std::string& line : lines) print_line("  " + line);
+  tell("a run from it ends " + format_short(found.distance) + " m from what is drawn, " +
+       format_short(found.distance / found.size) + " of its size; " + std::to_string(found.iterations) +
+       (found.iterations == 1 ? " iteration, " : " iterations, ") + format_seconds(watch.seconds()));
+  tell("in a scene that begins with it:");
+  for (const std::string& line : lines) tell("  " + line);
   print_warnings(found.warnings);
   return done;
 }
@@ -147,6 +158,7 @@ void add_rest_shape(CommandLine& line, Action& action) {
       .type_name("KEY=VALUE")
       .repeatable()
       .offers(scene_settings);
+  command.flag("--quiet", options->quiet, "Print nothing but warnings");
   command.footer(
       "The meshes of the scene are the shape under load; written are the meshes of the mould, with their\n"
       "groups, and what the scene has to say to begin with them. A run from the shape found has to end\n"

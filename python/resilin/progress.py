@@ -74,11 +74,11 @@ class Progress:
         self._width = 0
 
 
-class SweepProgress:
-    """One line about a sweep that goes on: overwritten in a terminal and in a notebook, else repeated now and then."""
+class _Line:
+    """A text, overwritten in a terminal and in a notebook, else repeated now and then."""
 
     BETWEEN_DRAWS = 0.1  # [s]
-    BETWEEN_LINES = 5.0  # [s]
+    BETWEEN_LINES = 2.0  # [s]
 
     def __init__(self, is_shown: bool | None) -> None:
         self._overwrites = sys.stdout.isatty() or is_notebook()
@@ -87,15 +87,11 @@ class SweepProgress:
         self._text = ""
         self._next = 0.0
 
-    def show(self, done: int, failed: int, scenes: int, seconds_left: float | None) -> None:
-        """Says how many have ended; `seconds_left` is None as long as nobody knows."""
-        now = time.monotonic()
-        if not self.is_shown or (now < self._next and done + failed < scenes):
-            return
-        self._next = now + (self.BETWEEN_DRAWS if self._overwrites else self.BETWEEN_LINES)
-        text = f"{100 * (done + failed) / max(scenes, 1):3.0f} %  {done} of {scenes} done"
-        text += f", {failed} failed" if failed else ""
-        text += f", {seconds_left:.3g} s left" if seconds_left is not None and done + failed < scenes else ""
+    def _is_due(self) -> bool:
+        return self.is_shown and time.monotonic() >= self._next
+
+    def _print(self, text: str) -> None:
+        self._next = time.monotonic() + (self.BETWEEN_DRAWS if self._overwrites else self.BETWEEN_LINES)
         if text == self._text:
             return
         self._text = text
@@ -110,6 +106,35 @@ class SweepProgress:
         if self._width:
             print(flush=True)
         self._width = 0
+
+
+class SweepProgress(_Line):
+    """One line about a sweep that goes on: overwritten in a terminal and in a notebook, else repeated now and then."""
+
+    BETWEEN_LINES = 5.0  # [s]
+
+    def show(self, done: int, failed: int, scenes: int, seconds_left: float | None) -> None:
+        """Says how many have ended; `seconds_left` is None as long as nobody knows."""
+        if not self.is_shown or (done + failed < scenes and not self._is_due()):
+            return
+        text = f"{100 * (done + failed) / max(scenes, 1):3.0f} %  {done} of {scenes} done"
+        text += f", {failed} failed" if failed else ""
+        text += f", {seconds_left:.3g} s left" if seconds_left is not None and done + failed < scenes else ""
+        self._print(text)
+
+
+class SearchProgress(_Line):
+    """One line about a search that lasts for more than a second, likewise."""
+
+    def __init__(self, is_shown: bool | None) -> None:
+        super().__init__(is_shown)
+        self._start = time.monotonic()
+        self._next = self._start + LONG_STEP
+
+    def show(self, share: float, text: str) -> None:
+        """Says what it is at."""
+        if self._is_due():
+            self._print(f"{100 * share:3.0f} %  {text}, {time.monotonic() - self._start:.3g} s")
 
 
 def is_notebook() -> bool:

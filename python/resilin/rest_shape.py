@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from resilin import _core
 from resilin.mesh import warn
+from resilin.progress import SearchProgress
 from resilin.scene import read_scene
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ class RestShape(NamedTuple):
     overrides: dict[str, float]  #: what scenes from it have besides: distances from which colliders do not press
 
 
-def find_rest_shape(scene: Scene, *, overrides: Overrides = ()) -> RestShape:
+def find_rest_shape(scene: Scene, *, overrides: Overrides = (), progress: bool | None = None) -> RestShape:
     """Finds the rest shape of the bodies of a scene whose deformed shape is what the scene draws.
 
     Newton's method on the balance of forces in the shape as drawn, whose unknowns are the rest places; where the loads
@@ -46,6 +47,8 @@ def find_rest_shape(scene: Scene, *, overrides: Overrides = ()) -> RestShape:
         selected by place as drawn stays selected.
     overrides : dict or list of str
         As for `run`.
+    progress : bool, optional
+        As for `run`: a line about a search that lasts. Default: in a terminal and in a notebook only.
 
     Returns
     -------
@@ -64,7 +67,13 @@ def find_rest_shape(scene: Scene, *, overrides: Overrides = ()) -> RestShape:
     >>> rest = resilin.Mesh(found.positions["beam"], mesh.cells, mesh.groups)
     >>> resilin.run(scene_with(rest), overrides=found.overrides)
     """
-    bodies, distance, size, iterations, kept_off, warnings = _core.find_rest_shape(read_scene(scene, overrides))
+    line = SearchProgress(progress)
+    try:
+        bodies, distance, size, iterations, kept_off, warnings = _core.find_rest_shape(
+            read_scene(scene, overrides), line.show if line.is_shown else None
+        )
+    finally:
+        line.end()
     warn(warnings)
     return RestShape(
         {name: rest for name, rest, _ in bodies},

@@ -6,17 +6,21 @@ namespace resilin::python {
 namespace {
 
 /// (name, rest, deformed) of each body, then distance, size, iterations, colliders that were kept off with
-/// their activation distances, and warnings.
+/// their activation distances, and warnings. `on_progress`: null, or called with a share and a text.
 std::tuple<std::vector<std::tuple<std::string, NumpyArray<double>, NumpyArray<double>>>, double, double, int,
            std::vector<std::pair<std::string, double>>, std::vector<std::string>>
-rest_shape(const Scene& scene) {
+rest_shape(const Scene& scene, const nb::object& on_progress) {
   RestShape found;
   Interruptible interruptible;
   std::exception_ptr failure;
   {
     const nb::gil_scoped_release release;
     try {
-      found = find_rest_shape(scene.description, {.goes_on = [&] { return !interruptible.is_stopped(); }});
+      found = find_rest_shape(scene.description, {.goes_on = [&](const RestShapeProgress& progress) {
+                                if (!on_progress.is_none())
+                                  interruptible.call(on_progress, progress.share, progress.text());
+                                return !interruptible.is_stopped();
+                              }});
     } catch (...) {
       failure = std::current_exception();
     }
@@ -48,7 +52,7 @@ void bind_derivatives(nb::module_& module) {
       nb::arg("scene"), nb::call_guard<nb::gil_scoped_release>());
   module.def("simulation_shape", &simulation_shape, nb::arg("scene"), nb::arg("counts"),
              nb::call_guard<nb::gil_scoped_release>());
-  module.def("find_rest_shape", &rest_shape, nb::arg("scene"));
+  module.def("find_rest_shape", &rest_shape, nb::arg("scene"), nb::arg("on_progress").none());
   nb::class_<DifferentiatedRun>(module, "DifferentiatedRun")
       .def(nb::init<const Scene&, const std::vector<std::string>&,
                     const std::map<std::string, Vector1d<double>>&, int>(),

@@ -201,3 +201,12 @@ def test_where_there_is_no_such_shape_it_is_refused_in_one_line(gravity, modulus
         resilin.find_rest_shape(scene)
     assert "\n" not in str(error.value)
     print(error.value)
+
+
+def test_a_search_that_lasts_is_shown(capsys, monkeypatch):
+    monkeypatch.setattr("resilin.progress.LONG_STEP", 0)
+    with pytest.raises(resilin.InputError):
+        resilin.find_rest_shape(beam(modulus=2e4), progress=True)
+    assert "%  a shape for 0 % of the loads, towards 100 %, iteration" in capsys.readouterr().out
+    resilin.find_rest_shape(beam(), progress=False)
+    assert not capsys.readouterr().out

@@ -111,6 +111,14 @@ activation_distance = 0.001
   EXPECT_LT(distance(changed("block.toml", found.out), drawn), 1e-8 * 0.3);
 }
 
+TEST_F(RestShapeOnCommand, SaysNothingWhenQuiet) {
+  folder.write("box.toml", box_scene);
+  const ProgramResult found = run({"rest-shape", "box.toml", "--quiet"});
+  EXPECT_EQ(found.exit_code, 0) << found.err;
+  EXPECT_EQ(found.out, "");
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "out/box_rest/box.msh"));
+}
+
 TEST_F(RestShapeOnCommand, IsRefusedInOneLine) {
   folder.write("box.toml", box_scene);
   for (const std::vector<std::string>& more :

@@ -89,6 +89,38 @@ TEST(RestShape, IsTheDrawnOneWithoutLoads) {
   EXPECT_EQ(find_rest_shape(scene).distance, 0);
 }
 
+TEST(RestShape, IsSaidToBeSoughtInPartsOfTheLoads) {
+  Description scene = soft_bar(3, "P1");
+  scene.bodies[0].mesh = make_box({0.8, 0.2, 0.1}, {8, 2, 2});
+  scene.fixes[0].where.kind = Where::Kind::group;
+  scene.fixes[0].where.group = "x_min";
+  scene.gravity = {0, 0, -9.81};
+  std::vector<RestShapeProgress> told;
+  const RestShapeOptions options{.goes_on = [&](const RestShapeProgress& progress) {
+    told.push_back(progress);
+    return true;
+  }};
+  scene.bodies[0].material.constants["youngs_modulus"] = 5e5;
+  find_rest_shape(scene, options);
+  ASSERT_FALSE(told.empty());
+  EXPECT_EQ(told.front().text(), "a shape for 0 % of the loads, towards 100 %, iteration 0");
+  EXPECT_TRUE(told.back().is_judging);
+  EXPECT_EQ(told.back().text().find("a run from the shape found, at "), 0U) << told.back().text();
+
+  told.clear();
+  scene.bodies[0].material.constants["youngs_modulus"] = 2e4;  // more than half of the loads is too much
+  EXPECT_THROW(find_rest_shape(scene, options), InputError);
+  for (std::size_t i = 1; i < told.size(); ++i) {
+    EXPECT_GE(told[i].share, told[i - 1].share);
+    EXPECT_GT(told[i].towards, told[i].share);
+    EXPECT_EQ(told[i].iterations, told[i - 1].iterations + 1);
+  }
+  EXPECT_GT(told.back().share, 0.5);
+
+  const auto gives_up = [](const RestShapeProgress& progress) { return progress.iterations < 3; };
+  EXPECT_THROW(find_rest_shape(scene, {.goes_on = gives_up}), Interrupted);
+}
+
 TEST(RestShape, IsRefusedInWords) {
   const auto text_of = [](const Description& scene) {
     try {

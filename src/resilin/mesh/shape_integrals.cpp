@@ -1,6 +1,6 @@
 #include "resilin/mesh/shape_integrals.hpp"
 
-#include <Eigen/LU>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -9,7 +9,21 @@ ShapeIntegrals::ShapeIntegrals(const ElementInfo& element)
     : element_(element),
       for_values_(sample(element.degree + element.jacobian_degree())),
       for_products_(sample(2 * element.degree + element.jacobian_degree())),
-      for_affine_products_(sample(2 * element.degree)) {}
+      for_affine_products_(sample(2 * element.degree)) {
+  const auto n = static_cast<std::size_t>(element.num_nodes), dim = static_cast<std::size_t>(element.dim);
+  for_affine_.weights = {1};
+  for_affine_.gradients.assign(for_values_.gradients.begin(),
+                               for_values_.gradients.begin() + element.num_nodes * element.dim);
+  reference_values_.assign(n, 0);
+  reference_slopes_.assign(n * dim * n, 0);
+  for (std::size_t q = 0; q < for_values_.weights.size(); ++q)
+    for (std::size_t b = 0; b < n; ++b) {
+      const double value = for_values_.weights[q] * for_values_.values[q * n + b];
+      reference_values_[b] += value;
+      for (std::size_t j = 0; j < n * dim; ++j)
+        reference_slopes_[j * n + b] += value * for_values_.gradients[q * n * dim + j];
+    }
+}
 
 ShapeIntegrals::Samples ShapeIntegrals::sample(int degree) const {
   Samples samples;
@@ -27,49 +41,63 @@ ShapeIntegrals::Samples ShapeIntegrals::sample(int degree) const {
 
 namespace {
 
-/// dX/dxi at a point; in 2D with the third direction of unit length.
-Eigen::Matrix3d jacobian(std::size_t dim, std::size_t num_nodes, std::span<const double> rest_positions,
-                         const double* gradients) {
-  Eigen::Matrix3d dX_dxi = Eigen::Matrix3d::Zero();
-  if (dim == 2) dX_dxi(2, 2) = 1;
-  for (std::size_t a = 0; a < num_nodes; ++a)
-    for (std::size_t i = 0; i < dim; ++i)
-      for (std::size_t k = 0; k < dim; ++k)
-        dX_dxi(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) +=
-            rest_positions[a * dim + i] * gradients[a * dim + k];
-  return dX_dxi;
+/// Weights times det dX/dxi and, where there is room for them, times its cofactors, which are its slopes by
+/// dX/dxi.
+template <int dim>
+void measure_points(std::span<const double> weights, std::span<const double> gradients,
+                    std::span<const double> rest_positions, std::span<double> volumes,
+                    std::span<double> cofactors) {
+  using Nodes = Eigen::Map<const Eigen::Matrix<double, dim, Eigen::Dynamic>>;
+  const auto n = static_cast<Eigen::Index>(rest_positions.size()) / dim;
+  const Nodes X(rest_positions.data(), dim, n);
+  for (std::size_t q = 0; q < weights.size(); ++q) {
+    const Nodes dN(gradients.data() + static_cast<Eigen::Index>(q) * n * dim, dim, n);
+    Matrix<dim> J = Matrix<dim>::Zero(), C;
+    for (Eigen::Index a = 0; a < n; ++a) J += X.col(a) * dN.col(a).transpose();
+    if constexpr (dim == 2)
+      C << J(1, 1), -J(1, 0), -J(0, 1), J(0, 0);
+    else
+      C << J.col(1).cross(J.col(2)), J.col(2).cross(J.col(0)), J.col(0).cross(J.col(1));
+    volumes[q] = weights[q] * J.col(0).dot(C.col(0));
+    if (!cofactors.empty())
+      Eigen::Map<Matrix<dim>>(cofactors.data() + q * std::size_t{dim} * dim) = weights[q] * C;
+  }
 }
 
 }  // namespace
 
-void ShapeIntegrals::measure(const Samples& samples, std::span<const double> rest_positions) {
+void ShapeIntegrals::measure(const Samples& samples, std::span<const double> rest_positions,
+                             bool has_slopes) {
   const auto dim = static_cast<std::size_t>(element_.dim);
-  const auto num_nodes = static_cast<std::size_t>(element_.num_nodes);
   volumes_.resize(samples.weights.size());
-  for (std::size_t q = 0; q < volumes_.size(); ++q)
-    volumes_[q] = samples.weights[q] *
-                  jacobian(dim, num_nodes, rest_positions, samples.gradients.data() + q * num_nodes * dim)
-                      .determinant();
+  cofactors_.resize(has_slopes ? dim * dim * samples.weights.size() : 0);
+  const auto measure_in = element_.dim == 2 ? &measure_points<2> : &measure_points<3>;
+  measure_in(samples.weights, samples.gradients, rest_positions, volumes_, cofactors_);
 }
 
-/// d(det J)/dX_a = det J J^-T dN_a/dxi
-void ShapeIntegrals::measure_slopes(const Samples& samples, std::span<const double> rest_positions) {
+// d(det J) = cof J : dJ, dJ = sum_a dX_a dN_a/dxi^T
+double ShapeIntegrals::change_of_volume(const Samples& samples, std::size_t point,
+                                        std::span<const double> change) const {
   const auto dim = static_cast<std::size_t>(element_.dim);
-  const auto num_nodes = static_cast<std::size_t>(element_.num_nodes);
-  volumes_.resize(samples.weights.size());
-  slopes_.assign(samples.gradients.size(), 0.0);
-  for (std::size_t q = 0; q < volumes_.size(); ++q) {
-    const double* gradients = samples.gradients.data() + q * num_nodes * dim;
-    const Eigen::Matrix3d J = jacobian(dim, num_nodes, rest_positions, gradients);
-    volumes_[q] = samples.weights[q] * J.determinant();
-    const Eigen::Matrix3d inverse = J.inverse();
-    for (std::size_t a = 0; a < num_nodes; ++a)
+  const double* cofactors = cofactors_.data() + point * dim * dim;
+  const double* gradients = samples.gradients.data() + point * change.size();
+  double sum = 0;
+  for (std::size_t first = 0; first < change.size(); first += dim)
+    for (std::size_t k = 0; k < dim; ++k)
       for (std::size_t i = 0; i < dim; ++i)
-        for (std::size_t k = 0; k < dim; ++k)
-          slopes_[(q * num_nodes + a) * dim + i] +=
-              volumes_[q] * gradients[a * dim + k] *
-              inverse(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(i));
-  }
+        sum += cofactors[k * dim + i] * change[first + i] * gradients[first + k];
+  return sum;
+}
+
+void ShapeIntegrals::add_slopes_of_volume(const Samples& samples, std::size_t point, double factor,
+                                          std::span<double> slopes) const {
+  const auto dim = static_cast<std::size_t>(element_.dim);
+  const double* cofactors = cofactors_.data() + point * dim * dim;
+  const double* gradients = samples.gradients.data() + point * slopes.size();
+  for (std::size_t first = 0; first < slopes.size(); first += dim)
+    for (std::size_t k = 0; k < dim; ++k)
+      for (std::size_t i = 0; i < dim; ++i)
+        slopes[first + i] += factor * cofactors[k * dim + i] * gradients[first + k];
 }
 
 /// Every node stands where the cell's first corner and the corners along the reference axes put it.
@@ -94,6 +122,11 @@ bool ShapeIntegrals::is_affine(std::span<const double> rest_positions) const {
 }
 
 void ShapeIntegrals::of_values(std::span<const double> rest_positions, std::span<double> integrals) {
+  if (is_affine(rest_positions)) {
+    measure(for_affine_, rest_positions);
+    for (std::size_t a = 0; a < integrals.size(); ++a) integrals[a] = volumes_[0] * reference_values_[a];
+    return;
+  }
   measure(for_values_, rest_positions);
   std::ranges::fill(integrals, 0.0);
   for (std::size_t q = 0; q < volumes_.size(); ++q)
@@ -128,30 +161,47 @@ double dot(const double* a, std::span<const double> b) {
 
 void ShapeIntegrals::add_change_of_values(std::span<const double> rest_positions,
                                           std::span<const double> change, std::span<double> integrals) {
-  measure_slopes(for_values_, rest_positions);
-  const std::size_t n = integrals.size();
+  const std::size_t n = integrals.size(), dim = change.size() / n;
+  if (is_affine(rest_positions)) {
+    measure(for_affine_, rest_positions, true);
+    for (std::size_t j = 0; j < change.size(); ++j) {
+      const double* dX = change.data() + j / dim * dim;
+      const double by_gradient = dot(cofactors_.data() + j % dim * dim, std::span(dX, dim));
+      for (std::size_t b = 0; b < n; ++b) integrals[b] += by_gradient * reference_slopes_[j * n + b];
+    }
+    return;
+  }
+  measure(for_values_, rest_positions, true);
   for (std::size_t q = 0; q < volumes_.size(); ++q) {
-    const double of_volume = dot(slopes_.data() + q * change.size(), change);
+    const double of_volume = change_of_volume(for_values_, q, change);
     for (std::size_t a = 0; a < n; ++a) integrals[a] += of_volume * for_values_.values[q * n + a];
   }
 }
 
 void ShapeIntegrals::add_slopes_of_values(std::span<const double> rest_positions,
                                           std::span<const double> weights, std::span<double> slopes) {
-  measure_slopes(for_values_, rest_positions);
-  for (std::size_t q = 0; q < volumes_.size(); ++q) {
-    const double by_volume = dot(for_values_.values.data() + q * weights.size(), weights);
-    for (std::size_t i = 0; i < slopes.size(); ++i) slopes[i] += by_volume * slopes_[q * slopes.size() + i];
+  const std::size_t n = weights.size(), dim = slopes.size() / n;
+  if (is_affine(rest_positions)) {
+    measure(for_affine_, rest_positions, true);
+    for (std::size_t j = 0; j < slopes.size(); ++j) {
+      const double by_gradient = dot(reference_slopes_.data() + j * n, weights);
+      for (std::size_t i = 0; i < dim; ++i)
+        slopes[j / dim * dim + i] += by_gradient * cofactors_[j % dim * dim + i];
+    }
+    return;
   }
+  measure(for_values_, rest_positions, true);
+  for (std::size_t q = 0; q < volumes_.size(); ++q)
+    add_slopes_of_volume(for_values_, q, dot(for_values_.values.data() + q * n, weights), slopes);
 }
 
 void ShapeIntegrals::add_change_of_products(std::span<const double> rest_positions,
                                             std::span<const double> change, std::span<double> integrals) {
   const Samples& samples = for_products_;  // an affine cell does not stay so
-  measure_slopes(samples, rest_positions);
+  measure(samples, rest_positions, true);
   const auto n = static_cast<std::size_t>(element_.num_nodes);
   for (std::size_t q = 0; q < volumes_.size(); ++q) {
-    const double of_volume = dot(slopes_.data() + q * change.size(), change);
+    const double of_volume = change_of_volume(samples, q, change);
     const double* values = samples.values.data() + q * n;
     for (std::size_t a = 0; a < n; ++a)
       for (std::size_t b = 0; b < n; ++b) integrals[a * n + b] += of_volume * values[a] * values[b];
@@ -161,14 +211,14 @@ void ShapeIntegrals::add_change_of_products(std::span<const double> rest_positio
 void ShapeIntegrals::add_slopes_of_products(std::span<const double> rest_positions,
                                             std::span<const double> weights, std::span<double> slopes) {
   const Samples& samples = for_products_;  // an affine cell does not stay so
-  measure_slopes(samples, rest_positions);
+  measure(samples, rest_positions, true);
   const auto n = static_cast<std::size_t>(element_.num_nodes);
   for (std::size_t q = 0; q < volumes_.size(); ++q) {
     const double* values = samples.values.data() + q * n;
     double by_volume = 0;
     for (std::size_t a = 0; a < n; ++a)
       for (std::size_t b = 0; b < n; ++b) by_volume += weights[a * n + b] * values[a] * values[b];
-    for (std::size_t i = 0; i < slopes.size(); ++i) slopes[i] += by_volume * slopes_[q * slopes.size() + i];
+    add_slopes_of_volume(samples, q, by_volume, slopes);
   }
 }
 

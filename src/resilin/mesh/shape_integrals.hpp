@@ -39,17 +39,24 @@ class ShapeIntegrals {
     std::vector<double> gradients;  ///< [point][node][dim]
   };
   Samples sample(int degree) const;
-  /// Weights times det dX/dxi at the points, into `volumes_`.
-  void measure(const Samples& samples, std::span<const double> rest_positions);
-  /// The same, and their slopes by the rest positions into `slopes_`: [point][node][dim].
-  void measure_slopes(const Samples& samples, std::span<const double> rest_positions);
+  /// Weights times det dX/dxi at the points, into `volumes_`; where slopes are asked for, weights times the
+  /// cofactors of dX/dxi, the slopes of the determinant, into `cofactors_`: [point][k][i].
+  void measure(const Samples& samples, std::span<const double> rest_positions, bool has_slopes = false);
+  /// What a change of the rest positions does to `volumes_` at a point.
+  double change_of_volume(const Samples& samples, std::size_t point, std::span<const double> change) const;
+  /// Adds `factor` times the slopes of `volumes_` at a point by the rest positions.
+  void add_slopes_of_volume(const Samples& samples, std::size_t point, double factor,
+                            std::span<double> slopes) const;
   bool is_affine(std::span<const double> rest_positions) const;
 
   const ElementInfo& element_;
   Samples for_values_;           ///< exact on every cell
   Samples for_products_;         ///< exact on every cell
   Samples for_affine_products_;  ///< exact where dX/dxi is constant
-  std::vector<double> volumes_, slopes_;
+  Samples for_affine_;           ///< one point, anywhere where dX/dxi is constant
+  // Over the reference cell: integral N_a, and integral N_b dN_a/dxi_k at [a][k][b].
+  std::vector<double> reference_values_, reference_slopes_;
+  std::vector<double> volumes_, cofactors_;
 };
 
 }  // namespace resilin

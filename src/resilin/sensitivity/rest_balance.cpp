@@ -78,7 +78,7 @@ VectorX RestBalance::preconditioned(const VectorX& residual) {
   for (std::size_t i = 0; i < world_.is_fixed.size(); ++i)
     if (world_.is_fixed[i] == 0) z[static_cast<Eigen::Index>(i)] = 0;
   Tangent& K = untouched_tangent_ ? *untouched_tangent_ : tangent_;
-  return z + K.solve(residual - K.times(z, false), false);
+  return z + K.solve_symmetric_part(residual - K.times(z, false));
 }
 
 VectorX RestBalance::product(const VectorX& z) {

@@ -52,8 +52,8 @@ class RestBalance {
 
   /// What is out of balance: forces at the free unknowns, distances at the fixed ones.
   VectorX residual() const;
-  /// K z = residual at the free unknowns, z = residual at the fixed ones; K without contact where supports
-  /// hold all bodies.
+  /// K z = residual at the free unknowns, z = residual at the fixed ones; of K the symmetric part, without
+  /// contact where supports hold all bodies.
   VectorX preconditioned(const VectorX& residual);
   /// The change of the residual along z.
   VectorX product(const VectorX& z);

@@ -18,8 +18,13 @@ namespace resilin {
 namespace {
 
 constexpr double force_tolerance = 1e-10;  ///< of the run that judges, at most
-constexpr double shortest_step = 1.0 / 64;
+constexpr double shortest_step = 1.0 / 64, creeping_step = 1.0 / 32;
+constexpr int most_creeping_steps = 3;  ///< running: smaller parts of the loads are nearer
+constexpr const char* no_change_comes_nearer = "no change of the rest shape comes nearer to balance";
 constexpr double least_accuracy = 1e-3;  ///< of GMRES: less is no step of Newton's
+/// Asked of GMRES: the loosest, the tightest and beside the square of what the last step has left (Eisenstat
+/// & Walker 1996, choice 2).
+constexpr double loosest = 1e-4, tightest = 1e-8, beside_square = 0.1;
 
 std::vector<std::string> rest_names(const World& world) {
   std::vector<std::string> names;
@@ -99,6 +104,10 @@ class Search {
     target_.deformed = places_moved(drawn_->rest_positions, drawn_->origin, drawn_->dimension);
   }
 
+  bool goes_on(const RestShapeProgress& progress) const {
+    return !options_.goes_on || options_.goes_on(progress);
+  }
+
   /// The loads are raised in parts where they cannot be taken at once.
   std::optional<RestAndDeformed> search() {
     RestAndDeformed shape = target_;
@@ -173,14 +182,16 @@ class Search {
   /// Deuflhard 2004, "Newton Methods for Nonlinear Problems", ch. 3.
   std::optional<RestAndDeformed> newton(RestAndDeformed shape, double part) {
     std::unique_ptr<RestBalance> now = balance(shape, part);
+    double wanted = loosest;
+    int creeping_steps = 0;
     for (int k = 0; now && k < options_.max_iterations; ++k) {
-      if (options_.goes_on && !options_.goes_on()) throw Interrupted();
+      if (!goes_on({.share = part_, .towards = part, .iterations = iterations_})) throw Interrupted();
       ++iterations_;
       try {
         now->form();
         const VectorX b = -now->preconditioned(now->residual());
         const GmresReport solution =
-            gmres([&](const VectorX& z) { return now->preconditioned(now->product(z)); }, b, 1e-8,
+            gmres([&](const VectorX& z) { return now->preconditioned(now->product(z)); }, b, wanted,
                   options_.max_products);
         if (!(solution.left < least_accuracy)) {
           failure_ = "the rest shape does not follow from the deformed one";
@@ -191,21 +202,28 @@ class Search {
         for (;;) {
           RestAndDeformed next = now->moved(shape, t * solution.x);
           std::unique_ptr<RestBalance> there = balance(next, part);
-          if (there && (length <= options_.step * size_ ||
-                        now->preconditioned(there->residual()).norm() <= (1 - t / 4) * now_left)) {
+          const double left = there ? now->preconditioned(there->residual()).norm() : 0;
+          if (there && (length <= options_.step * size_ || left <= (1 - t / 4) * now_left)) {
+            const double share = left / now_left;
+            wanted = std::clamp(beside_square * share * share, tightest, loosest);
             shape = std::move(next);
             if (length <= options_.step * size_) {
               unstable_modes_ = now->unstable_modes();
               return shape;
             }
             now = std::move(there);
+            creeping_steps = t <= creeping_step ? creeping_steps + 1 : 0;
             break;
           }
           t /= 2;
           if (t < shortest_step) {
-            if (there) failure_ = "no change of the rest shape comes nearer to balance";
+            if (there) failure_ = no_change_comes_nearer;
             return std::nullopt;
           }
+        }
+        if (creeping_steps == most_creeping_steps) {
+          failure_ = no_change_comes_nearer;
+          return std::nullopt;
         }
       } catch (const InputError& error) {
         failure_ = error.what();
@@ -228,9 +246,11 @@ class Search {
   Simulation end_of(Description scene) const {
     scene.newton.tolerance = std::min(scene.newton.tolerance, force_tolerance);
     Simulation simulation(std::move(scene));
+    int iterations = 0;
     while (!simulation.is_finished()) {
-      const StepReport report =
-          simulation.step([this](const NewtonReport&) { return !options_.goes_on || options_.goes_on(); });
+      const StepReport report = simulation.step([&](const NewtonReport&) {
+        return goes_on({.is_judging = true, .share = simulation.state().load, .iterations = ++iterations});
+      });
       if (report.status == StepReport::Status::interrupted) throw Interrupted();
       if (report.status == StepReport::Status::not_converged)
         throw InputError(description_.place + ": rest shape", "a run from the shape found that converges",
@@ -342,6 +362,13 @@ class Search {
 };
 
 }  // namespace
+
+std::string RestShapeProgress::text() const {
+  const auto percent = [](double part) { return format_short(100 * part) + " %"; };
+  return (is_judging ? "a run from the shape found, at " + percent(share) + " of the loads"
+                     : "a shape for " + percent(share) + " of the loads, towards " + percent(towards)) +
+         ", iteration " + std::to_string(iterations);
+}
 
 RestShape find_rest_shape(Description description, const RestShapeOptions& options) {
   return Search(std::move(description), options).found();

@@ -8,6 +8,16 @@
 
 namespace resilin {
 
+/// What a search for a rest shape is at.
+struct RestShapeProgress {
+  bool is_judging = false;  ///< a run from the shape that was found goes on
+  double share = 0;         ///< of the loads: for which a shape is found, or that the run has raised
+  double towards = 0;       ///< of the loads, at which a shape is sought
+  int iterations = 0;       ///< of Newton's method, of the search or of the run
+
+  std::string text() const;  ///< "a shape for 50 % of the loads, towards 75 %, iteration 34"
+};
+
 struct RestShapeOptions {
   double meets = 1e-8;          ///< of the size: how near to the target a run from the shape found must end
   double step = 1e-10;          ///< of the size: Newton's method ends with a step below
@@ -15,7 +25,7 @@ struct RestShapeOptions {
   int max_products = 150;       ///< of GMRES
   double smallest_part = 0.01;  ///< of the loads, by which they are raised
   /// Asked between iterations; false: the search is given up (Interrupted).
-  std::function<bool()> goes_on{};
+  std::function<bool(const RestShapeProgress&)> goes_on{};
 };
 
 /// A rest shape that its loads deform into what was drawn.

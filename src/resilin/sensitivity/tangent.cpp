@@ -259,6 +259,11 @@ VectorX Tangent::solve_symmetric(const VectorX& b, EarlierSolutions* earlier) {
   return p;
 }
 
+VectorX Tangent::solve_symmetric_part(VectorX b) {
+  set_fixed_to_zero(world_.is_fixed, b);
+  return solve_symmetric(b);
+}
+
 /// With the symmetric part as preconditioner.
 VectorX Tangent::solve(VectorX b, bool is_transposed, EarlierSolutions* earlier) {
   set_fixed_to_zero(world_.is_fixed, b);

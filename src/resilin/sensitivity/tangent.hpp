@@ -61,6 +61,8 @@ class Tangent {
   /// Solves K p = b, or K^T p = b, over the free unknowns; p is zero at the others.
   /// @param earlier  of like equations, to begin with; the solution joins them
   VectorX solve(VectorX b, bool is_transposed, EarlierSolutions* earlier = nullptr);
+  /// The same with the symmetric part of K alone.
+  VectorX solve_symmetric_part(VectorX b);
 
  private:
   void factorize();
