@@ -2,37 +2,62 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from resilin.differentiated import Differentiated, differentiated
-from resilin.differentiated_batch import DifferentiatedBatch, differentiated_batch
+from resilin.differentiated import differentiated
+from resilin.differentiated_batch import differentiated_batch
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Mapping, Sequence
 
     from numpy.typing import NDArray
 
+    from resilin.differentiated import Differentiated
+    from resilin.differentiated_batch import DifferentiatedBatch
     from resilin.typing import Overrides, Scene
 
     Floats = NDArray[np.float64]
-    ArrayRun: TypeAlias = Differentiated | DifferentiatedBatch
 
 
-def run_at_arrays(
-    scene: Scene, values: Mapping[str, NDArray[Any]], overrides: Overrides, checkpoints: int, batch: bool
-) -> ArrayRun:
-    """A run by all of `values`, or one for each of their leading dimension."""
-    if batch:
-        return differentiated_batch(scene, None, values, overrides, values, checkpoints)
-    return differentiated(scene, None, values, overrides, values, checkpoints)
+class ArrayRun:
+    """A run by all of `values`, or one for each of their leading dimension.
 
+    Its frames are those that the scene asks for: an elastic equilibrium does not depend on the load steps on the way
+    to it, so that those which had to be halved, or which a turning support takes besides, are left out.
+    """
 
-def slopes_in_shapes(run: ArrayRun, by_positions: NDArray[Any], shapes: Iterable[tuple[int, ...]]) -> list[Floats]:
-    """Slopes by the arrays that the run was made at, in their own shapes, from those by `run.positions`."""
-    gradients = run.vjp(np.ascontiguousarray(by_positions))
-    return [
-        np.array(gradient, dtype=np.float64).reshape(shape)
-        for gradient, shape in zip(gradients.values(), shapes, strict=True)
-    ]
+    def __init__(
+        self, scene: Scene, values: Mapping[str, NDArray[Any]], overrides: Overrides, checkpoints: int, batch: bool
+    ) -> None:
+        self._batch: DifferentiatedBatch | None = None
+        if batch:
+            self._batch = differentiated_batch(scene, None, values, overrides, values, checkpoints)
+            self._items: Sequence[Differentiated] = [self._batch[i] for i in range(len(self._batch))]
+        else:
+            self._items = [differentiated(scene, None, values, overrides, values, checkpoints)]
+
+    @property
+    def positions(self) -> Floats:
+        """(T, N, d) or (B, T, N, d)."""
+        each = np.array([item.asked_positions for item in self._items])
+        return each if self._batch is not None else each[0]
+
+    @property
+    def num_steps_beside_way(self) -> int:
+        """Load steps that were halved where the way matters, with friction."""
+        return sum(item.num_steps_beside_way for item in self._items)
+
+    def slopes(self, by_positions: NDArray[Any], shapes: Iterable[tuple[int, ...]]) -> list[Floats]:
+        """Slopes by the arrays that the run was made at, in their own shapes, from those by `positions`."""
+        if self._batch is None:
+            gradients = self._items[0].vjp(self._items[0].seed_of_asked(by_positions))
+        else:
+            pairs = zip(self._items, by_positions, strict=True)
+            seeds: list[Mapping[str, Any]] = [{"positions": item.seed_of_asked(one)} for item, one in pairs]
+            gradients = self._batch.vjp(seeds)
+        return [
+            np.array(gradient, dtype=np.float64).reshape(shape)
+            for gradient, shape in zip(gradients.values(), shapes, strict=True)
+        ]

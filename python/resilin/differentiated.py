@@ -114,6 +114,23 @@ class Differentiated:
         return np.array([self._run.positions(frame) for frame in range(self._run.num_frames)])
 
     @property
+    def asked_positions(self) -> Floats:
+        """`positions` at the frames that the scene asks for, of the load factors k / load_steps, or of all steps."""
+        return np.array([self._run.positions(frame) for frame in self._run.asked_frames])
+
+    @property
+    def num_steps_beside_way(self) -> int:
+        """Load steps that were halved where the way matters, with friction."""
+        return self._run.num_steps_beside_way
+
+    def seed_of_asked(self, by_positions: NDArray[Any]) -> Floats:
+        """Slopes by `positions` from those by `asked_positions`."""
+        frames = self._run.asked_frames
+        seed = np.zeros((self._run.num_frames, *by_positions.shape[1:]))
+        seed[frames] = by_positions
+        return seed
+
+    @property
     def outcome(self) -> Outcome:
         """What a function that is an objective gets."""
         frames = range(self._run.num_frames)

@@ -33,13 +33,14 @@ def simulate(
     Returns
     -------
     array (T, N, d)
-        [m], float64; frame 0 is the start, the last is the equilibrium or the end of the motion.
+        [m], float64; frame 0 is the start, the last is the equilibrium or the end of the motion. At rest those between
+        are at load factors k / load_steps; steps that had to be halved on the way do not count.
 
     Raises
     ------
     InputError
-        As `resilin.value_and_gradient`, while jax_enable_x64 is off, and where load steps were halved, so that there
-        are other frames than JAX was told of. Within jax.jit errors of a run come as JAX's own, which hold the line.
+        As `resilin.value_and_gradient`, while jax_enable_x64 is off, and where load steps with friction were halved,
+        since there the way matters. Within jax.jit errors of a run come as JAX's own, which hold the line.
     ImportError
         Where JAX is missing.
 

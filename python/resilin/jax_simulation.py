@@ -12,7 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from resilin import _core
-from resilin.array_simulation import run_at_arrays, slopes_in_shapes
+from resilin.array_simulation import ArrayRun
 from resilin.arrays import refuse
 from resilin.scene import read_scene
 
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from resilin.array_simulation import ArrayRun
     from resilin.typing import Overrides, Scene
 
     Floats = NDArray[np.float64]
@@ -57,11 +56,11 @@ class _Simulation:
         shapes = list(self._shapes.values())
         if math.prod(front) == 1:
             run = self._run(values, front)
-            each = [slopes_in_shapes(run, one, shapes) for one in seeds]
+            each = [run.slopes(one, shapes) for one in seeds]
             found = [np.array([of[i] for of in each]) for i in range(len(shapes))]
         else:
             run = self._run(values, whole)
-            found = slopes_in_shapes(run, seeds, [(len(seeds), *shape) for shape in shapes])
+            found = run.slopes(seeds, [(len(seeds), *shape) for shape in shapes])
         return tuple(of.reshape((*whole, *shape)) for of, shape in zip(found, shapes, strict=True))
 
     @staticmethod
@@ -86,22 +85,19 @@ class _Simulation:
             if key in self._runs:
                 self._runs.move_to_end(key)
                 return self._runs[key]
-        run = run_at_arrays(self._scene, flat, self._overrides, self._checkpoints, size > 1)
-        self._check_frames(run.positions.shape[-3] - 1)
+        run = ArrayRun(self._scene, flat, self._overrides, self._checkpoints, size > 1)
+        if run.num_steps_beside_way > 0:
+            refuse(
+                "resilin.jax.simulate",
+                "load steps that converge, since with friction the way to an equilibrium matters",
+                f"{run.num_steps_beside_way} that had to be halved",
+                "take more simulation.load_steps",
+            )
         with self._lock:
             self._runs[key] = run
             while len(self._runs) > MOST_RUNS:
                 self._runs.popitem(last=False)
         return run
-
-    def _check_frames(self, num_steps: int) -> None:
-        if num_steps != self.shape[0] - 1:
-            refuse(
-                "resilin.jax.simulate",
-                f"a run of {self.shape[0] - 1} steps, as the scene says, since JAX has to know shapes beforehand",
-                str(num_steps),
-                "steps that did not converge were halved: take more simulation.load_steps",
-            )
 
 
 def _double(value: object, name: str) -> jax.Array:

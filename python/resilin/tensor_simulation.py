@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING, Any
 import torch
 from torch.autograd.function import once_differentiable
 
-from resilin.array_simulation import run_at_arrays, slopes_in_shapes
+from resilin.array_simulation import ArrayRun
 from resilin.tensors import real_tensor
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from resilin.array_simulation import ArrayRun
     from resilin.typing import Overrides, Scene
 
 
@@ -28,7 +27,7 @@ class _Simulate(torch.autograd.Function):
     @staticmethod
     @once_differentiable
     def backward(ctx: Any, by_positions: torch.Tensor) -> tuple[torch.Tensor | None, ...]:
-        slopes = slopes_in_shapes(ctx.run, by_positions.detach().numpy(), [shape for shape, _ in ctx.like])
+        slopes = ctx.run.slopes(by_positions.detach().numpy(), [shape for shape, _ in ctx.like])
         return None, *(torch.from_numpy(of).to(dtype) for of, (_, dtype) in zip(slopes, ctx.like, strict=True))
 
 
@@ -37,6 +36,6 @@ def simulate_at_tensors(
 ) -> torch.Tensor:
     tensors = {name: real_tensor(tensor, name) for name, tensor in given.items()}
     values = {name: tensor.detach().numpy() for name, tensor in tensors.items()}
-    run = run_at_arrays(scene, values, overrides, checkpoints, batch)
+    run = ArrayRun(scene, values, overrides, checkpoints, batch)
     places: torch.Tensor = _Simulate.apply(run, *tensors.values())
     return places

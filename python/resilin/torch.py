@@ -131,7 +131,8 @@ def simulate(
     Returns
     -------
     tensor (T, N, d), of a batch (B, T, N, d)
-        [m], float64; frame 0 is the start, the last is the equilibrium or the end of the motion.
+        [m], float64; frame 0 is the start, the last is the equilibrium or the end of the motion. At rest those between
+        are at load factors k / load_steps; steps that had to be halved on the way do not count.
 
     Examples
     --------

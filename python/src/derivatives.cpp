@@ -34,13 +34,15 @@ rest_shape(const Scene& scene, const nb::object& on_progress) {
   return {std::move(bodies), found.distance, found.size, found.iterations, found.kept_off, found.warnings};
 }
 
-/// (T, N, d) of a run's places, and whether there may be so many numbers for the parameters of these names.
+/// (T, N, d) of a run's places at the frames that the scene asks for, and whether there may be so many
+/// numbers for the parameters of these names.
 std::tuple<int, Index, int> simulation_shape(const Scene& scene,
                                              const std::map<std::string, Eigen::Index>& counts) {
   const Simulation simulation{Description(scene.description)};
   const World& world = simulation.world();
   for (const auto& [name, count] : counts) find_parameter_of(world, name, count);
-  return {simulation.expected_steps() + 1, world.num_nodes(), world.dimension};
+  return {(world.is_dynamic ? simulation.expected_steps() : world.load_steps) + 1, world.num_nodes(),
+          world.dimension};
 }
 
 }  // namespace
@@ -78,6 +80,8 @@ void bind_derivatives(nb::module_& module) {
       .def("collider_force", &DifferentiatedRun::collider_force, nb::arg("name"), nb::arg("frame"))
       .def("volume", &DifferentiatedRun::volume, nb::arg("body"), nb::arg("frame"))
       .def_prop_ro("warnings", &DifferentiatedRun::warnings)
+      .def_prop_ro("asked_frames", &DifferentiatedRun::asked_frames)
+      .def_prop_ro("num_steps_beside_way", &DifferentiatedRun::num_steps_beside_way)
       .def_prop_ro("num_frames", &DifferentiatedRun::num_frames);
 }
 

@@ -98,6 +98,9 @@ class DifferentiatedRun {
   }
   const std::vector<std::string>& warnings() const { return run_->warnings(); }
   int num_frames() const { return run_->num_frames(); }
+  std::vector<int> asked_frames() const { return run_->asked_frames(); }
+  /// Load steps that were halved where the way to an equilibrium matters.
+  int num_steps_beside_way() const { return world().friction ? run_->num_halved_steps() : 0; }
   std::vector<std::string> supports() const {
     std::vector<std::string> names;
     for (const Support& support : world().supports) names.push_back(support.name);

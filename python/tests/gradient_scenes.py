@@ -24,3 +24,21 @@ def bar(kind="static", modulus=1e5, **simulation):
 
 def motion(modulus=1e5, **simulation):
     return bar("dynamic", modulus, **{"time_step": 0.01, "end_time": 0.05, **simulation})
+
+
+def halved(modulus=1e5, load_steps=2, max_iterations=7, **more):
+    """A bar bent so far that load steps which are given few iterations have to be halved."""
+    scene = bar(modulus=modulus, load_steps=load_steps)
+    scene["load"][0]["value"] = [0, 0, -2e4]
+    scene["newton"] = {"tolerance": 1e-10, "max_iterations": max_iterations}
+    return scene | more
+
+
+FLOOR = {
+    "name": "floor",
+    "kind": "half_space",
+    "point": [0, 0, -0.2],
+    "normal": [0, 0, 1],
+    "friction": 0.3,
+    "activation_distance": 0.01,
+}

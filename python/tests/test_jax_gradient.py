@@ -4,7 +4,7 @@ import sys
 
 import numpy as np
 import pytest
-from gradient_scenes import E, bar, motion
+from gradient_scenes import FLOOR, E, bar, halved, motion
 
 jax = pytest.importorskip("jax")
 jnp = jax.numpy
@@ -95,6 +95,56 @@ def test_vmap_runs_a_batch_and_jacrev_one_run():
     for k in range(6):
         by_row = jax.grad(lambda pull, k=k: of(1e5, pull)[-1, -2:].ravel()[k])(pull)
         np.testing.assert_array_equal(rows[k], by_row)
+
+
+@pytest.mark.parametrize("is_compiled", [False, True])
+def test_load_steps_that_are_halved_change_nothing(is_compiled):
+    def place(modulus, frame=-1, **changes):
+        return resilin.jax.simulate(halved(**changes), **{E: modulus})[frame, :, 2].sum()
+
+    of = jax.jit(jax.value_and_grad(place), static_argnums=1) if is_compiled else jax.value_and_grad(place)
+    run = resilin.value_and_gradient(halved(), None, [E])
+    assert len(run.positions) > 4
+    for frame, load in ((1, 0.5), (2, 1.0)):
+        value, slope = of(1e5, frame)
+        (number,) = np.flatnonzero(run.outcome.loads == load)
+        seed = np.zeros_like(run.positions)
+        seed[number, :, 2] = 1
+        assert value == run.positions[number, :, 2].sum()
+        assert slope == run.vjp(seed)[E]
+        smooth, same = jax.value_and_grad(place)(1e5, frame, max_iterations=60)
+        assert value == pytest.approx(float(smooth), rel=1e-7)
+        assert slope == pytest.approx(float(same), rel=1e-6)
+    difference = (place(1e5 + 20) - place(1e5 - 20)) / 40
+    assert slope == pytest.approx(float(difference), rel=1e-5)
+
+
+def test_vmap_goes_over_runs_of_different_load_steps():
+    moduli = np.array([1e5, 3e4, 1e7])
+
+    def tip(modulus):
+        return resilin.jax.simulate(halved(), **{E: modulus})[-1, :, 2].sum()
+
+    assert len({len(resilin.value_and_gradient(halved(modulus), None, []).positions) for modulus in moduli}) > 1
+    values, slopes = jax.vmap(jax.value_and_grad(tip))(moduli)
+    for modulus, value, slope in zip(moduli, values, slopes, strict=True):
+        assert jax.value_and_grad(tip)(modulus) == (value, slope)
+
+
+def test_frames_are_those_of_the_load_factors_that_are_asked_for():
+    turned = bar(load_steps=2)
+    turned["fix"][0]["rotate"] = {"axis": [1, 0, 0], "center": [0, 0, 0], "degrees": 200}
+    run = resilin.value_and_gradient(turned, None, [E])
+    assert len(run.positions) > 3  # a support turns by so much in a step
+    places = resilin.jax.simulate(turned, **{E: 1e5})
+    np.testing.assert_array_equal(places, run.positions[[0, len(run.positions) // 2, -1]])
+
+
+@pytest.mark.filterwarnings("ignore:.*with friction the way matters")
+def test_load_steps_that_are_halved_are_refused_with_friction():
+    with pytest.raises(resilin.InputError, match="with friction the way to an equilibrium matters") as error:
+        resilin.jax.simulate(halved(load_steps=1, max_iterations=12, collider=[FLOOR]), **{E: 1e5})
+    assert "\n" not in str(error.value)
 
 
 def test_forward_mode_is_refused():

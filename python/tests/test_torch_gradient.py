@@ -1,7 +1,7 @@
 """Simulations as functions of tensors."""
 
 import pytest
-from gradient_scenes import E, bar, motion
+from gradient_scenes import E, bar, halved, motion
 
 torch = pytest.importorskip("torch")
 
@@ -51,3 +51,17 @@ def test_a_batch_has_the_bits_of_one_after_another(scene):
         assert torch.equal(alone, places[i])
         alone[-1, :, 2].min().backward()
         assert modulus.grad == found[i]
+
+
+def test_a_batch_goes_over_runs_whose_load_steps_were_halved():
+    moduli = torch.tensor([1e5, 3e4, 1e7], dtype=torch.float64, requires_grad=True)
+    places = resilin.torch.simulate(halved(), batch=True, **{E: moduli})
+    assert places.shape[1] == 3  # load factors 0, 1/2 and 1
+    places[:, 1:, :, 2].sum().backward()
+    for i, modulus in enumerate(moduli.detach()):
+        run = resilin.value_and_gradient(halved(float(modulus)), None, [E])
+        seed = 0 * run.positions
+        asked = [list(run.outcome.loads).index(load) for load in (0.5, 1.0)]
+        seed[asked, :, 2] = 1
+        assert moduli.grad[i] == run.vjp(seed)[E]
+        assert (places[i, 1:].detach().numpy() == run.positions[asked]).all()

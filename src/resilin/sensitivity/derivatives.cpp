@@ -1,5 +1,7 @@
 #include "resilin/sensitivity/derivatives.hpp"
 
+#include <cmath>
+
 #include "resilin/core/error.hpp"
 
 namespace resilin {
@@ -37,6 +39,15 @@ std::unique_ptr<Derivatives> Derivatives::run(Description description, const std
   check_is_differentiable(description);
   return description.is_dynamic ? differentiate_motion(std::move(description), wrt, options)
                                 : differentiate_statics(std::move(description), wrt, options);
+}
+
+std::vector<int> Derivatives::asked_frames() const {
+  std::vector<int> asked;
+  for (int frame = 0; frame < num_frames(); ++frame) {
+    const double steps = frames_[static_cast<std::size_t>(frame)].load * world().load_steps;
+    if (world().is_dynamic || std::abs(steps - std::round(steps)) < 1e-9) asked.push_back(frame);
+  }
+  return asked;
 }
 
 std::vector<FrameChange> Derivatives::forward(const std::vector<VectorX>& changes) {

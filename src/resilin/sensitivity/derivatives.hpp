@@ -52,6 +52,11 @@ class Derivatives {
   const World& world() const { return simulation_.world(); }
   const std::vector<Parameter>& parameters() const { return parameters_; }
   int num_frames() const { return static_cast<int>(frames_.size()); }
+  /// Those that the scene asks for, whatever steps led there: at rest the start and the equilibria at load
+  /// factors k / load_steps, in motion all.
+  std::vector<int> asked_frames() const;
+  /// Load steps that did not converge at first and were taken in parts.
+  int num_halved_steps() const { return num_halved_steps_; }
   /// Of the frame; of motion with checkpoints, the last one's alone are kept and the others computed again.
   virtual VectorX positions(int frame) = 0;
   /// Likewise [m/s]; empty at rest.
@@ -101,6 +106,7 @@ class Derivatives {
   TermLinks links_;
   std::vector<Parameter> parameters_;
   std::vector<Frame> frames_;
+  int num_halved_steps_ = 0;
   std::vector<std::string> warnings_;
 };
 

@@ -24,18 +24,17 @@ class StaticDerivatives final : public Derivatives {
       : Derivatives(std::move(description), wrt, options),
         tangent_(world(), world().solver.kind, options.analyses) {
     places_.push_back(simulation_.state().positions);
-    int shortened = 0;
     while (!simulation_.is_finished()) {
       const StepReport report = step();
       last_matrix_is_near_ = report.newton.last_step_was_exact;
-      if (report.failed_attempts > 0) ++shortened;
+      if (report.failed_attempts > 0) ++num_halved_steps_;
       places_.push_back(simulation_.state().positions);
       frames_.push_back(simulation_.frame());
     }
-    if (follows_way() && shortened > 0)
+    if (follows_way() && num_halved_steps_ > 0)
       warnings_.push_back(
-          world().place + ": " + std::to_string(shortened) +
-          (shortened == 1 ? " load step was" : " load steps were") +
+          world().place + ": " + std::to_string(num_halved_steps_) +
+          (num_halved_steps_ == 1 ? " load step was" : " load steps were") +
           " halved on the way, and with friction the way matters: derivatives are those of the "
           "run with its " +
           std::to_string(frames_.size() - 1) +
