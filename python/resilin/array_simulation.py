@@ -51,12 +51,12 @@ class ArrayRun:
 
     def slopes(self, by_positions: NDArray[Any], shapes: Iterable[tuple[int, ...]]) -> list[Floats]:
         """Slopes by the arrays that the run was made at, in their own shapes, from those by `positions`."""
+        gradients: Mapping[str, Any]
         if self._batch is None:
             gradients = self._items[0].vjp(self._items[0].seed_of_asked(by_positions))
         else:
             pairs = zip(self._items, by_positions, strict=True)
-            seeds: list[Mapping[str, Any]] = [{"positions": item.seed_of_asked(one)} for item, one in pairs]
-            gradients = self._batch.vjp(seeds)
+            gradients = self._batch.vjp([{"positions": item.seed_of_asked(one)} for item, one in pairs])
         return [
             np.array(gradient, dtype=np.float64).reshape(shape)
             for gradient, shape in zip(gradients.values(), shapes, strict=True)
