@@ -78,7 +78,8 @@ class SceneFit:
     sum_of_squares: float  #: of residuals over sigma, where there are sigmas
     degrees_of_freedom: int
     solves: int  #: of each scene
-    starts: tuple[float, ...]  #: the sum of squares where each start of the search has ended; inf: no solution
+    #: the sum of squares, of fields with the prior, where each start of the search has ended; inf: no solution
+    starts: tuple[float, ...]
     is_converged: bool
     correlation: NDArray[np.float64]  #: (P, P) between the estimates
     tables: tuple[MeasuredTable, ...]
@@ -136,7 +137,7 @@ def fit_scenes(data: Scene, overrides: Overrides = (), on_solve: Callable[[str],
         sum_of_squares=content["sum_of_squares"],
         degrees_of_freedom=content["degrees_of_freedom"],
         solves=content["solves"],
-        starts=tuple(_number(entry["sum_of_squares"], np.inf) for entry in content["starts"]),
+        starts=tuple(_number(entry["objective"], np.inf) for entry in content["starts"]),
         is_converged=content["is_converged"],
         correlation=np.array(content["correlation_matrix"]).reshape(size, size),
         tables=tuple(

@@ -190,6 +190,39 @@ TEST_F(FieldFit, IsWrittenForScenes) {
   EXPECT_THAT(page, AllOf(Not(HasSubstr("nan")), Not(HasSubstr("{{")), Not(HasSubstr("http"))));
 }
 
+/// A swinging strip seen over some periods: fields that are far too stiff swing out of step, and no small
+/// change makes that better. Where ends have weights of their own, they are compared at one.
+TEST_F(FieldFit, EscapesALocalMinimumByMoreStarts) {
+  write_swinging_strip();
+  const std::string text =
+      "[[experiment]]\nscene = \"scene.toml\"\nprobe = { of = \"tip\", file = \"tip.csv\", sigma = 1e-4 }\n"
+      "[[parameter]]\nkey = \"body.bar.material.youngs_modulus\"\nper = \"cell\"\nstart = 6e6\n"
+      "bounds = [1e6, 1e7]\n[fit]\nregularise = { strength = 1e5 }\n";
+  const SceneFitReport caught = fit(text);
+  EXPECT_GT(caught.sum_of_squares, 1e4);  // the local minimum is one
+  ASSERT_EQ(caught.ends.size(), 1U);
+  EXPECT_DOUBLE_EQ(caught.ends[0].start[0], 6e6);
+  const SceneFitReport report = fit(text + "starts = 6\n");
+  EXPECT_TRUE(report.is_converged) << report.why_not;
+  for (const double value : report.fields[0].values) EXPECT_NEAR(value, 2e6, 0.01 * 2e6);
+  ASSERT_EQ(report.ends.size(), 6U);
+  EXPECT_EQ(report.ends[0].sum_of_squares, caught.sum_of_squares);
+  EXPECT_EQ(report.ends[0].found, caught.ends[0].found);
+  const SearchEnd& best = *std::ranges::min_element(report.ends, {}, &SearchEnd::objective);
+  EXPECT_EQ(best.sum_of_squares, report.sum_of_squares);
+  EXPECT_EQ(best.objective, best.sum_of_squares + report.regularised->strength * best.roughness);
+  int solves = 0;
+  for (const SearchEnd& end : report.ends) {
+    solves += end.solves;
+    EXPECT_EQ(end.found.size(), 1);
+    EXPECT_GE(end.start[0], 1e6);
+    EXPECT_LE(end.start[0], 1e7);
+  }
+  EXPECT_EQ(report.solves, solves);
+  EXPECT_THAT(scene_fit_text(report), HasSubstr("of 6 starts ended with this sum of squares and prior"));
+  EXPECT_THAT(scene_fit_page(report), HasSubstr("Where each start has ended"));
+}
+
 TEST_F(FieldFit, RefusesWhatIsNoField) {
   measure(1e-3);
   const auto with = [&](const std::string& parameter, const std::string& more = "") {

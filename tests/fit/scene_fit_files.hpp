@@ -91,6 +91,24 @@ class SceneFitFiles : public ::testing::Test {
   SceneFitReport fit(const std::string& text) {
     return fit_scenes(read_scene_fit(folder.write("fit.toml", text)));
   }
+  /// A strip that swings for a second, with E = 2 MPa, and its tip's height, in scene.toml and tip.csv.
+  void write_swinging_strip() {
+    std::string strip = sagging_strip;
+    strip.replace(strip.find("kind = \"static\""), 15,
+                  "kind = \"dynamic\"\ntime_step = 0.01\nend_time = 1\nintegrator = \"bdf2\"");
+    strip.replace(strip.find("{ file = \"young.csv\" }"), 22, "2e6");
+    strip.replace(strip.find("cells = [10, 2]"), 15, "cells = [5, 1]");
+    strip.replace(strip.find("at = [1, 0.1]"), 13, "at = [1, 0]");
+    Simulation truth{scene(strip)};
+    std::string csv = "time,uy\n";
+    while (!truth.is_finished()) {
+      truth.step();
+      if (truth.state().step % 5 != 0) continue;
+      csv += format_number(truth.state().time) + ",";
+      csv += format_number(displacement_at(truth, {1, 0, 0})[1]) + "\n";
+    }
+    folder.write("tip.csv", csv);
+  }
   /// The message; it is one line.
   std::string error_of(const std::string& text) {
     try {

@@ -149,21 +149,7 @@ TEST_F(SceneMeasures, AreRefusedInWords) {
 /// A swinging strip seen over some periods: a stiffness that is far off swings out of step, and no small
 /// change makes that better.
 TEST_F(SceneMeasures, EscapeALocalMinimumByMoreStarts) {
-  std::string strip = sagging_strip;
-  strip.replace(strip.find("kind = \"static\""), 15,
-                "kind = \"dynamic\"\ntime_step = 0.01\nend_time = 1\nintegrator = \"bdf2\"");
-  strip.replace(strip.find("{ file = \"young.csv\" }"), 22, "2e6");
-  strip.replace(strip.find("cells = [10, 2]"), 15, "cells = [5, 1]");
-  strip.replace(strip.find("at = [1, 0.1]"), 13, "at = [1, 0]");
-  Simulation truth{scene(strip)};
-  std::string csv = "time,uy\n";
-  while (!truth.is_finished()) {
-    truth.step();
-    if (truth.state().step % 5 == 0)
-      csv += format_number(truth.state().time) + "," + format_number(displacement_at(truth, {1, 0, 0})[1]) +
-             "\n";
-  }
-  folder.write("tip.csv", csv);
+  write_swinging_strip();
   const std::string text =
       "[[experiment]]\nscene = \"scene.toml\"\nprobe = { of = \"tip\", file = \"tip.csv\", sigma = 1e-4 }\n"
       "[[parameter]]\nkey = \"body.bar.material.youngs_modulus\"\nstart = 6e6\nbounds = [1e6, 1e7]\n";

@@ -141,10 +141,11 @@ Keys<SceneFitDescription> scene_fit_keys() {
                  "a ten-thousandth of their standard errors."),
       integer_key("max_solves", &F::max_solves, at_least_one,
                   "So often each scene is solved at most, from each start."),
-      integer_key("starts", &F::starts, at_least_one,
-                  "From so many starts the search is made; the best end counts. The first is that of the "
-                  "parameters, the "
-                  "others lie between their bounds, or within a factor of 10 of it."),
+      integer_key(
+          "starts", &F::starts, at_least_one,
+          "From so many starts the search is made; the best end counts. The first is that of the "
+          "parameters, the "
+          "others lie between their bounds, or within a factor of 10 of it; a field is moved as a whole."),
       key<F>({"regularise", "[fit.regularise](#fitregularise)", "", "", "Of fields: parameters per cell."},
              [](const SceneNode& node, F& f) {
                f.regularise.place = node.place();

@@ -103,6 +103,36 @@ VectorX FieldSearch::values_at(const VectorX& u) const {
   return values;
 }
 
+/// use(the unknowns): of a field all, of others each.
+template <class Use>
+void FieldSearch::for_each_sought(const Use& use) const {
+  for (const UnknownRange& range : model_.ranges()) {
+    UnknownRange part = range;
+    if (!range.is_field) part.count = 1;
+    for (; part.first < range.first + range.count; part.first += part.count) use(part);
+  }
+}
+
+std::vector<SceneUnknown> FieldSearch::sought() const {
+  std::vector<SceneUnknown> all;
+  for_each_sought([&](const UnknownRange& part) {
+    const auto first = static_cast<std::size_t>(part.first);
+    all.push_back(model_.unknowns()[first]);
+    const auto own = start_.segment(part.first, part.count);
+    if (own.minCoeff() < own.maxCoeff()) all.back().start = scales_[first].from(own.mean());
+  });
+  return all;
+}
+
+VectorX FieldSearch::sought_values() const {
+  std::vector<double> all;
+  for_each_sought([&](const UnknownRange& part) {
+    const double middle = (start_ + u_).segment(part.first, part.count).mean();
+    all.push_back(scales_[static_cast<std::size_t>(part.first)].from(middle));
+  });
+  return Eigen::Map<const VectorX>(all.data(), static_cast<Eigen::Index>(all.size()));
+}
+
 VectorX FieldSearch::weighted_residuals(const SceneModel::Solved& solved) const {
   return weights_.cwiseProduct(solved.values - model_.data().measured);
 }
@@ -146,7 +176,16 @@ double FieldSearch::variance() const {
   return model_.data().sigma.size() == 0 ? shown : r_.squaredNorm() > chi_square_99(left) ? shown : 1;
 }
 
-void FieldSearch::run() {
+void FieldSearch::run(const VectorX& start) {
+  const std::vector<SceneUnknown> first = sought();
+  Eigen::Index number = 0;
+  for_each_sought([&](const UnknownRange& part) {
+    const double value = start[number], before = first[static_cast<std::size_t>(number)].start;
+    const SoughtScale& scale = scales_[static_cast<std::size_t>(part.first)];
+    // A start where the file has it begins with its bits.
+    if (value != before) u_.segment(part.first, part.count).setConstant(scale.to(value) - scale.to(before));
+    ++number;
+  });
   if (description_.regularise.rule == StrengthRule::discrepancy && !description_.regularise.strength &&
       model_.data().sigma.size() == 0)
     throw InputError(

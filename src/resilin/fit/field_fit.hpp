@@ -34,7 +34,18 @@ class FieldSearch {
               const SceneFitOptions& options);
   ~FieldSearch();
 
-  void run();
+  /// What a start has a number of: unknowns that are no cells, and of a field its middle, the mean of what is
+  /// sought. A field starts as the file has it, moved as a whole: its constant is what a smooth prior does
+  /// not feel, and local minima are those of how stiff a body is.
+  std::vector<SceneUnknown> sought() const;
+  VectorX sought_values() const;  ///< where the search has ended
+
+  /// @param start  of these
+  void run(const VectorX& start);
+
+  // Of the prior: its value at the end, and its weight.
+  double roughness() const { return roughness(u_); }
+  double strength() const { return strength_; }
 
   VectorX values() const { return values_at(u_); }
   const SceneModel::Solved& solved() const { return solved_; }
@@ -48,6 +59,8 @@ class FieldSearch {
 
  private:
   VectorX values_at(const VectorX& u) const;
+  template <class Use>
+  void for_each_sought(const Use& use) const;
   VectorX weighted_residuals(const SceneModel::Solved& solved) const;
   double roughness(const VectorX& u) const { return u.dot(prior_.times(u)); }
   void tell(double sum, const VectorX& u, bool is_better, const std::string& problem) const;

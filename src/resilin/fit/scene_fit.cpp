@@ -9,6 +9,7 @@
 #include "resilin/core/text.hpp"
 #include "resilin/fit/field_fit.hpp"
 #include "resilin/fit/scene_search.hpp"
+#include "resilin/fit/search_starts.hpp"
 #include "resilin/fit/uncertainty.hpp"
 
 namespace resilin {
@@ -106,48 +107,34 @@ void list_parameters(const SceneModel& model, const VectorX& values, SceneFitRep
   }
 }
 
-/// A place of a number in (0, 1) between its bounds, in logarithms of what is positive; without bounds within
-/// a factor of 10 of the start, or, of what may be negative, once its size to both sides.
-double start_at(const SceneUnknown& unknown, double share) {
-  double low = unknown.lower, high = unknown.upper;
-  if (unknown.is_positive) {
-    if (!(low > 0)) low = unknown.start / 10;
-    if (!std::isfinite(high)) high = unknown.start * 10;
-    return low * std::pow(high / low, share);
-  }
-  const double size = unknown.start == 0 ? 1 : std::abs(unknown.start);
-  if (!std::isfinite(low)) low = unknown.start - size;
-  if (!std::isfinite(high)) high = unknown.start + size;
-  return low + share * (high - low);
+double objective_at(const SearchEnd& end, double strength) {
+  return end.sum_of_squares + strength * end.roughness;
 }
 
-/// The first start is that of the unknowns, the others fill the space evenly: multiples of powers of the root
-/// of g^(n + 1) = g + 1, modulo 1 (Roberts 2018).
-std::vector<VectorX> starts_of(const SceneModel& model, int count) {
-  const auto n = static_cast<Eigen::Index>(model.unknowns().size());
-  double root = 2;
-  for (int i = 0; i < 60; ++i) root = std::pow(1 + root, 1.0 / (static_cast<double>(n) + 1));
-  std::vector<VectorX> starts(static_cast<std::size_t>(count), VectorX(n));
-  for (std::size_t s = 0; s < starts.size(); ++s)
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const SceneUnknown& unknown = model.unknowns()[static_cast<std::size_t>(i)];
-      const double multiple = 0.5 + static_cast<double>(s) * std::pow(root, -static_cast<double>(i) - 1);
-      starts[s][i] = s == 0 ? unknown.start : start_at(unknown, multiple - std::floor(multiple));
-    }
-  return starts;
+/// At one weight of the prior: the weights that searches for fields choose differ.
+bool is_better(const SearchEnd& one, const SearchEnd& other) {
+  const double strength = std::sqrt(one.strength * other.strength);
+  return objective_at(one, strength) < objective_at(other, strength);
 }
 
-/// The search with the least sum of squares.
-std::unique_ptr<SceneSearch> search_from_many_starts(const SceneModel& model, const SceneFitOptions& options,
-                                                     SceneFitReport& report) {
-  std::unique_ptr<SceneSearch> best;
-  for (const VectorX& start : starts_of(model, report.description.starts)) {
-    auto search = std::make_unique<SceneSearch>(model, report.description, options);
+/// The search from many starts that has come to the best end.
+template <class Search>
+std::unique_ptr<Search> search_from_many_starts(const SceneModel& model, const SceneFitOptions& options,
+                                                SceneFitReport& report) {
+  auto first = std::make_unique<Search>(model, report.description, options);
+  const std::vector<SceneUnknown> sought = first->sought();
+  for (const SceneUnknown& unknown : sought) report.sought.push_back(unknown.name);
+  std::unique_ptr<Search> best;
+  std::size_t number = 0;  // of the best
+  for (const VectorX& start : search_starts(sought, report.description.starts)) {
+    auto search = first ? std::move(first) : std::make_unique<Search>(model, report.description, options);
     SearchEnd end{.start = start, .found = start};
     try {
       search->run(start);
-      end.found = search->values();
+      end.found = search->sought_values();
       end.sum_of_squares = search->residuals().squaredNorm();
+      end.roughness = search->roughness();
+      end.strength = search->strength();
       end.is_converged = search->is_converged();
     } catch (const InputError& error) {
       if (!best) throw;  // what the file says
@@ -155,10 +142,13 @@ std::unique_ptr<SceneSearch> search_from_many_starts(const SceneModel& model, co
     }
     end.solves = search->solves();
     report.solves += end.solves;
-    if (end.problem.empty() && (!best || end.sum_of_squares < best->residuals().squaredNorm()))
+    if (end.problem.empty() && (!best || is_better(end, report.ends[number]))) {
       best = std::move(search);
+      number = report.ends.size();
+    }
     report.ends.push_back(std::move(end));
   }
+  for (SearchEnd& end : report.ends) end.objective = objective_at(end, best->strength());
   return best;
 }
 
@@ -191,14 +181,12 @@ SceneFitReport fit_scenes(SceneFitDescription description, const SceneFitOptions
       report.scenes.push_back(model.description_with(e, search.values()));
   };
   if (model.has_fields()) {
-    FieldSearch search(model, report.description, noting);
-    search.run();
-    report.solves = search.solves();
-    take_end(search);
-    search.tell_fields(report);
+    const auto best = search_from_many_starts<FieldSearch>(model, noting, report);
+    take_end(*best);
+    best->tell_fields(report);
     return report;
   }
-  const std::unique_ptr<SceneSearch> best = search_from_many_starts(model, noting, report);
+  const auto best = search_from_many_starts<SceneSearch>(model, noting, report);
   take_end(*best);
   estimate_errors(model, *best, report);
   return report;

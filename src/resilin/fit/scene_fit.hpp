@@ -51,8 +51,11 @@ struct FittedParameter {
 
 /// Where the search has ended from one start.
 struct SearchEnd {
-  VectorX start, found;  ///< all unknowns
+  VectorX start, found;  ///< all unknowns; of a field its middle, the mean of what is sought
   double sum_of_squares = std::numeric_limits<double>::infinity();
+  double roughness = 0, strength = 0;  ///< of fields: u^T R u of the prior, and its weight
+  /// The sum of squares, and of fields the prior with the weight of the best end.
+  double objective = std::numeric_limits<double>::infinity();
   int solves = 0;
   bool is_converged = false;
   std::string problem{};  ///< why there is no end
@@ -93,7 +96,8 @@ struct SceneFitReport {
   bool is_converged = false;
   std::string why_not;              ///< converged
   std::vector<SceneFitStep> steps;  ///< of the search, one start after another
-  std::vector<SearchEnd> ends;      ///< of each start; empty for fields
+  std::vector<SearchEnd> ends;      ///< of each start
+  std::vector<std::string> sought;  ///< names of the numbers of a start
   std::vector<FittedField> fields;
   std::optional<RegularisationReport> regularised;  ///< where there are fields
   std::vector<TableQuality> tables;

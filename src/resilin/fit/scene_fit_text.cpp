@@ -19,7 +19,8 @@
 namespace resilin {
 namespace {
 
-constexpr double same_sum = 1e-3;  ///< ends of searches that differ by less are one
+/// Ends of searches that differ by less are one; of fields, whose weights differ a little, too.
+constexpr double same_sum = 1e-3, same_sum_of_fields = 1e-2;
 
 /// So many digits as an interval of this half width makes known.
 std::string rounded_text(double value, double half_width) {
@@ -128,13 +129,16 @@ namespace {
 /// Of several starts: how many ended where the best one did.
 std::string starts_text(const SceneFitReport& report) {
   if (report.ends.size() < 2) return "";
+  const double least = std::ranges::min(report.ends, {}, &SearchEnd::objective).objective;
   int same = 0, others = 0, without = 0;
   for (const SearchEnd& end : report.ends) {
-    const bool is_same = end.sum_of_squares <= report.sum_of_squares * (1 + same_sum);
-    ++(!std::isfinite(end.sum_of_squares) ? without : is_same ? same : others);
+    const bool is_same =
+        end.objective <= least * (1 + (report.fields.empty() ? same_sum : same_sum_of_fields));
+    ++(!std::isfinite(end.objective) ? without : is_same ? same : others);
   }
   std::string text = "; " + std::to_string(same) + " of " + std::to_string(report.ends.size()) +
-                     " starts ended with this sum of squares";
+                     (report.fields.empty() ? " starts ended with this sum of squares"
+                                            : " starts ended with this sum of squares and prior");
   if (others > 0) text += ", " + std::to_string(others) + " with larger ones";
   if (without > 0) text += ", " + std::to_string(without) + " had no solution";
   return text;
@@ -171,6 +175,7 @@ void add_fields(const SceneFitReport& report, FitJson& json) {
     json["starts"].push_back({{"start", std::vector<double>(end.start.begin(), end.start.end())},
                               {"found", std::vector<double>(end.found.begin(), end.found.end())},
                               {"sum_of_squares", number_json(end.sum_of_squares)},
+                              {"objective", number_json(end.objective)},
                               {"solves", end.solves},
                               {"is_converged", end.is_converged}});
   json["fields"] = FitJson::array();

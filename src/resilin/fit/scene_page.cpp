@@ -78,13 +78,14 @@ std::string parameters_html(const SceneFitReport& report) {
 
 std::string starts_html(const SceneFitReport& report) {
   if (report.ends.size() < 2) return "";
-  std::vector<std::vector<std::string>> rows = {{"start", "solves", "sum of squares"}};
-  for (const FittedParameter& parameter : report.parameters) rows.front().push_back(parameter.name);
+  std::vector<std::vector<std::string>> rows = {
+      {"start", "solves", report.fields.empty() ? "sum of squares" : "sum of squares and prior"}};
+  for (const std::string& name : report.sought) rows.front().push_back(name);
   for (std::size_t s = 0; s < report.ends.size(); ++s) {
     const SearchEnd& end = report.ends[s];
-    rows.push_back({std::to_string(s + 1), std::to_string(end.solves),
-                    std::isfinite(end.sum_of_squares) ? fmt::format("{:.6g}", end.sum_of_squares)
-                                                      : one_line(end.problem)});
+    rows.push_back(
+        {std::to_string(s + 1), std::to_string(end.solves),
+         std::isfinite(end.objective) ? fmt::format("{:.6g}", end.objective) : one_line(end.problem)});
     for (const double value : end.found) rows.back().push_back(fmt::format("{:.6g}", value));
   }
   return html_heading("Where each start has ended") + html_card(html_table(rows));

@@ -18,6 +18,13 @@ class SceneSearch {
   /// @param start  of the unknowns
   void run(const VectorX& start);
 
+  /// What a start has a number of, and these numbers where the search has ended.
+  const std::vector<SceneUnknown>& sought() const { return model_.unknowns(); }
+  VectorX sought_values() const { return values(); }
+  // Of a prior, which is not there.
+  static double roughness() { return 0; }
+  static double strength() { return 0; }
+
   VectorX values() const { return values_at(z_); }
   const SceneModel::Solved& solved() const { return solved_; }
   const VectorX& residuals() const { return r_; }
