@@ -27,6 +27,13 @@ std::optional<double> DeadLoad::driven_work(const VectorX& from, const Condition
   return larger_work(*this, from, before, to, after);
 }
 
+Vector3 power_by_axis(const VectorX& forces, const VectorX& w, int dim) {
+  Vector3 power = Vector3::Zero();
+  for (Eigen::Index i = 0; i < w.size(); i += dim)
+    power.head(dim) += forces.segment(i, dim).cwiseProduct(w.segment(i, dim));
+  return power;
+}
+
 double DeadLoad::value(const VectorX& x, const Conditions& c) const {
   return -factor(c) * forces_.dot(x - rest_positions_);
 }
@@ -121,11 +128,9 @@ void DeadLoad::add_parameter_slopes(std::string_view name, const VectorX&, const
   } else if (name == "rest_positions") {
     region_->add_rest_slopes(-t * value_, rest_positions_, w, slopes);
   } else {
-    for (int k = 0; k < dim_; ++k) {
-      VectorX forces = VectorX::Zero(w.size());
-      region_->add_forces(Vector3::Unit(k), rest_positions_, forces);
-      slopes[k] -= t * w.dot(forces);
-    }
+    VectorX shares = VectorX::Zero(w.size());
+    region_->add_forces(Vector3::Ones(), rest_positions_, shares);
+    slopes -= t * power_by_axis(shares, w, dim_).head(dim_);
   }
 }
 

@@ -34,7 +34,11 @@ struct ActiveTime {
 double larger_work(const Energy& term, const VectorX& from, const Conditions& before, const VectorX& to,
                    const Conditions& after);
 
-/// Where a dead load acts: nodal forces [N] on the rest shape X that are linear in one vector, its value.
+/// The sums of forces times w over the nodes, one for each axis.
+Vector3 power_by_axis(const VectorX& forces, const VectorX& w, int dim);
+
+/// Where a dead load acts: nodal forces [N] on the rest shape X, each a number of its node times one vector,
+/// the value.
 class LoadedRegion {
  public:
   virtual ~LoadedRegion() = default;

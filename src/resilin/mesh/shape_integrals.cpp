@@ -11,6 +11,9 @@ ShapeIntegrals::ShapeIntegrals(const ElementInfo& element)
       for_products_(sample(2 * element.degree + element.jacobian_degree())),
       for_affine_products_(sample(2 * element.degree)) {
   const auto n = static_cast<std::size_t>(element.num_nodes), dim = static_cast<std::size_t>(element.dim);
+  for (std::size_t a = 0; a < n; ++a)
+    for (std::size_t k = 0; k < dim; ++k)
+      if (element.nodes[a] == Vector3::Unit(static_cast<Eigen::Index>(k))) axis_ends_[k] = a;
   for_affine_.weights = {1};
   for_affine_.gradients.assign(for_values_.gradients.begin(),
                                for_values_.gradients.begin() + element.num_nodes * element.dim);
@@ -102,19 +105,16 @@ void ShapeIntegrals::add_slopes_of_volume(const Samples& samples, std::size_t po
 
 /// Every node stands where the cell's first corner and the corners along the reference axes put it.
 bool ShapeIntegrals::is_affine(std::span<const double> rest_positions) const {
+  if (element_.jacobian_degree() == 0) return true;
   const auto dim = static_cast<std::size_t>(element_.dim);
-  std::array<const double*, 3> axis_ends{};
-  for (std::size_t a = 0; a < element_.nodes.size(); ++a)
-    for (std::size_t k = 0; k < dim; ++k)
-      if (element_.nodes[a] == Vector3::Unit(static_cast<Eigen::Index>(k)))
-        axis_ends[k] = rest_positions.data() + a * dim;
   double size = 0, deviation = 0;
   for (std::size_t a = 0; a < element_.nodes.size(); ++a)
     for (std::size_t i = 0; i < dim; ++i) {
       const double origin = rest_positions[i];
       double expected = origin;
       for (std::size_t k = 0; k < dim; ++k)
-        expected += element_.nodes[a][static_cast<Eigen::Index>(k)] * (axis_ends[k][i] - origin);
+        expected += element_.nodes[a][static_cast<Eigen::Index>(k)] *
+                    (rest_positions[axis_ends_[k] * dim + i] - origin);
       size = std::max(size, std::abs(rest_positions[a * dim + i] - origin));
       deviation = std::max(deviation, std::abs(rest_positions[a * dim + i] - expected));
     }
@@ -159,16 +159,45 @@ double dot(const double* a, std::span<const double> b) {
 
 }  // namespace
 
+namespace {
+
+// Where dX/dxi is constant, of its cofactors C and S = integral N_b dN_a/dxi_k at [a][k][b]:
+// d(integral N_b) = sum_a,k (C^T dX_a)_k S_akb.
+template <int dim>
+void add_affine_change(std::span<const double> cofactors, std::span<const double> S,
+                       std::span<const double> change, std::span<double> integrals) {
+  const Eigen::Map<const Matrix<dim>> C(cofactors.data());
+  const std::size_t n = integrals.size();
+  for (std::size_t a = 0; a < n; ++a) {
+    const Vector<dim> by_gradient = C.transpose() * Eigen::Map<const Vector<dim>>(change.data() + a * dim);
+    for (std::size_t k = 0; k < dim; ++k)
+      for (std::size_t b = 0; b < n; ++b)
+        integrals[b] += by_gradient[static_cast<int>(k)] * S[(a * dim + k) * n + b];
+  }
+}
+
+template <int dim>
+void add_affine_slopes(std::span<const double> cofactors, std::span<const double> S,
+                       std::span<const double> weights, std::span<double> slopes) {
+  const Eigen::Map<const Matrix<dim>> C(cofactors.data());
+  const std::size_t n = weights.size();
+  for (std::size_t a = 0; a < n; ++a) {
+    Vector<dim> by_gradient;
+    for (std::size_t k = 0; k < dim; ++k)
+      by_gradient[static_cast<int>(k)] = dot(S.data() + (a * dim + k) * n, weights);
+    Eigen::Map<Vector<dim>>(slopes.data() + a * dim) += C * by_gradient;
+  }
+}
+
+}  // namespace
+
 void ShapeIntegrals::add_change_of_values(std::span<const double> rest_positions,
                                           std::span<const double> change, std::span<double> integrals) {
   const std::size_t n = integrals.size(), dim = change.size() / n;
   if (is_affine(rest_positions)) {
     measure(for_affine_, rest_positions, true);
-    for (std::size_t j = 0; j < change.size(); ++j) {
-      const double* dX = change.data() + j / dim * dim;
-      const double by_gradient = dot(cofactors_.data() + j % dim * dim, std::span(dX, dim));
-      for (std::size_t b = 0; b < n; ++b) integrals[b] += by_gradient * reference_slopes_[j * n + b];
-    }
+    const auto add = dim == 2 ? &add_affine_change<2> : &add_affine_change<3>;
+    add(cofactors_, reference_slopes_, change, integrals);
     return;
   }
   measure(for_values_, rest_positions, true);
@@ -183,11 +212,8 @@ void ShapeIntegrals::add_slopes_of_values(std::span<const double> rest_positions
   const std::size_t n = weights.size(), dim = slopes.size() / n;
   if (is_affine(rest_positions)) {
     measure(for_affine_, rest_positions, true);
-    for (std::size_t j = 0; j < slopes.size(); ++j) {
-      const double by_gradient = dot(reference_slopes_.data() + j * n, weights);
-      for (std::size_t i = 0; i < dim; ++i)
-        slopes[j / dim * dim + i] += by_gradient * cofactors_[j % dim * dim + i];
-    }
+    const auto add = dim == 2 ? &add_affine_slopes<2> : &add_affine_slopes<3>;
+    add(cofactors_, reference_slopes_, weights, slopes);
     return;
   }
   measure(for_values_, rest_positions, true);

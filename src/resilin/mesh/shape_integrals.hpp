@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -50,10 +51,11 @@ class ShapeIntegrals {
   bool is_affine(std::span<const double> rest_positions) const;
 
   const ElementInfo& element_;
-  Samples for_values_;           ///< exact on every cell
-  Samples for_products_;         ///< exact on every cell
-  Samples for_affine_products_;  ///< exact where dX/dxi is constant
-  Samples for_affine_;           ///< one point, anywhere where dX/dxi is constant
+  std::array<std::size_t, 3> axis_ends_{};  ///< the nodes one unit along the reference axes
+  Samples for_values_;                      ///< exact on every cell
+  Samples for_products_;                    ///< exact on every cell
+  Samples for_affine_products_;             ///< exact where dX/dxi is constant
+  Samples for_affine_;                      ///< one point, anywhere where dX/dxi is constant
   // Over the reference cell: integral N_a, and integral N_b dN_a/dxi_k at [a][k][b].
   std::vector<double> reference_values_, reference_slopes_;
   std::vector<double> volumes_, cofactors_;

@@ -190,13 +190,11 @@ void TermLinks::gather_gravity(const VectorX& by_forces, WorldChange& slopes) co
   }
   for (std::size_t b = 0; b < world_.bodies.size(); ++b) {
     const Body& body = world_.bodies[b];
-    for (int k = 0; k < dim; ++k) {
-      VectorX unit = VectorX::Zero(by_forces.size());
-      add_body_force(body.elastic->element(), body.cells, world_.rest_positions, Vector3::Unit(k), unit);
-      const double slope = unit.dot(by_forces);
-      slopes.gravity[k] += body.density * slope;
-      slopes.bodies[b].density += world_.gravity[k] * slope;
-    }
+    VectorX volumes = VectorX::Zero(by_forces.size());
+    add_body_force(body.elastic->element(), body.cells, world_.rest_positions, Vector3::Ones(), volumes);
+    const Vector3 by_pull = power_by_axis(volumes, by_forces, dim);
+    slopes.gravity += body.density * by_pull;
+    slopes.bodies[b].density += world_.gravity.dot(by_pull);
     if (slopes.rest_positions.size() > 0)
       add_body_force_slopes(body.elastic->element(), body.cells, world_.rest_positions,
                             body.density * world_.gravity, by_forces, slopes.rest_positions);
