@@ -88,6 +88,11 @@ class Newton {
   /// `form_matrix`: H^-1 f [m], zero at the fixed unknowns. None where the search needed no matrix.
   /// @param tolerance  to which an iterative solver goes, relative to the forces
   std::optional<VectorX> response(VectorX forces, std::span<const std::uint8_t> is_fixed, double tolerance);
+  /// A^-1 f for an A that is near to the last matrix, with what an iterative solver keeps of that one as
+  /// preconditioner. None where the solver is a direct one, where the last matrix weighs parts, and where A
+  /// turns out not to be definite.
+  std::optional<VectorX> response_near(const BlockMatrix& A, VectorX forces,
+                                       std::span<const std::uint8_t> is_fixed, double tolerance);
   /// What a matrix is solved with: factors of its own, or those of the latest search, which it is near to.
   enum class Factors { anew, of_search };
   /// Makes the Hessian of an objective at x, its elements projected, the last matrix. It depends on x alone,

@@ -60,4 +60,14 @@ std::optional<VectorX> Newton::response(VectorX forces, std::span<const std::uin
   return way;
 }
 
+std::optional<VectorX> Newton::response_near(const BlockMatrix& A, VectorX forces,
+                                             std::span<const std::uint8_t> is_fixed, double tolerance) {
+  if (!last_measure_ || last_measure_->parts || has_near_factors_ || solver_->is_direct())
+    return std::nullopt;
+  set_fixed_to_zero(is_fixed, forces);
+  VectorX way = VectorX::Zero(forces.size());
+  if (solver_->solve(A, forces, way, tolerance).status != LinearReport::Status::ok) return std::nullopt;
+  return way;
+}
+
 }  // namespace resilin

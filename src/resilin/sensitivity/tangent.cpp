@@ -166,6 +166,8 @@ std::optional<VectorX> Tangent::solve_by_newton(const VectorX& b, double toleran
   constexpr double inner_tolerance = 1e-4;
   const double size = b.norm();
   if (!near_->solver_is_direct()) {
+    if (std::optional<VectorX> found = near_->response_near(free_, b, world_.is_fixed, tolerance))
+      return found;
     VectorX p = VectorX::Zero(b.size()), residual = b, product;
     for (double left = size; left > tolerance * size;) {
       const std::optional<VectorX> z = near_->response(residual, world_.is_fixed, inner_tolerance);
