@@ -122,7 +122,7 @@ class Search {
         continue;
       }
       has_failed = true;
-      raise /= 2;
+      raise /= 4;
       if (raise < options_.smallest_part) return std::nullopt;
     }
     return shape;
