@@ -203,7 +203,7 @@ void FieldSearch::run(const VectorX& start) {
     DenseMatrix J = weights_.asDiagonal() * model_.slopes(solved_);
     for (Eigen::Index i = 0; i < u_.size(); ++i)
       J.col(i) *= scales_[static_cast<std::size_t>(i)].slope(start_[i] + u_[i]);
-    problem_.emplace(J, J * u_ - r_, prior_);
+    problem_ = std::make_unique<RegularisedProblem>(J, J * u_ - r_, prior_);
     if (!is_chosen_) {
       double chosen = chosen_strength();
       if (strength_ > 0) chosen = std::clamp(chosen, strength_ / largest_change, strength_ * largest_change);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <optional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -80,7 +80,7 @@ class FieldSearch {
   FieldPrior prior_;
   VectorX start_, u_, r_, weights_;  ///< u: the way from the start
   SceneModel::Solved solved_;
-  std::optional<RegularisedProblem> problem_;  ///< around u
+  std::unique_ptr<RegularisedProblem> problem_;  ///< around u
   double strength_ = 0;
   bool is_chosen_ = false;  ///< the weight stays
   int rounds_ = 0, solves_ = 0;
