@@ -209,6 +209,7 @@ TEST_F(FieldFit, EscapesALocalMinimumByMoreStarts) {
   EXPECT_EQ(report.ends[0].sum_of_squares, caught.sum_of_squares);
   EXPECT_EQ(report.ends[0].found, caught.ends[0].found);
   const SearchEnd& best = *std::ranges::min_element(report.ends, {}, &SearchEnd::objective);
+  EXPECT_EQ(&best, &report.ends[report.best_end]);
   EXPECT_EQ(best.sum_of_squares, report.sum_of_squares);
   EXPECT_EQ(best.objective, best.sum_of_squares + report.regularised->strength * best.roughness);
   int solves = 0;

@@ -125,7 +125,6 @@ std::unique_ptr<Search> search_from_many_starts(const SceneModel& model, const S
   const std::vector<SceneUnknown> sought = first->sought();
   for (const SceneUnknown& unknown : sought) report.sought.push_back(unknown.name);
   std::unique_ptr<Search> best;
-  std::size_t number = 0;  // of the best
   for (const VectorX& start : search_starts(sought, report.description.starts)) {
     auto search = first ? std::move(first) : std::make_unique<Search>(model, report.description, options);
     SearchEnd end{.start = start, .found = start};
@@ -142,9 +141,9 @@ std::unique_ptr<Search> search_from_many_starts(const SceneModel& model, const S
     }
     end.solves = search->solves();
     report.solves += end.solves;
-    if (end.problem.empty() && (!best || is_better(end, report.ends[number]))) {
+    if (end.problem.empty() && (!best || is_better(end, report.ends[report.best_end]))) {
       best = std::move(search);
-      number = report.ends.size();
+      report.best_end = report.ends.size();
     }
     report.ends.push_back(std::move(end));
   }

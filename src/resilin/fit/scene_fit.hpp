@@ -97,6 +97,7 @@ struct SceneFitReport {
   std::string why_not;              ///< converged
   std::vector<SceneFitStep> steps;  ///< of the search, one start after another
   std::vector<SearchEnd> ends;      ///< of each start
+  std::size_t best_end = 0;         ///< the number of the one that counts
   std::vector<std::string> sought;  ///< names of the numbers of a start
   std::vector<FittedField> fields;
   std::optional<RegularisationReport> regularised;  ///< where there are fields

@@ -129,17 +129,18 @@ namespace {
 /// Of several starts: how many ended where the best one did.
 std::string starts_text(const SceneFitReport& report) {
   if (report.ends.size() < 2) return "";
-  const double least = std::ranges::min(report.ends, {}, &SearchEnd::objective).objective;
+  const bool has_fields = !report.fields.empty();
+  const double reached = report.ends[report.best_end].objective;
+  const double near = (has_fields ? same_sum_of_fields : same_sum) * reached;
   int same = 0, others = 0, without = 0;
   for (const SearchEnd& end : report.ends) {
-    const bool is_same =
-        end.objective <= least * (1 + (report.fields.empty() ? same_sum : same_sum_of_fields));
+    const bool is_same = std::abs(end.objective - reached) <= near;
     ++(!std::isfinite(end.objective) ? without : is_same ? same : others);
   }
   std::string text = "; " + std::to_string(same) + " of " + std::to_string(report.ends.size()) +
-                     (report.fields.empty() ? " starts ended with this sum of squares"
-                                            : " starts ended with this sum of squares and prior");
-  if (others > 0) text += ", " + std::to_string(others) + " with larger ones";
+                     (has_fields ? " starts ended with this sum of squares and prior"
+                                 : " starts ended with this sum of squares");
+  if (others > 0) text += ", " + std::to_string(others) + (has_fields ? " elsewhere" : " with larger ones");
   if (without > 0) text += ", " + std::to_string(without) + " had no solution";
   return text;
 }
