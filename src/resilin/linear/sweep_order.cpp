@@ -62,7 +62,7 @@ SweepOrder in_chunks(const WeighedLayers& layers, const std::vector<std::size_t>
 }  // namespace
 
 SweepOrder two_color_order(const NodeGraph& graph, Offset least_couplings) {
-  constexpr Offset enough_chunks = 16, most_chunks = 64;
+  constexpr Offset enough_chunks = 48, most_chunks = 64;
   constexpr Offset large = 20000;  // rows whose neighbours mostly lie in other chunks fall out of the cache
   constexpr std::size_t least_chunks = 4;  // below, a colour has nothing to share
   const WeighedLayers layers(graph);
