@@ -99,7 +99,7 @@ TEST_F(ShortMemory, IsForeseenForBoxesAndBodiesThatAreTooLarge) {
     return result.err;
   };
   EXPECT_THAT(refusal("240, 60, 60", "P1", "150"), HasSubstr("a box of 5184000 cells needs "));
-  EXPECT_THAT(refusal("160, 40, 40", "P1", "300"), HasSubstr("finding the surface of 1536000 cells needs "));
+  EXPECT_THAT(refusal("160, 40, 40", "P1", "200"), HasSubstr("finding the surface of 1536000 cells needs "));
   EXPECT_THAT(refusal("40, 20, 20", "P2", "200"), HasSubstr("a body of 96000 cells of P2 needs "));
 }
 

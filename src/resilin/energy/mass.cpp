@@ -171,7 +171,8 @@ void add_cell_masses(MassMatrix& mass, const ElementInfo& element, std::span<con
     ShapeIntegrals integrals(element);
     std::vector<double> X, products(n * n), numbers((last - first) * numbers_per_cell);
     for (std::size_t cell = first; cell < last; ++cell) {
-      const std::span of_cell = std::span(numbers).subspan((cell - first) * numbers_per_cell, numbers_per_cell);
+      const std::span of_cell =
+          std::span(numbers).subspan((cell - first) * numbers_per_cell, numbers_per_cell);
       cell_positions(element.dim, cells.subspan(cell * n, n), rest_positions, X);
       integrals.of_products(X, products);
       lump(element, products, of_cell.first(n));
@@ -179,21 +180,21 @@ void add_cell_masses(MassMatrix& mass, const ElementInfo& element, std::span<con
     }
     return numbers;
   };
-  parallel_in_order(
-      cells.size() / n, cells_per_chunk, integrate, [&](std::size_t first, const std::vector<double>& numbers) {
-        for (std::size_t k = 0; k * numbers_per_cell < numbers.size(); ++k) {
-          const std::span<const Index> nodes = cells.subspan((first + k) * n, n);
-          const double* lumped = numbers.data() + k * numbers_per_cell;
-          const double* products = lumped + n;
-          for (std::size_t a = 0; a < n; ++a) {
-            mass.nodal[nodes[a]] += density * lumped[a];
-            if (mass.is_lumped()) continue;
-            if (!is_consistent) add(nodes[a], nodes[a], density * lumped[a]);
-            for (std::size_t b = a; b < n && is_consistent; ++b)
-              add(nodes[a], nodes[b], density * products[a * n + b]);
-          }
-        }
-      });
+  parallel_in_order(cells.size() / n, cells_per_chunk, integrate,
+                    [&](std::size_t first, const std::vector<double>& numbers) {
+                      for (std::size_t k = 0; k * numbers_per_cell < numbers.size(); ++k) {
+                        const std::span<const Index> nodes = cells.subspan((first + k) * n, n);
+                        const double* lumped = numbers.data() + k * numbers_per_cell;
+                        const double* products = lumped + n;
+                        for (std::size_t a = 0; a < n; ++a) {
+                          mass.nodal[nodes[a]] += density * lumped[a];
+                          if (mass.is_lumped()) continue;
+                          if (!is_consistent) add(nodes[a], nodes[a], density * lumped[a]);
+                          for (std::size_t b = a; b < n && is_consistent; ++b)
+                            add(nodes[a], nodes[b], density * products[a * n + b]);
+                        }
+                      }
+                    });
 }
 
 namespace {

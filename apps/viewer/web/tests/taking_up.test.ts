@@ -156,6 +156,16 @@ async function anew(watched: Watched, work: () => Promise<unknown>): Promise<voi
   await begun;
 }
 
+/** By the browser's way back, once the address is at rest: one that changes meanwhile lets the browser forget the way. */
+async function goBack(watched: Watched): Promise<void> {
+  const { page } = watched;
+  for (let before = ""; before !== page.url(); ) {
+    before = page.url();
+    await page.waitForTimeout(1000);
+  }
+  await anew(watched, () => page.evaluate("void setTimeout(() => history.back())"));
+}
+
 const press = (watched: Watched, button: string) => anew(watched, () => watched.page.getByTestId(button).click());
 
 async function takeUp(watched: Watched): Promise<void> {
@@ -215,9 +225,9 @@ test(
 
       await press(watched, "button-back");
       await watched.until("resilin && resilin.kind === 'recorded' && resilin.frame === 20");
-      await anew(watched, () => page.evaluate("void setTimeout(() => history.back())"));
+      await goBack(watched);
       await watched.until("resilin && resilin.kind === 'live' && resilin.framesDrawn > 0");
-      await anew(watched, () => page.evaluate("void setTimeout(() => history.back())"));
+      await goBack(watched);
       await watched.until("resilin && resilin.kind === 'recorded' && resilin.frame === 20");
     });
   },
