@@ -159,7 +159,7 @@ async function anew(watched: Watched, work: () => Promise<unknown>): Promise<voi
 /** By the browser's way back, once the address is at rest: one that changes meanwhile lets the browser forget the way. */
 async function goBack(watched: Watched): Promise<void> {
   const { page } = watched;
-  for (let before = ""; before !== page.url(); ) {
+  for (let before = ""; before !== page.url();) {
     before = page.url();
     await page.waitForTimeout(1000);
   }
