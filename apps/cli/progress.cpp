@@ -93,8 +93,7 @@ void Progress::draw(const std::string& text) {
 }
 
 void Progress::print_share(const std::string& text) {
-  print_line(fmt::format("{:3.0f} %  {}", 100 * share_, text));
-  flush_output();
+  cli::print_share(share_, text);
   next_line_of_step_ = Clock::now() + between_lines_of_a_step;
 }
 

@@ -1,7 +1,5 @@
 #include "share_line.hpp"
 
-#include <fmt/format.h>
-
 #include "terminal.hpp"
 
 namespace resilin::cli {
@@ -22,8 +20,7 @@ void ShareLine::show(double share, const std::function<std::string()>& text) {
     return;
   }
   next_ = now + between_share_lines;
-  print_line(fmt::format("{:3.0f} %  {}", 100 * share, text()));
-  flush_output();
+  print_share(share, text());
 }
 
 void ShareLine::end() {

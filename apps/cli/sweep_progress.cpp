@@ -48,8 +48,7 @@ void SweepProgressLine::show(const SweepProgress& progress) {
   const bool is_first = next_line_ == Clock::time_point{};
   next_line_ = now + between_sweep_lines;
   if (is_first && progress.run == 0) return;  // nothing has been said that is new
-  print_line(fmt::format("{:3.0f} %  {}", 100 * share_of(progress.count), text));
-  flush_output();
+  print_share(share_of(progress.count), text);
 }
 
 void SweepProgressLine::end() {

@@ -31,6 +31,11 @@ void draw_bar(double share, std::string_view text) {
   flush_output();
 }
 
+void print_share(double share, std::string_view text) {
+  print_line(fmt::format("{:3.0f} %  {}", 100 * share, text));
+  flush_output();
+}
+
 void print_warnings(const std::vector<std::string>& warnings) {
   for (const std::string& warning : warnings) print(stderr, "warning: " + one_line(warning) + "\n");
 }

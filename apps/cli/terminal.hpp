@@ -32,6 +32,9 @@ void print_text(std::string_view text);
 /// A bar with a text behind it, in place of the one before, in a line that is not ended.
 void draw_bar(double share, std::string_view text);
 
+/// The same where no bar can be drawn: a line of its own, " 12 %  TEXT", at once.
+void print_share(double share, std::string_view text);
+
 /// Hands stdout over to the system. False once anything could not be written.
 bool flush_output();
 bool nobody_reads_output();    ///< the reader of a pipe has gone

@@ -71,16 +71,8 @@ std::vector<TakenUp> motions() {
   return all;
 }
 
-/// A ball that comes faster than the bar in its way lets it.
 TEST(TakenUpScene, HasCollidersWhereBodiesHaveHeldThemUp) {
-  Description scene = small_bar(3, true);
-  ColliderDescription ball;
-  ball.name = "ball";
-  ball.kind = "sphere";
-  ball.shape.center = {1.6, 0.13, 0.12};
-  ball.shape.radius = 0.5;
-  ball.velocity = {-20, 0, 0};
-  scene.colliders.push_back(ball);
+  const Description scene = bar_before_a_fast_ball();
   Simulation run(scene);
   while (run.state().collider_delay == 0 && !run.is_finished()) ASSERT_TRUE(run.step().has_solution);
   const State before = run.state();

@@ -253,18 +253,11 @@ TEST(PicturesOfFarScenes, AreThoseOfNearOnes) {
   EXPECT_LE(different, near.pixels.size() / 1000);  // edges of triangles that end on the edge of a pixel
 }
 
-/// A ball that comes too fast for the bar in its way: where it is then, its frames say.
+/// Where a ball is then, the frames say.
 TEST(FramesOfARunWithColliders, SayHowFarTheseAreBehind) {
   const TemporaryFolder folder;
-  Description scene = small_bar(3, true);
+  Description scene = bar_before_a_fast_ball();
   scene.end_time = 0.2;
-  ColliderDescription ball;
-  ball.name = "ball";
-  ball.kind = "sphere";
-  ball.shape.center = {1.6, 0.13, 0.12};
-  ball.shape.radius = 0.5;
-  ball.velocity = {-20, 0, 0};
-  scene.colliders.push_back(ball);
   Simulation simulation(scene);
   ResultFolder results(folder / "out");
   std::vector<State> states;

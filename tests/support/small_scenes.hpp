@@ -108,4 +108,17 @@ inline Mesh level_sheet(int dimension, double height) {
   return mesh;
 }
 
+/// A ball that comes faster than the bar in its way lets it.
+inline Description bar_before_a_fast_ball() {
+  Description scene = small_bar(3, true);
+  ColliderDescription ball;
+  ball.name = "ball";
+  ball.kind = "sphere";
+  ball.shape.center = {1.6, 0.13, 0.12};
+  ball.shape.radius = 0.5;
+  ball.velocity = {-20, 0, 0};
+  scene.colliders.push_back(ball);
+  return scene;
+}
+
 }  // namespace resilin::testing

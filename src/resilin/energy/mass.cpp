@@ -190,7 +190,7 @@ void add_cell_masses(MassMatrix& mass, const ElementInfo& element, std::span<con
                           mass.nodal[nodes[a]] += density * lumped[a];
                           if (mass.is_lumped()) continue;
                           if (!is_consistent) add(nodes[a], nodes[a], density * lumped[a]);
-                          for (std::size_t b = a; b < n && is_consistent; ++b)
+                          for (std::size_t b = a; b < n && needs_products; ++b)
                             add(nodes[a], nodes[b], density * products[a * n + b]);
                         }
                       }

@@ -6,6 +6,7 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/parallel.hpp"
+#include "resilin/linear/found_rows.hpp"
 
 namespace resilin {
 namespace {
@@ -106,12 +107,8 @@ BlockPattern BlockPatternBuilder::build() const {
   std::sort(pairs.begin(), pairs.end());
 
   pattern.row_begin.assign(1, 0);
-  struct Rows {
-    std::vector<Index> columns;
-    std::vector<Offset> ends;  // in `columns`, by row
-  };
   const auto couple_rows = [&](std::size_t first, std::size_t last) {
-    Rows rows;
+    FoundRows rows;
     auto pair = std::lower_bound(pairs.begin(), pairs.end(), std::pair(static_cast<Index>(first), Index{-1}));
     for (auto i = static_cast<Index>(first); i < static_cast<Index>(last); ++i) {
       const auto begin = static_cast<Offset>(rows.columns.size());
@@ -128,17 +125,14 @@ BlockPattern BlockPatternBuilder::build() const {
       for (; pair != pairs.end() && pair->first == i; ++pair) couple(pair->second);
       std::sort(rows.columns.begin() + begin, rows.columns.end());
       rows.columns.erase(std::unique(rows.columns.begin() + begin, rows.columns.end()), rows.columns.end());
-      rows.ends.push_back(static_cast<Offset>(rows.columns.size()));
+      rows.end_row();
     }
     return rows;
   };
   constexpr std::size_t rows_per_chunk = 1024;
-  parallel_in_order(static_cast<std::size_t>(num_nodes_), rows_per_chunk, couple_rows,
-                    [&](std::size_t, const Rows& rows) {
-                      const Offset begin = pattern.row_begin.back();
-                      for (const Offset end : rows.ends) pattern.row_begin.push_back(begin + end);
-                      pattern.columns.insert(pattern.columns.end(), rows.columns.begin(), rows.columns.end());
-                    });
+  parallel_in_order(
+      static_cast<std::size_t>(num_nodes_), rows_per_chunk, couple_rows,
+      [&](std::size_t, const FoundRows& rows) { rows.append_to(pattern.row_begin, pattern.columns); });
   constexpr Offset most_slots = std::numeric_limits<Index>::max();
   if (pattern.num_slots() > most_slots)
     throw InputError("mesh", "at most " + std::to_string(most_slots) + " coupled pairs of nodes",

@@ -8,6 +8,7 @@
 
 #include "resilin/core/memory.hpp"
 #include "resilin/core/parallel.hpp"
+#include "resilin/linear/found_rows.hpp"
 #include "resilin/linear/multigrid_level.hpp"
 #include "resilin/linear/ordering.hpp"
 
@@ -16,20 +17,6 @@ namespace resilin {
 namespace {
 
 constexpr std::size_t fine_rows_at_once = 2048, coarse_rows_at_once = 128;
-
-/// Rows of a pattern that a thread has found.
-struct RowsOfColumns {
-  std::vector<Index> columns;
-  std::vector<Offset> ends;  ///< in `columns`
-
-  void end_row() { ends.push_back(static_cast<Offset>(columns.size())); }
-  template <class Place>
-  void append_to(std::vector<Place>& begin_of_row, std::vector<Index>& all) const {
-    const auto begin = static_cast<Offset>(all.size());
-    for (const Offset end : ends) begin_of_row.push_back(static_cast<Place>(begin + end));
-    all.insert(all.end(), columns.begin(), columns.end());
-  }
-};
 
 }  // namespace
 
@@ -74,7 +61,7 @@ bool MultigridLevel::find_prolongation(const Aggregates& groups) {
   constexpr auto none = std::numeric_limits<std::uint16_t>::max();
   std::vector<std::uint16_t>& places = wide_places.smoothing;
   places.reserve(pattern.num_entries());
-  struct Rows : RowsOfColumns {
+  struct Rows : FoundRows {
     std::vector<std::uint16_t> places;
   };
   const auto find = [&](std::size_t first, std::size_t last) {
@@ -113,7 +100,7 @@ MultigridLevel::ProductRows MultigridLevel::find_product_rows(Index num_groups) 
   product.begin.assign(1, 0);
   const FullPattern pattern = full();
   const auto find = [&](std::size_t first, std::size_t last) {
-    RowsOfColumns rows;
+    FoundRows rows;
     std::vector<Index> seen_in_row(static_cast<std::size_t>(num_groups), -1);
     for (auto i = static_cast<Index>(first); i < static_cast<Index>(last); ++i) {
       pattern.for_row(i, [&](Index j) {
@@ -130,7 +117,7 @@ MultigridLevel::ProductRows MultigridLevel::find_product_rows(Index num_groups) 
   };
   parallel_in_order(
       static_cast<std::size_t>(num_nodes()), fine_rows_at_once, find,
-      [&](std::size_t, const RowsOfColumns& rows) { rows.append_to(product.begin, product.columns); });
+      [&](std::size_t, const FoundRows& rows) { rows.append_to(product.begin, product.columns); });
   target_begin.assign(1, 0);
   widest_product_ = 0;
   for (Index i = 0; i < num_nodes(); ++i) {
@@ -159,7 +146,7 @@ MultigridLevel::ProductRows MultigridLevel::find_product_rows(Index num_groups) 
 NodeGraph MultigridLevel::couple_groups(const ProductRows& product) {
   const auto num_groups = static_cast<Index>(product.reach_begin.size()) - 1;
   const auto couple = [&](std::size_t first, std::size_t last) {
-    RowsOfColumns rows;
+    FoundRows rows;
     std::vector<Index> seen_in_row(static_cast<std::size_t>(num_groups), -1);
     for (auto group = static_cast<Index>(first); group < static_cast<Index>(last); ++group) {
       const auto begin = static_cast<Offset>(rows.columns.size());
@@ -177,7 +164,7 @@ NodeGraph MultigridLevel::couple_groups(const ProductRows& product) {
   graph.begin.assign(1, 0);
   parallel_in_order(
       static_cast<std::size_t>(num_groups), coarse_rows_at_once, couple,
-      [&](std::size_t, const RowsOfColumns& rows) { rows.append_to(graph.begin, graph.neighbours); });
+      [&](std::size_t, const FoundRows& rows) { rows.append_to(graph.begin, graph.neighbours); });
   return graph;
 }
 
@@ -192,7 +179,7 @@ bool MultigridLevel::find_coarse_rows(const ProductRows& product, const NodeGrap
   assign_zeros(wide_places.coarse, static_cast<std::size_t>(target_begin.back()));
   // Each product belongs to one row, so that rows write to places of their own.
   const auto find = [&](std::size_t first, std::size_t last) {
-    RowsOfColumns rows;
+    FoundRows rows;
     std::vector<std::uint16_t> place_of(static_cast<std::size_t>(num_groups), 0);
     for (auto row = static_cast<Index>(first); row < static_cast<Index>(last); ++row) {
       const Index group = order.node_at[row];
@@ -212,7 +199,7 @@ bool MultigridLevel::find_coarse_rows(const ProductRows& product, const NodeGrap
   };
   parallel_in_order(
       static_cast<std::size_t>(num_groups), coarse_rows_at_once, find,
-      [&](std::size_t, const RowsOfColumns& rows) { rows.append_to(coarse.row_begin, coarse.columns); });
+      [&](std::size_t, const FoundRows& rows) { rows.append_to(coarse.row_begin, coarse.columns); });
   for (Index row = 0; row < num_groups; ++row)
     if (coarse.row_begin[row + 1] - coarse.row_begin[row] > std::numeric_limits<std::uint16_t>::max() - 2)
       return false;

@@ -157,10 +157,6 @@ double dot(const double* a, std::span<const double> b) {
   return sum;
 }
 
-}  // namespace
-
-namespace {
-
 // Where dX/dxi is constant, of its cofactors C and S = integral N_b dN_a/dxi_k at [a][k][b]:
 // d(integral N_b) = sum_a,k (C^T dX_a)_k S_akb.
 template <int dim>

@@ -183,7 +183,7 @@ VectorX Parts::largest(const VectorX& values) const {
   struct Largest : VectorX {
     Largest& operator+=(const Largest& other) {
       if (size() == 0) return *this = other;
-      for (Eigen::Index part = 0; part < size(); ++part) (*this)[part] = std::max((*this)[part], other[part]);
+      static_cast<VectorX&>(*this) = cwiseMax(other);
       return *this;
     }
   };
