@@ -1,8 +1,10 @@
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include <string>
 
 #include "bindings.hpp"
+#include "resilin/core/cpu.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/memory.hpp"
 #include "resilin/core/parallel.hpp"
@@ -32,6 +34,7 @@ NB_MODULE(_core, module) {
   module.def("max_threads", [] { return max_threads; });
   module.def("num_threads", &num_threads);
   module.def("set_num_threads", &set_num_threads, nb::arg("count"));
+  module.def("available_instruction_sets", [] { return names(available_instruction_sets()); });
   module.def("choose_blas_kernel", &choose_blas_kernel);
   module.def("blas_kernel_name", &blas_kernel_name);
   python::bind_material(module);

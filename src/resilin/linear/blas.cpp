@@ -46,8 +46,9 @@ std::string_view openblas_core() {
   return core_name != nullptr ? core_name() : std::string_view{};
 }
 
-/// The kernels of OpenBLAS that should be in use; empty when its own choice is right. It knows a processor by
-/// its model, not by what it can do, and takes Haswell's kernels for one that is newer than the library.
+/// The kernels of OpenBLAS that should be in use; empty when its own choice is right. OpenBLAS knows a processor
+/// by its model, not by its instruction sets. For a model newer than the library it takes kernels of Haswell or
+/// of Prescott.
 std::string wanted_core(std::string_view core) {
 #if defined(__x86_64__)
   if (const auto requested = requested_instruction_set()) {
@@ -60,7 +61,10 @@ std::string wanted_core(std::string_view core) {
         return "SkylakeX";
     }
   }
-  if (processor_runs(InstructionSet::avx512) && (core == "Haswell" || core == "Zen")) return "SkylakeX";
+  const bool is_unknown = core == "Prescott";
+  if (processor_runs(InstructionSet::avx512) && (is_unknown || core == "Haswell" || core == "Zen"))
+    return "SkylakeX";
+  if (processor_runs(InstructionSet::avx2) && is_unknown) return "Haswell";
 #endif
   static_cast<void>(core);
   return {};
