@@ -7,8 +7,8 @@ import sys
 
 from files import ROOT, relative, repository_files
 
-MAX_LINES = 400
-MAX_BYTES = 2_000_000
+MAX_LINES = 800  # a file is as long as its idea; beyond this it holds two
+MAX_BYTES = 2_500_000
 CODE = (".cpp", ".hpp", ".py", ".sh", ".cmake", "CMakeLists.txt", ".toml", ".yaml", ".ts", "/run", "/test")
 COUNTED = (".cpp", ".hpp", ".py", ".sh", ".ts")
 

@@ -1,13 +1,9 @@
-"""Laws against 80-digit arithmetic: validation/material_points_*.json and closed_forms.json of the reference data.
-
-The data lie in the folder that RESILIN_SHARED names, or in `shared` beside the checkout.
-"""
+"""Material models against 80-digit arithmetic: material_points_*.json and closed_forms.json of tests/reference."""
 
 # ruff: noqa: N803, N806 - F, P, A and J are the letters of the field
 
 import functools
 import json
-import os
 import pathlib
 
 import numpy as np
@@ -16,13 +12,7 @@ import pytest
 import resilin
 
 EPSILON = np.finfo(np.float64).eps
-SHARED = pathlib.Path(os.environ.get("RESILIN_SHARED") or pathlib.Path(__file__).resolve().parents[3] / "shared")
-
-HAS_DATA = (SHARED / "validation").is_dir()
-pytestmark = pytest.mark.skipif(
-    not HAS_DATA,
-    reason=f"NO REFERENCE DATA in {SHARED}: set RESILIN_SHARED to the folder that holds validation/",
-)
+REFERENCE = pathlib.Path(__file__).resolve().parents[2] / "tests" / "reference"
 
 LAME = {"mu": "shear_modulus", "lam": "lame_lambda"}
 BULK = {"mu": "shear_modulus", "kappa": "bulk_modulus"}
@@ -47,7 +37,7 @@ LAWS = {  # of the files: our name, and our names of its constants; those of a l
 
 @functools.cache
 def case(name):
-    return json.loads((SHARED / "validation" / f"{name}.json").read_text(encoding="utf-8"))
+    return json.loads((REFERENCE / f"{name}.json").read_text(encoding="utf-8"))
 
 
 def material_of(file, key):
@@ -168,7 +158,7 @@ def test_undefined_points_are_never_finite(key, dim):
 def laws_without_energy_at_rest():
     """(law, dimension) of the files; an energy at rest would swallow the digits of that of a tiny strain."""
     pairs = [(key, dim) for key in LAWS for dim in (2, 3)]
-    return [(key, dim) for key, dim in pairs if not HAS_DATA or energy_at_rest(f"material_points_{dim}d", key) == 0]
+    return [(key, dim) for key, dim in pairs if energy_at_rest(f"material_points_{dim}d", key) == 0]
 
 
 @pytest.mark.parametrize(("key", "dim"), laws_without_energy_at_rest())

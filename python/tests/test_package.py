@@ -44,8 +44,7 @@ print(bool(libraries() - before), resilin._core.blas_kernel_name())
     environment = {name: value for name, value in os.environ.items() if name != "OPENBLAS_CORETYPE"}
     cores = {"baseline": "Prescott", "avx2": "Haswell", "avx512": "SkylakeX"}
     kernels = {
-        name: python(code, environment | {"RESILIN_ISA": name})
-        for name in resilin._core.available_instruction_sets()
+        name: python(code, environment | {"RESILIN_ISA": name}) for name in resilin._core.available_instruction_sets()
     }
     if kernels["baseline"].startswith("True"):
         assert kernels == {name: f"True OpenBLAS {cores[name]}" for name in kernels}

@@ -1,4 +1,4 @@
-// Stress in the middle of an inflated thick shell against its semi-analytic solution (shared/validation).
+// Stress in the middle of an inflated thick shell against its semi-analytic solution (tests/reference).
 
 #include <gtest/gtest.h>
 
@@ -37,8 +37,7 @@ std::array<double, 2> middle_stress(const Simulation& simulation) {
 }
 
 TEST(StressReference, InTheMiddleOfAShellComesNearerWithTheMesh) {
-  RESILIN_NEEDS_SHARED_DATA();
-  const nlohmann::json reference = read_validation_case("sphere_inflation_3d");
+  const nlohmann::json reference = read_reference("sphere_inflation_3d");
   const nlohmann::json& exact = reference["semi_analytic"]["sphere_nh_log_ri1.5"];
   const double hoop = exact["mid_cauchy_hoop"], radial = exact["mid_cauchy_rr"];
   std::vector<double> errors;

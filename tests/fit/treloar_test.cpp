@@ -1,4 +1,4 @@
-// Fits of a published data set against an independent program (shared/validation/treloar.json).
+// Fits of a published data set against an independent program (tests/reference/treloar.json).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -112,10 +112,7 @@ bool says(const std::vector<std::string>& lines, const std::string& words) {
 
 class TreloarFits : public ::testing::Test {
  protected:
-  void SetUp() override {
-    RESILIN_NEEDS_SHARED_DATA();
-    file = testing::read_validation_case("treloar");
-  }
+  void SetUp() override { file = testing::read_reference("treloar"); }
   json file;
 };
 

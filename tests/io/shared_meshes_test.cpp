@@ -76,15 +76,13 @@ struct BoxCase {
 
 /// make_box gives the vertices (up to rounding) and the tetrahedra (exactly) of the validation meshes.
 TEST(KuhnNumbering, IsThatOfTheValidationMeshes) {
-  RESILIN_NEEDS_SHARED_DATA();
   const std::vector<BoxCase> cases = {{"bar_2x2x10", {1, 1, 5}, {2, 2, 10}, {-0.5, -0.5, 0}},
                                       {"bar_4x4x20", {1, 1, 5}, {4, 4, 20}, {-0.5, -0.5, 0}},
                                       {"beam_10x2x2", {1, 0.2, 0.2}, {10, 2, 2}, {0, 0, 0}},
                                       {"beam_20x4x4", {1, 0.2, 0.2}, {20, 4, 4}, {0, 0, 0}},
                                       {"column_2x2x12", {1, 1, 6}, {2, 2, 12}, {0, 0, 0}}};
   for (const BoxCase& c : cases) {
-    const MeshFile file =
-        read_solid_mesh(*testing::shared_folder() / "validation" / "meshes" / (c.file + ".msh"), 3);
+    const MeshFile file = read_solid_mesh(testing::reference_folder() / "meshes" / (c.file + ".msh"), 3);
     const Mesh box = make_box(c.size, c.cells, c.origin);
     ASSERT_EQ(box.vertices.size(), file.mesh.vertices.size()) << c.file;
     for (std::size_t v = 0; v < box.vertices.size(); ++v) {
@@ -98,8 +96,7 @@ TEST(KuhnNumbering, IsThatOfTheValidationMeshes) {
 }
 
 TEST(ValidationMesh, HasTheGroupsOfItsCase) {
-  RESILIN_NEEDS_SHARED_DATA();
-  const auto folder = *testing::shared_folder() / "validation" / "meshes";
+  const auto folder = testing::reference_folder() / "meshes";
   const MeshFile bar = read_solid_mesh(folder / "bar_2x2x10.msh", 3);
   ASSERT_NE(bar.mesh.find_group("top"), nullptr);
   EXPECT_EQ(bar.mesh.find_group("top")->vertices.size(), 9u);
@@ -109,9 +106,7 @@ TEST(ValidationMesh, HasTheGroupsOfItsCase) {
 }
 
 TEST(ValidationMesh, AllOfThemLoadWithoutWarning) {
-  RESILIN_NEEDS_SHARED_DATA();
-  for (const auto& entry :
-       std::filesystem::directory_iterator(*testing::shared_folder() / "validation" / "meshes")) {
+  for (const auto& entry : std::filesystem::directory_iterator(testing::reference_folder() / "meshes")) {
     MeshFile file = read_mesh(entry.path());
     prepare_solid_mesh(file, file.mesh.find_block(CellKind::tetrahedron) != nullptr ? 3 : 2);
     EXPECT_TRUE(file.warnings.empty()) << ::testing::PrintToString(file.warnings);

@@ -130,14 +130,12 @@ TEST(LiveScene, StepsCutShortNeverRaiseTheTotalEnergy) {
 }
 
 TEST(LiveScene, RecoversFromEveryBrokenStartByOneIterationForEachFrame) {
-  RESILIN_NEEDS_SHARED_DATA();
-  const nlohmann::json reference = read_validation_case("recover");
+  const nlohmann::json reference = read_reference("recover");
   for (const auto& [name, start] : reference["starts"].items()) {
     SCOPED_TRACE(name);
     Description description = standing_block(1, 0);
     BodyDescription& body = description.bodies[0];
-    body.mesh =
-        read_solid_mesh(*shared_folder() / "validation" / reference["mesh"].get<std::string>(), 3).mesh;
+    body.mesh = read_solid_mesh(reference_folder() / reference["mesh"].get<std::string>(), 3).mesh;
     description.fixes[0].where.axis = 0;
     LiveScene scene(description);
     VectorX positions = scene.world().rest_positions;

@@ -74,8 +74,7 @@ void check_row(const StretchCurve& curve, std::size_t i, const Json& row, const 
 }
 
 TEST(StretchCurve, EqualsTheClosedForms) {
-  RESILIN_NEEDS_SHARED_DATA();
-  const Json file = testing::read_validation_case("closed_forms");
+  const Json file = testing::read_reference("closed_forms");
   int checked = 0;
   for (const auto& [key, file_law] : file_laws()) {
     if (find_law(file_law.name) == nullptr) continue;

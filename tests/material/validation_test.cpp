@@ -123,7 +123,7 @@ void check_point(const Json& point, const std::string& key, const Material& mate
 
 template <int dim>
 void check_file() {
-  const Json file = testing::read_validation_case("material_points_" + std::to_string(dim) + "d");
+  const Json file = testing::read_reference("material_points_" + std::to_string(dim) + "d");
   int checked = 0;
   for (const Json& point : file["points"])
     for (const auto& [key, law] : file_laws()) {
@@ -133,19 +133,12 @@ void check_file() {
   EXPECT_EQ(checked, 94 * 15);
 }
 
-TEST(Validation, MaterialPointsInTwoDimensions) {
-  RESILIN_NEEDS_SHARED_DATA();
-  check_file<2>();
-}
+TEST(Validation, MaterialPointsInTwoDimensions) { check_file<2>(); }
 
-TEST(Validation, MaterialPointsInThreeDimensions) {
-  RESILIN_NEEDS_SHARED_DATA();
-  check_file<3>();
-}
+TEST(Validation, MaterialPointsInThreeDimensions) { check_file<3>(); }
 
 TEST(Validation, ClosedForms) {
-  RESILIN_NEEDS_SHARED_DATA();
-  const Json file = testing::read_validation_case("closed_forms");
+  const Json file = testing::read_reference("closed_forms");
   int checked = 0;
   for (const auto& [key, law] : file_laws()) {
     const Material material = file_material(file, key);

@@ -1,4 +1,4 @@
-// Derivatives on given meshes against NGSolve and an independent adjoint (shared/validation/gradients.json).
+// Derivatives on given meshes against NGSolve and an independent adjoint (tests/reference/gradients.json).
 
 #include "derivative_checks.hpp"
 #include "reference_case.hpp"
@@ -79,8 +79,7 @@ CantileverCase cantilever(const nlohmann::json& reference, const nlohmann::json&
 }
 
 TEST(GradientsReference, StaticsAndShape) {
-  RESILIN_NEEDS_SHARED_DATA();
-  const nlohmann::json reference = read_validation_case("gradients")["static_and_shape"];
+  const nlohmann::json reference = read_reference("gradients")["static_and_shape"];
   for (const auto& row : reference["rows"]) {
     SCOPED_TRACE(row["element"].get<std::string>() + ", " + row["quadrature"].get<std::string>());
     const CantileverCase c = cantilever(reference, row);
@@ -130,8 +129,7 @@ TEST(GradientsReference, StaticsAndShape) {
 }
 
 TEST(GradientsReference, EveryCellVertexAndForceInStatics) {
-  RESILIN_NEEDS_SHARED_DATA();
-  const nlohmann::json reference = read_validation_case("gradients")["static_and_shape"];
+  const nlohmann::json reference = read_reference("gradients")["static_and_shape"];
   const nlohmann::json& arrays = reference["adjoint_arrays"];
   nlohmann::json row = {
       {"element", "P1"}, {"quadrature", "1 point"}, {"E_first_half", 5e5}, {"E_second_half", 5e5}};
@@ -164,8 +162,7 @@ TEST(GradientsReference, EveryCellVertexAndForceInStatics) {
 }
 
 TEST(GradientsReference, MotionByStartDensityAndStiffness) {
-  RESILIN_NEEDS_SHARED_DATA();
-  const nlohmann::json reference = read_validation_case("gradients")["dynamic"];
+  const nlohmann::json reference = read_reference("gradients")["dynamic"];
   Description scene =
       one_body(3, reference_mesh(reference["mesh"]), reference_law_from_young("nh_log", 1.7e7, 0.45));
   scene.newton.tolerance = 1e-12;

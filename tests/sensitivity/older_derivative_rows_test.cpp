@@ -1,5 +1,5 @@
 // Derivatives that the older reference cases hold beside their values: Cook's membrane, the cantilever, the
-// bending column and the spherical shell (shared/validation). All are of another code, by differences.
+// bending column and the spherical shell (tests/reference). All are of another code, by differences.
 
 #include "derivative_checks.hpp"
 #include "reference_case.hpp"
@@ -43,8 +43,7 @@ double relative_error_of(double value, double expected) {
 }
 
 TEST(OlderDerivativeRows, CooksMembraneByBothConstants) {
-  RESILIN_NEEDS_SHARED_DATA();
-  const nlohmann::json reference = read_validation_case("cook_2d");
+  const nlohmann::json reference = read_reference("cook_2d");
   for (const auto& row : reference["derivatives"]) {
     SCOPED_TRACE(row.dump());
     const std::string n = std::to_string(row["n"].get<int>());
@@ -65,8 +64,7 @@ TEST(OlderDerivativeRows, CooksMembraneByBothConstants) {
 }
 
 TEST(OlderDerivativeRows, CantileverUnderItsWeightByBothConstants) {
-  RESILIN_NEEDS_SHARED_DATA();
-  const nlohmann::json row = read_validation_case("cantilever_gravity_3d")["derivatives"];
+  const nlohmann::json row = read_reference("cantilever_gravity_3d")["derivatives"];
   Description scene = body_of_young(3, "meshes/beam_10x2x2.msh", row["E"], row["nu"]);
   scene.bodies[0].material.density = 1000;
   scene.gravity = {0, 0, -9.81};
@@ -78,8 +76,7 @@ TEST(OlderDerivativeRows, CantileverUnderItsWeightByBothConstants) {
 }
 
 TEST(OlderDerivativeRows, BendingColumnByBothConstants) {
-  RESILIN_NEEDS_SHARED_DATA();
-  const nlohmann::json rows = read_validation_case("column_bending_dynamics_3d")["derivatives"];
+  const nlohmann::json rows = read_reference("column_bending_dynamics_3d")["derivatives"];
   Description scene = body_of_young(3, "meshes/column_2x2x12.msh", 1.7e7, 0.45);
   scene.is_dynamic = true;
   scene.time_step = 0.01;
@@ -101,8 +98,7 @@ TEST(OlderDerivativeRows, BendingColumnByBothConstants) {
 
 // The energy that a support puts in as it moves out, of which the file has the work of the reactions.
 TEST(OlderDerivativeRows, SphericalShellByItsInnerRadius) {
-  RESILIN_NEEDS_SHARED_DATA();
-  const nlohmann::json reference = read_validation_case("sphere_inflation_3d");
+  const nlohmann::json reference = read_reference("sphere_inflation_3d");
   for (const auto& row : reference["exact_mesh_values"]) {
     const std::string key = row["key"];
     if (row["values"]["ndof"] > 5000) continue;  // seconds; the finer meshes are of the same two elements

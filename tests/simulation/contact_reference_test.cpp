@@ -1,4 +1,4 @@
-// Contact against codes that are not ours (shared/validation).
+// Contact against codes that are not ours (tests/reference).
 
 #include <gtest/gtest.h>
 
@@ -65,8 +65,7 @@ double force_on(const Simulation& simulation, const std::string& name) {
 
 /// The hard limit of both is that of a body on a frictionless line; the error falls with the distance.
 TEST(ContactReference, ADiscOnALineAndOnItsImage) {
-  RESILIN_NEEDS_SHARED_DATA();
-  nlohmann::json reference = read_validation_case("contact_disc_plane_2d");
+  nlohmann::json reference = read_reference("contact_disc_plane_2d");
   reference["geometry_file"] = "meshes/quarter_disc.msh";
   for (const auto& [distance, tolerance] : {std::pair{1e-3, 4e-3}, {1e-4, 4e-4}, {1e-5, 4e-5}})
     for (const auto& row : reference["values"]["BackNG"])

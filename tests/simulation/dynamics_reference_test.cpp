@@ -1,4 +1,4 @@
-// Motion on given meshes against two codes that are not ours (shared/validation).
+// Motion on given meshes against two codes that are not ours (tests/reference).
 
 #include <gtest/gtest.h>
 
@@ -44,8 +44,7 @@ struct ReferenceRun {
 
 /// All rows of the file up to half a second, where the motion is smooth.
 TEST(DynamicsReference, BendingColumnByEveryScheme) {
-  RESILIN_NEEDS_SHARED_DATA();
-  const nlohmann::json reference = read_validation_case("column_bending_dynamics_3d");
+  const nlohmann::json reference = read_reference("column_bending_dynamics_3d");
   const std::vector<ReferenceRun> runs = {
       {"implicit_euler", "backward_euler", "consistent", "0.01"},
       {"implicit_euler", "backward_euler", "lumped", "0.01"},
@@ -84,8 +83,7 @@ TEST(DynamicsReference, BendingColumnByEveryScheme) {
 
 /// The limit of small steps that the file gives, u_x at 0.1 s, is met by all.
 TEST(DynamicsReference, SecondOrderSchemesMeetTheLimitOfSmallSteps) {
-  RESILIN_NEEDS_SHARED_DATA();
-  const nlohmann::json reference = read_validation_case("column_bending_dynamics_3d");
+  const nlohmann::json reference = read_reference("column_bending_dynamics_3d");
   const double expected =
       reference["exact_mesh_values"]["bend_ngsolve_newmark_consistent_dt0.00125"][0]["u"]["corner"][0];
   for (const std::string integrator : {"bdf2", "tr_bdf2", "newmark", "midpoint"}) {

@@ -28,8 +28,7 @@ Description broken_start(const nlohmann::json& reference, const std::string& law
 }
 
 TEST(Recover, StaticsEndsAtRestFromEveryStart) {
-  RESILIN_NEEDS_SHARED_DATA();
-  const nlohmann::json reference = read_validation_case("recover");
+  const nlohmann::json reference = read_reference("recover");
   for (const std::string law : {"snh", "snh_log"}) {
     for (const auto& [name, start] : reference["starts"].items()) {
       SCOPED_TRACE(law + ", " + name);
@@ -47,8 +46,7 @@ TEST(Recover, StaticsEndsAtRestFromEveryStart) {
 /// A step cut short must not pump energy in: never above the incremental potential of staying put, which for
 /// a body at rest is its elastic energy alone.
 TEST(Recover, TruncatedStepsNeverRaiseTheEnergyAndTheBodyComesBack) {
-  RESILIN_NEEDS_SHARED_DATA();
-  const nlohmann::json reference = read_validation_case("recover");
+  const nlohmann::json reference = read_reference("recover");
   for (const std::string law : {"snh", "snh_log"}) {
     for (const auto& [name, start] : reference["starts"].items()) {
       for (const int iterations : {1, 2, 5}) {

@@ -1,4 +1,4 @@
-// Statics on given meshes against two codes that are not ours (shared/validation).
+// Statics on given meshes against two codes that are not ours (tests/reference).
 
 #include <gtest/gtest.h>
 
@@ -12,8 +12,7 @@ double total_rest_volume(const Simulation& simulation) {
 }
 
 TEST(StaticsReference, CooksMembraneInTwoDimensions) {
-  RESILIN_NEEDS_SHARED_DATA();
-  const nlohmann::json reference = read_validation_case("cook_2d");
+  const nlohmann::json reference = read_reference("cook_2d");
   const double mu = reference["material"]["mu"];
   const double lambda = reference["material"]["lam"];
   for (const auto& row : reference["exact_mesh_values"]) {
@@ -37,8 +36,7 @@ TEST(StaticsReference, CooksMembraneInTwoDimensions) {
 }
 
 TEST(StaticsReference, CantileverUnderItsWeight) {
-  RESILIN_NEEDS_SHARED_DATA();
-  const nlohmann::json reference = read_validation_case("cantilever_gravity_3d");
+  const nlohmann::json reference = read_reference("cantilever_gravity_3d");
   for (const auto& row : reference["exact_mesh_values"]) {
     if (!is_quick(row) || row["mesh"] == "by recipe") continue;
     SCOPED_TRACE(row.dump());
@@ -61,8 +59,7 @@ TEST(StaticsReference, CantileverUnderItsWeight) {
 }
 
 TEST(StaticsReference, BarTwistedByHalfATurn) {
-  RESILIN_NEEDS_SHARED_DATA();
-  const nlohmann::json reference = read_validation_case("twist_bar_3d");
+  const nlohmann::json reference = read_reference("twist_bar_3d");
   for (const auto& row : reference["exact_mesh_values"]) {
     if (!is_quick(row)) continue;
     SCOPED_TRACE(row.dump());
@@ -89,8 +86,7 @@ TEST(StaticsReference, BarTwistedByHalfATurn) {
 }
 
 TEST(StaticsReference, PatchTestGivesTheAffineSolution) {
-  RESILIN_NEEDS_SHARED_DATA();
-  const nlohmann::json reference = read_validation_case("patch_test");
+  const nlohmann::json reference = read_reference("patch_test");
   for (const auto& row : reference["cases"]) {
     if (row["law"] == "mooney_rivlin") continue;  // a law of a later version
     SCOPED_TRACE(row.dump());

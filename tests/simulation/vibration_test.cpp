@@ -1,4 +1,4 @@
-// Frequencies against two codes that are not ours (shared/validation), and what modes must have.
+// Frequencies against two codes that are not ours (tests/reference), and what modes must have.
 
 #include <gtest/gtest.h>
 
@@ -20,8 +20,7 @@ const std::vector<VibrationMode>& find_all(Simulation& simulation) {
 }
 
 TEST(VibrationReference, FrequenciesOfTheColumn) {
-  RESILIN_NEEDS_SHARED_DATA();
-  const nlohmann::json reference = read_validation_case("column_bending_dynamics_3d")["frequencies_hz"];
+  const nlohmann::json reference = read_reference("column_bending_dynamics_3d")["frequencies_hz"];
   const std::map<std::string, Mesh> meshes = {{"freq_p1_2x12", reference_mesh("meshes/column_2x2x12.msh")},
                                               {"freq_p1_4x24", make_box({1, 1, 6}, {4, 4, 24})}};
   for (const auto& [name, mesh] : meshes) {

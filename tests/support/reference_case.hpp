@@ -12,9 +12,7 @@
 namespace resilin::testing {
 
 /// The mesh of a reference case.
-inline Mesh reference_mesh(const std::string& file) {
-  return read_mesh(shared_folder().value() / "validation" / file).mesh;
-}
+inline Mesh reference_mesh(const std::string& file) { return read_mesh(reference_folder() / file).mesh; }
 
 /// A description with one body of linear elements, tight Newton and a direct solver: what the exact rows of
 /// the cases ask for.

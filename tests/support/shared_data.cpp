@@ -15,8 +15,10 @@ std::optional<std::filesystem::path> shared_folder() {
   return folder;
 }
 
-nlohmann::json read_validation_case(const std::string& name) {
-  std::ifstream file(shared_folder().value() / "validation" / (name + ".json"));
+std::filesystem::path reference_folder() { return source_folder() / "tests" / "reference"; }
+
+nlohmann::json read_reference(const std::string& name) {
+  std::ifstream file(reference_folder() / (name + ".json"));
   return nlohmann::json::parse(file);
 }
 

@@ -14,12 +14,16 @@ std::optional<std::filesystem::path> shared_folder();
 /// The repository itself.
 std::filesystem::path source_folder();
 
-/// Reads shared/validation/NAME.json.
-nlohmann::json read_validation_case(const std::string& name);
+/// Results and meshes of other programs and closed forms that ship with the tests
+/// (tests/reference/README.md).
+std::filesystem::path reference_folder();
+
+/// Reads tests/reference/NAME.json.
+nlohmann::json read_reference(const std::string& name);
 
 }  // namespace resilin::testing
 
-/// First line of a test that needs the reference data: such a test is counted as skipped where there is none.
+/// First line of a test that needs data which may not be shipped: without them, the test counts as skipped.
 #define RESILIN_NEEDS_SHARED_DATA()         \
   if (!::resilin::testing::shared_folder()) \
   GTEST_SKIP() << "no reference data: set RESILIN_SHARED to the folder that holds them"
