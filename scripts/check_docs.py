@@ -112,10 +112,14 @@ class Line:
         return f"{self.page}:{self.number}: {shown}"
 
 
-def pages():
+def readme():
+    return [ROOT / "README.md"]
+
+
+def all_pages():
     """README first, then the others."""
     others = sorted((ROOT / "docs").rglob("*.md"))
-    return [ROOT / "README.md", *others, ROOT / "CONTRIBUTING.md", ROOT / "examples" / "README.md"]
+    return [*readme(), *others, ROOT / "CONTRIBUTING.md", ROOT / "examples" / "README.md"]
 
 
 def lines_of(text, page):
@@ -281,13 +285,13 @@ def problems_of_data(text, page):
     return problems
 
 
-def outcomes():
-    """(name, list of problems or None) of each line as it has been run."""
+def outcomes(pages):
+    """(name, list of problems or None) of each line of these pages as it has been run."""
     with tempfile.TemporaryDirectory(prefix="resilin-docs-") as name:
         folder = pathlib.Path(name)
         make_place(folder)
         place = Place(folder)
-        for path in pages():
+        for path in pages:
             page = path.relative_to(ROOT).as_posix()
             text = path.read_text(encoding="utf-8")
             yield f"{page}: blocks of data", problems_of_data(text, page)
@@ -324,7 +328,7 @@ def find_faults_of_this_check():
 
 if __name__ == "__main__":
     failed = False
-    for name, problems in outcomes():
+    for name, problems in outcomes(all_pages()):
         print("skipped" if problems is None else "FAILED" if problems else "passed", name, flush=True)
         for problem in problems or []:
             print("   ", problem)

@@ -118,7 +118,17 @@ def run_docs():
         run_check(name, check_docs.find_faults_of_this_check),
         run_check("the check of the site finds links that lead nowhere", check_site.find_faults_of_this_check),
         *(Outcome(*result) for result in check_site.outcomes()),
-    ] + [run_check(f"docs: {line}", lambda problems=problems: problems) for line, problems in check_docs.outcomes()]
+    ] + [
+        run_check(f"docs: {line}", lambda problems=problems: problems)
+        for line, problems in check_docs.outcomes(check_docs.all_pages())
+    ]
+
+
+def run_readme():
+    return [
+        run_check(f"readme: {line}", lambda problems=problems: problems)
+        for line, problems in check_docs.outcomes(check_docs.readme())
+    ]
 
 
 def run_validation():
@@ -173,6 +183,7 @@ STEPS = {
     "release": run_release,
     "examples": run_examples,
     "docs": run_docs,
+    "readme": run_readme,
     "validation": run_validation,
     "consumer": run_consumer,
     "python": run_python,
@@ -182,10 +193,11 @@ STEPS = {
     "sanitizers": run_sanitizers,
 }
 NEEDED_BUILD = {
-    step: "release" for step in ("release", "examples", "docs", "validation", "consumer", "python", "wheel", "browser")
+    step: "release"
+    for step in ("release", "examples", "docs", "readme", "validation", "consumer", "python", "wheel", "browser")
 } | {"petsc": "petsc", "sanitizers": "asan"}
 # Each keeps one core busy, or waits for a browser; the others divide their work among all cores themselves.
-ONE_CORE_STEPS = {"examples", "docs", "consumer", "python", "petsc", "wheel", "browser"}
+ONE_CORE_STEPS = {"examples", "docs", "readme", "consumer", "python", "petsc", "wheel", "browser"}
 
 
 def spent_time(text):
