@@ -29,6 +29,7 @@ import check_setup
 import check_site
 import check_tidy
 import check_validation
+import check_words
 import test_programs
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
@@ -76,6 +77,8 @@ def run_rules():
         "modules include only those below them": check_includes.find_problems,
         "the house rules check finds violations": check_repository.find_faults_of_this_check,
         "house rules": check_repository.find_problems,
+        "the check of words finds violations": check_words.find_faults_of_this_check,
+        "words": check_words.find_problems,
         "clang-format": check_format.find_cpp_problems,
         "ruff": check_format.find_python_problems,
         "set-up installs what is missing and nothing else": check_setup.find_problems,
