@@ -98,7 +98,7 @@ HEADINGS_LEFT = (
 )
 DANGLING_COMMENTS_LEFT = (
     "apps/viewer/",
-    "benchmarks/gradients.cpp/",
+    "benchmarks/gradients.cpp",
     "python/src/",
     "src/resilin/collision/",
     "src/resilin/contact/",
