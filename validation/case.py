@@ -1,6 +1,7 @@
 """The rows of a validation case, how one is run and how its numbers are compared with the expected ones.
 
-`expected.json` of a case holds its title, source and what is measured, and `rows`. A row has
+`expected.json` of a case holds its title, its topic and what it is compared with (in a few words, for the summary of
+the page), its source and what is measured, and `rows`. A row has
     name, quick (./test runs it), scene (default scene.toml), set (values of the scene, as for `resilin run --set`)
     or, in place of scene, generate: the name of a function of contact_scenes with its arguments
     or, in place of scene and set, commands: lists of arguments for `resilin`, each of which prints JSON

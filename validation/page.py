@@ -9,13 +9,29 @@ from case import cases
 
 HEAD = """# Validation
 
-What Resilin computes beside what other codes, papers and closed forms say. This page is written by
-`validation/run.py build/release/apps/cli/resilin --report docs/validation.md`; `./test` runs the quick rows again on
-every machine. Scenes, meshes and expected numbers lie in [validation](../validation), one folder for each case.
-
-A relative error is the largest difference of a component over the largest component that is expected. Newton:
-iterations of the whole run, over all its load or time steps.
+Resilin's results beside those of other codes, published benchmarks and closed forms.
 """
+HOW = """## How to read and repeat it
+- A relative error is the largest difference of a component, divided by the largest expected component.
+- "Newton" counts the iterations of the whole run, over all its load increments or time steps.
+- Scenes, meshes and expected numbers lie in [validation](../validation), one folder per case.
+- `./test validation` runs the quick rows on your machine.
+- `validation/run.py build/release/apps/cli/resilin` runs all rows; `--report docs/validation.md` writes this page.
+"""
+# Their order on the page; a case of another topic comes after them.
+TOPICS = (
+    "Static elasticity",
+    "Nearly incompressible solids",
+    "Patch tests and convergence",
+    "Constitutive models",
+    "Buckling",
+    "Dynamics and modal analysis",
+    "Contact and friction",
+)
+SUMMARY = (
+    "| topic | compared with | cases | rows | numbers | to 1e-6 or closer | largest error of these | rows that fail |\n"
+    f"{'| --- ' * 8}|\n"
+)
 TABLE = """| row | quantity | expected | got | relative error | tolerance | Newton | |
 | --- | --- | --- | --- | --- | --- | --- | --- |
 """
@@ -24,52 +40,101 @@ COLUMNS = 8
 
 def write(file, program, results, folders):
     """Writes the page, and beside it one picture for each case that has a folder of results in `folders`."""
-    sections = []
+    pictures = {}
     for name, case in cases().items():
-        of_case = [result for case_name, result in results if case_name == name]
-        picture = None
         if "picture" in case:
             folder = folders[name, case["picture"]["row"]]
             target = file.parent / "images" / "validation" / f"{name}.png"
-            picture = draw(target, program, folder, case["picture"]["options"])
-        sections.append(section(name, case, of_case, picture))
+            pictures[name] = draw(target, program, folder, case["picture"]["options"])
     version = subprocess.run([program, "--version"], capture_output=True, text=True, check=True).stdout.strip()
-    text = "\n".join([HEAD, summary(version, results), *sections])
-    file.write_text(text, encoding="utf-8")
+    file.write_text(text_of(version, results, pictures), encoding="utf-8")
 
 
-def summary(version, results):
+def text_of(version, results, pictures):
+    """The page; `pictures` {name of a case: file}."""
+    by_topic = {}
+    for name, case in sorted(cases().items(), key=lambda item: place_of(item[1])):
+        of_case = [result for case_name, result in results if case_name == name]
+        by_topic.setdefault(case["topic"], []).append((name, case, of_case))
+    sections = [topic_section(topic, entries, pictures) for topic, entries in by_topic.items()]
+    return "\n".join([HEAD, summary(version, results, by_topic), HOW, *sections])
+
+
+def place_of(case):
+    """Where a case stands on the page."""
+    topic = case["topic"]
+    return (TOPICS.index(topic) if topic in TOPICS else len(TOPICS), topic, case["title"])
+
+
+def anchor(title):
+    return re.sub(r"[^\w -]", "", title.lower()).replace(" ", "-")
+
+
+def summary(version, results, by_topic):
+    """A line for each topic, and one for all."""
     numbers = [found for _, result in results for found in result.comparisons]
-    failed = [(case_name, result) for case_name, result in results if not result.passed]
-    errors = sorted(found.error for found in numbers if found.tolerance <= 1e-6)
-    text = f"""**{len(results)} rows, {len(numbers)} numbers, {len(failed)} rows failed**, by version {version}.
-{len(errors)} numbers are compared to 1e-6 or closer, on the same mesh with the same element: the worst is off by
-{errors[-1]:.1e}, half of them by less than {errors[len(errors) // 2]:.0e}.
-"""
-    if failed:
-        lines = [f"- {case_name}/{result.row['name']}: {why(result)}\n" for case_name, result in failed]
-        text += "\nRows that failed, with what is known about them below their tables:\n" + "".join(lines)
-    return text
+    errors = close_errors(results)
+    failed = sum(not result.passed for _, result in results)
+    text = SUMMARY
+    for topic, entries in by_topic.items():
+        of_topic = [(name, result) for name, _, of_case in entries for result in of_case]
+        against = "; ".join(
+            f"[{case['title']}](#{anchor(case['title'])}): {case['compared_with']}" for _, case, _ in entries
+        )
+        text += summary_line(f"[{topic}](#{anchor(topic)})", against, len(entries), of_topic)
+    text += summary_line("**all**", "", sum(len(entries) for entries in by_topic.values()), results)
+    half = f"{errors[len(errors) // 2]:.0e}"
+    return f"""Version {version}: {len(results)} rows with {len(numbers)} numbers; {failed} rows fail.
+Each topic ends with the rows that fail, and why.
+
+{len(errors)} numbers are compared to 1e-6 or closer, on the same mesh with the same element.
+Their largest relative error is {errors[-1]:.1e}, and half of them are below {half}.
+
+{text}"""
+
+
+def close_errors(results):
+    """Relative errors of the numbers that are compared to 1e-6 or closer, from the smallest on."""
+    return sorted(found.error for _, result in results for found in result.comparisons if found.tolerance <= 1e-6)
+
+
+def summary_line(topic, against, number_of_cases, results):
+    errors = close_errors(results)
+    numbers = sum(len(result.comparisons) for _, result in results)
+    failed = sum(not result.passed for _, result in results)
+    largest = f"{errors[-1]:.1e}" if errors else ""
+    cells = (topic, against, number_of_cases, len(results), numbers, len(errors), largest, failed or "none")
+    return "| " + " | ".join(str(cell) for cell in cells) + " |\n"
 
 
 def why(result):
     return result.problem or ", ".join(found.what for found in result.comparisons if not found.passed)
 
 
+def topic_section(topic, entries, pictures):
+    parts = [f"## {topic}\n"]
+    parts += [section(name, case, results, pictures.get(name)) for name, case, results in entries]
+    failed = [(case, result) for _, case, results in entries for result in results if not result.passed]
+    if failed:
+        lines = [f"- **{case['title']}, {result.row['name']}**: {explanation(result)}.\n" for case, result in failed]
+        parts.append(f"### Rows that fail: {topic.lower()}\n" + "".join(lines))
+    return "\n".join(parts)
+
+
+def explanation(result):
+    """What is off, and what is known about it."""
+    remark = result.row.get("remark")
+    return why(result) + (f". {remark[0].upper()}{remark[1:]}" if remark else "")
+
+
 def section(name, case, results, picture):
-    lines = [f"## {case['title']}", f"[validation/{name}](../validation/{name})", "", case["measured"], ""]
-    lines += [f"Source: {case['source']}", "", f"Tolerances: {case['tolerances']}", ""]
+    lines = [f"### {case['title']}", f"[validation/{name}](../validation/{name})", "", case["measured"], ""]
+    lines += [f"**Source**: {case['source']}", "", f"**Tolerances**: {case['tolerances']}", ""]
     if picture:
         lines += [f"![{case['title']}](images/validation/{picture.name})", ""]
     if "units" in case:
-        lines += [f"Units: {case['units']}.", ""]
-    return "\n".join(lines) + "\n" + TABLE + "".join(rows_of(result) for result in results) + remarks(results)
-
-
-def remarks(results):
-    """What is known about rows that failed."""
-    known = [result.row for result in results if not result.passed and "remark" in result.row]
-    return "".join(f"\n*{row['name']}*: {row['remark']}.\n" for row in known)
+        lines += [f"**Units**: {case['units']}.", ""]
+    return "\n".join(lines) + "\n" + TABLE + "".join(rows_of(result) for result in results)
 
 
 def rows_of(result):
