@@ -4,6 +4,7 @@ import math
 import pathlib
 import re
 import subprocess
+import textwrap
 
 from case import cases
 
@@ -116,20 +117,35 @@ def topic_section(topic, entries, pictures):
     parts += [section(name, case, results, pictures.get(name)) for name, case, results in entries]
     failed = [(case, result) for _, case, results in entries for result in results if not result.passed]
     if failed:
-        lines = [f"- **{case['title']}, {result.row['name']}**: {explanation(result)}.\n" for case, result in failed]
-        parts.append(f"### Rows that fail: {topic.lower()}\n" + "".join(lines))
+        points = "".join(explanation(case, result) for case, result in failed)
+        parts.append(f"### Rows that fail: {topic.lower()}\n{points}")
     return "\n".join(parts)
 
 
-def explanation(result):
-    """What is off, and what is known about it."""
+def explanation(case, result):
+    """A point of a list: what is off, and what is known about it."""
     remark = result.row.get("remark")
-    return why(result) + (f". {remark[0].upper()}{remark[1:]}" if remark else "")
+    known = f" {remark[0].upper()}{remark[1:]}." if remark else ""
+    return wrapped(f"**{case['title']}, {result.row['name']}**. Off: {why(result)}.{known}", "- ")
+
+
+def wrapped(text, bullet=""):
+    """Text in lines; none begins with a minus or plus that Markdown would take for a point of a list."""
+    whole = re.sub(r" ([-+]) ", r" \1\0", text)
+    lines = textwrap.wrap(
+        whole,
+        118,
+        initial_indent=bullet,
+        subsequent_indent=" " * len(bullet),
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+    return "\n".join(lines).replace("\0", " ") + "\n"
 
 
 def section(name, case, results, picture):
-    lines = [f"### {case['title']}", f"[validation/{name}](../validation/{name})", "", case["measured"], ""]
-    lines += [f"**Source**: {case['source']}", "", f"**Tolerances**: {case['tolerances']}", ""]
+    lines = [f"### {case['title']}", f"[validation/{name}](../validation/{name})", "", wrapped(case["measured"])]
+    lines += [wrapped(f"**Source**: {case['source']}"), wrapped(f"**Tolerances**: {case['tolerances']}")]
     if picture:
         lines += [f"![{case['title']}](images/validation/{picture.name})", ""]
     if "units" in case:
