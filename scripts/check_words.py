@@ -114,7 +114,7 @@ ABBREVIATION = re.compile(r"\b(e\.g|i\.e|et al|vs|Fig|eq|ch|art|Dr|no|approx)\."
 WORD = re.compile(r"[A-Za-zÀ-ÿ][\w'’-]*(?:/[A-Za-z][\w'-]*)*")
 FORMULA = re.compile(r"^( {4,}|\t)")
 COMMENT = re.compile(r"^\s*///?(?!/)\s?(.*)$")
-HELP = re.compile(r"->description\(\s*\"([^\"]*)\"|add_(?:option|flag|subcommand)\([^\"]*\"[^\"]*\",[^\"]*\"([^\"]*)\"")
+HELP = re.compile(r'\b(?:option|flag|command|add_\w+)\(\s*"[^"]*",[^";]*((?:"[^"]*"\s*)+)')
 
 
 def pages():
@@ -218,7 +218,8 @@ def headings(name, text):
 def help_texts(name, text):
     problems = []
     for match in HELP.finditer(text):
-        problems += home_made_terms(f"{name}:{text.count(chr(10), 0, match.start()) + 1}", match[1] or match[2] or "")
+        place = f"{name}:{text.count(chr(10), 0, match.start()) + 1}"
+        problems += home_made_terms(place, re.sub(r'"\s*"', "", match[1].strip()).strip('"'))
     return problems
 
 
@@ -272,7 +273,8 @@ def find_faults_of_this_check():
         (long_lines, f"```sh\n{'a' * (MAX_COLUMNS + 1)}\n```\n", 1),
         (headings, "# Rest shapes\n\nrest shapes\n", 1),
         (headings, "```sh\n# at rest\n```\n", 0),
-        (help_texts, 'app.add_flag("--x", x, "count unknowns");\n', 1),
+        (help_texts, 'command.flag("--x", x, "count the unkn"\n "owns").group("What");\n', 1),
+        (help_texts, 'command("x", "Number of threads"); // unknowns\n', 0),
         (dangling_comments, "/// Of each body the force.\n", 1),
         (dangling_comments, "/// The force\n/// Of each body.\n", 0),
     ]

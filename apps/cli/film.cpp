@@ -186,7 +186,7 @@ void add_film(CommandLine& line, Action& action) {
       .group("Time");
   command
       .option("--fps", options->frames_per_second,
-              "Pictures a second; default as time passes, 10 where none does, 30 of vibrations")
+              "Frames per second; default real time, 10 for a static run, 30 for modes")
       .type_name("N")
       .group("Time");
   command.option("--speed", options->film.speed, "Simulated over shown time; default 1")
@@ -194,7 +194,7 @@ void add_film(CommandLine& line, Action& action) {
       .group("Time");
   command
       .option("--mode", options->film.mode,
-              "Of vibrations the one that swings; default the first not rigid one")
+              "Modal analysis: the mode that swings; default the first not rigid one")
       .type_name("N")
       .group("Time");
   command

@@ -34,7 +34,7 @@ void add_color_options(const Command& command, PictureOptions& picture) {
 }
 
 void add_surroundings(const Command& command, PictureOptions& picture, LeftOut& left_out) {
-  command.flag("--rest", picture.shows_rest, "Outline of the rest shape").group("What is shown");
+  command.flag("--rest", picture.shows_rest, "Outline of the reference configuration").group("What is shown");
   command.flag("--no-colliders", left_out.no_colliders, "No colliders").group("What is shown");
   command.flag("--no-bar", left_out.no_bar, "No bar of the colours").group("Picture");
   command.flag("--no-caption", left_out.no_caption, "No time, load factor or mode in the corner")

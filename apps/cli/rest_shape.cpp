@@ -149,7 +149,7 @@ int find(const RestShapeCommand& options) {
 void add_rest_shape(CommandLine& line, Action& action) {
   auto options = std::make_shared<RestShapeCommand>();
   const Command command = line.command(
-      "rest-shape", "Find the rest shape that the loads of a scene deform into what the scene draws");
+      "rest-shape", "Inverse design: the reference configuration that the loads deform into the shape drawn");
   command.option("scene", options->scene, "Scene file of statics (.toml)").required().is_file({"toml"});
   command.option("--out", options->out, "Folder of a mesh for each body; default: out/NAME_rest of the scene")
       .type_name("DIR")
