@@ -31,7 +31,7 @@ std::string of_body(const Description& scene, const std::string& key) {
   return "body." + scene.bodies[0].name + "." + key;
 }
 
-/// Of the height of the vertex that is farthest along the body.
+/// The height of the vertex that is farthest along the body.
 std::vector<FrameChange> slopes_of_corner(const Derivatives& run) {
   const VectorX& rest = run.world().rest_positions;
   Eigen::Index corner = 0;

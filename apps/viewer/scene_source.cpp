@@ -59,7 +59,7 @@ std::filesystem::path write_under_new_name(const std::filesystem::path& folder, 
                   "is there already, and so are all names up to -" + std::to_string(most - 1));
 }
 
-/// Of a file that is not there yet, or holds the same.
+/// Writes a file that is not there yet, or holds the same.
 bool write_or_find(const std::filesystem::path& path, const std::string& bytes) {
   if (write_new_file(path, bytes)) return true;
   std::error_code failure;

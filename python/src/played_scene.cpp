@@ -19,7 +19,7 @@ PlainValue plain_value(const ControlValue& value) {
   return std::get<double>(value);
 }
 
-/// Of the kind that the control has. @throws InputError
+/// A value of the kind that the control has. @throws InputError
 ControlValue control_value(const LiveControl& control, const PlainValue& value,
                            const LiveControls& controls) {
   const std::string place = "controls: " + std::string(control.key);

@@ -61,7 +61,7 @@ class PlayedScene {
   /// In the scene's coordinates, as many numbers as it has dimensions.
   std::vector<double> outer(const Vector3& place) const;
 
-  // Of pages, which somebody else shows; docs/view_protocol.md has the messages.
+  // Pages, which somebody else shows; docs/view_protocol.md has the messages.
   void open_page(viewer::ClientId page);
   void close_page(viewer::ClientId page);
   void receive(viewer::ClientId page, const PageWords& message);

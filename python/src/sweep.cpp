@@ -41,7 +41,7 @@ using Counts = std::tuple<std::uint64_t, std::uint64_t, std::uint64_t>;
 
 Counts counts(const SweepCount& count) { return {count.scenes, count.done, count.failed}; }
 
-/// Of a run in this process: `progress` is called with (done, failed, scenes, seconds left or None). Gives
+/// A run in this process: `progress` is called with (done, failed, scenes, seconds left or None). Gives
 /// the number of scenes that other processes are at work on.
 std::uint64_t run_in_pool(SweepFolder& folder, const std::string& shard, bool retries_failed, int jobs,
                           int threads, const nb::object& progress) {

@@ -50,7 +50,7 @@ TEST_F(Export, TheSameSceneGivesTheSamePage) {
   EXPECT_NE(read_file(folder / "a.html"), read_file(folder / "b.html"));
 }
 
-/// Of runs that were cut short.
+/// A run that was cut short, too.
 TEST_F(Export, OfARunWritesItsRecordingWithTheStateOfEachFrame) {
   for (const std::string kind : {"static", "dynamic"}) {
     const std::string setting = kind == "static" ? "simulation.load_steps=5" : "simulation.end_time=0.1";

@@ -27,7 +27,7 @@ struct ShortMemory : ::testing::Test {
                      "rm -rf out; ulimit -v " + limit +
                          "; exec timeout -s KILL 60 \"$RESILIN\" run box.toml --quiet --out out " + options);
   }
-  /// Of the last frame, and whether its bits are those of the solver that was asked for.
+  /// Words of the last frame, and whether its bits are those of the solver that was asked for.
   std::pair<std::string, bool> outcome() const {
     const bool is_same_solver =
         read_text_file(folder / "out/log.txt").find("solves instead") == std::string::npos;

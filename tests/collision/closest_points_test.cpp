@@ -13,7 +13,7 @@ namespace {
 
 using testing::SamplePairs;
 
-/// Of two convex sets: a plane between them with all of the one on its far side and all of the other on its
+/// For two convex sets: a plane between them with all of the one on its far side and all of the other on its
 /// near side shows that no points are nearer. Returns the distance of the two planes [m].
 template <int dim>
 double proven_distance(PairKind kind, const std::vector<Vector<dim>>& x, const Vector<dim>& normal) {

@@ -45,7 +45,7 @@ TEST_P(PairReference, HasTheDistancesAndDerivativesOfAnotherCode) {
     const double expected = pair.at("squared_distance"), square = squared_distance<3>(GetParam(), x);
     double size = 0;
     for (const Vector3& v : x) size = std::max(size, v.norm());
-    // Of theirs, squares of products of edges: relative to the size, a few digits less than ours.
+    // Theirs are squares of products of edges: relative to the size, a few digits less than ours.
     EXPECT_NEAR(std::sqrt(square), std::sqrt(expected), 1e-7 * size) << pair;
     if (!pair.contains("gradient")) continue;
     ++derivatives;

@@ -28,7 +28,7 @@ struct FacingMesh {
       places.back().head(dim) = y.segment(v * dim, dim);
     }
   }
-  /// Of all vertices with the last coordinate `height`.
+  /// Sum over all vertices with the last coordinate `height`.
   double sum_at(int axis, double height) const {
     double sum = 0;
     for (std::size_t v = 0; v < places.size(); ++v)

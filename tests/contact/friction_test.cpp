@@ -107,7 +107,7 @@ TEST(TheEnergyOfFriction, HasTheDifferenceOfItsValuesWithItsDigits) {
       const double values = sample.term->value(sample.x + p, {}) - sample.term->value(sample.x, {});
       EXPECT_NEAR(there, values, 1e-12 * sample.term->value(sample.x, {}) + 1e-15);
       EXPECT_NEAR(sample.term->difference(sample.x + p, sample.x, {}), -there, 1e-12 * std::abs(there));
-      // Of a way of 1e-9 of it the value's digits tell little, its slope all.
+      // A way of 1e-9 of it leaves the value few digits, its slope all.
       const double tiny = 1e-9 / 2;
       const VectorX to = sample.x + tiny * p;
       EXPECT_NEAR(sample.term->difference(sample.x, to, {}), sample.gradient(sample.x).dot(to - sample.x),

@@ -109,7 +109,7 @@ TEST(SlidingNormals, OfABoxAreThoseOfItsFaces) {
   EXPECT_LT((surface.normal({from, to}, {0.5, 0.5}, diagonal) - diagonal).norm(), 0.3);
 }
 
-/// Of a polygon with many corners, and of one with three.
+/// For a polygon with many corners, and for one with three.
 TEST(SlidingNormals, InThePlane) {
   const auto polygon = [](Index count) {
     Mesh mesh;

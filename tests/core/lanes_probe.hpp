@@ -23,7 +23,7 @@ struct LanesProbe {
   Function sqrt, reciprocal_sqrt, power_of_two, log1p, log1p_minus, cbrt1p, exp, expm1, expm1_minus;
   void (*power_difference)(std::size_t size, const double* x, const double* alpha, double* y);
 
-  /// Of matrices by rows, one after the other.
+  /// Decomposes matrices by rows, one after the other.
   void (*svd)(std::size_t count, bool keeps_strain, const double* H, SvdNumbers* out);
   void (*svd2)(std::size_t count, const double* H, Svd2Numbers* out);
   /// On return A holds the eigenvalues on its diagonal and V the eigenvectors in its columns. `sweeps`: of

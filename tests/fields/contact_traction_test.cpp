@@ -40,7 +40,7 @@ TEST(ContactPressure, CarriesTheWeight) {
       }
 }
 
-/// Of a skin, too, at all nodes that carry it; its facets may be wound either way.
+/// On a skin, too, at all nodes that carry it; its facets may be wound either way.
 TEST(ContactPressure, OfASkinIsThatOfItsFacets) {
   for (const std::string element : {"P1", "P2"})
     for (const bool is_wound_inwards : {false, true}) {

@@ -50,7 +50,7 @@ TEST_F(SceneFit, FindsTwoModuliFromElevenMarkersInSixSolves) {
   EXPECT_EQ(report.num_values, 22);
 }
 
-/// Of 100 intervals of 95 % 90 to 99 hold the truth, of right ones in 98 of 100 such experiments; with noise
+/// In 100 intervals of 95 % 90 to 99 hold the truth, of right ones in 98 of 100 experiments; with noise
 /// of known and of unknown size.
 TEST_F(SceneFit, GivesIntervalsThatHoldTheTruthAsOftenAsTheySay) {
   folder.write("young.csv", moduli_csv(8e5, 3e5));

@@ -141,7 +141,7 @@ TEST_P(EveryIntegrator, KnowsTheErrorByContact) {
   EXPECT_NEAR(error, dt * dt / 3 * by_contact, 1e-9 * dt * dt * by_contact);
 }
 
-/// Of a vibration far below the step, all is left or nothing: nothing grows.
+/// A vibration far below the step keeps all or nothing: nothing grows.
 TEST_P(EveryIntegrator, FeedsNoVibrationThatItDoesNotResolve) {
   const double w = 1e4;
   double last = energy(at(1, 0), w);

@@ -18,7 +18,7 @@ struct KeptPreconditioner : ::testing::TestWithParam<std::string> {
   std::unique_ptr<LinearSolver> make() const {
     return make_linear_solver({.kind = GetParam()}, bar.matrix.num_unknowns());
   }
-  /// Of this matrix, from zero, to 1e-9; checked.
+  /// The solution for this matrix, from zero, to 1e-9; checked.
   VectorX solution(LinearSolver& solver, const BlockMatrix& A) const {
     solver.analyze(A, bar.node_positions);
     EXPECT_EQ(solver.factorize(A).status, LinearReport::Status::ok);

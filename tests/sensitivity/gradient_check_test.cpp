@@ -35,7 +35,7 @@ TEST(GradientCheck, HasNoDigitsWhereDifferencesAreNoise) {
   EXPECT_EQ(check_of(1e-9, {1e-4, 1e-6, 1e-8}, 1e-10).verdict(), Verdict::no_digits);
 }
 
-/// Of a function of one number at zero, in place of a scene.
+/// The check of a function of one number at zero, in place of a scene.
 GradientCheck check_of(double slope, const std::function<double(double)>& f) {
   GradientCheck check{.parameter = "p", .slope = slope, .steps = {1e-2, 1e-3, 1e-4}};
   std::vector<SampledDifference> samples;

@@ -30,7 +30,7 @@ Description cut_bar(int dimension, bool is_dynamic, const std::string& element) 
   return scene;
 }
 
-/// Of the second cell of the body, at these reference coordinates.
+/// A place in the second cell of the body, at these reference coordinates.
 Vector3 place_in_cell(const World& world, const Vector3& xi) {
   const Body& body = world.bodies[0];
   const ElementInfo& element = body.elastic->element();

@@ -52,7 +52,7 @@ Description thrown_body(const FallCase& c) {
 struct EveryFall : ::testing::TestWithParam<FallCase> {};
 INSTANTIATE_TEST_SUITE_P(Catalogue, EveryFall, ::testing::ValuesIn(all_falls()), name_of_fall);
 
-/// Of consistent masses, whose entries of both signs are no measure of rounding themselves.
+/// With consistent masses, whose entries of both signs are no measure of rounding themselves.
 TEST_P(EveryFall, WithoutWeightOrThrowIsRestInBalance) {
   if (GetParam().mass != MassKind::consistent) return;
   Description scene = thrown_body(GetParam());

@@ -78,7 +78,7 @@ TEST_P(TruncationOfEveryIntegrator, KeepsTheMomentaOfFreeBodies) {
                                               << " 1/s, dt " << time_step << ", " << max_iterations);
             const Lost lost = lost_by(scene);
             EXPECT_LT(lost.linear_momentum, 1e-11);  // rounding
-            // Of a turn that the step resolves, about what the scheme itself loses, and what is left of the
+            // For a turn that the step resolves, about what the scheme itself loses, and what is left of the
             // forces; longer steps are often taken by backward Euler, which loses more.
             if (rate * time_step < 0.4) {
               EXPECT_LE(lost.angular_momentum, 1.1 * whole.angular_momentum + 1e-6);
@@ -119,7 +119,7 @@ TEST_P(TruncationOfEveryIntegrator, KeepsTheMomentumOfABodyBesideOneThatLands) {
   EXPECT_LT((momentum() - start).norm(), 0.01 * start.norm());
 }
 
-/// Of all rigid motions: no other is nearer, and a shape that was only moved is found again.
+/// Among all rigid motions no other is nearer, and a shape that was only moved is found again.
 TEST(ARigidFit, IsTheNearestPlaceOfAShape) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> uniform(-1, 1);

@@ -73,7 +73,7 @@ TEST_P(WorkOnEveryElement, ShowsStressesThatAreNotThoseOfTheEnergy) {
   EXPECT_GT(wrong.gap(), 5e-3 * wrong.scale);
 }
 
-/// Of a body that has come to rest only the last digits of its positions still move.
+/// In a body that has come to rest only the last digits of its positions still move.
 TEST_P(WorkOnEveryElement, IsBalancedAlongDisplacementsOfAnySize) {
   const Simulation simulation = testing::run_all(worked_bar("stable_neo_hookean", element));
   std::mt19937 random(3);

@@ -95,7 +95,7 @@ inline VectorX sample_change(const Parameter& parameter, unsigned seed) {
   return (size > 0 ? size : 1) * change;
 }
 
-/// Of all parameters that of the i-th alone.
+/// A change of the i-th of all parameters alone.
 inline std::vector<VectorX> change_of_one(const Derivatives& run, std::size_t i) {
   std::vector<VectorX> changes;
   for (const Parameter& parameter : run.parameters())

@@ -19,7 +19,7 @@ Quantity quantity(const std::string& name, const std::string& of, OverSteps over
 
 Description sheet() { return read_scene_from_text(pulled_sheet, "sheet.toml", "").description; }
 
-/// Of the sheet in motion: three steps under its own weight.
+/// The sheet in motion: three steps under its own weight.
 std::vector<std::vector<double>> values_of(const std::vector<Quantity>& quantities,
                                            std::vector<Frame>& frames) {
   Description description = sheet();

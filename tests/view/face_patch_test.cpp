@@ -49,7 +49,7 @@ TEST(FacePatch, IsTheWholeOfAFlatSideAndEndsAtItsEdges) {
   }
 }
 
-/// Of a ball the cap, whose half angle is the reach, to about an edge.
+/// On a ball the cap, whose half angle is the reach, to about an edge.
 TEST(FacePatch, OfARoundSkinIsACapAndItsNodesCarryIt) {
   Description scene = small_bar(3, true);
   scene.fixes.clear();

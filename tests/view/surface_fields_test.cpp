@@ -35,7 +35,7 @@ TEST(SurfaceFields, OfAUniformStrainAreThoseOfTheCells) {
       if (field.field->kind == FieldInfo::Kind::vector) continue;
       const std::vector<double> values =
           FieldEvaluator(world).evaluate(state, {&field.field->name, 1}).front().values;
-      // Of floats; entries that vanish are sums of such that do not.
+      // Rounding of floats; entries that vanish are sums of such that do not.
       const double scale =
           std::abs(*std::ranges::max_element(values, {}, [](double v) { return std::abs(v); }));
       for (const float value : field_of(world, state, field.name))

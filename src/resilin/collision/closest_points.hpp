@@ -16,7 +16,7 @@ namespace resilin {
 
 template <class Real>
 struct ClosestPoints {
-  /// Of the vertices of the pair: from 0 to 1 and adding up to 1 for the first part, from -1 to 0 and adding
+  /// Weights of the vertices: from 0 to 1 and adding up to 1 for the first part, from -1 to 0 and adding
   /// up to -1 for the second.
   Real weights[most_pair_vertices];
   Triple<Real> gap;       ///< sum_i weights_i x_i: from the second closest point to the first
@@ -55,7 +55,7 @@ RESILIN_INLINE ClosestPoints<Real> closest_point_point(const Triple<Real>& p, co
   return {{Real(1.0), Real(-1.0), Real(0.0), Real(0.0)}, gap, dot(gap, gap)};
 }
 
-/// Of the point p and the edge from a to b.
+/// Closest points of the point p and the edge from a to b.
 template <class Real>
 RESILIN_INLINE ClosestPoints<Real> closest_point_edge(const Triple<Real>& p, const Triple<Real>& a,
                                                       const Triple<Real>& b) {
@@ -86,7 +86,7 @@ RESILIN_INLINE auto has_no_share(const Real& weight) {
   return weight > Real(-std::numeric_limits<double>::min());
 }
 
-/// Of the point x[0] and the edges of the triangle x[1], x[2], x[3]. The foot on an edge is as near as its
+/// For the point x[0] and the edges of the triangle x[1], x[2], x[3]. The foot on an edge is as near as its
 /// vertices or nearer: it wins over the same vertex as the end of another edge without a look at distances,
 /// whose round-off would hide a foot that is closer to the vertex than the root of that round-off.
 template <class Real>
@@ -104,7 +104,7 @@ RESILIN_INLINE ClosestPoints<Real> closest_point_rim(const Triple<Real> x[]) {
   return select_second(is_third, nearer, third);
 }
 
-/// Of the point x[0] and the triangle x[1], x[2], x[3]: the plane's own foot where it lies inside; the edges
+/// For the point x[0] and the triangle x[1], x[2], x[3]: the plane's own foot where it lies inside; the edges
 /// decide otherwise, and for a triangle without area.
 template <class Real>
 RESILIN_INLINE ClosestPoints<Real> closest_point_triangle(const Triple<Real> x[]) {
@@ -129,7 +129,7 @@ RESILIN_INLINE ClosestPoints<Real> closest_point_triangle(const Triple<Real> x[]
   return nearest;
 }
 
-/// Of the edges x[0] x[1] and x[2] x[3], at an end of one of them: again what has its foot inside an edge
+/// For the edges x[0] x[1] and x[2] x[3], at an end of one of them: again what has its foot inside an edge
 /// wins over the ends of that edge.
 template <class Real>
 RESILIN_INLINE ClosestPoints<Real> closest_end_edge(const Triple<Real> x[]) {
@@ -152,7 +152,7 @@ RESILIN_INLINE ClosestPoints<Real> closest_end_edge(const Triple<Real> x[]) {
   return nearest;
 }
 
-/// Of the edges x[0] x[1] and x[2] x[3]: inside both where their lines are nearest there; the ends decide
+/// For the edges x[0] x[1] and x[2] x[3]: inside both where their lines are nearest there; the ends decide
 /// otherwise, and for parallel edges and edges of no length.
 template <class Real>
 RESILIN_INLINE ClosestPoints<Real> closest_edge_edge(const Triple<Real> x[]) {
@@ -179,7 +179,7 @@ RESILIN_INLINE ClosestPoints<Real> closest_edge_edge(const Triple<Real> x[]) {
   return nearest;
 }
 
-/// Of a pair of any kind, its vertices in their order.
+/// For a pair of any kind, its vertices in their order.
 template <PairKind kind, class Real>
 RESILIN_INLINE ClosestPoints<Real> closest_points(const Triple<Real> x[]) {
   if constexpr (kind == PairKind::point_point)

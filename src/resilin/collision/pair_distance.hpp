@@ -64,7 +64,7 @@ struct DistanceSlopes {
   double second;        ///< psi''
 
   static DistanceSlopes of(double d, double first, double second) { return {first, first / d, second}; }
-  /// Of psi = d^2.
+  /// Derivatives of psi = d^2.
   static DistanceSlopes of_square(double d) { return {2 * d, 2, 2}; }
 };
 

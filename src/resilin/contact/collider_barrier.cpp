@@ -11,10 +11,10 @@
 namespace resilin {
 namespace {
 
-/// Of the distance, that a step may use up.
+/// Share of the distance that a step may use up.
 constexpr double largest_loss = 0.9;
 
-/// Of the way of a collider that turns or follows a function of time: the least that is tried, and how much
+/// Shares of the way of a collider that turns or follows a function of time: the least tried, and how much
 /// less is tried each time.
 constexpr double least_part = 1e-9, next_part = 0.7;
 

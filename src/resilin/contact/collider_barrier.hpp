@@ -64,7 +64,7 @@ class ColliderBarrier final : public Energy, public FrictionSource {
     Index point = -1;
   };
   Nearest nearest(const VectorX& x, const Conditions& c) const;
-  /// Of a point from the collider [m].
+  /// Distance of a point from the collider [m].
   double distance(const Vector3& point, const Conditions& c) const {
     return shape_->distance(rigid_place(c).inverse(point));
   }
@@ -102,10 +102,10 @@ class ColliderBarrier final : public Energy, public FrictionSource {
   static constexpr double share_left = 0.1;  ///< of the activation distance
 
   double stiffness(Index point) const { return points_.stiffness[static_cast<std::size_t>(point)]; }
-  /// Of a point, at positions or of displacements of nodes.
+  /// Place of a point, at positions or of displacements of nodes.
   Vector3 at(Index point, const VectorX& x) const { return points_.places.at(dim_, point, x); }
 
-  /// Of the shape from where it was made.
+  /// Motion of the shape from where it was made.
   RigidPlace rigid_place(const Conditions& c) const;
   /// Whether the bodies let it go from where it is at one time to where it is at another.
   bool may_go(const VectorX& x, double from, double to) const;

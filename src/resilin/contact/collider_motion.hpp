@@ -64,7 +64,7 @@ struct ColliderMotion {
   double degrees_between(double from, double to) const;
 
  private:
-  /// Of its places [degrees/s].
+  /// Speed at which its places turn [degrees/s].
   double turning_speed() const { return turn && !turns_in_place ? turn->degrees_per_second : 0; }
 };
 

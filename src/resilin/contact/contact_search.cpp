@@ -8,7 +8,7 @@
 namespace resilin {
 namespace {
 
-/// Of the distance, that vertices may leave the boxes of a search by.
+/// Share of the distance that vertices may leave the boxes of a search by.
 constexpr double share_of_slack = 0.5;
 
 std::span<const double> numbers(const VectorX& values) {

@@ -13,15 +13,15 @@ namespace {
 
 /// Points feel surfaces from both sides, each for half.
 constexpr double share_of_points = 0.5;
-/// Of the areas beside two edges, that their pair bears.
+/// Share of the areas beside two edges that their pair bears.
 constexpr double share_of_edges = 0.05;
-/// Of the activation distance, that edges within flat faces feel each other from: bodies that press each
+/// Part of the activation distance at which edges within flat faces feel each other: bodies that press each
 /// other through points are farther apart, and only where bodies bend so that no point comes near do edges
 /// bear. Those that stick out do so from farther away.
 constexpr double reach_of_flat_edges = 0.25;
 /// The sharpness of both edges from which that is the whole distance: that of a box.
 constexpr double sharp = 0.25;
-/// Of an obstacle's points by their own areas: a body's points bear it, each for the whole of its area.
+/// Weight of an obstacle's points by their own areas: a body's points bear it, each for its whole area.
 constexpr double share_of_flat_points = 0.02;
 
 /// Squared distances of candidates [m^2].
@@ -39,7 +39,7 @@ constexpr PairKind kind_of_points(int dim) {
   return dim == 3 ? PairKind::point_triangle : PairKind::point_edge;
 }
 
-/// Of the activation distance, that a pair of edges feel each other from.
+/// Share of the activation distance from which a pair of edges feel each other.
 double reach_of_edges(const ContactSurface& surface, const Candidate& pair) {
   const auto a = static_cast<std::size_t>(pair[0]), b = static_cast<std::size_t>(pair[1]);
   const auto is_obstacle = [&](std::size_t edge) {
@@ -95,7 +95,7 @@ class TermList {
   }
   double stiffness_of_point(Index p, Index q) const { return stiffness(p, q) * bearing_area(p, q); }
 
-  /// Of a point p that meets the part of q. How an obstacle is cut into parts says nothing of a body that
+  /// Area that point p bears of the part of q. How an obstacle is cut into parts says nothing of a body that
   /// meets it: the body's points bear, and the obstacle's own as far as they stick out.
   double bearing_area(Index p, Index q) const {
     const auto point = static_cast<std::size_t>(p);

@@ -95,7 +95,7 @@ class LaggedFriction final : public Energy {
   void for_each_force(const VectorX& x, const Visit& visit) const {
     for (std::size_t i = 0; i < contacts_.size(); ++i) visit(contacts_[i], force(contacts_[i], x));
   }
-  /// Of the forces at `to` along the way: less than nothing only where contacts turn back on it.
+  /// Work of the forces at `to` along the way: less than nothing only where contacts turn back on it.
   double dissipation(const VectorX& from, const VectorX& to, double duration) const override;
 
  private:
@@ -109,7 +109,7 @@ class LaggedFriction final : public Energy {
                        VectorX& gradient) const;
   /// By forming contacts the last time: of the limit between each of those that met in this stage [N].
   std::vector<double> change_of_limits();
-  /// Of one contact of the Hessian, along T.
+  /// Direction of one contact of the Hessian, along T.
   Eigen::Vector2d direction(std::size_t contact, const Eigen::Matrix<double, 3, 2>& T,
                             const Eigen::Vector2d& slip) const;
 
@@ -134,7 +134,7 @@ class LaggedFriction final : public Energy {
   MollifiedSlip slip_;
   bool is_mean_;  ///< of the stage: slip is counted from its target
   FrictionContacts contacts_{};
-  /// Of each contact the force over its limit, less its sign, as the Hessian sees it: as it followed the
+  /// For each contact the force over its limit, less its sign, as the Hessian sees it: as it followed the
   /// search. Empty: those of x.
   std::vector<Vector3> directions_{};
   Before before_{};

@@ -8,9 +8,9 @@
 namespace resilin {
 namespace {
 
-/// Of its distance, that a pair keeps while the obstacle goes on by itself.
+/// Share of its distance that a pair keeps while the obstacle goes on by itself.
 constexpr double share_of_way = 0.5;
-/// Of the activation distance: an obstacle that is nearer waits until bodies have given way.
+/// Share of the activation distance: an obstacle that is nearer waits until bodies have given way.
 constexpr double share_to_wait_at = 0.2;
 /// Ways that are tried between two times, each shorter, where chords are not parts of one another.
 constexpr double next_part = 0.8, least_part = 1e-3;

@@ -19,7 +19,7 @@ class ObstacleContact final : public SurfaceContact {
 
   double least_delay(const VectorX& x, const Conditions& c) const override;
 
-  /// Of the bodies' forces on the obstacle along its way, at the one end or the other, or the change where
+  /// Work of the bodies' forces on the obstacle along its way, at one end or the other, or the change where
   /// bodies stand at last.
   std::optional<double> driven_work(const VectorX& from, const Conditions& before, const VectorX& to,
                                     const Conditions& after) const override;

@@ -10,7 +10,7 @@
 namespace resilin {
 namespace {
 
-/// Of its distance, what a pair keeps at the end at least: more than the largest step leaves.
+/// Share of its distance that a pair keeps at the end at least: more than the largest step leaves.
 constexpr double least_share = 0.3;
 
 /// The terms whose ways are cut short, and when.

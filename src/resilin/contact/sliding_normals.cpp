@@ -84,7 +84,7 @@ Vector3 SlidingNormals::of_part(std::span<const Index> vertices, std::span<const
   return sum.normalized();
 }
 
-// Of what `of_part` says; the slopes by the weights and by the normal of the pair are added to those of
+// Slopes of what `of_part` says; those by the weights and by the normal of the pair are added to those of
 // `slopes`, those by the places appended.
 Vector3 SlidingNormals::add_slopes_of_part(const PartForce& pair, std::size_t begin, std::size_t end,
                                            const VectorX& places, Slopes& slopes) const {

@@ -14,7 +14,7 @@
 namespace resilin {
 namespace {
 
-/// Of the activation distance: what is nearer counts as touching.
+/// Share of the activation distance: what is nearer counts as touching.
 constexpr double touching = 1e-6;
 
 /// Nodes may have a part in several vertices of a pair.

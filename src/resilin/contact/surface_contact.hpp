@@ -77,7 +77,7 @@ class SurfaceContact : public Energy, public FrictionSource {
   }
   void add_friction_slopes(const VectorX& x, const VectorX& start, const Conditions& c,
                            std::vector<FrictionContactSlopes>& slopes) const override;
-  /// Of each body with each, row by row: those of two bodies follow the one of them that stands first.
+  /// Coefficients of each body with each, row by row: two bodies' follow the one of them that stands first.
   Eigen::Index num_coefficients() const override {
     return Eigen::Index{meetings().num_bodies()} * meetings().num_bodies();
   }
@@ -113,7 +113,7 @@ class SurfaceContact : public Energy, public FrictionSource {
     PairKind kind = PairKind::point_point;
     std::array<Index, most_pair_vertices> vertices{-1, -1, -1, -1};  ///< of the surface
   };
-  /// Of those nearer than the activation distance, the first of several; infinite where none are.
+  /// The smallest gap below the activation distance, the first of several; infinite where none is.
   Gap smallest_gap(const VectorX& x, const Conditions& c = {}) const;
   /// Whether that is less than 1e-6 of the activation distance.
   bool touches(const VectorX& x, const Conditions& c = {}) const;

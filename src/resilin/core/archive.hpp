@@ -125,7 +125,7 @@ class ArchiveReader {
     if (size > 0) std::memcpy(data, rest_.data(), size);
     rest_.remove_prefix(size);
   }
-  /// Of things that take at least `least_bytes` each.
+  /// Number of things that take at least `least_bytes` each.
   std::size_t count(std::size_t least_bytes) {
     std::uint64_t number = 0;
     get(number);

@@ -30,7 +30,7 @@ struct Eigenpairs3 {
 /// The same for three rows and columns, without memory of its own.
 Eigenpairs3 symmetric_eigenpairs3(const resilin::Matrix<3>& A);
 
-/// Of the symmetric tridiagonal matrix with this diagonal and these numbers below it.
+/// Eigenpairs of the symmetric tridiagonal matrix with this diagonal and these numbers below it.
 Eigenpairs tridiagonal_eigenpairs(const VectorX& diagonal, const VectorX& below);
 /// A x = lambda B x for a positive definite B; x^T B x = 1.
 Eigenpairs generalized_eigenpairs(const Matrix& A, const Matrix& B);
@@ -64,7 +64,7 @@ struct SingularValues {
   VectorX values;  ///< falling
   Matrix right;    ///< by columns
 };
-/// Of A = U diag(values) right^T. By Jacobi rotations, so that small ones have their digits, too.
+/// Decomposes A = U diag(values) right^T. By Jacobi rotations, so that small ones have their digits, too.
 SingularValues singular_values(const Matrix& A);
 
 /// R^-1 X and R^-T X for an upper triangle.

@@ -11,7 +11,7 @@ namespace resilin {
 namespace {
 
 constexpr double unit_round_off = std::numeric_limits<double>::epsilon() / 2;
-/// Of the sum of the |products|, beyond which a rounded determinant has its true sign: twice what a count of
+/// Share of the sum of |products| beyond which a rounded determinant has its true sign: twice what a count of
 /// its roundings allows.
 constexpr double bound_2d = 8 * unit_round_off, bound_3d = 20 * unit_round_off;
 

@@ -6,7 +6,7 @@
 
 namespace resilin {
 
-/// Of one point: rows are components of its velocity, columns the rigid motions of the body that it belongs
+/// Rigid motions of one point: rows are its velocity's components, columns the motions of the body it belongs
 /// to.
 using RigidMotions = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 6>;
 

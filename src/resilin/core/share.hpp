@@ -50,7 +50,7 @@ class Share {
   explicit Share(std::shared_ptr<const Exchange> exchange) : exchange_(std::move(exchange)) {}
 
   bool is_whole() const { return exchange_ == nullptr; }
-  /// Of a share that is not the whole.
+  /// Exchange of a share that is not the whole.
   const Exchange& exchange() const { return *exchange_; }
   bool is_first() const { return is_whole() || exchange_->rank() == 0; }
 
@@ -85,7 +85,7 @@ class Share {
   bool owns(Index node) const {
     return is_whole() || exchange_->owned()[static_cast<std::size_t>(node)] != 0;
   }
-  /// Of a share that is not the whole, with the copies of nodes that others own.
+  /// For a share that is not the whole, with the copies of nodes that others own.
   Eigen::Index num_nodes() const { return static_cast<Eigen::Index>(exchange_->numbers().size()); }
   /// The node's number in the whole scene.
   Index number_of(Index node) const {

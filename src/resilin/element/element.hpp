@@ -28,7 +28,7 @@ struct ElementInfo {
   void (*shape_gradients)(const Vector3& xi, std::span<double> gradients);
 
   int num_corners() const;
-  /// Of det dX/dxi: of all coordinates together on simplices, in each coordinate on squares and cubes.
+  /// Degree of det dX/dxi: of all coordinates together on simplices, in each coordinate on squares and cubes.
   int jacobian_degree() const;
   /// Quadrature rules that integrate a linear elastic energy well enough to hold all modes of the element.
   std::vector<std::string> quadrature_names() const;

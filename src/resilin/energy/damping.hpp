@@ -69,7 +69,7 @@ class ViscousDamping final : public MotionTerm {
                          double* K) const;
   const ElasticEnergy& body() const { return *body_; }
 
-  /// Of D v, what a stage's term may be differentiated by: "viscosities" (eta and zeta, of one cell after
+  /// What D v of a stage's term may be differentiated by: "viscosities" (eta and zeta, of one cell after
   /// another where they differ), "rest_positions" and "shape".
   std::vector<EnergyParameter> stage_parameters() const;
   /// Adds the slopes of w . D v.

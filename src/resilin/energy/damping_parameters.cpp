@@ -62,7 +62,7 @@ void ViscousDamping::add_viscosity_slopes(const std::vector<double>& shape, cons
     slopes[static_cast<Eigen::Index>(stride_ == 0 ? k % 2 : k)] += of_cells[k];
 }
 
-/// Of the same power the slopes by F, G and W are G S_w + W S, F S_w and F S.
+/// Slopes of the same power by F, G and W are G S_w + W S, F S_w and F S.
 template <int dim>
 void ViscousDamping::add_slopes_of(std::string_view name, const std::vector<double>& shape, const VectorX& v,
                                    const VectorX& w, VectorX& slopes) const {

@@ -105,7 +105,7 @@ class DeadLoad final : public Energy {
         forces_(std::move(nodal_forces)),
         rest_positions_(std::move(rest_positions)),
         active_(std::move(active)) {}
-  /// Of a region and a value.
+  /// A load from a region and a value.
   DeadLoad(std::string name, int dim, std::shared_ptr<const LoadedRegion> region, const Vector3& value,
            VectorX rest_positions, ActiveTime active = {});
 

@@ -58,7 +58,7 @@ struct LaneSum {
   }
 };
 
-/// Of what `add(tile, scratch, sum)` adds for the tiles of these blocks; +infinity outside the domain.
+/// Sum of what `add(tile, scratch, sum)` adds for the tiles of these blocks; +infinity outside the domain.
 template <class AddTile>
 double sum_of_tiles(const ElasticTiles& tiles, std::span<const Index> blocks, const AddTile& add) {
   return parallel_sum<LaneSum>(blocks.size(), blocks_per_chunk,

@@ -10,7 +10,7 @@
 namespace resilin {
 namespace {
 
-/// Of one set, summed over cells.
+/// Slopes by one set of constants, summed over cells.
 struct ConstantSlopes {
   std::array<double, max_constants> sums{};
   ConstantSlopes& operator+=(const ConstantSlopes& other) {

@@ -14,7 +14,7 @@ constexpr double stencil(int k) {
   constexpr double weights[] = {0, 45.0 / 60, -9.0 / 60, 1.0 / 60};
   return k < 0 ? -weights[-k] : weights[k];
 }
-/// Of a constant's size. Volume energies are linear in their constants, or nearly so.
+/// Share of a constant's size. Volume energies are linear in their constants, or nearly so.
 constexpr double stencil_step = 1e-2;
 
 }  // namespace

@@ -117,7 +117,7 @@ QuadratureTile ElasticTiles::quadrature_tile(const Tile& tile) const {
           transposed_lanes.data()};
 }
 
-/// Of the entries, whose fibres are those of their block.
+/// State of the entries, whose fibres are those of their block.
 StateTile ElasticTiles::state_tile(const Tile& tile, Scratch& scratch) const {
   constexpr std::size_t rows = fibre_rows * block_size;
   const std::size_t entries = num_entries(tile);

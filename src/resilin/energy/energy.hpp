@@ -161,7 +161,7 @@ class Energy {
   /// here as it is at x, by which its energy becomes another one. Before the first time there is none of it.
   /// @return whether that may have changed forces
   virtual bool form_lag(const VectorX& /*x*/, const Conditions& /*c*/) { return false; }
-  /// Of what was formed the last time it takes as much as makes such rounds settle (Relaxation); the rest is
+  /// Takes as much of what was formed the last time as makes such rounds settle (Relaxation); the rest is
   /// what was in use before. @return whether that changed anything
   virtual bool relax_lag() { return false; }
   /// From now on its forces at any x are those with what it keeps formed there, its Hessian is that with what

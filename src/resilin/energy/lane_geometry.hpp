@@ -176,7 +176,7 @@ class LanePoint {
   Index node(std::size_t a, std::size_t lane) const {
     return blocks_.nodes[(first_node_ + a) * block_size + lane];
   }
-  /// Of node a, from numbers by local node.
+  /// Component i of node a, from numbers by local node.
   LaneRow component(const std::vector<double>& values, std::size_t a, int i) const {
     LaneRow row;
     for (std::size_t lane = 0; lane < block_size; ++lane)

@@ -33,7 +33,7 @@ struct FieldInfo {
   bool is_symmetric = true;  ///< of tensors
 
   bool is_on_nodes() const { return source != Source::cells; }
-  /// Of a vector that has a length but no sense.
+  /// Whether it is a vector that has a length but no sense.
   bool is_direction() const { return kind == Kind::vector && unit.empty(); }
   int components() const { return kind == Kind::scalar ? 1 : kind == Kind::tensor ? 9 : 3; }
 };

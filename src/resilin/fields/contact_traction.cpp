@@ -40,7 +40,7 @@ class MiddleNodes {
     if (found == ends_.end()) return visit(node, 1.0);
     for (const Index end : found->second) visit(end, 0.5);
   }
-  /// Of values of nodes, dim each.
+  /// Gathers values of nodes, dim each.
   void gather(VectorX& values, int dim) const {
     for (const auto& [middle, ends] : ends_)
       for (int k = 0; k < dim; ++k) {
@@ -112,7 +112,7 @@ class TouchedFaces {
   }
 
  private:
-  /// Of a skin each node has as much of a facet as it carries of its vertices.
+  /// On a skin each node has as much of a facet as it carries of its vertices.
   void add_skin(const World& world, const Body& body, const VectorX& x) {
     const int dim = world.dimension;
     const MiddleNodes middles(body);

@@ -19,7 +19,7 @@ namespace resilin {
 namespace {
 
 constexpr std::size_t cells_per_chunk = 256;
-/// Of strains, below which stresses are what rounding and stopping rules leave.
+/// Strain below which stresses are what rounding and stopping rules leave.
 constexpr double least_strain = 1e-12;
 constexpr double most_lambda_to_mu = 9;  ///< that of Poisson's ratio 0.45
 /// With more materials than this in a body they count as one that varies in space.
@@ -125,7 +125,7 @@ struct ErrorSamples {
   std::size_t num_corners;
   double reference_size;
 
-  /// Of the cell's volume.
+  /// Share of the cell's volume.
   double share(std::size_t sample) const { return rule->points[sample].weight / reference_size; }
   std::span<const double> corner_shapes_at(std::size_t sample) const {
     return std::span(corner_shapes).subspan(sample * num_corners, num_corners);

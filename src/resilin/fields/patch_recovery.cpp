@@ -13,7 +13,7 @@ constexpr int max_monomials = 10;
 constexpr std::size_t patches_per_chunk = 64;
 constexpr int ample_points = 2;  ///< for each monomial; with fewer, a patch is widened
 constexpr int max_widenings = 3;
-/// Of the pivots of a fit. Points may be many and yet all lie on one quadric, as those of a cube of six
+/// Least pivot of a fit. Points may be many and yet all lie on one quadric, as those of a cube of six
 /// tetrahedra do.
 constexpr double least_pivot = 1e-2;
 constexpr double least_variance = 1e-12;  ///< of points, as a share of the largest

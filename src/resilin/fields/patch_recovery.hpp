@@ -59,7 +59,7 @@ class PatchRecovery {
     int degree = 0;                           ///< of the polynomial
     std::vector<Index> cells = {};            ///< rising
   };
-  /// Of one patch: a column for each monomial up to the element's degree.
+  /// Coefficients of one patch: a column for each monomial up to the element's degree.
   using Coefficients = Eigen::Map<Eigen::Matrix<double, 6, Eigen::Dynamic>>;
   using ConstCoefficients = Eigen::Map<const Eigen::Matrix<double, 6, Eigen::Dynamic>>;
   void add_patches(std::span<const Index> materials);

@@ -18,7 +18,7 @@ struct Principal {
   std::array<double, 3> values;  ///< from the largest to the smallest
   Matrix<3> directions;          ///< columns of length 1, the component of largest size positive
 };
-/// Of a symmetric tensor; not numbers when it holds one that is none.
+/// Principal values of a symmetric tensor; not numbers when it holds one that is none.
 Principal principal(const Matrix<3>& tensor);
 
 }  // namespace resilin

@@ -56,7 +56,7 @@ struct FitDescription {
   ResidualKind residual = ResidualKind::absolute;
   StabilityRule stability = StabilityRule::required;
   VolumeRule volume = VolumeRule::automatic;
-  /// Of the material that is written where the tests tell nothing about the volume.
+  /// Poisson's ratio that is written where the tests tell nothing about the volume.
   double poissons_ratio = 0.495;
   std::vector<ConstantSetting> constants;
   std::vector<std::string> warnings;  ///< of the reader

@@ -10,7 +10,7 @@
 namespace resilin {
 namespace {
 
-/// Of a moment, beside the last one.
+/// Relative distance of a moment from the last one.
 constexpr double same_moment = 1e-9;
 /// Directions of tangent solves that are kept at once.
 constexpr std::size_t most_directions = 64;

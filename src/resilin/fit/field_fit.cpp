@@ -169,7 +169,7 @@ double FieldSearch::chosen_strength() const {
   return chosen > 0 ? chosen : cross_validated_strength(*problem_);
 }
 
-/// Of a weighted residual: 1 by the sigmas, unless residuals are larger than these allow.
+/// Variance of a weighted residual: 1 by the sigmas, unless residuals are larger than these allow.
 double FieldSearch::variance() const {
   const double left = static_cast<double>(r_.size()) - problem_->at(strength_).freedom;
   const double shown = left > 0 ? r_.squaredNorm() / left : 0;

@@ -43,7 +43,7 @@ class FieldSearch {
   /// @param start  of these
   void run(const VectorX& start);
 
-  // Of the prior: its value at the end, and its weight.
+  // The prior's value at the end, and its weight.
   double roughness() const { return roughness(u_); }
   double strength() const { return strength_; }
 

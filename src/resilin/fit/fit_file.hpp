@@ -19,7 +19,7 @@ using AnyFit = std::variant<FitDescription, SceneFitDescription>;
 /// files, in SI units. `overrides` as in `read_scene`. Throws InputError.
 AnyFit read_any_fit(const std::filesystem::path& path, const std::vector<std::string>& overrides = {});
 
-/// Of homogeneous tests alone, or of experiments alone: the other is refused.
+/// A fit of homogeneous tests alone, or of experiments alone: the other is refused.
 FitDescription read_fit(const std::filesystem::path& path, const std::vector<std::string>& overrides = {});
 SceneFitDescription read_scene_fit(const std::filesystem::path& path,
                                    const std::vector<std::string>& overrides = {});

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int num_stable_states = 33;  ///< along the data of a mode
 constexpr std::size_t most_bounded_starts = 5;
-/// Of starts for compressible laws.
+/// Starts for compressible laws.
 constexpr double poissons_ratios[] = {0.2, 0.4, 0.48, 0.499, 0.49995};
 
 /// States at which stability is required: along the data of each mode, from rest on.

@@ -20,7 +20,7 @@ std::string html_table(const std::vector<std::vector<std::string>>& rows);
 /// @param kind  its class: "faint", "warning"
 std::string html_paragraph(const std::string& kind, const std::string& text);
 std::string html_heading(const std::string& text);
-/// Of HTML.
+/// A card of HTML.
 std::string html_card(const std::string& content);
 /// A block of a file, word for word.
 std::string html_listing(const std::string& text);

@@ -35,7 +35,7 @@ class RegularisedProblem {
   double weakest() const;
   double strongest() const;
 
-  /// Of the unknowns, for a residual of variance 1: what prior and data leave open (Wahba 1983).
+  /// Uncertainty of the unknowns, for a residual of variance 1: what prior and data leave open (Wahba 1983).
   struct Uncertainty {
     VectorX variance;
     VectorX resolution;   ///< diagonal of d(u found)/d(u true): 1 where a datum tells an unknown alone

@@ -32,7 +32,7 @@ std::string rounded_text(double value, double half_width) {
   return fmt::format("{:.{}f}", std::round(value / step) * step, std::max(decimals, 0));
 }
 
-/// Of values that have one unit; empty where they have not.
+/// The one unit that the values have; empty where they have not.
 std::string common_unit(const SceneFitReport& report) {
   return report.has_sigma || report.tables.empty() ? "" : unit_of(report.tables.front().kind);
 }
@@ -53,7 +53,7 @@ std::string cell_file_name(const std::string& body, const std::string& constant)
   return field_file_stem(body, constant) + ".csv";
 }
 
-/// Of the keys that are sought, the constants of this body's material.
+/// Among the keys that are sought, the constants of this body's material.
 std::vector<std::string> sought_constants(const SceneFitReport& report, const std::string& body) {
   std::vector<std::string> constants;
   const std::string begin = "body." + body + ".material.";
@@ -126,7 +126,7 @@ std::string quality_text(const SceneFitReport& report) {
 
 namespace {
 
-/// Of several starts: how many ended where the best one did.
+/// How many of several starts ended where the best one did.
 std::string starts_text(const SceneFitReport& report) {
   if (report.ends.size() < 2) return "";
   const bool has_fields = !report.fields.empty();

@@ -35,7 +35,7 @@ std::vector<PlottedRow> rows_of(const TableQuality& table) {
   return rows;
 }
 
-/// Of the last moment that is measured.
+/// Rows of the last moment that is measured.
 std::vector<PlottedRow> last_rows(const TableQuality& table) {
   std::vector<PlottedRow> rows = rows_of(table);
   const auto later = [](const PlottedRow& a, const PlottedRow& b) {

@@ -18,7 +18,7 @@ constexpr double most_damping = 1e10;
 /// A step that lowers the sum by this part of a residual's variance moves the parameters by a
 /// ten-thousandth of their standard errors.
 constexpr double negligible_gain = 1e-8;
-/// Of what the measurements are: a parameter by whose own size they change less is not felt.
+/// Share of the measurements: a parameter by whose own size they change less is not felt.
 constexpr double least_influence = 1e-10;
 
 }  // namespace

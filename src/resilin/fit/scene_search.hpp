@@ -21,7 +21,7 @@ class SceneSearch {
   /// What a start has a number of, and these numbers where the search has ended.
   const std::vector<SceneUnknown>& sought() const { return model_.unknowns(); }
   VectorX sought_values() const { return values(); }
-  // Of a prior, which is not there.
+  // There is no prior here.
   static double roughness() { return 0; }
   static double strength() { return 0; }
 
@@ -29,7 +29,7 @@ class SceneSearch {
   const SceneModel::Solved& solved() const { return solved_; }
   const VectorX& residuals() const { return r_; }
   const DenseMatrix& slopes() const { return slopes_; }  ///< of weighted residuals by what is sought
-  /// Of an unknown by what is sought.
+  /// Unit of an unknown by what is sought.
   double unit(Eigen::Index i) const;
   int solves() const { return solves_; }
   bool is_converged() const { return is_converged_; }

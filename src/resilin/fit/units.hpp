@@ -19,7 +19,7 @@ std::span<const Unit> force_units();   ///< in N
 /// The unit of this name; throws InputError(place, ...) that names the nearest when there is none.
 const Unit& require_unit(std::span<const Unit> units, std::string_view name, const std::string& place);
 
-/// Of what unit a stress that is read as `read_as` may be, when it is too small by `ratio`: "kgf/cm2 read as
+/// The unit that a stress read as `read_as` may have had, when it is too small by `ratio`: "kgf/cm2 read as
 /// Pa, a factor of 98066.5"; empty when no usual confusion comes within a factor of four.
 std::string mistaken_unit(double ratio, std::string_view read_as);
 

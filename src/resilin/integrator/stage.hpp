@@ -47,7 +47,7 @@ struct Stage {
   /// How often the force of contact counts in the balance of forces: (I.1) has it so that it acts as long as
   /// the stage lasts.
   double count_of_impulse() const { return contact_weight * end_slope(); }
-  /// Of the velocity at the end, by these accelerations [m/s].
+  /// Jump of the velocity at the end, by these accelerations [m/s].
   VectorX jump_by(const VectorX& accelerations) const { return end_slope() * duration * accelerations; }
   /// From the start of a step of this length to the stage's end [s].
   double time_from_start(double time_step) const { return time_fraction * time_step + time_to_end(); }

@@ -125,7 +125,7 @@ class GltfReader {
     return result;
   }
 
-  /// Of the scene that the file shows; without scenes all nodes that are nobody's children.
+  /// Nodes of the scene that the file shows; without scenes all nodes that are nobody's children.
   std::vector<std::size_t> nodes_of_scene() const {
     if (size_of("scenes") > 0) {
       const std::size_t scene = gltf_number(root_, "scene", file_, 0);

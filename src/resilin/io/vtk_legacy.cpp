@@ -208,7 +208,7 @@ class VtkReader {
     }
   }
 
-  /// Of a section CELLS whose first line promises `first` cells in `second` entries.
+  /// Refuses a section CELLS whose first line promises `first` cells in `second` entries.
   [[noreturn]] void fail_at_sizes(std::size_t first, std::size_t second, const std::string& got) const {
     throw InputError(
         text_.file() + ": CELLS",

@@ -127,7 +127,7 @@ std::string VtuDecoder::decoded_base64(const XmlTag& array, std::string_view tex
   return all.substr(header_size_, static_cast<std::size_t>(size));
 }
 
-/// Of data that are compressed: numbers of blocks, of the bytes of a block, of those of the last one (0: as
+/// Compressed data: numbers of blocks, of the bytes of a block, of those of the last one (0: as
 /// many) and of those that each has become; then the blocks, each a zlib stream. In base64 the numbers are
 /// encoded by themselves. Source: Kitware, "VTK XML formats", compressed data.
 std::string VtuDecoder::decompressed(const XmlTag& array, std::string_view data, bool is_base64) const {

@@ -55,7 +55,7 @@ void subtract_products(int num_columns, int num_rows, int width, const double* r
 
 namespace {
 
-/// Of columns that stand in one block.
+/// For columns that stand in one block.
 int cholesky_block(int num_columns, int num_rows, double* panel, int stride) {
   if (num_columns <= narrow) {
     int info = 0;

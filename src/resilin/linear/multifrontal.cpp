@@ -160,7 +160,7 @@ void MultifrontalSolver::eliminate_pivots_from(const UpdateMatrix& update, const
   });
 }
 
-/// Of all the columns whose pivots were chosen those that are eliminated stay.
+/// Keeps the eliminated ones among all the columns whose pivots were chosen.
 void MultifrontalSolver::keep_panel(const FrontAssembly& front, const double* square) {
   PivotedFront& pivoted = *pivoted_[front.front];
   auto [num_columns, panel] = panel_of(front.front);

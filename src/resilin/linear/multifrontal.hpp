@@ -103,7 +103,7 @@ class MultifrontalSolver : public DirectSolver {
   StackPool stack_pool_;
   UpdateStacks top_stacks_;
   std::vector<Index> bad_position_;  // by supernode: the column whose pivot failed, or -1
-  // Of a matrix that need not be definite:
+  // For a matrix that need not be definite:
   std::vector<double> scales_;                          // by unknown
   std::vector<std::unique_ptr<PivotedFront>> pivoted_;  // by supernode; null: L L^T
   detail::PivotRule rule_;

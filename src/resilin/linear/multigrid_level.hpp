@@ -21,7 +21,7 @@ struct MultigridLevel {
   static int lanes_of(int size) { return size <= 2 ? 2 : size <= 4 ? 4 : 8; }
   int lanes() const { return lanes_of(block_size()); }
   int numbers_per_block() const { return block_size() * block_size(); }
-  /// Of a chunk: some five microseconds of a sweep.
+  /// Couplings of a chunk: some five microseconds of a sweep.
   Offset least_couplings() const { return is_given ? 6000 : 600; }
   Index num_nodes() const { return static_cast<Index>(row_begin.size()) - 1; }
 

@@ -40,7 +40,7 @@ bool MultigridLevel::connect(Aggregates& groups, MultigridLevel& coarse) {
   return true;
 }
 
-/// Of the upper entries in their rows, by the lower ones that are their transposes.
+/// Places of the upper entries in their rows, by the lower ones that are their transposes.
 bool MultigridLevel::find_lower_places() {
   std::vector<std::uint16_t>& places = wide_places.lower;
   places.resize(columns.size());

@@ -86,7 +86,7 @@ class PanelFactorization {
              &height_, &one, to + next_, &step);
   }
 
-  /// Of rows [first, height), one of them left out.
+  /// The largest of rows [first, height), one of them left out.
   double largest(const double* column, int first, int left_out) const {
     return std::max(largest_size(column + first, left_out - first),
                     largest_size(column + left_out + 1, height_ - left_out - 1));

@@ -186,7 +186,7 @@ void LiveScene::Contents::renew_fold_barriers() {
   fold_barriers = std::move(renewed);
 }
 
-/// Of bodies that were put where they are: by whoever did it, not by steps that have kept cells upright.
+/// Looks at bodies that were put where they are by a caller, not by steps that have kept cells upright.
 void LiveScene::Contents::look_at_cells() {
   for (const auto& barrier : fold_barriers) {
     if (!barrier) continue;

@@ -40,7 +40,7 @@ class Embedding {
   Index num_points() const { return static_cast<Index>(cell_.size()); }
   int nodes_per_point() const { return nodes_per_point_; }
 
-  /// Of a point: its cell, the cell's nodes and their weights N_a.
+  /// For a point: its cell, the cell's nodes and their weights N_a.
   Index cell(Index point) const { return cell_[static_cast<std::size_t>(point)]; }
   std::span<const Index> nodes(Index point) const { return std::span(nodes_).subspan(first(point), width()); }
   std::span<const double> weights(Index point) const {

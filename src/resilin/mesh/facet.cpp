@@ -36,7 +36,7 @@ std::vector<FacetPoint> face_points(const ElementInfo& element) {
   return points;
 }
 
-/// Of lines and of the cells of every plane element.
+/// Points of lines and of the cells of every plane element.
 std::map<CellKind, std::vector<FacetPoint>> points_of_all_kinds() {
   std::map<CellKind, std::vector<FacetPoint>> points;
   for (const CellKind kind : {CellKind::line, CellKind::line3}) points[kind] = line_points(kind);

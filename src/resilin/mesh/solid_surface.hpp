@@ -19,7 +19,7 @@ struct SolidSurface {
   const CellBlock& triangles() const { return mesh.blocks[0]; }
 };
 
-/// Of each patch whose triangles hang together the winding of most of its area stays, so that the skin of a
+/// For each patch of connected triangles the winding of most of its area stays, so that the skin of a
 /// cavity, which is wound the other way, stays one.
 ///
 /// @param name  of the file, opens every message

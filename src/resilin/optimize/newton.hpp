@@ -48,13 +48,13 @@ struct NewtonReport {
   int tangent_iterations = 0;        ///< of GMRES on a tangent that is not symmetric
   int projected_solves = 0;          ///< solves with projected elements
   bool last_step_was_exact = false;  ///< whole, by the exact Hessian, which the solver found definite
-  /// Of the part of the scene (the nodes that hang together) where they are largest beside one another:
+  /// In the part of the scene (the nodes that hang together) where they are largest beside one another:
   double residual = 0;  ///< |gradient on its free unknowns| [N]; beyond rounding where that is all there is
   double force_scale = 0;    ///< [N]; converged means residual <= tolerance * force_scale
   Index worst_unknown = -1;  ///< its free unknown with the largest residual
   double rounding = 0;       ///< what rounding may leave of all residuals, where that was asked for [N]
   int lag_rounds = 0;        ///< so often what lags was formed anew and the search went on
-  /// Of a search that converged: `relative_residual` once what lags is that of the place where it ended, if
+  /// After a converged search: `relative_residual` once what lags is that of the place where it ended, if
   /// that is out of balance; else 0.
   double lag_mismatch = 0;
   double assembly_seconds = 0, solve_seconds = 0;

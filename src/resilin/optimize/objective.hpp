@@ -13,7 +13,7 @@ class Objective {
   /// What the objective keeps of a shape that is known, such as the normal forces of friction, becomes what
   /// it is at x: by that it becomes another function. @return whether that may have changed the gradient
   virtual bool form_lag(const VectorX& /*x*/) { return false; }
-  /// Of what was formed the last time it takes as much as makes rounds of forming and minimising settle
+  /// Takes as much of what was formed the last time as makes rounds of forming and minimising settle
   /// (Relaxation); the rest is what was in use before. @return whether that may have changed the gradient
   virtual bool relax_lag() { return false; }
   /// From now on the gradient at any x is that with what lags formed there, and has no potential; the Hessian

@@ -23,7 +23,7 @@ class Parts {
   Index count() const { return count_; }
   Index num_nodes() const { return static_cast<Index>(part_of_.size()); }
   Index of_node(Index node) const { return part_of_[static_cast<std::size_t>(node)]; }
-  /// Of the scene whose nodes these are: vectors and sums over them are those of all its processes.
+  /// The scene whose nodes these are: vectors and sums over them are those of all its processes.
   const Share& share() const { return share_; }
 
   /// The parts when the extra blocks of a matrix couple some of them.

@@ -35,7 +35,7 @@ Camera make_camera(const Vector3& toward, const Vector3& up);
 /// @param elevation  above the horizon [rad]
 Vector3 page_direction(const Vector3& up, double turn, double elevation);
 
-/// Of directions around a body the one that shows most of it and of how it has moved; that of the page unless
+/// Among directions around a body the one that shows most of it and of how it has moved; the page's unless
 /// another shows clearly more.
 /// @param triangles  corners of the surface, three for each triangle
 /// @param moved      displacements of these corners; may be empty

@@ -4,7 +4,7 @@
 
 namespace resilin {
 
-/// Of each pixel the share of the sky above its surface that what is around it hides, 0 to 1: along twelve
+/// For each pixel the share of the sky above its surface that what is around it hides, 0 to 1: along twelve
 /// directions the steepest rise above the plane of the surface, seen in parallel projection. What lies beyond
 /// `radius` hides nothing.
 ///

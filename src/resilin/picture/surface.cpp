@@ -32,7 +32,7 @@ Vector3 normal_of(std::span<const Index> corners, const std::vector<Vector3>& po
   return size > 0 ? Vector3(area / size) : Vector3(Vector3::UnitZ());
 }
 
-/// Of a quadratic triangle (corners 0, 1, 2; middles 3 of 0-1, 4 of 1-2, 5 of 2-0), which its middles cut
+/// For a quadratic triangle (corners 0, 1, 2; middles 3 of 0-1, 4 of 1-2, 5 of 2-0), which its middles cut
 /// into four; `L` are barycentric coordinates.
 std::array<double, max_facet_nodes> shares_of_parts(const std::array<double, 3>& L) {
   std::array<double, max_facet_nodes> shares{};

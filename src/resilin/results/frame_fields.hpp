@@ -20,7 +20,7 @@ class FrameFields {
   FrameFields(const FrameFields&) = delete;
   FrameFields& operator=(const FrameFields&) = delete;
 
-  /// Of each field the bytes for all frames.
+  /// For each field the bytes for all frames.
   /// @param is_wanted  asked before each frame; the bytes are cut short once it says no
   /// @throws InputError  when a file is not a frame of this world
   std::vector<std::string> values(std::span<const ScalarField> fields,

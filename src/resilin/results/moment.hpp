@@ -9,10 +9,10 @@
 
 namespace resilin {
 
-/// Of a state alone: "1.25 s"; at rest "load 0.667", and nothing at full load, where a run usually ends.
+/// For a state alone: "1.25 s"; at rest "load 0.667", and nothing at full load, where a run usually ends.
 std::string words_of_moment(const World& world, const State& state);
 
-/// Of the frames of one run: "0.070 s", "12.5 ms"; at rest "load 0.667". All in as many digits, so that
+/// For the frames of one run: "0.070 s", "12.5 ms"; at rest "load 0.667". All in as many digits, so that
 /// nothing jumps in a film: those that err by a tenth of the time between frames at most.
 class MomentsOfFrames {
  public:

@@ -248,7 +248,7 @@ ResultFolder::Resumed ResultFolder::resume(Simulation& simulation, Resume rule) 
       std::filesystem::remove(contents_->folder / collider_file_name(simulation.world(), 0), error);
   }
   SavedReport report = read_report(contents_->folder / report_name);
-  // Of another scene the strain then is none of this one's.
+  // In another scene the strain then is none of this one's.
   simulation.resume_from(checkpoint.state, path.string(), checkpoint.failed_steps,
                          resumed.difference ? MostStrained{} : checkpoint.most_strained);
   for (Json& frame : report.frames)

@@ -125,7 +125,7 @@ void read_mesh_table(const SceneNode& node, BodyDescription& body) {
   enclose_surface(node, *table.surface, table.cells, body);
 }
 
-/// Of a file of cells.
+/// The mesh of a file of cells.
 Mesh prepared(const SceneNode& node, MeshFile file, bool uses_corners_only) {
   if (uses_corners_only) resilin::use_corners_only(file);
   prepare_solid_mesh(file, node.context->dimension);

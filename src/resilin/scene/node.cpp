@@ -104,7 +104,7 @@ Eigen::Matrix3d read_matrix(const SceneNode& node) {
 
 namespace {
 
-/// Of a list of rows; a row of one number may be the number itself.
+/// The table of a list of rows; a row of one number may be the number itself.
 NumberTable table_of_list(const SceneNode& list, std::size_t num_columns) {
   NumberTable table{.num_columns = num_columns, .values = {}};
   for (std::size_t i = 0; i < list.value->array().size(); ++i) {

@@ -30,7 +30,7 @@ BarrierLinks::Barrier of_surface(std::size_t term, const ContactSurface& surface
   return barrier;
 }
 
-/// Of one set of constants.
+/// Number of constants of one set.
 Eigen::Index num_constants(const Body& body) {
   return static_cast<Eigen::Index>(body.elastic->law().constants.size());
 }

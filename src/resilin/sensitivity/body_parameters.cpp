@@ -43,7 +43,7 @@ class VertexMap {
       for (const Index end : ends_[e])
         of_vertices.segment(Eigen::Index{end} * dim_, dim_) += 0.5 * of_world.segment(first + added(e), dim_);
   }
-  /// Of the vertices, from an array of the world.
+  /// Numbers of the vertices, from an array of the world.
   VectorX taken(const VectorX& of_world) const {
     return of_world.segment(Eigen::Index{first_} * dim_, size());
   }
@@ -155,7 +155,7 @@ struct Selection {
   std::vector<Index> vertices;
 };
 
-/// Of the fixes, or loads, of a body: where its vertices move, who was selected stays so. Left out is a
+/// For the fixes, or loads, of a body: where its vertices move, who was selected stays so. Left out is a
 /// selection that no list of vertices can say, of middles of edges without their ends.
 template <class Table>
 std::vector<Selection> selections_by_place(const World& world, std::size_t body_number,
@@ -246,7 +246,7 @@ Parameter rest_positions_of_body(const World& world, std::size_t body, const std
   return parameter;
 }
 
-/// Of the start in motion.
+/// The parameter of the start in motion.
 Parameter start_of_body(const World& world, std::size_t body, const std::string& name,
                         VectorX WorldChange::* change, std::vector<double> BodyDescription::* given,
                         VectorX value) {

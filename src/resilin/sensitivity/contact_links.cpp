@@ -5,7 +5,7 @@
 namespace resilin {
 namespace {
 
-/// Of each coefficient between bodies: the pair of the scene that says it, the last one of several.
+/// For each coefficient between bodies: the pair of the scene that says it, the last one of several.
 std::vector<int> pairs_of(const World& world) {
   const std::size_t n = world.bodies.size();
   std::vector<int> pairs(n * n, -1);

@@ -25,7 +25,7 @@ struct DerivativeOptions {
   /// Statics: gradients where forces do not balance well come with a warning of how far off they may be,
   /// which doubles their price.
   bool estimates_errors = true;
-  /// Of matrices, which runs of one mesh may share; changes no result.
+  /// Analyses of matrices, which runs of one mesh may share; changes no result.
   std::shared_ptr<AnalysisCache> analyses = nullptr;
   /// Asked after every Newton iteration and between steps; false: the run is given up (Interrupted).
   std::function<bool()> goes_on{};
@@ -57,7 +57,7 @@ class Derivatives {
   std::vector<int> asked_frames() const;
   /// Load steps that did not converge at first and were taken in parts.
   int num_halved_steps() const { return num_halved_steps_; }
-  /// Of the frame; of motion with checkpoints, the last one's alone are kept and the others computed again.
+  /// Positions of the frame; with checkpoints only the last one's are kept, the others computed again.
   virtual VectorX positions(int frame) = 0;
   /// Likewise [m/s]; empty at rest.
   virtual VectorX velocities(int /*frame*/) { return {}; }
@@ -110,11 +110,11 @@ class Derivatives {
   std::vector<std::string> warnings_;
 };
 
-/// Of equilibria.
+/// Derivatives of equilibria.
 std::unique_ptr<Derivatives> differentiate_statics(Description description,
                                                    const std::vector<std::string>& wrt,
                                                    const DerivativeOptions& options);
-/// Of motion in equal steps.
+/// Derivatives of motion in equal steps.
 std::unique_ptr<Derivatives> differentiate_motion(Description description,
                                                   const std::vector<std::string>& wrt,
                                                   const DerivativeOptions& options);

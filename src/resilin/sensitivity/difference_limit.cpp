@@ -7,7 +7,7 @@
 namespace resilin {
 namespace {
 
-/// Of how far two quotients are apart, that the limit may be off at least.
+/// Share of the distance of two quotients, that the limit may be off at least.
 constexpr double least_part = 0.1;
 /// Two sides are apart by so many times what both may be off, and by this part of the larger.
 constexpr double times_apart = 5, part_apart = 1e-5;

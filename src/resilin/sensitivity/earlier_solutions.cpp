@@ -25,7 +25,7 @@ VectorX EarlierSolutions::nearest(const BlockMatrix& A, const VectorX& b) const 
   }
   if (size == 0) return {};
   const VectorX shares = products.completeOrthogonalDecomposition().solve(right);
-  // Of the energy p.A p / 2 - b.p, which nothing leaves at zero.
+  // Minimum of the energy p.A p / 2 - b.p, which nothing leaves at zero.
   if (!shares.allFinite() || !(0.5 * shares.dot(products * shares) < right.dot(shares))) return {};
   VectorX found = VectorX::Zero(b.size());
   for (Eigen::Index k = 0; k < size; ++k) found += shares[k] * basis[static_cast<std::size_t>(k)];

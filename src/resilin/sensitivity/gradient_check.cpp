@@ -53,9 +53,9 @@ double result_of(Description description, const VectorX& by, const VectorX& base
 constexpr double digits_to_agree = 4;
 /// Differences that are nearer than this part of the larger one have a digit in common.
 constexpr double one_digit = 0.1;
-/// Of how far the two nearest differences are apart, that the derivative may be from them.
+/// Multiple of the distance of the two nearest differences, that the derivative may be from them.
 constexpr double reach_of_differences = 3;
-/// Of the ways of nodes, what runs that are solved to `newton_tolerance` leave open; of the scene's extent,
+/// Share of nodes' ways that runs solved to `newton_tolerance` leave open; of the scene's extent,
 /// what is rounded of their places.
 constexpr double noise_of_ways = 1e-8, rounding_of_places = 1e-15;
 

@@ -36,13 +36,13 @@ class MotionSteps {
   History transposed(const StepReplay& step, const History& by_next, const VectorX& w, TermChanges& by_terms,
                      WorldChange& by_world);
 
-  // Of the motion with which the run begins, accelerations among it where the scheme needs them.
+  // Change of the motion with which the run begins, accelerations among it where the scheme needs them.
   Motion forward_start(const StepReplay& first, const TermChanges& of_terms, const WorldChange& of_world);
   void transposed_start(const StepReplay& first, Motion by_start, TermChanges& by_terms,
                         WorldChange& by_world);
 
  private:
-  /// Of the accelerations M a = -gradient at a motion, under loads of this time.
+  /// Change of the accelerations M a = -gradient at a motion, under loads of this time.
   VectorX forward_accelerations(const Motion& at, double time, const Motion& change,
                                 const TermChanges& of_terms, const WorldChange& of_world);
   void transposed_accelerations(const Motion& at, double time, Motion& by_motion, TermChanges& by_terms,

@@ -108,7 +108,7 @@ Parameter collider_friction(const World& world, std::size_t k, const std::string
       [k](double to, Description& of) { of.colliders[k].friction = to; });
 }
 
-/// Of a vector of a collider's description and what it is of its motion.
+/// A vector of a collider's description and what it is of its motion.
 Parameter collider_vector(const World& world, std::size_t k, const std::string& name,
                           Vector3 WorldChange::OfCollider::* change,
                           const std::function<Vector3&(ColliderDescription&)>& member) {

@@ -13,7 +13,7 @@ struct SupportSlopes {
   Eigen::Matrix3d by_rest = Eigen::Matrix3d::Zero();
 };
 
-/// Of all three, read off the support's own functions.
+/// Slopes of all three, read off the support's own functions.
 std::array<SupportSlopes, 3> slopes_of(const Support& support, const Conditions& c) {
   const std::array<Vector3 (*)(const Support&, const Vector3&, const Conditions&), 3> functions = {
       [](const Support& s, const Vector3& X, const Conditions& at) { return s.target(X, at); },

@@ -56,7 +56,7 @@ double shorter_distance(double gap) {
   return distance;
 }
 
-/// Of nodes from other ones; not a number where one is.
+/// Largest distance of nodes from other ones; not a number where one is.
 double largest_distance(const VectorX& from, const VectorX& to, int dim) {
   double largest = 0;
   for (Eigen::Index i = 0; i < from.size(); i += dim) {

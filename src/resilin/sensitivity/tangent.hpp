@@ -52,7 +52,7 @@ class Tangent {
   /// @throws InputError  where K is singular
   void form(const Potential& potential, const VectorX& x, Newton* near = nullptr);
 
-  /// Of a symmetric K, as far as its solution has told; 0: it is definite.
+  /// Number of negative eigenvalues of a symmetric K, as far as its solution has told; 0: it is definite.
   Index negative_eigenvalues() const { return negative_; }
 
   bool is_symmetric() const { return !skew_ || skew_->is_zero(); }
@@ -85,7 +85,7 @@ class Tangent {
   Newton* near_ = nullptr;
   bool has_impulses_ = false;  ///< contact or friction is among the terms
   bool is_sequence_ = false;
-  /// Of `solver_`, which is a direct one: they are of a definite matrix of this sequence ...
+  /// Factors of `solver_`, a direct one: they are of a definite matrix of this sequence ...
   bool has_factors_ = false;
   bool are_factors_old_ = false;  ///< ... before the present one
   Index negative_ = 0;

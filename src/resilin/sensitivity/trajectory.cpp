@@ -92,7 +92,7 @@ void Trajectory::load(int chunk) {
   loaded_ = chunk;
 }
 
-/// Of the chunk whose starts are there, from 0.
+/// A step of the chunk whose starts are there, from 0.
 StepReplay Trajectory::replay(int step) const {
   const World& world = simulation_.world();
   const Start& start = starts_[static_cast<std::size_t>(step % length_)];

@@ -25,7 +25,7 @@ class Trajectory {
   struct End {
     const VectorX &positions, &velocities;
   };
-  /// Of the step, from 1; 0: the start. Valid until another end or step is asked for.
+  /// End of the step, from 1; 0: the start. Valid until another end or step is asked for.
   End end_of(int step);
   /// The step of this number, from 1; likewise.
   const StepReplay& step(int number);
@@ -55,7 +55,7 @@ class Trajectory {
   bool keeps_places_;
   Motion begin_, end_;              ///< of the run, without accelerations
   std::vector<State> checkpoints_;  ///< at the starts of the segments, where there are such
-  // Of all chunks, or with checkpoints of the segment that was made again last, the others being empty:
+  // All chunks, or with checkpoints those of the segment that was made again last, the others being empty:
   std::vector<Start> chunk_starts_;
   std::vector<std::vector<VectorX>> places_;  ///< of the stages, by step
   int segment_ = -1;

@@ -30,7 +30,7 @@ struct WorldChange {
     bool has_motion = false;  ///< any of these:
     Vector3 place = Vector3::Zero(), velocity = Vector3::Zero(), displacement = Vector3::Zero();
   };
-  /// Of bodies on each other.
+  /// Changes of bodies on each other.
   struct OfContact {
     bool has_friction = false;
     double friction = 0;        ///< of all that no pair has

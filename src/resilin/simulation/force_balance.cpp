@@ -12,18 +12,18 @@
 namespace resilin {
 namespace {
 
-/// Of a displacement, for differences of energies along it, whose error is the square of this beside one.
+/// Part of a displacement for differences of energies along it, whose error is the square of this beside one.
 constexpr double part_of_displacement = 1e-4;
-/// Of a body's extent: a displacement that is nothing but rounding is followed so far beyond itself, since
+/// Part of a body's extent: a displacement that is only rounding is followed so far beyond itself, since
 /// the positions have no digits for parts of it.
 constexpr double least_way = 1e-6;
 /// Where the energy ends so near by, parts are halved so often at most; shorter ones have no digits.
 constexpr int most_halvings = 14;
 
-/// Of the largest gap that is accepted: from there on differences of energies are taken more closely.
+/// Share of the largest gap that is accepted: from there on differences of energies are taken more closely.
 constexpr double precision_of_doubt = 0.1;
 
-/// Of the parts that a force is the sum of, what rounding may leave of it.
+/// Share of the parts that a force is the sum of, what rounding may leave of it.
 constexpr double digits = 10 * std::numeric_limits<double>::epsilon();
 
 std::string gap_text(const Body& body, const ForceBalance& balance) {
@@ -93,7 +93,7 @@ void leave_copies_out(const World& world, const Body& body, VectorX& values) {
     if (!world.share.owns(body.first_node + static_cast<Index>(i / world.dimension))) values[i] = 0;
 }
 
-/// Of numbers of a body's unknowns.
+/// Norm of numbers of a body's unknowns.
 double norm_of_body(const World& world, const Body& body, const Eigen::Ref<const VectorX>& values) {
   if (world.share.is_whole()) return values.norm();
   VectorX owned = values;

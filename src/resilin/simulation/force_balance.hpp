@@ -22,7 +22,7 @@ struct ForceBalance {
   double gap() const { return (reaction + load).norm(); }  ///< what is missing [N]
 };
 
-/// Of each body of the world in one state.
+/// Balances of each body of the world in one state.
 /// @param gradient  of the energy of all terms there [N]
 /// @param acting    of each term but the elastic ones [N] (`Potential::gradients_without`)
 std::vector<ForceBalance> measure_balance(const World& world, const VectorX& gradient,
@@ -40,7 +40,7 @@ struct WorkBalance {
   double gap() const { return std::abs(strain_energy - work); }  ///< what is missing [J]
 };
 
-/// Of each body of the world at x along `displacement` [m], which begins or ends there; `gradient` and
+/// For each body of the world at x along `displacement` [m], which begins or ends there; `gradient` and
 /// `acting` are those of `potential` at x, as above.
 std::vector<WorkBalance> measure_work(const World& world, const Potential& potential, const VectorX& x,
                                       const VectorX& gradient, std::span<const VectorX> acting,

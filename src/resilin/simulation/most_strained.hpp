@@ -6,7 +6,7 @@
 
 namespace resilin {
 
-/// Of the kinetic energy; in motion, strain energy below it is what the tolerance of the steps leaves, and
+/// Part of the kinetic energy; strain energy below it is what the tolerance of the steps leaves, and
 /// tells nothing.
 constexpr double least_share_of_strain_energy = 1e-6;
 

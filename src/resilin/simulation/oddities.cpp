@@ -15,7 +15,7 @@ namespace {
 
 constexpr const char* kept_apart = "although contact keeps them apart: this is a fault of the program";
 
-/// Of a body, also of its parts with other processes.
+/// Number of cells of a body, also of its parts with other processes.
 Index num_cells_of_all(const World& world, const Body& body) {
   return static_cast<Index>(world.share.sum(static_cast<double>(body.num_cells())));
 }

@@ -20,7 +20,7 @@ struct InvertedCells {
 };
 InvertedCells inverted_cells(const Body& body, const VectorX& x);
 
-/// Of all bodies, in a state that was reached: one that shows a mode of vibration is drawn.
+/// Number over all bodies, in a state that was reached: one that shows a mode of vibration is drawn.
 Index num_inverted_cells(const World& world, const State& state);
 
 /// Cells with J > 0 at all quadrature points and J <= 0 elsewhere (jacobian_sign).

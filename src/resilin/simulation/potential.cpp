@@ -13,7 +13,7 @@ namespace {
 constexpr int most_rounds_of_delay = 50;
 constexpr double round_off_of_delay = 1e-12;  ///< of it
 
-/// Of the sum of |parts| of a force: what is smaller cannot be told from rounding.
+/// Share of the sum of |parts| of a force: what is smaller cannot be told from rounding.
 constexpr double forces_round_off = 10 * std::numeric_limits<double>::epsilon();
 
 }  // namespace

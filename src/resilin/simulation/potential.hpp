@@ -17,7 +17,7 @@ class Potential final : public Objective {
   /// @param share            what this process has of the scene; sums are those over all processes
   Potential(std::span<const std::shared_ptr<const Energy>> terms, std::span<const std::uint8_t> is_fixed,
             const Conditions& conditions, const Stage& stage, Share share = {});
-  /// Of a world's own terms and fixed unknowns; kept by reference.
+  /// The potential of a world's own terms and fixed unknowns; kept by reference.
   Potential(const World& world, const Conditions& conditions, const Stage& stage)
       : Potential(world.terms, world.is_fixed, conditions, stage, world.share) {}
 

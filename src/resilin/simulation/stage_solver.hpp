@@ -30,7 +30,7 @@ Flight flight(const World& world, std::span<const std::uint8_t> is_fixed, const 
 struct StageReport {
   NewtonReport newton;  ///< counts of all searches
   bool flew = false;    ///< the search began at the flight
-  /// Of a search that converged: how far forces are out of balance, beside those that act, once friction is
+  /// After a converged search: how far forces are out of balance, beside those that act, once friction is
   /// that of the place where it ended. 0: no farther than the tolerance.
   double friction_mismatch = 0;
   int friction_rounds = 0;  ///< searches that went on with friction formed anew

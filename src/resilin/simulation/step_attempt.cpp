@@ -17,7 +17,7 @@ double dissipation(const World& world, const State& state, const Motion& end, do
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Of the largest kinetic energy so far, by which the energy may rise: schemes keep it only on average. Half
+/// Part of the largest kinetic energy by which the energy may rise: schemes keep it only on average. Half
 /// of what tests/simulation/energy_test.cpp allows.
 constexpr double energy_tolerance = 5e-4;
 

@@ -101,7 +101,7 @@ std::vector<std::string> vector_names(const Description& description) {
   return names;
 }
 
-/// Of a list of texts and tables, or of one of them.
+/// Reads a list of texts and tables, or one of them.
 Quantity read_quantity(const SceneNode& node) {
   Quantity quantity;
   quantity.place = node.place();

@@ -33,7 +33,7 @@ class FileHashes {
   /// @param folder  that relative names start at
   explicit FileHashes(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-  /// Of the file that a text of a scene names, and of the one beside it where a format has two; nothing when
+  /// Hash of the file that a text names, and of the one beside it where a format has two; nothing when
   /// there is no such file. A file whose size or time of change is another than before is read again.
   std::optional<std::uint64_t> of_file(const std::string& name);
   std::uint64_t of_mesh(const SceneValue::MeshHandle& mesh);

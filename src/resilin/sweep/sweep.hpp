@@ -24,7 +24,7 @@ constexpr std::array<std::string_view, 4> spellings(SweepMethod) {
   return {"grid", "list", "latin_hypercube", "sobol"};
 }
 
-/// Of which scenes the folder of results is kept, beside their row in the table.
+/// Scenes of which the folder of results is kept, beside their row in the table.
 struct KeptScenes {
   enum class Kind { none, all, failed, listed };
   Kind kind = Kind::none;

@@ -172,7 +172,7 @@ void SweepFolder::refresh() {
 bool SweepFolder::write_table() {
   const Claims::Whole whole(*claims_);  // one at a time, on whatever machine
   refresh();
-  // Of a sweep that has been changed in the meantime the table is its own.
+  // The table of a sweep that has been changed in the meantime is its own.
   const std::filesystem::path manifest = path_ / manifest_name;
   if (first_difference(read_identity(read_file(manifest), manifest.string()), sweep_.identity()))
     return false;

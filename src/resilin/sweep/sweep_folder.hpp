@@ -19,7 +19,7 @@ struct Shard {
   std::uint64_t number = 1, count = 1;
   std::uint64_t num_scenes(std::uint64_t of) const { return number > of ? 0 : (of - number) / count + 1; }
 };
-/// Of "2/8". @throws InputError
+/// The shard of "2/8". @throws InputError
 Shard parse_shard(const std::string& text);
 
 /// How far a sweep, or a shard of it, is.

@@ -60,7 +60,7 @@ struct SweepRunOptions {
   std::function<void(const struct SweepProgress&)> progress = {};
 };
 
-/// Of a run of a sweep, while it goes on.
+/// Progress of a run of a sweep, while it goes on.
 struct SweepProgress {
   SweepCount count;  ///< of the shard, those of earlier runs and of other processes included
   std::uint64_t run = 0, run_failed = 0;  ///< by this one

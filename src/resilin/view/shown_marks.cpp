@@ -47,7 +47,7 @@ ShownMark mark_of_load(const World& world, const Energy& term, const ShownSurfac
     greatest = std::max(greatest, node_position(world.dimension, node, forces).norm());
   for (Index node = 0; node < world.num_nodes(); ++node)
     if (node_position(world.dimension, node, forces).norm() > 1e-6 * greatest) nodes.push_back(node);
-  // Of a load on the inside, too, the part at the surface is seen.
+  // Only the part at the surface is seen of a load on the inside, too.
   std::vector<Index> outside;
   for (const Index node : nodes)
     if (const std::optional<Index> vertex = surface.vertex_of(node); vertex && surface.is_outside(*vertex))

@@ -22,7 +22,7 @@ struct ShownMark {
 /// evenly.
 std::vector<ShownMark> shown_marks(const World& world, const ShownSurface& surface);
 
-/// Of the vertices of something that is held those at which it is drawn.
+/// The vertices of something that is held at which it is drawn.
 std::vector<Index> shown_support(const std::vector<Index>& vertices);
 
 }  // namespace resilin

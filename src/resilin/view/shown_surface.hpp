@@ -24,7 +24,7 @@ namespace resilin {
 class ShownSurface {
  public:
   enum class Kind { skin, cells };
-  /// Of all bodies together: beyond that the inside is left out, for it would make most of what is sent.
+  /// For all bodies together: beyond that the inside is left out, for it would make most of what is sent.
   static constexpr std::size_t most_inside_vertices = 200'000;
 
   struct Part {

@@ -14,7 +14,7 @@ namespace resilin {
 
 namespace {
 
-/// Of two bodies, a vertex of one that is inside the surface of the other, where none cross.
+/// A vertex of one of two bodies that is inside the surface of the other, where none cross.
 std::optional<Vector3> place_inside(const World& world, const SurfaceContact& contact, Index body,
                                     Index other, const VectorX& places) {
   const CollisionSurface& parts = contact.surface().parts;

@@ -18,7 +18,7 @@ namespace {
 /// Layers between bodies are so much stiffer than those on colliders: bodies hit each other with corners and
 /// ridges, by which soft layers are nearly used up, and Newton's method then needs many iterations.
 constexpr double between_bodies = 10;
-/// Of the thinnest gap of a body to itself at rest: where its own parts begin to feel each other.
+/// Share of the thinnest gap of a body to itself at rest: where its own parts begin to feel each other.
 constexpr double share_of_gap = 0.5;
 
 Index body_called(const World& world, const std::string& name, const std::string& place) {
@@ -65,7 +65,7 @@ std::vector<double> friction_of(const ContactDescription& description, World& wo
   return table;
 }
 
-/// Of the surface of a body.
+/// Reach of the surface of a body.
 Reach reach_along(int axis, const CollisionSurface& parts, Index body, const VectorX& places) {
   Reach reach{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   for (std::size_t v = 0; v < parts.num_vertices(); ++v) {

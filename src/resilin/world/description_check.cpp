@@ -17,7 +17,7 @@ void require_at_least_one(int value, const std::string& place) {
 /// Squares and inverse squares of times, times stiffnesses and masses, stay numbers within these [s].
 constexpr double shortest_time = 1e-30, longest_time = 1e30;
 constexpr double most_steps = 1e9;  ///< a counter holds them, whatever is added
-/// Of the end time: a shorter step is lost when the time is added to it.
+/// Share of the end time: a shorter step is lost when the time is added to it.
 constexpr double finest_step = 1e-15;
 
 void require_time(double value, const std::string& place) {

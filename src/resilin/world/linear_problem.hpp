@@ -18,7 +18,7 @@ struct Inversion {
   Index cell = 0;  ///< of the body
 };
 
-/// Of the straight path from the rest shape through `positions`, the equilibrium at load factor `load` > 0,
+/// On the straight path from the rest shape through `positions`, the equilibrium at load factor `load` > 0,
 /// and beyond: J(t) = det(I + t/load grad u) is zero first where grad u has its most negative real eigenvalue
 /// e, at t = -load/e. At the quadrature points; none when nothing inverts at any load, or when supports turn
 /// or loads follow time, for then the path is not straight.

@@ -29,7 +29,7 @@ namespace {
 
 constexpr double stiffness_share = 0.1;    ///< kappa / E: notes on "Convergent IPC", the authors' toolkit
 constexpr double activation_share = 5e-3;  ///< of the smallest body's extent
-/// Of the square of a facet's longest side: a smaller area is none.
+/// Share of the square of a facet's longest side: a smaller area is none.
 constexpr double flat_share = 1e-12;
 constexpr double thickness_share = 0.1;  ///< of the thinnest body's thickness
 

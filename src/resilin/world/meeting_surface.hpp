@@ -12,9 +12,9 @@
 /// With which surfaces the bodies of a world meet others, themselves and colliders.
 namespace resilin {
 
-/// Of a body's material at small strain, by the means of its constants [Pa].
+/// Young's modulus of a body's material at small strain, by the means of its constants [Pa].
 double youngs_modulus(const Body& body);
-/// Of other constants of its law's formula.
+/// The same by other constants of its law's formula.
 double youngs_modulus(const LawInfo& law, const std::vector<double>& constants);
 
 /// Per node: whether supports hold it in all directions. Their support says where they are, and no collider

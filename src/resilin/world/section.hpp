@@ -74,7 +74,7 @@ class Section {
   Vector3 center(const VectorX& x) const;
   void add_center_slopes(const Vector3& by, const VectorX& x, VectorX& slopes) const;
   std::vector<Vector3> node_forces(const VectorX& x) const;
-  /// Of the sum over the cut's nodes of by[i] . force_i, by[i] held.
+  /// Slopes of the sum over the cut's nodes of by[i] . force_i, by[i] held.
   void add_force_slopes(const std::vector<Vector3>& by, const VectorX& x, Slopes& slopes) const;
 
   std::string name_;

@@ -14,7 +14,7 @@
 namespace resilin {
 namespace {
 
-/// Of a cell: the least volume ratio at its points.
+/// The least volume ratio at the points of a cell.
 double least_volume_ratio(const ElasticEnergy& elastic, const std::vector<double>& ratios, Index cell) {
   const auto first = ratios.begin() + Eigen::Index{cell} * elastic.num_points();
   return *std::min_element(first, first + elastic.num_points());

@@ -35,7 +35,7 @@ struct Body {
   Index first_node = 0;
   Index num_nodes = 0;     ///< those of the mesh, then those that the element adds
   Index num_vertices = 0;  ///< of the mesh
-  /// Of each further node, also such as no cell uses: the vertices, from the body's first, between which it
+  /// For each further node, also such as no cell uses: the vertices, from the body's first, between which it
   /// was added.
   std::vector<std::array<Index, 2>> ends_of_added;
   CellKind cell_kind = CellKind::tetrahedron;
@@ -56,7 +56,7 @@ struct Reach {
   double length() const { return high - low; }
 };
 
-/// Of all nodes of the body, at the positions of all bodies (`dim` numbers per node).
+/// Reach of all nodes of the body, at the positions of all bodies (`dim` numbers per node).
 Reach reach_along(int axis, const Body& body, const VectorX& positions, int dim);
 
 /// The longest reach of the body along the axes [m].
@@ -126,7 +126,7 @@ class World {
   std::vector<std::uint8_t> is_fixed;    ///< per unknown: prescribed, or of a vertex that no cell uses
   std::vector<std::int32_t> support_of;  ///< per unknown: which support prescribes it; -1: none
 
-  /// Of a static run at a load factor: time is the path parameter.
+  /// Conditions of a static run at a load factor: time is the path parameter.
   Conditions at_load(double load) const { return {.time = load * path_time, .load = load}; }
   /// The rest shape by which contact measures, likewise.
   const VectorX& contact_shape() const {
@@ -137,12 +137,12 @@ class World {
   Vector3 place_of(Index node, const VectorX& positions) const;
   /// "(0.1, 0.2, 0)": a place given in the scene's coordinates [m], as a message shows it.
   std::string place_text(const Vector3& point) const;
-  /// Of a node, or of a vertex of a surface, the places being those of its vertices.
+  /// Words for a node, or for a vertex of a surface, the places being those of its vertices.
   std::string place_text(Index vertex, const VectorX& places) const;
   Index num_free_unknowns() const;
   double largest_extent() const;                  ///< of the rest shapes of all bodies, along the axes [m]
   double largest_extent(const Body& body) const;  ///< likewise, of a body
-  /// Of a cell in the whole body.
+  /// Number of a cell in the whole body.
   Index cell_number(std::size_t body, Index cell) const {
     return share.is_whole() ? cell : cell_numbers[body][static_cast<std::size_t>(cell)];
   }

@@ -26,7 +26,7 @@ struct Place {
   Lanes weight(const ElementTile& tile) const {
     return Lanes::load(tile.weights + block * block_size + lane);
   }
-  /// Of the fibres; null where there are none.
+  /// Directions of the fibres; null where there are none.
   const double* directions(const ElementTile& tile) const {
     return tile.directions == nullptr ? nullptr : tile.directions + block * (fibre_rows * block_size) + lane;
   }
@@ -162,7 +162,7 @@ template <int dim>
   });
 }
 
-/// Of a law of invariants, by the shortest way.
+/// For a law of invariants, by the shortest way.
 template <int dim>
 RESILIN_INLINE void invariant_hessian(const HessianForm& form, const Lanes H[], const double* law,
                                       const Lanes g[dim][dim], Lanes w, ElementHessian<dim>& K) {

@@ -21,7 +21,7 @@ struct ElementTile {
   const double* gradients;
   bool gradients_are_of_tile;
   const double* weights;  ///< of all blocks: [block][lane], rest volumes
-  /// Of all blocks: [block][fibre_rows][lane], rest directions of the fibres; null for a law without.
+  /// For all blocks: [block][fibre_rows][lane], rest directions of the fibres; null for a law without.
   const double* directions;
 };
 

@@ -13,7 +13,7 @@ struct ViscosityRows {
 };
 constexpr std::size_t viscosity_rows = 2;
 
-/// Of elements of every kind; linear simplices have one point and need no reference gradients.
+/// For elements of every kind; linear simplices have one point and need no reference gradients.
 struct ViscousKernels {
   /// Adds D v, or the absolute values of each element's share, at the owned nodes. `shape` and `velocities`:
   /// of all nodes, the displacements of the shape and v.

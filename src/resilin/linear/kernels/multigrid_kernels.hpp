@@ -83,7 +83,7 @@ struct MultigridKernels {
   void (*prolong_add[2][2])(const TransferView& transfer, NodeRange nodes, const float* coarse, float* fine);
   /// Writes numbers of a node in two bytes. @return their scale
   float (*shorten)(const float* numbers, int64_t count, int16_t* to);
-  // Of these the first index is 0 for places in one byte and 1 for those in two.
+  // The first index of these is 0 for places in one byte and 1 for those in two.
   /// P = (I - damping D^-1 A) T. Writes transfer.blocks; `row_work` holds the widest row of A P, its rows
   /// padded.
   void (*smooth_prolongation[2][2][2])(const LevelView& level, const TransferView& transfer, NodeRange nodes,

@@ -104,7 +104,7 @@ struct PrincipalTangent {
   }
 };
 
-/// Of a law of invariants: flip and twist are 2 Psi_1 + 2 Psi_2 (s_k^2 -/+ s_i s_j) -/+ Psi_J s_k, so that
+/// For a law of invariants: flip and twist are 2 Psi_1 + 2 Psi_2 (s_k^2 -/+ s_i s_j) -/+ Psi_J s_k, so that
 /// nothing is divided.
 template <bool has_second_invariant>
 RESILIN_INLINE PrincipalTangent principal_tangent(const InvariantDerivatives& d, const Lanes s[3]) {
@@ -149,7 +149,7 @@ RESILIN_INLINE PrincipalTangent principal_tangent(const InvariantDerivatives& d,
   return t;
 }
 
-/// Of a law of stretches, from the rows of its kernel.
+/// For a law of stretches, from the rows of its kernel.
 RESILIN_INLINE PrincipalTangent principal_tangent(const double* rows) {
   Lanes r[15];
   load_rows(rows, 15, r);

@@ -58,7 +58,7 @@ RESILIN_INLINE void small_strain(const Lanes H[], Lanes out[3]) {
 /// Columns of U and V of F = U diag(s) V^T, as rows of lanes: U_0, U_1, ..., V_0, V_1, ...
 constexpr int frame_rows(int dim) { return 2 * dim * dim; }
 
-/// Of a plane state diag(F_2, 1) that is inverted: e_3 = 0 is its third shifted stretch unless both others
+/// For a plane state diag(F_2, 1) that is inverted: e_3 = 0 is its third shifted stretch unless both others
 /// are longer than 1. Then the smallest of the three, which alone is negative, is that across the plane: s_2
 /// and U_2 change their sign, and e_3 = -2.
 RESILIN_INLINE void turn_across_plane(Svd2& m, Lanes& e3) {
