@@ -69,7 +69,7 @@ def problems_of(folder):
 def what_is_missing(folder):
     """Pages that must be there, with a word of each, and the index that a page opened from disk can search."""
     wanted = {
-        "index.html": "A scene is a text file",
+        "index.html": "The same scene as a TOML file",
         "docs/scene.html": "youngs_modulus",
         "docs/validation.html": "relative error",
         "docs/theory/real_time.html": "<math",

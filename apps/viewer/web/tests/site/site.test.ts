@@ -112,8 +112,8 @@ for (const where of ["a server", "disk"])
     const { page } = watched;
     await page.locator("input.sidebar-search").fill("activation_distance");
     await page.keyboard.press("Enter");
-    await page.locator("#search-results a", { hasText: /^Contact$/ }).click();
-    await page.locator("h1", { hasText: "Contact" }).waitFor();
+    await page.locator("#search-results a", { hasText: /^Contact and friction$/ }).click();
+    await page.locator("h1", { hasText: "Contact and friction" }).waitFor();
     await page.goto(`${root}examples/index.html`);
     await page.locator('.card[href$="twisted_bar.html"]').click();
     const film = page.locator(".stage video");
