@@ -153,11 +153,11 @@ int check(const CheckOptions& options) {
 void add_check(CommandLine& line, Action& action) {
   auto options = std::make_shared<CheckOptions>();
   const Command command =
-      line.command("check", "Say what is wrong with a scene or a mesh, where, and what to do");
+      line.command("check", "Check a scene or a mesh: what is wrong, where, and how to fix it");
   command.option("input", options->input, "Scene (.toml) or mesh file")
       .required()
       .is_file(scene_and_mesh_extensions());
-  command.option("--set", options->overrides, "Change a value of the scene first; may be given several times")
+  command.option("--set", options->overrides, "Change a value of the scene first; repeatable")
       .type_name("KEY=VALUE")
       .repeatable()
       .offers(scene_settings);

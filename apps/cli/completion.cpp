@@ -10,7 +10,7 @@ namespace resilin::cli {
 void add_completion(CommandLine& line, Action& action) {
   auto shell = std::make_shared<std::string>();
   const Command command =
-      line.command("completion", "Print what lets a shell complete commands, options and their values");
+      line.command("completion", "Print a completion script for commands, options and their values");
   command.option("shell", *shell, join(shell_names())).required().one_of(shell_names());
   command.footer(
       "Examples:\n"

@@ -70,16 +70,16 @@ Finding look_at_core() {
   const auto& reactions = simulation.frame().reactions;
   const auto pull = std::ranges::find(reactions, "pull", [](const auto& reaction) { return reaction.first; });
   const double error = pull == reactions.end() ? HUGE_VAL : std::abs(pull->second.x() / force - 1);
-  Finding finding = {
-      .name = "computing",
-      .found = "a bar drawn to twice its length pulls as its closed form says, to " + format_short(error),
-      .cure = "",
-      .is_needed = true};
+  Finding finding = {.name = "computing",
+                     .found = "a bar stretched to twice its length has the force of the closed form, to " +
+                              format_short(error),
+                     .cure = "",
+                     .is_needed = true};
   if (outcome.status == RunStatus::done && error < tolerance) return finding;
-  finding.found = "a bar drawn to twice its length pulls otherwise than its closed form: off by " +
+  finding.found = "a bar stretched to twice its length differs from the closed form by " +
                   format_short(error) + ", " + outcome.reason;
   finding.cure =
-      "RESILIN_ISA=baseline tells whether the processor's instructions are at fault; else build anew";
+      "RESILIN_ISA=baseline tells whether the processor's instructions are at fault; otherwise rebuild";
   return finding;
 }
 
@@ -95,9 +95,9 @@ Finding look_at_memory() {
   constexpr double least = 1e9;  // [bytes]; some 20,000 quadratic tetrahedra
   const MemoryRoom room = memory_room();
   Finding finding = {
-      .name = "memory", .found = std::isinf(room.bytes) ? "nothing limits it" : words(room), .cure = ""};
+      .name = "memory", .found = std::isinf(room.bytes) ? "no limit" : words(room), .cure = ""};
   if (room.bytes < least)
-    finding.cure = "enough for small scenes alone: end other programs, or raise the limit";
+    finding.cure = "enough for small scenes only: end other programs, or raise the limit";
   return finding;
 }
 
@@ -182,7 +182,7 @@ Finding look_at_mesher(const Mesher& mesher, const std::filesystem::path& folder
   if (program) return {.name = mesher.name, .found = "mesh --tets fills surfaces by it", .cure = ""};
   return {.name = mesher.name,
           .found = "mesh --tets cannot fill surfaces by it",
-          .cure = mesher.how_to_install + "; scenes, new and view lay cells around surfaces without it"};
+          .cure = mesher.how_to_install + "; scenes, new and view mesh around surfaces without it"};
 }
 
 Finding look_at_petsc() {
@@ -191,11 +191,11 @@ Finding look_at_petsc() {
   const bool has_petsc = std::ranges::any_of(
       solvers, [](const std::string& solver) { return solver.find("petsc") != solver.npos; });
   if (!has_petsc) {
-    finding.found = "one scene runs on one process alone: this build has no PETSc";
+    finding.found = "one scene runs on one MPI process only: this build has no PETSc";
     finding.cure =
         "apt-get install libpetsc-real-dev openmpi-bin pkg-config, and cmake --preset petsc (docs/scale.md)";
   } else if (!find_program("mpirun")) {
-    finding.found = "one scene runs on one process alone: there is no mpirun";
+    finding.found = "one scene runs on one MPI process only: there is no mpirun";
     finding.cure = "apt-get install openmpi-bin";
   }
   return finding;
@@ -246,7 +246,7 @@ struct PythonPackage {
 
 constexpr std::array<PythonPackage, 9> python_packages = {{
     {"torch", "tensors and autograd", "pip install 'resilin[torch]'"},
-    {"jax", "simulations that JAX differentiates", "pip install 'resilin[jax]'"},
+    {"jax", "differentiable simulations in JAX", "pip install 'resilin[jax]'"},
     {"matplotlib", "plots of curves and fits", "pip install 'resilin[plot]'"},
     {"pandas", "Result.to_dataframe", "pip install 'resilin[pandas]'"},
     {"pyvista", "Result.to_pyvista", "pip install 'resilin[pyvista]'"},
@@ -271,7 +271,7 @@ std::vector<Finding> look_at_python(const std::filesystem::path& folder) {
       .name = "Python", .found = "", .cure = "pip install . in the clone, or scripts/build_wheel.sh"};
   const auto python = find_program("python3");
   if (!python) {
-    finding.found = "import resilin cannot be had: there is no python3";
+    finding.found = "import resilin is not possible: there is no python3";
     finding.cure = "apt-get install python3 python3-venv, then in an environment " + finding.cure;
     return {finding};
   }
@@ -336,7 +336,7 @@ void print_findings(const std::vector<Finding>& findings) {
 std::string verdict(const std::vector<Finding>& findings) {
   const auto count = std::ranges::count_if(findings, [](const Finding& f) { return !is_well(f); });
   if (count == 0) return "Nothing is missing.";
-  return "Resilin works; lines with -- say what it does without, and the cure.";
+  return "Resilin works; lines with -- name missing features and how to get them.";
 }
 
 int doctor(bool as_json) {
@@ -369,7 +369,7 @@ int doctor(bool as_json) {
 void add_doctor(CommandLine& line, Action& action) {
   auto as_json = std::make_shared<bool>(false);
   const Command command =
-      line.command("doctor", "Say what works here, what is missing for what, and how to get it");
+      line.command("doctor", "Check the installation: what works, what is missing and how to get it");
   command.flag("--json", *as_json, "Print JSON");
   command.footer(
       "Example:\n  resilin doctor\n\nExit codes: 0 scenes can be simulated, whatever else is missing; 1 they "

@@ -102,8 +102,8 @@ int export_page(const ExportOptions& options) {
 
 void add_export(CommandLine& line, Action& action) {
   auto options = std::make_shared<ExportOptions>();
-  const Command command = line.command(
-      "export", "Write a scene, or a run, as one page that anyone can open and pull at, offline");
+  const Command command =
+      line.command("export", "Write a scene or a run as one self-contained interactive page");
   command
       .option("shown", options->shown,
               "Scene file (TOML), or folder of a run with formats = [\"vtu\", \"html\"]")
@@ -111,7 +111,7 @@ void add_export(CommandLine& line, Action& action) {
       .type_name("SCENE.toml|DIR")
       .is_file_or_folder({"toml"});
   command.option("out", options->out, "The page to write").required().type_name("PAGE.html");
-  command.option("--set", options->overrides, "Change a value of the scene; may be given several times")
+  command.option("--set", options->overrides, "Change a value of the scene; repeatable")
       .type_name("KEY=VALUE")
       .repeatable();
   command

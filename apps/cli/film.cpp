@@ -162,12 +162,12 @@ std::vector<std::string> film_extensions() {
 
 void add_film(CommandLine& line, Action& action) {
   auto options = std::make_shared<FilmCommand>();
-  const Command command = line.command("film", "Make a film of a run, on a machine without a display");
+  const Command command = line.command("film", "Render a film of a run; needs no display");
   PictureOptions& picture = options->film.picture;
   command.option("dir", options->folder, "Folder of a run").required().type_name("DIR").is_folder();
   command
       .option("--out", options->out,
-              "Film that is written: .png or .apng (animated PNG), .gif, .webp, .mp4, .webm (by ffmpeg), or "
+              "Output film: .png or .apng (animated PNG), .gif, .webp, .mp4, .webm (by ffmpeg), or "
               "a folder "
               "for single pictures")
       .required()
@@ -176,7 +176,7 @@ void add_film(CommandLine& line, Action& action) {
   command.option("--field", picture.field, "As of resilin picture")
       .type_name("NAME[.COMPONENT]")
       .offers(field_names)
-      .group("What is shown");
+      .group("Display");
   command.option("--size", options->size, "Width and height in pixels; default 800 600")
       .values(2, 2)
       .type_name("W H")
@@ -186,27 +186,24 @@ void add_film(CommandLine& line, Action& action) {
       .group("Time");
   command
       .option("--fps", options->frames_per_second,
-              "Frames per second; default real time, 10 for a static run, 30 for modes")
+              "Frames per second; default: real time, 10 in statics, 30 for vibration modes")
       .type_name("N")
       .group("Time");
-  command.option("--speed", options->film.speed, "Simulated over shown time; default 1")
+  command.option("--speed", options->film.speed, "Playback speed, simulated over shown time; default 1")
       .type_name("X")
       .group("Time");
   command
-      .option("--mode", options->film.mode,
-              "Modal analysis: the mode that swings; default the first not rigid one")
+      .option("--mode", options->film.mode, "Vibration mode to animate; default: the first that is not rigid")
       .type_name("N")
       .group("Time");
-  command
-      .option("--turn", options->film.turn, "How far the camera goes around meanwhile, in degrees; default 0")
+  command.option("--turn", options->film.turn, "Angle of the camera orbit in degrees; default 0")
       .type_name("DEGREES")
       .group("View");
   add_view_options(command, picture);
   command
-      .option(
-          "--range", options->range,
-          "Values at the ends of the colours; default those of all frames, without single blows more than "
-          "twice as great as the rest")
+      .option("--range", options->range,
+              "Limits of the colour range; default: all frames, without short peaks more than twice as large "
+              "as the rest")
       .values(2, 2)
       .type_name("MIN MAX")
       .group("Colours");
@@ -215,9 +212,8 @@ void add_film(CommandLine& line, Action& action) {
   command.footer(
       "Examples:\n  resilin film out/spot --out cow.png\n  resilin film out/heap --out heap.mp4 --size 1280 "
       "720 "
-      "--speed 0.5\n  resilin film out/free_bar --mode 7 --out tone.gif\n\nAll pictures have one place, one "
-      "framing and "
-      "one range of colours.");
+      "--speed 0.5\n  resilin film out/free_bar --mode 7 --out tone.gif\n\nAll pictures share one camera and "
+      "one colour range.");
   command.on_chosen([options, &action] { action = [options] { return film(*options); }; });
 }
 

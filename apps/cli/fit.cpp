@@ -103,10 +103,11 @@ int fit(const FitOptions& options) {
 void add_fit(CommandLine& line, Action& action) {
   auto options = std::make_shared<FitOptions>();
   const Command command = line.command(
-      "fit", "Find constants from material tests, or parameters of whole scenes from markers and forces");
-  command.option("data", options->data, "The tests, or experiments with their scenes (.toml)")
+      "fit",
+      "Calibrate material models from tests, or identify parameters of scenes from markers and forces");
+  command.option("data", options->data, "File of tests, or of experiments with their scenes (.toml)")
       .is_file({"toml"});
-  command.option("--laws", options->laws, "Laws to fit to tests, or all; default: those of the file")
+  command.option("--laws", options->laws, "Constitutive models to fit, or all; default: those of the file")
       .separated_by(',')
       .type_name("LAW,...")
       .offers(law_words);
@@ -115,19 +116,19 @@ void add_fit(CommandLine& line, Action& action) {
               "Folder of fit.html, fit.json and material.toml; default: out/NAME of the file")
       .type_name("DIR")
       .is_folder();
-  command.option("--set", options->overrides, "Change a value of the file first; may be given several times")
+  command.option("--set", options->overrides, "Change a value of the file first; repeatable")
       .type_name("KEY=VALUE")
       .repeatable();
   command.flag("--json", options->json, "Print fit.json instead of the table");
   command.flag("--quiet", options->quiet, "Print nothing but warnings");
   command.flag("--reference", options->reference, "Print the page docs/fit_keys.md");
   command.footer(
-      "A file with [[test]] fits laws to homogeneous tests and ranks them. One with [[experiment]] and\n"
-      "[[parameter]] fits numbers of scenes to displacements of markers, reactions and probes; a line is\n"
-      "printed for each solve.\n"
+      "A file with [[test]] fits models to homogeneous tests and ranks them. One with [[experiment]] and\n"
+      "[[parameter]] identifies parameters of scenes from displacements of markers, reactions and "
+      "probes,\nand prints one line per solve.\n"
       "Examples:\n  resilin fit examples/fit_rubber.toml --laws yeoh,ogden2\n"
       "  resilin fit examples/fit_bar.toml\n\n"
-      "Exit codes: 0 fitted; 1 the data are wrong; 2 the search in scenes has not converged.");
+      "Exit codes: 0 fitted; 1 the data are wrong; 2 the search did not converge.");
   command.on_chosen([options, &action] { action = [options] { return fit(*options); }; });
 }
 

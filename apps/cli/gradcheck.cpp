@@ -36,27 +36,27 @@ std::string finding(const GradientCheck& check) {
     case Verdict::agrees:
       return "";
     case Verdict::is_within:
-      return "differences of runs are still converging where their steps end: they lead to " +
-             limit_text(limits.central) + ", and the derivative is that within its error";
+      return "finite differences have not fully converged: they extrapolate to " +
+             limit_text(limits.central) + ", and the derivative agrees within the error";
     case Verdict::no_digits:
-      return "the differences have no digits here: the result hardly depends on it, and at three steps they "
-             "disagree among themselves; they neither confirm the derivative nor contradict it";
+      return "finite differences have no digits here: the result hardly depends on the parameter, and three "
+             "step sizes disagree; they neither confirm nor contradict the derivative";
     case Verdict::kink:
-      return "there is a kink: differences to smaller values lead to " + limit_text(limits.before) +
-             ", those to larger ones to " + limit_text(limits.after) +
+      return "there is a kink: backward differences give " + limit_text(limits.before) +
+             ", forward differences give " + limit_text(limits.after) +
              ", and the derivative is no farther from these than they are apart";
     case Verdict::open:
-      return "differences of runs lead nowhere as their steps become shorter: they neither confirm the "
-             "derivative nor contradict it (runs may end in one of several equilibria, cross kinks of "
-             "contact within the shortest step, or take other steps than the run itself)";
+      return "finite differences do not converge as their steps become smaller: they neither confirm nor "
+             "contradict the derivative (runs may end in one of several equilibria, cross kinks of contact "
+             "within the shortest step, or take other steps than the run itself)";
     case Verdict::differs:
       break;
   }
   if (!std::isfinite(check.slope)) return "the derivative is not a number";
   if (limits.are_kinked())
-    return "the derivative is wrong: differences to smaller values lead to " + limit_text(limits.before) +
-           ", those to larger ones to " + limit_text(limits.after) + ", and it is far from both";
-  return "the derivative is wrong: differences of runs lead to " + limit_text(limits.central);
+    return "the derivative is wrong: backward differences give " + limit_text(limits.before) +
+           ", forward differences give " + limit_text(limits.after) + ", and it is far from both";
+  return "the derivative is wrong: finite differences give " + limit_text(limits.central);
 }
 
 int gradcheck(const GradcheckOptions& options) {
@@ -92,7 +92,7 @@ int gradcheck(const GradcheckOptions& options) {
   }
   if (agree > 0)
     print_line((agree < checks.size() ? "all other" : std::string("all")) +
-               " derivatives agree with differences of runs");
+               " derivatives agree with finite differences");
   return is_confirmed ? done : not_converged;
 }
 
@@ -100,24 +100,22 @@ int gradcheck(const GradcheckOptions& options) {
 
 void add_gradcheck(CommandLine& line, Action& action) {
   auto options = std::make_shared<GradcheckOptions>();
-  const Command command =
-      line.command("gradcheck", "Compare the derivatives of a run with differences of runs");
+  const Command command = line.command("gradcheck", "Verify the derivatives of a run by finite differences");
   command.option("scene", options->scene, "Scene file (.toml)").required().is_file({"toml"});
   command
       .option("--wrt", options->wrt,
-              "A parameter by its key, such as body.beam.material.youngs_modulus; may be given several "
-              "times; all where none is given")
+              "Parameter, such as body.beam.material.youngs_modulus; repeatable; default: all")
       .type_name("KEY")
       .repeatable();
-  command.option("--set", options->overrides, "Change a value of the scene first; may be given several times")
+  command.option("--set", options->overrides, "Change a value of the scene first; repeatable")
       .type_name("KEY=VALUE")
       .repeatable()
       .offers(scene_settings);
   command.footer(
-      "What is differentiated is a sum of the places of all nodes at the end, each with a weight of its "
+      "The function is a weighted sum of all final nodal positions, each with a weight of its "
       "own.\n"
       "Example:\n  resilin gradcheck beam.toml --wrt body.beam.material.youngs_modulus\n\n"
-      "Exit codes: 0 they agree, as far as differences can tell; 1 the input is wrong; 2 they do not agree, "
+      "Exit codes: 0 they agree, as far as differences can tell; 1 the input is wrong; 2 they disagree, "
       "or "
       "differences lead nowhere.");
   command.on_chosen([options, &action] { action = [options] { return gradcheck(*options); }; });

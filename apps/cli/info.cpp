@@ -40,7 +40,7 @@ int print_info(bool as_json) {
                            {"elements, iterative solvers", in_use + " (of " + join(available) + ")"},
                            {"direct solvers, BLAS", blas},
                            {"linear solvers", join(solvers)},
-                           {"one scene on several processes", distribution_text()},
+                           {"one scene on several MPI processes", distribution_text()},
                            {"threads", std::to_string(num_threads())}}));
   return done;
 }
@@ -60,7 +60,7 @@ void add_info(CommandLine& line, Action& action) {
   command.flag("--json", options->json, "Print JSON");
   command.flag("--scene-reference", options->scene_reference, "Print the page docs/scene.md");
   command.flag("--schema", options->schema, "Print a JSON schema of the scene file, for editors");
-  command.flag("--man-page", options->man_page, "Print the page for man: resilin.1");
+  command.flag("--man-page", options->man_page, "Print the man page resilin.1");
   command.footer("Example:\n  resilin info --json");
   command.on_chosen([&line, options, &action] {
     action = [&line, options] {

@@ -21,15 +21,15 @@ using Json = nlohmann::ordered_json;
 std::string description(LoadCase load_case) {
   switch (load_case) {
     case LoadCase::uniaxial:
-      return "a bar pulled along x, its sides free";
+      return "a bar stretched along x, its sides traction-free";
     case LoadCase::equibiaxial:
-      return "a sheet pulled alike along x and y, its faces free";
+      return "a sheet stretched equally along x and y, its faces traction-free";
     case LoadCase::planar:
-      return "a sheet pulled along x, held along z, free along y";
+      return "a sheet stretched along x, constrained along z, traction-free along y";
     case LoadCase::shear:
       return "simple shear along x, nothing free";
     case LoadCase::volumetric:
-      return "every edge stretched alike";
+      return "every edge stretched equally";
   }
   return {};
 }

@@ -88,7 +88,7 @@ void print_law(const LawInfo& law, const MaterialsOptions& options) {
                     format_short(material.constants[i])});
   }
   print_text(format_table(rows));
-  print_line("\nNominal stress [Pa]: a bar pulled with free sides, and simple shear by (stretch - 1)");
+  print_line("\nNominal stress [Pa]: uniaxial tension, and simple shear by (stretch - 1)");
   rows = {{"  stretch", "pulled", "sheared"}};
   const Sample sample(material);
   for (std::size_t i = 0; i < sample.stretch.size(); ++i) {
@@ -108,8 +108,8 @@ void print_catalogue() {
   }
   print_text(format_table(rows));
   print_line(
-      "\nEvery law takes youngs_modulus and poissons_ratio (of small strains) instead; resilin materials LAW "
-      "tells more.");
+      "\nEvery law also takes youngs_modulus and poissons_ratio (at small strain); see resilin materials "
+      "LAW.");
 }
 
 /// Options that mean nothing without another.
@@ -151,21 +151,21 @@ int materials(const MaterialsOptions& options) {
 }
 
 std::array<Option, 2> add_material_options(const Command& command, MaterialOptions& options) {
-  command.option("--set", options.constants, "A constant of the law; may be given several times")
+  command.option("--set", options.constants, "A constant of the law; repeatable")
       .type_name("NAME=VALUE")
       .repeatable();
-  command
-      .option("--fibre", options.fibres,
-              "Direction of a family of fibres; may be given twice; default along x")
+  command.option("--fibre", options.fibres, "Direction of a fibre family; up to two; default along x")
       .type_name("X Y Z")
       .values(3, 6)
       .joins_repeats();
-  return {command.option("--youngs-modulus", options.youngs_modulus, "Of small strains [Pa]").shows_default(),
-          command.option("--poissons-ratio", options.poissons_ratio, "Of small strains").shows_default()};
+  return {command.option("--youngs-modulus", options.youngs_modulus, "Young's modulus at small strain [Pa]")
+              .shows_default(),
+          command.option("--poissons-ratio", options.poissons_ratio, "Poisson's ratio at small strain")
+              .shows_default()};
 }
 
 void add_curve_options(const Command& command, CurveOptions& options) {
-  command.option("--curve", options.load_case, "Stress over stretch, free directions solved")
+  command.option("--curve", options.load_case, "Stress-stretch curve, traction-free directions solved")
       .type_name(join(load_case_words(), "|"))
       .group("Curve")
       .offers(load_case_words);
@@ -184,9 +184,10 @@ void add_curve_options(const Command& command, CurveOptions& options) {
 
 void add_materials(CommandLine& line, Action& action) {
   auto options = std::make_shared<MaterialsOptions>();
-  const Command command =
-      line.command("materials", "List the laws; for one: constants, formula, source, curves");
-  command.option("law", options->law, "Name of a law").offers(law_words);
+  const Command command = line.command(
+      "materials",
+      "List the constitutive models (laws), or describe one: constants, formula, source, curves");
+  command.option("law", options->law, "Name of a constitutive model (law)").offers(law_words);
   const std::array<Option, 2> hooke = add_material_options(command, options->material);
   add_curve_options(command, options->curve);
   command.flag("--json", options->json, "Print JSON");

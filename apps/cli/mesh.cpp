@@ -125,7 +125,7 @@ int convert(const MeshOptions& options) {
 void add_mesh(CommandLine& line, Action& action) {
   auto options = std::make_shared<MeshOptions>();
   const Command command = line.command(
-      "mesh", "Convert and mend a mesh, extract its surface, fill a surface with tetrahedra, or make a box");
+      "mesh", "Convert or repair a mesh, extract its surface, fill a surface with tetrahedra, or make a box");
   command
       .option("files", options->files, "IN and OUT, or OUT alone with --box; the extension tells the format")
       .values(1, 2)
@@ -139,9 +139,9 @@ void add_mesh(CommandLine& line, Action& action) {
       .type_name("NX NY [NZ]");
   command.flag("--uncut", options->is_uncut,
                "Make hexahedra (quadrilaterals) instead of tetrahedra (triangles)");
-  command.flag("--reorient", options->reorient, "Turn inverted cells round");
-  command.flag("--remove-unused", options->remove_unused, "Drop vertices that no cell uses");
-  command.flag("--merge", options->merge, "Join vertices at exactly the same place");
+  command.flag("--reorient", options->reorient, "Reorient inverted cells");
+  command.flag("--remove-unused", options->remove_unused, "Remove unused vertices");
+  command.flag("--merge", options->merge, "Merge coincident vertices");
   command.flag("--surface", options->surface, "Write the boundary as triangles");
   const Option tets =
       command
@@ -163,8 +163,8 @@ void add_mesh(CommandLine& line, Action& action) {
       "Examples:\n  resilin mesh armadillo.node armadillo.msh --remove-unused\n  resilin mesh bar.msh "
       "bar.obj --surface\n"
       "  resilin mesh bar.msh --box 4 1 1 --cells 40 10 10\n"
-      "  resilin mesh creature.obj creature.msh --tets 5000\n\nOUT is replaced when it exists, only once the "
-      "new file is whole.");
+      "  resilin mesh creature.obj creature.msh --tets 5000\n\nAn existing OUT is replaced once the new file "
+      "is complete.");
   command.on_chosen([options, tets, &action] {
     options->fills = tets.is_given();
     action = [options] { return convert(*options); };

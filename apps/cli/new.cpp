@@ -130,14 +130,14 @@ std::string scene_text(const NewOptions& options, const std::string& mesh, bool 
   const std::string young = number(one_digit(stiffness * density * gravity * extent));
   std::string text;
   text += "# " + one_line(name) +
-          " sags under its own weight, held at its lowest part. All keys: docs/scene.md\n";
+          " sags under its own weight, fixed at its lowest part. All keys: docs/scene.md\n";
   text += "title = " + quoted_text(one_line(name)) + "\n\n[simulation]\n";
-  text += "kind = \"static\"          # at rest; \"dynamic\", time_step and end_time for motion\n";
+  text += "kind = \"static\"          # quasi-static; or \"dynamic\" with time_step and end_time\n";
   if (m.dim == 2) text += "dimension = 2\n";
   text += "gravity = " + vector_text(-gravity * Vector3::Unit(m.up), m.dim) + "  # [m/s^2]\n";
   text += "\n[[body]]\nname = \"body\"\nmesh = " + mesh + "\n";
   if (is_surface)
-    text += "# cells: tetrahedra around the surface; more are slower and nearer to its volume\n";
+    text += "# cells: tetrahedra around the surface; more are slower and closer to its volume\n";
   text += "scale = " + format_number(options.scale) +
           "                # 0.001 for a file in millimetres; it is " + format_short(extent) +
           " m long now\n";
@@ -167,7 +167,7 @@ int make_scene(const NewOptions& options) {
   const std::string mesh = mesh_text(options, file, folder);
   const Measures measures = measure(options, file, mesh, folder);
   if (!write_new_file(out, scene_text(options, mesh, file.is_surface, measures)))
-    throw InputError(out.string(), "is there already and is left as it is; choose another --out");
+    throw InputError(out.string(), "exists already and is not overwritten; choose another --out");
   print_warnings(measures.warnings);
   print_line(one_line(out.string()) + ": a scene of " + one_line(options.mesh) + ", " +
              format_short((measures.box.max - measures.box.min).maxCoeff()) + " m long; next: resilin run " +
@@ -187,7 +187,7 @@ void add_new(CommandLine& line, Action& action) {
       .required()
       .type_name("MESH")
       .is_file(mesh_extensions());
-  command.option("--out", options->out, "Scene that is written, never over another file; default MESH's name")
+  command.option("--out", options->out, "Output scene, never overwrites a file; default MESH's name")
       .type_name("SCENE.toml")
       .is_file({"toml"});
   command.option("--scale", options->scale, "Factor on the coordinates; default 1, 0.001 for millimetres");

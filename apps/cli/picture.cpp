@@ -42,45 +42,42 @@ int draw(const PictureCommand& command) {
 
 void add_picture(CommandLine& line, Action& action) {
   auto options = std::make_shared<PictureCommand>();
-  const Command command =
-      line.command("picture", "Draw a result, coloured by a field, on a machine without a display");
+  const Command command = line.command("picture", "Render a result, coloured by a field; needs no display");
   PictureOptions& picture = options->picture;
   command.option("dir", options->folder, "Folder of a run, or a .vtu file")
       .required()
       .type_name("DIR")
       .is_file_or_folder({"vtu"});
-  command.option("--out", options->out, "PNG file that is written")
-      .required()
-      .type_name("FILE.png")
-      .is_file({"png"});
+  command.option("--out", options->out, "Output PNG file").required().type_name("FILE.png").is_file({"png"});
   command
       .option("--field", picture.field,
               "Field of the frames, with a component where it has several: von_mises, displacement.z, "
-              "cauchy_stress.xy; averaged_ and nodal_ before a name of the cells bring it onto the vertices; "
-              "default averaged_von_mises, as on the page; none: the bodies in colours of their own")
+              "cauchy_stress.xy; averaged_ or nodal_ before a cell field gives vertex values; "
+              "default averaged_von_mises, as on the page; none: one colour per body")
       .type_name("NAME[.COMPONENT]")
       .offers(field_names)
-      .group("What is shown");
+      .group("Display");
   command.option("--frame", options->frame, "Number of the frame; default -1, the last")
       .type_name("N")
-      .group("What is shown");
+      .group("Display");
   command.option("--size", options->size, "Width and height in pixels; default 1200 900")
       .values(2, 2)
       .type_name("W H")
       .group("Picture");
-  add_view_options(command, picture, ": what shows most of the body and of how it has moved");
-  command.option("--range", options->range, "Values at the ends of the colours; default those of the field")
+  add_view_options(command, picture, ": the direction that shows most of the body and its motion");
+  command.option("--range", options->range, "Limits of the colour range; default: those of the field")
       .values(2, 2)
       .type_name("MIN MAX")
       .group("Colours");
   add_color_options(command, picture);
-  const Option edges = command.flag("--edges", options->edges, "Edges of cells; default where there is room")
-                           .group("What is shown");
-  command.flag("--no-edges", options->no_edges, "No edges").excludes(edges).group("What is shown");
+  const Option edges =
+      command.flag("--edges", options->edges, "Draw cell edges; default: where there is room")
+          .group("Display");
+  command.flag("--no-edges", options->no_edges, "No edges").excludes(edges).group("Display");
   add_surroundings(command, picture, options->left_out);
   command
       .flag("--transparent", picture.is_transparent,
-            "No background, to be put on a bright one; with --dark on a dark one")
+            "Transparent background, for bright pages; with --dark for dark ones")
       .group("Colours");
   command.footer(
       "Example:\n  resilin picture out/beam --field von_mises --out stress.png\n\nThe fields that frames "

@@ -30,13 +30,13 @@ void add_color_options(const Command& command, PictureOptions& picture) {
       .group("Colours");
   command.option("--scale", picture.scale, "Factor on displacements; default 1")
       .type_name("S")
-      .group("What is shown");
+      .group("Display");
 }
 
 void add_surroundings(const Command& command, PictureOptions& picture, LeftOut& left_out) {
-  command.flag("--rest", picture.shows_rest, "Outline of the reference configuration").group("What is shown");
-  command.flag("--no-colliders", left_out.no_colliders, "No colliders").group("What is shown");
-  command.flag("--no-bar", left_out.no_bar, "No bar of the colours").group("Picture");
+  command.flag("--rest", picture.shows_rest, "Outline of the reference configuration").group("Display");
+  command.flag("--no-colliders", left_out.no_colliders, "No colliders").group("Display");
+  command.flag("--no-bar", left_out.no_bar, "No colour bar").group("Picture");
   command.flag("--no-caption", left_out.no_caption, "No time, load factor or mode in the corner")
       .group("Picture");
   command.flag("--dark", picture.is_dark, "Dark background").group("Colours");

@@ -149,20 +149,23 @@ int find(const RestShapeCommand& options) {
 void add_rest_shape(CommandLine& line, Action& action) {
   auto options = std::make_shared<RestShapeCommand>();
   const Command command = line.command(
-      "rest-shape", "Inverse design: the reference configuration that the loads deform into the shape drawn");
-  command.option("scene", options->scene, "Scene file of statics (.toml)").required().is_file({"toml"});
-  command.option("--out", options->out, "Folder of a mesh for each body; default: out/NAME_rest of the scene")
+      "rest-shape", "Inverse design: find the stress-free shape that the loads deform into the drawn shape");
+  command.option("scene", options->scene, "Scene file of a static analysis (.toml)")
+      .required()
+      .is_file({"toml"});
+  command
+      .option("--out", options->out, "Output folder, one mesh per body; default: out/NAME_rest of the scene")
       .type_name("DIR")
       .is_folder();
-  command.option("--set", options->overrides, "Change a value of the scene first; may be given several times")
+  command.option("--set", options->overrides, "Change a value of the scene first; repeatable")
       .type_name("KEY=VALUE")
       .repeatable()
       .offers(scene_settings);
   command.flag("--quiet", options->quiet, "Print nothing but warnings");
   command.footer(
-      "The meshes of the scene are the shape under load; written are the meshes of the mould, with their\n"
-      "groups, and what the scene has to say to begin with them. A run from the shape found has to end\n"
-      "within 1e-8 of the size.\n"
+      "The meshes of the scene are the shape under load. The command writes the stress-free meshes "
+      "with\ntheir groups, and prints the scene lines to use them. A run from the found shape must end "
+      "within\n1e-8 of the size.\n"
       "Example:\n  resilin rest-shape examples/straight_beam.toml --out out/mould\n\n"
       "Exit codes: 0 found; 1 the scene is wrong, or there is no such shape; 2 interrupted.");
   command.on_chosen([options, &action] { action = [options] { return find(*options); }; });

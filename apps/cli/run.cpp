@@ -38,7 +38,7 @@ RunOutcome simulate(Simulation& simulation, ResultFolder& results, Progress& pro
       .stopper = [] { return is_interrupted() ? interrupter() : "a closed pipe, where its output goes,"; },
       .max_steps = max_steps};
   RunOutcome outcome = run_to_end(simulation, hooks);
-  if (outcome.status == RunStatus::budget) outcome.reason += "; --resume goes on";
+  if (outcome.status == RunStatus::budget) outcome.reason += "; --resume continues";
   return outcome;
 }
 
@@ -80,7 +80,7 @@ void print_discretisation_errors(const World& world, const DiscretisationErrors&
     if (const std::optional<double>& error = errors[b])
       parts.push_back(share_text(*error) + " (" + world.bodies[b].name + ", " + world.bodies[b].element +
                       ")");
-  if (!parts.empty()) print_line("error by the size of the cells, estimated: " + join(parts));
+  if (!parts.empty()) print_line("estimated discretisation error: " + join(parts));
 }
 
 void print_end(const Simulation& simulation, const ResultFolder& results, const RunOutcome& outcome,
@@ -165,7 +165,7 @@ void add_run(CommandLine& line, Action& action) {
   command.option("scene", options->scene, "Scene file (TOML); its keys are listed in docs/scene.md")
       .required()
       .is_file({"toml"});
-  command.option("--set", options->overrides, "Change a value of the scene; may be given several times")
+  command.option("--set", options->overrides, "Change a value of the scene; repeatable")
       .type_name("KEY=VALUE")
       .repeatable()
       .group("Scene")
@@ -190,16 +190,16 @@ void add_run(CommandLine& line, Action& action) {
       .group("Computing");
   command
       .flag_with_word("--resume", options->resume, "same",
-                      "Go on from the checkpoint in the folder; it must be of the same scene, unless "
+                      "Restart from the checkpoint in the folder; it must be of the same scene, unless "
                       "--resume=anyway")
       .one_of({"same", resume_anyway})
       .group("Computing");
   command.flag("--quiet", options->quiet, "Print nothing but errors").group("Results");
   command.footer(
       "Example:\n  resilin run beam.toml --out out/stiff --set body.beam.material.youngs_modulus=1e7\n\n"
-      "Exit codes: 0 done; 1 the input is wrong or memory is short; 2 did not converge or was stopped\n"
-      "(results so far are kept); 3 an internal error. Ctrl-C, SIGTERM and SIGHUP stop at a place from\n"
-      "which --resume goes on.");
+      "Exit codes: 0 done; 1 the input is wrong or memory is short; 2 did not converge or was "
+      "stopped\n(results so far are kept); 3 an internal error. After Ctrl-C, SIGTERM or SIGHUP --resume "
+      "continues.");
   command.on_chosen([options, &action] { action = [options] { return run(*options); }; });
 }
 

@@ -96,7 +96,7 @@ RunOutcome simulate(const SharedScene& scene, Simulation& simulation, SharedResu
       .stopper = [] { return is_interrupted() ? interrupter() : "another process, or a closed pipe,"; },
       .max_steps = options.steps};
   RunOutcome outcome = run_to_end(simulation, hooks);
-  if (outcome.status == RunStatus::budget) outcome.reason += "; --resume goes on";
+  if (outcome.status == RunStatus::budget) outcome.reason += "; --resume continues";
   log_traffic(scene, iterations);
   return outcome;
 }

@@ -78,7 +78,7 @@ int dry_run(const Sweep& sweep, const SweepOptions& options, const Shard& shard)
                            format_seconds(*seconds * static_cast<double>(left) / jobs),
                            format_seconds(*seconds), jobs_text(jobs)));
   } else {
-    print_line("the first scene failed or took more than 10 s, so that nothing is known of the time");
+    print_line("the first scene failed or took more than 10 s, so the time is unknown");
   }
   return done;
 }
@@ -114,7 +114,7 @@ int sweep(const SweepOptions& options) {
   if (end.is_stopped) {
     if (nobody_reads_output()) return wrong_input;  // main says so
     print_error(options.file + ": stopped by " + interrupter() + " with " + count_text(end.count) +
-                "; the same command goes on");
+                "; the same command continues");
     return not_converged;
   }
   return end.count.failed > 0 ? not_converged : done;
@@ -124,7 +124,8 @@ int sweep(const SweepOptions& options) {
 
 void add_sweep(CommandLine& line, Action& action) {
   auto options = std::make_shared<SweepOptions>();
-  const Command command = line.command("sweep", "Simulate many scenes: a base scene and what varies");
+  const Command command =
+      line.command("sweep", "Parameter sweep: run a base scene with many parameter values");
   command.option("sweep", options->file, "Sweep file (TOML); its keys are listed in docs/sweep.md")
       .required()
       .is_file({"toml"});
@@ -132,9 +133,9 @@ void add_sweep(CommandLine& line, Action& action) {
       .type_name("DIR")
       .is_folder()
       .group("Results");
-  command.option("--shard", options->shard, "Run part i of n; all parts share the folder")
+  command.option("--shard", options->shard, "Run part i of n; the parts share the folder")
       .type_name("i/n")
-      .group("Which scenes");
+      .group("Selection");
   command.option("--jobs", options->jobs, "Scenes at once; default one for each thread where they are small")
       .between(1, max_threads)
       .group("Computing");
@@ -143,21 +144,20 @@ void add_sweep(CommandLine& line, Action& action) {
               "Number of threads of all scenes together; default RESILIN_THREADS or all cores")
       .between(1, max_threads)
       .group("Computing");
-  command.flag("--dry-run", options->is_dry, "Say how many scenes there are and how long they will take")
-      .group("Which scenes");
-  command.flag("--retry-failed", options->retries_failed, "Run those that failed once more")
-      .group("Which scenes");
+  command.flag("--dry-run", options->is_dry, "Print the number of scenes and the expected time")
+      .group("Selection");
+  command.flag("--retry-failed", options->retries_failed, "Run failed scenes again").group("Selection");
   command
       .flag("--update", options->updates,
-            "The sweep was changed: keep what is still part of it in the folder, run the rest")
-      .group("Which scenes");
+            "After a change of the sweep: keep rows that still belong to it, run the rest")
+      .group("Selection");
   command.flag("--quiet", options->quiet, "Print nothing but errors").group("Results");
   command.footer(
       "Examples:\n  resilin sweep stiffness.toml --dry-run\n  resilin sweep stiffness.toml --out "
       "out/stiffness "
       "--shard 2/8\n\n"
-      "A scene that has ended is never run again: after a crash, a kill or Ctrl-C the same command goes\n"
-      "on. The table is results.csv; as Parquet: python -c 'import resilin;\n"
+      "A finished scene is never run again: after a crash, a kill or Ctrl-C the same command\ncontinues. The "
+      "table is results.csv; as Parquet: python -c 'import resilin;\n"
       "resilin.read_sweep(\"out/stiffness\").to_parquet()'.\n\n"
       "Exit codes: 0 all done; 1 the input is wrong; 2 some scenes failed, or the sweep was stopped; 3 an\n"
       "internal error.");

@@ -73,10 +73,9 @@ int view_scene(const ViewOptions& options) {
                                                   : viewer::scene_file(options.shown, options.overrides);
   std::unique_ptr<viewer::ServedLiveScene> scene = viewer::served_scene(source);
   if (is_bare_mesh)
-    print_line(
-        one_line(options.shown) +
-        " is a mesh without a scene: it is shown soft (Young's modulus 100 kPa), weightless and held by "
-        "nothing; clicks on faces (key 4) hold it, and the page saves it as a scene");
+    print_line(one_line(options.shown) +
+               " is a mesh without a scene: it is shown soft (Young's modulus 100 kPa), weightless and free; "
+               "click on faces (key 4) to fix it, and save it as a scene on the page");
   print_warnings(scene->warnings());
   Offset cells = 0;
   for (const Body& body : scene->world().bodies) cells += body.num_cells();
@@ -101,7 +100,7 @@ int view(const ViewOptions& options) {
 void add_view(CommandLine& line, Action& action) {
   auto options = std::make_shared<ViewOptions>();
   const Command command =
-      line.command("view", "Show the page in the browser: a scene to play with, or the results of a run");
+      line.command("view", "Interactive viewer in the browser: a live scene, or the results of a run");
   command
       .option("shown", options->shown,
               "Scene file (TOML), a mesh, a surface (STL, PLY, OBJ, VTP, glTF), or folder of a run with "
@@ -111,7 +110,7 @@ void add_view(CommandLine& line, Action& action) {
       .type_name("SCENE.toml|MESH|DIR")
       .is_file_or_folder(scene_and_mesh_extensions());
   command.option("--port", options->port, "Port on 127.0.0.1; default 0, any free one").between(0, 65535);
-  command.option("--set", options->overrides, "Change a value of the scene; may be given several times")
+  command.option("--set", options->overrides, "Change a value of the scene; repeatable")
       .type_name("KEY=VALUE")
       .repeatable()
       .offers(scene_settings);

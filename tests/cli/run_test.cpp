@@ -135,7 +135,7 @@ TEST_F(RunCommand, SaysHowFarOffCoarseCellsMayBeAtRestAndInMotion) {
     const ProgramResult finer = run_program(folder.path(), with(kind, {"--set", "body.0.element=auto"}));
     EXPECT_LT(read_json(out() / "report.json")["bodies"][0]["discretisation_error"].get<double>(), 0.03);
     EXPECT_EQ(finer.err, "");
-    EXPECT_THAT(finer.out, HasSubstr("error by the size of the cells, estimated: "));
+    EXPECT_THAT(finer.out, HasSubstr("estimated discretisation error: "));
   }
 }
 

@@ -43,40 +43,38 @@ Keys<RawExperiment> experiment_keys() {
   return {
       key<R>({"name", "text", "", "that of the scene's file", "Shown with the results."},
              [](const SceneNode& node, R& raw) { raw.experiment.name = read_text(node); }),
-      key<R>(
-          {"set", "list of texts", "", "none",
-           "Values of the scene to change first, as after --set: one scene serves experiments under several "
-           "loads."},
-          [](const SceneNode& node, R& raw) {
-            expect_list(node, "texts");
-            raw.overrides = read_one_or_more(node, read_text);
-          }),
-      key<R>({"scene", "text", "", "required",
-              "A scene file (.toml): the experiment as it was done. In Python a dict, too."},
+      key<R>({"set", "list of texts", "", "none",
+              "Values of the scene to change first, as after --set, so that experiments under several loads "
+              "share one scene."},
              [](const SceneNode& node, R& raw) {
-               const bool is_here = node.value->is_table();
-               const std::filesystem::path path = is_here ? std::filesystem::path("scene") : read_path(node);
-               const SceneOptions options{.overrides = raw.overrides};
-               Scene scene =
-                   is_here ? read_scene_from_values(*node.value, node.place(), node.context->folder, options)
-                           : read_scene(path, options);
-               node.context->dimension = scene.description.dimension;
-               node.context->is_dynamic = scene.description.is_dynamic;
-               for (const std::string& warning : scene.warnings) node.context->warnings.push_back(warning);
-               raw.experiment.description = std::move(scene.description);
-               if (raw.experiment.name.empty()) raw.experiment.name = path.stem().string();
+               expect_list(node, "texts");
+               raw.overrides = read_one_or_more(node, read_text);
              }),
-      measured_key(MeasuredKind::markers, "Displacements of points of a body."),
-      measured_key(
-          MeasuredKind::reaction,
-          "Forces of a support or a collider, such as an indenter, on the bodies; a list where there are "
-          "several."),
-      measured_key(MeasuredKind::probe, "Displacements of a probe."),
-      measured_key(MeasuredKind::section, "Forces through a section of the scene."),
-      measured_key(MeasuredKind::moment, "Moments in a section of the scene."),
+      key<R>(
+          {"scene", "text", "", "required", "A scene file (.toml) of the experiment. In Python also a dict."},
+          [](const SceneNode& node, R& raw) {
+            const bool is_here = node.value->is_table();
+            const std::filesystem::path path = is_here ? std::filesystem::path("scene") : read_path(node);
+            const SceneOptions options{.overrides = raw.overrides};
+            Scene scene =
+                is_here ? read_scene_from_values(*node.value, node.place(), node.context->folder, options)
+                        : read_scene(path, options);
+            node.context->dimension = scene.description.dimension;
+            node.context->is_dynamic = scene.description.is_dynamic;
+            for (const std::string& warning : scene.warnings) node.context->warnings.push_back(warning);
+            raw.experiment.description = std::move(scene.description);
+            if (raw.experiment.name.empty()) raw.experiment.name = path.stem().string();
+          }),
+      measured_key(MeasuredKind::markers, "Measured displacements of points of a body."),
+      measured_key(MeasuredKind::reaction,
+                   "Measured forces of a boundary condition or a collider, such as an indenter, on the "
+                   "bodies; a list if there are several."),
+      measured_key(MeasuredKind::probe, "Measured displacements of a probe."),
+      measured_key(MeasuredKind::section, "Measured forces through a section of the scene."),
+      measured_key(MeasuredKind::moment, "Measured moments in a section of the scene."),
       measured_key(MeasuredKind::energy, "Energies."),
-      measured_key(MeasuredKind::volume, "Volumes of a body as it is deformed, such as that of a bladder."),
-      measured_key(MeasuredKind::stress, "Stresses at places of a body."),
+      measured_key(MeasuredKind::volume, "Measured deformed volumes of a body, such as a bladder."),
+      measured_key(MeasuredKind::stress, "Measured stresses at points of a body."),
   };
 }
 
@@ -84,46 +82,43 @@ Keys<SceneParameter> parameter_keys() {
   using P = SceneParameter;
   return {
       key<P>({"key", "text", "", "required",
-              "What is sought, by its key in the scenes: `body.NAME.material.youngs_modulus`, "
+              "The parameter, by its key in the scenes: `body.NAME.material.youngs_modulus`, "
               "`load.NAME.value.y` "
-              "([gradients.md](gradients.md#parameters)). A constant that the scene has for each cell is "
-              "sought for each of its different values."},
+              "([gradients.md](gradients.md#parameters)). A constant with cell values has one unknown for "
+              "each different value."},
              [](const SceneNode& node, P& p) { p.key = read_text(node); }),
-      key<P>({"name", "text or list of texts", "", "the key", "In results; a list where several are sought."},
+      key<P>({"name", "text or list of texts", "", "the key",
+              "Name in the results; a list for several unknowns."},
              [](const SceneNode& node, P& p) { p.names = read_one_or_more(node, read_text); }),
-      key<P>({"start", "number or list of numbers", "SI", "as in the scene", "Where the search starts."},
+      key<P>({"start", "number or list of numbers", "SI", "as in the scene", "Start of the search."},
              [](const SceneNode& node, P& p) {
                p.start = read_one_or_more(node, [](const SceneNode& one) { return read_number(one); });
              }),
-      key<P>({"bounds", "list of 2 numbers", "SI", "those of the law", "It stays between them."},
+      key<P>({"bounds", "list of 2 numbers", "SI", "those of the law", "Bounds."},
              [](const SceneNode& node, P& p) {
                expect_list(node, "numbers", 2);
                p.lower = read_number(node.element(0));
                p.upper = read_number(node.element(1));
                if (!(p.lower < p.upper)) node.fail("the smaller one first");
              }),
-      key<P>({"experiment", "text", "", "all", "The only experiment, by its name, whose scene has it."},
+      key<P>({"experiment", "text", "", "all", "Name of the only experiment with this parameter."},
              [](const SceneNode& node, P& p) { p.experiment = read_text(node); }),
-      choice_key(
-          "per", &P::per,
-          "Of a constant of a body's material: value seeks one number for each different value that the "
-          "scene has, "
-          "group one for each group of cells of the mesh, cell one for each cell, a field with a prior."),
+      choice_key("per", &P::per,
+                 "Unknowns of a material constant: one for each different value of the scene (value), for "
+                 "each cell group of the mesh (group), or for each cell (cell), a regularised field."),
   };
 }
 
 Keys<Regularisation> regularise_keys() {
   using R = Regularisation;
   return {
-      choice_key(
-          "kind", &R::kind,
-          "What is asked of fields: smooth, the mean square of their gradient times the body's size; "
-          "tikhonov, the "
-          "mean square of their way from the start; both, the sum. Of logarithms where values are positive."),
+      choice_key("kind", &R::kind,
+                 "Penalty on fields: smooth is the mean square of the gradient times the body's size; "
+                 "tikhonov is the mean square of the distance from the start; both is their sum. Positive "
+                 "values enter by their logarithm."),
       key<R>({"strength", "number > 0, or " + one_of(all_spellings<StrengthRule>()), "", "\"l_curve\"",
-              "Its weight beside the sum of squares: a number, the corner of the L-curve, or the one that "
-              "leaves the "
-              "misfit which the sigmas expect."},
+              "Regularisation weight: a number, the corner of the L-curve, or that of the discrepancy "
+              "principle (misfit as large as the sigmas)."},
              [](const SceneNode& node, R& r) {
                if (std::holds_alternative<std::string>(node.value->data))
                  r.rule = *find_spelled<StrengthRule>(read_choice(node, all_spellings<StrengthRule>()));
@@ -137,16 +132,14 @@ Keys<SceneFitDescription> scene_fit_keys() {
   using F = SceneFitDescription;
   return {
       number_key("tolerance", &F::tolerance, "", positive,
-                 "The search ends when its next step is less than this part of every parameter, or than "
-                 "a ten-thousandth of their standard errors."),
-      integer_key("max_solves", &F::max_solves, at_least_one,
-                  "So often each scene is solved at most, from each start."),
-      integer_key(
-          "starts", &F::starts, at_least_one,
-          "From so many starts the search is made; the best end counts. The first is that of the "
-          "parameters, the "
-          "others lie between their bounds, or within a factor of 10 of it; a field is moved as a whole."),
-      key<F>({"regularise", "[fit.regularise](#fitregularise)", "", "", "Of fields: parameters per cell."},
+                 "The search ends when every parameter would change by less than this fraction, or than a "
+                 "ten-thousandth of its standard error."),
+      integer_key("max_solves", &F::max_solves, at_least_one, "Limit of solves of each scene, per start."),
+      integer_key("starts", &F::starts, at_least_one,
+                  "Number of starts; the best result counts. The first is that of the parameters; the others "
+                  "lie between their bounds, or within a factor of 10. A field is scaled as a whole."),
+      key<F>({"regularise", "[fit.regularise](#fitregularise)", "", "",
+              "Regularisation of fields (per = \"cell\")."},
              [](const SceneNode& node, F& f) {
                f.regularise.place = node.place();
                read_table(node, regularise_keys(), f.regularise);
@@ -166,7 +159,7 @@ SceneExperiment read_experiment(const SceneNode& node) {
   raw.experiment.place = node.place();
   read_table(node, experiment_keys(), raw);
   if (raw.experiment.tables.empty())
-    node.fail_with("nothing was measured; add markers = { file = \"markers.csv\" }, reaction or probe");
+    node.fail_with("there are no measurements; add markers = { file = \"markers.csv\" }, reaction or probe");
   return std::move(raw.experiment);
 }
 
@@ -196,7 +189,7 @@ SceneFitDescription read_scene_fit_root(const SceneNode& root) {
   }
   if (!root.has("parameter"))
     root.fail_with(
-        "there is no [[parameter]]; say what is sought: [[parameter]] with key = "
+        "there is no [[parameter]]; add the unknown: [[parameter]] with key = "
         "\"body.NAME.material.youngs_modulus\"");
   const SceneNode parameters = list_of(root, "parameter");
   for (std::size_t i = 0; i < parameters.value->array().size(); ++i)
@@ -207,11 +200,11 @@ SceneFitDescription read_scene_fit_root(const SceneNode& root) {
 std::vector<TableDoc> scene_fit_docs() {
   std::vector<TableDoc> docs = measurement_docs();
   docs.insert(docs.begin(),
-              document("[[experiment]]", "A scene that was done in a laboratory, and what was measured.",
+              document("[[experiment]]", "A laboratory experiment as a scene, with its measurements.",
                        experiment_keys()));
-  docs.push_back(document("[[parameter]]", "What is sought with experiments.", parameter_keys()));
-  docs.push_back(document("[fit] of experiments", "How it is sought.", scene_fit_keys()));
-  docs.push_back(document("fit.regularise", "What is asked of fields besides.", regularise_keys()));
+  docs.push_back(document("[[parameter]]", "An unknown parameter.", parameter_keys()));
+  docs.push_back(document("[fit] of experiments", "Settings of the search.", scene_fit_keys()));
+  docs.push_back(document("fit.regularise", "Regularisation of fields.", regularise_keys()));
   return docs;
 }
 

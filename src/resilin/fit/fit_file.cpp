@@ -16,14 +16,14 @@ Keys<ConstantSetting> constant_setting_keys() {
   return {
       key<C>({"start", "number", "Pa", "chosen by itself", "A further start of the search."},
              [](const SceneNode& node, C& c) { c.start = read_number(node); }),
-      key<C>({"bounds", "list of 2 numbers", "Pa", "those of the law", "The constant stays between them."},
+      key<C>({"bounds", "list of 2 numbers", "Pa", "those of the law", "Bounds of the constant."},
              [](const SceneNode& node, C& c) {
                expect_list(node, "numbers", 2);
                c.lower = read_number(node.element(0));
                c.upper = read_number(node.element(1));
                if (!(c.lower < c.upper)) node.fail("the smaller one first");
              }),
-      key<C>({"value", "number", "Pa", "none", "The constant is this and is not fitted."},
+      key<C>({"value", "number", "Pa", "none", "Fixed value of the constant."},
              [](const SceneNode& node, C& c) { c.value = read_number(node); }),
   };
 }
@@ -56,32 +56,30 @@ Keys<FitDescription> fit_keys() {
   using F = FitDescription;
   return {
       key<F>({"laws", "list of texts, or \"all\"", "", one_of(usual_fit_laws()),
-              "What is fitted: names of [laws](laws.md), and ogden1, ogden2, ogden3 for so many terms."},
+              "The models to fit: names of [laws](laws.md), and ogden1, ogden2, ogden3 by number of terms."},
              [](const SceneNode& node, F& f) { read_laws(node, f.laws); }),
       choice_key(
           "residual", &F::residual,
-          "What is made small: differences of the stresses, these over the measured stress, or over sigma."),
-      choice_key(
-          "stability", &F::stability,
-          "Drucker's condition over the range of the data: required of the constants, only told, or off."),
+          "The residual to minimise: stress difference, relative to the measured stress, or over sigma."),
+      choice_key("stability", &F::stability,
+                 "Drucker stability over the range of the data: required, only reported, or off."),
       choice_key("volume", &F::volume,
-                 "In the incompressible limit the volume stays; compressible laws draw their sides in until "
-                 "these are free of stress. auto: compressible where a test changes the volume."),
+                 "Incompressible limit, or compressible with traction-free sides. auto: compressible if a "
+                 "test changes the volume."),
       key<F>({"poissons_ratio", "number > 0 and < 0.5", "", default_text(F{}.poissons_ratio),
-              "Of the material that is written where the tests tell nothing about the volume."},
+              "Poisson's ratio of the written material if the tests do not determine it."},
              [](const SceneNode& node, F& f) {
                f.poissons_ratio = read_number(node, {.min = 0, .min_is_allowed = false, .max = 0.4999999});
              }),
+      key<F>({"parameters", "table", "", "none",
+              "Settings by the name of a constant, or \"LAW.CONSTANT\" for one law: { limit = { bounds = "
+              "[50, 200] } }; "
+              "keys are start, bounds and value."},
+             [](const SceneNode& node, F& f) { read_constant_settings(node, f.constants); }),
       key<F>(
-          {"parameters", "table", "", "none",
-           "By the name of a constant, or \"LAW.CONSTANT\" for one law: { limit = { bounds = [50, 200] } }; "
-           "keys are start, bounds and value."},
-          [](const SceneNode& node, F& f) { read_constant_settings(node, f.constants); }),
-      key<F>(
-          {"regularise", "table", "", "none", "Of fits of scenes alone: [fit.regularise](#fitregularise)."},
+          {"regularise", "table", "", "none", "For fits of scenes only: [fit.regularise](#fitregularise)."},
           [](const SceneNode& node, F&) {
-            node.fail_with(
-                "homogeneous tests have no fields; seek them in scenes: [[experiment]] and [[parameter]]");
+            node.fail_with("homogeneous tests have no fields; use scenes: [[experiment]] and [[parameter]]");
           }),
   };
 }
@@ -120,7 +118,7 @@ void make_names_unique(std::vector<MaterialTest>& tests) {
 void refuse_scene(const SceneNode& root) {
   for (const char* key : {"body", "simulation"})
     if (root.has(key))
-      root.fail_with(std::string("this is a scene, for it has \"") + key +
+      root.fail_with(std::string("this is a scene, because it has \"") + key +
                      "\"; resilin run takes it, and resilin fit a file with [[experiment]] and scene = \"" +
                      "FILE\"");
 }
@@ -138,7 +136,7 @@ AnyFit read_any_fit_from_values(SceneValue values, const std::string& name,
   if (root.has("experiment")) {
     if (root.has("test"))
       throw InputError(root.place(), "[[test]] or [[experiment]]", "both",
-                       "fit homogeneous tests and whole scenes by files of their own");
+                       "use separate files for homogeneous tests and whole scenes");
     SceneFitDescription fit = read_scene_fit_root(root);
     fit.warnings = std::move(context.warnings);
     return fit;
@@ -198,8 +196,8 @@ be set from the command line: `--set fit.residual=relative`.
 This page is printed by `resilin fit --reference` from the table that reads the file.
 )";
   for (const TableDoc& table :
-       {material_test_doc(), document("[fit]", "What is fitted to tests, and how.", fit_keys()),
-        document("fit.parameters", "What is known of a constant; units of its law.",
+       {material_test_doc(), document("[fit]", "Settings of the fit to tests.", fit_keys()),
+        document("fit.parameters", "Settings of a constant, in the units of its law.",
                  constant_setting_keys())})
     page += reference_text(table);
   for (const TableDoc& table : scene_fit_docs()) page += reference_text(table);

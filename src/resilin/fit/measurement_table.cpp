@@ -37,8 +37,8 @@ Key<Raw> not_required(Key<Raw> key) {
 
 Key<Raw> sigma_key(const char* unit) {
   return key<Raw>({"sigma", "number > 0", unit, "none",
-                   "Standard deviation of each number, unless the file has a column of it. Without any, the "
-                   "residuals themselves tell their size."},
+                   "Standard deviation of each number, unless the file has a column for it. Without any it "
+                   "is estimated from the residuals."},
                   [](const SceneNode& node, Raw& raw) { raw.sigma = read_number(node, positive); });
 }
 
@@ -54,15 +54,15 @@ Key<Raw> rows_key(const char* name, NumberTable Raw::* member, const char* text)
 Keys<Raw> marker_keys() {
   return {
       not_required(file_key(
-          "X, Y, Z (places at rest, in 2D without Z) and ux, uy, uz (displacements) or x, y, z (places "
-          "after it), and sigma, load (the load factor at rest), time (in motion), id. Components that "
-          "were not measured are left out; without load and time the end of the run is meant.")),
-      rows_key("at", &Raw::at, "In place of a file: where the markers are at rest ..."),
+          "X, Y, Z (reference positions, in 2D without Z) and ux, uy, uz (displacements) or x, y, z "
+          "(deformed positions), and sigma, load (the load factor in statics), time (in dynamics), id. Leave "
+          "out components that were not measured; without load and time the end of the run counts.")),
+      rows_key("at", &Raw::at, "In place of a file: reference positions of the markers ..."),
       rows_key("displacement", &Raw::displacement, "... and their displacements at the end of the run."),
       sigma_key("m"),
-      text_key("of", &Raw::of, "the only body", "The body that carries the markers."),
+      text_key("of", &Raw::of, "the only body", "The body with the markers."),
       key<Raw>({"tolerance", "number >= 0", "m", "rounding",
-                "How far outside the body's mesh a marker may be; it is carried by the nearest cell."},
+                "Largest distance of a marker outside the mesh; it then follows the nearest cell."},
                [](const SceneNode& node, Raw& raw) { raw.tolerance = read_number(node, not_negative); }),
   };
 }
@@ -81,7 +81,7 @@ Keys<Raw> value_keys(Key<Raw> of, MeasuredKind kind, const char* columns) {
   return {
       std::move(of),
       not_required(file_key(columns)),
-      key<Raw>({"value", type, unit, "none", "What it is at the end of the run, in place of a file."},
+      key<Raw>({"value", type, unit, "none", "Value at the end of the run, in place of a file."},
                [kind](const SceneNode& node, Raw& raw) {
                  if (is_number(kind))
                    raw.value = Vector3(read_number(node), 0, 0);
@@ -99,43 +99,39 @@ Keys<Raw> keys_of(MeasuredKind kind) {
     case MeasuredKind::markers:
       return marker_keys();
     case MeasuredKind::reaction:
-      return value_keys(
-          of_key("The support or the collider, by its name, whose force on the bodies was measured."), kind,
-          "fx, fy, fz, and sigma, load, time.");
+      return value_keys(of_key("Name of the boundary condition or collider."), kind,
+                        "fx, fy, fz, and sigma, load, time.");
     case MeasuredKind::section:
-      return value_keys(
-          of_key("The section, by its name: the force of the side beyond it on the side below."), kind,
-          "fx, fy, fz, and sigma, load, time.");
+      return value_keys(of_key("Name of the section: the force of the side beyond it on the side below."),
+                        kind, "fx, fy, fz, and sigma, load, time.");
     case MeasuredKind::moment:
-      return value_keys(
-          of_key("The section, by its name: the moment of its force about the middle of the cut."), kind,
-          "mx, my, mz (in 2D mz), and sigma, load, time.");
+      return value_keys(of_key("Name of the section: the moment about the centroid of the cut."), kind,
+                        "mx, my, mz (in 2D mz), and sigma, load, time.");
     case MeasuredKind::energy: {
-      Keys<Raw> keys = value_keys(text_key("of", &Raw::of, "all bodies", "The body whose energy it is."),
-                                  kind, "energy, and sigma, load, time.");
+      Keys<Raw> keys = value_keys(text_key("of", &Raw::of, "all bodies", "Name of the body."), kind,
+                                  "energy, and sigma, load, time.");
       keys.push_back(
           key<Raw>({"kind", one_of(energy_kinds()), "", "\"elastic\"", "Which energy."},
                    [](const SceneNode& node, Raw& raw) { raw.what = read_choice(node, energy_kinds()); }));
       return keys;
     }
     case MeasuredKind::volume:
-      return value_keys(text_key("of", &Raw::of, "the only body", "The body, by its name."), kind,
+      return value_keys(text_key("of", &Raw::of, "the only body", "Name of the body."), kind,
                         "volume, and sigma, load, time.");
     case MeasuredKind::stress:
       return {
-          file_key("X, Y, Z (places at rest, in 2D without Z), stress, and sigma, load, time."),
+          file_key("X, Y, Z (reference positions, in 2D without Z), stress, and sigma, load, time."),
           sigma_key("Pa"),
-          text_key("of", &Raw::of, "the only body", "The body, by its name."),
+          text_key("of", &Raw::of, "the only body", "Name of the body."),
           key<Raw>(
               {"component", one_of(stress_components()), "", "required",
-               "Of Cauchy's stress in the cell that holds the place."},
+               "Component of the Cauchy stress in the cell that contains the point."},
               [](const SceneNode& node, Raw& raw) { raw.what = read_choice(node, stress_components()); }),
       };
     case MeasuredKind::probe:
       break;
   }
-  return value_keys(of_key("The probe, by its name, whose displacement was measured."), kind,
-                    "ux, uy, uz, and sigma, load, time.");
+  return value_keys(of_key("Name of the probe."), kind, "ux, uy, uz, and sigma, load, time.");
 }
 
 /// The table that `at` and `displacement` are.
@@ -200,9 +196,9 @@ std::vector<TableDoc> measurement_docs() {
     docs.push_back(document("experiment." + spelling(kind), text, keys_of(kind)));
   };
   add(MeasuredKind::markers, "Points of a body.");
-  add(MeasuredKind::reaction, "The force of a support or a collider.");
-  add(MeasuredKind::probe, "The vertex that a scene watches.");
-  add(MeasuredKind::section, "A cut of the scene.");
+  add(MeasuredKind::reaction, "Force of a boundary condition or a collider.");
+  add(MeasuredKind::probe, "Displacement of a probe of the scene.");
+  add(MeasuredKind::section, "Force through a section of the scene.");
   add(MeasuredKind::moment, "The same cut.");
   add(MeasuredKind::energy, "A sum over bodies.");
   add(MeasuredKind::volume, "That of a body.");

@@ -35,9 +35,8 @@ RegularisedProblem::RegularisedProblem(const DenseMatrix& J, const VectorX& d, c
   const double size = slopes_.norm();
   for (Eigen::Index i = 0; i < k; ++i)
     if (!(slopes_of_unfelt_.col(i).norm() > least_influence * size))
-      throw InputError("fit", "measurements that feel all that is sought",
-                       "a piece of a body, or a parameter, that "
-                       "no datum feels",
+      throw InputError("fit", "measurements that depend on all unknowns",
+                       "a piece of a body, or a parameter, without effect on the data",
                        "measure there, leave it out, or take regularise = { kind = \"both\" }");
   if (k >= m)
     throw InputError("fit", "more than " + std::to_string(k) + " measured numbers", std::to_string(m),

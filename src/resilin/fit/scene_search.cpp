@@ -93,11 +93,11 @@ void SceneSearch::refuse_what_is_not_felt() const {
     const double own_size = unknown(i).is_positive || z_[i] == 0 ? 1 : std::abs(z_[i]);
     if (slopes_.col(i).norm() * own_size > least_influence * size) continue;
     const SceneParameter& parameter = description_.parameters[unknown(i).parameter];
-    throw InputError(parameter.place, "a parameter that the measurements feel",
+    throw InputError(parameter.place, "a parameter that affects the measurements",
                      "no effect of " + unknown(i).name + " on any of the " + std::to_string(r_.size()) +
                          " measured numbers",
-                     "leave it out, or measure where it acts; where all motion is prescribed, "
-                     "displacements tell nothing about moduli, and a reaction does");
+                     "leave it out, or measure where it acts; if all motion is prescribed, displacements do "
+                     "not determine moduli, but a reaction does");
   }
 }
 

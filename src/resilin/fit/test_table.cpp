@@ -54,31 +54,32 @@ void read_table_file(const SceneNode& node, RawTest& test) {
 Keys<RawTest> material_test_keys() {
   using T = RawTest;
   return {
-      text_key("name", &T::name, "the mode", "How tables and pictures call it."),
-      {.doc =
-           {"mode", one_of(all_spellings<TestMode>()), "", "required",
-            "A planar test (a wide sheet, its width held) is also called pure shear; confined: the sides are "
-            "held, volumetric: all sides move alike."},
+      text_key("name", &T::name, "the mode", "Name in tables and pictures."),
+      {.doc = {"mode", one_of(all_spellings<TestMode>()), "", "required",
+               "A planar test (a wide sheet of constant width) is also called pure shear; confined: fixed "
+               "sides; volumetric: equal motion of all sides."},
        .read = [](const SceneNode& node, T& test) { test.mode = read_choice<TestMode>(node); },
        .is_required = true},
       key<T>({"file", "text", "", "none",
-              "A CSV file whose first line names its columns, as below; without names the first is the load, "
-              "the second the stress."},
+              "A CSV file whose first line names its columns, as below; without names the first is the "
+              "strain measure, the second the stress."},
              read_table_file),
       key<T>({"columns", "table of texts", "", "the names below",
-              "What the file calls its columns: { stretch = \"lambda_1\", nominal_stress = \"P\" }."},
+              "Column names of the file: { stretch = \"lambda_1\", nominal_stress = \"P\" }."},
              read_column_names),
-      list_key(ColumnRole::stretch, "", "Length over length at rest."),
+      list_key(ColumnRole::stretch, "", "Stretch: length over reference length."),
       list_key(ColumnRole::strain, "", "Engineering strain, stretch - 1, in place of stretch."),
-      list_key(ColumnRole::shear, "", "Amount of shear (tangent of the angle), of simple_shear."),
-      list_key(ColumnRole::volume_ratio, "", "Volume over volume at rest, of a volumetric test."),
-      list_key(ColumnRole::displacement, "length_unit", "Of the end, in place of stretch; needs length."),
-      list_key(ColumnRole::nominal_stress, "unit", "Force over area at rest; positive in tension."),
-      list_key(ColumnRole::pressure, "unit", "Of a volumetric test, in place of nominal_stress."),
-      list_key(ColumnRole::force, "force_unit", "In place of nominal_stress; needs area."),
+      list_key(ColumnRole::shear, "", "Amount of shear (tangent of the angle) in simple_shear."),
+      list_key(ColumnRole::volume_ratio, "", "Volume over reference volume in a volumetric test."),
+      list_key(ColumnRole::displacement, "length_unit",
+               "Displacement of the end, in place of stretch; needs length."),
+      list_key(ColumnRole::nominal_stress, "unit",
+               "Nominal stress: force over reference area; positive in tension."),
+      list_key(ColumnRole::pressure, "unit", "Pressure of a volumetric test, in place of nominal_stress."),
+      list_key(ColumnRole::force, "force_unit", "Force, in place of nominal_stress; needs area."),
       key<T>(
           {"unit", one_of(unit_names(stress_units())), "", "that of the column's name, else Pa",
-           "Of the stresses; the report shows them in it."},
+           "Unit of the stresses, also in the report."},
           [](const SceneNode& node, T& test) { test.unit = read_choice(node, unit_names(stress_units())); }),
       key<T>({"sigma", "number > 0 or list of numbers", "unit", "none",
               "Standard deviation of the stresses, for residual = \"sigma\"."},
@@ -88,13 +89,14 @@ Keys<RawTest> material_test_keys() {
                else
                  test.sigma = read_number(node, positive);
              }),
-      number_key("weight", &T::weight, "", positive, "Of the squared residuals of this test."),
+      number_key("weight", &T::weight, "", positive, "Weight of the squared residuals of this test."),
       key<T>({"length", "number > 0", "length_unit", "none",
-              "Of the specimen at rest (in simple shear its height), with displacement."},
+              "Reference length of the specimen (in simple shear its height), with displacement."},
              [](const SceneNode& node, T& test) { test.length = read_number(node, positive); }),
-      key<T>({"area", "number > 0", "length_unit^2", "none", "Of the loaded section at rest, with force."},
+      key<T>({"area", "number > 0", "length_unit^2", "none",
+              "Reference area of the loaded section, with force."},
              [](const SceneNode& node, T& test) { test.area = read_number(node, positive); }),
-      unit_key("length_unit", &T::length_unit, length_units(), "Of displacement, length and area."),
+      unit_key("length_unit", &T::length_unit, length_units(), "Unit of displacement, length and area."),
       unit_key("force_unit", &T::force_unit, force_units(), "Of force."),
   };
 }

@@ -36,55 +36,52 @@ std::vector<std::string> quadrature_names() {
 Keys<BodyDescription> body_keys() {
   using B = BodyDescription;
   return {
-      text_key("name", &B::name, "\"body\"", "Fixes, loads, probes and the report refer to it."),
+      text_key("name", &B::name, "\"body\"",
+               "Name used by boundary conditions, loads, probes and the report."),
       choice_key("element", &B::element, element_names(), {},
-                 "[Shape functions](#element). auto: P2P0 (Q1P0) where Poisson's ratio is above 0.45, else "
-                 "P2 (Q1 on "
-                 "quadrilaterals and hexahedra), at rest, in motion and on the page alike; the report says "
-                 "which and "
-                 "why ([theory](theory/discretisation.md))."),
-      key<B>(
-          {"quadrature", one_of(quadrature_names()), "", "the element's own",
-           "Rule of the points at which the energy is sampled, one of the [element](#element)'s; exact has "
-           "no error but rounding for smooth energies."},
-          [](const SceneNode& node, B& b) { b.quadrature = read_choice(node, quadrature_names()); }),
+                 "[Finite element](#element). auto: P2P0 (Q1P0) above a Poisson's ratio of 0.45, else P2 (Q1 "
+                 "on quadrilaterals and hexahedra); the report says which and why "
+                 "([theory](theory/discretisation.md))."),
+      key<B>({"quadrature", one_of(quadrature_names()), "", "the element's own",
+              "Quadrature rule, one of those of the [element](#element); exact integrates smooth energies up "
+              "to round-off."},
+             [](const SceneNode& node, B& b) { b.quadrature = read_choice(node, quadrature_names()); }),
       key<B>({"mesh", "text or [table](#mesh)", "", "required",
               "A mesh file beside the scene, `{ box = { size, cells } }` or `{ surface = FILE, cells = "
-              "NUMBER }`; a "
-              "surface is enclosed by cells and carried as skin."},
+              "NUMBER }`; cells then enclose the surface, which becomes an embedded skin."},
              read_body_mesh),
-      key<B>({"material", "[material](#material)", "", "see there", "What the body is made of."},
+      key<B>({"material", "[material](#material)", "", "see there", "Constitutive model and density."},
              [](const SceneNode& node, B& b) { read_material(node, b.mesh, b.material); }),
-      number_key("scale", &B::scale, "", positive, "Factor on the mesh's coordinates; first."),
-      key<B>({"rotate", "[rotate](#rotate)", "", "none", "Turns the scaled mesh, about the origin; second."},
+      number_key("scale", &B::scale, "", positive, "Scale factor of the mesh coordinates, applied first."),
+      key<B>({"rotate", "[rotate](#rotate)", "", "none",
+              "Rotation of the scaled mesh about the origin, applied second."},
              [](const SceneNode& node, B& b) { read_rotation(node, b.rotate); }),
-      vector_key("translate", &B::translate, "m", "Moves the turned mesh; third."),
-      vector_key("velocity", &B::velocity, "m/s", "At the start of motion."),
+      vector_key("translate", &B::translate, "m", "Translation of the rotated mesh, applied third."),
+      vector_key("velocity", &B::velocity, "m/s", "Initial velocity."),
       matrix_key("velocity_gradient", &B::velocity_gradient, "1/s",
-                 "Adds velocity_gradient * X, X the rest position."),
+                 "Adds velocity_gradient * X to the initial velocity, X the reference position."),
       key<B>({"initial_positions", "text or rows", "m", "the rest shape",
-              "A CSV file, or a list, of one row for each vertex: where the body starts."},
+              "Initial positions: a CSV file, or a list, of one row for each vertex."},
              [](const SceneNode& node, B& b) { b.initial_positions = read_vertex_table(node, b.mesh); }),
-      key<B>(
-          {"initial_velocities", "text or rows", "m/s", "from velocity and velocity_gradient",
-           "A CSV file, or a list, of one row for each vertex, in place of velocity and velocity_gradient."},
-          [](const SceneNode& node, B& b) { b.initial_velocities = read_vertex_table(node, b.mesh); }),
-      choice_key("mass", &B::mass, "How mass is spread over the vertices."),
-      key<B>({"damping", "[damping](#damping)", "", "none", "In motion: forces against the velocity."},
+      key<B>({"initial_velocities", "text or rows", "m/s", "from velocity and velocity_gradient",
+              "Initial velocities: a CSV file, or a list, of one row for each vertex, in place of velocity "
+              "and velocity_gradient."},
+             [](const SceneNode& node, B& b) { b.initial_velocities = read_vertex_table(node, b.mesh); }),
+      choice_key("mass", &B::mass, "Mass matrix: lumped or consistent."),
+      key<B>({"damping", "[damping](#damping)", "", "none", "Dynamics: damping forces."},
              [](const SceneNode& node, B& b) { read_damping(node, b.damping); }),
       key<B>({"skin", "text or [skin](#skin)", "", "none",
-              "A fine surface that the cells carry, placed with the mesh; the page draws it."},
+              "Embedded fine surface, transformed with the mesh; the page draws it."},
              [](const SceneNode& node, B& b) { read_skin(node, b.skin); }),
-      choice_key(
-          "contact_surface", &B::contact_surface,
-          "With which surface the body meets others, itself and colliders ([skin.md](skin.md#contact)): "
-          "that of its cells, or its skin."),
+      choice_key("contact_surface", &B::contact_surface,
+                 "Contact surface of the body ([skin.md](skin.md#contact)): the boundary of its cells, or "
+                 "its skin."),
   };
 }
 
 TableDoc element_doc() {
   std::string text =
-      "Shape functions on the cells of a body. Elements with one pressure are for nearly incompressible "
+      "Finite elements of a body. Mixed displacement-pressure elements are for nearly incompressible "
       "solids.\n\n| element | dimension | shape functions | nodes | quadrature | other rules |\n"
       "| --- | --- | --- | --- | --- | --- |";
   for (const ElementInfo* element : elements()) {
@@ -104,7 +101,7 @@ void read_body(const SceneNode& node, BodyDescription& body) {
   remark_on_unit(node, body);
   if (node.has("initial_velocities") && (node.has("velocity") || node.has("velocity_gradient"))) {
     node.child("initial_velocities")
-        .fail_with("comes in place of velocity and velocity_gradient; leave out one or the other");
+        .fail_with("replaces velocity and velocity_gradient; give one or the other");
   }
 }
 

@@ -64,21 +64,23 @@ void expect_keys_of_kind(const SceneNode& table, const LoadKind& kind) {
 Keys<FixDescription> fix_keys() {
   using F = FixDescription;
   return {
-      text_key("name", &F::name, "fix[0] ...", "Reactions are reported under it."),
-      text_key("body", &F::body, "the only body", "Name of the body that is held."),
+      text_key("name", &F::name, "fix[0] ...", "Name of the reaction in the report."),
+      text_key("body", &F::body, "the only body", "Name of the constrained body."),
       key<F>({"where", "[where](#where)", "", "required", "Which vertices."},
              [](const SceneNode& node, F& f) { read_where(node, f.where); }),
-      key<F>({"components", "letters of \"xyz\"", "", "all", "Which components are prescribed."},
+      key<F>({"components", "letters of \"xyz\"", "", "all", "Prescribed components."},
              [](const SceneNode& node, F& f) { read_components(node, f.components); }),
-      vector_key("displacement", &F::displacement, "m", "At load factor 1."),
-      matrix_key("gradient", &F::gradient, "", "Adds gradient * X, X the rest position."),
-      key<F>({"rotate", "[rotate](#rotate)", "", "none", "A turn, in place of displacement and gradient."},
+      vector_key("displacement", &F::displacement, "m", "Prescribed displacement at load factor 1."),
+      matrix_key("gradient", &F::gradient, "",
+                 "Adds gradient * X to the displacement, X the reference position."),
+      key<F>({"rotate", "[rotate](#rotate)", "", "none",
+              "Prescribed rotation, in place of displacement and gradient."},
              [](const SceneNode& node, F& f) { read_rotation(node, f.rotate); }),
-      vector_key("velocity", &F::velocity, "m/s", "The vertices move on at this speed ..."),
-      key<F>({"until", "number >= 0", "s", "the end", "... until this time, and then stay."},
+      vector_key("velocity", &F::velocity, "m/s", "Prescribed velocity ..."),
+      key<F>({"until", "number >= 0", "s", "the end", "... until this time; then the vertices stay."},
              [](const SceneNode& node, F& f) { f.until = read_number(node, not_negative); }),
       key<F>({"time_function", "[time_function](#time_function)", "", "none",
-              "Acts on displacement, gradient and rotate in place of the load factor."},
+              "Factor on displacement, gradient and rotate in place of the load factor."},
              [](const SceneNode& node, F& f) { read_time_function(node, f.time_function); }),
   };
 }
@@ -92,22 +94,22 @@ void read_fix(const SceneNode& node, FixDescription& fix) {
         .fail_with("is a factor on displacement, gradient or rotate; give one of them");
   }
   if (fix.rotate && (node.has("displacement") || node.has("gradient"))) {
-    node.child("rotate").fail_with("comes in place of displacement and gradient; leave out one or the other");
+    node.child("rotate").fail_with("replaces displacement and gradient; give one or the other");
   }
 }
 
 Keys<LoadDescription> load_keys() {
   using L = LoadDescription;
   return {
-      text_key("name", &L::name, "load[0] ...", "For messages and for `--set`."),
+      text_key("name", &L::name, "load[0] ...", "Name in messages and for `--set`."),
       key<L>({"kind", one_of(load_kind_names()), "", "required", load_kind_texts()},
              [](const SceneNode& node, L& l) { l.kind = read_choice(node, load_kind_names()); }),
-      text_key("body", &L::body, "the only body", "Name of the body that is loaded."),
+      text_key("body", &L::body, "the only body", "Name of the loaded body."),
       key<L>({"where", "[where](#where)", "", "required but for a body_force: all",
-              "Which vertices, or which surface."},
+              "Loaded vertices or surface."},
              [](const SceneNode& node, L& l) { read_where(node, l.where); }),
       key<L>({"value", "vector; number for a pressure", "N/m^3, N/m^2, N or Pa", "required but for a spring",
-              "The load at load factor 1; a positive pressure pushes inwards."},
+              "The load at load factor 1; a positive pressure acts inwards."},
              [](const SceneNode& node, L& l) {
                if (require_load_kind(l.kind, "").value_is_number) {
                  l.pressure = read_number(node);
@@ -115,15 +117,15 @@ Keys<LoadDescription> load_keys() {
                  l.value = read_vector(node);
                }
              }),
-      number_key("stiffness", &L::stiffness, "N/m", positive, "Spring: on each vertex."),
+      number_key("stiffness", &L::stiffness, "N/m", positive, "Spring: stiffness at each vertex."),
       vector_key("displacement", &L::displacement, "m",
-                 "Spring: its far end stands at rest position + this ..."),
-      vector_key("velocity", &L::velocity, "m/s", "... and moves on at this speed."),
-      number_key("from", &L::from, "s", not_negative, "It acts from this time ..."),
+                 "Spring: its far end is at the reference position + this ..."),
+      vector_key("velocity", &L::velocity, "m/s", "... and moves at this velocity."),
+      number_key("from", &L::from, "s", not_negative, "The load acts from this time ..."),
       key<L>({"until", "number >= 0", "s", "the end", "... until this time."},
              [](const SceneNode& node, L& l) { l.until = read_number(node, not_negative); }),
       key<L>({"time_function", "[time_function](#time_function)", "", "none",
-              "Acts on the value, of a spring on its displacement, in place of the load factor."},
+              "Factor on the value (for a spring on its displacement) in place of the load factor."},
              [](const SceneNode& node, L& l) { read_time_function(node, l.time_function); }),
   };
 }

@@ -17,8 +17,10 @@ Keys<MaterialDescription> material_keys() {
   using M = MaterialDescription;
   return {
       choice_key("law", &M::law, law_names(), {},
-                 "The strain energy; `resilin materials` and [laws](laws.md) describe each."),
-      number_key("density", &M::density, "kg/m^3", not_negative, "Mass per rest volume; in motion > 0."),
+                 "Constitutive model (strain energy density); `resilin materials` and [laws](laws.md) "
+                 "describe each."),
+      number_key("density", &M::density, "kg/m^3", not_negative,
+                 "Mass per reference volume; > 0 in dynamics."),
   };
 }
 
@@ -136,9 +138,9 @@ TableDoc material_doc() {
   const MaterialDescription defaults;
   TableDoc doc = document(
       "material",
-      "Young's modulus and Poisson's ratio mean the small-strain solid; each law "
-      "converts them to its own constants. "
-      "Constants named as in a law's formula are taken literally instead; [laws](laws.md) says which may be "
+      "Young's modulus and Poisson's ratio describe the small-strain response; each law converts them to its "
+      "own constants. "
+      "Alternatively give the constants of a law's formula by name; [laws](laws.md) says which may be "
       "left out and which may be given beside Young's modulus. "
       "A constant may vary from cell to "
       "cell: a list, or `{ file = \"young.csv\" }`, with one number for each cell, or `{ "
@@ -147,13 +149,12 @@ TableDoc material_doc() {
   const auto add = [&](const char* name, const char* type, const char* unit, const char* text) {
     doc.keys.push_back({name, type, unit, default_text(defaults.constants.at(name)), text});
   };
-  add("youngs_modulus", "number > 0", "Pa", "Stiffness of a small stretch.");
-  add("poissons_ratio", "number > -1 and < 0.5", "", "How much a stretched solid grows thinner.");
-  doc.keys.push_back(
-      {"fibres", "list of directions", "", "",
-       "Of " + names_of_laws_with_fibres() +
-           ": for each family of fibres a rest direction, or `{ file = \"fibres.csv\" }` or a list with one "
-           "for each cell; they turn with the body's rotate."});
+  add("youngs_modulus", "number > 0", "Pa", "Young's modulus at small strain.");
+  add("poissons_ratio", "number > -1 and < 0.5", "", "Poisson's ratio at small strain.");
+  doc.keys.push_back({"fibres", "list of directions", "", "",
+                      "Of " + names_of_laws_with_fibres() +
+                          ": for each fibre family a reference direction, or `{ file = \"fibres.csv\" }` or "
+                          "a list with one for each cell; they rotate with the body's rotate."});
   for (const LawInfo* law : laws()) {
     for (const ConstantText& constant : law->constants) {
       const std::string name(constant.name);

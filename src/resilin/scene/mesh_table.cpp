@@ -40,7 +40,7 @@ Keys<BoxDescription> box_keys() {
   using B = BoxDescription;
   return {
       key<B>({"kind", one_of(box_kinds(3)) + ", in 2D " + one_of(box_kinds(2)), "", "the first",
-              "Kind of its cells."},
+              "Kind of cells."},
              [](const SceneNode& node, B& b) {
                b.kind = read_choice(node, box_kinds(node.context->dimension));
              }),
@@ -91,14 +91,13 @@ Keys<MeshTable> mesh_keys() {
       key<M>({"box", "table", "", "",
               "A box (a rectangle in 2D) with the groups `x_min`, `x_max`, `y_min`, ..."},
              [](const SceneNode& node, M& m) { m.box = read_box(node); }),
-      key<M>(
-          {"surface", "text", "", "",
-           "In place of a box: a file with the surface of a body, which a lattice of tetrahedra encloses "
-           "and carries as its skin ([skin.md](skin.md#from-a-surface-alone)). The name of such a file alone "
-           "means the same."},
-          [](const SceneNode& node, M& m) { m.surface = read_file_of(node); }),
-      key<M>({"cells", "whole number >= 1", "", default_text(M{}.cells),
-              "Of the lattice: about so many tetrahedra."},
+      key<M>({"surface", "text", "", "",
+              "In place of a box: a file with the surface of a body. A lattice of tetrahedra encloses it, "
+              "and it becomes the embedded skin ([skin.md](skin.md#from-a-surface-alone)). The name of such "
+              "a file alone "
+              "means the same."},
+             [](const SceneNode& node, M& m) { m.surface = read_file_of(node); }),
+      key<M>({"cells", "whole number >= 1", "", default_text(M{}.cells), "Approximate number of tetrahedra."},
              [](const SceneNode& node, M& m) {
                m.cells = read_integer(node, {.min = 1, .max = LatticeOptions::most_cells});
              }),

@@ -46,41 +46,43 @@ std::string scene_reference() {
 
 std::vector<TableDoc> scene_tables() {
   return {
-      document("[simulation]", "What is computed.", simulation_keys()),
+      document("[simulation]", "The analysis: static, dynamic or modal.", simulation_keys()),
       adaptive_doc(),
       modes_doc(),
-      document("[[body]]", "A solid; there may be several, of different materials.", body_keys()),
+      document("[[body]]", "A deformable body; there may be several with different materials.", body_keys()),
       element_doc(),
       mesh_doc(),
       material_doc(),
       damping_doc(),
       rotation_doc(),
       skin_doc(),
-      document("[[fix]]", "Prescribed displacement, whole or by component; the reaction is reported.",
+      document("[[fix]]",
+               "Dirichlet boundary condition: prescribed displacement, whole or by component; the reaction "
+               "is reported.",
                fix_keys()),
       document("[[load]]",
-               "Loads are dead loads on the rest shape, but for pressure, which follows the surface.",
+               "Neumann boundary condition or body force. Loads are dead loads in the reference "
+               "configuration, except pressure, which is a follower load.",
                load_keys()),
       where_doc(),
       time_function_doc(),
-      document("[[collider]]",
-               "A rigid thing that bodies cannot enter or pass. The force on them is reported "
-               "([contact](contact.md)).",
-               collider_keys()),
+      document(
+          "[[collider]]",
+          "A rigid obstacle with prescribed motion. Its contact force is reported ([contact](contact.md)).",
+          collider_keys()),
       collider_turn_doc(),
       document("[contact]",
-               "How bodies keep each other apart, which they do unless told otherwise, and themselves "
-               "([contact](contact.md)).",
+               "Contact between bodies (on by default), self-contact and friction ([contact](contact.md)).",
                contact_keys()),
       contact_pair_doc(),
-      document("[newton]", "When the equations count as solved.", newton_keys()),
-      document("[solver]", "How linear systems are solved.", solver_keys()),
-      document("[[probe]]", "A vertex whose motion the report lists.", probe_keys()),
+      document("[newton]", "Newton's method: convergence criteria and limits.", newton_keys()),
+      document("[solver]", "Linear solver.", solver_keys()),
+      document("[[probe]]", "A vertex with its motion in the report.", probe_keys()),
       document("[[section]]",
-               "A plane cut through a body; the report lists the force and moment that the side beyond it "
+               "A plane cut through a body; the report has the force and moment that the side beyond it "
                "exerts on the side below ([results.md](results.md#sections)).",
                section_keys()),
-      document("[output]", "What is written to the folder of results.", output_keys()),
+      document("[output]", "Output: frames, fields and file formats.", output_keys()),
   };
 }
 

@@ -34,7 +34,7 @@ void refuse_fit(const SceneNode& root) {
   if (root.has("body")) return;
   for (const char* key : {"experiment", "test", "fit"})
     if (root.has(key))
-      root.fail_with(std::string("this is the file of a fit, for it has \"") + key +
+      root.fail_with(std::string("this is a fit file, because it has \"") + key +
                      "\" and no [[body]]; resilin fit FILE takes it");
 }
 
@@ -54,7 +54,7 @@ void read_root(const SceneNode& root, Description& d) {
   read_list(root, "collider", d.colliders, read_collider);
   read_list(root, "probe", d.probes, read_probe);
   read_list(root, "section", d.sections, read_section);
-  if (d.bodies.empty()) root.fail_with("there is no [[body]]; a scene needs at least one, with a mesh");
+  if (d.bodies.empty()) root.fail_with("there is no [[body]]; a scene needs at least one body with a mesh");
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ Keys<SectionDescription> section_plane_keys() {
                                                                   : std::vector<std::string>{"x", "y"});
                section.axis = letter[0] - 'x';
              }),
-      key<S>({"at", "number", "m", "required", "Coordinate of the plane in the rest shape."},
+      key<S>({"at", "number", "m", "required", "Coordinate of the plane in the reference configuration."},
              [](const SceneNode& node, S& section) { section.at = read_number(node); }),
   };
 }
@@ -23,8 +23,8 @@ Keys<SectionDescription> section_plane_keys() {
 Keys<SectionDescription> section_keys() {
   using S = SectionDescription;
   return {
-      text_key("name", &S::name, "section[0] ...", "The report lists the force under it."),
-      text_key("body", &S::body, "the only body", "Name of the body that is cut."),
+      text_key("name", &S::name, "section[0] ...", "Name in the report."),
+      text_key("body", &S::body, "the only body", "Name of the cut body."),
       key<S>({"plane", "{ axis, at }", "m", "required",
               "Cells whose centroid has a smaller coordinate than `at` are below it."},
              [](const SceneNode& node, S& section) { read_table(node, section_plane_keys(), section); }),

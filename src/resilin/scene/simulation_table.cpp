@@ -10,7 +10,7 @@ Keys<Description> simulation_keys() {
   const D defaults;
   return {
       key<D>({"kind", one_of({"static", "dynamic", "modes"}), "", "\"static\"",
-              "Equilibrium under the loads, motion in time, or free vibrations."},
+              "Quasi-static, dynamic (transient) or modal analysis."},
              [](const SceneNode& node, D& d) {
                const std::string kind = read_choice(node, {"static", "dynamic", "modes"});
                d.is_dynamic = kind == "dynamic";
@@ -18,56 +18,50 @@ Keys<Description> simulation_keys() {
                node.context->is_dynamic = d.is_dynamic;
              }),
       key<D>({"dimension", "2 or 3", "", default_text(defaults.dimension),
-              "3, or 2 for plane strain of unit thickness. It sets the length of every vector."},
+              "3, or 2 for plane strain at unit thickness. It sets the length of every vector."},
              [](const SceneNode& node, D& d) {
                const int dimension = read_integer(node);
                if (dimension != 2 && dimension != 3) node.fail("2 or 3");
                d.dimension = node.context->dimension = dimension;
              }),
-      vector_key("gravity", &D::gravity, "m/s^2", "Pulls every body in proportion to its density."),
-      number_key("time_step", &D::time_step, "s", positive, "Length of a step in motion; at most end_time."),
-      number_key(
-          "end_time", &D::end_time, "s", positive,
-          "Motion stops with the first step that reaches it. Static: the time at load factor 1, for what "
-          "follows time."),
-      choice_key("integrator", &D::integrator, integrator_names(), {}, "How motion steps through time."),
+      vector_key("gravity", &D::gravity, "m/s^2", "Gravitational acceleration."),
+      number_key("time_step", &D::time_step, "s", positive, "Dynamics: time step; at most end_time."),
+      number_key("end_time", &D::end_time, "s", positive,
+                 "Dynamics: end of the run. Static: the time at load factor 1, for functions of time."),
+      choice_key("integrator", &D::integrator, integrator_names(), {}, "Time integration scheme."),
       key<D>({"adaptive", "[adaptive](#adaptive)", "", "none: equal steps",
-              "In motion: steps as long as their error allows."},
+              "Dynamics: adaptive time steps by an error estimate."},
              [](const SceneNode& node, D& d) { read_adaptive_steps(node, d.adaptive); }),
-      key<D>({"modes", "[modes](#modes)", "", "see there", "Which vibrations are sought."},
+      key<D>({"modes", "[modes](#modes)", "", "see there", "Modal analysis."},
              [](const SceneNode& node, D& d) { read_modes(node, d.modes); }),
-      integer_key(
-          "load_steps", &D::load_steps, at_least_one,
-          "Static: number of equal steps that the loads are first tried in. A step that fails is halved."),
-      choice_key(
-          "load_control", &D::load_control,
-          "Static: the load grows from step to step, or the path of equilibria is followed by arc length, "
-          "also where the load falls (snap-through)."),
+      integer_key("load_steps", &D::load_steps, at_least_one,
+                  "Static: number of equal load increments. A cutback halves an increment that fails."),
+      choice_key("load_control", &D::load_control,
+                 "Static: load increments, or arc length, which follows the equilibrium path beyond limit "
+                 "points (snap-through)."),
       integer_key("max_steps", &D::max_steps, at_least_one,
-                  "Static, arc_length: the path ends at load factor 1 or after so many steps."),
-      choice_key(
-          "unstable_modes", &D::unstable_modes,
-          "Static: whether each frame says how many unstable modes the equilibrium has (buckling). \"auto\" "
-          "counts up to 10,000 free unknowns, beyond where a direct solver has shown that there are none."),
+                  "Static, arc_length: limit of steps along the path."),
+      choice_key("unstable_modes", &D::unstable_modes,
+                 "Static: count the unstable modes of each equilibrium (buckling). \"auto\" counts up to "
+                 "10,000 free DOFs; beyond, it reports 0 where a direct solver has found none."),
   };
 }
 
 Keys<NewtonOptions> newton_keys() {
   using N = NewtonOptions;
   return {
-      number_key("tolerance", &N::tolerance, "", positive, "Largest residual force, relative to the loads."),
-      integer_key(
-          "max_iterations", &N::max_iterations, at_least_one,
-          "Newton iterations of a load or time step, and some more for each time that friction is formed "
-          "anew. A number below 100 truncates a time step, safely."),
+      number_key("tolerance", &N::tolerance, "", positive,
+                 "Convergence tolerance: residual force relative to the loads."),
+      integer_key("max_iterations", &N::max_iterations, at_least_one,
+                  "Limit of Newton iterations per load increment or time step; friction iterations add some. "
+                  "A limit below 100 truncates a time step safely."),
       integer_key("max_failures", &N::max_failures, not_negative,
-                  "Motion: the run ends after so many steps in a row for which no solution was found; those "
-                  "that a max_iterations below 100 cuts short do not count. 0: it never does."),
-      choice_key("projection", &N::projection,
-                 "What is done to negative eigenvalues of the elements' matrices."),
+                  "Dynamics: the run ends after this many failed steps in a row; steps truncated by a "
+                  "max_iterations below 100 do not count. 0: never."),
+      choice_key("projection", &N::projection, "Projection of negative eigenvalues of the element Hessians."),
       choice_key("inversion_bound", &N::inversion_bound,
-                 "Where laws that need J > 0 keep it: at the quadrature points, or, shown by a bound, in the "
-                 "whole of every cell."),
+                 "Where laws that need J > 0 enforce it: at the quadrature points, or everywhere in each "
+                 "cell (by a bound)."),
   };
 }
 
@@ -76,37 +70,35 @@ Keys<SolverOptions> solver_keys() {
   std::vector<std::string> kinds = linear_solver_names();
   kinds.insert(kinds.begin(), "auto");
   return {
-      key<S>(
-          {"kind", "text", "", default_text(S{}.kind),
-           "Linear solver: \"auto\" picks by kind and size of the problem; `resilin info` lists the others."},
-          [kinds](const SceneNode& node, S& s) { s.kind = read_choice(node, kinds); }),
+      key<S>({"kind", "text", "", default_text(S{}.kind),
+              "Linear solver: \"auto\" selects by kind and size of the problem; `resilin info` lists the "
+              "others."},
+             [kinds](const SceneNode& node, S& s) { s.kind = read_choice(node, kinds); }),
       integer_key("max_iterations", &S::max_iterations, at_least_one,
-                  "Iterations of an iterative solver, for each solve."),
+                  "Limit of iterations of an iterative solver per solve."),
   };
 }
 
 Keys<OutputOptions> output_keys() {
   using O = OutputOptions;
   return {
-      integer_key("every", &O::every, at_least_one, "A frame is written for each n-th step."),
+      integer_key("every", &O::every, at_least_one, "Output interval: one frame for every n-th step."),
       key<O>({"fields", "list of names", "", default_text(O{}.fields),
-              "What a frame holds; [results.md](results.md#fields) lists the names. `averaged_` before the "
-              "name of "
-              "a cells' field averages it at the vertices, `nodal_` smooths it onto them."},
+              "Fields of a frame; [results.md](results.md#fields) lists them. `averaged_` before a cell "
+              "field averages it at the vertices, `nodal_` projects it onto them."},
              [](const SceneNode& node, O& o) { o.fields = read_choices(node, field_names()); }),
-      choices_key(
-          "formats", &O::formats,
-          "vtu: a file for each frame, for ParaView; html: result.html, one page with the motion that "
-          "opens in any browser; usda: result.usda, for Blender and Houdini."),
+      choices_key("formats", &O::formats,
+                  "vtu: a file for each frame, for ParaView; html: result.html, one self-contained page for "
+                  "any browser; usda: result.usda, for Blender and Houdini."),
   };
 }
 
 Keys<ProbeDescription> probe_keys() {
   using P = ProbeDescription;
   return {
-      text_key("name", &P::name, "probe[0] ...", "The report lists the motion under it."),
-      text_key("body", &P::body, "the only body", "Name of the body that is watched."),
-      key<P>({"at", "vector", "m", "required", "The vertex nearest to this rest position is watched."},
+      text_key("name", &P::name, "probe[0] ...", "Name in the report."),
+      text_key("body", &P::body, "the only body", "Name of the body."),
+      key<P>({"at", "vector", "m", "required", "Reference position; the nearest vertex is used."},
              [](const SceneNode& node, P& p) { p.at = read_vector(node); }),
   };
 }

@@ -47,8 +47,8 @@ Keys<SkinDescription> skin_keys() {
            "the plane."},
           read_surface),
       key<S>({"smooth", "true or false", "", default_text(S{}.is_smooth),
-              "Bends the skin between the vertices of the cells too, so that coarse linear cells do not show "
-              "as facets; for twice the work in each frame. P2 cells bend it anyway."},
+              "Smooths the skin between the vertices of the cells, which hides the facets of coarse linear "
+              "cells, for twice the work per frame. P2 cells need no smoothing."},
              [](const SceneNode& node, S& s) { s.is_smooth = read_flag(node); }),
   };
 }
@@ -63,8 +63,7 @@ void read_skin(const SceneNode& node, std::optional<SkinDescription>& skin) {
 }
 
 TableDoc skin_doc() {
-  return document("skin",
-                  "A fine surface that moves with the cells ([skin.md](skin.md)): a file, or a table with",
+  return document("skin", "An embedded fine surface ([skin.md](skin.md)): a file, or a table with",
                   skin_keys());
 }
 

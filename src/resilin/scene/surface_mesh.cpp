@@ -26,7 +26,7 @@ void enclose_surface(const SceneNode& node, const MeshFile& file, int cells, Bod
     node.context->warnings.push_back(
         name + ": " + std::to_string(lattice.mesh.blocks[0].num_cells()) + " cells around it have " +
         format_short(lattice.volume_ratio) +
-        " times its volume, and its mass and stiffness as much; more cells come nearer (docs/skin.md)");
+        " times its volume, mass and stiffness; use more cells for a closer fit (docs/skin.md)");
   body.mesh = std::move(lattice.mesh);
   body.skin.emplace();
   body.skin->place = node.place();
@@ -43,8 +43,7 @@ void remark_on_unit(const SceneNode& body_node, const BodyDescription& body) {
   const double extent = body.scale * (box.max - box.min).maxCoeff();
   if (extent >= smallest_usual && extent <= largest_usual) return;
   node.warn(body.mesh_name + " is " + format_short(extent) +
-            " m long: files of surfaces have no unit and are read as metres; scale = 0.001 is "
-            "for millimetres");
+            " m long: surface files have no unit and are read as metres; use scale = 0.001 for millimetres");
 }
 
 }  // namespace resilin

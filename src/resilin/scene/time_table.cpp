@@ -39,17 +39,17 @@ Table read_points_in_time(const SceneNode& node) {
 
 Keys<Sine> sine_keys() {
   return {
-      key<Sine>({"frequency", "number > 0", "Hz", "required", "How often it repeats in a second."},
+      key<Sine>({"frequency", "number > 0", "Hz", "required", "Frequency."},
                 [](const SceneNode& node, Sine& s) { s.frequency = read_number(node, positive); }),
-      number_key("amplitude", &Sine::amplitude, "", any_number, "Its height."),
-      number_key("phase", &Sine::phase, "degrees", any_number, "Where in the wave it is at time 0."),
-      number_key("offset", &Sine::offset, "", any_number, "What it swings about."),
+      number_key("amplitude", &Sine::amplitude, "", any_number, "Amplitude."),
+      number_key("phase", &Sine::phase, "degrees", any_number, "Phase at time 0."),
+      number_key("offset", &Sine::offset, "", any_number, "Mean value."),
   };
 }
 
 Keys<Ramp> ramp_keys() {
   return {
-      number_key("from", &Ramp::from, "s", any_number, "0 until this time, ..."),
+      number_key("from", &Ramp::from, "s", any_number, "The ramp is 0 until this time, ..."),
       number_key("until", &Ramp::until, "s", any_number, "... 1 from this time on."),
   };
 }
@@ -58,13 +58,13 @@ Keys<TimeFunction> time_function_keys() {
   using F = TimeFunction;
   return {
       key<F>({"table", "text or list of [t, f]", "s", "",
-              "Points, or a CSV file of them: straight between them, level before the first and after the "
+              "Points, or a CSV file of points: linear between them, constant before the first and after the "
               "last."},
              [](const SceneNode& node, F& f) { f.form = read_points_in_time(node); }),
       key<F>({"sine", "{ frequency, amplitude, phase, offset }", "", "",
               "offset + amplitude sin(2 pi frequency t + phase)."},
              [](const SceneNode& node, F& f) { read_table(node, sine_keys(), f.form.emplace<Sine>()); }),
-      key<F>({"ramp", "{ from, until }", "s", "", "From 0 to 1 in a straight line."},
+      key<F>({"ramp", "{ from, until }", "s", "", "Linear ramp from 0 to 1."},
              [](const SceneNode& node, F& f) {
                Ramp& ramp = f.form.emplace<Ramp>();
                read_table(node, ramp_keys(), ramp);
@@ -79,11 +79,12 @@ Keys<TimeFunction> time_function_keys() {
 Keys<AdaptiveSteps> adaptive_keys() {
   using A = AdaptiveSteps;
   return {
-      number_key("tolerance", &A::tolerance, "", positive,
-                 "How far the step may misplace any vertex, in parts of the scene's largest extent."),
-      key<A>({"min_step", "number > 0", "s", "1e-6 time_step", "No step becomes shorter."},
+      number_key(
+          "tolerance", &A::tolerance, "", positive,
+          "Error tolerance per step for the position of any vertex, relative to the scene's largest extent."),
+      key<A>({"min_step", "number > 0", "s", "1e-6 time_step", "Shortest step."},
              [](const SceneNode& node, A& a) { a.min_step = read_number(node, positive); }),
-      key<A>({"max_step", "number > 0", "s", "end_time", "No step becomes longer."},
+      key<A>({"max_step", "number > 0", "s", "end_time", "Longest step."},
              [](const SceneNode& node, A& a) { a.max_step = read_number(node, positive); }),
   };
 }
@@ -91,10 +92,10 @@ Keys<AdaptiveSteps> adaptive_keys() {
 Keys<ModesOptions> modes_keys() {
   using M = ModesOptions;
   return {
-      integer_key("count", &M::count, at_least_one, "How many, from the lowest frequency on."),
+      integer_key("count", &M::count, at_least_one, "Number of modes, from the lowest frequency on."),
       key<M>(
           {"about", one_of({"rest", "load"}), "", "\"rest\"",
-           "About the rest shape, where no load acts, or about the equilibrium under the loads."},
+           "Modes about the unloaded reference configuration, or about the equilibrium under the loads."},
           [](const SceneNode& node, M& m) { m.is_loaded = read_choice(node, {"rest", "load"}) == "load"; }),
   };
 }
@@ -102,12 +103,14 @@ Keys<ModesOptions> modes_keys() {
 Keys<DampingDescription> damping_keys() {
   using D = DampingDescription;
   return {
-      number_key("mass", &D::mass, "1/s", not_negative, "Times mass and velocity (Rayleigh)."),
-      number_key("stiffness", &D::stiffness, "s", not_negative,
-                 "Times the stiffness at rest and the rate of strain (Rayleigh); turning is not damped."),
+      number_key("mass", &D::mass, "1/s", not_negative, "Mass-proportional (Rayleigh) damping."),
+      number_key(
+          "stiffness", &D::stiffness, "s", not_negative,
+          "Stiffness-proportional (Rayleigh) damping with the reference stiffness; rotation is not damped."),
       number_key("shear_viscosity", &D::shear_viscosity, "Pa s", not_negative,
-                 "Of the material (Kelvin-Voigt): resists changes of shape."),
-      number_key("bulk_viscosity", &D::bulk_viscosity, "Pa s", not_negative, "Resists changes of volume."),
+                 "Kelvin-Voigt shear viscosity of the material."),
+      number_key("bulk_viscosity", &D::bulk_viscosity, "Pa s", not_negative,
+                 "Kelvin-Voigt bulk viscosity of the material."),
   };
 }
 
@@ -132,7 +135,7 @@ TableDoc time_function_doc() {
   TableDoc doc = document(
       "time_function",
       "A factor f(t), t the time in seconds; in a static run t is the load factor times simulation.end_time, "
-      "and f takes the place of the load factor, so that one load may come before another. One of",
+      "and f replaces the load factor, so that loads can follow each other. One of",
       time_function_keys());
   append_keys(doc, "sine.", sine_keys());
   append_keys(doc, "ramp.", ramp_keys());
@@ -141,7 +144,7 @@ TableDoc time_function_doc() {
 
 void read_adaptive_steps(const SceneNode& node, std::optional<AdaptiveSteps>& adaptive) {
   if (!node.context->is_dynamic)
-    node.fail_with("has a meaning only in motion; set simulation.kind = \"dynamic\" or leave it out");
+    node.fail_with("applies to dynamics only; set simulation.kind = \"dynamic\" or leave it out");
   adaptive.emplace();
   read_table(node, adaptive_keys(), *adaptive);
   if (adaptive->min_step && adaptive->max_step && *adaptive->min_step > *adaptive->max_step)
@@ -149,34 +152,34 @@ void read_adaptive_steps(const SceneNode& node, std::optional<AdaptiveSteps>& ad
 }
 
 void read_modes(const SceneNode& node, std::optional<ModesOptions>& modes) {
-  if (!modes) node.fail_with("has a meaning only with simulation.kind = \"modes\"; set that or leave it out");
+  if (!modes) node.fail_with("applies to simulation.kind = \"modes\" only; set that or leave it out");
   read_table(node, modes_keys(), *modes);
 }
 
 TableDoc modes_doc() {
-  return document("modes", "Free vibrations, `simulation.kind = \"modes\"`: each is a frame of the results.",
+  return document("modes",
+                  "Modal analysis, `simulation.kind = \"modes\"`: each mode is a frame of the results.",
                   modes_keys());
 }
 
 void read_damping(const SceneNode& node, DampingDescription& damping) {
   if (!node.context->is_dynamic)
-    node.fail_with("has a meaning only in motion; set simulation.kind = \"dynamic\" or leave it out");
+    node.fail_with("applies to dynamics only; set simulation.kind = \"dynamic\" or leave it out");
   read_table(node, damping_keys(), damping);
 }
 
 TableDoc damping_doc() {
   return document("damping",
-                  "A small vibration of angular frequency w loses the part mass/(2w) + stiffness w/2 of the "
-                  "critical damping ([theory](theory/damping.md)).",
+                  "A small vibration of angular frequency w has the damping ratio mass/(2w) + stiffness w/2 "
+                  "([theory](theory/damping.md)).",
                   damping_keys());
 }
 
 TableDoc adaptive_doc() {
   return document(
       "adaptive",
-      "Steps in time as long as an estimate of their error allows; `time_step` is the first. Steps "
-      "end at the knots of time functions, where loads begin and end, and at end_time. `{}` takes "
-      "the defaults.",
+      "Adaptive time steps by an error estimate; `time_step` is the first. Steps end at the knots of time "
+      "functions, where loads begin and end, and at end_time. `{}` takes the defaults.",
       adaptive_keys());
 }
 

@@ -27,7 +27,7 @@ Keys<Where> sphere_keys() {
   return {
       key<Where>({"center", "vector", "m", "required", "Its centre."},
                  [](const SceneNode& node, Where& w) { w.center = read_vector(node); }),
-      key<Where>({"radius", "number >= 0", "m", "required", "Its radius; the surface belongs to it."},
+      key<Where>({"radius", "number >= 0", "m", "required", "Its radius, boundary included."},
                  [](const SceneNode& node, Where& w) { w.radius = read_number(node, not_negative); }),
   };
 }
@@ -84,16 +84,16 @@ Keys<Where> where_keys() {
 Keys<Rotation> rotation_keys() {
   using R = Rotation;
   return {
-      key<R>({"axis", "vector", "", "z", "Direction that the turn is about; only in 3D."},
+      key<R>({"axis", "vector", "", "z", "Rotation axis; only in 3D."},
              [](const SceneNode& node, R& r) {
-               if (node.context->dimension == 2) node.fail_with("a turn in 2D has no axis; leave it out");
+               if (node.context->dimension == 2) node.fail_with("a rotation in 2D has no axis; leave it out");
                r.axis = read_vector(node);
                if (r.axis.norm() == 0) node.fail("a direction", "it has no length");
              }),
-      vector_key("center", &R::center, "m", "A point that stays where it is."),
-      key<R>({"degrees", "number", "degrees", "required",
-              "Angle, counter-clockwise when the axis points at you."},
-             [](const SceneNode& node, R& r) { r.degrees = read_number(node); }),
+      vector_key("center", &R::center, "m", "A fixed point of the rotation."),
+      key<R>(
+          {"degrees", "number", "degrees", "required", "Angle, counter-clockwise if the axis points at you."},
+          [](const SceneNode& node, R& r) { r.degrees = read_number(node); }),
   };
 }
 
@@ -112,9 +112,10 @@ void read_where(const SceneNode& node, Where& where) {
 }
 
 TableDoc where_doc() {
-  TableDoc doc =
-      document("where", "Vertices of a body in its rest shape, after scale, rotate and translate: one of",
-               where_keys());
+  TableDoc doc = document("where",
+                          "Selection of vertices of a body in its reference configuration, after scale, "
+                          "rotate and translate: one of",
+                          where_keys());
   for (const Key<Where>& key : plane_keys()) {
     doc.keys.push_back(key.doc);
     doc.keys.back().name = "plane." + key.doc.name;
@@ -142,7 +143,7 @@ void read_rotation(const SceneNode& node, std::optional<Rotation>& rotation) {
 
 TableDoc rotation_doc() {
   return document("rotate",
-                  "A turn: a table, or in short `[axis_x, axis_y, axis_z, degrees]` (in 2D `[degrees]`).",
+                  "A rotation: a table, or in short `[axis_x, axis_y, axis_z, degrees]` (in 2D `[degrees]`).",
                   rotation_keys());
 }
 
