@@ -121,7 +121,7 @@ BLOCKS = TWO_BODIES.replace("[contact]\nenabled = false\n", "")
 REFUSALS = {
     "more processes than cells": (SMALL, 7, ["6 cells", "start fewer"]),
     "bodies that meet": (BLOCKS, 2, ["contact", "run it on one process"]),
-    "a path by arc length": (
+    "arc length": (
         (STATIC + box("P1") + CLAMP + BENT).replace(
             'kind = "static"\n', 'kind = "static"\nload_control = "arc_length"\n'
         ),

@@ -203,7 +203,7 @@ def vertices_inside(collider, time, positions):
 def steps_behind(folder):
     """Steps at whose end moving colliders are behind their motion, so that nothing tells where."""
     log = (folder / "log.txt").read_text(encoding="utf-8")
-    return {int(step) for step in re.findall(r"\(step (\d+)\): bodies are in the way of a moving collider", log)}
+    return {int(step) for step in re.findall(r"\(step (\d+)\): bodies block a moving collider", log)}
 
 
 def intersections(report, folder):

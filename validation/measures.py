@@ -149,7 +149,7 @@ def unsolved_steps(report, _folder):
     """Steps that found no solution, as the report says; what a run that gave up did not get to counts as one."""
     if report["status"] == "done":
         return 0
-    found = re.match(r"(\d+) of \d+ steps were cut short", report["reason"])
+    found = re.match(r"(\d+) of \d+ steps did not converge", report["reason"])
     return int(found[1]) if found else math.inf
 
 

@@ -80,7 +80,7 @@ int check_mesh_path(const CheckOptions& options) {
 }
 
 std::string time_steps_text(const World& world) {
-  if (world.modes) return std::to_string(world.modes->count) + " modes of vibration";
+  if (world.modes) return std::to_string(world.modes->count) + " vibration modes";
   if (!world.is_dynamic) return "static";
   if (world.adaptive) return "adaptive time steps up to " + format_short(world.end_time) + " s";
   return format_short(world.end_time / world.time_step) + " time steps";
@@ -109,8 +109,9 @@ void print_scene(const Scene& scene, const World& world) {
       rows.push_back({"  " + constant, format_short(value)});
     for (auto& row : mesh_rows(description.mesh)) rows.push_back(std::move(row));
     if (body.skin)
-      rows.push_back({"  skin", skin_text(*body.skin) +
-                                    (body.meets_with_skin() ? "; the body meets others with it" : "")});
+      rows.push_back(
+          {"  skin", skin_text(*body.skin) +
+                         (body.meets_with_skin() ? "; it is the contact surface of the body" : "")});
     print_text(format_table(rows));
   }
   for (const Support& support : world.supports) {
@@ -120,16 +121,17 @@ void print_scene(const Scene& scene, const World& world) {
     print_line("load " + one_line(name));
   for (const auto& collider : world.colliders) {
     print_line("collider " + one_line(collider->name()) + ": " + std::string(collider->shape().kind()) +
-               ", felt from " + format_short(collider->activation_distance()) + " m");
+               ", activation distance " + format_short(collider->activation_distance()) + " m");
   }
   for (const auto& collider : world.mesh_colliders) {
     print_line("collider " + one_line(collider->name()) + ": " +
-               std::to_string(collider->obstacle().mesh.vertices.size()) + " vertices, felt from " +
+               std::to_string(collider->obstacle().mesh.vertices.size()) + " vertices, activation distance " +
                format_short(collider->activation_distance()) + " m");
   }
   if (world.contact)
-    print_line("contact of bodies: felt from " + format_short(world.contact->activation_distance()) + " m");
-  print_line(std::to_string(world.num_free_unknowns()) + " unknowns, " + time_steps_text(world));
+    print_line("contact between bodies: activation distance " +
+               format_short(world.contact->activation_distance()) + " m");
+  print_line(std::to_string(world.num_free_unknowns()) + " DOFs, " + time_steps_text(world));
 }
 
 int check_scene(const CheckOptions& options) {

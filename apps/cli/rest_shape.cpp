@@ -62,7 +62,7 @@ void keep_selections(const std::string& key, const std::vector<Table>& drawn, co
     if (!is_own || !is_by_place(drawn[i].where)) continue;
     const std::string what = "[[" + key + "]] " + quoted_text(one_line(drawn[i].name)) + ": ";
     if (found[i].where.kind != Where::Kind::vertices) {
-      lines.push_back(what + "where = ... that selects in the rest shape what it did as drawn");
+      lines.push_back(what + "where = ... for the same selection in the stress-free shape");
       continue;
     }
     Group group{
@@ -121,7 +121,7 @@ int find(const RestShapeCommand& options) {
     keep_selections("fix", scene.description.fixes, found.scene.fixes, body, mesh, groups, lines);
     keep_selections("load", scene.description.loads, found.scene.loads, body, mesh, groups, lines);
     write_mesh(path, mesh);
-    tell(path_text(path) + ": the rest shape of " + quoted_text(one_line(body.name)));
+    tell(path_text(path) + ": the stress-free shape of " + quoted_text(one_line(body.name)));
     if (!body.initial_positions.empty() && scene.description.bodies[b].initial_positions.empty()) {
       std::filesystem::path start = path;
       start.replace_filename(path.stem().string() + "_drawn.csv");
@@ -135,10 +135,10 @@ int find(const RestShapeCommand& options) {
   for (const auto& [collider, distance] : found.kept_off)
     lines.push_back("[[collider]] " + quoted_text(one_line(collider)) +
                     ": activation_distance = " + format_number(distance));
-  tell("a run from it ends " + format_short(found.distance) + " m from what is drawn, " +
+  tell("a run from it ends " + format_short(found.distance) + " m from the drawn shape, " +
        format_short(found.distance / found.size) + " of its size; " + std::to_string(found.iterations) +
        (found.iterations == 1 ? " iteration, " : " iterations, ") + format_seconds(watch.seconds()));
-  tell("in a scene that begins with it:");
+  tell("in a scene that uses it:");
   for (const std::string& line : lines) tell("  " + line);
   print_warnings(found.warnings);
   return done;

@@ -46,11 +46,11 @@ void resume(Simulation& simulation, ResultFolder& results, Resume rule, std::vec
   const std::string place = (results.path() / "checkpoint.bin").string();
   const ResultFolder::Resumed resumed = results.resume(simulation, rule);
   if (!resumed.has_checkpoint) {
-    warnings.push_back(place + ": there is none; the run begins at the start");
+    warnings.push_back(place + ": no checkpoint; the run starts from the beginning");
     return;
   }
   if (resumed.difference)
-    warnings.push_back(place + ": of another scene, gone on from anyway: " + *resumed.difference);
+    warnings.push_back(place + ": checkpoint of another scene, used anyway: " + *resumed.difference);
   log_info("resumed at " + reached(simulation));
 }
 
@@ -60,7 +60,7 @@ void print_start(const RunOptions& options, const Simulation& simulation) {
   for (const Body& body : world.bodies) cells += body.num_cells();
   print_line(one_line(world.title.empty() ? options.scene : world.title) + ": " +
              std::to_string(world.bodies.size()) + (world.bodies.size() == 1 ? " body, " : " bodies, ") +
-             std::to_string(cells) + " cells, " + std::to_string(world.num_free_unknowns()) + " unknowns, " +
+             std::to_string(cells) + " cells, " + std::to_string(world.num_free_unknowns()) + " DOFs, " +
              std::string(simulation.solver_name()) + ", " + std::to_string(num_threads()) +
              (num_threads() == 1 ? " thread" : " threads"));
 }

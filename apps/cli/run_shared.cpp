@@ -48,7 +48,7 @@ void print_start(const Speaker& speaker, const RunOptions& options, const Shared
   const std::size_t bodies = world.bodies.size();
   speaker.line(one_line(world.title.empty() ? options.scene : world.title) + ": " + std::to_string(bodies) +
                (bodies == 1 ? " body, " : " bodies, ") + std::to_string(scene.whole.num_cells) + " cells, " +
-               std::to_string(scene.whole.num_free_unknowns) + " unknowns, " +
+               std::to_string(scene.whole.num_free_unknowns) + " DOFs, " +
                std::string(simulation.solver_name()) + ", " + std::to_string(num_processes()) + " processes");
 }
 
@@ -73,10 +73,10 @@ std::vector<std::string> resume(const RunOptions& options, SharedResults& result
   const std::string place = (out_folder(options) / "checkpoint.bin").string();
   const Resume rule = options.resume == resume_anyway ? Resume::anyway : Resume::same_scene;
   const SharedResults::Resumed resumed = results.resume(simulation, rule);
-  if (!resumed.has_checkpoint) return {place + ": there is none; the run begins at the start"};
+  if (!resumed.has_checkpoint) return {place + ": no checkpoint; the run starts from the beginning"};
   log_info("resumed at " + reached(simulation));
   if (!resumed.difference) return {};
-  return {place + ": of another scene, gone on from anyway: " + *resumed.difference};
+  return {place + ": checkpoint of another scene, used anyway: " + *resumed.difference};
 }
 
 RunOutcome simulate(const SharedScene& scene, Simulation& simulation, SharedResults& results,

@@ -38,7 +38,7 @@ def draw(path):
     figure, axes = plt.subplots(figsize=(6, 4), layout="constrained")
     for law, result in results.items():
         axes.plot(result.loads, tip(result)[0], "o-", label=law)
-    axes.axvline(inversion_load, color="grey", linestyle="--", label="linear: a cell is inside out")
+    axes.axvline(inversion_load, color="grey", linestyle="--", label="linear: an element inverts")
     axes.set(xlabel="load factor", ylabel="sag of the tip [m]", title="A 1 m beam of gel under its weight")
     axes.legend()
     figure.savefig(path, dpi=120)

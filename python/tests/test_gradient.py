@@ -141,7 +141,7 @@ def test_fields_of_cells_have_gradients_of_cells():
         ({"probe": {"name": "top", "component": "z"}}, [E], "tip"),
         ({"probe": {"name": "tip", "axis": "z"}}, [E], "unknown key"),
         ({"reaction": {"of": "floor", "component": "z"}}, [E], "wall"),
-        ({"energy": {"kind": "kinetic"}}, [E], "a scene of motion"),
+        ({"energy": {"kind": "kinetic"}}, [E], "a dynamic scene"),
         ({"energy": {"kind": "elastic", "body": "rod"}}, [E], "bar"),
         ({"stress": {"at": [2, 0, 0], "component": "xx"}}, [E], "1 m outside"),
         ({"stress": {"at": [0.5, 0.1, 0.1], "component": "mises"}}, [E], "von_mises"),

@@ -143,7 +143,7 @@ def test_frames_are_those_of_the_load_factors_that_are_asked_for():
     np.testing.assert_array_equal(places, run.positions[[0, len(run.positions) // 2, -1]])
 
 
-@pytest.mark.filterwarnings("ignore:.*with friction the way matters")
+@pytest.mark.filterwarnings("ignore:.*with friction the load history matters")
 def test_load_steps_that_are_halved_are_refused_with_friction():
     with pytest.raises(resilin.InputError, match="with friction the way to an equilibrium matters") as error:
         resilin.jax.simulate(halved(load_steps=1, max_iterations=12, collider=[FLOOR]), **{E: 1e5})

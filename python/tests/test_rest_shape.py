@@ -166,7 +166,7 @@ def test_a_block_held_pressed_on_a_floor_reaches_through_it_at_rest():
 def test_a_block_that_stands_on_a_floor_is_as_drawn_where_the_floor_bears_it():
     scene = block(where={"group": "x_min"}, components="x")
     drawn = scene["body"][0]["mesh"].positions
-    with pytest.warns(UserWarning, match="from where it is drawn"):
+    with pytest.warns(UserWarning, match="from the drawn position"):
         found = resilin.find_rest_shape(scene)
     moved = found.deformed["block"] - drawn
     assert 1e-5 < np.abs(moved).max() < 1e-3

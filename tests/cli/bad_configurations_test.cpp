@@ -31,7 +31,7 @@ const std::map<std::string, Configuration>& configurations() {
       {"nu_auxetic",
        {{"body.0.material.poissons_ratio=-0.4", "body.0.material.law=stable_neo_hookean"}, 0, {}}},
       {"nu_zero", {{"body.0.material.poissons_ratio=0", "body.0.material.law=stable_neo_hookean"}, 0, {}}},
-      {"no_supports_static", {{"fix=[]"}, 1, {"not held", "6 of 6 rigid motions"}}},
+      {"no_supports_static", {{"fix=[]"}, 1, {"not constrained", "6 of 6 rigid-body motions"}}},
       {"conflicting_dirichlet",
        {{"fix=[{where={group=\"x_min\"}},{where={group=\"z_min\"},displacement=[0,0,1]}]"},
         1,

@@ -107,7 +107,7 @@ TEST_F(Export, OfARunRefusesInOneLineWhatCannotBeTakenUp) {
   ASSERT_EQ(made({"output.formats=[\"html\"]"}), 0);
   expect_refused("expected a folder of results with scene.bin");
   ASSERT_EQ(made({"simulation.kind=modes"}), 0);
-  expect_refused("free vibrations, whose frames are shapes");
+  expect_refused("a modal analysis, whose frames are mode shapes");
   ASSERT_EQ(made({}), 0);
   expect_refused("--set: expected a scene to change", {"--set", "title=other"});
   std::filesystem::rename(folder / "out/frames/0002.vtu", folder / "out/frames/0003.vtu");

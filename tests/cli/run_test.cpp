@@ -117,9 +117,9 @@ TEST_F(RunCommand, WarnsOfCellsInsideOutAtTheEnd) {
       run_program(folder.path(), {"run", "box.toml", "--set", "body.0.material.law=linear_elastic", "--set",
                                   "simulation.gravity=[9000, 0, -9000]"});
   EXPECT_EQ(result.exit_code, 0);
-  EXPECT_THAT(result.err, HasSubstr("inside out"));
-  EXPECT_THAT(result.out, HasSubstr("inside out"));
-  EXPECT_THAT(read_json(out() / "report.json")["warnings"].dump(), HasSubstr("inside out"));
+  EXPECT_THAT(result.err, HasSubstr("inverted"));
+  EXPECT_THAT(result.out, HasSubstr("inverted"));
+  EXPECT_THAT(read_json(out() / "report.json")["warnings"].dump(), HasSubstr("inverted"));
 }
 
 TEST_F(RunCommand, SaysHowFarOffCoarseCellsMayBeAtRestAndInMotion) {
@@ -129,9 +129,10 @@ TEST_F(RunCommand, SaysHowFarOffCoarseCellsMayBeAtRestAndInMotion) {
     const ProgramResult coarse = run_program(folder.path(), kind);
     const double error = read_json(out() / "report.json")["bodies"][0]["discretisation_error"];
     EXPECT_GT(error, 0.1);
-    EXPECT_THAT(coarse.err, HasSubstr("warning: box.toml: \"box\" may be off by about"));
+    EXPECT_THAT(coarse.err, HasSubstr("warning: box.toml: \"box\" has an estimated discretisation error of"));
     EXPECT_THAT(coarse.err, HasSubstr("element = \"P2\" or finer cells"));
-    EXPECT_THAT(read_json(out() / "report.json")["warnings"].dump(), HasSubstr("may be off by about"));
+    EXPECT_THAT(read_json(out() / "report.json")["warnings"].dump(),
+                HasSubstr("has an estimated discretisation error of"));
     const ProgramResult finer = run_program(folder.path(), with(kind, {"--set", "body.0.element=auto"}));
     EXPECT_LT(read_json(out() / "report.json")["bodies"][0]["discretisation_error"].get<double>(), 0.03);
     EXPECT_EQ(finer.err, "");

@@ -159,7 +159,7 @@ TEST_F(SweepCommand, StopsAtAnInterruptAndGoesOn) {
   const ProgramResult result = program.finish();
   EXPECT_EQ(result.exit_code, 2) << result.err;
   EXPECT_THAT(result.err, HasSubstr("stopped by the user"));
-  EXPECT_THAT(result.err, HasSubstr("the same command goes on"));
+  EXPECT_THAT(result.err, HasSubstr("the same command continues"));
 }
 
 TEST_F(SweepCommand, SaysThatTheDiskIsFullAndKeepsWhatThereIs) {

@@ -172,7 +172,7 @@ TEST(DiscretisationError, IsToldInOneLineWithACure) {
         simulation.world(), discretisation_errors(simulation.world(), simulation.state().positions));
     return lines.empty() ? "" : lines[0];
   };
-  EXPECT_THAT(line_of(), ::testing::AllOf(HasSubstr("\"arm\" may be off by about"),
+  EXPECT_THAT(line_of(), ::testing::AllOf(HasSubstr("\"arm\" has an estimated discretisation error of"),
                                           HasSubstr("element = \"P2\" or finer cells")));
   scene.bodies[0].material.constants["poissons_ratio"] = 0.49;
   scene.bodies[0].material.law = "neo_hookean_simo";

@@ -40,7 +40,7 @@ TEST_F(BadSceneFit, IsFoundInMarkers) {
   EXPECT_THAT(with("X,Y,ux,uy\n0.5,0.1,nan,0\n"), AllOf(HasSubstr("markers.csv:2"), HasSubstr("leave rows")));
   EXPECT_THAT(with("0.5,0.1,0,0\n"), HasSubstr("names the columns"));
   EXPECT_THAT(with("X,Y,ux,uy,sigma\n0.5,0.1,0,0,0\n"), HasSubstr("a sigma above 0"));
-  EXPECT_THAT(with("time,X,Y,ux,uy\n1,0.5,0.1,0,0\n"), HasSubstr("the scene is at rest"));
+  EXPECT_THAT(with("time,X,Y,ux,uy\n1,0.5,0.1,0,0\n"), HasSubstr("the scene is static"));
   EXPECT_THAT(with("load,X,Y,ux,uy\n0.3,0.5,0.1,0,0\n"),
               AllOf(HasSubstr("load 0.3"), HasSubstr("simulation.load_steps")));
   EXPECT_THAT(with("X,Y,ux\n0.5,0.1,0\n"), AllOf(HasSubstr("at least 2"), HasSubstr("got 1")));
@@ -66,7 +66,7 @@ TEST_F(BadSceneFit, IsFoundInExperiments) {
   const auto with_table = [&](const std::string& table) {
     return error_of("[[experiment]]\nscene = \"scene.toml\"\n" + table + "\n" + modulus);
   };
-  EXPECT_THAT(with_table(""), HasSubstr("nothing was measured"));
+  EXPECT_THAT(with_table(""), HasSubstr("there are no measurements"));
   EXPECT_THAT(with_table("reaction = { of = \"wal\", value = [1, 2] }"), HasSubstr("did you mean \"wall\""));
   EXPECT_THAT(with_table("reaction = { of = \"wall\" }"), HasSubstr("a file or a value"));
   EXPECT_THAT(with_table("probe = { of = \"tipp\", value = [1, 2] }"), HasSubstr("did you mean \"tip\""));
@@ -93,7 +93,7 @@ TEST(AFileOfAFit, IsRefusedAsAScene) {
     read_scene(folder.write("a.toml", "[[test]]\nmode = \"planar\"\n"));
     ADD_FAILURE();
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), AllOf(HasSubstr("this is the file of a fit"), HasSubstr("resilin fit")));
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("this is a fit file"), HasSubstr("resilin fit")));
   }
 }
 

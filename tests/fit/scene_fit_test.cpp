@@ -236,7 +236,7 @@ TEST_F(SceneFit, HoldsABoundAndSaysSo) {
   EXPECT_EQ(report.parameters[0].value, 7.9e5);
   EXPECT_FALSE(report.parameters[1].is_held);
   ASSERT_FALSE(report.estimates.warnings.empty());
-  EXPECT_THAT(report.estimates.warnings.back(), HasSubstr("root is held by its bound, 790000"));
+  EXPECT_THAT(report.estimates.warnings.back(), HasSubstr("root is at its bound, 790000"));
 }
 
 /// A far start: without a solution there, or with one that is worse, steps are shortened.

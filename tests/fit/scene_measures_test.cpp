@@ -132,7 +132,7 @@ TEST_F(SceneMeasures, AreRefusedInWords) {
               HasSubstr("did you mean \"indenter\""));
   EXPECT_THAT(with("section = { of = \"cot\", value = [0, 1] }"), HasSubstr("did you mean \"cut\""));
   EXPECT_THAT(with("energy = { kind = \"elstic\", value = 1 }"), HasSubstr("did you mean \"elastic\""));
-  EXPECT_THAT(with("energy = { kind = \"kinetic\", value = 1 }"), HasSubstr("one of statics"));
+  EXPECT_THAT(with("energy = { kind = \"kinetic\", value = 1 }"), HasSubstr("a static one"));
   EXPECT_THAT(with("volume = { of = \"blok\", value = 1 }"), HasSubstr("did you mean \"block\""));
   EXPECT_THAT(with("volume = { value = 1 }\nenergy = { value = 1 }"), HasSubstr("J, m^3 are weighed"));
   folder.write("stress.csv", "X,Y,stress\n0.5,0.08,-1\n");

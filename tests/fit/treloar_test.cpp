@@ -210,7 +210,7 @@ TEST_F(TreloarFits, AreHeldByStabilityInsteadOfHavingNegativeModuli) {
       description_of(file, {{"law", "mooney_rivlin"}, {"data", "UT"}, {"residual", "absolute"}});
   const LawFit free = fit_materials(description).laws.front();
   EXPECT_LT(free.shear_modulus, 0);
-  EXPECT_TRUE(says(free.warnings, "no solid"));
+  EXPECT_TRUE(says(free.warnings, "not a solid"));
   description.stability = StabilityRule::required;
   const LawFit held = fit_materials(description).laws.front();
   EXPECT_TRUE(held.is_bounded);

@@ -68,11 +68,13 @@ TEST(LiveScene, TakesTheElementOfARunAndSaysHowFarOffItsCellsMayBe) {
     // In motion, too, before it has come to rest.
     for (int i = 0; i < 40; ++i) scene.step(unhurried);
     ASSERT_FALSE(scene.report().at_rest);
-    EXPECT_EQ(scene.report().words.find("may be off by about") != std::string::npos, element == "P1");
+    EXPECT_EQ(scene.report().words.find("has an estimated discretisation error of") != std::string::npos,
+              element == "P1");
     steps_to_rest(scene);
     ASSERT_TRUE(scene.report().at_rest) << scene.report().words;
     EXPECT_NEAR(*scene.report().discretisation_errors[0], *errors[0], 1e-5 * *errors[0]);
-    EXPECT_EQ(scene.report().words.find("may be off by about") != std::string::npos, element == "P1");
+    EXPECT_EQ(scene.report().words.find("has an estimated discretisation error of") != std::string::npos,
+              element == "P1");
   }
 }
 

@@ -161,7 +161,7 @@ TEST(TakenUpScene, OfARunAtRestRestsUnderTheLoadOfItsFrame) {
   EXPECT_TRUE(live.report().at_rest);
   const double sag = (run.state().positions - run.world().rest_positions).norm();
   EXPECT_LT((live.state().positions - run.state().positions).norm(), 1e-6 * sag);
-  EXPECT_THAT(played_otherwise(scene), ElementsAre(HasSubstr("under the load factor of the frame")));
+  EXPECT_THAT(played_otherwise(scene), ElementsAre(HasSubstr("at the load factor of the frame")));
 }
 
 /// Loads that follow a path go on along it, to its end.

@@ -70,7 +70,7 @@ std::string first_error(const Mesh& mesh, int dim) {
 TEST(SecondOrderCheck, NamesTheNodeThatStandsTooFarOff) {
   Mesh mesh = second_order(make_rectangle({1, 1}, {1, 1})).mesh;
   mesh.vertices[4] += Vector3(0.4, 0.4, 0);
-  EXPECT_THAT(first_error(mesh, 2), HasSubstr("turned inside out: its Jacobian is"));
+  EXPECT_THAT(first_error(mesh, 2), HasSubstr("inverted: its Jacobian is"));
   EXPECT_THAT(first_error(mesh, 2),
               HasSubstr("node 4 stands 0.566 edge lengths from the middle of its edge"));
 }

@@ -197,7 +197,7 @@ TEST_P(EveryKind, OfShortenedVectorIsRefused) {
       if (size == 0) continue;
       Simulation simulation(scene);
       EXPECT_THAT(message_of([&] { simulation.resume_from(forged.state, "c.bin"); }),
-                  HasSubstr("of 12 unknowns, got"));
+                  HasSubstr("of 12 DOFs, got"));
     }
   }
 }

@@ -58,9 +58,8 @@ TEST(GivingUp, EndsAMotionAfterAFewStepsInARowWithoutASolution) {
       EXPECT_EQ(outcome.status, RunStatus::not_converged);
       EXPECT_FALSE(simulation.is_finished());
       EXPECT_EQ(simulation.failed_steps().in_a_row, 2);
-      EXPECT_THAT(outcome.reason,
-                  AllOf(HasSubstr("for 2 steps in a row no solution was found"), names_the_place,
-                        HasSubstr(is_adaptive ? "min_step" : "simulation.time_step")));
+      EXPECT_THAT(outcome.reason, AllOf(HasSubstr("for 2 steps in a row did not converge"), names_the_place,
+                                        HasSubstr(is_adaptive ? "min_step" : "simulation.time_step")));
     }
   }
 }
@@ -72,7 +71,7 @@ TEST(GivingUp, GoesOnWhenItIsToldTo) {
   Simulation simulation(scene);
   const RunOutcome outcome = run_to_end(simulation, {});
   EXPECT_TRUE(simulation.is_finished());
-  EXPECT_THAT(outcome.reason, HasSubstr("steps were cut short"));
+  EXPECT_THAT(outcome.reason, HasSubstr("steps did not converge"));
 }
 
 /// A truncated step is no failure of the body.

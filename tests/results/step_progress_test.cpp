@@ -46,8 +46,7 @@ TEST(StepProgress, TellsTheTimeInMotion) {
 TEST(StepProgress, SaysWhenModesAreLookedFor) {
   Description scene = small_bar(3, false);
   scene.modes.emplace().count = 2;
-  for (const std::string& text : texts_of(scene, 1))
-    EXPECT_EQ(text, "step 1, looking for modes of vibration");
+  for (const std::string& text : texts_of(scene, 1)) EXPECT_EQ(text, "step 1, solving for vibration modes");
 }
 
 }  // namespace

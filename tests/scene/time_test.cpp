@@ -100,7 +100,7 @@ TEST(AdaptiveSteps, AreReadAndChecked) {
             std::string::npos);
   EXPECT_NE(error_with(in_motion({"simulation.adaptive={min_step=1,max_step=0.1}"})).find("min_step"),
             std::string::npos);
-  EXPECT_NE(error_with({"simulation.adaptive={}"}).find("only in motion"), std::string::npos);
+  EXPECT_NE(error_with({"simulation.adaptive={}"}).find("dynamics only"), std::string::npos);
 }
 
 TEST(Modes, AreReadAndChecked) {
@@ -112,7 +112,7 @@ TEST(Modes, AreReadAndChecked) {
   EXPECT_TRUE(d.modes->is_loaded);
   EXPECT_FALSE(d.is_dynamic);
   EXPECT_EQ(read_good_scene_with({"simulation.kind=modes"}).description.modes->count, 10);
-  EXPECT_NE(error_with({"simulation.modes={count=4}"}).find("only with simulation.kind = \"modes\""),
+  EXPECT_NE(error_with({"simulation.modes={count=4}"}).find("simulation.kind = \"modes\" only"),
             std::string::npos);
   EXPECT_NE(error_with({"simulation.kind=modes", "simulation.modes={count=0}"}).find("a whole number >= 1"),
             std::string::npos);
@@ -126,7 +126,7 @@ TEST(Damping, IsReadAndChecked) {
   EXPECT_EQ(damping.stiffness, 2);
   EXPECT_EQ(damping.shear_viscosity, 3);
   EXPECT_EQ(damping.bulk_viscosity, 4);
-  EXPECT_NE(error_with({"body.beam.damping={mass=1}"}).find("only in motion"), std::string::npos);
+  EXPECT_NE(error_with({"body.beam.damping={mass=1}"}).find("dynamics only"), std::string::npos);
   EXPECT_NE(error_with(in_motion({"body.beam.damping={mass=-1}"})).find("expected a number >= 0"),
             std::string::npos);
 }

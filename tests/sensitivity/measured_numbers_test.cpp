@@ -249,7 +249,7 @@ TEST(MeasuredNumbers, AreRefusedInWords) {
   };
   const auto run = Derivatives::run(cut_bar(3, false, "P1"), {});
   const Body& body = run->world().bodies[0];
-  EXPECT_NE(text_of([&] { energy_at(*run, "kinetic", nullptr, 1); }).find("a scene of motion"),
+  EXPECT_NE(text_of([&] { energy_at(*run, "kinetic", nullptr, 1); }).find("a dynamic scene"),
             std::string::npos);
   EXPECT_NE(text_of([&] { energy_at(*run, "elastik", nullptr, 1); }).find("elastic"), std::string::npos);
   EXPECT_NE(text_of([&] { section_force_at(*run, "cat", 1); }).find("cut"), std::string::npos);

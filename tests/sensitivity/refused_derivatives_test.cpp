@@ -84,7 +84,7 @@ TEST(StaticDerivatives, OfALooseEquilibriumComeWithAnEstimateOfTheirError) {
 TEST(Derivatives, AreRefusedInWordsWhereThereAreNone) {
   Description scene = small_bar(3, true);
   scene.adaptive = AdaptiveSteps{};
-  EXPECT_THAT(refusal_of_derivatives(scene, {"body.body.density"}), HasSubstr("steps that adapt"));
+  EXPECT_THAT(refusal_of_derivatives(scene, {"body.body.density"}), HasSubstr("adaptive time steps"));
   scene.adaptive.reset();
   ColliderDescription floor;
   floor.name = "floor";
@@ -92,7 +92,7 @@ TEST(Derivatives, AreRefusedInWordsWhereThereAreNone) {
   floor.shape.point = {0, 0, -0.05};
   floor.shape.normal = {0, 0, 1};
   scene.colliders.push_back(floor);
-  EXPECT_THAT(refusal_of_derivatives(scene, {"collider.floor.friction"}), HasSubstr("however small"));
+  EXPECT_THAT(refusal_of_derivatives(scene, {"collider.floor.friction"}), HasSubstr("a small value"));
 }
 
 }  // namespace

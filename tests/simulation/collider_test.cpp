@@ -239,11 +239,11 @@ TEST(AStaticBodyOnTheGround, IsNotHeldSideways) {
   scene.bodies[0].translate = {0, 0, 0.001};
   scene.colliders = {ground(3)};
   const std::string message = refusal_of(scene);
-  EXPECT_NE(message.find("3 of 6 rigid motions are free in a static run: translation along x, "
+  EXPECT_NE(message.find("3 of 6 rigid-body motions are free in a static analysis: translation along x, "
                          "translation along y, rotation about z;"),
             message.npos)
       << message;
-  EXPECT_NE(message.find("holds only what is within its activation distance"), message.npos);
+  EXPECT_NE(message.find("constrains a body only within the activation distance"), message.npos);
   scene.bodies[0].translate = {0, 0, 0.1};
   EXPECT_NE(refusal_of(scene).find("6 of 6 rigid motions"), std::string::npos);
 }
@@ -252,7 +252,7 @@ TEST(FreeVibrations, RefuseColliders) {
   Description scene = small_bar(3, false);
   scene.modes.emplace();
   scene.colliders = {ball({5, 0, 0}, 1)};
-  EXPECT_NE(refusal_of(scene).find("no [[collider]] where free vibrations are sought"), std::string::npos);
+  EXPECT_NE(refusal_of(scene).find("no [[collider]] in a modal analysis"), std::string::npos);
 }
 
 }  // namespace

@@ -71,7 +71,7 @@ TEST(LimitedLaw, IsNamedWithItsLimitWhereARunEnds) {
   do report = simulation.step();
   while (report.status == StepReport::Status::converged && !simulation.is_finished());
   EXPECT_EQ(report.status, StepReport::Status::not_converged);
-  EXPECT_THAT(report.reason, HasSubstr("gent ends where J^(-2/3) I_C - 3 reaches J_m: less load"));
+  EXPECT_THAT(report.reason, HasSubstr("gent ends where J^(-2/3) I_C - 3 reaches J_m: reduce the load"));
 }
 
 }  // namespace

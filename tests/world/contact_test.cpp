@@ -152,7 +152,8 @@ TEST(ABodyThatMeetsItself, FeelsNothingAtRest) {
     EXPECT_GT(world.contact->activation_distance(), 0.4 * std::min(gap, 0.01)) << gap;
     scene.contact.activation_distance = 0.02;
     if (gap < 0.02) {
-      EXPECT_THAT(refusal_of(scene), HasSubstr("the thinnest gap between a body's own parts at rest"));
+      EXPECT_THAT(refusal_of(scene),
+                  HasSubstr("the thinnest gap of self-contact in the reference configuration"));
     } else {
       EXPECT_THAT(refusal_of(scene), IsEmpty());
     }

@@ -1,4 +1,4 @@
-// Which rigid motions of a static body nothing holds, and in what words.
+// Which rigid-body motions of a static body nothing holds, and in what words.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -40,23 +40,26 @@ void hold(Description& scene, const Vector3& at, const std::string& components =
 TEST(AStaticBody, MayTurnAboutTheOneVertexThatIsHeld) {
   Description scene = loose_bar(3);
   hold(scene, {1, 0.25, 0});
-  EXPECT_THAT(refusal_of(scene),
-              AllOf(HasSubstr("3 of 6 rigid motions are free in a static run: rotation about x through "
-                              "(1, 0.25, 0), rotation about y through (1, 0.25, 0), rotation about z "
-                              "through (1, 0.25, 0); add a [[fix]] on a vertex away from the axis"),
-                    Not(HasSubstr("translation"))));
+  EXPECT_THAT(
+      refusal_of(scene),
+      AllOf(HasSubstr("3 of 6 rigid-body motions are free in a static analysis: rotation about x through "
+                      "(1, 0.25, 0), rotation about y through (1, 0.25, 0), rotation about z "
+                      "through (1, 0.25, 0); add a [[fix]] on a vertex away from the axis"),
+            Not(HasSubstr("translation"))));
   scene = loose_bar(2);
   hold(scene, {1, 0.25, 0});
-  EXPECT_THAT(refusal_of(scene), HasSubstr("1 of 3 rigid motions are free in a static run: rotation about "
-                                           "(1, 0.25); add a [[fix]] on a vertex away from this point"));
+  EXPECT_THAT(refusal_of(scene),
+              HasSubstr("1 of 3 rigid-body motions are free in a static analysis: rotation about "
+                        "(1, 0.25); add a [[fix]] on a vertex away from this point"));
 }
 
 TEST(AStaticBody, MayTurnAboutTheLineThroughTwoVertices) {
   Description scene = loose_bar(3);
   hold(scene, {0, 0, 0.25});
   hold(scene, {1, 0, 0.25});
-  EXPECT_THAT(refusal_of(scene), HasSubstr("1 of 6 rigid motions are free in a static run: rotation about x "
-                                           "through (0.5, 0, 0.25);"));
+  EXPECT_THAT(refusal_of(scene),
+              HasSubstr("1 of 6 rigid-body motions are free in a static analysis: rotation about x "
+                        "through (0.5, 0, 0.25);"));
   // Turned by atan(4/3) about z: the line is named by its direction.
   scene.bodies[0].rotate =
       Rotation{.axis = Vector3::UnitZ(), .degrees = std::atan2(4, 3) * 180 / std::acos(-1)};
@@ -85,12 +88,13 @@ TEST(AStaticBody, MaySlideWhereAPlaneHoldsItsNormalAlone) {
   scene.fixes = {plane};
   // With two translations a turn about x is one about any axis along it.
   EXPECT_THAT(refusal_of(scene),
-              HasSubstr("3 of 6 rigid motions are free in a static run: translation along "
+              HasSubstr("3 of 6 rigid-body motions are free in a static analysis: translation along "
                         "y, translation along z, rotation about x; add a [[fix]] on a face"));
   hold(scene, {1, 0, 0}, "y");
   hold(scene, {1, 0, 0.25}, "y");
-  EXPECT_THAT(refusal_of(scene), HasSubstr("1 of 6 rigid motions are free in a static run: translation along "
-                                           "z; add a [[fix]] that holds one vertex in these directions"));
+  EXPECT_THAT(refusal_of(scene),
+              HasSubstr("1 of 6 rigid-body motions are free in a static analysis: translation along "
+                        "z; add a [[fix]] of one vertex in these directions"));
   hold(scene, {1, 0.25, 0}, "z");
   EXPECT_EQ(refusal_of(scene), "");
 }
@@ -105,8 +109,10 @@ TEST(AStaticBody, IsNamedByItsPartWhereItHasSeveral) {
   FixDescription wall;
   wall.where.kind = Where::Kind::plane;
   scene.fixes = {wall};
-  EXPECT_THAT(refusal_of(scene),
-              HasSubstr("component 2 (8 vertices around (4.5, 4.5, 4.5)) is not held: 6 of 6 rigid motions"));
+  EXPECT_THAT(
+      refusal_of(scene),
+      HasSubstr(
+          "component 2 (8 vertices around (4.5, 4.5, 4.5)) is not constrained: 6 of 6 rigid-body motions"));
   for (const Vector3& corner : {Vector3(4, 4, 4), Vector3(5, 4, 4), Vector3(4, 5, 4)}) hold(scene, corner);
   EXPECT_EQ(refusal_of(scene), "");
 }
@@ -137,9 +143,10 @@ TEST(AStaticBody, StandsOnAColliderThatItTouches) {
   scene.colliders = {floor};
   EXPECT_THAT(
       refusal_of(scene),
-      AllOf(HasSubstr("3 of 6 rigid motions are free in a static run: translation along x, translation "
-                      "along y, rotation about z;"),
-            HasSubstr("holds only what is within its activation distance at the start")));
+      AllOf(HasSubstr(
+                "3 of 6 rigid-body motions are free in a static analysis: translation along x, translation "
+                "along y, rotation about z;"),
+            HasSubstr("constrains a body only within the activation distance at the start")));
   scene.colliders[0].shape.point.z() = -1;
   EXPECT_THAT(refusal_of(scene), HasSubstr("6 of 6"));
 }
@@ -153,7 +160,7 @@ TEST(AStaticBody, StandsOnABodyThatIsHeld) {
   scene.probes.clear();
   scene.bodies[1].translate = scene.bodies[0].translate + Vector3(0, 0, 0.25 + 1e-3);
   scene.contact.activation_distance = 0.01;
-  EXPECT_THAT(refusal_of(scene), HasSubstr("body \"lower\" is not held: 6 of 6"));
+  EXPECT_THAT(refusal_of(scene), HasSubstr("body \"lower\" is not constrained: 6 of 6"));
   FixDescription foot;
   foot.name = "foot";
   foot.body = "lower";
@@ -162,12 +169,12 @@ TEST(AStaticBody, StandsOnABodyThatIsHeld) {
   scene.fixes.push_back(foot);
   EXPECT_THAT(
       refusal_of(scene),
-      AllOf(
-          HasSubstr("body \"upper\" is not held: 3 of 6 rigid motions are free in a static run: translation "
-                    "along x, translation along y, rotation about z"),
-          HasSubstr("holds only what is within its activation distance at the start")));
+      AllOf(HasSubstr("body \"upper\" is not constrained: 3 of 6 rigid-body motions are free in a static "
+                      "analysis: translation "
+                      "along x, translation along y, rotation about z"),
+            HasSubstr("constrains a body only within the activation distance at the start")));
   scene.bodies[1].translate.z() += 0.1;
-  EXPECT_THAT(refusal_of(scene), HasSubstr("body \"upper\" is not held: 6 of 6"));
+  EXPECT_THAT(refusal_of(scene), HasSubstr("body \"upper\" is not constrained: 6 of 6"));
 }
 
 TEST(ABodyInMotion, NeedsNoSupport) {
@@ -208,7 +215,8 @@ TEST(AStaticBody, HasAsManyFreeMotionsAsItsSupportsLeave) {
       ++num_held;
       EXPECT_EQ(message, "");
     } else {
-      EXPECT_THAT(message, HasSubstr(" is not held: " + std::to_string(6 - rank) + " of 6 rigid motions"));
+      EXPECT_THAT(message,
+                  HasSubstr(" is not constrained: " + std::to_string(6 - rank) + " of 6 rigid-body motions"));
     }
   }
   EXPECT_GT(num_held, 5);

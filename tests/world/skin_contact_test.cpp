@@ -120,7 +120,7 @@ TEST(ASkinWithASeam, CannotMeetItself) {
   EXPECT_THAT(refusal_of(scene), IsEmpty());
   scene.contact.with_themselves = true;
   EXPECT_THAT(refusal_of(scene),
-              AllOf(HasSubstr("parts of \"first\" touch near"), HasSubstr("join vertices")));
+              AllOf(HasSubstr("parts of \"first\" touch near"), HasSubstr("merge coincident vertices")));
 }
 
 TEST(AColliderThatASkinStartsIn, IsRefusedWithTheVertexOfTheSkin) {

@@ -232,7 +232,7 @@ TEST(BodiesAtTheStart, AreWarnedOfWhereTheyShareSpace) {
       scene.fixes[0].body = scene.probes[0].body = "body";
       const std::string words = warnings_of(scene);
       if (x < 1) {
-        EXPECT_THAT(words, AllOf(HasSubstr("\"body\" and \"other\" share space"), HasSubstr("near ("))) << x;
+        EXPECT_THAT(words, AllOf(HasSubstr("\"body\" and \"other\" overlap"), HasSubstr("near ("))) << x;
       } else {
         EXPECT_THAT(words, Not(HasSubstr("share space"))) << x;
       }

@@ -87,7 +87,7 @@ ElasticEnergy::ElasticEnergy(int dim, const ElementChoice& choice, std::span<con
       num_world_unknowns_(rest_positions.size()),
       all_blocks_(tiles_.blocks.num_blocks) {
   if (element_->has_mean_volume && !law.has_volume_energy)
-    throw InputError("element", "a law whose volume energy stands apart for " + std::string(element_->name),
+    throw InputError("element", "a law with a separate volumetric energy for " + std::string(element_->name),
                      std::string(law.name),
                      "choose " + std::string(element_->name.substr(0, 2)) + " or another law (docs/laws.md)");
   const ElementBlocks& blocks = tiles_.blocks;

@@ -87,8 +87,9 @@ void derive_principal_direction(const double* stress, double* values) {
 using enum FieldInfo::Kind;
 
 constexpr CellQuantity of_cells[] = {
-    {"cauchy_stress", "Cauchy stress", "Cauchy stress: true stress, in the axes of the deformed shape", "Pa",
-     tensor, sample_cauchy_stress, 9, nullptr},
+    {"cauchy_stress", "Cauchy stress",
+     "Cauchy stress: true stress, in the axes of the deformed configuration", "Pa", tensor,
+     sample_cauchy_stress, 9, nullptr},
     {"von_mises", "von Mises stress", "von Mises stress of the Cauchy stress", "Pa", scalar,
      sample_cauchy_stress, 9, derive_von_mises},
     {"pressure", "pressure", "minus a third of the trace of the Cauchy stress", "Pa", scalar,
@@ -102,35 +103,35 @@ constexpr CellQuantity of_cells[] = {
     {"principal_direction_3", "principal direction 3", "direction of the smallest principal stress", "",
      vector, sample_cauchy_stress, 9, derive_principal_direction<3>},
     {"first_piola_kirchhoff_stress", "first Piola-Kirchhoff stress",
-     "first Piola-Kirchhoff stress P = dPsi/dF: force per rest area", "Pa", tensor, sample_first_stress, 9,
-     nullptr, false},
+     "first Piola-Kirchhoff stress P = dPsi/dF: force per reference area", "Pa", tensor, sample_first_stress,
+     9, nullptr, false},
     {"second_piola_kirchhoff_stress", "second Piola-Kirchhoff stress",
      "second Piola-Kirchhoff stress S = F^-1 P", "Pa", tensor, sample_second_stress, 9, nullptr},
     {"green_strain", "Green strain", "Green-Lagrange strain (F^T F - I) / 2", "", tensor, sample_green_strain,
      9, nullptr},
     {"logarithmic_strain", "logarithmic strain", "logarithmic (Hencky) strain ln(F F^T) / 2", "", tensor,
      sample_logarithmic_strain, 9, nullptr},
-    {"volume_ratio", "volume ratio", "deformed over rest volume, J = det F", "", scalar, sample_volume_ratio,
-     1, nullptr},
-    {"energy_density", "energy density", "strain energy per rest volume", "J/m^3", scalar,
+    {"volume_ratio", "volume ratio", "deformed over reference volume, J = det F", "", scalar,
+     sample_volume_ratio, 1, nullptr},
+    {"energy_density", "energy density", "strain energy per reference volume", "J/m^3", scalar,
      sample_energy_density, 1, nullptr},
 };
 
 constexpr NodeQuantity of_nodes[] = {
-    {"displacement", "displacement", "from the rest shape", "m", vector,
+    {"displacement", "displacement", "from the reference configuration", "m", vector,
      [](const World& world, const State& state) -> VectorX {
        return state.positions - world.rest_positions;
      }},
     {"velocity", "velocity", "zero in statics", "m/s", vector,
      [](const World&, const State& state) -> VectorX { return state.velocities; }},
     {"contact_traction", "contact traction",
-     "force per rest area that bodies and colliders exert where they touch; zero elsewhere", "Pa", vector,
+     "contact force of bodies and colliders per reference area; zero elsewhere", "Pa", vector,
      contact_traction},
-    {"contact_pressure", "contact pressure", "how much of it presses upon the surface", "Pa", scalar,
-     contact_pressure},
+    {"contact_pressure", "contact pressure",
+     "normal component of the contact traction, positive in compression", "Pa", scalar, contact_pressure},
     {"contact_gap", "contact gap",
-     "distance to what is felt of bodies and colliders; the activation distance where nothing is near", "m",
-     scalar, contact_gap},
+     "distance to the nearest body or collider; the activation distance where nothing is nearer", "m", scalar,
+     contact_gap},
 };
 
 /// Names of a quantity of the cells begin with where it is. Directions have no mean: either sense is meant.

@@ -286,8 +286,8 @@ std::vector<std::string> coarseness_texts(const World& world, const Discretisati
     const double error = errors[b].value_or(0);
     if (error <= large_discretisation_error) continue;
     const Body& body = world.bodies[b];
-    texts.push_back("\"" + body.name + "\" may be off by about " + share_text(error) +
-                    " (its displacements; where they are prescribed, its forces): " + body.element +
+    texts.push_back("\"" + body.name + "\" has an estimated discretisation error of " + share_text(error) +
+                    " (displacements, or forces where displacements are prescribed): " + body.element +
                     " on these cells is too coarse; take " + finer_choice(body));
   }
   return texts;

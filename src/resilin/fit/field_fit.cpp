@@ -314,7 +314,7 @@ void FieldSearch::tell_fields(SceneFitReport& report) const {
   if (report.has_sigma && size > 1)
     warnings.push_back(
         "model error: residuals are " + format_short(std::sqrt(size)) +
-        " times as large as the sigmas say. Mesh, element, law, supports or loads are not those "
+        " times as large as the sigmas say. Mesh, element, law, boundary conditions or loads are not those "
         "of the experiment, or the prior is too strong; intervals are widened by it");
   const VectorX deviations = (size * uncertainty.variance.cwiseMax(0.0)).cwiseSqrt();
   std::size_t scalar = 0;
@@ -333,10 +333,10 @@ void FieldSearch::tell_fields(SceneFitReport& report) const {
   }
   for (const FittedField& field : report.fields)
     if (field.num_loose > 0)
-      warnings.push_back(
-          field.name + ": " + std::to_string(field.num_loose) + " of " + std::to_string(field.values.size()) +
-          " cells are known to no better than a factor of 2 (of what may be negative: than half of "
-          "its range): what stands there comes from their neighbours and the prior");
+      warnings.push_back(field.name + ": " + std::to_string(field.num_loose) + " of " +
+                         std::to_string(field.values.size()) +
+                         " cells are known to no better than a factor of 2 (signed values: half of their "
+                         "range); their values come from the neighbours and the prior");
   tell_strength(report);
 }
 

@@ -135,7 +135,7 @@ std::string objective_text(const FitReport& report) {
   return text + "; stability " +
          (description.stability == StabilityRule::required ? "required over the data"
           : description.stability == StabilityRule::report ? "reported"
-                                                           : "not looked at");
+                                                           : "not checked");
 }
 
 std::string stability_text(const StabilityRange& range) {
@@ -155,7 +155,7 @@ std::string fit_text(const FitReport& report) {
   text += tests_line(report) + "\n" + objective_text(report) + "\n\n";
   text += format_table(ranking(report, unit));
   if (report.description.stability != StabilityRule::off)
-    text += "\nStability is looked at for stretches from 1/12 to 12; everywhere means there.\n";
+    text += "\nStability is checked for stretches from 1/12 to 12; everywhere means this range.\n";
   for (const LawFit& fit : report.laws) add_law(fit, report, unit, text);
   for (const LawNotFitted& law : report.not_fitted)
     text += "\n" + law.name + " was not fitted: " + law.reason + "\n";

@@ -145,7 +145,7 @@ LawChoice choose_law(const std::string& name, bool is_compressible, const std::s
     refuse_law(law, place, "whose fibres have directions that a homogeneous test does not name",
                "fit its ground substance by neo_hookean");
   if (law.is_quadratic && !is_compressible)
-    refuse_law(law, place, "which holds for small strains alone and knows no incompressible limit",
+    refuse_law(law, place, "which is valid at small strain only and has no incompressible limit",
                "set volume = \"compressible\", or fit neo_hookean");
   LawChoice choice{name == law_of_terms ? std::string("ogden3") : name, &law, is_compressible, {}, {}, {}};
   // Any constants show of what kind each is; the poorer the symmetry, the better.
@@ -153,8 +153,7 @@ LawChoice choose_law(const std::string& name, bool is_compressible, const std::s
   choice.constants.assign(law.constants.size(), 0.0);
   choice.volume_constant = find_volume_constant(law, sample);
   if (!is_compressible && choice.volume_constant < 0)
-    refuse_law(law, place,
-               "which has no constant that resists changes of volume alone, so no incompressible limit",
+    refuse_law(law, place, "which has no purely volumetric constant and so no incompressible limit",
                "set volume = \"compressible\"");
   const int num_terms = number_of_terms(name);
   for (int p = 0; p < static_cast<int>(law.constants.size()); ++p) {

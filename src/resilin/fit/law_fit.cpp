@@ -72,9 +72,9 @@ void estimate_errors(const LawProblem& problem, const SearchResult& found, doubl
   if (has_sigmas) {
     const bool is_too_large = degrees > 0 && sum > chi_square_99(degrees);
     if (is_too_large)
-      fit.warnings.push_back(
-          "residuals are " + format_short(std::sqrt(variance)) +
-          " times as large as the sigmas say: the law does not hold to them; intervals are widened");
+      fit.warnings.push_back("residuals are " + format_short(std::sqrt(variance)) +
+                             " times as large as the sigmas say: the law does not fit the data within them; "
+                             "intervals are widened");
     if (!is_too_large) {
       variance = 1;
       factor = normal_95;

@@ -50,7 +50,7 @@ void tell_moduli(const LawChoice& choice, const std::vector<double>& constants, 
     if (fit.poissons_ratio < 0)
       fit.warnings.push_back(
           "a Poisson's ratio of " + format_short(fit.poissons_ratio) +
-          " at small strain: the tests do not hold the volume; add one that changes it, or set "
+          " at small strain: the tests do not determine the volume change; add one that does, or set "
           "volume = \"incompressible\"");
   } else {
     fit.bulk_modulus = std::numeric_limits<double>::infinity();
@@ -59,7 +59,7 @@ void tell_moduli(const LawChoice& choice, const std::vector<double>& constants, 
   }
   if (!(moduli.shear > 0))
     fit.warnings.push_back("the shear modulus at small strain is " + format_short(moduli.shear) +
-                           " Pa: no solid; set stability = \"required\"");
+                           " Pa: not a solid; set stability = \"required\"");
 }
 
 /// Constants that a scene takes.

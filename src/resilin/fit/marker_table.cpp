@@ -88,12 +88,12 @@ class MeasuredColumns {
         values_ = small;
         holds_places_ = true;
       } else if (tells_values && has_any(rest) && has_any(small)) {
-        throw InputError(source_, "displacements ux, uy, uz or places x, y, z beside X, Y, Z", "both",
+        throw InputError(source_, "displacements ux, uy, uz or positions x, y, z beside X, Y, Z", "both",
                          "leave one of them out");
       }
       for (int i = 0; i < dim_; ++i)
         if (!at_[static_cast<std::size_t>(i)])
-          throw InputError(source_, std::string("a column ") + "XYZ"[i] + ", a place at rest",
+          throw InputError(source_, std::string("a column ") + "XYZ"[i] + ", a reference position",
                            "the columns " + join(table_.column_names), "for example " + example());
     }
     if (!has_any(values_))
@@ -138,10 +138,10 @@ std::vector<MeasuredRow> measured_rows(MeasuredKind kind, const NumberTable& tab
   const auto sigma = columns.find("sigma");
   const auto moment = columns.find(is_dynamic ? "time" : "load");
   if (columns.find(is_dynamic ? "load" : "time"))
-    throw InputError(source,
-                     is_dynamic ? "a column time, for the scene moves" : "a column load, the load factor",
-                     is_dynamic ? "a column load" : "a column time",
-                     is_dynamic ? "name it time [s]" : "the scene is at rest");
+    throw InputError(
+        source, is_dynamic ? "a column time, because the scene is dynamic" : "a column load, the load factor",
+        is_dynamic ? "a column load" : "a column time",
+        is_dynamic ? "name it time [s]" : "the scene is static");
   std::vector<MeasuredRow> rows;
   for (std::size_t r = 0; r < table.num_rows(); ++r) {
     const auto cell = [&](std::size_t column) { return table.values[r * table.num_columns + column]; };

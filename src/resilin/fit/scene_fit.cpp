@@ -39,8 +39,8 @@ void estimate_errors(const SceneModel& model, const SceneSearch& search, SceneFi
     if (is_too_large) {
       warnings.push_back(
           "model error: residuals are " + format_short(std::sqrt(variance)) +
-          " times as large as the sigmas say. Mesh, element, law, supports or loads are not those of the "
-          "experiment; intervals are widened by it, and yet the truth may lie outside them");
+          " times as large as the sigmas say. Mesh, element, law, boundary conditions or loads are not those "
+          "of the experiment; intervals are widened by it, and yet the truth may lie outside them");
     } else {
       variance = 1;
       factor = normal_95;
@@ -69,8 +69,8 @@ void estimate_errors(const SceneModel& model, const SceneSearch& search, SceneFi
     parameter.lower_95 = is_log ? value * std::exp(-half) : value - half;
     parameter.upper_95 = is_log ? value * std::exp(half) : value + half;
     if (parameter.is_held)
-      warnings.push_back(parameter.name + " is held by its bound, " + format_number(value) +
-                         ": the data would have it go on");
+      warnings.push_back(parameter.name + " is at its bound, " + format_number(value) +
+                         ": the data would move it further");
   }
 }
 

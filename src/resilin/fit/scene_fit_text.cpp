@@ -40,8 +40,7 @@ std::string common_unit(const SceneFitReport& report) {
 std::vector<std::string> parameter_row(const FittedParameter& parameter) {
   const double half = (parameter.upper_95 - parameter.lower_95) / 2;
   const std::string value = with_unit(rounded_text(parameter.value, half), parameter.unit);
-  if (parameter.is_held)
-    return {parameter.name, value, "-", "held by a bound", format_number(parameter.start)};
+  if (parameter.is_held) return {parameter.name, value, "-", "at a bound", format_number(parameter.start)};
   if (!std::isfinite(parameter.standard_error))
     return {parameter.name, value, "-", "not determined", format_number(parameter.start)};
   return {parameter.name, value, rounded_text(parameter.standard_error, parameter.standard_error),
@@ -263,7 +262,7 @@ std::string scene_material_toml(const SceneFitReport& report) {
   for (const FittedParameter& parameter : report.parameters)
     text +=
         one_line("# " + parameter.name + " = " + with_unit(format_number(parameter.value), parameter.unit) +
-                 (parameter.is_held                         ? ", held by a bound"
+                 (parameter.is_held                         ? ", at a bound"
                   : std::isfinite(parameter.standard_error) ? ", 95 %: " + parameter_row(parameter)[3]
                                                             : ", not determined")) +
         "\n";

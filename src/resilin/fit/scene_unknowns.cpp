@@ -90,7 +90,7 @@ SoughtNumbers read_component(const SceneParameter& sought, const FoundKey& key, 
   if (!parameter.shape.empty() && (parameter.shape.size() > 1 || parameter.value.size() != dim))
     throw InputError(sought.place + ".key", "a number of the scene, or a constant of a material",
                      "\"" + sought.key + "\", an array",
-                     "fields of places are not fitted; find_rest_shape finds rest shapes");
+                     "fields of positions are not fitted; find_rest_shape finds stress-free shapes");
   if (!parameter.shape.empty() && !key.component)
     throw InputError(sought.place + ".key", "one component of the vector", "\"" + sought.key + "\"",
                      "for example \"" + sought.key + ".y\"");

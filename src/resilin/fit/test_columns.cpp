@@ -249,7 +249,7 @@ void leave_rest_out(MaterialTest& test, std::vector<std::string>& warnings) {
       if (std::abs(test.stress[i]) > 0.01 * largest)
         warnings.push_back(test.place + ": a stress of " +
                            format_short(test.stress[i] / test.unit_in_pascal) + " " + test.unit +
-                           " at rest; every law has none there: take the preload off");
+                           " at zero strain; every law has none there: subtract the preload");
       continue;
     }
     test.load[kept] = test.load[i];

@@ -38,8 +38,8 @@ void ConjugateGradients::foresee(const BlockMatrix& A) {
   const double bytes = expected_bytes(*A.pattern, A.dim);
   if (!fits(bytes))
     foresee_memory(
-        bytes, "solver.kind = \"" + name_ + "\" for " + std::to_string(A.num_unknowns()) + " unknowns",
-        what_would_fit(A.num_unknowns(), bytes, "unknowns") + ": take fewer cells, or raise the limit");
+        bytes, "solver.kind = \"" + name_ + "\" for " + std::to_string(A.num_unknowns()) + " DOFs",
+        what_would_fit(A.num_unknowns(), bytes, "DOFs") + ": take fewer cells, or raise the limit");
   foreseen_ = A.pattern;
 }
 

@@ -12,7 +12,7 @@ namespace {
 std::string shortage_text(std::string_view solver, const std::string& needs, const MemoryRoom& room,
                           const BlockMatrix& A) {
   return "out of memory: solver.kind = \"" + std::string(solver) + "\" needs " + needs + " for " +
-         std::to_string(A.num_unknowns()) + " unknowns, " + words(room) +
+         std::to_string(A.num_unknowns()) + " DOFs, " + words(room) +
          "; take solver.kind = \"cg_amg\", fewer cells, or raise the limit";
 }
 

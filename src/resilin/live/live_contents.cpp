@@ -238,7 +238,7 @@ void LiveScene::Contents::change_materials(const LiveControls& wanted) {
     change_material(changed, b, bodies[b]);
     const double energy = changed.bodies[b].elastic->value(state.positions, {});
     if (std::isfinite(energy)) continue;
-    throw InputError("law", "a law that knows cells turned inside out while there are such",
+    throw InputError("law", "a law that is finite for inverted elements, because there are some",
                      "\"" + wanted.law + "\", which needs J > 0 everywhere",
                      "reset the scene, or wait until no cell is inverted");
   }

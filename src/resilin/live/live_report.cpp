@@ -70,19 +70,19 @@ std::string LiveScene::Contents::words() const {
   const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
   const std::string share = format_short(report.relative_residual) + " of the load";
   if (report.at_rest) {
-    add("at rest: exact equilibrium of these cells, the force residual is " + share);
+    add("at rest: equilibrium of this mesh, the force residual is " + share);
   } else if (is_seeking()) {
-    add("nothing moves: going on to the exact equilibrium, the force residual is " + share);
+    add("nearly at rest: converging to the equilibrium, the force residual is " + share);
   } else if (!report.converged) {
-    add("not solved to the end: after " + std::to_string(report.newton_iterations) +
+    add("not converged: after " + std::to_string(report.newton_iterations) +
         (report.newton_iterations == 1 ? " Newton iteration" : " Newton iterations") +
-        " the force residual is " + share + "; the next step goes on from there");
+        " the force residual is " + share + "; the next step continues from there");
   }
   if (report.inverted_cells > 0) {
     add(std::to_string(report.inverted_cells) + (report.inverted_cells == 1 ? " cell is" : " cells are") +
-        " turned inside out");
+        " inverted");
   }
-  if (mending_factor() > 1) add("motion is damped, since cells were inside out");
+  if (mending_factor() > 1) add("motion is damped, because elements were inverted");
   for (const std::string& coarse : coarseness_texts(world, report.discretisation_errors)) add(coarse);
   return text;
 }

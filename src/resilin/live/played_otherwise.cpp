@@ -10,9 +10,8 @@ namespace resilin {
 
 std::vector<std::string> played_otherwise(const Description& scene) {
   if (!scene.is_dynamic)
-    return {follows_time(scene)
-                ? "a run at rest is gone on with in motion; its loads go on along their path"
-                : "a run at rest is gone on with in motion, under the load factor of the frame"};
+    return {follows_time(scene) ? "a static run continues dynamically; its loads continue along their path"
+                                : "a static run continues dynamically, at the load factor of the frame"};
   std::vector<std::string> lines;
   const std::string steps = "backward Euler's steps of " + format_short(scene.time_step) + " s";
   if (scene.adaptive)
@@ -25,7 +24,7 @@ std::vector<std::string> played_otherwise(const Description& scene) {
   const double damping = scene.bodies.front().damping.mass;
   if (std::ranges::any_of(scene.bodies,
                           [damping](const BodyDescription& body) { return body.damping.mass != damping; }))
-    lines.emplace_back("all bodies have the damping by mass of the first");
+    lines.emplace_back("all bodies have the mass damping of the first");
   return lines;
 }
 

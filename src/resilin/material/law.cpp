@@ -150,7 +150,8 @@ class ConstantReader {
   void check_rest_tangent(const double* A, std::size_t i) const {
     const double mu = A[9 * 1 + 1], bulk_modulus = (A[0] + 2 * A[4]) / 3, least = 1e-14 * std::abs(A[0]);
     if (mu > least && bulk_modulus > least) return;
-    throw InputError((place_ + name_of_(i)), "constants of a solid that is stable at rest",
+    throw InputError((place_ + name_of_(i)),
+                     "constants of a solid that is stable in the reference configuration",
                      "a small-strain shear modulus of " + format_number(mu) + " Pa and bulk modulus of " +
                          format_number(bulk_modulus) + " Pa",
                      "both must be positive");

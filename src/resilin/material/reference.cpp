@@ -75,11 +75,10 @@ std::string section(const LawInfo& law) {
   if (!std::isnan(law.only_poissons_ratio))
     append(text, {"\nIts Poisson's ratio is ", format_number(law.only_poissons_ratio), ".\n"});
   if (law.max_fibres > 0)
-    append(
-        text,
-        {"\nNeeds ", families(law.max_fibres),
-         " of `fibres`, unit vectors of the rest shape. (E, nu) are those of the ground substance, without "
-         "fibres.\n"});
+    append(text, {"\nNeeds ", families(law.max_fibres),
+                  " of `fibres`, unit vectors of the reference configuration. (E, nu) are those of the "
+                  "matrix, without "
+                  "fibres.\n"});
   append(text, {"\nSource: ", law.source, ".  \nJ <= 0: ", law.inversion});
   if (!law.end_of_domain.empty()) append(text, {", and where ", law.end_of_domain});
   append(text, {".\n\n"});
@@ -93,17 +92,17 @@ std::string law_reference() {
       "# Laws\n\n"
       "Made by `resilin materials --reference` from the catalogue (`src/resilin/material/catalog.hpp`).\n\n"
       "A material is given in one of two ways:\n\n"
-      "- `youngs_modulus` [Pa] and `poissons_ratio` (above -1, below 0.5) always mean the small-strain "
-      "solid: every law "
-      "converts them to its own constants, so that E and nu measured on a slightly strained bar are those "
-      "asked for.\n"
-      "- The constants of the formula, by name: they are taken as they stand. The last column says which may "
-      "be left out.\n\n"
-      "Constants that E and nu do not determine are given beside them. A set of constants that would not be "
-      "stable at rest is refused.\n\n"
+      "- `youngs_modulus` [Pa] and `poissons_ratio` (above -1, below 0.5) always describe the small-strain "
+      "response: every law converts them to its own constants, so a slightly strained bar has these E and "
+      "nu.\n"
+      "- The constants of the formula, by name, used unchanged. The last column says which may be left "
+      "out.\n\n"
+      "Constants that E and nu do not determine are given beside them. Constants that are unstable in the "
+      "reference configuration are refused.\n\n"
       "In 2D the state is plane strain: F = diag(F_2, 1) in the same formula. Psi is the strain energy per "
-      "rest volume "
-      "[J/m^3], zero at rest; F = dx/dX, J = det F, C = F^T F, I_C = tr C, II_C = |cof F|^2, s_i are the "
+      "reference volume "
+      "[J/m^3], zero in the reference configuration; F = dx/dX, J = det F, C = F^T F, I_C = tr C, II_C = "
+      "|cof F|^2, s_i are the "
       "signed "
       "singular values of F and R is its rotation. mu_H = E / (2 (1 + nu)) and "
       "lambda_H = E nu / "

@@ -158,8 +158,8 @@ class Examiner {
       for (Index cell = 0; cell < block.num_cells(); ++cell) {
         if (components.of_cell[static_cast<std::size_t>(cell)] == c) members.push_back(cell);
       }
-      warning("component " + std::to_string(c + 1),
-              "not connected to the rest (" + cells(members) + "): it needs its own supports in statics");
+      warning("component " + std::to_string(c + 1), "not connected to the rest (" + cells(members) +
+                                                        "): it needs its own boundary conditions in statics");
     }
     for (const ComponentOverlap& found :
          overlapping_components(mesh_, block, components, most_issues_of_a_kind)) {
@@ -295,7 +295,7 @@ std::string fold_text(const Mesh& mesh, const CellBlock& block, const FoldedCell
   const auto X = [&](std::size_t i) -> const Vector3& {
     return mesh.vertices[static_cast<std::size_t>(nodes[i])];
   };
-  std::string text = "turned inside out: its Jacobian is " + format_short(folded.jacobian) + " at " +
+  std::string text = "inverted: its Jacobian is " + format_short(folded.jacobian) + " at " +
                      format_point(folded.xi, dimension(block.kind)) + " of its reference cell";
   if (!is_second_order(block.kind)) {
     return text + (dimension(block.kind) == 3

@@ -122,10 +122,10 @@ class LatticeMaker {
     if (surface_.volume > 0) lattice.volume_ratio = num_cells * cell_volume / surface_.volume;
     if (surface_.num_open_edges > 0)
       lattice.remarks.push_back(name_ + ": " + std::to_string(surface_.num_open_edges) +
-                                " open edges; what is inside is told by how the surface winds around it");
+                                " open edges; the winding number of the surface decides what is inside");
     if (surface_.num_turned > 0)
       lattice.remarks.push_back(name_ + ": " + std::to_string(surface_.num_turned) +
-                                " triangles are wound against their neighbours; they count as turned around");
+                                " triangles are wound against their neighbours and count as inverted");
     return lattice;
   }
 

@@ -10,7 +10,7 @@ namespace resilin {
 namespace {
 
 constexpr const char* blocked_motion =
-    "the prescribed motion would invert an element or lead surfaces through each other";
+    "the prescribed motion would invert an element or make surfaces penetrate";
 /// A step towards the targets that the domain cut to less than this is followed by some at rest, in which
 /// what is in the way gives way.
 constexpr double short_boundary_step = 0.5;
@@ -29,9 +29,9 @@ std::shared_ptr<const BlockPattern> foreseen(int dim, std::shared_ptr<const Bloc
   const double bytes = matrix + vectors * unknowns * sizeof(double) + solver.expected_bytes(*pattern, dim);
   if (!fits(bytes))
     foresee_memory(bytes,
-                   "the equilibrium of " + std::to_string(pattern->num_nodes() * dim) + " unknowns by " +
+                   "the equilibrium of " + std::to_string(pattern->num_nodes() * dim) + " DOFs with " +
                        std::string(solver.name()),
-                   what_would_fit(unknowns, bytes, "unknowns") + ": take fewer cells, or raise the limit");
+                   what_would_fit(unknowns, bytes, "DOFs") + ": take fewer cells, or raise the limit");
   return pattern;
 }
 
@@ -50,10 +50,9 @@ NewtonReport Newton::Search::finish(NewtonReport::Status status, std::string rea
 }
 
 NewtonReport Newton::Search::finish_out_of_digits() {
-  return finish(
-      NewtonReport::Status::out_of_digits,
-      "only rounding is left of the forces, but too much of it: the positions have too few digits for "
-      "a body this far from the origin, this stiff under its loads or moved in steps this short");
+  return finish(NewtonReport::Status::out_of_digits,
+                "the residual is round-off, but too large: the positions have too few digits for a body this "
+                "far from the origin, this stiff for its loads or moved in steps this short");
 }
 
 /// How far the step may go. Where that is not far, because surfaces turn on the way, the step is corrected

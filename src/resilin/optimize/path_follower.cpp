@@ -153,7 +153,7 @@ NewtonReport PathFollower::Search::run(const PathPoint* center, const NewtonObse
     const Convergence::Verdict verdict = measure(*objective);
     if (verdict == Convergence::Verdict::yes) return finish(Status::converged, "converged");
     if (verdict == Convergence::Verdict::not_finite)
-      return finish(Status::not_finite, "the step left the domain of the law");
+      return finish(Status::not_finite, "the step left the domain of the constitutive model");
     if (report.iterations >= settings.max_iterations)
       return finish(Status::max_iterations, "no point of the path was found at this distance");
     if (!solve(*objective, true)) return finish(Status::singular, "the stiffness matrix is singular");
@@ -166,7 +166,7 @@ NewtonReport PathFollower::Search::run(const PathPoint* center, const NewtonObse
       dt = -(0.5 * excess + free_dot(moved, to_balance)) / (free_dot(moved, along) + weight * moved_load);
       dx += dt * along;
       if (!(std::sqrt(free_dot(dx, dx) + weight * dt * dt) < 10 * arc))
-        return finish(Status::stalled, "the path turns more sharply than the step");
+        return finish(Status::stalled, "the path curves more sharply than the step");
     }
     if (!move_by(*objective, dx, dt)) return finish(Status::stalled, "the step would invert an element");
     ++report.iterations;
@@ -206,7 +206,7 @@ NewtonReport PathFollower::advance(const LoadFamily& family, std::span<const std
       guess * (search.free_dot(along, search.x - point.positions) + weight * (search.load - point.load));
   if (agreement < 0.5 * settings.arc_length * settings.arc_length) {
     report.status = Status::stalled;
-    report.reason = "the path turns more sharply than the step";
+    report.reason = "the path curves more sharply than the step";
     return report;
   }
   point = {std::move(search.x), search.load};

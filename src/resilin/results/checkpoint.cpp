@@ -16,7 +16,7 @@ namespace {
 // each number in 8 bytes, each text behind its length; the hash of all that.
 constexpr std::string_view magic = "resilin checkpoint 2\n";
 constexpr std::string_view magic_of_any_format = "resilin ";
-constexpr const char* cure = "run without --resume to begin again";
+constexpr const char* cure = "run without --resume to start from the beginning";
 constexpr const char* kind_key = "simulation.kind";
 
 int count_of_steps(std::int64_t value, const std::string& place) {
@@ -99,7 +99,7 @@ std::optional<std::string> check_scene(const Checkpoint& checkpoint, const Finge
   if (difference.empty()) return std::nullopt;
   if (resume == Resume::anyway) return difference;
   throw InputError(place, "a checkpoint of this scene", "one of another: " + difference,
-                   std::string(cure) + ", or with --resume=anyway to go on in the scene as it is now");
+                   std::string(cure) + ", or with --resume=anyway to continue with the present scene");
 }
 
 }  // namespace resilin

@@ -56,7 +56,7 @@ std::optional<int> frame_of_mode(const Json& frames, int asked) {
       return static_cast<int>(i);
   }
   if (count == 0 && asked == 0) return std::nullopt;
-  throw InputError("mode", count == 0 ? "a run of vibrations" : "a mode from 1 to " + std::to_string(count),
+  throw InputError("mode", count == 0 ? "a modal analysis" : "a mode from 1 to " + std::to_string(count),
                    std::to_string(asked));
 }
 

@@ -26,11 +26,11 @@ std::string remarks(const Simulation& simulation) {
   if (const std::optional<Inversion>& inversion = simulation.frame().inversion)
     text += "; " + describe(world, *inversion);
   if (const Index inverted = num_inverted_cells(world, simulation.state()); inverted > 0)
-    text += "; " + std::to_string(inverted) + (inverted == 1 ? " cell is" : " cells are") + " inside out";
+    text += "; " + std::to_string(inverted) + (inverted == 1 ? " inverted element" : " inverted elements");
   if (world.follows_path && simulation.state().load < 1)
     text += "; the path ends there because of simulation.max_steps";
   if (const Index count = simulation.frame().unstable_modes.value_or(0); count > 0) {
-    text += "; the equilibrium is not stable: " + std::to_string(count) +
+    text += "; the equilibrium is unstable: " + std::to_string(count) +
             (count == 1 ? " unstable mode" : " unstable modes");
   }
   return text;
@@ -40,9 +40,10 @@ std::string remarks(const Simulation& simulation) {
 std::string guarding_remark(const State& state) {
   if (state.guarded_steps == 0) return "";
   return "; " + std::to_string(state.guarded_steps) + (state.guarded_steps == 1 ? " step" : " steps") +
-         " would have added energy, or were cut short at contact: they were taken by backward_euler, or " +
+         " would have added energy, or stopped early in contact: they were repeated with backward_euler, "
+         "or " +
          format_short(state.removed_energy) +
-         " J in all were taken out of the velocities; a shorter time_step follows the motion better";
+         " J in all were removed from the velocities; a shorter time_step is more accurate";
 }
 
 /// What was done where no step of the whole length was found.
@@ -50,15 +51,15 @@ std::string division_remark(const State& state) {
   if (state.divided_steps == 0) return "";
   return "; " + std::to_string(state.divided_steps) +
          (state.divided_steps == 1 ? " step was" : " steps were") +
-         " taken in shorter ones, for none of the whole length was found";
+         " divided into shorter ones (time-step cutback)";
 }
 
 /// What friction left open.
 std::string friction_remark(const State& state) {
   if (state.unsettled_steps == 0) return "";
-  return "; friction had not settled at the end of " + std::to_string(state.unsettled_steps) +
+  return "; friction did not converge in " + std::to_string(state.unsettled_steps) +
          (state.unsettled_steps == 1 ? " step" : " steps") + ", where at most " +
-         format_short(state.friction_mismatch) + " of the forces were out of balance with it";
+         format_short(state.friction_mismatch) + " of the forces were unbalanced";
 }
 
 /// On a run that has reached its end.
@@ -70,10 +71,10 @@ RunOutcome verdict(const Simulation& simulation) {
                                  division_remark(simulation.state()) + guarding_remark(simulation.state())};
   return {RunStatus::not_converged,
           std::to_string(failed.count) + " of " + std::to_string(simulation.state().step) +
-              " steps were cut short before they converged; the first at t = " +
-              format_short(failed.first_time) + " s (step " + std::to_string(failed.first_step) +
-              "): " + failed.first_reason + friction_remark(simulation.state()) +
-              division_remark(simulation.state()) + guarding_remark(simulation.state())};
+              " steps did not converge; the first at t = " + format_short(failed.first_time) + " s (step " +
+              std::to_string(failed.first_step) + "): " + failed.first_reason +
+              friction_remark(simulation.state()) + division_remark(simulation.state()) +
+              guarding_remark(simulation.state())};
 }
 
 /// Steps that find no solution one after the other will not find one later: a body has burst or collapsed.
@@ -85,10 +86,10 @@ bool gives_up(const Simulation& simulation) {
 std::string describe_giving_up(const Simulation& simulation, const StepReport& last) {
   const FailedSteps& failed = simulation.failed_steps();
   return "ended at " + reached(simulation) + ": for " + std::to_string(failed.in_a_row) +
-         " steps in a row no solution was found, the last " + format_short(last.time_step) +
-         " s long: " + last.reason + "; if this is no body that bursts or collapses, a smaller " +
+         " steps in a row did not converge, the last " + format_short(last.time_step) +
+         " s long: " + last.reason + "; unless a body bursts or collapses, a smaller " +
          (simulation.world().adaptive ? "simulation.adaptive.min_step" : "simulation.time_step") +
-         " helps; newton.max_failures = 0 goes on regardless";
+         " helps; newton.max_failures = 0 continues regardless";
 }
 
 /// The state that tells how much the cells' size matters: in statics the last one, in motion that of the most
@@ -128,7 +129,7 @@ RunOutcome step_to_end(Simulation& simulation, const RunHooks& hooks) {
     if (gives_up(simulation)) return {RunStatus::not_converged, describe_giving_up(simulation, report)};
   }
   RunOutcome outcome = verdict(simulation);
-  if (had_ended) outcome.reason += "; the run had ended before, nothing was left to do";
+  if (had_ended) outcome.reason += "; the run had ended before";
   return outcome;
 }
 

@@ -21,7 +21,7 @@ std::string describe_progress(const Simulation& simulation, const NewtonReport& 
   const World& world = simulation.world();
   const State& state = simulation.state();
   const std::string step = "step " + std::to_string(state.step + 1) + ", ";
-  if (simulation.shows_modes()) return step + "looking for modes of vibration";
+  if (simulation.shows_modes()) return step + "solving for vibration modes";
   return step + way(world, state) + ", Newton iteration " + std::to_string(iterations) + ", residual " +
          format_short(so_far.relative_residual()) + " (tolerance " + format_short(world.newton.tolerance) +
          ")";

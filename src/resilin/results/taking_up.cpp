@@ -56,8 +56,8 @@ std::shared_ptr<const World> world_to_take_up(const std::filesystem::path& folde
   std::shared_ptr<const World> world = saved_world(folder);
   if (!world) throw InputError(folder.string(), "a folder of results with scene.bin", "one without", cure);
   if (world->modes)
-    throw InputError(folder.string(), "a run in motion or at rest",
-                     "free vibrations, whose frames are shapes that nothing goes on from",
+    throw InputError(folder.string(), "a static or dynamic run",
+                     "a modal analysis, whose frames are mode shapes and not states",
                      "export the scene itself");
   return world;
 }

@@ -100,9 +100,9 @@ std::string kink_of_barrier(const World& world, const WorldChange& change) {
       const bool is_asked = change.bodies[a].constants.size() > 0 || change.bodies[b].constants.size() > 0;
       if (!is_asked || stiffness[a] != stiffness[b] || !world.meet(a, b)) continue;
       return "derivatives by materials: \"" + world.bodies[a].name + "\" and \"" + world.bodies[b].name +
-             "\" are equally stiff, and the layer between them is as stiff as the softer: where they touch, "
-             "these are the means of those to both sides; contact.stiffness = " +
-             format_number(stiffness[a]) + " keeps it as it is now";
+             "\" are equally stiff, and the contact barrier follows the softer body: in contact these are "
+             "means of the one-sided derivatives; contact.stiffness = " +
+             format_number(stiffness[a]) + " keeps it constant";
     }
   return {};
 }

@@ -13,10 +13,9 @@ void check_is_differentiable(const Description& description) {
   const auto refuse = [&](const std::string& expected, const std::string& got, const std::string& cure) {
     throw InputError(place + ": derivatives", expected, got, cure);
   };
-  if (description.modes)
-    refuse("a scene of statics or of motion", "free vibrations", "leave simulation.modes out");
+  if (description.modes) refuse("a static or dynamic scene", "modal analysis", "leave simulation.modes out");
   if (description.adaptive && description.is_dynamic)
-    refuse("steps of equal length", "steps that adapt", "leave simulation.adaptive out");
+    refuse("constant time steps", "adaptive time steps", "leave simulation.adaptive out");
   if (!description.is_dynamic && description.load_control == LoadControlKind::arc_length)
     refuse("equilibria at given loads", "simulation.load_control = \"arc_length\"",
            "take load_control = \"load\"");
@@ -67,7 +66,7 @@ StepReport Derivatives::step() {
   if (report.status == StepReport::Status::not_converged)
     throw InputError(world().place + ": derivatives", "a run whose steps converge",
                      "step " + std::to_string(simulation_.state().step) + " that did not: " + report.reason,
-                     "a gradient there would be one of nothing");
+                     "a gradient needs a converged run");
   return report;
 }
 

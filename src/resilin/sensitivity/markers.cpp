@@ -42,7 +42,7 @@ std::vector<Marker> markers_at(const World& world, const Body& body, const std::
     throw InputError(
         places[worst], "a point inside " + body.name + " at rest",
         format_point(points[worst], world.dimension) + ", " + format_short(outside.distance) + " m outside",
-        "markers are named by where they are in the rest shape");
+        "give markers by their reference positions");
   }
   std::vector<Marker> markers(points.size());
   for (std::size_t i = 0; i < points.size(); ++i)

@@ -67,7 +67,7 @@ MeasuredNumber energy_at(Derivatives& run, const std::string& kind, const Body* 
   const bool is_kinetic = kind == "kinetic";
   if (!is_kinetic && kind != "elastic") refuse_word("energy.kind", kind, energy_kinds());
   if (is_kinetic && !world.is_dynamic)
-    throw InputError("energy.kind", "a scene of motion for kinetic energy", "one of statics",
+    throw InputError("energy.kind", "a dynamic scene for kinetic energy", "a static one",
                      "ask for \"elastic\" energy");
   const VectorX numbers = is_kinetic ? run.velocities(frame) : run.positions(frame);
   MeasuredNumber measured;
@@ -180,7 +180,7 @@ std::vector<MeasuredNumber> collider_force_at(Derivatives& run, const std::strin
   if (described.friction != 0)
     throw InputError("reaction.of", "a collider without friction, whose force can be differentiated",
                      '"' + name + "\" with friction = " + format_number(described.friction),
-                     "measure markers or the reaction of a support, or leave its friction out");
+                     "measure markers or the reaction of a boundary condition, or leave its friction out");
   std::size_t number = 0;
   while (world.terms[number]->name() != name ||
          world.terms[number]->properties().category != EnergyCategory::contact)

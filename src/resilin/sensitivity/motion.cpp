@@ -50,11 +50,11 @@ std::vector<VectorX> MotionDerivatives::take_step() {
   };
   if (state.guarded_steps > guarded)
     refuse(report.by_backward_euler ? "one that backward_euler took, or part of it"
-                                    : "one that would have added energy and was slowed down",
+                                    : "one that would have added energy and was damped",
            "take shorter steps, or integrator = \"backward_euler\"");
   if (state.divided_steps > divided || state.previous_time_step != world().time_step)
-    refuse("one that was taken in parts", "take shorter steps");
-  if (state.collider_delay > 0) refuse("a collider that bodies hold up", "take shorter steps");
+    refuse("one with a time-step cutback", "take shorter steps");
+  if (state.collider_delay > 0) refuse("a collider that bodies block", "take shorter steps");
   if (is_first_time) frames_.push_back(simulation_.frame());
   return std::move(report.stage_places);
 }

@@ -234,15 +234,15 @@ std::vector<Entry> entries(const World& world) {
 std::optional<InputError> refusal_of(const World& world, const Entry& entry) {
   const std::string& name = entry.name;
   if (entry.is_roller)
-    return InputError(name, "a collider that does not turn in its place", "one that does",
-                      "elsewhere its axis would not be its own: take its velocity or displacement, which its "
-                      "axis follows");
+    return InputError(
+        name, "a collider that does not rotate in place", "one that does",
+        "elsewhere its axis would not be its own: use its velocity or displacement, which the axis follows");
   if (entry.is_friction_of_none)
     return InputError(name, "a coefficient of friction that is not zero", "0",
-                      "give it, however small: without it nothing rubs there");
+                      "give a small value: without it there is no friction to differentiate");
   if (name == "simulation.gravity" && world.gravity.head(world.dimension).isZero(0))
     return InputError(name, "a scene with gravity", "none",
-                      "give simulation.gravity, however small: without it there is no weight to change");
+                      "give a small simulation.gravity: without it there is no weight to differentiate");
   return {};
 }
 

@@ -32,7 +32,7 @@ std::string in_words(const PressingCollider& collider, const World& world) {
   const double weight = weight_of(world);
   return "the collider \"" + collider.name + "\" presses with " + format_short(collider.force) + " N" +
          (weight > 0 ? ", " + format_short(collider.force / weight) + " times the weight" : "") + ", from " +
-         format_short(collider.gap) + " m away, and is felt from " +
+         format_short(collider.gap) + " m away, with the activation distance " +
          format_short(collider.activation_distance) + " m on";
 }
 

@@ -20,7 +20,7 @@ namespace {
 constexpr double force_tolerance = 1e-10;  ///< of the run that judges, at most
 constexpr double shortest_step = 1.0 / 64, creeping_step = 1.0 / 32;
 constexpr int most_creeping_steps = 3;  ///< running: smaller parts of the loads are nearer
-constexpr const char* no_change_comes_nearer = "no change of the rest shape comes nearer to balance";
+constexpr const char* no_change_comes_nearer = "no change of the stress-free shape reduces the imbalance";
 constexpr double least_accuracy = 1e-3;  ///< of GMRES: less is no step of Newton's
 /// Asked of GMRES: the loosest, the tightest and beside the square of what the last step has left (Eisenstat
 /// & Walker 1996, choice 2).
@@ -72,13 +72,14 @@ class Search {
       : options_(options), description_(std::move(description)) {
     if (description_.is_dynamic)
       throw InputError(description_.place + ": simulation.kind",
-                       "\"static\", for the rest shape of an equilibrium", "\"dynamic\"");
+                       "\"static\", for the stress-free shape of an equilibrium", "\"dynamic\"");
     if (description_.modes)
-      throw InputError(description_.place + ": simulation.modes", "none for a rest shape", "free vibrations");
+      throw InputError(description_.place + ": simulation.modes", "none for a stress-free shape",
+                       "modal analysis");
     const World drawn{Description(description_)};
     if (drawn.friction)
       throw InputError(description_.place + ": rest shape", "contact without friction", "friction",
-                       "with it an equilibrium depends on the way there, which is not known: leave it out");
+                       "with friction an equilibrium depends on its history, which is unknown: leave it out");
     keep_elements(description_, drawn);
     names_ = rest_names(drawn);
     draw();
@@ -144,7 +145,7 @@ class Search {
       const double distance = shorter_distance(collider.gap);
       found->activation_distance = distance;
       kept_off_.emplace_back(collider.name, distance);
-      warnings_.push_back(description_.place + ": rest shape: there is none where on what is drawn " +
+      warnings_.push_back(description_.place + ": stress-free shape: there is none if on the drawn shape " +
                           in_words(collider, *drawn_) + ": this one is for a \"" + collider.name +
                           "\" with activation_distance = " + format_number(distance) +
                           ", which does not press");
@@ -155,13 +156,14 @@ class Search {
   }
 
   [[noreturn]] void refuse() const {
-    std::string failure = failure_, cure = "take smaller loads or a stiffer body, or hold it at more places";
+    std::string failure = failure_, cure = "take smaller loads or a stiffer body, or fix it at more places";
     for (const PressingCollider& collider : pressing()) {
-      failure += "; on what is drawn " + in_words(collider, *drawn_);
+      failure += "; on the drawn shape " + in_words(collider, *drawn_);
       cure.insert(0, "with an activation_distance below " + format_short(collider.gap) + " m \"" +
                          collider.name + "\" does not press; or draw it farther away, or ");
     }
-    throw InputError(description_.place + ": rest shape", "a shape that the loads deform into what is drawn",
+    throw InputError(description_.place + ": rest shape",
+                     "a shape that the loads deform into the drawn shape",
                      "none beyond " + format_short(100 * part_) + " % of the loads: " + failure, cure);
   }
 
@@ -170,8 +172,8 @@ class Search {
       auto made = std::make_unique<RestBalance>(
           with_rest(description_, parameters_, shape.rest, &target_.rest), names_, shape, part);
       if (made->is_in_domain()) return made;
-      failure_ = made->is_apart() ? "cells would be turned inside out"
-                                  : "bodies as drawn would be inside of what they touch";
+      failure_ = made->is_apart() ? "elements would be inverted"
+                                  : "drawn bodies would overlap their contact partners";
     } catch (const InputError& error) {
       failure_ = error.what();
     }
@@ -194,7 +196,7 @@ class Search {
             gmres([&](const VectorX& z) { return now->preconditioned(now->product(z)); }, b, wanted,
                   options_.max_products);
         if (!(solution.left < least_accuracy)) {
-          failure_ = "the rest shape does not follow from the deformed one";
+          failure_ = "the stress-free shape is not determined by the deformed one";
           return std::nullopt;
         }
         const double length = solution.x.cwiseAbs().maxCoeff(), now_left = b.norm();
@@ -230,16 +232,16 @@ class Search {
         return std::nullopt;
       }
     }
-    if (now) failure_ = std::to_string(options_.max_iterations) + " iterations do not find balance";
+    if (now) failure_ = std::to_string(options_.max_iterations) + " iterations find no equilibrium";
     return std::nullopt;
   }
 
   void check_is_stable(Index unstable_modes) const {
     if (unstable_modes > 0)
       throw InputError(
-          description_.place + ": rest shape", "a target that is a stable equilibrium",
+          description_.place + ": rest shape", "a drawn shape that is a stable equilibrium",
           "one with " + std::to_string(unstable_modes) + " unstable mode" + (unstable_modes == 1 ? "" : "s"),
-          "bodies would leave it: take smaller loads or a stiffer body");
+          "unstable equilibria cannot be reached: take smaller loads or a stiffer body");
   }
 
   /// The end of a run of the scene in its own load steps.
@@ -318,9 +320,9 @@ class Search {
     check_is_stable(simulation.frame().unstable_modes.value_or(0));
     const World& world = simulation.world();
     if (!in_the_way.empty())
-      result.warnings.push_back(description_.place + ": rest shape: it lies " + in_the_way +
-                                ", where no run begins: one that has the shape as drawn as the " +
-                                "initial_positions of its bodies ends in it");
+      result.warnings.push_back(description_.place + ": stress-free shape: it lies " + in_the_way +
+                                ", where no run can start: use the drawn shape as the " +
+                                "initial_positions of its bodies");
     const VectorX x = places_moved(simulation.state().positions, world.origin, world.dimension);
     for (std::size_t b = 0; b < world.bodies.size(); ++b) {
       const Eigen::Index first = Eigen::Index{world.bodies[b].first_node} * world.dimension;
@@ -335,14 +337,14 @@ class Search {
           moved > options_.meets * size_)
         result.warnings.push_back(description_.place + ": rest shape: \"" + name + "\" comes to stand " +
                                   format_short(moved) +
-                                  " m from where it is drawn: there what it lies on bears it");
+                                  " m from the drawn position, where its contact carries it");
       result.bodies.push_back({name, shape.rest[b], deformed});
     }
     if (!(result.distance <= options_.meets * size_))
       throw InputError(description_.place + ": rest shape",
                        "a run from the shape found that ends in the target",
                        "one that ends " + format_short(result.distance) + " m beside it",
-                       "the loads have another equilibrium: take more load steps");
+                       "the loads have another equilibrium: use more load steps");
     return result;
   }
 

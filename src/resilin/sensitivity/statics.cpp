@@ -32,13 +32,12 @@ class StaticDerivatives final : public Derivatives {
       frames_.push_back(simulation_.frame());
     }
     if (follows_way() && num_halved_steps_ > 0)
-      warnings_.push_back(
-          world().place + ": " + std::to_string(num_halved_steps_) +
-          (num_halved_steps_ == 1 ? " load step was" : " load steps were") +
-          " halved on the way, and with friction the way matters: derivatives are those of the "
-          "run with its " +
-          std::to_string(frames_.size() - 1) +
-          " load steps as they were taken; more simulation.load_steps keep them even");
+      warnings_.push_back(world().place + ": " + std::to_string(num_halved_steps_) +
+                          (num_halved_steps_ == 1 ? " load step was" : " load steps were") +
+                          " halved (cutback), and with friction the load history matters: derivatives are "
+                          "those of the run with its " +
+                          std::to_string(frames_.size() - 1) +
+                          " load steps as they were taken; more simulation.load_steps keep them even");
   }
 
   VectorX positions(int frame) override { return places_[static_cast<std::size_t>(frame)]; }
@@ -90,7 +89,7 @@ VectorX StaticDerivatives::solve(std::size_t frame, const VectorX& b, bool is_tr
   throw InputError(world().place + ": derivatives at load factor " + format_short(frames_[frame].load),
                    "a stable equilibrium",
                    "one with " + std::to_string(negative) + " unstable mode" + (negative == 1 ? "" : "s"),
-                   "bodies would leave it: take another load, or follow them in motion");
+                   "unstable equilibria have no gradient: take another load, or a dynamic analysis");
 }
 
 // With lambda = w at fixed unknowns, w weighing reactions there, and K_FF^T lambda_F = -(J_x + K^T w)_F
@@ -155,8 +154,8 @@ void StaticDerivatives::estimate_error(const std::vector<FrameChange>& slopes,
     const double size = better[i].norm(), error = (better[i] - found[i]).norm();
     if (!(error > loose_residual * size)) continue;
     warnings_.push_back(parameters_[i].name + ": the gradient may be off by " + format_short(error / size) +
-                        " of its size, since forces balance to " + format_short(frames_.back().residual) +
-                        " alone: lower newton.tolerance");
+                        " of its size, because forces balance to " + format_short(frames_.back().residual) +
+                        " only: lower newton.tolerance");
   }
 }
 

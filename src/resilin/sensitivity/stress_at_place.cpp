@@ -77,7 +77,7 @@ StressAtPlace::StressAtPlace(const World& world, const Body& body, const Vector3
   if (const Embedding::Outside& outside = embedding.outside(); outside.count > 0)
     throw InputError(place, "a point inside " + body.name + " at rest",
                      format_point(at, dim) + ", " + format_short(outside.distance) + " m outside",
-                     "stresses are asked for where they are in the rest shape");
+                     "give the points by their reference positions");
   cell_ = embedding.cell(0);
   material_ = body.elastic->material(cell_);
   nodes_.assign(embedding.nodes(0).begin(), embedding.nodes(0).end());

@@ -138,8 +138,8 @@ void Tangent::factorize_indefinite() {
   const LinearReport report = solver_->factorize(free_);
   require_memory(report);
   if (report.status != LinearReport::Status::ok)
-    throw InputError(world_.place, "a stiffness that can be solved with", "a singular one",
-                     "the body is at a limit of stability: take another load");
+    throw InputError(world_.place, "an invertible stiffness matrix", "a singular one",
+                     "the body is at a limit point: take another load");
   negative_ = report.negative_pivots;
 }
 
@@ -253,9 +253,9 @@ VectorX Tangent::solve_symmetric(const VectorX& b, EarlierSolutions* earlier) {
   }
   const double left = rest.norm() / size;
   if (!(left <= largest_residual))
-    throw InputError(world_.place, "a stiffness that can be solved with to " + format_short(largest_residual),
+    throw InputError(world_.place, "an invertible stiffness matrix to " + format_short(largest_residual),
                      "what leaves " + format_short(left),
-                     "the body is near a limit of stability, or solver.kind = \"" + solver_kind_ +
+                     "the body is near a limit point, or solver.kind = \"" + solver_kind_ +
                          "\" is too weak: take \"auto\"");
   if (earlier != nullptr) earlier->take(p);
   return p;
@@ -279,9 +279,9 @@ VectorX Tangent::solve(VectorX b, bool is_transposed, EarlierSolutions* earlier)
   GmresReport report = gmres(product, b, tolerance(), most_skew_iterations, precondition);
   if (!(report.left <= largest_residual))
     throw InputError(
-        world_.place, "a stiffness that can be solved with",
-        "one whose unsymmetric part, of friction or of a pressure on an open surface, is too strong",
-        "take a smaller coefficient or a smaller pressure");
+        world_.place, "an invertible stiffness matrix",
+        "one with a too large nonsymmetric part, from friction or a follower pressure on an open surface",
+        "use a smaller coefficient or pressure");
   // Impulses of stiff barriers magnify what is left, and the iteration knows it by its own sums alone.
   if (tolerance() <= tight_tolerance)
     report.x += gmres(product, b - product(report.x), refinement, most_skew_iterations, precondition).x;

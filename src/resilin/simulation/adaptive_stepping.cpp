@@ -163,8 +163,8 @@ StepReport TimeStepper::adaptive_step(const World& world, const AdaptiveSteps& o
     if (!(error <= 1)) {
       report.status = StepReport::Status::not_converged;
       if (report.reason.empty()) {
-        report.reason = "the shortest step misplaces a vertex by about " + format_number(report.time_error) +
-                        " m, more than the tolerance of " + format_number(tolerance) + " m";
+        report.reason = "the shortest step has an error of about " + format_number(report.time_error) +
+                        " m at a vertex, above the tolerance of " + format_number(tolerance) + " m";
       }
     }
     gradient = std::move(found.gradient);

@@ -64,14 +64,13 @@ std::string describe_limit(const Body& body) {
   const LawInfo* law = find_law(body.law);
   if (law == nullptr || law->end_of_domain.empty()) return {};
   return "; " + body.law + " ends where " + std::string(law->end_of_domain) +
-         ": less load, or other constants, keep it inside";
+         ": reduce the load, or change the constants";
 }
 
 std::string describe_unsettled_friction(const StageReport& stage) {
-  return "friction has not settled: after it was formed anew " + std::to_string(stage.friction_rounds) +
-         " times, " + format_short(stage.friction_mismatch) +
-         " of the forces that act are out of balance with that of the place found; shorter steps, or more "
-         "contact.friction_iterations, help";
+  return "friction did not converge in " + std::to_string(stage.friction_rounds) + " iterations (imbalance " +
+         format_short(100 * stage.friction_mismatch) +
+         " % of the forces): use shorter steps or more contact.friction_iterations";
 }
 
 namespace {

@@ -27,9 +27,9 @@ constexpr double precision_of_doubt = 0.1;
 constexpr double digits = 10 * std::numeric_limits<double>::epsilon();
 
 std::string gap_text(const Body& body, const ForceBalance& balance) {
-  return "the forces on \"" + body.name + "\" do not balance: its supports exert " +
-         format_short(balance.reaction.norm()) + " N, all else " + format_short(balance.load.norm()) +
-         " N, and " + format_short(balance.gap()) + " N are missing";
+  return "the forces on \"" + body.name + "\" do not balance: its boundary conditions exert " +
+         format_short(balance.reaction.norm()) + " N, all other forces " + format_short(balance.load.norm()) +
+         " N; the imbalance is " + format_short(balance.gap()) + " N";
 }
 
 /// How the strain energy of a body changes from x to both sides of it, by parts of a displacement.
@@ -208,9 +208,9 @@ std::string describe_imbalance(const World& world, const Potential& potential, c
                                   world.newton.tolerance * forces[b].scale * way});
     if (!is_missing(balance.gap(), balance.scale, left)) continue;
     return "the strain energy of \"" + world.bodies[b].name + "\" would change by " +
-           format_short(balance.strain_energy) + " J where the forces on it do " +
-           format_short(balance.work) + " J of work: " + format_short(balance.gap()) + " J are missing" +
-           describe_limit(world.bodies[b]);
+           format_short(balance.strain_energy) + " J while the forces on it do " +
+           format_short(balance.work) + " J of work; the difference is " + format_short(balance.gap()) +
+           " J" + describe_limit(world.bodies[b]);
   }
   return {};
 }

@@ -158,13 +158,12 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
       report.status = StepReport::Status::not_converged;
       report.reason =
           "no equilibrium was found beyond load factor " + format_number(state.load) + ": " +
-          (delay > 0 ? "bodies are in the way of a moving collider; " : "") +
+          (delay > 0 ? "bodies block a moving collider; " : "") +
           (imbalance.empty() ? describe_failure(world, search, x) : imbalance) +
           (is_out_of_digits ? ""
-           : has_path
-               ? "; if the body snaps through here, simulation.load_control = \"arc_length\" follows it"
-               : "; if bodies snap through here, a damped motion (simulation.kind = \"dynamic\") follows "
-                 "them");
+           : has_path       ? "; if the body snaps through here, use simulation.load_control = \"arc_length\""
+                      : "; if bodies snap through here, use a damped dynamic analysis (simulation.kind = "
+                        "\"dynamic\")");
       return report;
     }
   }
@@ -206,8 +205,8 @@ void LoadControl::count_unstable_modes(const World& world, const Newton& newton,
   const Index count = report.unstable_modes.value_or(0);
   if (count > 0 && count != last_count_.value_or(0)) {
     report.warnings.push_back("at load factor " + format_short(state.load) +
-                              " the equilibrium is not stable: " + std::to_string(count) + " unstable mode" +
-                              (count == 1 ? "" : "s") + " (buckling); the body would leave it");
+                              " the equilibrium is unstable: " + std::to_string(count) + " unstable mode" +
+                              (count == 1 ? "" : "s") + " (buckling)");
   }
   last_count_ = report.unstable_modes;
 }

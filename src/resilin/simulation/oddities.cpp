@@ -13,7 +13,7 @@
 namespace resilin {
 namespace {
 
-constexpr const char* kept_apart = "although contact keeps them apart: this is a fault of the program";
+constexpr const char* kept_apart = "although contact is enabled: this is a bug of the program";
 
 /// Number of cells of a body, also of its parts with other processes.
 Index num_cells_of_all(const World& world, const Body& body) {
@@ -23,22 +23,21 @@ Index num_cells_of_all(const World& world, const Body& body) {
 std::string inversion_text(const World& world, const Body& body, const InvertedCells& inverted) {
   return world.place + ": " + std::to_string(inverted.count) + " of " +
          std::to_string(num_cells_of_all(world, body)) + " cells of \"" + body.name + "\" " +
-         (inverted.count == 1 ? "is" : "are") + " inside out, cell " + std::to_string(inverted.worst) +
-         " most, with volume ratio " + format_short(inverted.ratio) + ": no real body does that, and " +
-         body.law + " allows it; take a law that needs J > 0, such as neo_hookean, or load it less";
+         (inverted.count == 1 ? "is" : "are") + " inverted, cell " + std::to_string(inverted.worst) +
+         " most, with volume ratio " + format_short(inverted.ratio) + ": this is unphysical, but " +
+         body.law + " permits it; use a law that needs J > 0, such as neo_hookean, or reduce the load";
 }
 
 std::string folding_text(const World& world, const Body& body, const InvertedCells& folded) {
   return world.place + ": " + std::to_string(folded.count) + " of " +
          std::to_string(num_cells_of_all(world, body)) + " cells of \"" + body.name + "\" " +
-         (folded.count == 1 ? "is" : "are") + " folded between the points where energy is taken, cell " +
+         (folded.count == 1 ? "is" : "are") + " inverted between quadrature points, cell " +
          std::to_string(folded.worst) + " with volume ratio " + format_short(folded.ratio) +
          (folded.count == 1 ? "" : " among them") +
          (world.newton.inversion_bound == InversionBound::everywhere
-              ? ", although newton.inversion_bound = \"everywhere\" holds them back: finer cells need not "
-                "fold"
-              : ": newton.inversion_bound = \"everywhere\" keeps them right with laws that need J > 0, finer "
-                "cells need not fold");
+              ? ", although newton.inversion_bound = \"everywhere\" is set: use finer cells"
+              : ": newton.inversion_bound = \"everywhere\" prevents this for laws that need J > 0; so do "
+                "finer cells");
 }
 
 /// Those of all processes, the worst by its number in the whole body.
@@ -133,7 +132,7 @@ std::vector<std::string> oddities(const World& world, const State& state) {
     const CollisionSurface& parts = contact->surface().parts;
     const VectorX places = contact->surface().places(state.positions, conditions_of(state));
     if (const auto crossing = first_crossing(parts, contact->meetings(), places))
-      found.push_back(world.place + ": surfaces went through each other near " +
+      found.push_back(world.place + ": surfaces penetrate each other near " +
                       world.place_text(vertices_of(*crossing, parts)[0], places) + ", " + kept_apart);
   }
   const std::vector<BodyOverlap> now = overlapping_bodies(world, state.positions, world.contact.get());
@@ -145,9 +144,10 @@ std::vector<std::string> oddities(const World& world, const State& state) {
       return other.body == overlap.body && other.other == overlap.other;
     });
     if (!is_old)
-      found.push_back(
-          world.place + ": " + describe(world, overlap) + ": they went through each other, " +
-          (world.meet(overlap.body, overlap.other) ? kept_apart : "for they are not to meet ([contact])"));
+      found.push_back(world.place + ": " + describe(world, overlap) + ": they penetrate each other, " +
+                      (world.meet(overlap.body, overlap.other)
+                           ? kept_apart
+                           : "because contact between them is disabled ([contact])"));
   }
   return found;
 }

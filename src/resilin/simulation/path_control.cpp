@@ -62,10 +62,10 @@ std::string LoadControl::begin_path(const World& world, Newton& newton, State& s
     return search.reason;
   }
   if (!search.converged())
-    return "no equilibrium was found without load: " + describe_failure(world, search, state.positions);
+    return "no equilibrium was found at zero load: " + describe_failure(world, search, state.positions);
   VectorX slope;
   if (!follower_->tangent(family, world.is_fixed, {state.positions, 0}, slope))
-    return "the stiffness matrix is singular without load";
+    return "the stiffness matrix is singular at zero load";
   for (Eigen::Index i = 0; i < slope.size(); ++i) {
     if (world.is_fixed[static_cast<std::size_t>(i)] != 0) slope[i] = 0;
   }

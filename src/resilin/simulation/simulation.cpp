@@ -15,7 +15,7 @@ void check_most_strained(const MostStrained& strained, Eigen::Index num_unknowns
   if (strained.energy >= 0 && std::isfinite(strained.energy) && strained.positions.allFinite() &&
       (size == num_unknowns || (size == 0 && strained.energy == 0)))
     return;
-  throw InputError(place, "a most strained state of " + std::to_string(num_unknowns) + " unknowns",
+  throw InputError(place, "a most strained state of " + std::to_string(num_unknowns) + " DOFs",
                    "one of " + std::to_string(size) + " with " + format_number(strained.energy) + " J",
                    "run again without --resume");
 }
@@ -168,7 +168,7 @@ void Simulation::resume_from(const State& state, const std::string& place, const
   if (!std::isfinite(frame_.total_energy()))
     throw InputError(
         place, "a state of finite energy",
-        format_number(frame_.total_energy()) + " J: a cell is inside out, or a vertex is inside a collider",
+        format_number(frame_.total_energy()) + " J: an element is inverted, or a vertex is inside a collider",
         "run again without --resume");
   failed_steps_ = failed;
 }

@@ -128,9 +128,8 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
       attempt.is_usable &= !search.converged();  // else a shorter step may let it pass
       attempt.may_be_turned |= search.converged();
       report.status = StepReport::Status::not_converged;
-      report.reason = "bodies are in the way of a moving collider, which is " +
-                      format_short(conditions.collider_delay) + " s behind its motion" +
-                      (report.reason.empty() ? "" : "; " + report.reason);
+      report.reason = "bodies block a moving collider, which is " + format_short(conditions.collider_delay) +
+                      " s behind its motion" + (report.reason.empty() ? "" : "; " + report.reason);
     }
     colliders_reached = end - conditions.collider_delay;
     attempt.collider_delay = conditions.collider_delay;
@@ -184,7 +183,7 @@ TimeStepper::Attempt TimeStepper::safe_attempt(const World& world, Newton& newto
   if (leaves_domain) {
     other.is_usable = false;
     other.report.status = StepReport::Status::not_converged;
-    other.report.reason = "the step would have inverted an element, so that backward_euler took it" +
+    other.report.reason = "the step would have inverted an element, so backward_euler was used" +
                           (other.report.reason.empty() ? "" : "; " + other.report.reason);
   }
   return other;

@@ -36,7 +36,7 @@ void explain(EigenModes::Status status, StepReport& report) {
   if (status == Status::converged) return;
   report.status =
       status == Status::interrupted ? StepReport::Status::interrupted : StepReport::Status::not_converged;
-  report.reason = "the search for modes did not converge";
+  report.reason = "the eigenvalue solver did not converge";
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ std::shared_ptr<ElasticEnergy> give_material(const World& world, const BodyDescr
   body.density = material.density;
   body.mass = material.density * body.elastic->total_rest_volume();
   if ((world.is_dynamic || world.modes) && !(material.density > 0)) {
-    throw InputError(material.place + ".density", "a positive number in motion",
+    throw InputError(material.place + ".density", "a positive number in a dynamic analysis",
                      format_number(material.density));
   }
   return elastic;

@@ -51,11 +51,11 @@ const ElementInfo& named_element(const BodyDescription& body, int dim, const Ele
                      "\"" + body.element + "\"");
   }
   if (element.has_mean_volume && !c.law.has_volume_energy) {
-    throw InputError(place,
-                     "an element without a pressure: the volume energy of " + std::string(c.law.name) +
-                         " does not stand apart",
-                     "\"" + body.element + "\"",
-                     "use " + std::string(without_pressure(element).name) + " or another law (docs/laws.md)");
+    throw InputError(
+        place,
+        "a displacement element: the volumetric energy of " + std::string(c.law.name) + " is not separate",
+        "\"" + body.element + "\"",
+        "use " + std::string(without_pressure(element).name) + " or another law (docs/laws.md)");
   }
   return element;
 }
@@ -77,7 +77,7 @@ void orient(Mesh& mesh, const BodyDescription& body, int dim, std::vector<std::s
   }
   if (signs.inverted.empty()) return;
   warnings.push_back(place + ": " + std::to_string(signs.inverted.size()) +
-                     " inverted cells were turned around, the first is cell " +
+                     " inverted cells were reoriented, the first is cell " +
                      std::to_string(signs.inverted.front()));
   reorient(mesh, block.kind);
 }
@@ -114,11 +114,10 @@ ChosenElement choose_element(const ElementCase& c) {
   const std::string above =
       "nu = " + format_short(c.poissons_ratio) + " is above " + format_short(locking_ratio);
   if (is_nearly_incompressible && c.law.has_volume_energy)
-    return {without_locking(c), above + ", where elements without a pressure lock"};
+    return {without_locking(c), above + ", where displacement elements lock"};
   if (!simplices) return plain(1, "the mesh has " + std::string(name(c.cells)));
   if (is_nearly_incompressible)
-    return plain(2,
-                 above + ", and the volume energy of " + std::string(c.law.name) + " does not stand apart");
+    return plain(2, above + ", and the volumetric energy of " + std::string(c.law.name) + " is not separate");
   if (is_second_order(c.cells)) return plain(2, "the mesh is of second order");
   return plain(2, "quadratic elements cost least for the same error, and linear ones lock where they bend");
 }

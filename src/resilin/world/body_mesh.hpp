@@ -36,7 +36,7 @@ struct ElementCase {
 /// An element and why it was chosen.
 struct ChosenElement {
   const ElementInfo* element;
-  std::string reason;  ///< "nu = 0.49 is above 0.45, where elements without a pressure lock"
+  std::string reason;  ///< "nu = 0.49 is above 0.45, where displacement elements lock"
 };
 
 /// What element = "auto" means, at rest, in motion and under a hand alike: an element with one pressure per

@@ -84,7 +84,7 @@ std::string describe(const World& world, const BodyOverlap& overlap) {
                                 ? ""
                                 : ", cell " + std::to_string(overlap.cell) + " of " + a + " and cell " +
                                       std::to_string(overlap.other_cell) + " of " + b;
-  return "bodies " + a + " and " + b + " share space" + cells + " near " +
+  return "bodies " + a + " and " + b + " overlap" + cells + " near " +
          world.place_text(world.origin + overlap.place);
 }
 

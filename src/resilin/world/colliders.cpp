@@ -46,8 +46,8 @@ void add_collider(const ColliderDescription& description, World& world, const Co
                      "take a sphere, a box or a capsule");
   }
   if (world.modes) {
-    throw InputError(description.place, "no [[collider]] where free vibrations are sought", "one",
-                     "what only touches does not vibrate along: hold it with [[fix]] instead");
+    throw InputError(description.place, "no [[collider]] in a modal analysis", "one",
+                     "contact takes no part in modal analysis: use [[fix]] instead");
   }
   check_friction(description.friction, description.place + ".friction", world);
   const double activation_distance =

@@ -83,7 +83,7 @@ void check_fits_bodies(double activation_distance, const World& world, const std
     throw InputError(
         place + ".activation_distance",
         "less than half the thickness of every body, " + format_short(half) + " m for \"" + body.name + "\"",
-        format_number(activation_distance), "leave it out, and one that fits is chosen");
+        format_number(activation_distance), "leave it out for an automatic choice");
   }
 }
 
@@ -106,10 +106,10 @@ Vector3 way_apart(const SurfaceContact& contact, const World& world, Index body,
 }
 
 std::string cure(const SurfaceContact& contact, const World& world, Index body, Index other) {
-  if (body == other) return "give the body a shape whose parts are apart, or leave `self` out";
+  if (body == other) return "separate the parts of the body, or leave `self` out";
   const Vector3 way = way_apart(contact, world, body, other, 0.5 * contact.activation_distance());
   return "move \"" + world.bodies[static_cast<std::size_t>(other)].name + "\" by " + world.place_text(way) +
-         " (translate), or let them pass: [contact] enabled = false, or a [[contact.pair]] of these two";
+         " (translate), or disable contact: [contact] enabled = false, or a [[contact.pair]] of these two";
 }
 
 std::string both(const World& world, Index body, Index other) {
@@ -139,7 +139,7 @@ class StartCheck {
     const auto [vertex, other] = vertices_of(*crossing, parts_);
     const Index a = body_of(vertex), b = body_of(other);
     throw InputError(place_, "surfaces that start apart",
-                     both(world_, a, b) + " go through each other near " + world_.place_text(vertex, places),
+                     both(world_, a, b) + " penetrate each other near " + world_.place_text(vertex, places),
                      cure(contact_, world_, a, b));
   }
 
@@ -174,9 +174,9 @@ double thinnest_gap(const ContactSurface& surface, const BodyMeetings& meetings,
   if (!contact.touches(rest)) return gap.distance;
   const Index vertex = gap.vertices[0];
   const Index body = surface.parts.bodies[static_cast<std::size_t>(vertex)];
-  throw InputError(place, "bodies whose own parts are apart at rest",
+  throw InputError(place, "bodies without self-contact in the reference configuration",
                    both(world, body, body) + " touch near " + world.place_text(vertex, surface.places(rest)),
-                   "join vertices that are at one place, or leave `self` out");
+                   "merge coincident vertices, or leave `self` out");
 }
 
 }  // namespace
@@ -200,10 +200,10 @@ std::shared_ptr<const SurfaceContact> make_contact(const ContactDescription& des
       for (Index b = 0; b < alone.num_bodies(); ++b) alone.set(a, b, a == b && meetings.meet(a, a));
     const double gap = thinnest_gap(surface, alone, distance, world, description.place);
     if (gap < distance && description.activation_distance)
-      throw InputError(
-          description.place + ".activation_distance",
-          "less than the thinnest gap between a body's own parts at rest, " + format_short(gap) + " m",
-          format_number(distance), "leave it out, and one that fits is chosen");
+      throw InputError(description.place + ".activation_distance",
+                       "less than the thinnest gap of self-contact in the reference configuration, " +
+                           format_short(gap) + " m",
+                       format_number(distance), "leave it out for an automatic choice");
     distance = std::min(distance, share_of_gap * gap);
   }
   auto contact =

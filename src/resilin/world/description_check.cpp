@@ -50,7 +50,7 @@ void check_times(const Description& d, const std::string& place) {
     require_positive(*step, place + name);
     if (*step < finest) {
       throw InputError(place + name,
-                       "at least " + format_short(finest) + " s, which still moves the time on at the end",
+                       "at least " + format_short(finest) + " s, which still advances the time at the end",
                        format_number(*step));
     }
   }

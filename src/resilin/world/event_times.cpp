@@ -44,17 +44,17 @@ void ease_turn(const Rotation& turn, World& world, Support& support) {
   const double end = std::min(num_steps * world.time_step, world.end_time);
   support.time_function.form = TimeFunction::Ramp{.from = 0, .until = end};
   world.event_times.push_back(end);
-  world.warnings.push_back(support.place + ".rotate: a turn of " + format_short(turn.degrees) +
+  world.warnings.push_back(support.place + ".rotate: a rotation of " + format_short(turn.degrees) +
                            " degrees at once takes " + format_short(end) +
-                           " s, for no step turns by more than " + format_short(largest_turn_of_step) +
-                           "; a time_function says how fast it turns");
+                           " s, because no step rotates by more than " + format_short(largest_turn_of_step) +
+                           "; set its speed with a time_function");
 }
 
 void find_events(const Description& description, World& world) {
   if (world.follows_path && world.path_time > 0) {
     throw InputError(world.place + ": simulation.load_control",
-                     "\"load\" where loads, supports or colliders follow time", "\"arc_length\"",
-                     "a path by arc length needs loads in proportion to the load factor");
+                     "\"load\" if loads, boundary conditions or colliders depend on time", "\"arc_length\"",
+                     "arc length needs loads in proportion to the load factor");
   }
   std::vector<double>& times = world.event_times;  // those of supports that are eased are there
   const std::vector<double> described = event_times(description);

@@ -21,7 +21,7 @@ void check_friction(double coefficient, const std::string& place, World& world) 
     throw InputError(place, "a finite number >= 0", format_number(coefficient));
   if (coefficient > largest_plausible_friction)
     world.warnings.push_back(place + ": a coefficient of " + format_short(coefficient) +
-                             " is beyond any two materials; rubber on concrete has about 1");
+                             " is larger than for any real materials; rubber on concrete has about 1");
 }
 
 std::shared_ptr<const Friction> make_friction(const ContactDescription& description, World& world) {
@@ -39,9 +39,9 @@ std::shared_ptr<const Friction> make_friction(const ContactDescription& descript
   world.friction_iterations = description.friction_iterations;
   if (sources.empty()) return nullptr;
   if (world.follows_path)
-    throw InputError(
-        world.place + ": simulation.load_control", "\"load\" where there is friction", "\"arc_length\"",
-        "friction depends on the way that bodies came, which a path of equilibria does not know");
+    throw InputError(world.place + ": simulation.load_control", "\"load\" where there is friction",
+                     "\"arc_length\"",
+                     "friction depends on the history of the bodies, which arc length does not have");
   return std::make_shared<Friction>(world.dimension, std::move(sources), speed);
 }
 

@@ -22,8 +22,8 @@ namespace resilin {
 namespace {
 
 constexpr const char* about_contact =
-    "; what touches a body (a collider, a body that is held itself) holds only what is within its activation "
-    "distance at the start, and sideways only by friction";
+    "; contact (with a collider or a constrained body) constrains a body only within the activation distance "
+    "at the start, and tangentially only by friction";
 constexpr double round_off = 1e-6;  ///< of a direction: the square root of what the Gram matrix leaves
 
 struct Part {
@@ -177,7 +177,7 @@ std::string cure(int dim, bool shifts, bool turns) {
     text = dim == 3 ? "add a [[fix]] on a face, or on three vertices that are not in a line"
                     : "add a [[fix]] on an edge, or on two vertices";
   } else if (shifts) {
-    text = "add a [[fix]] that holds one vertex in these directions (components = \"...\")";
+    text = "add a [[fix]] of one vertex in these directions (components = \"...\")";
   } else {
     text = "add a [[fix]] on a vertex away from " +
            std::string(dim == 3 ? "the axis, in a direction across it" : "this point");
@@ -301,9 +301,10 @@ void check_is_held(const World& world) {
       const auto starts_with = [&](const char* word) {
         return std::ranges::any_of(names, [&](const std::string& name) { return name.starts_with(word); });
       };
-      throw InputError(world.place, where + " is not held: " + std::to_string(num_free) + " of " +
+      throw InputError(world.place, where + " is not constrained: " + std::to_string(num_free) + " of " +
                                         std::to_string(part.gram.rows()) +
-                                        " rigid motions are free in a static run: " + join(names) + "; " +
+                                        " rigid-body motions are free in a static analysis: " + join(names) +
+                                        "; " +
                                         cure(dim, starts_with("translation"), starts_with("rotation")) +
                                         (world.colliders.empty() && !world.contact ? "" : about_contact));
     }

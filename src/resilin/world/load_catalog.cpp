@@ -60,12 +60,12 @@ std::shared_ptr<Energy> make_spring(const LoadDescription& load, const LoadSite&
 
 const std::vector<LoadKind>& load_kinds() {
   static const std::vector<LoadKind> kinds = {
-      {"body_force", "per rest volume", {"value"}, {"where"}, false, make_body_force},
-      {"traction", "per rest area", {"value", "where"}, {}, false, make_traction},
-      {"pressure", "follows the surface", {"value", "where"}, {}, true, make_pressure},
+      {"body_force", "per reference volume", {"value"}, {"where"}, false, make_body_force},
+      {"traction", "per reference area", {"value", "where"}, {}, false, make_traction},
+      {"pressure", "follower load", {"value", "where"}, {}, true, make_pressure},
       {"nodal_force", "on each vertex", {"value", "where"}, {}, false, make_nodal_force, true},
       {"spring",
-       "pulls each vertex to its rest position + displacement",
+       "pulls each vertex to its reference position + displacement",
        {"stiffness", "where"},
        {"displacement", "velocity"},
        false,

@@ -25,7 +25,7 @@ struct LoadSite {
 /// A kind of [[load]]: what it is called, which keys it has and the term that it adds.
 struct LoadKind {
   std::string name;
-  std::string text;                ///< for the reference: "per rest volume"
+  std::string text;                ///< for the reference: "per reference volume"
   std::vector<std::string> needs;  ///< keys that it must have
   std::vector<std::string> has;    ///< keys that it may have besides
   bool value_is_number = false;    ///< its `value` is a number, not a vector

@@ -56,7 +56,7 @@ std::vector<std::string> implausible_numbers(const Description& description) {
     if (description.is_dynamic && description.time_step > many_periods * wave_time) {
       oddities.push_back(description.place + ": simulation.time_step: a wave crosses \"" + body.name +
                          "\" in " + rounded(wave_time) +
-                         " s, far below the time step: its vibrations are damped away");
+                         " s, far below the time step: its vibrations are numerically damped");
     }
   }
   return oddities;

@@ -31,10 +31,9 @@ void warn_of_distance(World& world, const Body& body, const ProbeDescription& pr
     }
   }
   if (distance <= std::min(0.5 * cell_size, 0.1 * (high - low).maxCoeff())) return;
-  world.warnings.push_back(probe.place + ": the nearest vertex, which it watches, is " +
-                           format_short(distance) + " m from " + world.place_text(world.origin + probe.at) +
-                           ", at " + world.place_text(world.origin + place) +
-                           "; place it there, or refine the mesh");
+  world.warnings.push_back(probe.place + ": the nearest vertex is " + format_short(distance) + " m from " +
+                           world.place_text(world.origin + probe.at) + ", at " +
+                           world.place_text(world.origin + place) + "; place it there, or refine the mesh");
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 [[noreturn]] void refuse(const std::string& place, const std::string& what,
                          const std::string& cure = "run it on one process") {
-  throw InputError(place, "a scene that several processes can share", what, cure);
+  throw InputError(place, "a scene for several MPI processes", what, cure);
 }
 
 /// The body's cells with its own vertex numbers.
@@ -50,13 +50,13 @@ std::vector<double> of_nodes(const VectorX& values, std::span<const Index> nodes
 
 void require_distributable(const World& world) {
   const std::string scene = world.place;
-  if (world.modes) refuse(scene + ": simulation.kind", "free vibrations");
+  if (world.modes) refuse(scene + ": simulation.kind", "modal analysis");
   if (world.follows_path) refuse(scene + ": simulation.load_control", "\"arc_length\"");
   if (world.unstable_modes == UnstableModes::count)
     refuse(scene + ": simulation.unstable_modes", "a count of unstable modes");
   if (world.contact)
-    refuse(scene + ": contact", "bodies that meet each other or themselves",
-           "run it on one process; where they never meet let [contact] enabled be false");
+    refuse(scene + ": contact", "contact between bodies or self-contact",
+           "run it on one process; without contact set [contact] enabled = false");
   if (!world.mesh_colliders.empty()) refuse(scene + ": collider", "a collider of facets");
   if (world.friction) refuse(scene + ": friction", "friction");
   if (!world.sections.empty()) refuse(scene + ": section", "a section force");

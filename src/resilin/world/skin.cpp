@@ -37,10 +37,11 @@ void check_distance(const SkinDescription& skin, const Body& body, const Embeddi
                          "; the skin is scaled, rotated and translated with the mesh: give both in "
                          "one unit and at one place");
   }
-  warnings.push_back(skin.place + ": " + fact + ", and " + std::to_string(outside.count) + " of " +
-                     std::to_string(embedding.num_points()) +
-                     " vertices are outside; there it is carried less well: let the cells of " + body.name +
-                     " enclose it");
+  warnings.push_back(
+      skin.place + ": " + fact + ", and " + std::to_string(outside.count) + " of " +
+      std::to_string(embedding.num_points()) +
+      " vertices are outside the cells, where the embedding is less accurate: let the cells of " + body.name +
+      " enclose it");
 }
 
 }  // namespace

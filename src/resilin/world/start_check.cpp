@@ -33,8 +33,8 @@ double least_volume_ratio(const ElasticEnergy& elastic, const std::vector<double
     throw InputError(
         place, "no inverted cell, since " + law + " needs J > 0", where,
         "start from a shape without one, or take a law that allows them, such as stable_neo_hookean");
-  throw InputError(place, "a shape at which the energy of " + law + " is finite", where + ", where it is not",
-                   "start nearer to the rest shape");
+  throw InputError(place, "an initial shape at which the energy of " + law + " is finite",
+                   where + ", where it is not", "start nearer to the reference configuration");
 }
 
 /// Some times at which to look: where something begins or ends, between these, and in equal steps to the end.
@@ -143,7 +143,7 @@ std::vector<std::string> supports_in_colliders(const World& world) {
                       (world.is_dynamic      ? " at t = " + format_short(worst.when.time) + " s"
                        : worst.when.load < 1 ? " at load factor " + format_short(worst.when.load)
                                              : "") +
-                      ": vertices that are held do not feel it");
+                      ": fixed vertices have no contact with it");
     }
   return found;
 }

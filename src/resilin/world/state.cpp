@@ -91,7 +91,7 @@ struct Checker {
   void vector(const char* name, const VectorX& values, Size size) const {
     if (size == Size::full_or_empty && values.size() == 0) return;
     if (values.size() != num_unknowns) {
-      fail(name, "of " + std::to_string(num_unknowns) + " unknowns",
+      fail(name, "of " + std::to_string(num_unknowns) + " DOFs",
            std::to_string(values.size()) + ", as of another mesh");
     }
     if (!values.allFinite()) fail(name, "finite", "inf or nan");

@@ -116,11 +116,11 @@ void check_support_conflicts(int dim, const std::vector<Support>& supports, cons
         const double mine = supports[s].target(X, now)[k];
         const double theirs = holder.target(X, now)[k];
         if (std::abs(mine - theirs) <= 1e-12 * std::max(size, std::abs(mine))) continue;
-        throw InputError(supports[s].place, "one place for each vertex",
+        throw InputError(supports[s].place, "one prescribed position for each vertex",
                          "vertex " + std::to_string(node) + " moved by " + format_number(mine - X[k]) +
                              " m along " + "xyz"[k] + " here and by " + format_number(theirs - X[k]) +
                              " m in " + holder.place,
-                         "let the two selections not overlap");
+                         "separate the two selections");
       }
     }
   }

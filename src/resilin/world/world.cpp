@@ -78,15 +78,16 @@ VectorX start_velocities_of(const BodyDescription& description, const VectorX& p
 void check_modes(const Description& description, const ModesOptions& modes, World& world) {
   world.output.every = 1;  // each mode is a frame
   if (modes.count < 1 || modes.count > world.num_free_unknowns()) {
-    throw InputError(world.place + ": simulation.modes.count",
-                     "from 1 to " + std::to_string(world.num_free_unknowns()) + ", the unknowns of the scene",
-                     std::to_string(modes.count));
+    throw InputError(
+        world.place + ": simulation.modes.count",
+        "from 1 to " + std::to_string(world.num_free_unknowns()) + ", the free DOFs of the scene",
+        std::to_string(modes.count));
   }
   const bool has_loads = description.gravity.norm() > 0 || !description.loads.empty();
   if (has_loads && !modes.is_loaded) {
     world.warnings.push_back(world.place +
-                             ": loads do not act on vibrations about rest; for those about the loaded state "
-                             "set simulation.modes.about = \"load\"");
+                             ": loads do not affect modes about the reference configuration; for modes about "
+                             "the loaded state set simulation.modes.about = \"load\"");
   }
 }
 
@@ -163,8 +164,8 @@ void Builder::build() {
 void Builder::find_oddities() {
   for (const BodyOverlap& overlap : overlapping_bodies(world_, world_.start_positions, world_.contact.get()))
     world_.warnings.push_back(world_.place + ": " + describe(world_, overlap) +
-                              ": they are not to meet ([contact]) and pass through each other; move one of "
-                              "them (translate), or let them meet");
+                              ": contact between them is disabled ([contact]), and they pass through each "
+                              "other; move one of them (translate), or enable contact");
   for (std::string& line : supports_in_colliders(world_)) world_.warnings.push_back(std::move(line));
   world_.run_warnings = implausible_numbers(description_);
   if (world_.modes || !is_idle(world_)) return;

@@ -176,7 +176,7 @@ test("however much there is to say, the strip leaves the cards beside it free, a
         const cards = [...document.querySelectorAll(".lil-root, .strip")].map((card) => card.getBoundingClientRect());
         return cards.some((card) => card.bottom > top);
       })()`;
-      const said = "a body may be off by about 20 %; take finer cells; ".repeat(12);
+      const said = "a body has an estimated discretisation error of 20 %; take finer cells; ".repeat(12);
       await watched.value(`document.querySelector(".words").textContent = ${JSON.stringify(said)}`);
       assert.equal(await watched.value(isCovered), false);
       const height = (await words.boundingBox())!.height;
