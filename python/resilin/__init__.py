@@ -1,16 +1,13 @@
-"""Resilin: hyperelastic solids with finite elements.
+"""Resilin: finite elements for hyperelastic solids.
 
-Material    a law at arrays of deformation gradients: energy, stress, tangent, forces
-Elastic     the energy of a mesh: value, gradient, Hessian
-Simulation  a scene step by step; `run` simulates it to the end
-LiveScene   a scene to pull, pin and poke while it moves
-Mesh        from arrays, files, meshio objects and recipes
-fit         constants of laws from tests, with intervals
-fit_scenes  numbers of whole scenes from markers, reactions and probes
-value_and_gradient   an objective of a scene and its exact gradient by numbers of the scene
-find_rest_shape  the rest shape that its loads deform into what was drawn
-sweep       many scenes, here or on a Dask cluster
-embed       weights that carry fine points by the cells of a mesh
+Material    a constitutive model for arrays of deformation gradients: energy, stress, tangent, forces Elastic     the
+elastic energy of a mesh: value, gradient, Hessian Simulation  a scene step by step; `run` simulates it to the end
+LiveScene   an interactive scene: drag, pin and poke it while it moves Mesh        meshes from arrays, files, meshio
+objects and generators fit         calibration of constitutive models from tests, with confidence intervals fit_scenes
+parameter identification: numbers of scenes from markers, reactions and probes value_and_gradient   an objective of a
+scene and its exact gradient (adjoint) find_rest_shape  inverse design: the stress-free shape that deforms into the
+drawn shape sweep       parameter sweeps, local or on a Dask cluster embed       interpolation weights of points
+embedded in a mesh
 """
 
 from resilin import loading  # first: it loads the libraries  # noqa: F401

@@ -26,7 +26,9 @@ def projection_named(name: Projection) -> _core.Projection:
 
 
 def laws() -> dict[str, _core.LawInfo]:
-    """Every law by name, {name: LawInfo}: title, formula, source, constants with units, behaviour under inversion."""
+    """Returns all constitutive models by name, {name: LawInfo}: title, formula, source, constants with units, inversion
+    behaviour.
+    """
     return {law.name: law for law in _core.laws()}
 
 

@@ -28,7 +28,7 @@ NUM_POINTS = 61  # of a curve for which no stretches are asked
 
 @dataclass(frozen=True)
 class StabilityLimit:
-    """Where a curve stops being stable, or ends."""
+    """Stretch at which a curve becomes unstable, or ends."""
 
     loss: Loss  #: "stress_drops", "directions_part", "not_elliptic" or "no_state"; see docs/materials.md
     side: Literal["above", "below"]  #: "above" or "below": where it is lost
@@ -63,11 +63,11 @@ class StretchCurve:
         return is_stable
 
     def to_csv(self, path: AnyPath) -> None:
-        """Writes names with units and a line for each point."""
+        """Writes a CSV file: names with units and a line for each point."""
         Path(path).write_text(self._csv, encoding="utf-8")
 
     def to_json(self, path: AnyPath) -> None:
-        """Writes what the arrays hold, point by point; null where there is no state."""
+        """Writes the arrays point by point as JSON; null where there is no state."""
         names = ("stretch", "nominal_stress", "cauchy_stress", "volume_ratio", "energy_density", "stretches")
         columns = [getattr(self, name).tolist() for name in names] + [self.stability.tolist()]
         points = [
@@ -83,12 +83,12 @@ class StretchCurve:
         Path(path).write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
 
     def plot(self, ax: Axes | None = None, stress: StressKind = "nominal", **style: Any) -> Axes:
-        """Draws the stress over the stretch; unstable states are dashed.
+        """Plots the stress over the stretch; unstable states are dashed.
 
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
-            Where to draw; a new figure otherwise.
+            Axes for the plot; by default a new figure.
         stress : "nominal" or "cauchy"
         **style
             Passed on to ``Axes.plot``.

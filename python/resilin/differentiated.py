@@ -1,4 +1,4 @@
-"""A run that has been differentiated."""
+"""A differentiated run."""
 
 from __future__ import annotations
 
@@ -79,13 +79,13 @@ class Differentiated:
     Attributes
     ----------
     value : float or None
-        Of the objective; None without one.
+        Value of the objective; None without one.
     gradients : dict
-        By the names of the parameters: a number, an array (M,) by cell, (V, d) by vertex, (d,) of a vector.
+        Gradients by parameter name: a number, an array (M,) by cell, (V, d) by vertex, or (d,) for a vector.
     parameters : dict
-        Their values in the scene, of the same shapes.
+        Parameter values of the scene, in the same shapes.
     positions : array (T, N, d)
-        [m]; frame 0 is the start, the others the equilibria of the load steps or the ends of the time steps.
+        [m]; frame 0 is the start; the others are equilibria of load increments or ends of time steps.
     """
 
     def __init__(self, run: _core.DifferentiatedRun, objective: Objective | None) -> None:
@@ -115,12 +115,12 @@ class Differentiated:
 
     @property
     def asked_positions(self) -> Floats:
-        """`positions` at the frames that the scene asks for, of the load factors k / load_steps, or of all steps."""
+        """`positions` at the frames of the scene: the load factors k / load_steps, or all time steps."""
         return np.array([self._run.positions(frame) for frame in self._run.asked_frames])
 
     @property
     def num_steps_beside_way(self) -> int:
-        """Load steps that were halved where the way matters, with friction."""
+        """Load increments with cutbacks where the load history matters (friction)."""
         return self._run.num_steps_beside_way
 
     def seed_of_asked(self, by_positions: NDArray[Any]) -> Floats:
@@ -132,7 +132,7 @@ class Differentiated:
 
     @property
     def outcome(self) -> Outcome:
-        """What a function that is an objective gets."""
+        """The argument of an objective function."""
         frames = range(self._run.num_frames)
         clock = np.array([self._run.time_and_load(frame) for frame in frames])
         forces = np.array([self._run.reactions(frame) for frame in frames])
@@ -143,13 +143,13 @@ class Differentiated:
         return Outcome(self.positions, clock[:, 0], clock[:, 1], reactions, np.array(moving) if moving else None)
 
     def vjp(self, seed: RealArray | Mapping[str, Any]) -> dict[str, Numbers]:
-        """The gradient of a number of which only its slopes are known.
+        """Vector-Jacobian product: the gradient of a scalar with known derivatives by the results.
 
         Parameters
         ----------
         seed : array or dict
-            Slopes by `positions` (T, N, d), or (N, d) for the last frame; or a dict with "positions", "velocities" and
-            "reactions" ({support: (T, 3)}).
+            Derivatives by `positions` (T, N, d), or (N, d) for the last frame; or a dict with "positions", "velocities"
+            and "reactions" ({boundary condition: (T, 3)}).
 
         Returns
         -------
@@ -159,18 +159,18 @@ class Differentiated:
         return self._transposed(Seeds(seed, self._run).slopes())
 
     def jvp(self, direction: Mapping[str, RealArray]) -> dict[str, Any]:
-        """What changes of the parameters do to the results, to first order.
+        """Jacobian-vector product: first-order change of the results with the parameters.
 
         Parameters
         ----------
         direction : dict
-            By the names of parameters; those that are left out do not change.
+            Changes by parameter name; others are zero.
 
         Returns
         -------
         dict
-            "positions" (T, N, d), "velocities" in motion, "reactions" {support: (T, 3)}, and of an objective of terms
-            "value" and "residuals".
+            "positions" (T, N, d), "velocities" in dynamics, "reactions" {boundary condition: (T, 3)}, and for an
+            objective of terms "value" and "residuals".
         """
         return self._changes_of_results(self._forward(direction))
 
@@ -189,8 +189,10 @@ class Differentiated:
         return changes
 
     def gauss_newton_product(self, direction: Mapping[str, RealArray]) -> dict[str, Numbers]:
-        """J^T J v, J being the derivative of the residuals r of an objective 1/2 |r|^2 by the parameters: one forward
-        and one transposed product."""
+        """Gauss-Newton product J^T J v for an objective 1/2 |r|^2 with residuals r.
+
+        J is the derivative of r by the parameters. It needs one tangent and one adjoint product.
+        """
         terms = self._sum()
         change = terms.change_of_residuals(self._forward(direction))
         return self._transposed(terms.slopes_of_residuals(change))

@@ -1,4 +1,4 @@
-"""Runs of one scene with several sets of numbers, differentiated side by side."""
+"""Runs of one scene with several parameter sets, differentiated in parallel."""
 
 from __future__ import annotations
 
@@ -25,20 +25,20 @@ if TYPE_CHECKING:
 
 
 class DifferentiatedBatch:
-    """Runs of one scene with B sets of numbers, an objective and their derivatives.
+    """Runs of one scene with B parameter sets, an objective and their derivatives.
 
     `value, gradients = batch` unpacks it; `batch[i]` is the `Differentiated` of one set, `len(batch)` is B.
 
     Attributes
     ----------
     value : array (B,) or None
-        Of the objective for each set; None without one.
+        Objective of each set; None without one.
     gradients : dict
-        By the names of the parameters, with a leading dimension B.
+        Gradients by parameter name, with a leading dimension B.
     parameters : dict
-        Their values, likewise.
+        Parameter values, likewise.
     positions : array (B, T, N, d)
-        [m], where all runs have as many frames.
+        [m], if all runs have the same number of frames.
     """
 
     def __init__(self, runs: Sequence[_core.DifferentiatedRun], objective: Objective | None) -> None:
@@ -84,7 +84,8 @@ class DifferentiatedBatch:
         Parameters
         ----------
         seed : array or sequence
-            Slopes by `positions` (B, T, N, d), or (B, N, d) for the last frame; or B seeds of `Differentiated.vjp`.
+            Derivatives by `positions` (B, T, N, d), or (B, N, d) for the last frame; or B seeds of
+            `Differentiated.vjp`.
         """
         seeds = list(seed) if isinstance(seed, Sequence) else list(np.asarray(real_array(seed, "seed")))
         self._check_count(len(seeds), "seed")

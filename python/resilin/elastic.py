@@ -30,14 +30,13 @@ if TYPE_CHECKING:
 class Elastic:
     """Strain energy of a body as a function of its positions, E(x) = sum over cells of V Psi(F(x)).
 
-    Quantities of points are (M, ...) for M cells, or (M, Q, ...) where the element has Q > 1 quadrature points.
-    Positions are arrays (N, d) in metres, d = 3, or 2 for plane strain at unit thickness. A state outside the law's
-    domain (J <= 0 under a logarithm) has the energy inf, and nan in gradient and Hessian.
+    Positions are arrays (N, d) in metres, d = 3, or 2 for plane strain at unit thickness. Quantities at quadrature
+    points have the shape (M, ...) for M cells, or (M, Q, ...) for elements with Q > 1 points. A state outside the
+    domain of the model (J <= 0 under a logarithm) has the energy inf, and nan in gradient and Hessian.
 
-    Torch tensors give tensors. Autograd goes through `value` twice and through `gradient` once, by the positions and by
-    constants of the material that require grad; through the quantities of points, but for those of elements with a
-    mean volume (P2P0, Q1P0), which follow the positions in `value` and `gradient` alone. `hessian` and `max_step` are
-    not differentiated.
+    Torch tensors give tensors. Autograd differentiates `value` twice and `gradient` once, by positions and by material
+    constants that require grad. It also differentiates quantities at quadrature points. For mixed elements (P2P0, Q1P0)
+    only `value` and `gradient` are differentiable, by positions. `hessian` and `max_step` are not.
 
     Parameters
     ----------
@@ -45,17 +44,17 @@ class Elastic:
     material : Material
         Its constants may be arrays (M,) and its fibres (M, families, 3), one value for each cell.
     element : "P1", "P2", "P2P0", "Q1" or "Q1P0", optional
-        P on triangles and tetrahedra, Q on quadrilaterals and hexahedra. By default the one whose nodes the mesh has:
-        P1, P2 or Q1. P2 adds nodes in the middle of the edges of a linear mesh, after its vertices.
+        P on triangles and tetrahedra, Q on quadrilaterals and hexahedra. The default is the element with the nodes of
+        the mesh: P1, P2 or Q1. P2 appends mid-edge nodes of a linear mesh after its vertices.
     quadrature : str, optional
-        Rule of the points at which the energy is sampled, such as "4-point" or "exact"; by default the element's own.
+        Quadrature rule, such as "4-point" or "exact"; by default that of the element.
     dimension : 2 or 3, optional
         By default that of the mesh.
 
     Raises
     ------
     InputError
-        When the mesh or a constant cannot be used, with the reason.
+        If the mesh or a constant cannot be used, with the reason.
     """
 
     def __init__(
@@ -129,12 +128,12 @@ class Elastic:
 
     @property
     def rest_positions(self) -> NDArray[np.float64]:
-        """(N, d) [m]; a copy."""
+        """Reference positions (N, d) [m]; a copy."""
         return self._rest_positions.copy()
 
     @property
     def cells(self) -> NDArray[np.int32]:
-        """Nodes of each cell (M, nodes); a copy, with positive volumes at rest."""
+        """Nodes of each cell (M, nodes); a copy, with positive reference volumes."""
         return self._cells.copy()
 
     @property
@@ -154,12 +153,12 @@ class Elastic:
 
     @property
     def point_volumes(self) -> NDArray[np.float64]:
-        """Rest volume that each quadrature point stands for [m^3]: (M,), or (M, Q) for Q points in a cell."""
+        """Reference volume of each quadrature point [m^3]: (M,), or (M, Q) for Q points in a cell."""
         return self._of_points(self._core.point_volumes())
 
     @property
     def rest_volumes(self) -> NDArray[np.float64]:
-        """(M,) [m^3], in 2D areas [m^2]."""
+        """Reference volume of each cell (M,) [m^3], in 2D area [m^2]."""
         return self._core.rest_volumes()
 
     @overload
@@ -169,7 +168,7 @@ class Elastic:
     def value(self, x: RealArray) -> float: ...
 
     def value(self, x: Any) -> Any:
-        """Energy [J] at positions `x` (N, d); zero at rest, inf outside the law's domain."""
+        """Energy [J] at positions `x` (N, d); zero in the reference configuration, inf outside the law's domain."""
         if is_tensor(x):
             return self._at_tensors().value(x)
         return self._core_at_arrays().value(self._positions(x))
@@ -217,13 +216,13 @@ class Elastic:
         ----------
         x : array (N, d)
         projection : None, "clamp" or "absolute"
-            What becomes of the negative eigenvalues of each cell's Hessian: nothing, zero, or their absolute values.
+            Projection of negative eigenvalues of each cell's Hessian: none, to zero, or to their absolute values.
         as_triplets : bool
 
         Returns
         -------
         scipy.sparse.csr_matrix (N d, N d), or for tensors torch.sparse_coo
-            Unknowns vertex by vertex, x.ravel(); symmetric, columns ascending. The pattern does not depend on `x`.
+            DOFs vertex by vertex, x.ravel(); symmetric, columns ascending. The pattern does not depend on `x`.
         (i, j, v)
             With `as_triplets`: rows, columns and values; each entry once.
         """
@@ -243,9 +242,9 @@ class Elastic:
         Parameters
         ----------
         density : float
-            [kg/m^3] of the rest shape.
+            [kg/m^3] in the reference configuration.
         kind : "lumped" or "consistent"
-            A diagonal matrix, each vertex with its share of its cells; or that of the shape functions.
+            Diagonal with a share of each adjacent cell, or consistent with the shape functions.
 
         Returns
         -------
@@ -266,9 +265,9 @@ class Elastic:
     def max_step(self, x: RealArray, p: RealArray) -> float: ...
 
     def max_step(self, x: Any, p: Any) -> Any:
-        """The largest t in (0, 1] such that no cell loses more than nine tenths of its volume along x + t p.
+        """Largest t in (0, 1] such that no cell loses more than nine tenths of its volume along x + t p.
 
-        For laws that need J > 0; others give 1. `x` and `p` are (N, d).
+        Applies to models that need J > 0; for others it is 1. `x` and `p` are (N, d).
         """
         if is_tensor(x):
             return self._at_tensors().max_step(x, p)
@@ -281,7 +280,7 @@ class Elastic:
     def volume_ratios(self, x: RealArray) -> Floats: ...
 
     def volume_ratios(self, x: Any) -> Any:
-        """J = det F at each point (M,) or (M, Q)."""
+        """Volume ratio J = det F at each point (M,) or (M, Q)."""
         if is_tensor(x):
             return self._at_tensors().volume_ratios(x)
         return self._of_points(self._core_at_arrays().volume_ratios(self._positions(x)))
@@ -293,7 +292,7 @@ class Elastic:
     def energy_densities(self, x: RealArray) -> Floats: ...
 
     def energy_densities(self, x: Any) -> Any:
-        """Psi at each point (M,) or (M, Q) [J/m^3]."""
+        """Strain energy density Psi at each point (M,) or (M, Q) [J/m^3]."""
         if is_tensor(x):
             return self._at_tensors().energy_densities(x)
         return self._of_points(self._core_at_arrays().energy_densities(self._positions(x)))
@@ -305,7 +304,7 @@ class Elastic:
     def deformation_gradients(self, x: RealArray) -> Floats: ...
 
     def deformation_gradients(self, x: Any) -> Any:
-        """F at each point (M, d, d) or (M, Q, d, d)."""
+        """Deformation gradient F at each point (M, d, d) or (M, Q, d, d)."""
         if is_tensor(x):
             return self._at_tensors().deformation_gradients(x)
         gradients = self._of_points(self._core_at_arrays().deformation_gradients(self._positions(x)))
@@ -318,7 +317,7 @@ class Elastic:
     def cauchy_stresses(self, x: RealArray) -> Floats: ...
 
     def cauchy_stresses(self, x: Any) -> Any:
-        """Cauchy stress at each point (M, 3, 3) or (M, Q, 3, 3) [Pa]; in 2D with the stress across the plane."""
+        """Cauchy stress at each point (M, 3, 3) or (M, Q, 3, 3) [Pa]; in 2D with the out-of-plane stress."""
         if is_tensor(x):
             return self._at_tensors().cauchy_stresses(x)
         return self._of_points(self._core_at_arrays().cauchy_stresses(self._positions(x)))

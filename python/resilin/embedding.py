@@ -1,4 +1,4 @@
-"""Fine points carried by coarse cells."""
+"""Fine points embedded in coarse cells."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ def elements_by_kind(dimension: int) -> dict[str, str]:
 
 
 def embed(mesh: Mesh, points: RealArray) -> csr_array:
-    """Weights that carry points by the vertices of a mesh: `embed(mesh, points) @ positions`.
+    """Interpolation weights of points embedded in a mesh: `embed(mesh, points) @ positions`.
 
-    A point moves with the shape functions of the cell that contains it, a point outside with those of the nearest cell
+    A point moves with the shape functions of the cell that contains it; a point outside uses the nearest cell
     (docs/skin.md). Rows sum to one and reproduce affine maps exactly, also outside.
 
     Parameters
     ----------
     mesh : Mesh
-        With solid cells of one kind, at rest.
+        Reference configuration, with solid cells of one kind.
     points : array (V, d)
-        [m], at rest.
+        Reference positions [m].
 
     Returns
     -------

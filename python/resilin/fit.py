@@ -1,4 +1,4 @@
-"""Materials found from tests: constants with intervals and their range of stability (docs/fit.md)."""
+"""Calibration of constitutive models from tests: constants, confidence intervals, stability (docs/fit.md)."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class FittedConstant:
-    """What the tests say about one constant; SI."""
+    """Estimate of one constant, in SI units."""
 
     name: str
     unit: str  #: "Pa", or empty for a pure number
@@ -37,13 +37,13 @@ class FittedConstant:
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Ends of the interval of 95 %."""
+        """Ends of the 95 % confidence interval."""
         return self.value - self.half_width_95, self.value + self.half_width_95
 
 
 @dataclass(frozen=True)
 class StableRange:
-    """Between which loads a law is stable (Drucker's condition) along one mode."""
+    """Loads between which a model is stable (Drucker's condition) in one mode."""
 
     mode: str
     unstable_below: float | None  #: None: stable to the end of the search, a stretch of 1/12
@@ -52,7 +52,7 @@ class StableRange:
 
 @dataclass(frozen=True, eq=False)
 class FittedCurve:
-    """The curve of a law in one mode: arrays (N,)."""
+    """The curve of a model in one mode: arrays (N,)."""
 
     mode: str
     load: NDArray[np.float64]  #: stretch, or amount of shear
@@ -62,7 +62,7 @@ class FittedCurve:
 
 @dataclass(frozen=True, eq=False)
 class FittedLaw:
-    """One law, fitted."""
+    """One calibrated constitutive model."""
 
     name: str  #: as it was asked for, such as "ogden2"
     law: str  #: of the catalogue
@@ -82,13 +82,13 @@ class FittedLaw:
 
     @property
     def material(self) -> Material:
-        """The law with these constants, ready for a scene."""
+        """The model with these constants, for a scene."""
         return Material(self.law, **{name: constant.value for name, constant in self.constants.items()})
 
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """The laws that were fitted, the best first."""
+    """The calibrated models, the best first."""
 
     laws: tuple[FittedLaw, ...]
     not_fitted: dict[str, str]  #: why not, by law
@@ -101,7 +101,7 @@ class Fit:
 
     @property
     def best(self) -> FittedLaw:
-        """The law that AICc puts first."""
+        """The best model by AICc."""
         return self.laws[0]
 
     def __getitem__(self, name: str) -> FittedLaw:
@@ -121,15 +121,15 @@ class Fit:
 
 
 def fit(data: Scene, laws: str | Sequence[str] | None = None, overrides: Overrides = ()) -> Fit:
-    """Fits laws to tests of a material.
+    """Calibrates constitutive models from tests of a material.
 
     Parameters
     ----------
     data : path or dict
-        The file of ``resilin fit``, or its keys as a dict, whose columns may be lists or arrays (N,):
-        ``{"test": [{"mode": "uniaxial", "stretch": x, "nominal_stress": y, "unit": "MPa"}]}``.
+        The file of ``resilin fit``, or its keys as a dict, whose columns may be lists or arrays (N,): ``{"test":
+        [{"mode": "uniaxial", "stretch": x, "nominal_stress": y, "unit": "MPa"}]}``.
     laws : "all" or list of str, optional
-        What is fitted, in place of what `data` says.
+        Models to fit, in place of those of `data`.
     overrides : dict or list of str
         As after ``--set``.
 
@@ -140,7 +140,7 @@ def fit(data: Scene, laws: str | Sequence[str] | None = None, overrides: Overrid
     Raises
     ------
     InputError
-        For data that are wrong, in one line with what to do.
+        For wrong data, with one line that says what to do.
     """
     lines = override_lines(overrides)
     if laws is not None:

@@ -1,4 +1,4 @@
-"""Gradients of simulations: exact derivatives through equilibrium and motion."""
+"""Exact gradients of static and dynamic simulations (adjoint method)."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def parameter_names(scene: Scene, overrides: Overrides = ()) -> list[str]:
-    """The names of all parameters by which the results of a scene can be differentiated.
+    """Lists all differentiable parameters of a scene.
 
     Returns
     -------
@@ -63,43 +63,43 @@ def value_and_gradient(
     values: Mapping[str, RealArray] | None = None,
     batch: bool = False,
 ) -> Differentiated | DifferentiatedBatch:
-    """Runs a scene and gives an objective and its exact gradient by numbers of the scene, all at once.
+    """Runs a scene and returns an objective and its exact gradient by parameters of the scene.
 
-    One adjoint solution for each equilibrium or time step, whatever the number of parameters; see docs/gradients.md.
+    The cost is one adjoint solve for each equilibrium or time step, for any number of parameters; see
+    docs/gradients.md.
 
     Parameters
     ----------
     scene : path or dict
         As for `run`.
     objective : dict or function
-        Terms by kind: "position", "displacement" (of markers `at` places of the rest shape), "probe" (`name`),
-        "reaction" (`of` a support, or of a collider without friction), "volume" (of a `body`), "energy" (`kind`
-        "elastic" or "kinetic", of a `body` or of all), "stress" (`at` places, `component` "von_mises", "xx", "xy" ...),
-        "section" and "moment" (the force through the section `name` and its moment about the middle of the cut); each
-        with `target` and `sigma`, or a list of such. The value is
-        1/2 sum ((y - target) / sigma)^2; a term without target adds its `component` itself. `frame` is the last unless
-        given. Or a function of an `Outcome` that gives its value and {"positions": slopes (T, N, d)}.
+        Terms by kind: "position", "displacement" (of markers `at` points of the reference configuration), "probe"
+        (`name`), "reaction" (`of` a boundary condition, or of a collider without friction), "volume" (of a `body`),
+        "energy" (`kind` "elastic" or "kinetic", of a `body` or of all), "stress" (`at` points, `component` "von_mises",
+        "xx", "xy" ...), "section" and "moment" (the force through the section `name` and its moment about the centroid
+        of the cut); each with `target` and `sigma`, or a list of them. The value is 1/2 sum ((y - target) / sigma)^2; a
+        term without target adds its `component` itself. `frame` is the last by default. Alternatively a function of an
+        `Outcome` that returns its value and {"positions": derivatives (T, N, d)}.
     wrt : list of str
         Keys of the scene: "body.beam.material.youngs_modulus"; `resilin.parameter_names(scene)` has them all.
     checkpoints : int
-        Motion: 0 keeps the places of all steps; k keeps k states and makes the steps between them again, to the same
-        bits.
+        Dynamics: 0 stores the positions of all steps; k stores k states and recomputes the steps between them, with
+        bitwise equal results.
     values : dict
-        Numbers in place of those of the scene, by the names of its parameters.
+        Values that replace those of the scene, by parameter name.
     batch : bool
-        `values` have a leading dimension B: as many runs of the one scene, on all cores, to the bits of one after
-        another.
+        `values` have a leading dimension B: B runs of one scene on all cores, bitwise equal to single runs.
 
     Returns
     -------
     Differentiated, or DifferentiatedBatch
-        Unpacks as `value, gradients`; of a batch they have the leading dimension.
+        Unpacks as `value, gradients`; for a batch with a leading dimension.
 
     Raises
     ------
     InputError
-        For an unknown parameter, a marker outside the body, a run that does not converge, an equilibrium that is not
-        stable, and for what is not differentiable yet.
+        For an unknown parameter, a marker outside the body, an unconverged run, an unstable equilibrium, and for
+        unsupported cases.
 
     Examples
     --------
@@ -114,5 +114,5 @@ def value_and_gradient(
 def gradient(
     scene: Scene, objective: Objective, wrt: Iterable[str], *, overrides: Overrides = (), checkpoints: int = 0
 ) -> dict[str, Numbers]:
-    """The gradients of `value_and_gradient` alone."""
+    """Returns the gradients of `value_and_gradient` only."""
     return value_and_gradient(scene, objective, wrt, overrides=overrides, checkpoints=checkpoints).gradients

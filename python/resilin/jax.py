@@ -15,10 +15,10 @@ NEEDED = "jax>=0.4.34"
 def simulate(
     scene: Scene, *, overrides: Overrides = (), checkpoints: int = 0, **arrays: RealArray | jax.Array
 ) -> jax.Array:
-    """The places of all nodes as a function of numbers of the scene, through which jax.grad and jax.jit go.
+    """Nodal positions as a function of parameters of the scene, for jax.grad and jax.jit.
 
-    Statics and motion, by the adjoint of `resilin.value_and_gradient`, on the CPU. First derivatives, in reverse
-    alone: jax.grad, jax.vjp, jax.jacrev; jax.vmap runs the whole batch on all cores.
+    Static and dynamic runs with the adjoint of `resilin.value_and_gradient`, on the CPU. First derivatives in reverse
+    mode only: jax.grad, jax.vjp, jax.jacrev; jax.vmap runs the whole batch on all cores.
 
     Parameters
     ----------
@@ -27,22 +27,22 @@ def simulate(
     checkpoints : int
         As for `resilin.value_and_gradient`.
     **arrays
-        By the keys of the scene, given with **: {"body.beam.material.youngs_modulus": E}; they take the place of what
-        the scene says. An array (M,) for a constant is one number for each cell.
+        Parameters by key, given with **: {"body.beam.material.youngs_modulus": E}; they replace values of the scene. An
+        array (M,) for a constant has one value for each cell.
 
     Returns
     -------
     array (T, N, d)
-        [m], float64; frame 0 is the start, the last is the equilibrium or the end of the motion. At rest those between
-        are at load factors k / load_steps; steps that had to be halved on the way do not count.
+        [m], float64; frame 0 is the start, the last is the equilibrium or the end of the dynamic run. In statics the
+        others are at load factors k / load_steps; cutbacks are left out.
 
     Raises
     ------
     InputError
-        As `resilin.value_and_gradient`, while jax_enable_x64 is off, and where load steps with friction were halved,
-        since there the way matters. Within jax.jit errors of a run come as JAX's own, which hold the line.
+        As for `resilin.value_and_gradient`; if jax_enable_x64 is off; and for load cutbacks with friction, because then
+        the load history matters. Within jax.jit an error of a run arrives as a JAX error that contains our line.
     ImportError
-        Where JAX is missing.
+        If JAX is missing.
 
     Examples
     --------

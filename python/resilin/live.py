@@ -1,4 +1,4 @@
-"""A scene that is played with: pulled, pinned and poked while it moves."""
+"""An interactive scene: dragged, pinned and poked while it moves."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ if TYPE_CHECKING:
 
 
 class LiveScene(PresentState[_core.LiveScene]):
-    """What `resilin view` shows, to be played with by a program.
+    """The interactive scene of `resilin view`, controlled by a program.
 
-    Each step is one of backward Euler; static scenes move under their full loads. However it is pulled, a scene stays
-    finite, and what is let go comes to rest.
+    Steps use backward Euler; static scenes move under their full loads. A scene stays finite under any drag and comes
+    to rest after its release.
 
     Parameters
     ----------
     scene, overrides
-        As of `Simulation`.
+        As for `Simulation`.
 
     Examples
     --------
@@ -58,13 +58,13 @@ class LiveScene(PresentState[_core.LiveScene]):
         return scene
 
     def step(self, seconds: float | None = None) -> _core.LiveReport:
-        """One time step of `controls["time_step"]`.
+        """Takes one time step of `controls["time_step"]`.
 
         Parameters
         ----------
         seconds : float, optional
-            No Newton iteration begins that would end later, as the page does to be smooth; results then depend on the
-            machine. By default each step is solved to `controls["tolerance"]`.
+            Time limit: no Newton iteration starts that would end later, as on the page; results then depend on the
+            machine. By default each step converges to `controls["tolerance"]`.
 
         Returns
         -------
@@ -79,12 +79,12 @@ class LiveScene(PresentState[_core.LiveScene]):
         return self._core.report()
 
     def grab(self, place: RealArray) -> int:
-        """Takes hold of the vertex nearest to a place, and of what is around it; one hand only.
+        """Grabs the vertex nearest to a point and its neighbourhood; there is one hand.
 
         Parameters
         ----------
         place : array (d,)
-            [m], in the present shape.
+            Point in the present configuration [m].
 
         Returns
         -------
@@ -96,32 +96,32 @@ class LiveScene(PresentState[_core.LiveScene]):
         return vertex
 
     def drag(self, place: RealArray) -> None:
-        """Pulls what is held towards a place (d,) [m], as hard as `controls["max_force"]` allows, until `release`."""
+        """Pulls the grabbed vertex towards a point (d,) [m], with at most `controls["max_force"]`, until `release`."""
         self._core.drag(_numbers(place, "drag"))
         self._pages.wake()
 
     def release(self) -> None:
-        """Lets go."""
+        """Releases the grabbed vertex."""
         self._core.release()
         self._pages.wake()
 
     @property
     def is_held(self) -> bool:
-        """Whether the hand holds something."""
+        """Whether the hand holds a vertex."""
         return self._core.is_grabbed()
 
     @property
     def hand_force(self) -> Floats:
-        """(d,) [N], of the hand on the body; zero when nothing is held."""
+        """Force of the hand on the body (d,) [N]; zero if it holds nothing."""
         return np.array(self._core.hand_force())
 
     def pin(self, vertices: int | IntegerArray) -> None:
-        """Holds vertices, rows of `positions`, where they are now."""
+        """Fixes vertices, rows of `positions`, at their present positions."""
         self._core.pin(_vertices(vertices, "pin"), True)
         self._pages.wake()
 
     def unpin(self, vertices: int | IntegerArray | None = None) -> None:
-        """Lets vertices go that were pinned; all without an argument. Supports of the scene stay."""
+        """Releases pinned vertices; all without an argument. Boundary conditions of the scene stay."""
         if vertices is None:
             self._core.unpin_all()
         else:
@@ -130,40 +130,40 @@ class LiveScene(PresentState[_core.LiveScene]):
 
     @property
     def pinned(self) -> list[int]:
-        """The vertices that are pinned."""
+        """The pinned vertices."""
         return self._core.pinned()
 
     def poke(self, center: RealArray, radius: float) -> None:
-        """A ball that pushes bodies away; it goes towards `center` (d,) [m] as fast as they let it."""
+        """Adds a ball that pushes bodies away; it moves towards `center` (d,) [m] as fast as they allow."""
         self._core.poke(_numbers(center, "poke"), float(radius))
         self._pages.wake()
 
     def stop_poking(self) -> None:
-        """Takes the ball away."""
+        """Removes the ball."""
         self._core.stop_poking()
         self._pages.wake()
 
     @property
     def ball(self) -> Floats | None:
-        """Where the centre of the ball is now (d,) [m]; None without one."""
+        """Present centre of the ball (d,) [m]; None without one."""
         center = self._core.ball()
         return None if center is None else np.array(center)
 
     @property
     def controls(self) -> dict[str, ControlValue]:
-        """What `set` can change, with its present value: material of all bodies, gravity, time step, ground, hand."""
+        """Parameters for `set`, with present values: material of all bodies, gravity, time step, ground, hand."""
         return dict(self._core.controls())
 
     def set(self, **controls: ControlValue | RealArray) -> None:
-        """Changes controls: `scene.set(youngs_modulus=2e5, gravity=[0, 0, -1.6])`; at a refusal none of them."""
+        """Changes controls: `scene.set(youngs_modulus=2e5, gravity=[0, 0, -1.6])`; if one is refused, none changes."""
         self._core.set([(name, _plain(value, f"controls: {name}")) for name, value in controls.items()])
         self._pages.wake()
 
     def view(self, height: int = 560) -> LiveView:
-        """The page of the scene as a widget of a notebook, to be pulled at in its cell.
+        """Interactive page of the scene as a notebook widget.
 
-        While the page is seen the scene moves by itself, in real time; what is done there is done to this object, and
-        the other way round. A `step` pauses the page, so that programs go on from a state that nobody moves.
+        While the page is visible the scene runs in real time. Actions on the page and on this object affect the same
+        scene. A `step` pauses the page, so that programs continue from a state that nobody moves.
 
         Parameters
         ----------
@@ -173,7 +173,7 @@ class LiveScene(PresentState[_core.LiveScene]):
         Returns
         -------
         LiveView
-            A widget, which a cell that ends with it shows; needs anywidget (`resilin[notebook]`).
+            A widget, displayed at the end of a cell; needs anywidget (`resilin[notebook]`).
         """
         if isinstance(height, bool) or not isinstance(height, int) or height < 1:
             refuse("height", "a positive number of pixels", repr(height))
@@ -185,18 +185,18 @@ class LiveScene(PresentState[_core.LiveScene]):
         return shown
 
     def reset(self) -> None:
-        """Back to the start; the controls stay."""
+        """Returns to the start; the controls keep their values."""
         self._core.reset()
         self._pages.wake()
 
     @property
     def time(self) -> float:
-        """Simulated so far [s]."""
+        """Simulated time [s]."""
         return self._core.time()
 
     @property
     def bodies(self) -> list[str]:
-        """The names of the bodies."""
+        """Names of the bodies."""
         return self._core.body_names()
 
     def __reduce__(self) -> NoReturn:

@@ -1,4 +1,4 @@
-"""Laws of hyperelastic solids at arrays of deformation gradients."""
+"""Constitutive models of hyperelastic solids for arrays of deformation gradients."""
 
 # ruff: noqa: N803, N806 - F and P are the letters of the field
 
@@ -31,30 +31,30 @@ if TYPE_CHECKING:
 
 
 class Material:
-    """A hyperelastic law with its constants.
+    """A hyperelastic constitutive model (law) with its constants.
 
     Methods take deformation gradients F of any leading shape, ``(..., d, d)`` with d = 3, or 2 for plane strain, as
-    numpy arrays or torch tensors in float64 or float32, and give the same kind back. In between everything is computed
-    in double. C-contiguous arrays are read where they lie; all others are copied first. Whole numbers are read as
-    float64. A state outside the law's domain (J <= 0 under a logarithm, nan) gives inf or nan for itself alone.
+    numpy arrays or torch tensors in float64 or float32, and return the same kind. Computations are in double precision.
+    C-contiguous arrays are read in place; others are copied. Integers are read as float64. A state outside the domain
+    of the law (J <= 0 under a logarithm, nan) gives inf or nan; other states are unaffected.
 
     Parameters
     ----------
     law : str
         A name from the table below.
     youngs_modulus, poissons_ratio : float or array or tensor
-        [Pa], [-]. Those of the small-strain solid, whatever the law; they become the constants of its formula.
+        [Pa], [-]. The small-strain response, for every law; they are converted to the constants of its formula.
     fibres : array (families, 3) or (..., families, 3), optional
-        Directions at rest, for laws that have fibres; two components lie in the plane.
+        Fibre directions in the reference configuration, for laws with fibres; two components lie in the plane.
     **constants : float or array or tensor
         Constants of the law's formula by name, instead of youngs_modulus and poissons_ratio, or beside them where the
         table says so. An array holds one value for every state; its shape broadcasts against the leading shape of F.
-        Tensors that require grad are differentiated through.
+        Autograd differentiates tensors that require grad.
 
     Raises
     ------
     InputError
-        A ValueError that says in one line what was expected and what came.
+        A ValueError with one line: what was expected and what was found.
 
     Examples
     --------
@@ -140,12 +140,12 @@ class Material:
         displacement_gradient : bool
             Whether `F` holds H = F - I, which keeps all digits at small strain.
         out : array (...), optional
-            Where the result goes; its type is that of F.
+            Array for the result, with the type of F.
 
         Returns
         -------
         array (...)
-            Zero at rest; inf outside the law's domain.
+            Zero in the reference configuration; inf outside the domain of the law.
         """
         law = self._shared_law if out is None else None
         if law is not None and (psi := law.new_energy_densities(F, displacement_gradient)) is not None:
@@ -220,7 +220,7 @@ class Material:
         ----------
         F : array (..., d, d)
         projection : None, "clamp" or "absolute"
-            What becomes of the negative eigenvalues of the tangent as a matrix of d^2 rows: nothing, zero, or their
+            Projection of negative eigenvalues of the tangent as a matrix of d^2 rows: none, to zero, or to their
             absolute values.
         displacement_gradient, out
             As in `energy_density`.
@@ -275,16 +275,16 @@ class Material:
         ----------
         F : array (..., d, d)
         Dm_inv : array (..., d, d)
-            Inverse of the matrix whose columns are the edges at rest from corner 0 [1/m].
+            Inverse of the matrix whose columns are the reference edges from corner 0 [1/m].
         volume : array (...)
-            At rest [m^3]; in 2D the area [m^2], for unit thickness.
+            Reference volume [m^3]; in 2D the area [m^2], for unit thickness.
         displacement_gradient, out
             As in `energy_density`.
 
         Returns
         -------
         array (..., d + 1, d)
-            One row for each corner, which sum to zero.
+            One row for each corner; their sum is zero.
         """
         law = self._shared_law if out is None else None
         if law is not None and (f := law.new_elastic_forces(F, displacement_gradient, Dm_inv, volume)) is not None:
@@ -332,28 +332,28 @@ class Material:
     def cauchy_stress(self, F: Any, *, displacement_gradient: bool = False) -> Any:
         """Cauchy stress sigma = P F^T / J [Pa], (..., 3, 3) also in plane strain.
 
-        For a small-strain law it is the stress itself.
+        For a small-strain model it is the stress itself.
         """
         if is_tensor(F):
             return self._at_tensors().cauchy_stress(F, displacement_gradient)
         return self._at_arrays().cauchy_stress(F, displacement_gradient)
 
     def curve(self, kind: CurveKind, stretches: RealArray | None = None) -> StretchCurve:
-        """Stress over stretch of a block of the material, with the free directions solved.
+        """Stress-stretch curve of the material, with the traction-free directions solved.
 
         Parameters
         ----------
         kind : "uniaxial", "equibiaxial", "planar", "shear" or "volumetric"
-            F = diag(l, x, y), diag(l, l, x), diag(l, x, 1), I + l e1 (x) e2 or l I; the directions x and y are free
-            of stress.
+            F = diag(l, x, y), diag(l, l, x), diag(l, x, 1), I + l e1 (x) e2 or l I; the directions x and y are
+            traction-free.
         stretches : array (N,), optional
             Positive numbers l; amounts of shear for "shear". Otherwise 61 from 0.5 to 2, or from 0 to 1.5.
 
         Returns
         -------
         StretchCurve
-            Arrays stretch, nominal_stress, cauchy_stress [Pa], volume_ratio, energy_density [J/m^3], is_stable;
-            plot(), to_csv(path), to_json(path). Warns where stability is lost.
+            Arrays stretch, nominal_stress, cauchy_stress [Pa], volume_ratio, energy_density [J/m^3], is_stable; plot(),
+            to_csv(path), to_json(path). Warns where the model becomes unstable.
         """
         from resilin.curve import stretch_curve
 

@@ -1,4 +1,4 @@
-"""Meshes from arrays, files, meshio objects and recipes."""
+"""Meshes from arrays, files, meshio objects and generators."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ MESHIO_KINDS = {
 
 
 class MeshReport:
-    """What is wrong with a mesh (`errors`: it cannot be simulated) and what is odd (`warnings`), one line each."""
+    """Findings about a mesh, one line each: `errors` prevent a simulation, `warnings` do not."""
 
     def __init__(self, errors: list[str], warnings: list[str]) -> None:
         self.errors = errors
@@ -70,9 +70,9 @@ class Mesh:
         the plane: quadrilaterals), 8 hexahedra, 10 second-order tetrahedra; or such arrays by the kind of cell,
         {"tetrahedron": ..., "triangle": ...}. Triangles of a mesh of tetrahedra are facets.
     groups : dict, optional
-        Vertices by the name of a group, to which supports and loads of a scene refer.
+        Vertices of each group, by its name; boundary conditions and loads of a scene refer to it.
     name : str
-        Opens messages about the mesh.
+        Name in messages about the mesh.
     """
 
     def __init__(
@@ -115,14 +115,14 @@ class Mesh:
 
     @classmethod
     def read(cls, path: AnyPath) -> Self:
-        """Reads a file as it is: MSH, Medit, TetGen, Vega, OBJ, VTK or VTU, told by its first bytes."""
+        """Reads a mesh file unchanged (docs/mesh_formats.md); its first bytes tell the format."""
         core = _core.read_mesh(file_path(path, "path"))
         warn(core.warnings)
         return cls._of(core)
 
     @classmethod
     def from_meshio(cls, mesh: meshio.Mesh, name: str = "mesh") -> Self:
-        """From a meshio.Mesh; cell sets, point sets and physical groups become groups.
+        """Converts a meshio.Mesh; cell sets, point sets and physical groups become groups.
 
         Raises
         ------
@@ -180,7 +180,7 @@ class Mesh:
 
     @property
     def positions(self) -> NDArray[np.float64]:
-        """Rest positions (N, 2) or (N, 3) [m]; read-only."""
+        """Reference positions (N, 2) or (N, 3) [m]; read-only."""
         return self._positions
 
     @property
@@ -209,11 +209,11 @@ class Mesh:
 
     @property
     def cell_fields(self) -> dict[str, NDArray[np.float64]]:
-        """Numbers on cells that a file brought, {name: (M,)}."""
+        """Cell fields of a mesh file, {name: (M,)}."""
         return {name: values for name, _, values in self._core.cell_fields()}
 
     def check(self) -> MeshReport:
-        """What is wrong and what is odd, as `resilin check` says it.
+        """Checks the mesh for errors and warnings, as `resilin check` does.
 
         Returns
         -------
@@ -223,7 +223,7 @@ class Mesh:
         return MeshReport(*self._core.check())
 
     def write(self, path: AnyPath) -> None:
-        """Writes .msh, .vtu, .mesh (Medit) or .obj (surface)."""
+        """Writes a mesh file: .msh, .vtu, .mesh (Medit) or .obj (surface)."""
         self._core.write(file_path(path, "path"))
 
     def __getstate__(self) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""A result in a notebook: the page with its motion, which needs no other file and no network."""
+"""A result in a notebook: its animated page, which needs no other file and no network."""
 
 from __future__ import annotations
 

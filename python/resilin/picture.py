@@ -49,7 +49,7 @@ class Picture:
 
 
 def picture(place: AnyPath, field: str | None = None, *, frame: int = -1, **options: Unpack[PictureOptions]) -> Picture:
-    """Draws a frame that a run has left in a folder, as `resilin picture` does.
+    """Renders a frame of a result folder, as `resilin picture` does.
 
     Parameters
     ----------
@@ -57,8 +57,8 @@ def picture(place: AnyPath, field: str | None = None, *, frame: int = -1, **opti
         Folder of a run, or a .vtu file.
     field : str, optional
         Any, with a component where it has several: "von_mises", "displacement.z", "cauchy_stress.xy";
-        "averaged_von_mises" by default, as the page shows; "none" for the bodies in colours of their own.
-        What the frames do not hold is computed from them and from the scene that the folder keeps.
+        "averaged_von_mises" by default, as on the page; "none" for one colour per body. Missing fields are computed
+        from the frames and the scene in the folder.
     frame : int
         Number of the frame; -1 is the last.
     **options

@@ -22,23 +22,23 @@ Core = TypeVar("Core", core.Simulation, core.LiveScene)
 
 
 class PresentState(Generic[Core]):
-    """Where all bodies are now, and what follows from it."""
+    """Present state of all bodies and its fields."""
 
     _core: Core
 
     @property
     def positions(self) -> Floats:
-        """(N, d) [m], the vertices of all bodies, one body after another."""
+        """Positions (N, d) [m], the vertices of all bodies, one body after another."""
         return self._core.positions()
 
     @property
     def velocities(self) -> Floats:
-        """(N, d) [m/s]; zero in statics."""
+        """Velocities (N, d) [m/s]; zero in statics."""
         return self._core.velocities()
 
     @property
     def rest_positions(self) -> Floats:
-        """(N, d) [m]."""
+        """Reference positions (N, d) [m]."""
         return self._core.rest_positions()
 
     def cells(self, body: str) -> NDArray[np.int32]:
@@ -51,7 +51,7 @@ class PresentState(Generic[Core]):
 
     @property
     def fields(self) -> Fields:
-        """Fields of the present state by name, as in `Result` without the axis of the frames."""
+        """Fields of the present state by name, as in `Result` without the frame axis."""
         return Fields(lambda name: self._core.field(name)[0])
 
     def plot(self, field: str | None = "averaged_von_mises", **options: Unpack[PictureOptions]) -> Picture:

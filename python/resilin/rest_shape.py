@@ -1,4 +1,4 @@
-"""Inverse design: the rest shape that becomes what was drawn once its loads act."""
+"""Inverse design: the stress-free shape that deforms into the drawn shape under its loads."""
 
 from __future__ import annotations
 
@@ -19,47 +19,47 @@ if TYPE_CHECKING:
 
 
 class RestShape(NamedTuple):
-    """A rest shape that its loads deform into what was drawn."""
+    """A stress-free shape that its loads deform into the drawn shape."""
 
-    positions: dict[str, Floats]  #: by body, (V, d) [m]: its vertices at rest, in the order of its mesh
-    deformed: dict[str, Floats]  #: likewise, where a run of the scene from that shape leads them
-    distance: float  #: the largest of a deformed vertex from where it was drawn, or stands on what bears it [m]
-    size: float  #: of the bodies as drawn, along the axes [m]
-    iterations: int  #: of Newton's method
-    overrides: dict[str, float]  #: what scenes from it have besides: distances from which colliders do not press
+    positions: dict[str, Floats]  #: by body (V, d) [m]: stress-free positions of its mesh vertices
+    deformed: dict[str, Floats]  #: likewise, after a run of the scene from that shape
+    distance: float  #: largest distance of a deformed vertex from its target [m]
+    size: float  #: largest extent of the drawn bodies along an axis [m]
+    iterations: int  #: number of Newton iterations
+    overrides: dict[str, float]  #: overrides of the new scene: activation distances of colliders
 
 
 def find_rest_shape(scene: Scene, *, overrides: Overrides = (), progress: bool | None = None) -> RestShape:
-    """Finds the rest shape of the bodies of a scene whose deformed shape is what the scene draws.
+    """Inverse design: finds the stress-free shape whose deformed shape is the one drawn in the scene.
 
-    Newton's method on the balance of forces in the shape as drawn, whose unknowns are the rest places; where the loads
-    cannot be taken at once, they are raised in parts. The shape found is judged by a run of the scene from it, in the
-    scene's own load steps, which has to end within 1e-8 of the size. What touches in the shape as drawn presses there.
-    A body that is borne by what it lies on alone comes to stand where that bears it. A rest shape may lie inside of
-    colliders, where no run begins but one that begins as drawn. Where a collider leaves no rest shape, of which the
-    scene does not say from how far it is felt, it is felt from nearer than it is drawn: `overrides` has that distance,
-    for the scene that is made of the shape. Of each of these a warning is given.
+    The method is Newton's method on the equilibrium of the drawn shape, with the reference positions as unknowns. If
+    the full load does not converge, the loads are applied in increments. A final run from the found shape, with the
+    scene's load steps, must end within 1e-8 of the size.
+
+    Contact in the drawn shape presses as usual. A body that only its contact carries moves until the contact carries
+    it. A stress-free shape may overlap colliders; a run must then start from the drawn shape. A collider with a default
+    activation distance may leave no stress-free shape. It then gets a smaller activation distance, which `overrides`
+    has for the new scene. Each of these cases gives a warning.
 
     Parameters
     ----------
     scene : path or dict
-        Of statics; its meshes are the target. Loads act as always: a weight is that of the mass at rest, and what was
-        selected by place as drawn stays selected.
+        A static scene; its meshes are the target shape. Loads act as usual: weights use the reference mass, and
+        selections by position in the drawn shape stay selected.
     overrides : dict or list of str
         As for `run`.
     progress : bool, optional
-        As for `run`: a line about a search that lasts. Default: in a terminal and in a notebook only.
+        Whether to show a progress line of a long search; by default in a terminal and in a notebook.
 
     Returns
     -------
     RestShape
-        Its positions are places in the scene: they make a mesh that is neither scaled, turned nor moved there.
+        Its positions are scene coordinates: their mesh is neither scaled, rotated nor translated.
 
     Raises
     ------
     InputError
-        For motion and for friction, and when no such shape is found: up to which part of the loads there was one, and
-        what stopped the search.
+        For dynamics and friction, and if no such shape is found: with the fraction of the load reached and the reason.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What runs and steps give: states as arrays, and the same for other packages and for notebooks."""
+"""Results of runs and steps: states as arrays, also for other packages and notebooks."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 class Step(NamedTuple):
-    """What became of one step; not converging is a result, not an error."""
+    """Outcome of one step; not converging is a result, not an error."""
 
     status: StepStatus  #: "converged" or "not_converged"
     reason: str  #: in words, when it did not converge
@@ -41,7 +41,7 @@ class Step(NamedTuple):
 
 
 class Fields(Mapping[str, "Floats"]):
-    """Fields of a result by name, computed when they are asked for; see docs/results.md."""
+    """Fields of a result by name, computed on request; see docs/results.md."""
 
     def __init__(self, evaluate: Callable[[str], Floats]) -> None:
         self._evaluate = evaluate
@@ -63,7 +63,7 @@ class Fields(Mapping[str, "Floats"]):
 
 
 class Result:
-    """The recorded frames of a run; T of them, the first is the start.
+    """The T recorded frames of a run; the first is the start.
 
     Attributes
     ----------
@@ -73,9 +73,9 @@ class Result:
         [s]; load factors of a static run.
     fields : mapping
         By name, over the T frames: displacement, velocity (T, N, d); by cell von_mises, volume_ratio ... (T, M),
-        principal_stress (T, M, 3), cauchy_stress, green_strain ... (T, M, 3, 3); the same smoothed onto the vertices as
-        nodal_von_mises (T, N) ... `list(result.fields)` has all names, docs/results.md what they mean. Each access
-        computes the field anew.
+        principal_stress (T, M, 3), cauchy_stress, green_strain ... (T, M, 3, 3); their L2 projection onto the vertices
+        is nodal_von_mises (T, N) ... `list(result.fields)` has all names, docs/results.md explains them. Each access
+        recomputes the field.
     report : dict
         As report.json: status, reason, frames with energies, probes and reactions, bodies, timing.
     """
@@ -90,72 +90,73 @@ class Result:
 
     @functools.cached_property
     def report(self) -> Report:
-        """As report.json; made when it is first asked for."""
+        """The content of report.json; computed on first access."""
         report: Report = json.loads(self._core.report())
         return report
 
     @property
     def status(self) -> RunStatus:
-        """ "done", "not_converged", or "budget" when the run was stopped before its end."""
+        """ "done", "not_converged", or "budget" if the run was stopped before its end."""
         return self.report["status"]
 
     def save(self, folder: AnyPath) -> None:
-        """Writes the folder that `resilin run --out` leaves: report.json, frames.pvd, frames/, checkpoint.bin and, as
-        output.formats asks, result.html and result.usda."""
+        """Writes the folder of `resilin run --out`: report.json, frames.pvd, frames/, checkpoint.bin and, by
+        output.formats, result.html and result.usda.
+        """
         self._core.save(file_path(folder, "folder"))
 
     def plot(
         self, field: str | None = "averaged_von_mises", *, frame: int = -1, **options: Unpack[PictureOptions]
     ) -> Picture:
-        """Draws the deformed body, coloured by a field; no display and no other package is needed.
+        """Renders the deformed body, coloured by a field; needs no display and no other package.
 
         Parameters
         ----------
         field : str or None
             Any of `fields`, with a component where it has several: "displacement" (its length), "displacement.z",
             "cauchy_stress.xy", "principal_stress.1". "von_mises" has one colour in each cell, "averaged_von_mises" is
-            the mean of the cells around each vertex, "nodal_von_mises" is smooth. The skin is drawn where a body has
-            one, but for fields by cell.
+            the mean of the cells around each vertex, "nodal_von_mises" is smooth. A body with a skin is drawn by its
+            skin, except for cell fields.
         frame : int
             Number of the frame; -1 is the last.
         size : (int, int)
             Width and height in pixels; (1200, 900).
         view : str or (3,)
             "auto", "iso", "front", "back", "left", "right", "top", "bottom", or the direction from the body to the eye;
-            auto shows as much as it can of the body and of how it has moved.
+            auto shows most of the body and of its motion.
         up : str
             Axis that points up: "x", "y", "z", or "auto": against gravity, z where there is none.
         range : (float, float), optional
-            Values at the ends of the colours; by default those of the field.
+            Limits of the colour bar; by default those of the field.
         map : str
             "viridis", "diverging", or "auto": diverging for fields of two signs.
         scale : float
-            Factor on displacements; 1.
+            Displacement magnification; 1.
         edges : bool, optional
-            Edges of the cells; by default where there is room.
+            Whether to draw cell edges; by default if they are large enough.
         rest : bool
-            The outline of the rest shape.
+            Whether to draw the outline of the reference configuration.
         colliders : bool
-            What of the colliders is near the bodies; True.
+            Whether to draw colliders near the bodies; True.
         bar : bool
-            The bar of the colours, with the field, its unit and its range; True.
+            Whether to draw the colour bar with field, unit and range; True.
         caption : bool
-            Time, load factor or mode in the corner; True.
+            Whether to print time, load factor or mode in the corner; True.
         dark : bool
             A dark background.
         transparent : bool
-            No background, to be put on a bright one, with `dark` on a dark one.
+            A transparent background, for bright pages, with `dark` for dark ones.
 
         Returns
         -------
         Picture
-            A notebook shows it; `.save("stress.png")` writes it, `.pixels` is an array.
+            Notebooks display it; `.save("stress.png")` writes it, `.pixels` is an array.
         """
         return Picture(self._core.draw(int(frame), picture_options(field, **options)))
 
     @property
     def bodies(self) -> list[str]:
-        """The names of the bodies, in their order."""
+        """Names of the bodies, in order."""
         return self._core.body_names()
 
     def cells(self, body: str | None = None) -> NDArray[np.int32]:
@@ -176,7 +177,7 @@ class Result:
         return slice(*self._core.vertex_range(exchange.body_name(self._core, body)))
 
     def to_meshio(self, frame: int = -1, fields: Sequence[str] = exchange.USUAL_FIELDS) -> meshio.Mesh:
-        """A frame as a meshio.Mesh: the deformed cells with fields on vertices and cells, and the number of the body.
+        """Converts a frame to a meshio.Mesh: deformed cells, vertex and cell fields, and body numbers.
 
         Parameters
         ----------
@@ -188,13 +189,14 @@ class Result:
         return exchange.to_meshio(self._core, frame, fields)
 
     def to_pyvista(self, frame: int = -1, fields: Sequence[str] = exchange.USUAL_FIELDS) -> pv.UnstructuredGrid:
-        """A frame as a pyvista.UnstructuredGrid, with what `to_meshio` has; the arguments are the same."""
+        """Converts a frame to a pyvista.UnstructuredGrid with the data and arguments of `to_meshio`."""
         return exchange.to_pyvista(self._core, frame, fields)
 
     def to_dataframe(self) -> pd.DataFrame:
-        """A table with a row for each frame: time, load, energies, momenta, probes, reactions, sections, extremes.
+        """Returns a pandas table with a row for each frame: time, load, energies, momenta, probes, reactions, sections,
+        extremes.
 
-        The columns are named as in report.json, with points between: "energy.elastic", "probes.tip.displacement.z",
+        The columns are named as in report.json, joined by points: "energy.elastic", "probes.tip.displacement.z",
         "reactions.wall.x".
         """
         return exchange.to_dataframe(self.report)

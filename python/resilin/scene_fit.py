@@ -1,4 +1,4 @@
-"""Parameters of whole scenes, found from markers, reactions and probes (docs/fit.md)."""
+"""Parameter identification: parameters of scenes from markers, reactions and probes (docs/fit.md)."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class FittedParameter:
-    """What the measurements say about one number of the scenes; SI."""
+    """Estimate of one parameter of the scenes, in SI units."""
 
     name: str
     key: str  #: of the scenes
@@ -36,7 +36,7 @@ class FittedParameter:
 
 @dataclass(frozen=True, eq=False)
 class FittedField:
-    """A constant of each cell: arrays (M,); SI."""
+    """A constant with cell values: arrays (M,), in SI units."""
 
     name: str
     key: str  #: of the scenes
@@ -48,7 +48,7 @@ class FittedField:
 
 @dataclass(frozen=True, eq=False)
 class Regularisation:
-    """How much neighbours are alike."""
+    """Settings and result of the regularisation of a field."""
 
     strength: float  #: the weight of the prior that was taken
     corner: float  #: of the L-curve; 0 without one
@@ -60,7 +60,7 @@ class Regularisation:
 
 @dataclass(frozen=True, eq=False)
 class MeasuredTable:
-    """One table of measurements beside what the scenes give: arrays (N,), component by component of each row."""
+    """One table of measurements and the values of the scenes: arrays (N,), component by component of each row."""
 
     name: str
     unit: str
@@ -70,7 +70,7 @@ class MeasuredTable:
 
 @dataclass(frozen=True, eq=False)
 class SceneFit:
-    """Parameters of scenes, fitted."""
+    """Identified parameters of scenes."""
 
     parameters: dict[str, FittedParameter]  #: by name
     fields: dict[str, FittedField]  #: by name: constants that were sought for each cell
@@ -89,8 +89,9 @@ class SceneFit:
     _report: _core.SceneFitReport = field(repr=False)
 
     def save(self, folder: AnyPath) -> None:
-        """Writes what ``resilin fit`` does: fit.html, fit.json, material.toml, and of constants of cells
-        BODY_CONSTANT.csv and, of fields, BODY_CONSTANT.vtu."""
+        """Writes the files of ``resilin fit``: fit.html, fit.json, material.toml, BODY_CONSTANT.csv for cell values and
+        BODY_CONSTANT.vtu for fields.
+        """
         self._report.save(file_path(folder, "folder"))
 
     def __getitem__(self, name: str) -> FittedParameter:
@@ -101,13 +102,13 @@ class SceneFit:
 
 
 def fit_scenes(data: Scene, overrides: Overrides = (), on_solve: Callable[[str], object] | None = None) -> SceneFit:
-    """Fits numbers of scenes to displacements of markers, reactions of supports and probes.
+    """Identifies parameters of scenes from displacements of markers, reactions of boundary conditions and probes.
 
     Parameters
     ----------
     data : path or dict
-        The file of ``resilin fit`` with ``[[experiment]]`` and ``[[parameter]]``, or its keys as a dict, in which a
-        scene may be a dict, too, and markers arrays (N, d): ``{"at": X, "displacement": u, "sigma": 1e-3}``.
+        The file of ``resilin fit`` with ``[[experiment]]`` and ``[[parameter]]``, or its keys as a dict. A scene may be
+        a dict too, and markers may be arrays (N, d): ``{"at": X, "displacement": u, "sigma": 1e-3}``.
     overrides : dict or list of str
         As after ``--set``, of the fit's own keys.
     on_solve : function, optional
@@ -120,7 +121,7 @@ def fit_scenes(data: Scene, overrides: Overrides = (), on_solve: Callable[[str],
     Raises
     ------
     InputError
-        For data that are wrong, in one line with what to do.
+        For wrong data, with one line that says what to do.
     """
     lines = override_lines(overrides)
     found = of_file_or_dict(

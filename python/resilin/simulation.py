@@ -33,19 +33,19 @@ if TYPE_CHECKING:
 
 
 class Simulation(PresentState[_core.Simulation]):
-    """A simulation that can be looked at between its steps.
+    """A simulation, advanced step by step.
 
     Parameters
     ----------
     scene : path or dict
         A scene file, or the same keys as a dict; see docs/scene.md. A dict may hold arrays and `Mesh` objects.
     overrides : dict or list of str
-        Changes of the scene, as after `--set`: {"newton.tolerance": 1e-6}.
+        Changes to the scene, as after `--set`: {"newton.tolerance": 1e-6}.
 
     Raises
     ------
     InputError
-        With the text that the command line prints: where, what was expected, what came, what to do.
+        With the line of the command line: where, what was expected, what was found, what to do.
 
     Examples
     --------
@@ -61,14 +61,14 @@ class Simulation(PresentState[_core.Simulation]):
         warn(self._core.warnings)
 
     def step(self) -> Step:
-        """One time step, or one load step as large as converges.
+        """Takes one time step, or the largest load increment that converges.
 
         Ctrl-C raises KeyboardInterrupt and leaves the state before the step.
 
         Returns
         -------
         Step
-            True as a condition when it converged.
+            True as a condition if it converged.
         """
         step = Step(*self._core.step())
         self._wake_pages()
@@ -82,7 +82,7 @@ class Simulation(PresentState[_core.Simulation]):
         steps: int | None = None,
         progress: bool | None = None,
     ) -> Result:
-        """Steps to the end and records each `output.every`-th step.
+        """Runs to the end and records every `output.every`-th step.
 
         Ctrl-C raises KeyboardInterrupt; the simulation keeps the last whole step, `out` everything up to it.
 
@@ -91,11 +91,11 @@ class Simulation(PresentState[_core.Simulation]):
         out : path, optional
             Folder for the files that `resilin run` writes.
         resume : bool or "anyway"
-            Goes on from the checkpoint in `out`, which must be of the same scene unless "anyway".
+            Restarts from the checkpoint in `out`, which must belong to the same scene unless "anyway".
         steps : int, optional
             Stops after so many steps.
         progress : bool, optional
-            Whether a line says how far it is; by default in a terminal and in a notebook.
+            Whether to show a progress line; by default in a terminal and in a notebook.
 
         Returns
         -------
@@ -121,17 +121,17 @@ class Simulation(PresentState[_core.Simulation]):
         return result
 
     def set_material(self, body: str, material: Material, density: float | None = None) -> None:
-        """Gives a body another material; the motion goes on from the present state.
+        """Replaces the material of a body; the simulation continues from the present state.
 
         Parameters
         ----------
         body : str
             Its name in the scene.
         material : Material
-            Its constants may be arrays (M,) and its fibres (M, families, 3), one value for each cell. Fibres are in
-            the axes of the mesh and turn with the body's `rotate`.
+            Its constants may be arrays (M,) and its fibres (M, families, 3), one value for each cell. Fibres refer to
+            the axes of the mesh and rotate with the body's `rotate`.
         density : float, optional
-            [kg/m^3]; by default as before.
+            [kg/m^3]; unchanged by default.
         """
         require_instance(material, Material, "material")
         entries = material_entries(material)
@@ -147,11 +147,12 @@ class Simulation(PresentState[_core.Simulation]):
             self._played = None
 
     def view(self, height: int = 560) -> LiveView:
-        """The page of the bodies as a widget of a notebook, to be pulled at in its cell.
+        """Interactive page of the bodies as a notebook widget.
 
-        It begins with the present state and moves by itself while it is seen, under the full loads. Where bodies are
-        led there, they are here: `positions`, `velocities` and `fields` follow, and `step` goes on from there, at the
-        time and load that this simulation had. After a step or a run the page shows where it has led, and pauses.
+        The page starts with the present state under the full loads and runs in real time while it is visible. Bodies
+        moved on the page are moved here too: `positions`, `velocities` and `fields` follow, and `step` continues from
+        there, at the time and load factor of this simulation. After a step or a run the page shows its result and
+        pauses.
 
         Parameters
         ----------
@@ -161,7 +162,7 @@ class Simulation(PresentState[_core.Simulation]):
         Returns
         -------
         LiveView
-            A widget, which a cell that ends with it shows; needs anywidget (`resilin[notebook]`).
+            A widget, displayed at the end of a cell; needs anywidget (`resilin[notebook]`).
         """
         if self._played is None:
             self._played = LiveScene._of(self._core.play())
@@ -173,12 +174,12 @@ class Simulation(PresentState[_core.Simulation]):
 
     @property
     def time(self) -> float:
-        """[s]"""
+        """Simulated time [s]."""
         return self._core.time
 
     @property
     def load(self) -> float:
-        """Load factor of a static run; 1 in motion."""
+        """Load factor of a static run; 1 in dynamics."""
         return self._core.load
 
     @property
@@ -188,18 +189,18 @@ class Simulation(PresentState[_core.Simulation]):
 
     @property
     def frame(self) -> FrameReport:
-        """What report.json says about the present state: energies, momenta, probes, reactions."""
+        """Entry of the present state in report.json: energies, momenta, probes, reactions."""
         frame: FrameReport = json.loads(self._core.frame())
         return frame
 
     @property
     def bodies(self) -> list[BodyReport]:
-        """What report.json says about the bodies."""
+        """Entries of the bodies in report.json."""
         bodies: list[BodyReport] = json.loads(self._core.bodies())
         return bodies
 
     def skin_positions(self, body: str) -> Floats:
-        """Where the skin of a body is now (V, 3) [m]; in 2D the third column is zero.
+        """Present positions of the embedded surface (skin) of a body (V, 3) [m]; in 2D the third column is zero.
 
         Raises
         ------
@@ -209,7 +210,7 @@ class Simulation(PresentState[_core.Simulation]):
         return self._core.skin_positions(plain_text(body, "body"))
 
     def skin_triangles(self, body: str) -> NDArray[np.int32]:
-        """Triangles of the skin (T, 3), as rows of `skin_positions`; of a curve in 2D its lines (T, 2)."""
+        """Triangles of the skin (T, 3), as rows of `skin_positions`; for a curve in 2D its lines (T, 2)."""
         return self._core.skin_facets(plain_text(body, "body"))
 
     def __reduce__(self) -> NoReturn:

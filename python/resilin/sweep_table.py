@@ -1,4 +1,4 @@
-"""The table that a sweep leaves, by columns."""
+"""The result table of a sweep, by columns."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ TEXTS = ("hash", "status", "reason")
 
 
 class SweepTable(Mapping[str, "NDArray[Any]"]):
-    """What a sweep has found: a row for each scene that has been run, a column for each parameter and quantity.
+    """Results of a sweep: a row for each finished scene, a column for each parameter and quantity.
 
     A mapping of arrays by the names of the columns: scene, hash, the parameters, status, the quantities, steps,
     newton_iterations, unknowns [free], seconds, kept, reason. Numbers are float64 (NaN where there is none), lists
@@ -43,7 +43,7 @@ class SweepTable(Mapping[str, "NDArray[Any]"]):
 
     @property
     def columns(self) -> dict[str, NDArray[Any]]:
-        """All of them."""
+        """Names of all columns."""
         if self._columns is None:
             self._columns = _read_columns(self.folder)
         return self._columns
@@ -59,22 +59,22 @@ class SweepTable(Mapping[str, "NDArray[Any]"]):
 
     @property
     def num_rows(self) -> int:
-        """How many scenes have been run."""
+        """Number of finished scenes."""
         return len(self["scene"])
 
     @property
     def failed(self) -> dict[int, str]:
-        """The reason of each scene that failed, by its number."""
+        """Reason of each failed scene, by its number."""
         rows = zip(self["scene"], self["status"], self["reason"], strict=True)
         return {int(scene): f"{status}: {reason}" for scene, status, reason in rows if status != "done"}
 
     def result_folder(self, scene: int) -> pathlib.Path:
-        """The folder that `resilin run` would have left of a scene whose results were kept.
+        """Result folder of a scene whose results were kept, as `resilin run` writes it.
 
         Raises
         ------
         InputError
-            When they were not.
+            If they were not kept.
         """
         (row,) = np.nonzero(self["scene"] == scene)
         if not len(row) or not self["kept"][row[0]]:
@@ -82,12 +82,12 @@ class SweepTable(Mapping[str, "NDArray[Any]"]):
         return self.folder / "kept" / str(self["hash"][row[0]])
 
     def field(self, scene: int, name: str, frame: int = -1) -> NDArray[np.float64]:
-        """A field of a scene whose results were kept: as `Result.fields` has it, of one frame; -1 is the last."""
+        """A field of one frame of a scene whose results were kept, as in `Result.fields`; frame -1 is the last."""
         array: NDArray[np.float64] = _core.kept_field(str(self.result_folder(scene)), name, frame)[0]
         return array
 
     def rest_positions(self, scene: int) -> NDArray[np.float64]:
-        """(N, d) [m], of a scene whose results were kept."""
+        """Reference positions (N, d) [m] of a scene whose results were kept."""
         return _core.kept_rest_positions(str(self.result_folder(scene)))
 
     def to_parquet(self, path: AnyPath | None = None) -> pathlib.Path:
@@ -115,12 +115,12 @@ class SweepTable(Mapping[str, "NDArray[Any]"]):
 
 
 def read_sweep(folder: AnyPath) -> SweepTable:
-    """The table in the folder of a sweep that `resilin sweep` or `resilin.sweep` has run, or is running.
+    """Reads the table of a finished or running sweep of `resilin sweep` or `resilin.sweep`.
 
     Raises
     ------
     InputError
-        Where there is none.
+        If there is none.
     """
     path = pathlib.Path(file_path(folder, "folder"))
     if not (path / "results.csv").is_file():

@@ -1,4 +1,4 @@
-"""Many scenes: a base scene and what varies, in this process or on a Dask cluster; see docs/sweep.md."""
+"""Parameter sweeps of a base scene, in this process or on a Dask cluster; see docs/sweep.md."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def sweep(
     update: bool = False,
     progress: bool | None = None,
 ) -> SweepTable:
-    """Simulates a scene for many values of its keys; what has been run into `out` is not run again.
+    """Runs a scene for many parameter values; scenes finished in `out` are not run again.
 
     The folder is that of `resilin sweep`, and both may work in it at once.
 
@@ -51,9 +51,9 @@ def sweep(
     base : path or dict
         The scene; a dict may hold arrays and `Mesh` objects. Without `parameters` the path of a SWEEP.toml.
     parameters : dict
-        {"body.beam.material.youngs_modulus": [1e5, 1e6]}: for keys as after --set a list of values, or
-        {"linspace": [a, b, n]}, {"logspace": [a, b, n]}, {"range": [a, b, step]}, for methods that draw also
-        {"uniform": [a, b]}, {"log_uniform": [a, b]}. Values may be arrays and `Mesh` objects.
+        {"body.beam.material.youngs_modulus": [1e5, 1e6]}: a list of values for each key (as after --set), or
+        {"linspace": [a, b, n]}, {"logspace": [a, b, n]}, {"range": [a, b, step]}, and for sampling methods {"uniform":
+        [a, b]}, {"log_uniform": [a, b]}. Values may be arrays and `Mesh` objects.
     method : str
         "grid": all combinations, the last parameter varies fastest; "list": the first values together, the second ...;
         "latin_hypercube" and "sobol": `samples` scenes drawn with `seed`.
@@ -61,9 +61,9 @@ def sweep(
         Columns of the table: "probe.tip.displacement.z", {"name": "peak", "of": "max.von_mises", "over": "max"}; by
         default probes, reactions, elastic energy and smallest volume ratio at the end.
     keep : str or list of int
-        Of which scenes the folder of results is kept.
+        Scenes whose result folder is kept.
     out : path, optional
-        Folder; by default a temporary one that goes with the table.
+        Folder; by default a temporary one, deleted with the table.
     client : distributed.Client, optional
         Runs the scenes on its workers. They need the files of the scene under the same paths, and `out` where results
         are kept. By default they are run by threads of this process.
@@ -78,11 +78,11 @@ def sweep(
         With a client: tasks that are handed out at once, which bounds the memory of client and scheduler; 0 means four
         for each thread of the workers.
     retry_failed : bool
-        Runs those that failed once more.
+        Runs failed scenes again.
     update : bool
-        The sweep was changed since: keeps what is still part of it.
+        After a change of the sweep: keeps rows that still belong to it.
     progress : bool, optional
-        Whether a line says how far it is; by default in a terminal and in a notebook.
+        Whether to show a progress line; by default in a terminal and in a notebook.
 
     Returns
     -------
@@ -91,7 +91,7 @@ def sweep(
     Raises
     ------
     InputError
-        For keys that the scene does not have, a folder of another sweep ...; a scene that is wrong is a row.
+        For keys that the scene does not have, a folder of another sweep ...; a wrong scene is a row of the table.
 
     Examples
     --------

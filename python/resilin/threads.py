@@ -15,7 +15,7 @@ _core.num_threads()  # a RESILIN_THREADS that is wrong is told before any work i
 
 
 def num_threads() -> int:
-    """Number of threads that loops use.
+    """Number of threads of parallel loops.
 
     All cores unless `set_num_threads` was called or the environment variable RESILIN_THREADS says otherwise.
     """
@@ -23,7 +23,7 @@ def num_threads() -> int:
 
 
 def set_num_threads(count: SupportsIndex) -> None:
-    """Limits every later computation to `count` threads; results are the same bits for any number."""
+    """Limits later computations to `count` threads; results are bitwise equal for any number."""
     try:
         number = operator.index(count)
     except TypeError:

@@ -1,4 +1,4 @@
-"""torch: simulations as functions of tensors, and a drop-in for a class that is spread among simulators in torch."""
+"""torch: simulations as functions of tensors, and a drop-in replacement for a class common in torch simulators."""
 
 # ruff: noqa: N803, N806 - E, F and P are the letters of the field
 
@@ -24,20 +24,20 @@ if TYPE_CHECKING:
 class StableNeoHookean:
     """Neo-Hookean solid of tetrahedra, Psi = mu/2 (I_C - 3) - mu ln J + lambda/2 (J - 1)^2, with the exact derivatives.
 
-    The names are those of the class that it replaces; the law is Resilin's "neo_hookean_quadratic". Tensors (or numpy
-    arrays) of F may have any leading shape and be 2 by 2 as well, and autograd goes through every method. What is not
-    as in the replaced class, which clamped its numbers, so that its forces were not the slope of its energy:
+    The names are those of the replaced class; the model is Resilin's "neo_hookean_quadratic". Tensors (or numpy arrays)
+    of F may have any leading shape and may be 2 by 2; autograd differentiates every method. The replaced class clamped
+    its numbers, so that its forces were not derivatives of its energy. Differences:
 
-    - J <= 0 gives inf as the energy and nan as the stress, of that element alone. There, J became 1e-6.
+    - J <= 0 gives the energy inf and the stress nan for that element only. There, J became 1e-6.
     - `first_piola_kirchhoff_stress_analytic` and `compute_elastic_forces` are exact. There, J was clamped to [0.3, 3],
-      or to [0.1, 5] for all elements as soon as one of the batch had J < 0.01, the singular values of F^-T to
-      [0.2, 5], and every stress above 1e6 Pa in norm was scaled down to 1e6 Pa.
-    - `first_piola_kirchhoff_stress` keeps the graph of F, which the replaced method cut off.
+      or to [0.1, 5] for all elements as soon as one of the batch had J < 0.01, the singular values of F^-T to [0.2, 5],
+      and every stress above 1e6 Pa in norm was scaled down to 1e6 Pa.
+    - `first_piola_kirchhoff_stress` keeps the graph of F, which the replaced method detached.
 
     Parameters
     ----------
     youngs_modulus, poissons_ratio : float or tensor
-        [Pa], [-]; tensors that require grad are differentiated through.
+        [Pa], [-]; autograd differentiates tensors that require grad.
     """
 
     def __init__(self, youngs_modulus: Constant = 1e6, poissons_ratio: Constant = 0.45) -> None:
@@ -110,10 +110,10 @@ class StableNeoHookean:
 def simulate(
     scene: Scene, *, overrides: Overrides = (), checkpoints: int = 0, batch: bool = False, **tensors: torch.Tensor
 ) -> torch.Tensor:
-    """The places of all nodes as a function of numbers of the scene, through which autograd goes.
+    """Nodal positions as a differentiable function of parameters of the scene.
 
-    Statics and motion, by the adjoint of `resilin.value_and_gradient`: exact, at the price of one solve for each
-    equilibrium or step, without a tape. First derivatives alone.
+    Static and dynamic runs with the adjoint of `resilin.value_and_gradient`: exact, one solve for each equilibrium or
+    step, without a tape. First derivatives only.
 
     Parameters
     ----------
@@ -122,17 +122,17 @@ def simulate(
     checkpoints : int
         As for `resilin.value_and_gradient`.
     batch : bool
-        All tensors have a leading dimension B: as many runs of the one scene, on all cores, to the bits of one after
-        another. One that is the same in all is given as `tensor.expand(B, ...)`.
+        All tensors have a leading dimension B: B runs of one scene on all cores, bitwise equal to single runs. Give a
+        common value as `tensor.expand(B, ...)`.
     **tensors
-        By the keys of the scene, given with **: {"body.beam.material.youngs_modulus": E}; they take the place of what
-        the scene says. A tensor (M,) for a constant is one number for each cell.
+        Parameters by key, given with **: {"body.beam.material.youngs_modulus": E}; they replace values of the scene. A
+        tensor (M,) for a constant has one value for each cell.
 
     Returns
     -------
-    tensor (T, N, d), of a batch (B, T, N, d)
-        [m], float64; frame 0 is the start, the last is the equilibrium or the end of the motion. At rest those between
-        are at load factors k / load_steps; steps that had to be halved on the way do not count.
+    tensor (T, N, d), for a batch (B, T, N, d)
+        [m], float64; frame 0 is the start, the last is the equilibrium or the end of the dynamic run. In statics the
+        others are at load factors k / load_steps; cutbacks are left out.
 
     Examples
     --------

@@ -1,6 +1,7 @@
-"""Types for annotations of programs that use Resilin; nothing here does anything when a program runs.
+"""Types for annotations of programs that use Resilin; they have no effect at run time.
 
-Results are `numpy.typing.NDArray`. Arguments may be what `numpy.asarray` makes an array of real numbers (`RealArray`).
+Results are `numpy.typing.NDArray`. Arguments may be anything that `numpy.asarray` converts to real numbers
+(`RealArray`).
 """
 
 from __future__ import annotations
@@ -88,13 +89,13 @@ class _Mode(TypedDict):
 
 
 class ModeReport(_Mode, total=False):
-    """A free vibration; how fast it grows where it is unstable."""
+    """A vibration mode; its growth rate if it is unstable."""
 
     growth_rate: float
 
 
 class EnergyReport(TypedDict):
-    """[J]"""
+    """Energies [J]."""
 
     elastic: float
     kinetic: float
@@ -128,7 +129,7 @@ class _Extreme(TypedDict):
 
 
 class ExtremeReport(_Extreme, total=False):
-    """At a vertex or in a cell, as the field has it."""
+    """An extreme value at a vertex or in a cell, depending on the field."""
 
     vertex: int
     cell: int
@@ -140,7 +141,7 @@ class ExtremesReport(TypedDict):
 
 
 class ContactReport(TypedDict):
-    """Two bodies that touch; the force is on the second, the first feels the opposite."""
+    """Two bodies in contact; the force is on the second, the first feels the opposite."""
 
     bodies: list[str]
     force: list[float]
@@ -195,13 +196,13 @@ class BodyReport(TypedDict):
 
 
 class ReportedBody(BodyReport):
-    """Of a run: how far off the body may be by the size of its cells (docs/theory/discretisation.md)."""
+    """A body in the report; `discretisation_error` is an estimate (docs/theory/discretisation.md)."""
 
     discretisation_error: float | None
 
 
 class TimingReport(TypedDict):
-    """[s]"""
+    """Durations [s]."""
 
     total: float
     assembly: float
@@ -227,6 +228,6 @@ class _Report(TypedDict):
 
 
 class Report(_Report, total=False):
-    """report.json (docs/results.md); modes of free vibrations."""
+    """The content of report.json (docs/results.md); modes of a modal analysis."""
 
     modes: list[ModeReport]
