@@ -96,7 +96,7 @@ std::string save(const SceneSource& source, SceneValue scene, const SceneChanges
   const std::string shown = one_line(path.lexically_normal().string());
   const std::size_t count = changes.held.size();
   const std::string what =
-      count == 0 ? "" : " with " + std::to_string(count) + " held face" + (count > 1 ? "s" : "");
+      count == 0 ? "" : " with " + std::to_string(count) + " fixed face" + (count > 1 ? "s" : "");
   return "Saved" + what + ". Next: resilin run " + shown;
 }
 

@@ -62,7 +62,7 @@ TEST(SceneSource, SavesHeldFacesAndChangesOfAScene) {
   scene->apply(SetControl{find_live_control("ground_height"), -0.5});
   scene->apply(SetControl{find_live_control("damping"), 0.5});
   EXPECT_THAT(scene->save(),
-              HasSubstr("with 1 held face. Next: resilin run " + (folder / "jelly-2.toml").string()));
+              HasSubstr("with 1 fixed face. Next: resilin run " + (folder / "jelly-2.toml").string()));
   EXPECT_EQ(folder.read("jelly.toml"), jelly);
   const Description saved = read_scene(folder / "jelly-2.toml").description;
   EXPECT_EQ(saved.bodies[0].material.constants.at("youngs_modulus"), 7e4);

@@ -59,7 +59,7 @@ constexpr std::array table = {
     LiveControl{"tolerance", "Time", "Tolerance", "",
                 "Convergence tolerance: force residual relative to the load",
                 LogSlider{&LiveControls::tolerance, {1e-12, 0.5}, {1e-8, 1e-1}}},
-    LiveControl{"max_force", "Tools", "Strongest hand", "N", "Largest force of the hand",
+    LiveControl{"max_force", "Tools", "Maximum hand force", "N", "Largest force of the hand",
                 LogSlider{&LiveControls::max_force, {1e-12, 1e15}, {1e-2, 1e5}}},
 };
 

@@ -83,7 +83,7 @@ export class DisplayPanel {
       named(folder.add(choices, "ground"), "ground", "Show ground");
     }
     if (colliders.length > 0) named(folder.add(choices, "colliders"), "colliders", "Show colliders");
-    if (marks.length > 0) named(folder.add(choices, "marks"), "marks", "Supports, loads (m)");
+    if (marks.length > 0) named(folder.add(choices, "marks"), "marks", "Boundary conditions, loads (m)");
     named(folder.add(choices, "drawing", ["auto", "full", "light"]), "drawing", "Drawing").onChange(events.drawing);
     named(folder.add(choices, "theme", ["auto", "light", "dark"]), "theme", "Theme").onChange((choice: ThemeChoice) =>
       theme.choose(choice),

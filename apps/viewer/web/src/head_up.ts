@@ -19,7 +19,7 @@ export class HeadUp {
   private readonly words = element("div", { class: "words", data: "words", role: "status" });
 
   constructor() {
-    this.add("real_time_ratio", "real time", "simulated over real seconds", 6);
+    this.add("real_time_ratio", "real time", "simulated over real time", 6);
     const bar = element("span", { class: "phases", "aria-hidden": "true" });
     PHASES.forEach(([, name], i) => {
       const piece = element("i", { class: `phase-${i}`, title: name });
@@ -29,13 +29,13 @@ export class HeadUp {
     this.add("step_ms", "step", "milliseconds of one step", 8).append(bar);
     this.add("phases", "assembly + solve + surface + other", "milliseconds of one step by phase", 22, "wide");
     this.add("iterations", "Newton · CG", "iterations of the last step", 8);
-    this.add("residual", "force residual", "the greatest force that is out of balance, and its share of the load", 17);
-    this.add("volume", "smallest volume", "smallest ratio of deformed to rest volume", 6);
-    this.add("inverted", "inverted", "cells turned inside out", 5, "wide");
+    this.add("residual", "force residual", "the largest unbalanced force, absolute and relative to the load", 17);
+    this.add("volume", "smallest volume", "smallest volume ratio J (deformed over reference volume)", 6);
+    this.add("inverted", "inverted", "inverted elements", 5, "wide");
     this.contact = this.add(
       "contact",
       "smallest gap · pairs",
-      "what touches: the smallest gap, and how many parts feel each other",
+      "contact: the smallest gap, and the number of active contact pairs",
       15,
     );
     this.contact.hidden = true;
@@ -70,7 +70,7 @@ export class HeadUp {
     PHASES.forEach(
       ([key], i) => (this.phases[i].style.width = `${Math.min((100 * (status[key] as number)) / whole, 100)}%`),
     );
-    setText(this.words, status.words || (status.converged ? "solved" : "not solved in the time of a frame"));
+    setText(this.words, status.words || (status.converged ? "solved" : "not converged in the time of a frame"));
     this.words.dataset.mood = status.at_rest ? "rest" : status.converged ? "fine" : "behind";
   }
 }

@@ -45,4 +45,4 @@ export function movesCamera(event: KeyboardEvent, orbit: Orbit): boolean {
 }
 
 /** What the help says of it. */
-export const CAMERA_KEYS: [string, string][] = [["Shift and arrows, + −", "turn the camera, come nearer, go away"]];
+export const CAMERA_KEYS: [string, string][] = [["Shift and arrows, + −", "rotate the camera, zoom"]];

@@ -19,21 +19,21 @@ import { Tools, type Tool } from "./tools";
 import type { Scenery } from "./transport";
 
 const KEYS: [string, string][] = [
-  ["left button on the body", "grab it, pin it, poke it or hold a face, as the tool says"],
-  ["left button beside it, right button", "turn the camera"],
-  ["middle button, Shift and left button", "move the camera"],
-  ["wheel, two fingers", "come nearer, go away"],
+  ["left button on the body", "the current tool: drag, pin, poke or fix a face"],
+  ["left button beside it, right button", "rotate the camera"],
+  ["middle button, Shift and left button", "pan the camera"],
+  ["wheel, two fingers", "zoom"],
   ...CAMERA_KEYS,
-  ["arrows, Enter", "point at a place of the body; do there what the tool does, and let go"],
-  ["1 2 3 4", "hand, pin, poke, hold a face (again: free it)"],
-  ["Ctrl s", "save the scene with its held faces"],
+  ["arrows, Enter", "move the pointer on the body; apply the tool, release"],
+  ["1 2 3 4", "hand, pin, poke, fix a face (again: free it)"],
+  ["Ctrl s", "save the scene with its fixed faces"],
   ["Ctrl o, a file dropped", "open a mesh or a surface"],
-  ["v p", "record a film and end it; a picture without a background"],
-  ["Space", "pause and go on"],
-  ["s", "a single step"],
+  ["v p", "start and stop a film; a picture without a background"],
+  ["Space", "pause and continue"],
+  ["s", "single step"],
   ["r", "reset to the start"],
-  ["f", "see the whole scene"],
-  ["w c x m", "wireframe, coarse cells, cut, supports and loads"],
+  ["f", "show the whole scene"],
+  ["w c x m", "wireframe, coarse cells, cut, boundary conditions and loads"],
   ["?", "this help"],
 ];
 
@@ -49,7 +49,7 @@ export class LiveApp {
   private readonly crosshair = new Crosshair();
   private readonly toolButtons = new Map<Tool, HTMLButtonElement>();
   private readonly pauseButton: HTMLButtonElement;
-  private readonly saveButton = iconButton("save", "Save the scene with its held faces (Ctrl s)", () =>
+  private readonly saveButton = iconButton("save", "Save the scene with its fixed faces (Ctrl s)", () =>
     this.connection.send({ type: "save" }),
   );
   private readonly opener: Opener;
@@ -143,9 +143,9 @@ export class LiveApp {
     const group = (...buttons: HTMLElement[]) => bar.append(element("div", { class: "group" }, ...buttons));
     const names: [Tool, string][] = [
       ["hand", "Hand: drag the body (1)"],
-      ["pin", "Pin: hold a place where it is (2)"],
+      ["pin", "Pin: fix a point where it is (2)"],
       ["poke", "Poke: push with a ball (3)"],
-      ["hold", "Hold: a click on a face holds it, a second one frees it (4)"],
+      ["hold", "Fix: a click on a face fixes it, a second one frees it (4)"],
     ];
     for (const [tool, label] of names) {
       const button = iconButton(tool, label, () => this.chooseTool(tool));
@@ -225,7 +225,7 @@ export class LiveApp {
     if (this.pauseButton.dataset.shows !== name) {
       this.pauseButton.dataset.shows = name;
       this.pauseButton.replaceChildren(icon(name));
-      this.pauseButton.title = state.paused ? "Go on (Space)" : "Pause (Space)";
+      this.pauseButton.title = state.paused ? "Continue (Space)" : "Pause (Space)";
     }
   }
 
@@ -329,7 +329,7 @@ export class LiveApp {
     if (this.tools.isHolding) return this.tools.release();
     if (!this.crosshair.isShown) this.crosshair.show(this.shell.middleOfBody());
     if (this.tools.clicks) return this.tools.click(this.crosshair.place);
-    if (!this.tools.press(this.crosshair.place)) this.overlays.say("There is nothing to take at the cross.");
+    if (!this.tools.press(this.crosshair.place)) this.overlays.say("There is nothing to grab at the cross.");
   }
 
   private leaveCrosshair(): void {

@@ -68,20 +68,25 @@ export class LivePanel {
       made.domElement.dataset.testid = `set-${property.replace(/[A-Z]/g, (letter) => `_${letter.toLowerCase()}`)}`;
       made.domElement.title = help;
     };
-    slider("pokeRadius", "Poking ball [m]", "Its radius", {
+    slider("pokeRadius", "Poking ball [m]", "Radius of the ball", {
       ...length,
       least: 0.02 * extent,
       allowed: [1e-6 * extent, 10 * extent],
     });
-    slider("faceAngle", "Held face turns [°]", "How far a held face may turn away from the place that is clicked", {
-      least: 1,
-      greatest: 90,
-      step: 1,
-      unit: "°",
-      allowed: [0, 180],
-      complain,
-    });
-    slider("faceRadius", "Held face reaches [m]", "How far a held face may reach from there", {
+    slider(
+      "faceAngle",
+      "Fixed face: angle [°]",
+      "Largest angle between the normals of a fixed face and of the clicked point",
+      {
+        least: 1,
+        greatest: 90,
+        step: 1,
+        unit: "°",
+        allowed: [0, 180],
+        complain,
+      },
+    );
+    slider("faceRadius", "Fixed face: radius [m]", "Largest distance of a fixed face from the clicked point", {
       ...length,
       zero: "no limit",
       allowed: [0, 10 * extent],
@@ -89,7 +94,7 @@ export class LivePanel {
     const button = (name: string, message: PageMessage) =>
       folder.add({ press: () => this.actions.send(message) }, "press").name(name);
     button("Remove all pins", { type: "unpin_all" });
-    button("Free all held faces", { type: "free_faces" });
+    button("Free all fixed faces", { type: "free_faces" });
     if (saves) button("Save the scene (Ctrl s)", { type: "save" });
     button("Read the scene again", { type: "reload" });
   }

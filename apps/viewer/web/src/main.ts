@@ -80,7 +80,7 @@ async function startPlaying(from?: number): Promise<void> {
     new LiveApp(carried(textOf("worker"), game), from === undefined ? null : wordsOfStart(takingUp!, from));
     words.remove();
   } catch (error) {
-    words.textContent = `The scene cannot be played with. ${error instanceof Error ? error.message : String(error)}`;
+    words.textContent = `The scene cannot be simulated. ${error instanceof Error ? error.message : String(error)}`;
   }
 }
 

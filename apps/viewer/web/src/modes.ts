@@ -26,7 +26,7 @@ export function modesOf(frames: RecordedFrame[], report: Report | null): (Mode |
 export function modeWords(mode: Mode | null, count: number): string {
   if (!mode) return "at rest";
   const words = mode.isUnstable
-    ? "grows: the equilibrium is unstable"
+    ? "unstable: the mode grows"
     : mode.isRigid
       ? "moves as a rigid body"
       : withUnit(mode.frequency, "Hz", 4);

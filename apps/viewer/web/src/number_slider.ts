@@ -89,7 +89,7 @@ export class NumberSlider<T extends object> extends Controller {
       this.range.complain(`${this.$name.textContent}: expected a number ${expected}, got ${shown(value)}`);
     } else {
       const example = unit === "" ? "0.25 or 2.5e-1" : `${withUnit(this.getValue() as number, unit)} or 2.5e4`;
-      this.range.complain(`“${text}” is no number${unit && ` in ${unit}`}. Write one such as ${example}.`);
+      this.range.complain(`“${text}” is not a number${unit && ` in ${unit}`}. Write one such as ${example}.`);
     }
     this.finish();
   }

@@ -13,7 +13,7 @@ export class Plots {
   private readonly hint = element(
     "p",
     { class: "hint" },
-    "Click the body, or press Enter: the values of that place, frame by frame.",
+    "Click the body, or press Enter, to plot the values of that point over the frames.",
   );
   private probeCharts: Chart[] = [];
   private readonly reportCharts: Chart[] = [];

@@ -40,7 +40,7 @@ export class Recorder {
   private start(): void {
     const type = typeof MediaRecorder === "undefined" ? undefined : TYPES.find((t) => MediaRecorder.isTypeSupported(t));
     if (type === undefined || !this.film.captureStream)
-      return this.say("This browser records no films; “resilin film” makes them of results.");
+      return this.say("This browser cannot record films; “resilin film” renders results.");
     this.film.width = this.scene.width & ~1; // codecs want even numbers
     this.film.height = this.scene.height & ~1;
     this.paint();

@@ -19,18 +19,18 @@ import type { Viewport } from "./viewport";
 import * as THREE from "three";
 
 const KEYS: [string, string][] = [
-  ["left button", "turn the camera; a click on the body shows the values there"],
-  ["middle button, Shift and left button", "move the camera"],
-  ["wheel, two fingers", "come nearer, go away"],
+  ["left button", "rotate the camera; a click on the body plots the values there"],
+  ["middle button, Shift and left button", "pan the camera"],
+  ["wheel, two fingers", "zoom"],
   ...CAMERA_KEYS,
   ["Space", "play and pause"],
-  ["← →", "the frame before, the next one"],
-  ["Enter", "probe the body: then arrows lead the cross, Escape ends it"],
-  ["Home End", "the first frame, the last one"],
-  ["f", "see the whole scene"],
-  ["w c x m", "wireframe, coarse cells, cut, supports and loads"],
-  ["v p", "record a film and end it; a picture without a background"],
-  ["Escape", "forget the probed place"],
+  ["← →", "previous frame, next frame"],
+  ["Enter", "probe the body: arrows move the cross, Escape ends it"],
+  ["Home End", "first frame, last frame"],
+  ["f", "show the whole scene"],
+  ["w c x m", "wireframe, coarse cells, cut, boundary conditions and loads"],
+  ["v p", "start and stop a film; a picture without a background"],
+  ["Escape", "remove the probe"],
   ["?", "this help"],
 ];
 
@@ -88,7 +88,8 @@ export class ResultsApp {
       share: () => void this.share(),
       takenUp: takingUp ? () => this.takeUp() : null,
     });
-    if (takingUp) this.overlays.setKeys([...KEYS.slice(0, -1), ["t", "take the scene up by hand"], ...KEYS.slice(-1)]);
+    if (takingUp)
+      this.overlays.setKeys([...KEYS.slice(0, -1), ["t", "continue the simulation interactively"], ...KEYS.slice(-1)]);
     this.plots = new Plots(values, report, (index) => this.timeline.seek(index));
     this.shell.bottom.append(this.timeline.root);
     this.shell.panelPlace.append(this.plots.root);
@@ -132,7 +133,7 @@ export class ResultsApp {
     const { frames, skipped, damage } = recording;
     const modes = modesOf(frames, report).filter((mode) => mode !== null).length;
     words.push(modes > 0 ? `${modes} modes` : frames.length === 1 ? "one frame" : `${frames.length} frames`);
-    if (skipped > 0) words.push(`every ${skipped + 1}th of what was recorded, since all would not fit`);
+    if (skipped > 0) words.push(`every ${skipped + 1}th recorded frame, because all would not fit`);
     if (report && report.status !== "done") words.push(report.reason || report.status);
     if (damage) words.push(damage);
     const warnings = report?.warnings ?? [];
@@ -271,7 +272,7 @@ export class ResultsApp {
       await navigator.clipboard.writeText(location.href);
       this.overlays.say("The link to this view is copied.", "fine");
     } catch {
-      this.overlays.say("The address of this page now shows this view; copy it from the address bar.", "fine");
+      this.overlays.say("The address of this page now holds this view; copy it from the address bar.", "fine");
     }
   }
 

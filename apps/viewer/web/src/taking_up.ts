@@ -18,7 +18,7 @@ export interface WordsOfStart {
 
 export function wordsOfStart({ frames, notes }: TakingUp, from: number): WordsOfStart {
   const { words } = frames.find((frame) => frame.number === from)!;
-  return { from, heading: `taken up from frame ${from}, ${words}`, notes };
+  return { from, heading: `continued from frame ${from}, ${words}`, notes };
 }
 
 /** Goes to another address of this page, which begins anew there; the way back is the browser's, too. */

@@ -54,7 +54,7 @@ export class Timeline {
       on: { input: () => this.seek(Number(this.slider.value)) },
     });
     this.playButton = iconButton("play", "Play (Space)", () => this.toggle());
-    this.soundButton = iconButton("sound", "Hear the tone of the mode", () => this.setSound(!this.isSounding));
+    this.soundButton = iconButton("sound", "Play the tone of the mode", () => this.setSound(!this.isSounding));
     this.soundButton.setAttribute("aria-pressed", "false");
     this.soundButton.hidden = !modes.some((mode) => Tone.canBeHeard(mode));
     const speed = element("select", { "aria-label": "speed", data: "speed", title: "speed" });
@@ -64,7 +64,7 @@ export class Timeline {
       "footer",
       { class: "head-up timeline-bar", data: "timeline-bar" },
       this.playButton,
-      ...(events.takenUp ? [iconButton("hand", "Take the scene up from here, by hand (t)", events.takenUp)] : []),
+      ...(events.takenUp ? [iconButton("hand", "Continue the simulation from here (t)", events.takenUp)] : []),
       this.slider,
       this.words,
       this.soundButton,

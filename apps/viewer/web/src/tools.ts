@@ -15,7 +15,7 @@ const PIN_REACH = 14; // pixels within which a click means a pin that is there
 export class Tools {
   tool: Tool = "hand";
   pokeRadius: number;
-  faceAngle = 30; // [degrees] that a held face turns away from the place that is clicked
+  faceAngle = 30; // [degrees] largest angle of a fixed face to the clicked point
   faceRadius = 0; // [m] that it reaches from there; 0: as far as it goes
   private grab: Hit | null = null;
   private poking = false;

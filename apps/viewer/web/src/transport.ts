@@ -23,7 +23,7 @@ export interface Scenery {
 }
 
 const LOST =
-  "The connection is lost. Where the network failed, this page goes on by itself once it is back. Where the program " +
+  "The connection is lost. If the network failed, this page reconnects by itself. If the program " +
   "has ended, start it again and open the address that it prints: each start has a new one.";
 const NEW_TOKEN =
   "The program was started again and has a new address. Open the one that it has printed; this one is no longer valid.";
@@ -163,13 +163,13 @@ export function carried(program: string, game: Game): Scenery {
   const scenery: Scenery = {
     open() {
       const transport = new WorkerTransport(program, game, (words) => {
-        if (!transport.hasSpoken) hopeless = `The scene cannot be played with. ${words}`;
-        scenery.lost = hopeless ?? `The scene begins anew. ${words}`;
+        if (!transport.hasSpoken) hopeless = `The scene cannot be simulated. ${words}`;
+        scenery.lost = hopeless ?? `The scene restarts. ${words}`;
       });
       return transport;
     },
     isAway: async () => hopeless,
-    lost: "The scene begins anew.",
+    lost: "The scene restarts.",
     send: null,
   };
   return scenery;

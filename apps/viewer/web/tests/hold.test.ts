@@ -72,7 +72,7 @@ test("a click on a face of a surface holds it, a second one frees it, and the sa
     const now = await watched.value<number[]>(`resilin.position(${vertex})`);
     for (let k = 0; k < 3; ++k) assert.ok(Math.abs(now[k] - place[k]) < 1e-3, `${now} and ${place}`);
     await page.keyboard.press("Control+s");
-    await page.getByText(/Saved with 1 held face. Next: resilin run .*box.toml/).waitFor();
+    await page.getByText(/Saved with 1 fixed face. Next: resilin run .*box.toml/).waitFor();
   });
   const saved = path.join(folder, "box.toml");
   assert.match(readFileSync(saved, "utf8"), /\[\[fix\]\]\nname = "held_1"\nwhere = \{ vertices = \[/);
@@ -104,7 +104,7 @@ test("faces are held by keys alone, all are freed at once, and the reach is chos
       await watched.until("resilin.state.held.length === 1");
       const near = await watched.value<number>("resilin.state.held[0].vertices.length");
       assert.ok(near < whole, `${near} of ${whole}`);
-      await page.getByRole("button", { name: "Free all held faces" }).click();
+      await page.getByRole("button", { name: "Free all fixed faces" }).click();
       await watched.until("resilin.state.held.length === 0");
       assert.equal(await held(watched), 0);
     });

@@ -200,7 +200,7 @@ test(
       await takeUp(watched);
       await page.keyboard.press(" ");
       await watched.until("resilin.state.paused");
-      assert.match(await page.locator(".subtitle").innerText(), /taken up from frame 20, 0\.333 s/);
+      assert.match(await page.locator(".subtitle").innerText(), /continued from frame 20, 0\.333 s/);
       // However long it took to pause: a reset leads back to the frame, and a single step to the next one.
       const at = (index: number) => [...values.frame(index, -1).positions.subarray(3 * vertex, 3 * vertex + 3)];
       for (const [key, index] of Object.entries({ r: 20, s: 21 })) {
@@ -270,7 +270,7 @@ test("addresses of frames are links; what is damaged or not there is said in wor
   const address = pathToFileURL(file).href;
   await withPage(`${address}#from=3`, async (watched) => {
     assert.equal(await watched.value("resilin.kind"), "live");
-    assert.match(await watched.page.locator(".subtitle").innerText(), /taken up from frame 3, 0\.05 s/);
+    assert.match(await watched.page.locator(".subtitle").innerText(), /continued from frame 3, 0\.05 s/);
   });
   await withPage(`${address}#from=99`, async (watched) =>
     assert.equal(await watched.value("resilin.kind"), "recorded"),
@@ -280,7 +280,7 @@ test("addresses of frames are links; what is damaged or not there is said in wor
   assert.notEqual(damaged, page);
   writeFileSync(file, damaged);
   const watched = await browser!.open(`${address}#from=3`);
-  const words = watched.page.getByText(/The scene cannot be played with/);
+  const words = watched.page.getByText(/The scene cannot be simulated/);
   await words.waitFor({ state: "visible" });
   await watched.close();
 });

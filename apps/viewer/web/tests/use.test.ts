@@ -267,7 +267,7 @@ test("values out of range are refused with a word, and none is changed in silenc
     await page.getByText(/poissons_ratio: expected a number from -0.9 to 0.4999, got 0.6/).waitFor();
     assert.equal(await nu.inputValue(), "0.499");
     const damping = await type("damping", "abc");
-    await page.getByText(/“abc” is no number/).waitFor();
+    await page.getByText(/“abc” is not a number/).waitFor();
     assert.notEqual(await damping.inputValue(), "abc");
     const ball = await type("poke_radius", "-1");
     await page.getByText(/Poking ball .*: expected a number from .* to .*, got/).waitFor();
