@@ -25,7 +25,7 @@ class ArrayRun:
     """A run by all of `values`, or one for each of their leading dimension.
 
     Its frames are those that the scene asks for: an elastic equilibrium does not depend on the load steps on the way
-    to it, so that those which had to be halved, or which a turning support takes besides, are left out.
+    to it, so cutbacks and the additional steps of prescribed rotations are left out.
     """
 
     def __init__(

@@ -62,7 +62,7 @@ class ElasticAtTensors:
         self._shape_gradients = gradients.reshape(*points, *gradients.shape[1:])  # dN_a/dX_k (M, Q, n, d)
         self._constants = law.tensors if isinstance(law, TensorConstants) else {}
         if self._constants and self._has_mean_volume:
-            expected = "numbers or arrays, for the element has a mean volume"
+            expected = "numbers or arrays, because the element is mixed (P2P0, Q1P0)"
             refuse(
                 f"material.{' and '.join(self._constants)}",
                 expected,
@@ -164,9 +164,9 @@ class ElasticAtTensors:
         if array is None and self._has_mean_volume:
             refuse(
                 "x",
-                "a tensor that does not require grad, for the element's pressures are not followed",
+                "a tensor that does not require grad, because pressures of mixed elements are not differentiable",
                 "one that does",
-                "use .detach(); `value` and `gradient` are followed",
+                "use .detach(); `value` and `gradient` are differentiable",
             )
         return array
 
@@ -175,7 +175,7 @@ class ElasticAtTensors:
         if array is None:
             refuse(
                 "x",
-                "positions and constants that autograd does not follow, for the Hessian is not differentiated",
+                "positions and constants without grad, because the Hessian is not differentiable",
                 "tensors that require grad",
                 "call it under torch.no_grad(), or give x.detach()",
             )

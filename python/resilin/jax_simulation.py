@@ -89,8 +89,8 @@ class _Simulation:
         if run.num_steps_beside_way > 0:
             refuse(
                 "resilin.jax.simulate",
-                "load steps that converge, since with friction the way to an equilibrium matters",
-                f"{run.num_steps_beside_way} that had to be halved",
+                "load steps that converge, because with friction the load history matters",
+                f"{run.num_steps_beside_way} that were halved",
                 "take more simulation.load_steps",
             )
         with self._lock:

@@ -210,7 +210,7 @@ class LiveScene(PresentState[_core.LiveScene]):
 def _numbers(value: RealArray, place: str) -> list[float]:
     array = real_array(value, place)
     if array.ndim != 1:
-        refuse(place, "the numbers of a place, (d,)", describe(array.shape))
+        refuse(place, "the coordinates of a point, (d,)", describe(array.shape))
     return [float(number) for number in array]
 
 

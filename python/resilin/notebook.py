@@ -44,5 +44,5 @@ def html_of(core: _core.History, count: int, words: str) -> str:
     image = core.draw(-1, picture_options("averaged_von_mises", size=(900, 675))).png()
     return (
         f'<img src="data:image/png;base64,{base64.b64encode(image).decode()}" alt="{html.escape(words)}">'
-        "<p>The motion is too large for a notebook; save it, and <code>resilin view</code> shows the folder.</p>"
+        "<p>The result is too large for a notebook; save it, and <code>resilin view</code> shows the folder.</p>"
     )

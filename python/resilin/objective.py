@@ -257,7 +257,7 @@ def measures_of(objective: Mapping[str, Any], run: _core.DifferentiatedRun) -> l
 def _places(entries: Mapping[str, Any], place: str, dim: int) -> Floats:
     at = np.atleast_2d(np.asarray(real_array(entries.get("at", ()), f"{place}.at"), dtype=np.float64))
     if at.shape[1] != dim:
-        refuse(f"{place}.at", f"places of {dim} numbers, in the rest shape", f"{at.shape[1]} numbers")
+        refuse(f"{place}.at", f"places of {dim} numbers, in the reference configuration", f"{at.shape[1]} numbers")
     return at
 
 
@@ -350,10 +350,10 @@ class Seeds:
     def _add_reactions(self, value: object, run: _core.DifferentiatedRun) -> None:
         names = run.supports()
         if not isinstance(value, Mapping):
-            refuse("seed.reactions", "a dict by the names of supports", type(value).__name__)
+            refuse("seed.reactions", "a dict by the names of boundary conditions", type(value).__name__)
         for name, array in value.items():
             if name not in names:
-                refuse(f"seed.reactions.{name}", "one of " + ", ".join(names), "an unknown support")
+                refuse(f"seed.reactions.{name}", "one of " + ", ".join(names), "an unknown boundary condition")
             rows = np.asarray(real_array(array, f"seed.reactions.{name}"), dtype=np.float64)
             if rows.shape == (3,):
                 rows = np.vstack([np.zeros((run.num_frames - 1, 3)), rows])

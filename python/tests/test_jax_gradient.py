@@ -145,7 +145,7 @@ def test_frames_are_those_of_the_load_factors_that_are_asked_for():
 
 @pytest.mark.filterwarnings("ignore:.*with friction the load history matters")
 def test_load_steps_that_are_halved_are_refused_with_friction():
-    with pytest.raises(resilin.InputError, match="with friction the way to an equilibrium matters") as error:
+    with pytest.raises(resilin.InputError, match="with friction the load history matters") as error:
         resilin.jax.simulate(halved(load_steps=1, max_iterations=12, collider=[FLOOR]), **{E: 1e5})
     assert "\n" not in str(error.value)
 
