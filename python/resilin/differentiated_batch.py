@@ -74,7 +74,7 @@ class DifferentiatedBatch:
                 "positions",
                 "runs of as many frames each",
                 "from " + " to ".join(str(count) for count in (min(counts), max(counts))),
-                "load steps were halved (cutback): use more simulation.load_steps, or the positions of each, batch[i].positions",
+                "load steps were halved (cutback): use more simulation.load_steps, or batch[i].positions",
             )
         return np.array([item.positions for item in self._items])
 
