@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 def element_of(mesh: Mesh) -> str:
     elements = elements_by_kind(mesh.dimension)
     found = [element for kind, element in elements.items() if kind in mesh.cells_by_kind]
-    # Of several kinds the last of the catalogue; a mesh without any is refused later, with its own kinds.
+    # Among several kinds the last of the catalogue; a mesh without any is refused later, with its own kinds.
     return found[-1] if found else next(iter(elements.values()))
 
 

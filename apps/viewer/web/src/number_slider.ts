@@ -16,7 +16,7 @@ export function readNumber(text: string, unit: string): number {
   return Number(found[1]) * factor;
 }
 
-/** Of a prefix with the unit behind it or without; NaN for anything else. */
+/** The factor of a unit prefix, with or without the unit behind it; NaN for anything else. */
 function factorOf(written: string, unit: string): number {
   const rest = written.slice(1).trim();
   return rest === "" || rest === unit ? (PREFIXES[written[0]] ?? NaN) : NaN;

@@ -85,7 +85,7 @@ export class Surface {
     this.mesh.material.uniforms.fieldOn.value = frame.fieldValues ? 1 : 0;
   }
 
-  /** Of what is seen through, the nearest layer alone is drawn, in whatever order triangles come. */
+  /** Transparent surfaces draw only their nearest layer, in any order of the triangles. */
   setOpacity(opacity: number, nearestAlone = false): void {
     const { material } = this.mesh;
     material.uniforms.opacity.value = opacity;

@@ -257,7 +257,7 @@ export class Viewport {
     this.changed = true;
   }
 
-  /** Of what is drawn; what is not finite is passed over. */
+  /** Bounding box of the drawn objects; non-finite values are ignored. */
   boxOf(positions: Float32Array): THREE.Box3 {
     const box = new THREE.Box3();
     const place = new THREE.Vector3();

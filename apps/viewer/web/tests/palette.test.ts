@@ -14,7 +14,7 @@ function linear(hex: string): number[] {
   });
 }
 
-/** Of Oklab (Ottosson 2020). */
+/** Coordinates of a colour in Oklab (Ottosson 2020). */
 function oklab([r, g, b]: number[]): number[] {
   const cones = [
     [0.4122214708, 0.5363325363, 0.0514459929],
