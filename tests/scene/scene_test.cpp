@@ -55,6 +55,29 @@ TEST(SceneFile, TellsFileLineAndColumnOfASyntaxError) {
   EXPECT_EQ(std::ranges::count(message, '\n'), 0);
 }
 
+TEST(SceneFile, KnowsTheWordsOfOtherPrograms) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"dirichlet=[{}]", "fix"},
+      {"neumann=[{}]", "load"},
+      {"boundary_condition=[{}]", "fix"},
+      {"displacement=[{}]", "fix"},
+      {"force=[{}]", "load"},
+      {"obstacle=[{}]", "collider"},
+      {"rigid=[{}]", "collider"},
+      {"body.0.material.model=\"neo_hookean\"", "law"},
+      {"body.0.material.Constitutive-Model=\"neo_hookean\"", "law"},
+      {"body.0.material.nu=0.3", "poissons_ratio"},
+      {"body.0.material.rho=1000", "density"},
+      {"contact.mu=0.3", "friction"},
+      {"contact.friction_coefficient=0.3", "friction"},
+      {"contact.dhat=1e-3", "activation_distance"},
+      {"simulation.dt=0.1", "time_step"},
+      {"fix.0.value=[0, 0, 1]", "displacement"},
+  };
+  for (const auto& [words, key] : cases)
+    EXPECT_THAT(error_with({words}), HasSubstr(std::string("did you mean \"") + key + "\"?")) << words;
+}
+
 TEST(SceneFile, TellsFileLineAndKeyOfAWrongValue) {
   EXPECT_EQ(error_after_replacing("poissons_ratio = 0.3", "poissons_ratio = \"soft\""),
             "beam.toml:14: body[0].material.poissons_ratio: expected a number, got \"soft\"");

@@ -4,6 +4,7 @@
 #include <regex>
 
 #include "resilin/io/text_scanner.hpp"
+#include "resilin/scene/synonyms.hpp"
 
 namespace resilin {
 namespace {
@@ -34,7 +35,9 @@ std::string reference_text(const TableDoc& section) {
 void refuse_unknown_keys(const SceneNode& table, const std::vector<std::string>& known) {
   for (const SceneMember& member : table.value->table()) {
     if (std::ranges::find(known, member.key) != known.end()) continue;
-    const std::string cure = did_you_mean(member.key, known);
+    const std::string meant = key_for_synonym(member.key, known);
+    const std::string cure =
+        meant.empty() ? did_you_mean(member.key, known) : "did you mean \"" + meant + "\"?";
     SceneNode node{&member.value, table.path, table.context};
     if (!node.path.empty()) node.path += '.';
     node.path += printable(member.key);
