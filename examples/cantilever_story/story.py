@@ -32,7 +32,7 @@ inversion_load = results["linear_elastic"].report["frames"][-1]["inversion_load"
 
 
 def draw(path):
-    """Sag against load, with the load at which linear elasticity turns a cell inside out."""
+    """Sag against load, with the load at which linear elasticity inverts an element."""
     import matplotlib.pyplot as plt
 
     figure, axes = plt.subplots(figsize=(6, 4), layout="constrained")
@@ -47,7 +47,7 @@ def draw(path):
 
 if __name__ == "__main__":
     print("\n".join(table()))
-    print(f"linear elasticity turns a cell inside out at load factor {inversion_load:.3f}")
+    print(f"linear elasticity inverts an element at load factor {inversion_load:.3f}")
     smallest = results["neo_hookean"].fields["volume_ratio"][-1].min()
     print(f"neo_hookean at full load: the smallest volume ratio is {smallest:.3f}")
     if len(sys.argv) > 1:

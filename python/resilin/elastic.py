@@ -369,4 +369,4 @@ class Elastic:
         self._make_core()
 
     def __repr__(self) -> str:
-        return f"<resilin.Elastic {self._material.law}: {len(self._cells)} cells, {self._rest_positions.size} unknowns>"
+        return f"<resilin.Elastic {self._material.law}: {len(self._cells)} cells, {self._rest_positions.size} DOFs>"
