@@ -56,7 +56,7 @@ void LiveRoom::handle(ClientId client, Page& page, const PageMessage& message) {
                    if (mailbox_->post(client, for_the_loop)) return;
                    throw InputError(
                        "message",
-                       "a page sends faster than the simulation can take it; the message is left out");
+                       "a page sends faster than the simulation can process; the message is dropped");
                  },
              },
              message);

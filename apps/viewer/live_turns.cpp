@@ -99,8 +99,7 @@ void LiveTurns::obey(const Command& command) {
 
 void LiveTurns::obey(ClientId client, const LoopMessage& message) {
   const auto take = [client](std::optional<ClientId>& owner, const char* what) {
-    if (owner && *owner != client)
-      throw InputError(what, "another page is doing that; wait until it lets go");
+    if (owner && *owner != client) throw InputError(what, "another page is dragging; wait until it releases");
     owner = client;
   };
   std::visit(Overloaded{

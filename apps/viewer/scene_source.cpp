@@ -56,7 +56,7 @@ std::filesystem::path write_under_new_name(const std::filesystem::path& folder, 
     if (write(path)) return path;
   }
   throw FileError((folder / (stem + extension)).string(),
-                  "is there already, and so are all names up to -" + std::to_string(most - 1));
+                  "exists already, and so do all names up to -" + std::to_string(most - 1));
 }
 
 /// Writes a file that is not there yet, or holds the same.

@@ -216,7 +216,7 @@ void ServedLiveScene::free_faces() {
 std::string ServedLiveScene::save() {
   if (!save_)
     throw InputError("save", "a scene that was read from a file", "one that was not",
-                     "`resilin view SCENE.toml` saves what is held");
+                     "`resilin view SCENE.toml` saves fixed faces");
   return save_({.before = &loaded_->description,
                 .up = loaded_->live->up(),
                 .first = loaded_->first_controls,

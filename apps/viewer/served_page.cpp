@@ -25,7 +25,7 @@ std::map<std::string, Resource> live_resources(Mailbox& mailbox, OpenFile open) 
     const std::string name = percent_decoded(query_value(target, "name"));
     std::shared_ptr<ServedScene> scene = open(name, std::move(bytes));
     if (!mailbox.post(0, OpenScene{std::move(scene)}))
-      throw InputError(name, "the simulation is too busy to take it; try again");
+      throw InputError(name, "the simulation is too busy; try again");
     return name;
   };
   resources["/open"] = {"text/plain; charset=utf-8", take, {}};

@@ -109,9 +109,9 @@ Quantity read_quantity(const SceneNode& node) {
     using Q = Quantity;
     const Keys<Q> keys = {
         text_key("name", &Q::name, "of, then over", "Name of the column."),
-        key<Q>({"of", "text", "", "required", "What is looked at."},
+        key<Q>({"of", "text", "", "required", "Quantity."},
                [](const SceneNode& n, Q& q) { q.of = read_text(n); }),
-        choice_key("over", &Q::over, "What becomes of its values at all steps."),
+        choice_key("over", &Q::over, "Reduction of its values over all steps."),
     };
     read_table(node, keys, quantity);
   } else {
