@@ -10,6 +10,8 @@
 
 #include "resilin/core/parallel.hpp"
 #include "resilin/element/catalog.hpp"
+#include "resilin/integrator/integrator.hpp"
+#include "resilin/simulation/potential.hpp"
 #include "resilin/world/load_catalog.hpp"
 #include "small_scenes.hpp"
 #include "test_names.hpp"
@@ -17,7 +19,7 @@
 namespace resilin::testing {
 namespace {
 
-constexpr double time_step = 0.01;  // [s]
+constexpr double step_length = 0.01;  // [s]
 
 /// A bar in motion with a load of every kind on its end, all colliders near its underside, another bar above
 /// it, and damping.
@@ -122,29 +124,64 @@ VectorX random_vector(Eigen::Index size, double amount, unsigned seed) {
   return x;
 }
 
-/// One term as it is in a stage of a step.
+/// The first stage of a step of a scheme, in which bodies come to about x.
+Stage first_stage(const std::string& integrator, const VectorX& x) {
+  History start;
+  start.now = {.positions = x + random_vector(x.size(), 0.004, 3),
+               .velocities = random_vector(x.size(), 0.3, 4),
+               .accelerations = random_vector(x.size(), 1, 5)};
+  start.previous_positions = x + random_vector(x.size(), 0.004, 6);
+  start.previous_velocities = random_vector(x.size(), 0.3, 8);
+  start.previous_time_step = step_length;
+  return make_integrator(integrator, "test")->begin_stage(0, start, {}, step_length);
+}
+
+/// One term as it is in the first stage of a step of every integrator: as a potential takes it.
 struct EveryTerm : ::testing::TestWithParam<TermCase> {
+  struct InStage {
+    std::string integrator;
+    std::unique_ptr<Potential> potential;
+    const Energy* energy;
+  };
+
   World world = world_of(GetParam());
   std::shared_ptr<const Energy> term;
-  std::unique_ptr<Energy> own;
-  const Energy* energy = nullptr;
+  Terms terms;  ///< the term and those that it sees
+  std::vector<InStage> stages;
+  const Energy* energy = nullptr;  ///< of the stage at hand
+  Potential* potential = nullptr;
   VectorX x, p;
-  Conditions conditions{.time = 0.03, .load = 0.75, .collider_delay = 0.005};
+  const Conditions at_hand{.time = 0.03, .load = 0.75, .collider_delay = 0.005};
+  Conditions conditions = at_hand;
 
   void SetUp() override {
     term = *std::ranges::find(world.terms, GetParam().term, [](const auto& t) { return t->name(); });
     x = world.rest_positions + random_vector(world.rest_positions.size(), 0.01, 1);
     p = random_vector(x.size(), 1, 2);
-    const Stage stage{.base_positions = x + random_vector(x.size(), 0.01, 3),
-                      .base_velocities = random_vector(x.size(), 1, 4),
-                      .duration = time_step,
-                      .shape = x + random_vector(x.size(), 0.01, 5)};
-    own = term->begin_stage(stage);
-    if (own) {
-      own->form_lag(x, conditions);
-      own->prepare(x, p, conditions);
+    terms = {term};
+    if (term->properties().category == EnergyCategory::friction)
+      for (const auto& source : world.terms)
+        if (source->friction_source() != nullptr) terms.push_back(source);
+    for (const std::string& integrator : integrator_names()) {
+      auto made = std::make_unique<Potential>(terms, world.is_fixed, at_hand, first_stage(integrator, x));
+      const Energy* in_stage = made->terms().front();
+      const bool is_known = !stages.empty() && in_stage == term.get();  // the same in all stages
+      if (!is_known) stages.push_back({integrator, std::move(made), in_stage});
     }
-    energy = own ? own.get() : term.get();
+  }
+
+  /// Calls `check()` with the term of each stage.
+  template <class Check>
+  void in_every_stage(const Check& check) {
+    for (const InStage& stage : stages) {
+      SCOPED_TRACE(stage.integrator);
+      energy = stage.energy;
+      potential = stage.potential.get();
+      conditions = at_hand;
+      potential->form_lag(x);
+      potential->prepare(x, p);
+      check();
+    }
   }
 
   VectorX gradient_at(const VectorX& at) const {
@@ -165,84 +202,98 @@ struct EveryTerm : ::testing::TestWithParam<TermCase> {
 };
 
 TEST_P(EveryTerm, DifferenceIsThatOfItsValues) {
-  const VectorX to = x + 0.005 * p;
-  EXPECT_EQ(energy->difference(x, x, conditions), 0);
-  if (!energy->properties().has_potential) {  // the work depends on the path: there and back is nothing
-    const double there = energy->difference(x, to, conditions);
-    EXPECT_NEAR(there + energy->difference(to, x, conditions), 0, 1e-12 * std::abs(there));
-    return;
-  }
-  const double from_value = energy->value(x, conditions), to_value = energy->value(to, conditions);
-  // Sums of parts in another order: round-off of the values.
-  EXPECT_NEAR(energy->difference(x, to, conditions), to_value - from_value,
-              1e-11 * (std::abs(from_value) + std::abs(to_value)));
+  in_every_stage([&] {
+    const VectorX to = x + 0.005 * p;
+    EXPECT_EQ(energy->difference(x, x, conditions), 0);
+    if (!energy->properties().has_potential) {  // the work depends on the path: there and back is nothing
+      const double there = energy->difference(x, to, conditions);
+      EXPECT_NEAR(there + energy->difference(to, x, conditions), 0, 1e-12 * std::abs(there));
+      return;
+    }
+    const double from_value = energy->value(x, conditions), to_value = energy->value(to, conditions);
+    // Sums of parts in another order: round-off of the values.
+    EXPECT_NEAR(energy->difference(x, to, conditions), to_value - from_value,
+                1e-11 * (std::abs(from_value) + std::abs(to_value)));
+  });
 }
 
 TEST_P(EveryTerm, GradientIsTheSlopeOfItsEnergy) {
-  const double h = 1e-6;  // central: error h^2 of the third derivative, round-off eps / h of the forces
-  const double slope = energy->difference(x - h * p, x + h * p, conditions) / (2 * h);
-  EXPECT_NEAR(slope, gradient_at(x).dot(p), 1e-6 * magnitude_at(x).dot(p.cwiseAbs()) + 1e-12);
+  in_every_stage([&] {
+    const double h = 1e-6;  // central: error h^2 of the third derivative, round-off eps / h of the forces
+    const double slope = energy->difference(x - h * p, x + h * p, conditions) / (2 * h);
+    EXPECT_NEAR(slope, gradient_at(x).dot(p), 1e-6 * magnitude_at(x).dot(p.cwiseAbs()) + 1e-12);
+  });
 }
 
 TEST_P(EveryTerm, HessianIsTheSlopeOfItsGradientOrItsSymmetricPart) {
-  VectorX product;
-  multiply(hessian_at(x, Projection::none), p, product);
-  const double h = 1e-6;
-  const VectorX q = random_vector(x.size(), 1, 7);
-  const VectorX Tp = (gradient_at(x + h * p) - gradient_at(x - h * p)) / (2 * h);
-  const VectorX Tq = (gradient_at(x + h * q) - gradient_at(x - h * q)) / (2 * h);
-  const double scale = q.norm() * std::max(product.norm(), Tp.norm());
-  if (energy->properties().has_potential) {
-    constexpr double rounding = 10 * std::numeric_limits<double>::epsilon();  // of forces, over h
-    EXPECT_NEAR(q.dot(product), q.dot(Tp),
-                1e-5 * scale + 1e-9 + rounding / h * magnitude_at(x).norm() * q.norm());
-  } else {
-    EXPECT_NEAR(q.dot(product) + p.dot([&] {
-      VectorX other;
-      multiply(hessian_at(x, Projection::none), q, other);
-      return other;
-    }()),
-                q.dot(Tp) + p.dot(Tq), 1e-5 * scale + 1e-9);
-  }
+  in_every_stage([&] {
+    VectorX product;
+    multiply(hessian_at(x, Projection::none), p, product);
+    const double h = 1e-6;
+    const VectorX q = random_vector(x.size(), 1, 7);
+    const VectorX Tp = (gradient_at(x + h * p) - gradient_at(x - h * p)) / (2 * h);
+    const VectorX Tq = (gradient_at(x + h * q) - gradient_at(x - h * q)) / (2 * h);
+    const double scale = q.norm() * std::max(product.norm(), Tp.norm());
+    if (energy->properties().has_potential) {
+      constexpr double rounding = 10 * std::numeric_limits<double>::epsilon();  // of forces, over h
+      EXPECT_NEAR(q.dot(product), q.dot(Tp),
+                  1e-5 * scale + 1e-9 + rounding / h * magnitude_at(x).norm() * q.norm());
+    } else {
+      EXPECT_NEAR(q.dot(product) + p.dot([&] {
+        VectorX other;
+        multiply(hessian_at(x, Projection::none), q, other);
+        return other;
+      }()),
+                  q.dot(Tp) + p.dot(Tq), 1e-5 * scale + 1e-9);
+    }
+  });
 }
 
 TEST_P(EveryTerm, ProjectedHessianIsNeverNegative) {
-  for (const Projection projection : {Projection::clamp, Projection::absolute}) {
-    const BlockMatrix hessian = hessian_at(x, projection);
-    if (!energy->properties().has_potential) continue;  // follows the surface: not projected
-    for (unsigned seed = 10; seed < 30; ++seed) {
-      const VectorX q = random_vector(x.size(), 1, seed);
-      VectorX product;
-      multiply(hessian, q, product);
-      EXPECT_GE(q.dot(product), -1e-12 * q.norm() * product.norm());
+  in_every_stage([&] {
+    for (const Projection projection : {Projection::clamp, Projection::absolute}) {
+      const BlockMatrix hessian = hessian_at(x, projection);
+      if (!energy->properties().has_potential) continue;  // follows the surface: not projected
+      for (unsigned seed = 10; seed < 30; ++seed) {
+        const VectorX q = random_vector(x.size(), 1, seed);
+        VectorX product;
+        multiply(hessian, q, product);
+        EXPECT_GE(q.dot(product), -1e-12 * q.norm() * product.norm());
+      }
     }
-  }
+  });
 }
 
 TEST_P(EveryTerm, MagnitudeBoundsItsGradient) {
-  const VectorX gradient = gradient_at(x), magnitude = magnitude_at(x);
-  for (Eigen::Index i = 0; i < x.size(); ++i)
-    EXPECT_LE(std::abs(gradient[i]), magnitude[i] * (1 + 1e-12) + 1e-300) << "unknown " << i;
+  in_every_stage([&] {
+    const VectorX gradient = gradient_at(x), magnitude = magnitude_at(x);
+    for (Eigen::Index i = 0; i < x.size(); ++i)
+      EXPECT_LE(std::abs(gradient[i]), magnitude[i] * (1 + 1e-12) + 1e-300) << "unknown " << i;
+  });
 }
 
 TEST_P(EveryTerm, IsFiniteWithinItsLargestStep) {
-  for (const double length : {0.001, 0.1, 10.0, 1000.0}) {
-    const VectorX q = length * random_vector(x.size(), 1, 9);
-    if (own) own->prepare(x, q, conditions);
-    const double step = energy->max_step(x, q, conditions);
-    EXPECT_GT(step, 0);
-    EXPECT_LE(step, 1);
-    EXPECT_TRUE(std::isfinite(energy->value(x + step * q, conditions))) << "length " << length;
-  }
+  in_every_stage([&] {
+    for (const double length : {0.001, 0.1, 10.0, 1000.0}) {
+      const VectorX q = length * random_vector(x.size(), 1, 9);
+      potential->prepare(x, q);
+      const double step = energy->max_step(x, q, conditions);
+      EXPECT_GT(step, 0);
+      EXPECT_LE(step, 1);
+      EXPECT_TRUE(std::isfinite(energy->value(x + step * q, conditions))) << "length " << length;
+    }
+  });
 }
 
 TEST_P(EveryTerm, HasOneHessianEverywhereWhereItIsQuadratic) {
-  if (!energy->properties().is_quadratic) return;
-  const VectorX elsewhere = x + 0.005 * p;
-  VectorX here, there;
-  multiply(hessian_at(x, Projection::none), p, here);
-  multiply(hessian_at(elsewhere, Projection::none), p, there);
-  EXPECT_LE((here - there).norm(), 1e-12 * here.norm());
+  in_every_stage([&] {
+    if (!energy->properties().is_quadratic) return;
+    const VectorX elsewhere = x + 0.005 * p;
+    VectorX here, there;
+    multiply(hessian_at(x, Projection::none), p, here);
+    multiply(hessian_at(elsewhere, Projection::none), p, there);
+    EXPECT_LE((here - there).norm(), 1e-12 * here.norm());
+  });
 }
 
 TEST_P(EveryTerm, DoesNothingInStaticsWhereItFollowsVelocities) {
@@ -250,7 +301,7 @@ TEST_P(EveryTerm, DoesNothingInStaticsWhereItFollowsVelocities) {
   if (category != EnergyCategory::inertia && category != EnergyCategory::damping) return;
   EXPECT_EQ(term->begin_stage(static_stage(x)), nullptr);
   EXPECT_EQ(term->value(x, conditions), 0);
-  EXPECT_NE(own, nullptr);
+  for (const InStage& stage : stages) EXPECT_NE(stage.energy, term.get());
 }
 
 /// The guard of a step's energy relies on it: what drives a term does all of its change in one place.
@@ -267,48 +318,54 @@ TEST_P(EveryTerm, SaysWhatDrivesItOrDoesNotChangeWithTime) {
 }
 
 TEST_P(EveryTerm, CountsAsOftenAsAStageSaysIfItActsAsAnImpulse) {
-  const double times = acts_as_impulse(term->properties().category) ? 3 : 1;
-  const double value = energy->value(x, conditions);
-  const double difference = energy->difference(x, x + 0.005 * p, conditions);
-  const VectorX gradient = gradient_at(x), magnitude = magnitude_at(x);
-  VectorX product, weighted_product;
-  multiply(hessian_at(x, Projection::none), p, product);
-  conditions.contact_weight = 3;
-  multiply(hessian_at(x, Projection::none), p, weighted_product);
-  EXPECT_DOUBLE_EQ(energy->value(x, conditions), times * value);
-  EXPECT_DOUBLE_EQ(energy->difference(x, x + 0.005 * p, conditions), times * difference);
-  EXPECT_LE((gradient_at(x) - times * gradient).norm(), 1e-14 * gradient.norm());
-  EXPECT_LE((magnitude_at(x) - times * magnitude).norm(), 1e-14 * magnitude.norm());
-  EXPECT_LE((weighted_product - times * product).norm(), 1e-14 * product.norm());
+  in_every_stage([&] {
+    const double times = acts_as_impulse(term->properties().category) ? 3 : 1;
+    const double value = energy->value(x, conditions);
+    const double difference = energy->difference(x, x + 0.005 * p, conditions);
+    const VectorX gradient = gradient_at(x), magnitude = magnitude_at(x);
+    VectorX product, weighted_product;
+    multiply(hessian_at(x, Projection::none), p, product);
+    conditions.contact_weight = 3;
+    multiply(hessian_at(x, Projection::none), p, weighted_product);
+    EXPECT_DOUBLE_EQ(energy->value(x, conditions), times * value);
+    EXPECT_DOUBLE_EQ(energy->difference(x, x + 0.005 * p, conditions), times * difference);
+    EXPECT_LE((gradient_at(x) - times * gradient).norm(), 1e-14 * gradient.norm());
+    EXPECT_LE((magnitude_at(x) - times * magnitude).norm(), 1e-14 * magnitude.norm());
+    EXPECT_LE((weighted_product - times * product).norm(), 1e-14 * product.norm());
+  });
 }
 
 /// Both products of d2E/(dx dp) are of the same matrix. That it is the right one, tests/sensitivity says.
 TEST_P(EveryTerm, HasProductsWithItsParametersThatAreTransposed) {
-  for (const EnergyParameter& parameter : energy->parameters()) {
-    SCOPED_TRACE(parameter.name);
-    const VectorX w = random_vector(x.size(), 1, 3), change = random_vector(parameter.size, 1, 4);
-    VectorX forces = VectorX::Zero(x.size()), slopes = VectorX::Zero(parameter.size);
-    energy->add_parameter_forces(parameter.name, x, change, conditions, forces);
-    energy->add_parameter_slopes(parameter.name, x, w, conditions, slopes);
-    EXPECT_TRUE(forces.allFinite());
-    if (parameter.name != "rest_positions") {  // forces on vertices know nothing of the shape
-      EXPECT_GT(forces.norm(), 0);
+  in_every_stage([&] {
+    for (const EnergyParameter& parameter : energy->parameters()) {
+      SCOPED_TRACE(parameter.name);
+      const VectorX w = random_vector(x.size(), 1, 3), change = random_vector(parameter.size, 1, 4);
+      VectorX forces = VectorX::Zero(x.size()), slopes = VectorX::Zero(parameter.size);
+      energy->add_parameter_forces(parameter.name, x, change, conditions, forces);
+      energy->add_parameter_slopes(parameter.name, x, w, conditions, slopes);
+      EXPECT_TRUE(forces.allFinite());
+      if (parameter.name != "rest_positions") {  // forces on vertices know nothing of the shape
+        EXPECT_GT(forces.norm(), 0);
+      }
+      EXPECT_NEAR(slopes.dot(change), w.dot(forces), 1e-12 * w.norm() * forces.norm());
     }
-    EXPECT_NEAR(slopes.dot(change), w.dot(forces), 1e-12 * w.norm() * forces.norm());
-  }
+  });
 }
 
 TEST_P(EveryTerm, GivesTheSameBitsForAnyNumberOfThreads) {
-  const int threads_before = num_threads();
-  set_num_threads(1);
-  const double value = energy->value(x, conditions);
-  const VectorX gradient = gradient_at(x);
-  for (const int threads : {2, 8}) {
-    set_num_threads(threads);
-    EXPECT_EQ(energy->value(x, conditions), value);
-    EXPECT_EQ(gradient_at(x), gradient);
-  }
-  set_num_threads(threads_before);
+  in_every_stage([&] {
+    const int threads_before = num_threads();
+    set_num_threads(1);
+    const double value = energy->value(x, conditions);
+    const VectorX gradient = gradient_at(x);
+    for (const int threads : {2, 8}) {
+      set_num_threads(threads);
+      EXPECT_EQ(energy->value(x, conditions), value);
+      EXPECT_EQ(gradient_at(x), gradient);
+    }
+    set_num_threads(threads_before);
+  });
 }
 
 INSTANTIATE_TEST_SUITE_P(AllTerms, EveryTerm, ::testing::ValuesIn(all_cases()), name_of);

@@ -8,7 +8,7 @@ namespace resilin {
 namespace {
 
 /// Something that moves by itself and is not in the way of bodies at some times.
-class Mover final : public Energy {
+class Mover final : public BasicEnergy {
  public:
   struct Clear {
     double from, until;  ///< [s]

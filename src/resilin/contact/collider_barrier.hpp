@@ -20,7 +20,7 @@ namespace resilin {
 /// Only positions with d > 0 are in its domain, and `max_step` never lets a point lose more than nine
 /// tenths of its distance: nothing passes through. Between the steps of a simulation the caller may move the
 /// collider or give it another shape; `largest_motion` says how far it may go. Theory: docs/contact.md.
-class ColliderBarrier final : public Energy, public FrictionSource {
+class ColliderBarrier final : public BasicEnergy, public FrictionSource {
  public:
   ColliderBarrier(std::string name, int dim, std::shared_ptr<const ColliderShape> shape, ContactPoints points,
                   double activation_distance, ColliderMotion motion = {}, double friction = 0);

@@ -55,7 +55,7 @@ class Friction final : public StageTerm {
 class FrictionSlopes;
 
 /// The friction of one stage.
-class LaggedFriction final : public Energy {
+class LaggedFriction final : public BasicEnergy {
  public:
   /// @param friction  kept by reference
   LaggedFriction(const Friction& friction, const Stage& stage);

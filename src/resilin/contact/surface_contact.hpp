@@ -24,7 +24,7 @@ namespace resilin {
 ///
 /// The copy of a stage remembers its candidates and what it found out about the last two states. What it
 /// remembers changes no bit of a result, but it serves one thread at a time.
-class SurfaceContact : public Energy, public FrictionSource {
+class SurfaceContact : public BasicEnergy, public FrictionSource {
  public:
   SurfaceContact(std::string name, ContactSurface surface, BodyMeetings meetings, double activation_distance,
                  const VectorX& positions);

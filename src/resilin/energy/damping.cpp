@@ -76,7 +76,7 @@ namespace {
 
 /// The forces D (x - x_0) / c are linear in x, and all that is asked about x follows from them. They are kept
 /// for the last two places, between which a search compares.
-class StageDamping final : public Energy, public CellMatrices {
+class StageDamping final : public BasicEnergy, public CellMatrices {
  public:
   StageDamping(const ViscousDamping& damping, std::vector<double> shape, const Stage& stage)
       : damping_(damping),

@@ -98,7 +98,7 @@ class LoadedNodes final : public LoadedRegion {
 
 /// Forces that keep their size and direction while the body deforms: E = -t f.(x - X), t the load factor or
 /// the function of time.
-class DeadLoad final : public Energy {
+class DeadLoad final : public BasicEnergy {
  public:
   DeadLoad(std::string name, VectorX nodal_forces, VectorX rest_positions, ActiveTime active = {})
       : name_(std::move(name)),

@@ -34,7 +34,7 @@ class CellMatrices {
 };
 
 /// Strain energy of a body: E(x) = sum_cells V Psi(F(x)).
-class ElasticEnergy final : public Energy {
+class ElasticEnergy final : public BasicEnergy {
  public:
   /// @param choice          a name of element/catalog.hpp, with a quadrature rule where the default is not
   /// meant

@@ -77,9 +77,15 @@ class FrictionSource;
 /// shared and never change; all functions are pure and give the same bits for any number of threads. What a
 /// step has to remember (a shape of its start, pairs of things that touch) lives in the term's own copy for
 /// that stage: see `begin_stage`.
+///
+/// Every function is pure virtual, so that a class that wraps a term answers each of them or does not
+/// compile. A term derives from `BasicEnergy`, which has the answers of a term without further capabilities.
 class Energy {
  public:
   virtual ~Energy() = default;
+
+  // ---- the core
+
   virtual std::string_view name() const = 0;
   virtual EnergyProperties properties() const = 0;
 
@@ -91,7 +97,7 @@ class Energy {
   virtual double difference(const VectorX& from, const VectorX& to, const Conditions& c) const = 0;
 
   /// The sum of the |parts| that `value` is made of [J]: the scale of its round-off.
-  virtual double magnitude(const VectorX& x, const Conditions& c) const { return std::abs(value(x, c)); }
+  virtual double magnitude(const VectorX& x, const Conditions& c) const = 0;
 
   /// Adds dE/dx [N] to `gradient`.
   virtual void add_gradient(const VectorX& x, const Conditions& c, VectorX& gradient) const = 0;
@@ -99,118 +105,162 @@ class Energy {
   /// Adds the sum over its parts of |dE_part/dx| [N]: the scale of the round-off in the gradient.
   virtual void add_gradient_magnitude(const VectorX& x, const Conditions& c, VectorX& magnitude) const = 0;
 
-  /// Couplings that are always there. Called once, before `bind`.
-  virtual void add_pattern(BlockPatternBuilder&) const {}
-  /// Looks up its slots in the pattern that all energies share. Called once.
-  virtual void bind(const BlockPattern&) {}
-
   /// Adds d2E/dx2 [N/m], its parts projected as asked. `bind` must have been called.
   virtual void add_hessian(const VectorX& x, const Conditions& c, Projection projection,
                            BlockMatrix& hessian) const = 0;
 
-  /// Numbers besides x on which the Hessian may be formed, such as the pressures of elements that keep one:
-  /// those that belong to x, ...
-  virtual VectorX internal_values(const VectorX& /*x*/) const { return {}; }
-  virtual Eigen::Index num_internal_values() const { return 0; }
-  /// ... or those that follow from x to first order along x + t p.
-  virtual VectorX predicted_internal_values(const VectorX& /*x*/, const VectorX& /*p*/, double /*t*/) const {
-    return {};
-  }
-  /// `along`: what the term takes along, see `takes`.
-  virtual void add_hessian_at(const VectorX& /*internal*/, const VectorX& x, const Conditions& c,
-                              Projection projection, BlockMatrix& hessian,
-                              std::span<const CellMatrices* const> /*along*/ = {}) const {
-    add_hessian(x, c, projection, hessian);
-  }
-
-  /// A term whose Hessian is a sum of matrices of a body's cells may hand these out, so that another term,
-  /// which goes through the same cells, takes them along and each block of the Hessian is visited once. Its
-  /// own `add_hessian` is then not asked for.
-  virtual const CellMatrices* cell_matrices() const { return nullptr; }
-  virtual bool takes(const CellMatrices& /*matrices*/) const { return false; }
+  /// Couplings that are always there. Called once, before `bind`.
+  virtual void add_pattern(BlockPatternBuilder& builder) const = 0;
+  /// Looks up its slots in the pattern that all energies share. Called once.
+  virtual void bind(const BlockPattern& pattern) = 0;
 
   /// The largest step t in (0, 1] such that x + t p stays inside the domain with a margin.
-  virtual double max_step(const VectorX& /*x*/, const VectorX& /*p*/, const Conditions& /*c*/) const {
-    return 1;
-  }
+  virtual double max_step(const VectorX& x, const VectorX& p, const Conditions& c) const = 0;
+
+  // ---- values that are carried along: numbers besides x on which the Hessian may be formed, such as the
+  // pressures of elements that keep one
+
+  /// Those that belong to x, ...
+  virtual VectorX internal_values(const VectorX& x) const = 0;
+  virtual Eigen::Index num_internal_values() const = 0;
+  /// ... or those that follow from x to first order along x + t p.
+  virtual VectorX predicted_internal_values(const VectorX& x, const VectorX& p, double t) const = 0;
+  /// `along`: what the term takes along, see `takes`.
+  virtual void add_hessian_at(const VectorX& internal, const VectorX& x, const Conditions& c,
+                              Projection projection, BlockMatrix& hessian,
+                              std::span<const CellMatrices* const> along = {}) const = 0;
+
+  // ---- matrices of cells: a term whose Hessian is a sum of matrices of a body's cells may hand these out,
+  // so that another term, which goes through the same cells, takes them along and each block of the Hessian
+  // is visited once. Its own `add_hessian` is then not asked for.
+
+  virtual const CellMatrices* cell_matrices() const = 0;
+  virtual bool takes(const CellMatrices& matrices) const = 0;
+
+  // ---- second order
 
   /// Adds forces [N] that times the inverse of the Hessian at x lead a Newton step p around what it would run
   /// into although to first order it does not. @return whether there are any
-  virtual bool add_second_order_forces(const VectorX& /*x*/, const VectorX& /*p*/, const Conditions& /*c*/,
-                                       VectorX& /*forces*/) const {
-    return false;
-  }
+  virtual bool add_second_order_forces(const VectorX& x, const VectorX& p, const Conditions& c,
+                                       VectorX& forces) const = 0;
 
   // ---- one stage of a step, in motion and in statics
 
   /// The term for one stage, which then belongs to the stage alone: terms that follow velocities, that lag
   /// something behind or that keep what an iteration shares make one. Null: the term itself serves. It must
   /// not outlive this term.
-  virtual std::unique_ptr<Energy> begin_stage(const Stage& /*stage*/) const { return nullptr; }
+  virtual std::unique_ptr<Energy> begin_stage(const Stage& stage) const = 0;
 
   /// Asked of a stage's own terms alone, before `max_step`, `difference` and `add_gradient` between x and
   /// x + p: what they all need (candidates for contact) may be found here, once.
-  virtual void prepare(const VectorX& /*x*/, const VectorX& /*p*/, const Conditions& /*c*/) {}
+  virtual void prepare(const VectorX& x, const VectorX& p, const Conditions& c) = 0;
 
-  /// The term as something that rubs, if it does.
-  virtual const FrictionSource* friction_source() const { return nullptr; }
-  /// Shows a stage's own term all terms of the stage, in order: it may use what they have found.
-  virtual void see(std::span<const Energy* const> /*terms*/) {}
+  // ---- lagging, of a stage's own term: it may keep something of a shape that is known, such as normal
+  // forces
 
-  /// A stage's own term may keep something of a shape that is known, such as normal forces: it forms that
-  /// here as it is at x, by which its energy becomes another one. Before the first time there is none of it.
-  /// @return whether that may have changed forces
-  virtual bool form_lag(const VectorX& /*x*/, const Conditions& /*c*/) { return false; }
-  /// Takes as much of what was formed the last time as makes such rounds settle (Relaxation); the rest is
-  /// what was in use before. @return whether that changed anything
-  virtual bool relax_lag() { return false; }
+  /// The term as a source of friction, if it is one.
+  virtual const FrictionSource* friction_source() const = 0;
+  /// Shows the term all terms of the stage, in order: it may use what they have found.
+  virtual void see(std::span<const Energy* const> terms) = 0;
+  /// Forms what it keeps as it is at x, by which its energy becomes another one. Before the first time there
+  /// is none of it. @return whether that may have changed forces
+  virtual bool form_lag(const VectorX& x, const Conditions& c) = 0;
+  /// Takes as much of what was formed last as makes such rounds settle (Relaxation); the rest is what was in
+  /// use before. @return whether that changed anything
+  virtual bool relax_lag() = 0;
   /// From now on its forces at any x are those with what it keeps formed there, its Hessian is that with what
   /// was formed last; or again all as before.
-  virtual void couple_lag(bool /*is_coupled*/) {}
-  /// Tells a stage's own term that the search goes from x to x + t p: what it keeps to form its Hessian on
-  /// may follow.
-  virtual void follow(const VectorX& /*x*/, const VectorX& /*p*/, double /*t*/) {}
+  virtual void couple_lag(bool is_coupled) = 0;
+  /// Says that the search goes from x to x + t p: what it keeps to form its Hessian on may follow.
+  virtual void follow(const VectorX& x, const VectorX& p, double t) = 0;
+
+  // ---- driven motion
 
   /// The work [J] of what drives the term by itself, a function of time or a motion of its own, while bodies
   /// go from `from` to `to`: where a scheme decides at which of the two the term's forces are taken, the
   /// largest that it may be. None for a term whose energy depends on the positions alone.
-  virtual std::optional<double> driven_work(const VectorX& /*from*/, const Conditions& /*before*/,
-                                            const VectorX& /*to*/, const Conditions& /*after*/) const {
-    return std::nullopt;
-  }
+  virtual std::optional<double> driven_work(const VectorX& from, const Conditions& before, const VectorX& to,
+                                            const Conditions& after) const = 0;
 
   /// How little the term's own motion may be behind when bodies stand at x, at most `c.collider_delay` [s]:
   /// zero where nothing is in its way.
-  virtual double least_delay(const VectorX& /*x*/, const Conditions& /*c*/) const { return 0; }
+  virtual double least_delay(const VectorX& x, const Conditions& c) const = 0;
 
-  // ---- what others want to know
+  // ---- reporting
 
-  virtual std::optional<Reaction> reaction(const VectorX& /*x*/, const Conditions& /*c*/) const {
-    return std::nullopt;
-  }
+  /// The term's force on the bodies in sum, for terms that report it under their name.
+  virtual std::optional<Reaction> reaction(const VectorX& x, const Conditions& c) const = 0;
 
   /// Directions in which it holds nodes that stand at x, so that no rigid motion is free.
-  virtual void add_held_directions(const VectorX& /*x*/, std::vector<HeldDirection>& /*held*/) const {}
+  virtual void add_held_directions(const VectorX& x, std::vector<HeldDirection>& held) const = 0;
 
-  /// What the term turns into heat while bodies go from one shape to another at even speed [J]: zero for
-  /// terms that neither damp nor rub.
-  virtual double dissipation(const VectorX& /*from*/, const VectorX& /*to*/, double /*duration*/) const {
-    return 0;
-  }
+  /// Heat [J] that the term makes while bodies go from one shape to another at even speed: zero for terms
+  /// that neither damp nor rub.
+  virtual double dissipation(const VectorX& from, const VectorX& to, double duration) const = 0;
 
   // ---- derivatives by the term's own numbers p, with everything else held: products of d2E/(dx dp)
 
-  virtual std::vector<EnergyParameter> parameters() const { return {}; }
+  virtual std::vector<EnergyParameter> parameters() const = 0;
 
   /// slopes += w . d2E/(dx dp), w one number per unknown: what an adjoint solution says of p.
   /// @param name    of one of `parameters`, whose size `slopes` has
-  virtual void add_parameter_slopes(std::string_view /*name*/, const VectorX& /*x*/, const VectorX& /*w*/,
-                                    const Conditions& /*c*/, VectorX& /*slopes*/) const {}
+  virtual void add_parameter_slopes(std::string_view name, const VectorX& x, const VectorX& w,
+                                    const Conditions& c, VectorX& slopes) const = 0;
 
   /// gradient += d2E/(dx dp) . change: the first order of what a change of p does to dE/dx [N].
-  virtual void add_parameter_forces(std::string_view /*name*/, const VectorX& /*x*/,
-                                    const VectorX& /*change*/, const Conditions& /*c*/,
-                                    VectorX& /*gradient*/) const {}
+  virtual void add_parameter_forces(std::string_view name, const VectorX& x, const VectorX& change,
+                                    const Conditions& c, VectorX& gradient) const = 0;
+};
+
+/// The base of terms: answers for every capability that a term may do without. A term overrides those that it
+/// has.
+class BasicEnergy : public Energy {
+ public:
+  double magnitude(const VectorX& x, const Conditions& c) const override { return std::abs(value(x, c)); }
+  void add_pattern(BlockPatternBuilder&) const override {}
+  void bind(const BlockPattern&) override {}
+  double max_step(const VectorX&, const VectorX&, const Conditions&) const override { return 1; }
+
+  VectorX internal_values(const VectorX&) const override { return {}; }
+  Eigen::Index num_internal_values() const override { return 0; }
+  VectorX predicted_internal_values(const VectorX&, const VectorX&, double) const override { return {}; }
+  void add_hessian_at(const VectorX&, const VectorX& x, const Conditions& c, Projection projection,
+                      BlockMatrix& hessian, std::span<const CellMatrices* const> = {}) const override {
+    add_hessian(x, c, projection, hessian);
+  }
+
+  const CellMatrices* cell_matrices() const override { return nullptr; }
+  bool takes(const CellMatrices&) const override { return false; }
+
+  bool add_second_order_forces(const VectorX&, const VectorX&, const Conditions&, VectorX&) const override {
+    return false;
+  }
+
+  std::unique_ptr<Energy> begin_stage(const Stage&) const override { return nullptr; }
+  void prepare(const VectorX&, const VectorX&, const Conditions&) override {}
+
+  const FrictionSource* friction_source() const override { return nullptr; }
+  void see(std::span<const Energy* const>) override {}
+  bool form_lag(const VectorX&, const Conditions&) override { return false; }
+  bool relax_lag() override { return false; }
+  void couple_lag(bool) override {}
+  void follow(const VectorX&, const VectorX&, double) override {}
+
+  std::optional<double> driven_work(const VectorX&, const Conditions&, const VectorX&,
+                                    const Conditions&) const override {
+    return std::nullopt;
+  }
+  double least_delay(const VectorX&, const Conditions&) const override { return 0; }
+
+  std::optional<Reaction> reaction(const VectorX&, const Conditions&) const override { return std::nullopt; }
+  void add_held_directions(const VectorX&, std::vector<HeldDirection>&) const override {}
+  double dissipation(const VectorX&, const VectorX&, double) const override { return 0; }
+
+  std::vector<EnergyParameter> parameters() const override { return {}; }
+  void add_parameter_slopes(std::string_view, const VectorX&, const VectorX&, const Conditions&,
+                            VectorX&) const override {}
+  void add_parameter_forces(std::string_view, const VectorX&, const VectorX&, const Conditions&,
+                            VectorX&) const override {}
 };
 
 /// A sum of energies; the order is that of the sum.

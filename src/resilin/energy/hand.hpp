@@ -12,7 +12,7 @@ namespace resilin {
 ///
 ///   E = k/2 d^2            for d <= r
 ///   E = k r d - k/2 r^2    beyond (Huber's function: convex, so its Hessian is never negative)
-class Hand final : public Energy {
+class Hand final : public BasicEnergy {
  public:
   /// @param stiffness  k [N/m]
   /// @param max_force  [N], positive

@@ -7,7 +7,7 @@
 namespace resilin {
 
 /// Springs that pull nodes towards moving points: E = k/2 sum_i |x_i - (X_i + t u + v (time - from))|^2.
-class HandleSpring final : public Energy {
+class HandleSpring final : public BasicEnergy {
  public:
   struct Motion {
     Vector3 displacement = Vector3::Zero();  ///< u: where the far end stands, from the rest position [m]

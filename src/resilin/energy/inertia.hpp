@@ -6,7 +6,7 @@
 namespace resilin {
 
 /// How far bodies are from a place, weighed by their mass: E = 1/(2 s) |x - x~|^2_M.
-class MassDistance final : public Energy {
+class MassDistance final : public BasicEnergy {
  public:
   /// @param mass    kept by reference: must outlive this term
   /// @param target  x~ [m], dim numbers per node

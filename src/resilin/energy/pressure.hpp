@@ -10,7 +10,7 @@ namespace resilin {
 /// no potential; `difference` is then the exact work along the straight path between the two states (the
 /// force is quadratic in the path, so Simpson's rule is exact) and the Hessian the symmetric part of the
 /// tangent.
-class Pressure final : public Energy {
+class Pressure final : public BasicEnergy {
  public:
   /// @param facets  of one kind, outward, in the world's node numbers
   Pressure(std::string name, int dim, CellBlock facets, double pressure, VectorX rest_positions,

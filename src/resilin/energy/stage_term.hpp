@@ -6,7 +6,7 @@ namespace resilin {
 
 /// A term that is zero by itself, and something in the stages of a step, where it is known how bodies came to
 /// where they are.
-class StageTerm : public Energy {
+class StageTerm : public BasicEnergy {
  public:
   double value(const VectorX&, const Conditions&) const final { return 0; }
   double difference(const VectorX&, const VectorX&, const Conditions&) const final { return 0; }

@@ -19,7 +19,7 @@ namespace resilin {
 /// It rests from where a cell is inside out until all have a tenth of their volume: cells that are entangled
 /// come apart only through each other, and no energy appears when it is there again.
 /// Theory: docs/theory/real_time.md, eq. (R.4).
-class FoldBarrier final : public Energy {
+class FoldBarrier final : public BasicEnergy {
  public:
   static constexpr double activation_ratio = 0.1;
 

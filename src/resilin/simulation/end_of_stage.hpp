@@ -1,6 +1,8 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -9,9 +11,11 @@
 
 namespace resilin {
 
-/// A term of contact or friction in a stage of a step: taken at the place where the stage ends, not at its
-/// unknown x, and as often as the stage says, so that the whole impulse acts at the end
+/// A term of contact or friction in a stage of a step: taken at the positions where the stage ends, not at
+/// its unknown x, and as often as the stage says, so that the whole impulse acts at the end
 /// (docs/theory/integrators.md, I.4).
+///
+/// With the end y(x) and the weight w, the term is w E(y(x)): each derivative by x has one more factor y'.
 class EndOfStage final : public Energy {
  public:
   /// @param term  kept by reference, unless `own` is the same
@@ -34,6 +38,10 @@ class EndOfStage final : public Energy {
     VectorX room;
     return term_.value(end_of(x, room), at_end(c, weight_));
   }
+  double magnitude(const VectorX& x, const Conditions& c) const override {
+    VectorX room;
+    return term_.magnitude(end_of(x, room), at_end(c, weight_));
+  }
   double difference(const VectorX& from, const VectorX& to, const Conditions& c) const override {
     VectorX room, more_room;
     return term_.difference(end_of(from, room), end_of(to, more_room), at_end(c, weight_));
@@ -51,10 +59,40 @@ class EndOfStage final : public Energy {
     VectorX room;
     term_.add_hessian(end_of(x, room), at_end(c, weight_ * slope_ * slope_), projection, hessian);
   }
+  void add_pattern(BlockPatternBuilder& builder) const override { term_.add_pattern(builder); }
+  void bind(const BlockPattern& pattern) override {
+    if (own_) own_->bind(pattern);
+  }
   double max_step(const VectorX& x, const VectorX& p, const Conditions& c) const override {
     VectorX room;
     return term_.max_step(end_of(x, room), slope_ * p, at_end(c, weight_));
   }
+  VectorX internal_values(const VectorX& x) const override {
+    VectorX room;
+    return term_.internal_values(end_of(x, room));
+  }
+  Eigen::Index num_internal_values() const override { return term_.num_internal_values(); }
+  VectorX predicted_internal_values(const VectorX& x, const VectorX& p, double t) const override {
+    VectorX room;
+    return term_.predicted_internal_values(end_of(x, room), slope_ * p, t);
+  }
+  void add_hessian_at(const VectorX& internal, const VectorX& x, const Conditions& c, Projection projection,
+                      BlockMatrix& hessian, std::span<const CellMatrices* const> along = {}) const override {
+    VectorX room;
+    term_.add_hessian_at(internal, end_of(x, room), at_end(c, weight_ * slope_ * slope_), projection, hessian,
+                         along);
+  }
+  /// None: matrices that a body adds would not be those of the end.
+  const CellMatrices* cell_matrices() const override { return nullptr; }
+  bool takes(const CellMatrices&) const override { return false; }
+  /// The Hessian by x of the term brings the step by x that the end needs.
+  bool add_second_order_forces(const VectorX& x, const VectorX& p, const Conditions& c,
+                               VectorX& forces) const override {
+    VectorX room;
+    return term_.add_second_order_forces(end_of(x, room), slope_ * p, at_end(c, weight_ * slope_), forces);
+  }
+  /// The stage has begun.
+  std::unique_ptr<Energy> begin_stage(const Stage&) const override { return nullptr; }
   void prepare(const VectorX& x, const VectorX& p, const Conditions& c) override {
     VectorX room;
     if (own_) own_->prepare(end_of(x, room), slope_ * p, at_end(c, weight_));
@@ -88,6 +126,21 @@ class EndOfStage final : public Energy {
     VectorX room;
     term_.add_parameter_forces(name, end_of(x, room), (name == "lag" ? slope_ : 1) * change,
                                at_end(c, weight_ * slope_), gradient);
+  }
+  std::optional<double> driven_work(const VectorX& from, const Conditions& before, const VectorX& to,
+                                    const Conditions& after) const override {
+    VectorX room, more_room;
+    return term_.driven_work(end_of(from, room), at_end(before, weight_), end_of(to, more_room),
+                             at_end(after, weight_));
+  }
+  /// The force at the end, as often as the stage counts it.
+  std::optional<Reaction> reaction(const VectorX& x, const Conditions& c) const override {
+    VectorX room;
+    return term_.reaction(end_of(x, room), at_end(c, weight_ * slope_));
+  }
+  void add_held_directions(const VectorX& x, std::vector<HeldDirection>& held) const override {
+    VectorX room;
+    term_.add_held_directions(end_of(x, room), held);
   }
   /// @param from  where the stage before ended
   double dissipation(const VectorX& from, const VectorX& x, double duration) const override {
