@@ -18,6 +18,7 @@
 #include "resilin/core/thread_count.hpp"
 #include "resilin/results/results.hpp"
 #include "resilin/results/run.hpp"
+#include "resilin/results/saved_report.hpp"
 #include "resilin/scene/scene.hpp"
 #include "run_together.hpp"
 #include "terminal.hpp"
@@ -142,13 +143,24 @@ int run(const RunOptions& options) {
 
   const double setup_seconds = stopwatch.seconds();
   Progress progress(Progress::style_for_stdout(options.quiet), simulation);
-  RunOutcome outcome = simulate(simulation, results, progress, options.steps);
+  RunOutcome outcome;
+  try {
+    outcome = simulate(simulation, results, progress, options.steps);
+  } catch (...) {
+    mark_as_failed(results.path() / "report.json");
+    throw;
+  }
   progress.end();
   for (const std::string& warning : outcome.warnings) log_warning(warning);
   if (!options.quiet) print_warnings(outcome.warnings);
   outcome.warnings.insert(outcome.warnings.begin(), warnings.begin(), warnings.end());
-  results.record(simulation, true);
-  results.finish(simulation, outcome);
+  try {
+    results.record(simulation, true);
+    results.finish(simulation, outcome);
+  } catch (...) {
+    mark_as_failed(results.path() / "report.json");
+    throw;
+  }
   log_info(std::string(name(outcome.status)) + ": " + outcome.reason);
   if (!options.quiet) print_end(simulation, results, outcome, setup_seconds, stopwatch.seconds());
   if (outcome.status == RunStatus::done) return done;

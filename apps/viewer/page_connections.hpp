@@ -235,6 +235,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     const auto header = [&request](http::field field) -> std::optional<std::string_view> {
       const auto found = request.find(field);
       if (found == request.end()) return std::nullopt;
+      if (request.count(field) > 1) return std::string_view();  // which is meant cannot be told
       return std::string_view(found->value().data(), found->value().size());
     };
     return why_forbidden({target(), header(http::field::host), header(http::field::origin), needs_origin},

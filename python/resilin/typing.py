@@ -58,7 +58,7 @@ SweepMethod: TypeAlias = Literal["grid", "list", "latin_hypercube", "sobol"]
 SweepParameters: TypeAlias = "Mapping[str, Sequence[object] | NDArray[Any] | Mapping[str, Sequence[object]]]"
 #: "probe.tip.displacement.z" or {"name": ..., "of": ..., "over": ...}
 SweepQuantity: TypeAlias = "str | Mapping[str, str]"
-RunStatus: TypeAlias = Literal["done", "not_converged", "budget"]
+RunStatus: TypeAlias = Literal["done", "not_converged", "failed", "budget"]
 Triplets: TypeAlias = tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float64]]
 
 
@@ -180,6 +180,7 @@ class FrameReport(_Frame, total=False):
     time_step: float
     time_error: float
     inversion_load: float
+    jump_energy: float
 
 
 class BodyReport(TypedDict):

@@ -141,6 +141,9 @@ TEST(Ply, IsToldByItsFirstLine) {
 
 TEST(Ply, SaysWhatIsWrongAndWhere) {
   const std::string header = three_vertices + one_face;
+  EXPECT_EQ(refusal("a.ply", ply(header, places + "3 0 1 2\n \n")), "");
+  EXPECT_THAT(refusal("a.ply", ply(header, places + "3 0 1 2\n3 0 2 1\n")),
+              AllOf(HasSubstr("the end of the file"), HasSubstr("8 more bytes")));
   EXPECT_THAT(refusal("a.ply", ply(header, places + "3 0 1 3\n")),
               AllOf(HasSubstr("face 0"), HasSubstr("from 0 to 2"), HasSubstr("got 3")));
   EXPECT_THAT(refusal("a.ply", ply(header, places + "3 0 1 -1\n")), HasSubstr("face 0"));

@@ -71,6 +71,8 @@ TEST(Vtu, RefusesAFileThatIsCutAnywhere) {
     EXPECT_NE(testing::refusal("a.vtu", whole.substr(0, size)), "") << size;
   }
   EXPECT_EQ(testing::refusal("a.vtu", whole), "");
+  EXPECT_EQ(testing::refusal("a.vtu", whole + "\n\n"), "");
+  EXPECT_THAT(testing::refusal("a.vtu", whole + "12"), HasSubstr("the end of the file behind </VTKFile>"));
 }
 
 TEST(Vtu, RefusesCellsOfPointsThatDoNotExist) {

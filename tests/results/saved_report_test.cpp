@@ -8,6 +8,7 @@
 #include <random>
 
 #include "resilin/core/error.hpp"
+#include "resilin/io/atomic_file.hpp"
 #include "resilin/results/results.hpp"
 #include "resilin/results/run.hpp"
 #include "small_scenes.hpp"
@@ -25,6 +26,28 @@ std::string refusal(const std::filesystem::path& path) {
     return error.what();
   }
   return "";
+}
+
+TEST(SavedReport, OfARunThatAnErrorEndedSaysSo) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder.path() / "report.json";
+  const auto text_with = [](RunStatus status, std::string_view reason) {
+    return report_text({{"status", name(status)},
+                        {"reason", reason},
+                        {"frames", Json::array({{{"step", 0}, {"load", 1}}})}});
+  };
+  write_text(path, text_with(RunStatus::running, running_reason));
+  mark_as_failed(path);
+  const Json report = Json::parse(read_file(path));
+  EXPECT_EQ(report["status"], "failed");
+  EXPECT_THAT(report["reason"].get<std::string>(), HasSubstr("an error ended the run"));
+  EXPECT_EQ(report["frames"].size(), 1U);
+  const std::string done = text_with(RunStatus::done, "reached the end");
+  write_text(path, done);
+  mark_as_failed(path);
+  EXPECT_EQ(read_file(path), done);
+  mark_as_failed(folder.path() / "none.json");
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "none.json"));
 }
 
 TEST(SavedReport, ThatIsNoneIsRefusedInOneLine) {

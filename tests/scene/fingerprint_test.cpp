@@ -79,8 +79,8 @@ std::vector<SceneValue> others(const SceneValue& leaf) {
 /// What is only watched or written, what this scene's kind does not use, and files, which others change.
 bool is_seen_by_no_step(const Path& path) {
   static const std::set<std::string> tables = {"title", "probe", "section", "output"};
-  static const std::set<std::string> keys = {"load_steps", "load_control", "max_steps", "unstable_modes",
-                                             "max_failures"};
+  static const std::set<std::string> keys = {"load_steps",     "load_control", "max_steps",
+                                             "unstable_modes", "on_jump",      "max_failures"};
   return tables.contains(path[0]) ||
          std::ranges::any_of(path, [](const std::string& key) { return keys.contains(key); });
 }
@@ -143,6 +143,13 @@ TEST(Fingerprint, IsTheSameForTheSameSceneHoweverItIsWritten) {
        {"body.beam.material.youngs_modulus=1000000", "title=another", "fix.wall.displacement=[0, 0, 0]",
         "output.every=3", "simulation.end_time=7", "body.beam.scale=1", "probe.tip.at=[0, 0, 0]"})
     EXPECT_FALSE(first_difference(once, fingerprint_of(read_good_scene_with({same}).description))) << same;
+}
+
+TEST(Fingerprint, TakesTheRuleThatAnElementHasAnywayForNone) {
+  const World world(read_text(good_scene).description);
+  const std::string own(world.bodies[0].elastic->element().default_quadrature);
+  const World named(read_good_scene_with({"body.beam.quadrature=\"" + own + "\""}).description);
+  EXPECT_FALSE(first_difference(world.fingerprint, named.fingerprint)) << own;
 }
 
 TEST(Fingerprint, KnowsTheEndTimeWhereSomethingDependsOnIt) {

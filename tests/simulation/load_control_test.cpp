@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -186,6 +187,77 @@ TEST(ArcLength, FollowsAShallowArchThroughBothLimitPoints) {
   EXPECT_EQ(num_turns, 2);
   for (std::size_t i = 1; i < loads.size(); i += 3)
     EXPECT_NEAR(loads[i], load_at_displacement(heights[i]), 1e-6) << "at a displacement of " << heights[i];
+}
+
+TEST(Jumps, OfAnArchThatSnapsThroughIsToldOrStoppedBefore) {
+  Simulation path(shallow_arch());
+  double limit = 0;  // the first maximum of the load
+  for (double load = 0; load >= limit; load = path.state().load) {
+    limit = load;
+    ASSERT_EQ(path.step().status, StepReport::Status::converged);
+  }
+  Description scene = shallow_arch();
+  scene.load_control = LoadControlKind::load;
+  Simulation simulation(scene);
+  int jumps = 0;
+  while (!simulation.is_finished()) {
+    const double before = simulation.frame().elastic_energy;
+    const StepReport report = simulation.step();
+    ASSERT_EQ(report.status, StepReport::Status::converged) << report.reason;
+    EXPECT_EQ(simulation.frame().jump_energy, report.jump_energy);
+    if (report.jump_energy == 0) continue;
+    ++jumps;
+    EXPECT_GT(report.jump_energy, 0.1 * before);
+    ASSERT_EQ(report.warnings.size(), 1U);
+    EXPECT_THAT(report.warnings[0], HasSubstr("jump to another equilibrium"));
+  }
+  EXPECT_EQ(jumps, 1);
+  EXPECT_EQ(simulation.state().jumps, 1);
+  EXPECT_NEAR(simulation.state().largest_jump_load, limit, 0.02);
+  scene.on_jump = OnJump::stop;
+  Simulation stopped(scene);
+  StepReport last;
+  do last = stopped.step();
+  while (last.status == StepReport::Status::converged && !stopped.is_finished());
+  EXPECT_EQ(last.status, StepReport::Status::not_converged);
+  EXPECT_THAT(last.reason, HasSubstr("simulation.on_jump"));
+  EXPECT_LE(stopped.state().load, limit);
+}
+
+/// Bars that are bent, drawn and turned far in one step.
+TEST(Jumps, AreNotToldOfWhereThereIsNone) {
+  for (const int dimension : {2, 3})
+    for (const double load : {0.1, 1.0, 10.0, 100.0}) {
+      Description bent = small_bar(dimension, false);
+      bent.gravity *= load;
+      Description drawn = small_bar(dimension, false);
+      FixDescription grip = drawn.fixes[0];
+      grip.where.at = 1;
+      grip.displacement = {0.02 * load, 0.001 * load, 0};
+      drawn.fixes.push_back(grip);
+      for (const Description& scene : {bent, drawn}) {
+        const Simulation simulation = run_all(scene);
+        EXPECT_EQ(simulation.state().jumps, 0) << dimension << "D, " << load;
+      }
+    }
+}
+
+/// A bar that is turned until it cannot bear more: what it loses then is no work of its ends.
+TEST(Jumps, OfABarThatIsTurnedTooFarAreTold) {
+  Description scene = small_bar(3, false);
+  scene.gravity.setZero();
+  FixDescription turned = scene.fixes[0];
+  turned.where.at = 1;
+  turned.rotate = Rotation{.axis = Vector3::UnitX(), .center = {0, 0.125, 0.125}, .degrees = 900};
+  scene.fixes.push_back(turned);
+  Simulation simulation(scene);
+  double most = 0;
+  while (!simulation.is_finished() && simulation.step().status == StepReport::Status::converged) {
+    const double energy = simulation.frame().elastic_energy;
+    if (energy < 0.7 * most) EXPECT_GT(simulation.frame().jump_energy, 0.1 * most) << simulation.state().load;
+    most = std::max(most, energy);
+    if (simulation.frame().jump_energy > 0) most = energy;
+  }
 }
 
 TEST(ArcLength, GivesTheSameBitsAfterARestart) { expect_same_bits_after_a_checkpoint(shallow_arch(), 9); }

@@ -346,6 +346,29 @@ TEST(AColliderInsideABody, IsRefused) {
   EXPECT_THAT(refusal_of(block_and(box_collider({0, 0, 0}, {0.1, 0.1, 0.1}))), HasSubstr("inside \"body\""));
 }
 
+/// Where the distance of colliders is a formula, only the vertices of bodies tell: a ball between them has
+/// its surface.
+TEST(ABallInsideABody, IsRefused) {
+  ColliderDescription ball;
+  ball.kind = "sphere";
+  for (const int dimension : {2, 3})
+    for (const bool is_dynamic : {false, true}) {
+      Description scene = small_bar(dimension, is_dynamic);
+      ball.shape.center = {0.06, 0.06, dimension == 3 ? 0.06 : 0};
+      ball.shape.radius = 0.05;
+      ball.place = "collider[0]";
+      scene.colliders = {ball};
+      EXPECT_THAT(
+          refusal_of(scene),
+          HasSubstr("collider[0]: expected bodies that start beside it, got one that is inside \"body\""));
+      // Its middle is outside: it stands through a side, between the vertices.
+      scene.colliders[0].shape.center[dimension - 1] = -0.02;
+      EXPECT_THAT(refusal_of(scene), HasSubstr("\"body\" goes through it near vertex"));
+      scene.colliders[0].shape.center[dimension - 1] = -0.06;
+      EXPECT_EQ(refusal_of(scene), "");
+    }
+}
+
 TEST(AMeshOfACollider, IsRefusedWhereItIsNone) {
   Mesh mesh;
   mesh.vertices = {{2, 0, 0}, {3, 0, 0}, {4, 0, 0}, {2, 1, 0}, {3, -1, 0}};

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <random>
+#include <string>
 
 #include "small_scenes.hpp"
 #include "test_names.hpp"
@@ -83,6 +84,74 @@ TEST_P(BesideAnotherBody, ABodyEndsWhereItEndsAlone) {
   const double moved = (alone - start.state().positions.head(alone.size())).cwiseAbs().maxCoeff();
   EXPECT_LT((beside - alone).cwiseAbs().maxCoeff(), 1e-6 * moved)
       << "of " << size << " m beside " << other_size << " m, " << scene.solver.kind;
+}
+
+/// On a block that is larger, heavier and stiffer by as much as drawn stands a body, held by contact alone:
+/// by friction on a slope, or on the level by springs too weak to bear it. A pull acts on the block in some.
+struct OnAHeavyBlock : ::testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Contrasts, OnAHeavyBlock, ::testing::Range(0, 16),
+                         ::testing::PrintToStringParamName());
+
+TEST_P(OnAHeavyBlock, ALightBodyIsHeldByItsWeight) {
+  Draw draw(static_cast<unsigned>(GetParam()));
+  Description scene;
+  const int dim = scene.dimension = 2 + GetParam() % 2, up = dim - 1;
+  const bool is_rough = GetParam() % 4 < 2;
+  const double size = draw(0.01, 0.1), density = draw(100, 5000), block = size * draw(1.5, 500);
+  const double slope = is_rough ? 0.3 : 0;
+  scene.gravity = Vector3::Zero();
+  scene.gravity[0] = 9.81 * slope;
+  scene.gravity[up] = -9.81;
+  scene.contact.activation_distance = 5e-3 * size;
+  if (is_rough) {
+    scene.contact.friction = 0.5;
+    scene.contact.friction_speed = 1e-3 * size;
+  }
+  const auto add = [&](const std::string& name, double side, double place, double youngs_modulus, double rho,
+                       const std::string& element) {
+    BodyDescription body;
+    body.name = name;
+    body.place = name;
+    body.element = element;
+    body.mesh = dim == 3 ? make_box({side, side, side}, {2, 2, 2}) : make_rectangle({side, side}, {2, 2});
+    body.material.law = "neo_hookean";
+    body.material.constants = {{"youngs_modulus", youngs_modulus}, {"poissons_ratio", 0.3}};
+    body.material.density = rho;
+    body.translate = Vector3::Zero();
+    body.translate.head(dim).setConstant(name == "block" ? 0 : 0.38 * (side < block ? block - side : 0));
+    body.translate[up] = place;
+    scene.bodies.push_back(std::move(body));
+  };
+  const double soft = 9.81 * density * size * draw(30, 300);
+  add("block", block, 0, std::max(soft, 9.81 * 8000 * block * 100) * draw(1, 1e6), 8000, "P1");
+  add("light", size, block + 2e-3 * size, soft, density, "P2");
+  FixDescription ground;
+  ground.body = "block";
+  ground.where.kind = Where::Kind::group;
+  ground.where.group = dim == 3 ? "z_min" : "y_min";
+  scene.fixes.push_back(ground);
+  const double weight = 9.81 * density * std::pow(size, dim);
+  if (!is_rough) {
+    LoadDescription hold;
+    hold.body = "light";
+    hold.kind = "spring";
+    hold.where.kind = Where::Kind::all;
+    hold.stiffness = 1e-7 * weight / size;
+    scene.loads.push_back(hold);
+  }
+  if (GetParam() % 8 < 4) {
+    LoadDescription pull;
+    pull.body = "block";
+    pull.kind = "traction";
+    pull.where.kind = Where::Kind::group;
+    pull.where.group = "x_max";
+    pull.value[up] = -1000 * 9.81 * block;
+    scene.loads.push_back(pull);
+  }
+  const Simulation simulation = converged_end_of(scene);
+  ASSERT_EQ(simulation.frame().contacts.size(), 1U);
+  const Vector3 held = simulation.frame().contacts[0].force;
+  EXPECT_LT((held + weight / 9.81 * scene.gravity).norm(), 1e-3 * weight) << "a block of " << block / size;
 }
 
 /// The same problem in other units of length, stress and time.
@@ -220,6 +289,8 @@ TEST_P(FibreStrip, EndsInNumbersOrSaysWhereItFails) {
     EXPECT_TRUE(simulation.state().positions.allFinite());
     if (report.status != StepReport::Status::converged) {
       EXPECT_NE(report.reason, "");
+      EXPECT_EQ(report.reason.find("nan"), std::string::npos) << report.reason;
+      EXPECT_EQ(report.reason.find("inf N"), std::string::npos) << report.reason;
       return;
     }
     EXPECT_LE(report.newton.relative_residual(), 1e-8);

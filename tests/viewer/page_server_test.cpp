@@ -107,6 +107,7 @@ TEST_F(PageServerTest, RefusesWhoDoesNotBelongHere) {
        {request_text(server->port(), "/"),
         request_text(server->port(), "/?token=00000000000000000000000000000000"),
         request_text(server->port(), "/recording"), line + "\r\n", line + "Host: example.org\r\n\r\n",
+        line + host() + "Host: example.org\r\n\r\n", line + host() + host() + "\r\n",
         line + host() + "Origin: http://example.org\r\n\r\n", line + host() + "Origin: null\r\n\r\n",
         request_text(server->port(), "/nothing/here")}) {
     const std::string answer = ask(request);

@@ -44,6 +44,8 @@ std::vector<Wrong> wrong_descriptions() {
        "simulation.load_control: expected one of load, arc_length"},
       {"unstable_modes", [](D& d) { d.unstable_modes = static_cast<UnstableModes>(3); },
        "simulation.unstable_modes: expected one of auto, count, skip"},
+      {"on_jump", [](D& d) { d.on_jump = static_cast<OnJump>(2); },
+       "simulation.on_jump: expected one of follow, stop"},
       {"format", [](D& d) { d.output.formats = {static_cast<OutputFormat>(3)}; },
        "output.formats: expected one of vtu, html, usda"},
       {"load_steps", [](D& d) { d.load_steps = 0; },

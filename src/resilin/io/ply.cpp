@@ -53,6 +53,9 @@ class PlyReader {
   MeshFile read() {
     read_header();
     for (const PlyElement& element : elements_) read_element(element);
+    if (!text_.at_end())
+      throw InputError(text_.file(), "the end of the file behind the elements that its header counts",
+                       std::to_string(text_.remaining()) + " more bytes");
     if (!has_vertices_) throw InputError(text_.file(), "expected an element vertex, got none");
     if (faces_.empty())
       throw InputError(text_.file(),

@@ -218,6 +218,9 @@ std::vector<double> VtuDecoder::values(const XmlTag& array) const {
     throw InputError(place(array), "the format ascii, binary or appended", printable(format));
   }
   const std::string bytes = raw_bytes(array);
+  if (bytes.size() % type->size != 0)
+    throw InputError(place(array), "whole numbers of " + std::to_string(type->size) + " bytes",
+                     std::to_string(bytes.size()) + " bytes");
   result.reserve(bytes.size() / type->size);
   for (std::size_t at = 0; at + type->size <= bytes.size(); at += type->size) {
     result.push_back(number(bits(std::string_view(bytes).substr(at, type->size)), *type));

@@ -45,6 +45,7 @@ class VtuReader {
         decoder_(file, bytes, root()),
         mesh_(file, "VTU", "cell") {
     sort_tags();
+    refuse_more_behind_end(bytes);
   }
 
   VtuContent read() {
@@ -103,6 +104,17 @@ class VtuReader {
       if (times[name] > 1)
         throw InputError(file_, "one <" + std::string(name) + ">", std::to_string(times[name]),
                          "which of them is meant cannot be told");
+  }
+
+  /// The bytes of appended data are no XML: where they end, the last end tag says.
+  void refuse_more_behind_end(std::string_view bytes) const {
+    constexpr std::string_view end_tag = "</VTKFile>";
+    const std::size_t end = bytes.rfind(end_tag);
+    if (end == bytes.npos) return;
+    const std::string_view more = bytes.substr(end + end_tag.size());
+    if (more.find_first_not_of(" \t\r\n") == more.npos) return;
+    throw InputError(file_, "the end of the file behind </VTKFile>",
+                     std::to_string(more.size()) + " more bytes");
   }
 
   std::size_t count(const std::string& attribute) const {

@@ -17,7 +17,7 @@ constexpr double largest_rounding = 1e-4;  ///< of the load: what more is left i
 }  // namespace
 
 void Convergence::measure(const VectorX& x, const VectorX& gradient) {
-  rounding_ = 0;
+  rounding_.resize(0);
   x_ = &x;
   gradient_ = &gradient;
   residuals_ = parts_->norms(gradient, is_fixed_, Unknowns::free);
@@ -32,7 +32,7 @@ void Convergence::measure(const VectorX& x, const VectorX& gradient) {
   if (parts_->count() > 1)
     for (Index part = 0; part < parts_->count(); ++part)
       if (measures[part] > 0) weights_[part] = weighted_scale_ / measures[part];
-  weighted_residual_ = residuals_.cwiseProduct(weights_).norm();
+  weighted_residual_ = largest_weighted(residuals_);
   find_worst();
 }
 
@@ -48,7 +48,28 @@ void Convergence::find_worst() {
 }
 
 double Convergence::weighted_norm(const VectorX& gradient) const {
-  return parts_->norms(gradient, is_fixed_, Unknowns::free).cwiseProduct(weights_).norm();
+  return largest_weighted(parts_->norms(gradient, is_fixed_, Unknowns::free));
+}
+
+double Convergence::largest_weighted(const VectorX& norms) const {
+  double largest = 0;
+  for (Index part = 0; part < parts_->count(); ++part) {
+    const double weighted = norms[part] * weights_[part];
+    if (std::isnan(weighted)) return weighted;
+    largest = std::max(largest, weighted);
+  }
+  return largest;
+}
+
+VectorX Convergence::weights_of(const Parts& coarse) const {
+  if (coarse.count() == parts_->count()) return weights_;
+  VectorX weights = VectorX::Constant(coarse.count(), std::numeric_limits<double>::infinity());
+  for (Index node = 0; node < parts_->num_nodes(); ++node) {
+    double& weight = weights[coarse.of_node(node)];
+    weight = std::min(weight, weights_[parts_->of_node(node)]);
+  }
+  // A part without a node here is one of other processes.
+  return weights.unaryExpr([](double weight) { return std::isfinite(weight) ? weight : 1; });
 }
 
 Index Convergence::worst_unknown() const {
@@ -97,16 +118,14 @@ Convergence::Verdict Convergence::verdict(const VectorX& diagonal, bool look_clo
     const double of_positions = knows_diagonal ? 1e3 * epsilon * stiffness[part] * reach[part] : 0;
     if (!look_closer && !(residuals_[part] <= std::max(small, of_positions))) return Verdict::no;
   }
-  VectorX rounding;
-  objective_->gradient_magnitude(*x_, rounding);
+  objective_->gradient_magnitude(*x_, rounding_);
   const Eigen::Index dim = x_->size() / parts_->num_nodes();
   if (knows_diagonal)
-    for (Eigen::Index i = 0; i < rounding.size(); ++i)
-      rounding[i] += diagonal[i] * reach[parts_->of_node(static_cast<Index>(i / dim))];
-  rounding *= 10 * epsilon;
-  const VectorX roundings = parts_->norms(rounding, is_fixed_, Unknowns::free);
-  rounding_ = roundings.norm();
-  const VectorX excess = (gradient_->cwiseAbs() - rounding).cwiseMax(0.0);
+    for (Eigen::Index i = 0; i < rounding_.size(); ++i)
+      rounding_[i] += diagonal[i] * reach[parts_->of_node(static_cast<Index>(i / dim))];
+  rounding_ *= 10 * epsilon;
+  const VectorX roundings = parts_->norms(rounding_, is_fixed_, Unknowns::free);
+  const VectorX excess = (gradient_->cwiseAbs() - rounding_).cwiseMax(0.0);
   const VectorX beyond_rounding = parts_->norms(excess, is_fixed_, Unknowns::free);
   for (const Index part : doubtful)
     if (!(beyond_rounding[part] <= tolerance_ * scales_[part])) return Verdict::no;

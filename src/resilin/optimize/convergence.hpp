@@ -8,8 +8,9 @@
 
 namespace resilin {
 
-/// Judges whether forces balance, part by part: each in its own forces and its own round-off, so that the
-/// verdict on one does not depend on what else is in the scene. docs/theory/stopping.md.
+/// Judges whether forces balance, part by part: each in the forces that act on it and in its own round-off,
+/// so that the verdict on one does not depend on what else is in the scene, or touches it.
+/// docs/theory/stopping.md.
 class Convergence {
  public:
   enum class Verdict {
@@ -38,8 +39,8 @@ class Convergence {
   ///                  as long as it is unknown
   /// @param look_closer  at rounding, even where it is not expected to matter
   Verdict verdict(const VectorX& diagonal, bool look_closer = false);
-  /// What rounding may leave of the residual of all parts, where `verdict` looked at it; else 0 [N].
-  double rounding() const { return rounding_; }
+  /// What rounding may leave of each force, where `verdict` looked at it; else empty [N].
+  const VectorX& rounding() const { return rounding_; }
   bool is_finite() const { return residuals_.allFinite() && scales_.allFinite(); }
 
   /// What is out of balance in the part where it is largest beside what acts there [N]. Of a part of which
@@ -49,15 +50,19 @@ class Convergence {
   /// The free unknown of that part with the largest residual; -1: none, or one of another process.
   Index worst_unknown() const;
 
-  /// The residual of all parts in a measure in which all count alike, and the force scale in it [N]. With one
-  /// part these are the residual and the scale.
+  /// The largest residual of a part in a measure in which all count alike, and the force scale in it [N].
+  /// With one part these are the residual and the scale.
   double weighted_residual() const { return weighted_residual_; }
   double weighted_norm(const VectorX& gradient) const;
   double weighted_scale() const { return weighted_scale_; }
-  const VectorX& weights() const { return weights_; }  ///< of each part
+  /// The weights of a coarser division, `coarse`, for a system that couples some of these parts: what they
+  /// are a part of counts by the one on which most acts.
+  VectorX weights_of(const Parts& coarse) const;
 
  private:
   void find_worst();
+  /// The largest of the norms in the measure in which all parts count alike; nan where one is.
+  double largest_weighted(const VectorX& norms) const;
 
   const Objective* objective_;
   std::span<const std::uint8_t> is_fixed_;
@@ -68,7 +73,8 @@ class Convergence {
   const VectorX* gradient_ = nullptr;
   VectorX residuals_, scales_, weights_;  ///< by part
   VectorX first_residuals_;
-  double weighted_residual_ = 0, weighted_scale_ = 0, rounding_ = 0;
+  VectorX rounding_;  ///< by unknown
+  double weighted_residual_ = 0, weighted_scale_ = 0;
   Index worst_ = 0;
 };
 

@@ -109,7 +109,7 @@ Newton::Search::Outcome Newton::Search::move(const VectorX& gap, bool boundary_m
   Projection projection = chooser.first_choice();
   while (true) {
     const Direction direction = find_direction(gap, boundary_moves, projection);
-    newton.keep_measure(direction.found, parts, convergence.weights());
+    newton.keep_measure(direction.found, coupled, coupled_weights);
     if (!direction.found) return Outcome::singular;
     // The Hessian tells what rounding of the positions leaves: with it the residual may already be small
     // enough.

@@ -52,8 +52,8 @@ struct NewtonReport {
   double residual = 0;  ///< |gradient on its free unknowns| [N]; beyond rounding where that is all there is
   double force_scale = 0;    ///< [N]; converged means residual <= tolerance * force_scale
   Index worst_unknown = -1;  ///< its free unknown with the largest residual
-  double rounding = 0;       ///< what rounding may leave of all residuals, where that was asked for [N]
-  int lag_rounds = 0;        ///< so often what lags was formed anew and the search went on
+  VectorX rounding{};  ///< what rounding may leave of each force, where that was asked for; else empty [N]
+  int lag_rounds = 0;  ///< so often what lags was formed anew and the search went on
   /// After a converged search: `relative_residual` once what lags is that of the place where it ended, if
   /// that is out of balance; else 0.
   double lag_mismatch = 0;

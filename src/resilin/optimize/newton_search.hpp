@@ -36,7 +36,8 @@ struct Newton::Search {
   const NewtonSettings& settings;
   VectorX& x;
 
-  Parts parts{newton.parts_};
+  const Parts& parts{newton.parts_};
+  Parts coupled{newton.parts_};  ///< by what touches: those that do are one, and stay one for this search
   const Share share{parts.share()};
   Convergence convergence{objective, is_fixed, parts, settings.tolerance};
   NewtonReport report{};
@@ -54,6 +55,7 @@ struct Newton::Search {
   } watchdog{};
   bool internal_is_old = false;  ///< ... carried along to first order, not of x itself
   VectorX diagonal{};            ///< |diagonal of the last Hessian| [N/m]
+  VectorX coupled_weights{};     ///< of `coupled`, in the last Hessian
   VectorX scaled_right_side{};   ///< of several parts: so that an iterative solver sees all alike
   double weighted_residual = 0;
   double last_residual = 0;  ///< the one before
@@ -143,8 +145,8 @@ struct Newton::Search {
     if (linear.status != LinearReport::Status::ok) return direction;
     step.setZero(x.size());
     last_forcing = forcing_term();
-    linear = newton.solver_->solve(newton.hessian_, parts.count() > 1 ? scaled_right_side : right_side, step,
-                                   last_forcing);
+    linear = newton.solver_->solve(newton.hessian_, coupled.count() > 1 ? scaled_right_side : right_side,
+                                   step, last_forcing);
     report.linear_iterations += linear.iterations;
     direction.found = linear.status != LinearReport::Status::indefinite && share.all(step.allFinite());
     if (direction.found && boundary_moves) {
@@ -176,25 +178,17 @@ struct Newton::Search {
         if (share.owns(node)) H.add_to_diagonal(node, k, shift * largest[parts.of_node(node)]);
   }
 
-  /// In the measure of `convergence`, in which all parts count alike.
+  /// In a measure in which all parts that the matrix does not couple count alike.
   void scale_system() {
-    if (parts.count() > 1 && !newton.hessian_.extra.empty()) join_parts();
-    if (parts.count() == 1) return;
-    scale_parts(parts, convergence.weights(), newton.hessian_);
+    if (coupled.count() > 1 && !newton.hessian_.extra.empty()) coupled = coupled.joined_by(newton.hessian_);
+    if (coupled.count() == 1) return;
+    coupled_weights = convergence.weights_of(coupled);
+    scale_parts(coupled, coupled_weights, newton.hessian_);
     scaled_right_side = scaled(right_side);
   }
   VectorX scaled(VectorX forces) const {
-    if (parts.count() > 1) scale_parts(parts, convergence.weights(), forces);
+    if (coupled.count() > 1) scale_parts(coupled, coupled_weights, forces);
     return forces;
-  }
-
-  /// Parts that touch are one, and stay one for this search.
-  void join_parts() {
-    Parts joined = parts.joined_by(newton.hessian_);
-    if (joined.count() == parts.count()) return;
-    parts = std::move(joined);
-    convergence = Convergence(objective, is_fixed, parts, settings.tolerance);
-    measure_residual();
   }
 
   /// A descent direction (towards the targets, too, when the boundary moves), or none.

@@ -14,7 +14,7 @@ namespace {
 
 // The format: this line; version, fingerprint, failed steps, most strained state and the image of the state,
 // each number in 8 bytes, each text behind its length; the hash of all that.
-constexpr std::string_view magic = "resilin checkpoint 2\n";
+constexpr std::string_view magic = "resilin checkpoint 3\n";
 constexpr std::string_view magic_of_any_format = "resilin ";
 constexpr const char* cure = "run without --resume to start from the beginning";
 constexpr const char* kind_key = "simulation.kind";

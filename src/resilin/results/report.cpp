@@ -47,6 +47,8 @@ std::string_view name(RunStatus status) {
       return "done";
     case RunStatus::not_converged:
       return "not_converged";
+    case RunStatus::failed:
+      return "failed";
     case RunStatus::budget:
       return "budget";
   }
@@ -68,6 +70,7 @@ Json frame_json(const Frame& frame, int dimension) {
   if (frame.time_step > 0) json["time_step"] = frame.time_step;
   if (frame.time_error > 0) json["time_error"] = frame.time_error;
   json["unstable_modes"] = frame.unstable_modes ? Json(*frame.unstable_modes) : Json(nullptr);
+  if (frame.jump_energy > 0) json["jump_energy"] = frame.jump_energy;
   if (frame.inversion) json["inversion_load"] = frame.inversion->load;
   json["min_volume_ratio"] = frame.min_volume_ratio;
   json["worst_cell"] = frame.worst_cell;
@@ -177,6 +180,10 @@ Json report_json(const World& world, Json frames, const RunSummary& summary) {
     const std::optional<double> error = b < errors.size() ? errors[b] : std::nullopt;
     report["bodies"][b]["discretisation_error"] = error ? Json(*error) : Json(nullptr);
   }
+  if (const SmallestVolume& smallest = summary.most_strained.smallest_volume; smallest.cell >= 0)
+    report["smallest_volume_ratio"] = {{"value", smallest.ratio}, {"body", body_name(world, smallest.body)},
+                                       {"cell", smallest.cell},   {"step", smallest.step},
+                                       {"time", smallest.time},   {"load", smallest.load}};
   report["solver"] = summary.solver;
   report["timing"] = {{"total", summary.total_seconds},
                       {"assembly", summary.timing.assembly},

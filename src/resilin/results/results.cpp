@@ -262,8 +262,7 @@ void ResultFolder::record(const Simulation& simulation, bool is_last) {
   contents_->settle();
   std::optional<RunSummary> so_far;
   if (Clock::now() >= contents_->next_save)
-    so_far =
-        contents_->summary(simulation, {RunStatus::running, "the run had not ended when this was written"});
+    so_far = contents_->summary(simulation, {RunStatus::running, std::string(running_reason)});
   contents_->record(simulation.world(), simulation.state(), simulation.frame(), is_last, so_far);
 }
 

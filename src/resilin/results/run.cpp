@@ -27,6 +27,9 @@ std::string remarks(const Simulation& simulation) {
     text += "; " + describe(world, *inversion);
   if (const Index inverted = num_inverted_cells(world, simulation.state()); inverted > 0)
     text += "; " + std::to_string(inverted) + (inverted == 1 ? " inverted element" : " inverted elements");
+  if (const int jumps = simulation.state().jumps; jumps > 0)
+    text += "; bodies jumped to another equilibrium" +
+            (jumps == 1 ? std::string() : " " + std::to_string(jumps) + " times");
   if (world.follows_path && simulation.state().load < 1)
     text += "; the path ends there because of simulation.max_steps";
   if (const Index count = simulation.frame().unstable_modes.value_or(0); count > 0) {
@@ -133,12 +136,42 @@ RunOutcome step_to_end(Simulation& simulation, const RunHooks& hooks) {
   return outcome;
 }
 
+/// Tells of bodies that have left the equilibrium in which the loads had led them; empty where none has.
+std::string jumps_on_the_way(const State& state) {
+  if (state.jumps == 0) return {};
+  return "bodies jumped to another equilibrium" +
+         (state.jumps == 1 ? std::string() : " " + std::to_string(state.jumps) + " times, most") +
+         " before load factor " + format_short(state.largest_jump_load) + ", and lost " +
+         format_short(state.largest_jump) +
+         " J of strain energy that no load took up: the end may not be the one that was meant; "
+         "simulation.on_jump = \"stop\" ends before it";
+}
+
+/// Tells of cells that were inside out at the end of a step and are not any more; empty where there were
+/// none.
+std::string inversion_on_the_way(const Simulation& simulation) {
+  const World& world = simulation.world();
+  const SmallestVolume& smallest = simulation.most_strained().smallest_volume;
+  if (!(smallest.ratio <= 0) || num_inverted_cells(world, simulation.state()) > 0) return {};
+  const Body& body = world.bodies[static_cast<std::size_t>(smallest.body)];
+  return "cells were inside out on the way, cell " + std::to_string(smallest.cell) + " of \"" + body.name +
+         "\" most, with volume ratio " + format_short(smallest.ratio) + " at " +
+         (world.is_dynamic ? "t = " + format_short(smallest.time) + " s"
+                           : "load factor " + format_short(smallest.load)) +
+         ": no real body does that, and " + body.law +
+         " allows it; take a law that needs J > 0, such as neo_hookean, or shorter steps";
+}
+
 }  // namespace
 
 RunOutcome run_to_end(Simulation& simulation, const RunHooks& hooks) {
   const World& world = simulation.world();
   RunOutcome outcome = step_to_end(simulation, hooks);
   outcome.warnings = oddities(world, simulation.state());
+  if (std::string text = jumps_on_the_way(simulation.state()); !text.empty())
+    outcome.warnings.push_back(world.place + ": " + std::move(text));
+  if (std::string text = inversion_on_the_way(simulation); !text.empty())
+    outcome.warnings.push_back(world.place + ": " + std::move(text));
   if (world.modes || !world.share.is_whole()) return outcome;  // the estimate needs whole bodies
   simulation.release_solver();                                 // so does the estimate below
   outcome.discretisation_errors = discretisation_errors(world, telling_positions(simulation));

@@ -14,6 +14,7 @@ enum class RunStatus {
   running,        ///< it did not end: the report is that of a run that goes on or was killed
   done,           ///< end time or full load reached
   not_converged,  ///< the results up to the last converged step are kept
+  failed,         ///< an error ended it, such as a full disk
   budget          ///< stopped before its end: by the user, or after --steps
 };
 std::string_view name(RunStatus status);

@@ -75,6 +75,14 @@ std::string describe_unsettled_friction(const StageReport& stage) {
 
 namespace {
 
+/// "; the force residual is 3 N (0.1 of the load)", with numbers alone.
+std::string residual_text(const NewtonReport& report) {
+  if (!std::isfinite(report.residual)) return "; the force residual is no finite number";
+  const std::string text = "; the force residual is " + format_short(report.residual) + " N";
+  const double share = report.relative_residual();
+  return std::isfinite(share) ? text + " (" + format_short(share) + " of the load)" : text;
+}
+
 /// With parts of the scene on several processes: the place of the largest residual, told by the one that has
 /// it.
 std::string place_of_worst(const World& world, const NewtonReport& report) {
@@ -86,9 +94,8 @@ std::string place_of_worst(const World& world, const NewtonReport& report) {
   std::string text;
   if (teller == rank) {
     const Index node = report.worst_unknown / world.dimension;
-    text = "; the force residual is " + format_short(report.residual) + " N (" +
-           format_short(report.relative_residual()) + " of the load), largest in \"" +
-           world.body_of(node).name + "\" at " + world.place_text(node, world.rest_positions);
+    text = residual_text(report) + ", largest in \"" + world.body_of(node).name + "\" at " +
+           world.place_text(node, world.rest_positions);
   }
   return share.exchange().tell(static_cast<int>(teller), text);
 }
@@ -102,10 +109,9 @@ std::string describe_failure(const World& world, const NewtonReport& report, con
   if (report.worst_unknown >= 0) {
     const Index node = report.worst_unknown / world.dimension;
     worst = &world.body_of(node);
-    text += "; the force residual is " + format_short(report.residual) + " N (" +
-            format_short(report.relative_residual()) + " of the load), largest at vertex " +
-            std::to_string(node - worst->first_node) + " of \"" + worst->name + "\" at " +
-            world.place_text(node, world.rest_positions) + strain_text(world, *worst, positions);
+    text += residual_text(report) + ", largest at vertex " + std::to_string(node - worst->first_node) +
+            " of \"" + worst->name + "\" at " + world.place_text(node, world.rest_positions) +
+            strain_text(world, *worst, positions);
   }
   for (const Body& body : world.bodies) {
     if (&body == worst) continue;

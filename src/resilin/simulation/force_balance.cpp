@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "resilin/core/text.hpp"
 #include "resilin/mesh/facet.hpp"
+#include "resilin/optimize/convergence.hpp"
+#include "resilin/optimize/residual.hpp"
 #include "resilin/simulation/step.hpp"
 #include "resilin/world/friction.hpp"
 
@@ -101,6 +104,16 @@ double norm_of_body(const World& world, const Body& body, const Eigen::Ref<const
   return std::sqrt(world.share.sum(owned.squaredNorm()));
 }
 
+/// What rounding leaves of the sum of the forces on a body [N].
+/// @param rounding  of each force; empty: none
+double rounding_of(const World& world, const Body& body, const VectorX& rounding) {
+  if (world.share.all(rounding.size() == 0)) return 0;
+  const Eigen::Index count = Eigen::Index{body.num_nodes} * world.dimension;
+  const double norm =
+      norm_of_body(world, body, rounding.segment(Eigen::Index{body.first_node} * world.dimension, count));
+  return norm * std::sqrt(world.share.sum(static_cast<double>(count)));
+}
+
 }  // namespace
 
 std::vector<ForceBalance> measure_balance(const World& world, const VectorX& gradient,
@@ -185,13 +198,12 @@ std::string describe_imbalance(const World& world, const Potential& potential, c
   const auto is_missing = [](double gap, double scale, double rounding) {
     return !(gap <= std::max(largest_balance_error * scale, rounding));
   };
-  const double num_unknowns = world.share.sum(static_cast<double>(x.size()));
-  const double rounding = report.rounding * std::sqrt(num_unknowns);
   const std::vector<VectorX> acting = potential.gradients_without(EnergyCategory::elastic, x);
   const std::vector<ForceBalance> forces = measure_balance(world, gradient, acting);
   for (std::size_t b = 0; b < forces.size(); ++b) {
     const ForceBalance& balance = forces[b];
-    if (!is_missing(balance.gap(), balance.scale, rounding)) continue;
+    if (!is_missing(balance.gap(), balance.scale, rounding_of(world, world.bodies[b], report.rounding)))
+      continue;
     return gap_text(world.bodies[b], balance);
   }
   if (displacement.size() == 0 || world.share.all(displacement.isZero(0))) return {};
@@ -204,8 +216,9 @@ std::string describe_imbalance(const World& world, const Potential& potential, c
     const auto of_body =
         displacement.segment(first, Eigen::Index{world.bodies[b].num_nodes} * world.dimension);
     const double way = norm_of_body(world, world.bodies[b], of_body);
-    const double left = std::max({balance.rounding, rounding * world.share.norm(displacement),
-                                  world.newton.tolerance * forces[b].scale * way});
+    const double left =
+        std::max({balance.rounding, rounding_of(world, world.bodies[b], report.rounding) * way,
+                  world.newton.tolerance * forces[b].scale * way});
     if (!is_missing(balance.gap(), balance.scale, left)) continue;
     return "the strain energy of \"" + world.bodies[b].name + "\" would change by " +
            format_short(balance.strain_energy) + " J while the forces on it do " +
@@ -214,6 +227,22 @@ std::string describe_imbalance(const World& world, const Potential& potential, c
   }
   return {};
 }
+
+namespace {
+
+/// What rounding of sums and of positions leaves of each force in an equilibrium (docs/theory/stopping.md,
+/// S.2); empty where nothing is left [N].
+VectorX rounding_of_forces(const World& world, const Potential& potential, const Parts& parts,
+                           const VectorX& x, const VectorX& gradient) {
+  BlockMatrix hessian(world.dimension, world.pattern);
+  potential.hessian(x, Projection::none, hessian);
+  Convergence balance(potential, world.is_fixed, parts, /*tolerance=*/0);
+  balance.measure(x, gradient);
+  balance.verdict(free_diagonal(hessian, world.is_fixed, world.share), /*look_closer=*/true);
+  return balance.rounding();
+}
+
+}  // namespace
 
 std::vector<std::string> describe_lost_digits(const World& world, const State& state) {
   const VectorX& x = state.positions;
@@ -224,6 +253,7 @@ std::vector<std::string> describe_lost_digits(const World& world, const State& s
   const Parts parts(*world.pattern, world.share);
   const VectorX scales = potential.distinct_acting_scales(x, VectorX::Zero(parts.count()), parts);
   const double notable = std::max(notable_balance_error, 10 * world.newton.tolerance);
+  std::optional<VectorX> rounding;  // asked for where something is missing: it costs a matrix
   std::vector<std::string> texts;
   const std::vector<ForceBalance> forces =
       measure_balance(world, gradient, potential.gradients_without(EnergyCategory::elastic, x));
@@ -233,8 +263,11 @@ std::vector<std::string> describe_lost_digits(const World& world, const State& s
     for (Index node = body.first_node; node < body.first_node + body.num_nodes; ++node)
       load = std::max(load, scales[parts.of_node(node)]);
     load = world.share.largest(load);
-    if (load > 0 && !(forces[b].gap() <= notable * std::max(load, forces[b].scale)))
-      texts.push_back(gap_text(body, forces[b]) + ": the positions have no digits for less");
+    if (load == 0 || forces[b].gap() <= notable * std::max(load, forces[b].scale)) continue;
+    if (!rounding) rounding = rounding_of_forces(world, potential, parts, x, gradient);
+    const bool is_rounding = rounding->size() == 0 || forces[b].gap() <= rounding_of(world, body, *rounding);
+    texts.push_back(gap_text(body, forces[b]) + (is_rounding ? ": the positions have no digits for less"
+                                                             : ": a smaller newton.tolerance leaves less"));
   }
   return texts;
 }

@@ -43,6 +43,7 @@ struct Frame {
   double time_error = 0;    ///< motion with adaptive steps: about how far it misplaced a vertex [m]
   double min_volume_ratio = 1;
   std::optional<Index> unstable_modes;  ///< statics: negative eigenvalues of the stiffness, where counted
+  double jump_energy = 0;               ///< statics: lost in a jump to another equilibrium; 0: none [J]
   std::optional<Inversion> inversion;   ///< linear statics: where a cell is first turned inside out
   Index worst_cell = -1;                ///< where the volume ratio is least, in its body ...
   int worst_body = 0;                   ///< ... this one

@@ -6,6 +6,7 @@
 
 #include "resilin/core/text.hpp"
 #include "resilin/simulation/force_balance.hpp"
+#include "resilin/simulation/jump.hpp"
 #include "resilin/simulation/potential.hpp"
 #include "resilin/simulation/stage_solver.hpp"
 #include "resilin/world/friction.hpp"
@@ -20,6 +21,12 @@ constexpr int quick_convergence = 5;  ///< Newton iterations below which the loa
 constexpr int most_iterations_of_a_shortened_step = 40;
 /// Up to this number of unknowns a factorisation for each equilibrium costs a fraction of a second.
 constexpr Index most_unknowns_counted = 10000;
+
+/// With which a load is tried again that seems to have no equilibrium: of forces that large ones elsewhere in
+/// the body hide, less is then left.
+constexpr double tight_tolerance = 1e-12;
+constexpr double smallest_share_of_path = 1.0 / 64;  ///< of a load step: shorter ones jump where these do
+constexpr double smallest_tight_share = 0.25;        ///< of a load step
 
 double turn_between(const World& world, double load, double next) {
   return largest_turn(world, world.at_load(load), world.at_load(next));
@@ -65,6 +72,37 @@ VectorX predicted_positions(const World& world, Objective& potential, const Vect
   return x;
 }
 
+/// The jump in a step that has led to x at `load`, if there is one.
+/// @param searched  takes the counts of searches
+std::optional<Jump> jump_of_step(const World& world, Newton& newton, const State& state, const VectorX& x,
+                                 double load, const NewtonObserver& observer, NewtonReport& searched) {
+  if (is_linear(world)) return std::nullopt;
+  // What is drawn deformed relaxes in the first step.
+  if (state.step == 0 && world.share.any(state.positions != world.rest_positions)) return std::nullopt;
+  const auto find = [&](const Equilibrium& from, double at) -> std::optional<Equilibrium> {
+    Conditions conditions = world.at_load(at);
+    conditions.collider_delay = conditions.time - world.at_load(from.load).time;
+    Potential potential(world, conditions, static_stage(from.positions, world.end_time * (at - from.load)));
+    VectorX targets = from.positions;
+    place_supports(world.dimension, world.supports, world.rest_positions, conditions, targets);
+    Equilibrium found{.load = at, .positions = from.positions};
+    const StageReport report =
+        solve_stage(potential, world.is_fixed, targets, {}, newton_settings(world),
+                    {.friction_rounds = world.friction_iterations}, newton, found.positions, observer);
+    add_counts(searched, report.newton);
+    if (!report.newton.converged() || potential.conditions().collider_delay > 0) return std::nullopt;
+    return found;
+  };
+  return find_jump(world, {.load = state.load, .positions = state.positions}, {.load = load, .positions = x},
+                   find);
+}
+
+std::string describe(const Jump& jump) {
+  return "between load factors " + format_short(jump.from) + " and " + format_short(jump.to) +
+         " bodies jump to another equilibrium: they lose " + format_short(jump.energy) +
+         " J of strain energy that no load takes up";
+}
+
 void move_to(State& state, VectorX positions, double load) {
   state.previous_positions = std::move(state.positions);
   state.previous_load = state.load;
@@ -108,6 +146,7 @@ StepReport LoadControl::step(const World& world, Newton& newton, State& state,
 StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& state,
                                      const NewtonObserver& observer) {
   StepReport report;
+  bool is_tight = false;
   while (true) {
     const double load = next_load(world, state);
     Conditions conditions = world.at_load(load);
@@ -118,6 +157,7 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
     place_supports(world.dimension, world.supports, world.rest_positions, conditions, targets);
     VectorX x = predicted_positions(world, potential, targets, state, load);
     NewtonSettings settings = newton_settings(world);
+    if (is_tight) settings.tolerance = std::min(settings.tolerance, tight_tolerance);
     const double length = load - state.load;
     if (length < 0.99 / world.load_steps && 0.5 * length >= smallest_load_increment)
       settings.max_iterations = std::min(settings.max_iterations, most_iterations_of_a_shortened_step);
@@ -139,6 +179,24 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
                       : describe_imbalance(world, potential, x, gradient, search, x - world.rest_positions);
     const double delay = potential.conditions().collider_delay;
     if (search.converged() && imbalance.empty() && delay == 0) {
+      const std::optional<Jump> jump = jump_of_step(world, newton, state, x, load, observer, report.newton);
+      if (jump && jump->is_avoidable && 0.5 * length >= smallest_share_of_path / world.load_steps) {
+        ++report.failed_attempts;  // smaller steps stay on the path that this one has left
+        state.load_increment = 0.5 * length;
+        continue;
+      }
+      if (jump && world.on_jump == OnJump::stop) {
+        report.status = StepReport::Status::not_converged;
+        report.reason = describe(*jump) + "; simulation.on_jump = \"follow\" goes on from there";
+        return report;
+      }
+      if (jump) {
+        report.jump_energy = jump->energy;
+        report.warnings.push_back(world.place + ": " + describe(*jump));
+        ++state.jumps;
+        if (jump->energy > state.largest_jump) state.largest_jump_load = jump->to;
+        state.largest_jump = std::max(state.largest_jump, jump->energy);
+      }
       const double heat = potential.heat_of_friction(state.positions, x, load_time);
       state.friction_work += heat;
       state.dissipated_energy += heat;
@@ -154,7 +212,14 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
     // Smaller steps give no digits.
     const bool is_out_of_digits = search.status == NewtonReport::Status::out_of_digits;
     const bool has_path = !world.friction && world.path_time == 0;  // what arc length can follow
-    if (state.load_increment < smallest_load_increment || is_out_of_digits) {
+    if (state.load_increment < smallest_load_increment && !is_tight && !is_out_of_digits &&
+        settings.tolerance > tight_tolerance) {
+      is_tight = true;
+      state.load_increment = 1.0 / world.load_steps;
+      continue;
+    }
+    const double smallest = is_tight ? smallest_tight_share / world.load_steps : smallest_load_increment;
+    if (state.load_increment < smallest || is_out_of_digits) {
       report.status = StepReport::Status::not_converged;
       report.reason =
           "no equilibrium was found beyond load factor " + format_number(state.load) + ": " +

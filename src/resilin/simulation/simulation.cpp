@@ -10,8 +10,14 @@
 namespace resilin {
 namespace {
 
-void check_most_strained(const MostStrained& strained, Eigen::Index num_unknowns, const std::string& place) {
-  const Eigen::Index size = strained.positions.size();
+void check_most_strained(const MostStrained& strained, const World& world, const std::string& place) {
+  const Eigen::Index size = strained.positions.size(), num_unknowns = world.rest_positions.size();
+  const SmallestVolume& smallest = strained.smallest_volume;
+  if (smallest.body < 0 || smallest.body >= static_cast<int>(world.bodies.size()) ||
+      std::isnan(smallest.ratio))
+    throw InputError(place, "a smallest volume ratio in a body of this scene",
+                     format_number(smallest.ratio) + " in body " + std::to_string(smallest.body),
+                     "run again without --resume");
   if (strained.energy >= 0 && std::isfinite(strained.energy) && strained.positions.allFinite() &&
       (size == num_unknowns || (size == 0 && strained.energy == 0)))
     return;
@@ -64,7 +70,7 @@ double Simulation::share_done() const {
 void Simulation::measure(const VectorX* step_gradient) {
   frame_ = measure_frame(world_, state_, step_gradient);
   if (world_.is_dynamic) most_strained_.note(frame_, state_);
-  if (state_.mode == 0) return;
+  if (state_.mode == 0) return most_strained_.smallest_volume.note(frame_);
   const VibrationMode& mode = modes_[static_cast<std::size_t>(state_.mode - 1)];
   frame_.mode = {.number = state_.mode,
                  .frequency = mode.frequency(),
@@ -136,6 +142,7 @@ StepReport Simulation::step(const NewtonObserver& observer) {
   frame_.time_error = report.time_error;
   frame_.converged = report.status == StepReport::Status::converged;
   frame_.unstable_modes = report.unstable_modes;
+  frame_.jump_energy = report.jump_energy;
   frame_.inversion = report.inversion;
   return report;
 }
@@ -150,7 +157,7 @@ void Simulation::note_failure(const std::string& reason) {
 void Simulation::resume_from(const State& state, const std::string& place, const FailedSteps& failed,
                              const MostStrained& most_strained) {
   check_state(state, state_.positions.size(), place);
-  check_most_strained(most_strained, state_.positions.size(), place);
+  check_most_strained(most_strained, world_, place);
   const int most_modes = world_.modes ? world_.modes->count : 0;
   if (state.mode > most_modes)
     throw InputError(place, "a mode from 0 to " + std::to_string(most_modes), std::to_string(state.mode),

@@ -65,7 +65,7 @@ class Simulation {
   /// Those since the start, and those that `resume_from` was told of.
   const FailedSteps& failed_steps() const { return failed_steps_; }
 
-  /// In motion, since the start, what `resume_from` was told of included.
+  /// Since the start, what `resume_from` was told of included; in statics only the least volume.
   const MostStrained& most_strained() const { return most_strained_; }
 
   /// Goes on from a saved state, after steps of which `failed` had not converged and `most_strained` was

@@ -44,6 +44,7 @@ struct StepReport {
   std::vector<VectorX> stage_places{};
   double time_error = 0;  ///< motion with adaptive steps: about how far the step misplaced a vertex [m]
   std::optional<Index> unstable_modes;  ///< statics: negative eigenvalues of the stiffness, where counted
+  double jump_energy = 0;               ///< statics: lost in a jump to another equilibrium; 0: none [J]
   std::optional<Inversion> inversion;   ///< linear statics: where a cell is first turned inside out
   std::vector<std::string> warnings;    ///< one line each
 };

@@ -62,8 +62,13 @@ void add_collider(const ColliderDescription& description, World& world, const Co
       part != nullptr ? points_of(*part) : contact_points(world, description.stiffness), activation_distance,
       motion_of(description, world.end_time), description.friction));
   world.terms.push_back(world.colliders.back());
-  if (part == nullptr)
-    check_is_outside(*world.colliders.back(), world, world.start_positions, {}, description.place);
+  if (part != nullptr) return;  // the whole has been checked
+  const ColliderBarrier& collider = *world.colliders.back();
+  check_is_outside(collider, world, world.start_positions, {}, description.place);
+  const ColliderShape& shape = collider.shape();
+  if (!shape.is_flat())
+    check_is_beside(shape.facets(world.dimension, shape.reference_point(), 0), description,
+                    activation_distance, world);
 }
 
 void check_is_outside(const ColliderBarrier& collider, const World& world, const VectorX& positions,

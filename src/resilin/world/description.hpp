@@ -45,6 +45,10 @@ constexpr std::array<std::string_view, 2> spellings(InversionBound) { return {"p
 enum class LoadControlKind { load, arc_length };
 constexpr std::array<std::string_view, 2> spellings(LoadControlKind) { return {"load", "arc_length"}; }
 
+/// Whether a static run goes on where bodies jump to another equilibrium.
+enum class OnJump { follow, stop };
+constexpr std::array<std::string_view, 2> spellings(OnJump) { return {"follow", "stop"}; }
+
 /// Whether each equilibrium says how many unstable modes it has; `automatic` counts where it is cheap.
 enum class UnstableModes { automatic, count, skip };
 constexpr std::array<std::string_view, 3> spellings(UnstableModes) { return {"auto", "count", "skip"}; }
@@ -267,6 +271,7 @@ struct Description {
   LoadControlKind load_control = LoadControlKind::load;     ///< static
   int max_steps = 500;                                      ///< arc_length: the path ends after so many steps
   UnstableModes unstable_modes = UnstableModes::automatic;  ///< static
+  OnJump on_jump = OnJump::follow;                          ///< static
   std::vector<BodyDescription> bodies;
   std::vector<FixDescription> fixes;
   std::vector<LoadDescription> loads;

@@ -65,6 +65,7 @@ void check_simulation(const Description& d, const std::string& place) {
   require_at_least_one(d.max_steps, place + "max_steps");
   require_known(d.load_control, place + "load_control");
   require_known(d.unstable_modes, place + "unstable_modes");
+  require_known(d.on_jump, place + "on_jump");
   make_integrator(d.integrator, place + "integrator");
 }
 

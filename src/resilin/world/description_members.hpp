@@ -42,7 +42,7 @@ RESILIN_MEMBERS(OutputOptions, every, fields, formats)
 RESILIN_MEMBERS(AdaptiveSteps, tolerance, min_step, max_step)
 RESILIN_MEMBERS(ModesOptions, count, is_loaded)
 RESILIN_MEMBERS(Description, place, title, is_dynamic, dimension, gravity, time_step, end_time, integrator,
-                adaptive, modes, load_steps, load_control, max_steps, unstable_modes, bodies, fixes, loads,
-                colliders, contact, probes, sections, newton, solver, output)
+                adaptive, modes, load_steps, load_control, max_steps, unstable_modes, on_jump, bodies, fixes,
+                loads, colliders, contact, probes, sections, newton, solver, output)
 
 }  // namespace resilin

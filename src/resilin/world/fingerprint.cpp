@@ -179,9 +179,10 @@ bool is_seen(const LoadDescription& load, std::string_view member) {
 }
 
 bool is_seen(const Description& description, std::string_view member) {
-  // `simulation.kind` says in one word what is_dynamic does; unstable modes are only counted.
-  if (is_one_of(member, {"place", "title", "is_dynamic", "max_steps", "unstable_modes", "probes", "sections",
-                         "output", "end_time"}))
+  // `simulation.kind` says in one word what is_dynamic does; unstable modes are only counted, and jumps end a
+  // run.
+  if (is_one_of(member, {"place", "title", "is_dynamic", "max_steps", "unstable_modes", "on_jump", "probes",
+                         "sections", "output", "end_time"}))
     return false;
   if (is_one_of(member, {"time_step", "integrator", "adaptive"})) return description.is_dynamic;
   if (is_one_of(member, {"load_steps", "load_control"})) return !description.is_dynamic;

@@ -7,6 +7,7 @@
 #include "resilin/core/error.hpp"
 #include "resilin/material/rest_tangents.hpp"
 #include "resilin/mesh/facet.hpp"
+#include "resilin/mesh/second_moments.hpp"
 #include "resilin/mesh/topology.hpp"
 
 namespace resilin {
@@ -50,11 +51,19 @@ ColliderMesh mesh_of(const Skin& skin, int dim) {
   return mesh;
 }
 
-/// At rest, of the surface that a body meets others with.
-Reach contact_reach(const World& world, const Body& body, int axis) {
-  if (!body.meets_with_skin()) return reach_along(axis, body, world.contact_shape(), world.dimension);
-  const auto coordinates = body.skin->rest_positions(Eigen::seqN(axis, body.skin->num_vertices(), 3));
-  return {coordinates.minCoeff(), coordinates.maxCoeff()};
+Vector3 lengths_of_cells(const World& world, const Body& body) {
+  return second_moments(body.cell_kind, body.cells, world.contact_shape(), world.dimension).lengths();
+}
+
+/// At rest, of what the surface holds that a body meets others with, or of that surface: rising [m].
+Vector3 contact_lengths(const World& world, const Body& body) {
+  if (!body.meets_with_skin()) return lengths_of_cells(world, body);
+  const ColliderMesh mesh = mesh_of(*body.skin, world.dimension);
+  const bool has_inside = is_closed(mesh, world.dimension);
+  const Vector3 lengths = second_moments(mesh.vertices, mesh.facets, world.dimension, has_inside).lengths();
+  if (!has_inside || lengths[3 - world.dimension] > 0) return lengths;
+  // Its facets are not all seen from outside anticlockwise.
+  return second_moments(mesh.vertices, mesh.facets, world.dimension, false).lengths();
 }
 
 double mean_side(const ColliderMesh& mesh, std::size_t num_corners) {
@@ -72,12 +81,7 @@ double mean_side(const ColliderMesh& mesh, std::size_t num_corners) {
 
 double smallest_extent(const World& world) {
   double smallest = std::numeric_limits<double>::infinity();
-  for (const Body& body : world.bodies) {
-    double extent = 0;
-    for (int k = 0; k < world.dimension; ++k)
-      extent = std::max(extent, contact_reach(world, body, k).length());
-    smallest = std::min(smallest, extent);
-  }
+  for (const Body& body : world.bodies) smallest = std::min(smallest, contact_lengths(world, body)[2]);
   return smallest;
 }
 
@@ -150,13 +154,7 @@ ContactPoints contact_points(const World& world, std::optional<double> stiffness
 
 double thinnest_extent(const World& world, const Body& body) {
   const bool is_sheet = !has_inside(world, body);  // its cells are as thick as they are
-  double least = std::numeric_limits<double>::infinity();
-  for (int k = 0; k < world.dimension; ++k) {
-    const Reach reach = is_sheet ? reach_along(k, body, world.contact_shape(), world.dimension)
-                                 : contact_reach(world, body, k);
-    least = std::min(least, reach.length());
-  }
-  return least;
+  return (is_sheet ? lengths_of_cells(world, body) : contact_lengths(world, body))[3 - world.dimension];
 }
 
 double default_activation_distance(const World& world) {

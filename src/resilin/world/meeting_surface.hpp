@@ -42,10 +42,11 @@ std::string point_name(const Body& body, Index number);
 /// Whether the surface that a body meets others with has an inside: a skin may be open.
 bool has_inside(const World& world, const Body& body);
 
-/// The largest extent of the smallest body [m].
+/// The largest extent of the smallest body: the longest side of the box with the same second moments, which
+/// does not hang on how bodies are turned [m].
 double smallest_extent(const World& world);
 
-/// The least extent of a body along the axes [m]; no body is thicker than that.
+/// The shortest side of the box with the same second moments as a body [m].
 double thinnest_extent(const World& world, const Body& body);
 
 /// [m]: 0.005 of the largest extent of the smallest body, at most a tenth of the thickness of any, and at

@@ -77,6 +77,11 @@ class ObstacleStart {
     if (const auto body = body_around()) refuse_around(*body);
     check_gap();
   }
+  /// For an obstacle in which no vertex is.
+  void check_is_beside() const {
+    if (const auto crossing = first_crossing(surface_.parts, contact_.meetings(), places_)) refuse(*crossing);
+    if (const auto body = body_around()) refuse_around(*body);
+  }
 
  private:
   Index obstacle_number() const { return surface_.parts.bodies.back(); }
@@ -172,6 +177,15 @@ class ObstacleStart {
 };
 
 }  // namespace
+
+void check_is_beside(ColliderMesh mesh, const ColliderDescription& description, double activation_distance,
+                     const World& world) {
+  ContactSurface surface = make_contact_surface(world.dimension, contact_bodies(world, description.stiffness),
+                                                world.contact_shape(), ContactObstacle{std::move(mesh), {}});
+  leave_held_out(surface, held_nodes(world));
+  const ObstacleContact contact(description.name, surface, activation_distance, world.start_positions);
+  ObstacleStart(contact, world, description.place).check_is_beside();
+}
 
 std::shared_ptr<const ObstacleContact> make_mesh_collider(const ColliderDescription& description,
                                                           const ShapeKind& kind, double activation_distance,

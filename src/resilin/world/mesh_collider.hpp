@@ -13,4 +13,9 @@ std::shared_ptr<const ObstacleContact> make_mesh_collider(const ColliderDescript
                                                           const ShapeKind& kind, double activation_distance,
                                                           const World& world);
 
+/// Throws InputError for bodies that start around a surface or with it through a side of theirs, between
+/// their vertices, of which it holds none.
+void check_is_beside(ColliderMesh mesh, const ColliderDescription& description, double activation_distance,
+                     const World& world);
+
 }  // namespace resilin

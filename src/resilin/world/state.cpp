@@ -10,7 +10,7 @@
 namespace resilin {
 namespace {
 
-constexpr std::string_view magic = "resilin state 9\n";
+constexpr std::string_view magic = "resilin state 10\n";
 constexpr const char* begin_again = "run again without --resume";
 constexpr int largest_step = 1000000000;           ///< so that the counter never overflows in what follows
 constexpr double smallest_load_increment = 1e-10;  ///< far below what load control ever tries
@@ -46,6 +46,9 @@ void visit_members(AnyState& state, Visitor&& visitor) {
   visitor.count("guarded_steps", state.guarded_steps);
   visitor.count("divided_steps", state.divided_steps);
   visitor.number("removed_energy", state.removed_energy, Sign::not_negative);
+  visitor.count("jumps", state.jumps);
+  visitor.number("largest_jump", state.largest_jump, Sign::not_negative);
+  visitor.number("largest_jump_load", state.largest_jump_load, Sign::any);
 }
 
 struct Writer {

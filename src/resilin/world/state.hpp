@@ -26,6 +26,10 @@ struct State {
   double arc_length = 0;   ///< [m] of the next step along a path of equilibria
   double load_weight = 0;  ///< [m]: how far a unit of load counts in it; 0 before the first step
 
+  int jumps = 0;                 ///< to other equilibria ...
+  double largest_jump = 0;       ///< ... in which so much strain energy was lost at most [J] ...
+  double largest_jump_load = 0;  ///< ... before this load factor
+
   double friction_work = 0;      ///< heat by friction, since the start [J]
   int unsettled_steps = 0;       ///< whose forces were not in balance with the friction of their end ...
   double friction_mismatch = 0;  ///< ... by so much at most, beside the forces that act

@@ -331,6 +331,7 @@ World::World(const Description& description, std::shared_ptr<const Description> 
                    description.load_control == LoadControlKind::arc_length),
       max_steps(description.max_steps),
       unstable_modes(description.unstable_modes),
+      on_jump(description.on_jump),
       integrator(description.integrator),
       adaptive(description.adaptive),
       modes(description.modes),
@@ -355,6 +356,12 @@ World::World(const Description& description, std::shared_ptr<const Description> 
     Builder(with_origin(description, origin), *this).build();
   }
   fingerprint = fingerprint_of(description);
+  // The element's own rule by its name is the same scene as none.
+  for (const Body& body : bodies)
+    for (auto& [name, value] : fingerprint)
+      if (name == "body." + body.name + ".quadrature" &&
+          value == '"' + std::string(body.elastic->element().default_quadrature) + '"')
+        value = "\"\"";
 }
 
 World::World(const ScenePart& part, Share share_of_part)

@@ -85,6 +85,7 @@ class World {
   bool follows_path = false;  ///< static: by arc length
   int max_steps = 0;
   UnstableModes unstable_modes = UnstableModes::automatic;
+  OnJump on_jump = OnJump::follow;
   std::string integrator;
   std::optional<AdaptiveSteps> adaptive;
   std::optional<ModesOptions> modes;  ///< set when free vibrations are asked for
