@@ -63,6 +63,8 @@ class LoadedCells final : public LoadedRegion {
   void add_rest_slopes(const Vector3& value, const VectorX& X, const VectorX& w,
                        VectorX& slopes) const override;
 
+  const SharedIndices& cells() const { return cells_; }
+
  private:
   const ElementInfo& element_;
   SharedIndices cells_;
@@ -77,6 +79,8 @@ class LoadedFacets final : public LoadedRegion {
                         VectorX& forces) const override;
   void add_rest_slopes(const Vector3& value, const VectorX& X, const VectorX& w,
                        VectorX& slopes) const override;
+
+  const CellBlock& facets() const { return facets_; }  ///< in the world's node numbers
 
  private:
   int dim_;
@@ -124,6 +128,11 @@ class DeadLoad final : public BasicEnergy {
   void add_hessian(const VectorX&, const Conditions&, Projection, BlockMatrix&) const override {}
   std::optional<double> driven_work(const VectorX& from, const Conditions& before, const VectorX& to,
                                     const Conditions& after) const override;
+
+  /// The region on which it acts; null where nodal forces alone are known.
+  const LoadedRegion* region() const { return region_.get(); }
+  /// Force per rest volume or area of the region under these conditions [N/m^3 or N/m^2].
+  Vector3 density(const Conditions& c) const { return factor(c) * value_; }
 
  private:
   double factor(const Conditions& c) const { return active_.factor(c); }

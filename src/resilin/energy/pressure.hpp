@@ -34,6 +34,10 @@ class Pressure final : public BasicEnergy {
   std::optional<double> driven_work(const VectorX& from, const Conditions& before, const VectorX& to,
                                     const Conditions& after) const override;
 
+  const CellBlock& facets() const { return facets_; }
+  /// Under these conditions [Pa].
+  double pressure(const Conditions& c) const { return factor(c); }
+
  private:
   double factor(const Conditions& c) const { return active_.factor(c) * pressure_; }
   void add_forces(const VectorX& x, double pressure, VectorX& forces) const;

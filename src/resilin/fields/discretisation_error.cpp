@@ -185,6 +185,19 @@ struct Sums {
   }
 };
 
+/// Adds what a cell has of |T|^2, of the strain that belongs to it and of volume.
+void add_norms(std::span<const SymmetricTensor> stresses, std::span<const double> volumes,
+               const Hooke& moduli, Sums& sums) {
+  for (std::size_t q = 0; q < stresses.size(); ++q) {
+    const double norm = squared_norm(stresses[q], moduli);
+    sums.volume += volumes[q];
+    sums.norm += volumes[q] * norm;
+    sums.strain += volumes[q] * norm / moduli.mu;
+  }
+}
+
+bool is_strained(const Sums& sums) { return sums.strain > least_strain * least_strain * sums.volume; }
+
 /// Stress and smoother stress of a body, cell by cell.
 class StressErrors {
  public:
@@ -203,15 +216,10 @@ class StressErrors {
 
   Sums of_cell(std::size_t cell) const {
     const auto num_points = static_cast<std::size_t>(elastic_.num_points());
-    const SymmetricTensor* stresses = stresses_.data() + cell * num_points;
     const Hooke& moduli = materials_.moduli[static_cast<std::size_t>(materials_.of_cells[cell])];
     Sums sums;
-    for (std::size_t q = 0; q < num_points; ++q) {
-      const double volume = volumes_[cell * num_points + q], norm = squared_norm(stresses[q], moduli);
-      sums.volume += volume;
-      sums.norm += volume * norm;
-      sums.strain += volume * norm / moduli.mu;
-    }
+    add_norms(std::span(stresses_).subspan(cell * num_points, num_points),
+              std::span(volumes_).subspan(cell * num_points, num_points), moduli, sums);
     const std::vector<SymmetricTensor> differences = differences_of(cell);
     for (std::size_t i = 0; i < differences.size(); ++i) {
       const double volume = sums.volume * samples_.share(i);
@@ -266,12 +274,28 @@ std::optional<double> discretisation_error(const World& world, const Body& body,
                                            chunk += errors.of_cell(cell);
                                          return chunk;
                                        });
-  if (!(sums.strain > least_strain * least_strain * sums.volume)) return std::nullopt;
+  if (!is_strained(sums)) return std::nullopt;
   if (!std::isfinite((sums.error + sums.locking) / sums.norm)) return std::nullopt;  // a cell is flat
   // |u|^2 = |u_h|^2 + |u - u_h|^2: a share e / (1 + e) of the whole.
   const double e = sums.error / sums.norm;
   const double whole = (elastic.element().degree > 1 ? e : of_linear_elements(e)) + sums.locking / sums.norm;
   return whole / (1 + whole);
+}
+
+std::optional<double> squared_solution_norm(const Body& body, const VectorX& positions) {
+  const ElasticEnergy& elastic = *body.elastic;
+  if (elastic.num_cells() == 0) return std::nullopt;
+  const std::vector<SymmetricTensor> stresses = turned_back_stresses(elastic, positions);
+  const CellMaterials materials = cell_materials(elastic);
+  const std::vector<double> volumes = elastic.point_volumes();
+  const auto num_points = static_cast<std::size_t>(elastic.num_points());
+  Sums sums;
+  for (std::size_t cell = 0; cell < materials.of_cells.size(); ++cell)
+    add_norms(std::span(stresses).subspan(cell * num_points, num_points),
+              std::span(volumes).subspan(cell * num_points, num_points),
+              materials.moduli[static_cast<std::size_t>(materials.of_cells[cell])], sums);
+  if (!is_strained(sums) || !std::isfinite(sums.norm)) return std::nullopt;
+  return sums.norm;
 }
 
 DiscretisationErrors discretisation_errors(const World& world, const VectorX& positions) {
@@ -291,6 +315,10 @@ std::vector<std::string> coarseness_texts(const World& world, const Discretisati
                     " on these cells is too coarse; take " + finer_choice(body));
   }
   return texts;
+}
+
+double share_missing(double gain, bool is_driven_by_displacements) {
+  return is_driven_by_displacements ? std::min(gain, 1.0) : gain / (1 + gain);
 }
 
 std::string share_text(double error) {

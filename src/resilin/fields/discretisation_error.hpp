@@ -24,6 +24,15 @@ std::optional<double> discretisation_error(const World& world, const Body& body,
 using DiscretisationErrors = std::vector<std::optional<double>>;
 DiscretisationErrors discretisation_errors(const World& world, const VectorX& positions);
 
+/// int |T|^2 dV [J], the norm above of the solution: twice the strain energy where strains are small. Nothing
+/// for a body that is not strained.
+std::optional<double> squared_solution_norm(const Body& body, const VectorX& positions);
+
+/// The share by which a solution is off whose squared norm a richer space changes by `gain` of itself. Loads
+/// find displacements too small, by a share of the exact ones. Prescribed displacements find forces too
+/// large, by a share of those found.
+double share_missing(double gain, bool is_driven_by_displacements);
+
 /// The estimate above which a body's cells are called too coarse: what is told as 3 % may be 5 % or more.
 constexpr double large_discretisation_error = 0.03;
 

@@ -3,6 +3,7 @@
 #include "resilin/core/log.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/simulation/oddities.hpp"
+#include "resilin/simulation/space_error.hpp"
 
 namespace resilin {
 
@@ -103,7 +104,24 @@ const VectorX& telling_positions(const Simulation& simulation) {
   return positions.size() == 0 ? simulation.world().rest_positions : positions;
 }
 
-RunOutcome step_to_end(Simulation& simulation, const RunHooks& hooks) {
+/// Estimates by a step into a richer space, where there is one, else by recovered stress.
+DiscretisationErrors estimated_errors(const Simulation& simulation, const std::optional<SpaceError>& space) {
+  const World& world = simulation.world();
+  const VectorX& x = telling_positions(simulation);
+  DiscretisationErrors errors;
+  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+    const Body& body = world.bodies[b];
+    const std::optional<double> more = space ? space->squared_norms[b] : std::nullopt;
+    const std::optional<double> norm = more ? squared_solution_norm(body, x) : std::nullopt;
+    errors.push_back(!more  ? discretisation_error(world, body, x)
+                     : norm ? std::optional(share_missing(*more / *norm, space->is_driven_by_displacements))
+                            : std::nullopt);
+  }
+  return errors;
+}
+
+/// @param space  set where a static run reaches its end
+RunOutcome step_to_end(Simulation& simulation, const RunHooks& hooks, std::optional<SpaceError>& space) {
   const auto is_stopped = [&hooks] { return hooks.is_stopped && hooks.is_stopped(); };
   const auto stopped = [&]() -> RunOutcome {
     return {RunStatus::budget, "stopped by " + (hooks.stopper ? hooks.stopper() : std::string("the user")) +
@@ -127,12 +145,18 @@ RunOutcome step_to_end(Simulation& simulation, const RunHooks& hooks) {
       log_warning(reached(simulation) + ": " + report.reason);
       if (!simulation.world().is_dynamic) return {RunStatus::not_converged, report.reason};
     }
-    if (simulation.is_finished()) simulation.release_solver();  // fields of the frame take as much memory
+    if (simulation.is_finished()) {
+      space = space_error(simulation);
+      simulation.release_solver();  // fields of the frame take as much memory
+    }
     if (hooks.after_step) hooks.after_step(report);
     if (gives_up(simulation)) return {RunStatus::not_converged, describe_giving_up(simulation, report)};
   }
   RunOutcome outcome = verdict(simulation);
-  if (had_ended) outcome.reason += "; the run had ended before";
+  if (had_ended) {
+    outcome.reason += "; the run had ended before";
+    space = space_error(simulation, Newton::Factors::anew);
+  }
   return outcome;
 }
 
@@ -166,7 +190,8 @@ std::string inversion_on_the_way(const Simulation& simulation) {
 
 RunOutcome run_to_end(Simulation& simulation, const RunHooks& hooks) {
   const World& world = simulation.world();
-  RunOutcome outcome = step_to_end(simulation, hooks);
+  std::optional<SpaceError> space;
+  RunOutcome outcome = step_to_end(simulation, hooks, space);
   outcome.warnings = oddities(world, simulation.state());
   if (std::string text = jumps_on_the_way(simulation.state()); !text.empty())
     outcome.warnings.push_back(world.place + ": " + std::move(text));
@@ -174,7 +199,7 @@ RunOutcome run_to_end(Simulation& simulation, const RunHooks& hooks) {
     outcome.warnings.push_back(world.place + ": " + std::move(text));
   if (world.modes || !world.share.is_whole()) return outcome;  // the estimate needs whole bodies
   simulation.release_solver();                                 // so does the estimate below
-  outcome.discretisation_errors = discretisation_errors(world, telling_positions(simulation));
+  outcome.discretisation_errors = estimated_errors(simulation, space);
   for (const std::string& text : coarseness_texts(world, outcome.discretisation_errors))
     outcome.warnings.push_back(world.place + ": " + text);
   return outcome;
