@@ -21,11 +21,7 @@ double rounded(double length) {
   return shift >= 0 ? std::round(length * unit) / unit : std::round(length / unit) * unit;
 }
 
-<<<<<<< HEAD
 /// Area of a triangle or volume of a tetrahedron: negative where its corners are turned.
-=======
-/// The area of a triangle in the plane or the volume of a tetrahedron: negative where its corners are turned.
->>>>>>> 848e044 (on_jump stands in the reference of the scene file)
 double signed_size(std::span<const Vector3> corners) {
   const Vector3 a = corners[1] - corners[0], b = corners[2] - corners[0];
   if (corners.size() == 3) return a.cross(b).z() / 2;

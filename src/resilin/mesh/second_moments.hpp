@@ -28,19 +28,11 @@ class SecondMoments {
   Matrix<3> second_ = Matrix<3>::Zero();
 };
 
-<<<<<<< HEAD
 /// The moments of solid cells between their corners. @param places  dim numbers for each node [m]
 SecondMoments second_moments(CellKind kind, std::span<const Index> cells, const VectorX& places, int dim);
 
 /// The moments of the inside of a closed surface of lines (2D) or triangles, `dim` corners for each; for an
 /// open surface, those of its facets.
-=======
-/// Those of solid cells between their corners. @param places  dim numbers for each node [m]
-SecondMoments second_moments(CellKind kind, std::span<const Index> cells, const VectorX& places, int dim);
-
-/// Those of what a closed surface of lines (2D) or triangles holds, `dim` corners for each; of an open one's
-/// facets.
->>>>>>> 848e044 (on_jump stands in the reference of the scene file)
 SecondMoments second_moments(std::span<const Vector3> vertices, std::span<const Index> facets, int dim,
                              bool is_closed);
 
