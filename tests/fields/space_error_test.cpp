@@ -1,0 +1,130 @@
+// The estimate by a step into a richer space, beside the error itself and exact solutions.
+
+#include "resilin/simulation/space_error.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <string>
+
+#include "resilin/fields/discretisation_error.hpp"
+#include "small_scenes.hpp"
+
+namespace resilin::testing {
+namespace {
+
+/// The relative gain of a step into the richer space from the equilibrium of a scene of one body.
+struct Told {
+  double gain, share, energy;
+};
+Told told_for(const Description& scene) {
+  Simulation simulation(scene);
+  while (!simulation.is_finished())
+    if (!simulation.step().converged()) ADD_FAILURE() << "a step has not converged";
+  const std::optional<SpaceError> error = space_error(simulation);
+  const std::optional<double> norm =
+      squared_solution_norm(simulation.world().bodies[0], simulation.state().positions);
+  const double gain = error.value().squared_norms.at(0).value() / norm.value();
+  return {gain, share_missing(gain, error->is_driven_by_displacements), simulation.frame().elastic_energy};
+}
+
+/// Told within a factor of two.
+void expect_told(const Description& coarse, const Description& fine) {
+  const Told told = told_for(coarse);
+  const double exact = told_for(fine).energy;
+  const double off = 1 - std::min(told.energy, exact) / std::max(told.energy, exact);
+  EXPECT_GT(told.share, off / 2) << "off by " << off;
+  EXPECT_LT(told.share, 2 * off) << "off by " << off;
+}
+
+/// A bar of 1 m along x, `cells` along its axes.
+Description bar(const std::string& element, std::array<int, 3> cells, double thickness, double poissons_ratio,
+                const std::string& law = "linear_elastic") {
+  const int dim = cells[2] == 0 ? 2 : 3;
+  const bool has_simplices = element[0] == 'P';
+  Description scene = small_bar(dim, false);
+  scene.gravity.setZero();
+  scene.probes.clear();
+  BodyDescription& body = scene.bodies[0];
+  const Vector3 size(1, thickness, thickness);
+  if (dim == 3)
+    body.mesh = has_simplices ? make_box(size, cells) : make_hexahedron_box(size, cells);
+  else
+    body.mesh = has_simplices ? make_rectangle({1, thickness}, {cells[0], cells[1]})
+                              : make_quadrilateral_rectangle({1, thickness}, {cells[0], cells[1]});
+  body.element = element;
+  body.material.law = law;
+  body.material.constants = {{"youngs_modulus", 1e6}, {"poissons_ratio", poissons_ratio}};
+  return scene;
+}
+
+Where plane_at(double x) {
+  Where where;
+  where.kind = Where::Kind::plane;
+  where.at = x;
+  return where;
+}
+
+TEST(SpaceError, SeesTheWarpingOfATwistedBarOneCellAcross) {
+  const auto twisted = [](std::array<int, 3> cells) {
+    Description scene = bar("P2", cells, 0.2, 0.3, "neo_hookean");
+    FixDescription turn = scene.fixes[0];
+    turn.name = "turn";
+    turn.where = plane_at(1);
+    turn.rotate = Rotation{.axis = Vector3::UnitX(), .center = {0, 0.1, 0.1}, .degrees = 20};
+    scene.fixes.push_back(turn);
+    return scene;
+  };
+  expect_told(twisted({10, 1, 1}), twisted({15, 3, 3}));
+}
+
+/// Every node is held: no degree of freedom of the element is left.
+TEST(SpaceError, SeesTheBulgeOfAPadOfOneLayer) {
+  const auto pressed = [](const std::string& element, std::array<int, 3> cells) {
+    Description scene = bar(element, cells, 1, 0.45, "neo_hookean");
+    FixDescription plate = scene.fixes[0];
+    plate.name = "plate";
+    plate.where = plane_at(1);
+    plate.displacement = Vector3(-0.05, 0, 0);
+    scene.fixes.push_back(plate);
+    return scene;
+  };
+  expect_told(pressed("Q1", {1, 3, 3}), pressed("P2P0", {6, 6, 6}));
+}
+
+TEST(SpaceError, IsToldForBendingByEveryElement) {
+  for (const std::string element : {"P1", "P2", "Q1"})
+    for (const int layers : {1, 2})
+      for (const int slenderness : {4, 10}) {
+        SCOPED_TRACE(element + " " + std::to_string(layers) + " " + std::to_string(slenderness));
+        const auto hanging = [&](const std::string& name, int n) {
+          Description scene = bar(name, {n * slenderness, n, 0}, 1.0 / slenderness, 0.3);
+          scene.gravity = Vector3(0, -0.01, 0);
+          return scene;
+        };
+        expect_told(hanging(element, layers), hanging("P2", 4 * layers));
+      }
+}
+
+/// Pulled by a traction, pressed by a pressure and hanging under its weight: what each element has exactly.
+TEST(SpaceError, IsZeroWhereTheElementHoldsTheSolution) {
+  for (const std::string element : {"P1", "P2", "Q1"})
+    for (const int depth : {0, 2})
+      for (const std::string kind : {"traction", "pressure", "body_force"}) {
+        if (kind == "body_force" && element != "P2") continue;
+        SCOPED_TRACE(element + " " + kind + (depth == 0 ? " in 2D" : " in 3D"));
+        Description scene = bar(element, {3, 2, depth}, 0.4, 0);
+        LoadDescription load;
+        load.kind = kind;
+        if (kind != "body_force") load.where = plane_at(1);
+        load.value = Vector3(10, 0, 0);
+        load.pressure = 10;
+        scene.loads.push_back(load);
+        EXPECT_LT(told_for(scene).gain, kind == "pressure" ? 1e-9 : 1e-12);
+      }
+}
+
+}  // namespace
+}  // namespace resilin::testing
