@@ -61,7 +61,7 @@ TEST(LinearProblem, TellsTheLoadThatInvertsACell) {
     EXPECT_GT(report.inversion->load, 0);
     EXPECT_LT(report.inversion->load, 1);
     ASSERT_FALSE(report.warnings.empty());
-    EXPECT_THAT(report.warnings.back(), HasSubstr("inverted elements beyond load factor"));
+    EXPECT_THAT(report.warnings.back(), HasSubstr("inverted beyond load factor"));
     // The solution scales with the load: at that load the smallest volume ratio is zero, in that cell.
     const VectorX& X = simulation.world().rest_positions;
     const VectorX u = simulation.state().positions - X;

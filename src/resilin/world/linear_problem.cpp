@@ -69,8 +69,8 @@ std::optional<Inversion> first_inversion(const World& world, const VectorX& posi
 
 std::string describe(const World& world, const Inversion& inversion) {
   return "cell " + std::to_string(inversion.cell) + " of \"" +
-         world.bodies[static_cast<std::size_t>(inversion.body)].name +
-         "\" has inverted elements beyond load factor " + format_short(inversion.load);
+         world.bodies[static_cast<std::size_t>(inversion.body)].name + "\" is inverted beyond load factor " +
+         format_short(inversion.load);
 }
 
 }  // namespace resilin

@@ -24,7 +24,7 @@ struct Inversion {
 /// or loads follow time, for then the path is not straight.
 std::optional<Inversion> first_inversion(const World& world, const VectorX& positions, double load);
 
-/// "cell 7 of "beam" has inverted elements beyond load factor 0.61".
+/// "cell 7 of "beam" is inverted beyond load factor 0.61".
 std::string describe(const World& world, const Inversion& inversion);
 
 }  // namespace resilin
