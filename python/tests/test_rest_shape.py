@@ -197,7 +197,7 @@ def test_what_cannot_be_sought_is_refused_in_one_line(change, text):
 def test_where_there_is_no_such_shape_it_is_refused_in_one_line(gravity, modulus, element):
     scene = beam(modulus=modulus, element=element)
     scene["simulation"]["gravity"] = gravity
-    with pytest.raises(resilin.InputError, match="rest shape: expected") as error:
+    with pytest.raises(resilin.InputError, match="stress-free shape: expected") as error:
         resilin.find_rest_shape(scene)
     assert "\n" not in str(error.value)
     print(error.value)

@@ -67,7 +67,7 @@ TEST_F(RestShapeOnCommand, WritesAMeshWithWhichTheSceneEndsAsItWasDrawn) {
   const ProgramResult found = run({"rest-shape", "scenes/box.toml"});
   EXPECT_EQ(found.exit_code, 0) << found.err;
   EXPECT_EQ(found.err, "");
-  EXPECT_THAT(found.out, HasSubstr("out/box_rest/box.msh: the rest shape of \"box\""));
+  EXPECT_THAT(found.out, HasSubstr("out/box_rest/box.msh: the stress-free shape of \"box\""));
   EXPECT_THAT(found.out, HasSubstr("m from the drawn shape"));
   EXPECT_THAT(found.out, HasSubstr("[[body]] \"box\": mesh = \"../out/box_rest/box.msh\""));
   EXPECT_THAT(found.out, HasSubstr("[[fix]] \"wall\": where = { group = \"wall\" }"));

@@ -37,7 +37,7 @@ TEST(OnTheWay, CellsThatWereInsideOutAreTold) {
     EXPECT_GT(smallest.time, 0);
     EXPECT_LT(smallest.time, scene.end_time);
     EXPECT_THAT(::testing::PrintToString(outcome.warnings),
-                AllOf(HasSubstr("inside out on the way, cell " + std::to_string(smallest.cell)),
+                AllOf(HasSubstr("inverted during the run, cell " + std::to_string(smallest.cell)),
                       HasSubstr("at t = ")));
   }
 }

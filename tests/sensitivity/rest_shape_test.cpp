@@ -159,7 +159,7 @@ TEST(RestShape, IsRefusedInWords) {
   column.bodies[0].material.constants["youngs_modulus"] = 3e2;
   column.gravity = {-9.81, 0, 0};
   const std::string text = text_of(column);
-  EXPECT_NE(text.find("rest shape"), std::string::npos) << text;
+  EXPECT_NE(text.find("stress-free shape"), std::string::npos) << text;
   EXPECT_EQ(text.find('\n'), std::string::npos);
 }
 

@@ -178,12 +178,12 @@ std::string inversion_on_the_way(const Simulation& simulation) {
   const SmallestVolume& smallest = simulation.most_strained().smallest_volume;
   if (!(smallest.ratio <= 0) || num_inverted_cells(world, simulation.state()) > 0) return {};
   const Body& body = world.bodies[static_cast<std::size_t>(smallest.body)];
-  return "cells were inside out on the way, cell " + std::to_string(smallest.cell) + " of \"" + body.name +
-         "\" most, with volume ratio " + format_short(smallest.ratio) + " at " +
+  return "elements were inverted during the run, cell " + std::to_string(smallest.cell) + " of \"" +
+         body.name + "\" most, with volume ratio " + format_short(smallest.ratio) + " at " +
          (world.is_dynamic ? "t = " + format_short(smallest.time) + " s"
                            : "load factor " + format_short(smallest.load)) +
-         ": no real body does that, and " + body.law +
-         " allows it; take a law that needs J > 0, such as neo_hookean, or shorter steps";
+         ": this is unphysical, but " + body.law +
+         " permits it; use a law that needs J > 0, such as neo_hookean, or shorter steps";
 }
 
 }  // namespace

@@ -60,7 +60,7 @@ Keys<BodyDescription> body_keys() {
       vector_key("velocity", &B::velocity, "m/s", "Initial velocity."),
       matrix_key("velocity_gradient", &B::velocity_gradient, "1/s",
                  "Adds velocity_gradient * X to the initial velocity, X the reference position."),
-      key<B>({"initial_positions", "text or rows", "m", "the rest shape",
+      key<B>({"initial_positions", "text or rows", "m", "the reference positions",
               "Initial positions: a CSV file, or a list, of one row for each vertex."},
              [](const SceneNode& node, B& b) { b.initial_positions = read_vertex_table(node, b.mesh); }),
       key<B>({"initial_velocities", "text or rows", "m/s", "from velocity and velocity_gradient",

@@ -78,7 +78,7 @@ class Search {
                        "modal analysis");
     const World drawn{Description(description_)};
     if (drawn.friction)
-      throw InputError(description_.place + ": rest shape", "contact without friction", "friction",
+      throw InputError(description_.place + ": stress-free shape", "contact without friction", "friction",
                        "with friction an equilibrium depends on its history, which is unknown: leave it out");
     keep_elements(description_, drawn);
     names_ = rest_names(drawn);
@@ -162,7 +162,7 @@ class Search {
       cure.insert(0, "with an activation_distance below " + format_short(collider.gap) + " m \"" +
                          collider.name + "\" does not press; or draw it farther away, or ");
     }
-    throw InputError(description_.place + ": rest shape",
+    throw InputError(description_.place + ": stress-free shape",
                      "a shape that the loads deform into the drawn shape",
                      "none beyond " + format_short(100 * part_) + " % of the loads: " + failure, cure);
   }
@@ -239,7 +239,7 @@ class Search {
   void check_is_stable(Index unstable_modes) const {
     if (unstable_modes > 0)
       throw InputError(
-          description_.place + ": rest shape", "a drawn shape that is a stable equilibrium",
+          description_.place + ": stress-free shape", "a drawn shape that is a stable equilibrium",
           "one with " + std::to_string(unstable_modes) + " unstable mode" + (unstable_modes == 1 ? "" : "s"),
           "unstable equilibria cannot be reached: take smaller loads or a stiffer body");
   }
@@ -255,7 +255,8 @@ class Search {
       });
       if (report.status == StepReport::Status::interrupted) throw Interrupted();
       if (report.status == StepReport::Status::not_converged)
-        throw InputError(description_.place + ": rest shape", "a run from the shape found that converges",
+        throw InputError(description_.place + ": stress-free shape",
+                         "a run from the shape found that converges",
                          "one that does not at load factor " + format_short(simulation.state().load) + ": " +
                              report.reason,
                          "take more load steps");
@@ -335,13 +336,13 @@ class Search {
       const std::string name = names_[b].substr(5, names_[b].rfind('.') - 5);
       if (const double moved = largest_distance(sought, drawn, world.dimension);
           moved > options_.meets * size_)
-        result.warnings.push_back(description_.place + ": rest shape: \"" + name + "\" comes to stand " +
-                                  format_short(moved) +
+        result.warnings.push_back(description_.place + ": stress-free shape: \"" + name +
+                                  "\" comes to stand " + format_short(moved) +
                                   " m from the drawn position, where its contact carries it");
       result.bodies.push_back({name, shape.rest[b], deformed});
     }
     if (!(result.distance <= options_.meets * size_))
-      throw InputError(description_.place + ": rest shape",
+      throw InputError(description_.place + ": stress-free shape",
                        "a run from the shape found that ends in the target",
                        "one that ends " + format_short(result.distance) + " m beside it",
                        "the loads have another equilibrium: use more load steps");
