@@ -44,10 +44,9 @@ Keys<Description> simulation_keys() {
       choice_key("unstable_modes", &D::unstable_modes,
                  "Static: count the unstable modes of each equilibrium (buckling). \"auto\" counts up to "
                  "10,000 free DOFs; beyond, it reports 0 where a direct solver has found none."),
-      choice_key(
-          "on_jump", &D::on_jump,
-          "Static: whether a run goes on where bodies jump to another equilibrium (snap-through, slip) and "
-          "lose energy, and tells of it, or stops before it."),
+      choice_key("on_jump", &D::on_jump,
+                 "Static: if bodies jump to another equilibrium (snap-through, slip-off or unwinding, with a "
+                 "loss of strain energy), continue with a warning (follow) or stop before it."),
   };
 }
 
