@@ -24,7 +24,7 @@ RicherSpace::RicherSpace(const ElementInfo& element)
     : element_(element),
       is_simplex_(is_simplex(element.shape)),
       is_cubic_(is_simplex_ && element.degree == 2) {
-  rule_ = &rule_of_degree(element.shape, is_simplex_ ? (is_cubic_ ? 3 : 2) : 4);
+  rule_ = &rule_of_degree(element.shape, is_simplex_ && !is_cubic_ ? 2 : 4);
   for (const std::array<int, 2>& edge : cell_edges(cell_kind(element)))
     functions_.push_back({{edge[0], edge[1]}});
   if (is_simplex_ && !is_cubic_) return;

@@ -143,7 +143,8 @@ class BodySpace {
     return 8 * rows * (rows + dim * elastic_.element().num_nodes) * num_cells();
   }
 
-  /// Functions of facets that are held or in contact do not move.
+  /// Functions of facets that one support holds, or that are in contact, do not move. A facet between two
+  /// supports is free.
   void fix(const VectorX& contact_forces) {
     is_fixed_.assign(static_cast<std::size_t>(num_unknowns()), 0);
     const CellBlock facets = boundary({.kind = body_.cell_kind, .nodes = body_.cells}).facets;
@@ -156,7 +157,9 @@ class BodySpace {
       for (const Index corner : corners)
         for (int k = 0; k < dim; ++k) {
           const Eigen::Index unknown = Eigen::Index{corner} * dim + k;
-          is_fixed[k] = is_fixed[k] && world_.is_fixed[static_cast<std::size_t>(unknown)] != 0;
+          const std::int32_t support = world_.support_of[static_cast<std::size_t>(unknown)];
+          is_fixed[k] = is_fixed[k] && support >= 0 &&
+                        support == world_.support_of[static_cast<std::size_t>(corners[0]) * dim + k];
           is_touched = is_touched || contact_forces[unknown] != 0;
         }
       for_functions_of(corners, [&](Index function) {
