@@ -67,8 +67,8 @@ Where plane_at(double x) {
 }
 
 TEST(SpaceError, SeesTheWarpingOfATwistedBarOneCellAcross) {
-  const auto twisted = [](std::array<int, 3> cells) {
-    Description scene = bar("P2", cells, 0.2, 0.3, "neo_hookean");
+  const auto twisted = [](const std::string& element, std::array<int, 3> cells) {
+    Description scene = bar(element, cells, 0.2, 0.3, "neo_hookean");
     FixDescription turn = scene.fixes[0];
     turn.name = "turn";
     turn.where = plane_at(1);
@@ -76,7 +76,8 @@ TEST(SpaceError, SeesTheWarpingOfATwistedBarOneCellAcross) {
     scene.fixes.push_back(turn);
     return scene;
   };
-  expect_told(twisted({10, 1, 1}), twisted({15, 3, 3}));
+  for (const std::string element : {"P2", "Q1"})
+    expect_told(twisted(element, {10, 1, 1}), twisted("P2", {15, 3, 3}));
 }
 
 /// Every node is held: no degree of freedom of the element is left.

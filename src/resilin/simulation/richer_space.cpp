@@ -26,17 +26,26 @@ RicherSpace::RicherSpace(const ElementInfo& element)
       is_cubic_(is_simplex_ && element.degree == 2) {
   rule_ = &rule_of_degree(element.shape, is_simplex_ && !is_cubic_ ? 2 : 4);
   for (const std::array<int, 2>& edge : cell_edges(cell_kind(element)))
-    functions_.push_back({{edge[0], edge[1]}});
+    functions_.push_back({{edge[0], edge[1]}, is_cubic_});
   if (is_simplex_ && !is_cubic_) return;
-  for (std::vector<int>& face : faces_of(element)) functions_.push_back({std::move(face)});
-  if (!is_simplex_ && element.dim == 3) functions_.push_back({{0, 1, 2, 3, 4, 5, 6, 7}});
+  for (std::vector<int>& face : faces_of(element)) functions_.push_back({std::move(face), false});
+  if (!is_simplex_ && element.dim == 3) functions_.push_back({{0, 1, 2, 3, 4, 5, 6, 7}, false});
+  if (is_simplex_) return;
+  for (const std::array<int, 2>& edge : cell_edges(cell_kind(element)))
+    functions_.push_back({{edge[0], edge[1]}, true});
 }
 
-/// 4 t (1 - t) along an axis in which the corners differ, linear along the others.
-RicherSpace::Factor RicherSpace::factor_along(int axis, const std::vector<int>& corners, double t) const {
+/// Quadratic, or odd and cubic, along an axis in which the corners differ, linear along the others.
+RicherSpace::Factor RicherSpace::factor_along(int axis, const HierarchicalFunction& function,
+                                              double t) const {
+  const std::vector<int>& corners = function.corners;
   const auto place = [&](int corner) { return element_.nodes[static_cast<std::size_t>(corner)][axis]; };
   for (const int corner : corners)
-    if (place(corner) != place(corners.front())) return {4 * t * (1 - t), 4 - 8 * t};
+    if (place(corner) != place(corners.front())) {
+      if (!function.is_odd) return {4 * t * (1 - t), 4 - 8 * t};
+      const double sign = place(corners.front()) == 0 ? 10 : -10;
+      return {sign * t * (1 - t) * (1 - 2 * t), sign * (1 - 6 * t + 6 * t * t)};
+    }
   return place(corners.front()) == 0 ? Factor{1 - t, -1} : Factor{t, 1};
 }
 
@@ -63,7 +72,7 @@ double RicherSpace::value(std::size_t function, const Vector3& xi) const {
     return is_cubic_ ? 10 * a * b * (a - b) : 4 * a * b;
   }
   double product = 1;
-  for (int m = 0; m < element_.dim; ++m) product *= factor_along(m, corners, xi[m]).value;
+  for (int m = 0; m < element_.dim; ++m) product *= factor_along(m, functions_[function], xi[m]).value;
   return product;
 }
 
@@ -81,7 +90,7 @@ Vector3 RicherSpace::gradient(std::size_t function, const Vector3& xi) const {
   }
   Vector3 values = Vector3::Ones(), slopes = Vector3::Zero();
   for (int m = 0; m < element_.dim; ++m) {
-    const Factor factor = factor_along(m, corners, xi[m]);
+    const Factor factor = factor_along(m, functions_[function], xi[m]);
     values[m] = factor.value;
     slopes[m] = factor.slope;
   }
@@ -93,9 +102,9 @@ Vector3 RicherSpace::gradient(std::size_t function, const Vector3& xi) const {
 double RicherSpace::share_of_facet(std::size_t function) const {
   const HierarchicalFunction& on = functions_[function];
   const bool facet_is_edge = element_.dim == 2;
+  if (on.is_odd) return 0;
   if (is_simplex_) {
     if (!on.is_on_edge()) return 27.0 / 60;
-    if (is_cubic_) return 0;
     return facet_is_edge ? 2.0 / 3 : 1.0 / 3;
   }
   if (facet_is_edge) return 2.0 / 3;

@@ -12,13 +12,14 @@ namespace resilin {
 /// the whole cell, which the corners name.
 struct HierarchicalFunction {
   std::vector<int> corners;  ///< local numbers, as on the reference cell
+  bool is_odd = false;       ///< changes its sign with the direction of its edge
 
   bool is_on_edge() const { return corners.size() == 2; }
 };
 
-/// The functions that raise an element's degree by one: quadratic ones for linear simplices, cubic ones for
-/// quadratic simplices, and quadratic ones in each coordinate for quadrilaterals and hexahedra.
-/// Source: Szabo & Babuska 1991, ch. 6.
+/// The functions that raise an element's degree: quadratic ones for linear simplices, cubic ones for
+/// quadratic simplices. Quadrilaterals and hexahedra get quadratic ones in each coordinate, and odd cubic
+/// ones on their edges, which hold the warping of a twisted square. Source: Szabo & Babuska 1991, ch. 6.
 class RicherSpace {
  public:
   explicit RicherSpace(const ElementInfo& element);
@@ -26,8 +27,6 @@ class RicherSpace {
   const std::vector<HierarchicalFunction>& functions() const { return functions_; }
   /// Quadrature rule for products of their gradients with those of the element.
   const QuadratureRule& rule() const { return *rule_; }
-  /// Cubic edge functions change their sign with the direction of the edge.
-  bool are_edges_odd() const { return is_cubic_; }
 
   double value(std::size_t function, const Vector3& xi) const;
   Vector3 gradient(std::size_t function, const Vector3& xi) const;  ///< dN/dxi
@@ -40,7 +39,7 @@ class RicherSpace {
   struct Factor {
     double value, slope;
   };
-  Factor factor_along(int axis, const std::vector<int>& corners, double t) const;
+  Factor factor_along(int axis, const HierarchicalFunction& function, double t) const;
   /// Barycentric coordinate of a corner of a simplex, and its constant gradient.
   double barycentric(int corner, const Vector3& xi) const;
   Vector3 barycentric_gradient(int corner) const;

@@ -26,8 +26,10 @@ constexpr int most_iterations = 30;       ///< of conjugate gradients
 constexpr double least_gain = 0.01;       ///< of the energy, by which an iteration has to add to it
 constexpr double solve_tolerance = 1e-3;  ///< of the element's own unknowns
 
-/// Corners of an edge or a facet in rising order, -1 after the last one.
+/// Corners of an edge or a facet in rising order, -1 after the last one; for an odd function of an edge,
+/// `odd` at the end.
 using Key = std::array<Index, 4>;
+constexpr Index odd = -2;
 
 Key key_of(std::span<const Index> corners) {
   Key key{-1, -1, -1, -1};
@@ -116,7 +118,8 @@ class BodySpace {
         std::vector<Index> corners;
         for (const int corner : space_.functions()[f].corners)
           corners.push_back(nodes[static_cast<std::size_t>(cell) * n + static_cast<std::size_t>(corner)]);
-        const Key key = corners.size() > 4 ? Key{-2, cell, -1, -1} : key_of(corners);
+        Key key = corners.size() > 4 ? Key{-2, cell, -1, -1} : key_of(corners);
+        if (space_.functions()[f].is_odd) key[3] = odd;
         keys.emplace_back(key, keys.size());
       }
     std::ranges::sort(keys);
@@ -126,12 +129,10 @@ class BodySpace {
       numbers_[place] = static_cast<Index>(keys_.size() - 1);
     }
     signs_.assign(keys.size(), 1);
-    if (!space_.are_edges_odd()) return;
     for (std::size_t place = 0; place < signs_.size(); ++place) {
       const HierarchicalFunction& function = space_.functions()[place % count];
       const Index* const corners = nodes.data() + place / count * n;
-      if (function.is_on_edge() && corners[function.corners[0]] > corners[function.corners[1]])
-        signs_[place] = -1;
+      if (function.is_odd && corners[function.corners[0]] > corners[function.corners[1]]) signs_[place] = -1;
     }
   }
 
@@ -279,8 +280,12 @@ class BodySpace {
   /// Calls `visit` for the functions of the edges of a facet and of its inside.
   void for_functions_of(std::span<const Index> corners, const auto& visit) const {
     const auto look_up = [&](std::span<const Index> some) {
-      const auto found = std::ranges::lower_bound(keys_, key_of(some));
-      if (found != keys_.end() && *found == key_of(some)) visit(static_cast<Index>(found - keys_.begin()));
+      for (const bool is_odd : {false, true}) {
+        Key key = key_of(some);
+        if (is_odd) key[3] = odd;
+        const auto found = std::ranges::lower_bound(keys_, key);
+        if (found != keys_.end() && *found == key) visit(static_cast<Index>(found - keys_.begin()));
+      }
     };
     for (std::size_t a = 0; a < corners.size(); ++a)
       for (std::size_t b = a + 1; b < corners.size(); ++b) look_up(std::array{corners[a], corners[b]});
