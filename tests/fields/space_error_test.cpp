@@ -6,10 +6,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string>
 
+#include "resilin/element/catalog.hpp"
 #include "resilin/fields/discretisation_error.hpp"
+#include "resilin/simulation/richer_space.hpp"
 #include "small_scenes.hpp"
 
 namespace resilin::testing {
@@ -105,6 +108,22 @@ TEST(SpaceError, IsToldForBendingByEveryElement) {
           return scene;
         };
         expect_told(hanging(element, layers), hanging("P2", 4 * layers));
+      }
+}
+
+/// The integral of x^a y^b z^c over the reference tetrahedron is a! b! c! / (a + b + c + 3)!.
+TEST(SpaceError, HasARuleOfDegreeFiveOnTetrahedra) {
+  const RicherSpace space(require_element("P2", 3, "element"));
+  ASSERT_EQ(space.rule().points.size(), 14U);
+  const std::array<double, 9> factorial = {1, 1, 2, 6, 24, 120, 720, 5040, 40320};
+  for (std::size_t a = 0; a <= 5; ++a)
+    for (std::size_t b = 0; a + b <= 5; ++b)
+      for (std::size_t c = 0; a + b + c <= 5; ++c) {
+        double sum = 0;
+        for (const QuadraturePoint& point : space.rule().points)
+          sum += point.weight * std::pow(point.xi.x(), a) * std::pow(point.xi.y(), b) *
+                 std::pow(point.xi.z(), c);
+        EXPECT_NEAR(sum, factorial[a] * factorial[b] * factorial[c] / factorial[a + b + c + 3], 1e-16);
       }
 }
 

@@ -84,8 +84,6 @@ class Newton {
   NewtonReport minimize(Objective& objective, std::span<const std::uint8_t> is_fixed, const VectorX& targets,
                         const NewtonSettings& settings, VectorX& x, const NewtonObserver& observer = {});
 
-  /// Whether the latest search needed a matrix, or `form_matrix` made one since.
-  bool has_matrix() const { return last_measure_.has_value(); }
   /// Where forces lead by the last matrix, that of the latest search (projected, where it was) or of
   /// `form_matrix`: H^-1 f [m], zero at the fixed unknowns. None where the search needed no matrix.
   /// @param tolerance  to which an iterative solver goes, relative to the forces

@@ -155,7 +155,7 @@ RunOutcome step_to_end(Simulation& simulation, const RunHooks& hooks, std::optio
   RunOutcome outcome = verdict(simulation);
   if (had_ended) {
     outcome.reason += "; the run had ended before";
-    space = space_error(simulation, Newton::Factors::anew);
+    space = space_error(simulation);
   }
   return outcome;
 }

@@ -18,13 +18,42 @@ std::vector<std::vector<int>> faces_of(const ElementInfo& element) {
   return faces;
 }
 
+/// Fourteen points in a tetrahedron, of degree 5, in place of the 27 of the product rule of degree 4.
+/// Source: Walkington 2000.
+const QuadratureRule& fourteen_points() {
+  static const QuadratureRule rule = [] {
+    QuadratureRule made{.name = "14-point", .degree = 5, .points = {}};
+    const double volume = size(CellShape::tetrahedron);
+    for (const auto& [a, weight] : {std::pair{0.31088591926330060980, 0.11268792571801585080},
+                                    std::pair{0.092735250310891226402, 0.073493043116361949544}}) {
+      made.points.push_back({Vector3(a, a, a), weight * volume});
+      for (int k = 0; k < 3; ++k) {
+        Vector3 xi(a, a, a);
+        xi[k] = 1 - 3 * a;
+        made.points.push_back({xi, weight * volume});
+      }
+    }
+    const double a = 0.045503704125649649492, b = 0.5 - a, weight = 0.042546020777081466438;
+    for (int k = 0; k < 3; ++k) {
+      Vector3 one(a, a, a), two(b, b, b);  // two of the four barycentric coordinates are b
+      one[k] = b;
+      two[k] = a;
+      made.points.push_back({one, weight * volume});
+      made.points.push_back({two, weight * volume});
+    }
+    return made;
+  }();
+  return rule;
+}
+
 }  // namespace
 
 RicherSpace::RicherSpace(const ElementInfo& element)
     : element_(element),
       is_simplex_(is_simplex(element.shape)),
       is_cubic_(is_simplex_ && element.degree == 2) {
-  rule_ = &rule_of_degree(element.shape, is_simplex_ && !is_cubic_ ? 2 : 4);
+  rule_ = is_cubic_ && element.dim == 3 ? &fourteen_points()
+                                        : &rule_of_degree(element.shape, is_simplex_ && !is_cubic_ ? 2 : 4);
   for (const std::array<int, 2>& edge : cell_edges(cell_kind(element)))
     functions_.push_back({{edge[0], edge[1]}, is_cubic_});
   if (is_simplex_ && !is_cubic_) return;

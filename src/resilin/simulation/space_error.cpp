@@ -391,6 +391,8 @@ void BodySpace<dim>::form_cells(std::size_t first, std::size_t last, const Vecto
 
   parallel_for(last - first, cells_per_chunk, [&](std::size_t begin, std::size_t end) {
     std::vector<Eigen::Matrix<double, dim, 1>> gradients(count + n);
+    Eigen::Matrix<double, dim, Eigen::Dynamic, Eigen::RowMajor> products(
+        dim, static_cast<Eigen::Index>(rows_ + columns_));
     for (std::size_t i = begin; i < end; ++i) {
       const std::size_t cell = first + i;
       Vector3 density = body_force;
@@ -416,21 +418,25 @@ void BodySpace<dim>::form_cells(std::size_t first, std::size_t last, const Vecto
           for (int k = 0; k < dim; ++k)
             cell_residuals[cell * rows_ + f * dim + static_cast<std::size_t>(k)] +=
                 weight * (space_.value(f, points[q].xi) * density[k] - stress.row(k).dot(gradients[f]));
-        // K_ai,bk = G_aj A_ij,kl G_bl
+        // K_ai,bk = G_aj A_ij,kl G_bl: A G of all functions b first, [j, (b, k)] for each i
         const Eigen::Map<const Eigen::Matrix<double, square, square, Eigen::RowMajor>> tangent(
             A.data() + state * square * square);
-        for (std::size_t b = 0; b < count + n; ++b) {
-          Eigen::Matrix<double, square, dim> by_column;
-          for (int k = 0; k < dim; ++k)
-            by_column.col(k) = weight * (tangent.template middleCols<dim>(k * dim) * gradients[b]);
-          for (std::size_t f = 0; f < count; ++f)
-            for (int row = 0; row < dim; ++row) {
-              double* const out =
-                  K + (f * dim + static_cast<std::size_t>(row)) * (rows_ + columns_) + b * dim;
-              const Eigen::Matrix<double, 1, dim> entry =
-                  gradients[f].transpose() * by_column.template middleRows<dim>(row * dim);
-              for (int k = 0; k < dim; ++k) out[k] += entry[k];
-            }
+        for (int row = 0; row < dim; ++row) {
+          for (int k = 0; k < dim; ++k) {
+            const Square block = weight * tangent.template block<dim, dim>(row * dim, k * dim);
+            for (std::size_t b = 0; b < count + n; ++b)
+              products.col(static_cast<Eigen::Index>(b) * dim + k) = block * gradients[b];
+          }
+          for (std::size_t f = 0; f < count; ++f) {
+            Eigen::Map<Eigen::RowVectorXd> out(
+                K + (f * dim + static_cast<std::size_t>(row)) * (rows_ + columns_),
+                static_cast<Eigen::Index>(rows_ + columns_));
+            if constexpr (dim == 3)
+              out += gradients[f][0] * products.row(0) + gradients[f][1] * products.row(1) +
+                     gradients[f][2] * products.row(2);
+            else
+              out += gradients[f][0] * products.row(0) + gradients[f][1] * products.row(1);
+          }
         }
       }
     }
@@ -438,7 +444,7 @@ void BodySpace<dim>::form_cells(std::size_t first, std::size_t last, const Vecto
 }
 
 template <int dim>
-std::optional<SpaceError> space_error_in(Simulation& simulation, Newton::Factors factors) {
+std::optional<SpaceError> space_error_in(Simulation& simulation) {
   const World& world = simulation.world();
   const VectorX& x = simulation.state().positions;
   const Conditions conditions = world.at_load(simulation.state().load);
@@ -449,8 +455,8 @@ std::optional<SpaceError> space_error_in(Simulation& simulation, Newton::Factors
   const DistributedLoads loads = distributed_loads(world, x, conditions);
 
   const bool has_free_unknowns = world.num_free_unknowns() > 0;
-  if (has_free_unknowns && (factors == Newton::Factors::anew || !simulation.newton().has_matrix()))
-    simulation.newton().form_matrix(potential, world.is_fixed, x);
+  // That of the search is not near enough: large rotations of the last steps would make S indefinite.
+  if (has_free_unknowns) simulation.newton().form_matrix(potential, world.is_fixed, x);
 
   SpaceError error;
   error.squared_norms.resize(world.bodies.size());
@@ -545,11 +551,10 @@ std::optional<SpaceError> space_error_in(Simulation& simulation, Newton::Factors
 
 }  // namespace
 
-std::optional<SpaceError> space_error(Simulation& simulation, Newton::Factors factors) {
+std::optional<SpaceError> space_error(Simulation& simulation) {
   const World& world = simulation.world();
   if (world.is_dynamic || world.modes || !world.share.is_whole()) return std::nullopt;
-  return world.dimension == 3 ? space_error_in<3>(simulation, factors)
-                              : space_error_in<2>(simulation, factors);
+  return world.dimension == 3 ? space_error_in<3>(simulation) : space_error_in<2>(simulation);
 }
 
 }  // namespace resilin

@@ -18,12 +18,10 @@ struct SpaceError {
 
 /// One Newton step from the equilibrium of a static simulation into the space that hierarchical functions of
 /// one degree more span (RicherSpace). The step is found by conjugate gradients on the new unknowns alone,
-/// with those of the element eliminated by the matrix of the last search. Contact and point loads count on
+/// with those of the element eliminated by their own stiffness matrix. Contact and point loads count on
 /// the nodes of the element; facets in contact keep their shape.
-/// @param factors  of the latest search, which led to the equilibrium, or anew
-/// @return         nothing in motion, for modes and for a part of a scene
+/// @return nothing in motion, for modes and for a part of a scene
 /// Source: Deuflhard, Leinweber & Yserentant 1989; Ainsworth & Oden 2000, ch. 5.
-std::optional<SpaceError> space_error(Simulation& simulation,
-                                      Newton::Factors factors = Newton::Factors::of_search);
+std::optional<SpaceError> space_error(Simulation& simulation);
 
 }  // namespace resilin
