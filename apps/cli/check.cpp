@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -43,7 +44,8 @@ std::string box_text(const BoundingBox& box) {
   return format_point(box.min) + " to " + format_point(box.max);
 }
 
-std::vector<std::vector<std::string>> mesh_rows(const Mesh& mesh) {
+/// @param box  row about where the mesh is
+std::vector<std::vector<std::string>> mesh_rows(const Mesh& mesh, const std::vector<std::string>& box) {
   const CellBlock* solid = solid_cells(mesh);
   std::vector<std::vector<std::string>> rows = {{"  vertices", std::to_string(mesh.vertices.size())}};
   for (const CellBlock& block : mesh.blocks) {
@@ -52,7 +54,7 @@ std::vector<std::vector<std::string>> mesh_rows(const Mesh& mesh) {
       rows.push_back({"  shape (1 is best)", quality_text(mesh, block)});
     }
   }
-  rows.push_back({"  box", box_text(bounding_box(mesh)) + " m"});
+  rows.push_back(box);
   for (const Group& group : mesh.groups) {
     rows.push_back({"  group " + one_line(group.name), std::to_string(group.vertices.size()) + " vertices"});
   }
@@ -60,6 +62,29 @@ std::vector<std::vector<std::string>> mesh_rows(const Mesh& mesh) {
     rows.push_back({"  cell field " + one_line(field.name), std::to_string(field.values.size()) + " values"});
   }
   return rows;
+}
+
+/// The row of a mesh file, which has no unit.
+std::vector<std::string> box_of_file(const Mesh& mesh) {
+  constexpr double largest_usual = 30;  // [m]
+  const BoundingBox box = bounding_box(mesh);
+  const bool is_large = (box.max - box.min).maxCoeff() > largest_usual;
+  return {"  box", box_text(box) + " m" + (is_large ? " (millimetres? scale = 0.001 in the scene)" : "")};
+}
+
+/// The row of a body, in the frame of `where`: after scale, rotate and translate.
+std::vector<std::string> box_of_body(const World& world, const Body& body) {
+  const int dim = world.dimension;
+  const Index end = body.first_node + body.num_vertices;
+  BoundingBox box{Vector3::Constant(HUGE_VAL), Vector3::Constant(-HUGE_VAL)};
+  for (Index node = body.first_node; node < end; ++node) {
+    Vector3 X = Vector3::Zero();
+    X.head(dim) = world.rest_positions.segment(node * dim, dim);
+    X += world.origin;
+    box.min = box.min.cwiseMin(X);
+    box.max = box.max.cwiseMax(X);
+  }
+  return {"  box of `where`", box_text(box) + " m"};
 }
 
 std::string count_of_warnings(std::size_t count) {
@@ -75,7 +100,7 @@ int check_mesh_path(const CheckOptions& options) {
   print_warnings(warnings);
   print_line(one_line(options.input) + ": " + file.format + ", no errors, " +
              count_of_warnings(warnings.size()));
-  print_text(format_table(mesh_rows(file.mesh)));
+  print_text(format_table(mesh_rows(file.mesh, box_of_file(file.mesh))));
   return done;
 }
 
@@ -107,7 +132,7 @@ void print_scene(const Scene& scene, const World& world) {
         {"  quadrature", std::string(body.elastic->quadrature().name)}};
     for (const auto& [constant, value] : body.constants)
       rows.push_back({"  " + constant, format_short(value)});
-    for (auto& row : mesh_rows(description.mesh)) rows.push_back(std::move(row));
+    for (auto& row : mesh_rows(description.mesh, box_of_body(world, body))) rows.push_back(std::move(row));
     if (body.skin)
       rows.push_back(
           {"  skin", skin_text(*body.skin) +

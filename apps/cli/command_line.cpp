@@ -1,15 +1,28 @@
 #include "command_line.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <sstream>
 #include <utility>
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/io/catalog.hpp"
 #include "terminal.hpp"
 
 namespace resilin::cli {
 namespace {
+
+/// A file in the place of a command is run, or shown where it is a mesh.
+std::string cure_of_command(const std::string& word, const std::vector<std::string>& commands) {
+  const std::string extension = MeshSource{word, {}, {}}.extension();
+  const bool is_mesh = std::ranges::any_of(mesh_formats(), [&](const MeshFormat& format) {
+    return std::ranges::find(format.extensions, extension) != format.extensions.end();
+  });
+  if (extension == "toml") return "did you mean \"resilin run " + word + "\"?";
+  if (is_mesh) return "did you mean \"resilin view " + word + "\"?";
+  return did_you_mean(word, commands);
+}
 
 /// A first word that is no command; empty when there is none.
 std::string unknown_command(const CLI::App& app, int argc, char** argv) {
@@ -19,7 +32,7 @@ std::string unknown_command(const CLI::App& app, int argc, char** argv) {
     if (command->get_name() == argv[1]) return {};
     names.push_back(command->get_name());
   }
-  const std::string cure = did_you_mean(argv[1], names);
+  const std::string cure = cure_of_command(argv[1], names);
   return InputError("command", "one of " + join(names), '"' + std::string(argv[1]) + '"',
                     cure.empty() ? "see resilin --help" : cure)
       .what();

@@ -7,7 +7,9 @@
 namespace resilin::viewer {
 
 int dimension_of(const MeshFile& file) {
-  if (file.is_surface || file.mesh.find_solid(3) != nullptr) return 3;  // a surface gets cells
+  const bool has_solid_cells = std::ranges::any_of(
+      file.mesh.blocks, [](const CellBlock& block) { return dimension(block.kind) == 3; });
+  if (file.is_surface || has_solid_cells) return 3;  // a surface gets cells
   const bool is_flat =
       std::ranges::all_of(file.mesh.vertices, [](const Vector3& vertex) { return vertex.z() == 0; });
   if (is_flat && file.mesh.find_solid(2) != nullptr) return 2;

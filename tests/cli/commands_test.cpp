@@ -12,6 +12,7 @@ namespace resilin::testing {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::ContainsRegex;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
@@ -52,6 +53,8 @@ TEST_F(Commands, ThatDoNotExistAreRefusedInOneLine) {
     EXPECT_EQ(result.out, "");
   }
   EXPECT_THAT(run({"rum"}).err, HasSubstr("did you mean \"run\"?"));
+  EXPECT_THAT(run({"beam.toml"}).err, HasSubstr("did you mean \"resilin run beam.toml\"?"));
+  EXPECT_THAT(run({"part.STL"}).err, HasSubstr("did you mean \"resilin view part.STL\"?"));
 }
 
 TEST_F(Commands, ExplainThemselvesWithAnExample) {
@@ -75,6 +78,19 @@ TEST_F(Commands, CheckTellsAboutAScene) {
   EXPECT_EQ(soft.exit_code, 0);
   EXPECT_THAT(soft.err, HasSubstr("is youngs_modulus in Pa"));
   EXPECT_THAT(soft.out, HasSubstr("no errors, 1 warning\n"));
+}
+
+TEST_F(Commands, CheckTellsBoxesInTheFrameOfSelections) {
+  folder.write("box.toml", box_scene);
+  const ProgramResult moved =
+      run({"check", "box.toml", "--set", "body.0.scale=2", "--set", "body.0.translate=[10,0,0]"});
+  EXPECT_EQ(moved.exit_code, 0) << moved.err;
+  EXPECT_THAT(moved.out, ContainsRegex("box of `where` +\\(10, 0, 0\\) to \\(14, 2, 2\\) m"));
+}
+
+TEST_F(Commands, CheckAsksForTheUnitOfALongMesh) {
+  folder.write("long.obj", "v 0 0 0\nv 60 0 0\nv 0 60 0\nv 0 0 60\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  EXPECT_THAT(run({"check", "long.obj"}).out, HasSubstr("m (millimetres? scale = 0.001 in the scene)"));
 }
 
 TEST_F(Commands, GradcheckPutsDerivativesBesideDifferences) {

@@ -90,8 +90,8 @@ void read_and_use(const std::string& name, std::string_view bytes, const Compani
 
 /// Entry for libFuzzer and its kin: the first byte chooses the extension.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  constexpr std::array extensions = {"msh", "mesh", "vtu", "vtk", "node", "ele", "veg",
-                                     "obj", "stl",  "ply", "vtp", "gltf", "glb"};
+  constexpr std::array extensions = {"msh", "mesh", "vtu", "vtk", "node", "ele", "veg", "obj", "stl", "ply",
+                                     "vtp", "gltf", "glb", "inp", "feb",  "bdf", "unv", "off", "3mf"};
   if (size == 0) return 0;
   const std::string_view bytes(reinterpret_cast<const char*>(data) + 1, size - 1);
   const std::string name = std::string("input.") + extensions[data[0] % extensions.size()];

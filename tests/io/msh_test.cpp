@@ -98,8 +98,9 @@ TEST(Msh, RefusesCountsThatDoNotAddUp) {
   EXPECT_THAT(refusal("a.msh", head_22 + "$Nodes\n1\n1 0 0 0\n2 1 0 0\n$EndNodes\n"), HasSubstr("$EndNodes"));
 }
 
-TEST(Msh, RefusesTheFormatOfVersion1) {
-  EXPECT_THAT(refusal("a.msh", "$NOD\n1\n1 0 0 0\n$ENDNOD\n"), HasSubstr("$MeshFormat"));
+TEST(Msh, RefusesVersion1WithoutElements) {
+  EXPECT_THAT(refusal("a.msh", "$NOD\n1\n1 0 0 0\n$ENDNOD\n"), HasSubstr("no elements"));
+  EXPECT_THAT(refusal("a.msh", "$NOD\n2\n1 0 0 0\n$ENDNOD\n"), HasSubstr("line 4"));
 }
 
 /// Numbers as bytes, in either order.

@@ -94,6 +94,24 @@ TEST(SceneFile, NamesTheNearestKnownKey) {
   EXPECT_THAT(error_with({"fix.wall.wheer=\"all\""}), HasSubstr("did you mean \"where\"?"));
 }
 
+TEST(SceneFile, SaysWhatIsNotAvailable) {
+  EXPECT_THAT(error_with({"simulation.dimension=axisymmetric"}),
+              AllOf(HasSubstr("got \"axisymmetric\""), HasSubstr("not available (docs/limits.md)")));
+  EXPECT_THAT(error_with({"tie=[]"}), HasSubstr("not available (docs/limits.md)"));
+  EXPECT_THAT(error_with({"body.0.material.law=plasticity"}), HasSubstr("not available (docs/limits.md)"));
+  EXPECT_THAT(error_with({"body.0.element=shell"}), HasSubstr("not available (docs/limits.md)"));
+  EXPECT_THAT(error_with({"solver.kind=gpu"}), HasSubstr("not available (docs/limits.md)"));
+  EXPECT_THAT(error_with({"load.0.kind=joint"}), HasSubstr("not available (docs/limits.md)"));
+  EXPECT_THAT(error_with({"load.0.kind=follower_load"}), HasSubstr("it is called \"pressure\" here"));
+}
+
+TEST(SceneFile, AsksForAPointInDecimals) {
+  EXPECT_THAT(error_after_replacing("poissons_ratio = 0.3", "poissons_ratio = 0,3"),
+              AllOf(HasSubstr("beam.toml:14"), HasSubstr("write decimals with a point, not a comma")));
+  EXPECT_THAT(error_after_replacing("poissons_ratio = 0.3", "poissons_ratio = \"0,3\""),
+              HasSubstr("got \"0,3\"; write decimals with a point: 0.3"));
+}
+
 TEST(SceneFile, AcceptsWholeNumbersWhereNumbersAre) {
   EXPECT_EQ(read_good_scene_with({"simulation.end_time=2"}).description.end_time, 2.0);
 }

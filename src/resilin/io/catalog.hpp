@@ -18,6 +18,10 @@ struct MeshSource {
 
   std::string extension() const;                                ///< "msh", lower case, without the point
   std::string name_beside(const std::string& extension) const;  ///< of the companion with this extension
+  /// The bytes of another file that this one names, which lies in its folder or below.
+  /// @param place  where it is named, for messages
+  /// @param cure   of a mesh whose companions cannot be had
+  std::string file_beside(const std::string& other, const std::string& place, const std::string& cure) const;
 };
 
 /// A file format: recognised by its first bytes (`signature`, may be null) or by its extension.
@@ -33,13 +37,19 @@ struct MeshFormat {
 /// All formats. A new one is one file and one line here.
 std::span<const MeshFormat> mesh_formats();
 
+MeshFile read_3mf(const MeshSource& source);
+MeshFile read_bdf(const MeshSource& source);
+MeshFile read_feb(const MeshSource& source);
 MeshFile read_gltf(const MeshSource& source);
+MeshFile read_inp(const MeshSource& source);
 MeshFile read_medit(const MeshSource& source);
 MeshFile read_msh(const MeshSource& source);
 MeshFile read_obj(const MeshSource& source);
+MeshFile read_off(const MeshSource& source);
 MeshFile read_ply(const MeshSource& source);
 MeshFile read_stl(const MeshSource& source);
 MeshFile read_tetgen(const MeshSource& source);
+MeshFile read_unv(const MeshSource& source);
 MeshFile read_vega(const MeshSource& source);
 MeshFile read_vtk(const MeshSource& source);
 MeshFile read_vtp(const MeshSource& source);

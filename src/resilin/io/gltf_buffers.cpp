@@ -63,13 +63,7 @@ std::string GltfBuffers::bytes_of_uri(const std::string& uri, const std::string&
     if (comma == uri.npos) throw InputError(place, "data in base64", printable(uri));
     return decode_base64(std::string_view(uri).substr(comma + 8), std::numeric_limits<std::size_t>::max());
   }
-  const std::string name = percent_decoded(uri);
-  const bool is_elsewhere = name.empty() || name[0] == '/' || name.find("..") != name.npos ||
-                            name.find(':') != name.npos || name.find('\0') != name.npos;
-  if (is_elsewhere) throw InputError(place, "a file beside this one", printable(uri));
-  if (!source_->companion)
-    throw InputError(place, "data in the file itself", "the file " + printable(uri), "save it as .glb");
-  return source_->companion(name);
+  return source_->file_beside(percent_decoded(uri), place, "save it as .glb");
 }
 
 std::string_view GltfBuffers::buffer(std::size_t number) {

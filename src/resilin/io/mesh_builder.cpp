@@ -6,6 +6,8 @@
 #include <limits>
 
 #include "resilin/core/error.hpp"
+#include "resilin/io/vtu.hpp"
+#include "resilin/mesh/collapsed_cell.hpp"
 
 namespace resilin {
 
@@ -95,7 +97,23 @@ std::string MeshBuilder::cell_place(std::int64_t number) const {
   return file_.numbering.file + ": " + file_.numbering.cell_word + " " + std::to_string(number);
 }
 
+MeshBuilder::Cell MeshBuilder::add_cell_of_numbers(CellKind kind, std::int64_t number,
+                                                   std::span<const std::int64_t> nodes) {
+  std::array<Index, max_cell_nodes> vertices{};
+  const auto size = static_cast<std::size_t>(num_nodes(kind));
+  for (std::size_t n = 0; n < nodes.size(); ++n) {
+    const Index found = vertex(nodes[n], number, kind, n);
+    if (n < size) vertices[n] = found;
+    if (n >= size) middles_.push_back(found);
+  }
+  if (nodes.size() > size) ++num_reduced_[kind];
+  exchange_vtk_nodes(kind, std::span(vertices).first(size));
+  return add_cell(kind, number, std::span(vertices).first(size));
+}
+
 MeshBuilder::Cell MeshBuilder::add_cell(CellKind kind, std::int64_t number, std::span<const Index> nodes) {
+  if (const auto collapsed = cell_of_different_corners(kind, nodes))
+    return add_cell(collapsed->kind, number, collapsed->all());
   const auto [found, is_new] = block_numbers_.try_emplace(kind, file_.mesh.blocks.size());
   if (is_new) {
     file_.mesh.blocks.push_back({kind, {}});
@@ -110,6 +128,29 @@ MeshBuilder::Cell MeshBuilder::add_cell(CellKind kind, std::int64_t number, std:
   cells_[cell.block].add(number);
   cells_are_sorted_ = false;
   return cell;
+}
+
+std::vector<MeshBuilder::Cell> MeshBuilder::add_polygon(std::int64_t number,
+                                                        std::span<const std::int64_t> points, bool is_strip) {
+  std::vector<Cell> cells;
+  for (std::size_t i = 2; i < points.size(); ++i) {
+    const bool is_turned = is_strip && i % 2 == 1;
+    const std::array<Index, 3> nodes = {vertex(points[is_strip ? i - 2 : 0], number),
+                                        vertex(points[is_turned ? i : i - 1], number),
+                                        vertex(points[is_turned ? i - 1 : i], number)};
+    const bool is_fold = nodes[0] == nodes[1] || nodes[1] == nodes[2] || nodes[2] == nodes[0];
+    if (!(is_strip && is_fold)) cells.push_back(add_cell(CellKind::triangle, number, nodes));
+  }
+  return cells;
+}
+
+std::vector<MeshBuilder::Cell> add_vtk_cell(MeshBuilder& mesh, const VtkCell& type, std::int64_t number,
+                                            std::span<const std::int64_t> points) {
+  if (type.is_polygon) return mesh.add_polygon(number, points, /*is_strip=*/false);
+  if (!type.is_lattice) return {mesh.add_cell_of_numbers(type.kind, number, points)};
+  std::vector<std::int64_t> around(points.begin(), points.end());
+  for (std::size_t layer = 2; layer < around.size(); layer += 4) std::swap(around[layer], around[layer + 1]);
+  return {mesh.add_cell_of_numbers(type.kind, number, around)};
 }
 
 std::size_t MeshBuilder::group(const std::string& name) {
@@ -151,10 +192,39 @@ void MeshBuilder::set_cell_value(const std::string& field, Cell cell, double val
 
 MeshFile MeshBuilder::finish() {
   if (file_.mesh.blocks.empty()) throw InputError(file_.numbering.file, "no elements");
+  leave_out_middles();
   finish_groups();
   finish_numbering();
   finish_fields();
   return std::move(file_);
+}
+
+void MeshBuilder::leave_out_middles() {
+  for (const auto& [kind, count] : num_reduced_)
+    warn(std::to_string(count) + " second-order " + std::string(resilin::name(kind)) +
+         " are used by their corners (straight sides)");
+  if (middles_.empty()) return;
+  std::vector<bool> is_left_out(file_.mesh.vertices.size(), false);
+  for (const Index middle : middles_) is_left_out[static_cast<std::size_t>(middle)] = true;
+  for (const CellBlock& block : file_.mesh.blocks)
+    for (const Index node : block.nodes) is_left_out[static_cast<std::size_t>(node)] = false;
+  NumberIndex numbers;
+  std::vector<Vector3> vertices;
+  std::vector<Index> renumbered(is_left_out.size(), -1);
+  for (std::size_t v = 0; v < is_left_out.size(); ++v) {
+    if (is_left_out[v]) continue;
+    renumbered[v] = static_cast<Index>(vertices.size());
+    numbers.add(vertices_.numbers()[v]);
+    vertices.push_back(file_.mesh.vertices[v]);
+  }
+  const auto renumber = [&](Index& vertex) { vertex = renumbered[static_cast<std::size_t>(vertex)]; };
+  for (CellBlock& block : file_.mesh.blocks) std::ranges::for_each(block.nodes, renumber);
+  for (Group& group : file_.mesh.groups) {
+    std::ranges::for_each(group.vertices, renumber);
+    std::erase(group.vertices, -1);
+  }
+  file_.mesh.vertices = std::move(vertices);
+  vertices_ = std::move(numbers);
 }
 
 void MeshBuilder::finish_groups() {

@@ -52,7 +52,17 @@ class MeshBuilder {
   Index find_vertex(std::int64_t number) const { return vertices_.find(number); }  ///< -1 when there is none
   Index num_vertices() const { return static_cast<Index>(file_.mesh.vertices.size()); }
 
+  /// A hexahedron, prism, pyramid or quadrilateral some of whose corners are the same vertex becomes the cell
+  /// of those that differ, where it is one of our kinds.
   Cell add_cell(CellKind kind, std::int64_t number, std::span<const Index> nodes);
+  /// A cell by the numbers of its nodes in the order of VTK, which is that of most formats. Nodes beyond
+  /// those of `kind`, as a hexahedron of 20 has them, are passed over; `finish` leaves out those of no other
+  /// cell.
+  Cell add_cell_of_numbers(CellKind kind, std::int64_t number, std::span<const std::int64_t> nodes);
+
+  /// A polygon as a fan of triangles; of a strip every second triangle is turned, and those without area,
+  /// which join parts of it, are left out.
+  std::vector<Cell> add_polygon(std::int64_t number, std::span<const std::int64_t> points, bool is_strip);
 
   std::size_t group(const std::string& name);  ///< made when there is none
   void add_to_group(std::size_t group, Cell cell);
@@ -69,6 +79,7 @@ class MeshBuilder {
   std::string cell_place(std::int64_t number) const;  ///< "FILE: element N"
 
  private:
+  void leave_out_middles();
   void finish_groups();
   void finish_numbering();
   void finish_fields();
@@ -80,7 +91,14 @@ class MeshBuilder {
   std::map<std::string, std::size_t, std::less<>> group_numbers_;
   std::map<std::pair<std::string, std::size_t>, std::vector<double>> values_;
   std::map<CellKind, std::size_t> block_numbers_;
+  std::map<CellKind, Index> num_reduced_;  ///< cells whose nodes in the middle of edges are passed over
+  std::vector<Index> middles_;             ///< those nodes
 };
+
+struct VtkCell;
+/// Adds the cell of a VTK type, all pieces of a polygon. @param points  numbers, as many as the type has
+std::vector<MeshBuilder::Cell> add_vtk_cell(MeshBuilder& mesh, const VtkCell& type, std::int64_t number,
+                                            std::span<const std::int64_t> points);
 
 /// Name of a group for which the file has only a number: "volume_3", "surface_3", "curve_3", "point_3".
 std::string numbered_group_name(int dimension, std::int64_t number);

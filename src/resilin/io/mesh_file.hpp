@@ -19,7 +19,7 @@ struct MeshFile {
   Numbering numbering;                ///< what the file calls its vertices and cells
   std::string format;                 ///< "MSH 4.1", "Medit", ...
   std::vector<std::string> warnings;  ///< one line each
-  bool is_surface = false;            ///< of a format that holds surfaces alone
+  bool is_surface = false;            ///< of a format that holds surfaces alone, or triangles in space
 };
 
 /// Reads a mesh; the format is told by the first bytes, else by the extension (see io/catalog.hpp).
@@ -37,8 +37,9 @@ using Companion = std::function<std::string(const std::string& name)>;
 MeshFile read_mesh_from_memory(const std::string& name, std::string_view bytes,
                                const Companion& companion = {});
 
-/// Reads, checks and prepares a solid for simulation: inverted cells are re-oriented, and `warnings` tells of
-/// it and of everything else that is odd (see check_mesh).
+/// Reads, checks and prepares a solid for simulation: cells of several kinds are cut into simplices (see
+/// cut_into_simplices), inverted ones are re-oriented, and `warnings` tells of it and of everything else that
+/// is odd (see check_mesh).
 ///
 /// @param dimension 3: tetrahedra or hexahedra, 2: triangles or quadrilaterals
 /// @throws InputError for the first error of check_mesh
@@ -46,6 +47,9 @@ MeshFile read_solid_mesh(const std::filesystem::path& path, int dimension);
 
 /// The second half of `read_solid_mesh`, for a mesh from elsewhere.
 void prepare_solid_mesh(MeshFile& file, int dimension);
+
+/// Triangles of first order in place of all facets of a surface.
+void prepare_surface(MeshFile& file);
 
 /// Reduces second-order cells to their corners, with a warning when there are any.
 void use_corners_only(MeshFile& file);

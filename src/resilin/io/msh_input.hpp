@@ -53,7 +53,9 @@ CellKind msh_cell_kind(const MeshBuilder& mesh, std::int64_t type, std::int64_t 
 int msh_element_type(CellKind kind);
 
 // Sections by version; each stops before its $End keyword.
+void read_msh1_elements(MshReading& file);
 void read_msh2_nodes(MshReading& file);
+void read_msh2_parametric_nodes(MshReading& file);
 void read_msh2_elements(MshReading& file);
 void read_msh4_entities(MshReading& file);
 void read_msh4_nodes(MshReading& file);

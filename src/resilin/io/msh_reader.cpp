@@ -5,14 +5,18 @@
 #include "resilin/io/catalog.hpp"
 #include "resilin/io/msh_input.hpp"
 
-// The MSH formats 2.0 to 2.2, 4.0 and 4.1, ASCII and binary. Source: Gmsh reference manual, "MSH file format"
-// and "Legacy formats".
+// The MSH formats 1, 2.0 to 2.2, 4.0 and 4.1, ASCII and, from 2.0 on, binary. Source: Gmsh reference manual,
+// "MSH file format" and "Legacy formats".
 
 namespace resilin {
 namespace {
 
 /// "4.1 0 8", and in binary an int 1 that tells the byte order.
 void read_format(MshInput& in) {
+  if (in.text.peek() == "$NOD") {
+    in.version = 1;
+    return;
+  }
   if (in.text.peek() != "$MeshFormat") {
     in.text.fail("\"$MeshFormat\" at the start of an MSH file",
                  in.text.at_end() ? "the end of the file" : in.text.peek());
@@ -41,6 +45,7 @@ void read_format(MshInput& in) {
 }
 
 std::string version_name(double version) {
+  if (version == 1) return "1";
   return version == 4 || version == 2 ? format_number(version) + ".0" : format_number(version);
 }
 
@@ -105,6 +110,12 @@ bool read_section(MshReading& file, std::string_view section) {
     read_physical_names(file);
   } else if (section == "$Entities" && is_version_4) {
     read_msh4_entities(file);
+  } else if (section == "$NOD" && file.in.version == 1) {
+    read_msh2_nodes(file);
+  } else if (section == "$ELM" && file.in.version == 1) {
+    read_msh1_elements(file);
+  } else if (section == "$ParametricNodes" && !is_version_4) {
+    read_msh2_parametric_nodes(file);
   } else if (section == "$Nodes") {
     is_version_4 ? read_msh4_nodes(file) : read_msh2_nodes(file);
   } else if (section == "$Elements") {
@@ -117,8 +128,13 @@ bool read_section(MshReading& file, std::string_view section) {
   return true;
 }
 
+std::string end_of(const std::string& section) {
+  const bool is_version_1 = section == "$NOD" || section == "$ELM";
+  return (is_version_1 ? "$END" : "$End") + section.substr(1);
+}
+
 void finish_section(TextScanner& text, const std::string& section) {
-  const std::string end = "$End" + section.substr(1);
+  const std::string end = end_of(section);
   if (text.peek() == end) {
     text.word(end);
   } else if (section != "$ElementData" ||
@@ -134,7 +150,7 @@ MeshFile read_msh(const MeshSource& source) {
   read_format(in);
   MshReading file{in, MeshBuilder(source.name, "MSH " + version_name(in.version))};
   TextScanner& text = file.in.text;
-  finish_section(text, "$MeshFormat");
+  if (in.version > 1) finish_section(text, "$MeshFormat");
   bool has_nodes = false;
   bool has_elements = false;
   while (!text.at_end()) {
@@ -144,13 +160,15 @@ MeshFile read_msh(const MeshSource& source) {
     }
     text.set_section(section);
     text.skip_line_end();
-    const bool is_repeated = (section == "$Nodes" && has_nodes) || (section == "$Elements" && has_elements);
+    const bool is_of_nodes = section == "$Nodes" || section == "$ParametricNodes" || section == "$NOD";
+    const bool is_of_elements = section == "$Elements" || section == "$ELM";
+    const bool is_repeated = (is_of_nodes && has_nodes) || (is_of_elements && has_elements);
     if (is_repeated) text.fail("one section " + section, "a second one");
-    has_nodes |= section == "$Nodes";
-    has_elements |= section == "$Elements";
+    has_nodes |= is_of_nodes;
+    has_elements |= is_of_elements;
     if (read_section(file, section)) {
       finish_section(text, section);
-    } else if (!text.skip_past("$End" + section.substr(1))) {
+    } else if (!text.skip_past(end_of(section))) {
       file.mesh.warn("section " + printable(section) + " has no end; the file may be cut");
     }
     text.set_section("");

@@ -21,13 +21,6 @@ constexpr std::size_t count_size = 4;
 constexpr std::size_t triangle_size = 50;  // normal, three corners, two bytes of attributes
 constexpr std::size_t number_size = 4;
 
-std::string lower_case(std::string_view word) {
-  std::string result(word);
-  for (char& c : result)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return result;
-}
-
 std::size_t num_promised(std::string_view bytes) {
   if (bytes.size() < header_size + count_size) return 0;
   return static_cast<std::size_t>(

@@ -54,6 +54,50 @@ bool parse_real(std::string_view text, double& value) {
   return end.ec == std::errc();
 }
 
+NumberFault read_real(std::string_view text, std::string_view what, double& value) {
+  if (!parse_real(text, value)) {
+    return {std::string(what), text.find(',') != text.npos ? "write decimals with a point, not a comma" : ""};
+  }
+  if (!std::isfinite(value)) return {std::string(what) + " that is finite"};
+  return {};
+}
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+std::string lower_case(std::string_view text) {
+  std::string result(text);
+  for (char& c : result)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return result;
+}
+
+std::vector<std::string_view> split(std::string_view text, char separator) {
+  std::vector<std::string_view> pieces;
+  while (true) {
+    const std::size_t end = text.find(separator);
+    pieces.push_back(trimmed(text.substr(0, end)));
+    if (end == text.npos) return pieces;
+    text.remove_prefix(end + 1);
+  }
+}
+
+std::vector<std::string_view> words_of(std::string_view text) {
+  std::vector<std::string_view> words;
+  const auto is_between = [](char c) { return c == ',' || is_blank(c); };
+  std::size_t at = 0;
+  while (true) {
+    while (at < text.size() && is_between(text[at])) ++at;
+    if (at == text.size()) return words;
+    const std::size_t begin = at;
+    while (at < text.size() && !is_between(text[at])) ++at;
+    words.push_back(text.substr(begin, at - begin));
+  }
+}
+
 TextScanner::TextScanner(std::string file, std::string_view text, char comment)
     : file_(std::move(file)), text_(text), comment_(comment) {}
 
@@ -100,10 +144,8 @@ std::int64_t TextScanner::integer(std::string_view what) {
 double TextScanner::real(std::string_view what) {
   const std::string_view text = word(what);
   double value = 0;
-  if (!parse_real(text, value)) {
-    fail(what, text, text.find(',') != text.npos ? "write decimals with a point, not a comma" : "");
-  }
-  if (!std::isfinite(value)) fail(std::string(what) + " that is finite", text);
+  const NumberFault fault = read_real(text, what, value);
+  if (!fault.expected.empty()) fail(fault.expected, text, fault.cure);
   return value;
 }
 
@@ -133,11 +175,9 @@ std::string_view TextScanner::rest_of_line() {
   const std::size_t end = std::min(text_.find('\n', position_), text_.size());
   std::string_view result = text_.substr(position_, end - position_);
   if (comment_ != '\0') result = result.substr(0, result.find(comment_));
-  while (!result.empty() && is_blank(result.front())) result.remove_prefix(1);
-  while (!result.empty() && is_blank(result.back())) result.remove_suffix(1);
   position_ = end;
   skip_line_end();
-  return result;
+  return trimmed(result);
 }
 
 bool TextScanner::is_line_done() {

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "resilin/mesh/mesh.hpp"
 
@@ -65,5 +66,20 @@ std::string printable(std::string_view text);
 /// True when the whole of `text` is an integer, or a number, in C notation; a leading '+' is allowed.
 bool parse_integer(std::string_view text, std::int64_t& value);
 bool parse_real(std::string_view text, double& value);
+
+/// What is wrong with a word that should be a finite number; empty `expected` when nothing is.
+struct NumberFault {
+  std::string expected;
+  std::string cure = {};
+};
+/// Reads a finite number in C notation.
+NumberFault read_real(std::string_view text, std::string_view what, double& value);
+
+std::string_view trimmed(std::string_view text);  ///< without blanks at its ends
+std::string lower_case(std::string_view text);    ///< of ASCII letters
+/// The pieces between separators, without blanks at their ends.
+std::vector<std::string_view> split(std::string_view text, char separator);
+/// The words between blanks and commas.
+std::vector<std::string_view> words_of(std::string_view text);
 
 }  // namespace resilin

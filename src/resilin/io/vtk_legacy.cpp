@@ -12,8 +12,8 @@
 #include "resilin/io/text_scanner.hpp"
 #include "resilin/io/vtu.hpp"
 
-// Legacy VTK files with an unstructured grid, ASCII and binary (big endian), versions 1 to 5.1. Source:
-// Kitware, "VTK file formats", simple legacy formats.
+// Legacy VTK files with an unstructured grid, a structured one or a surface (POLYDATA), ASCII and binary (big
+// endian), versions 1 to 5.1. Source: Kitware, "VTK file formats", simple legacy formats.
 
 namespace resilin {
 namespace {
@@ -37,9 +37,13 @@ class VtkReader {
       read_part(keyword);
     }
     if (!has_points_) throw InputError(text_.file(), "no POINTS");
-    if (has_cells_ && !has_types_)
+    if (has_cells_ && !has_types_ && dataset_ == Dataset::unstructured)
       throw InputError(text_.file(), "no CELL_TYPES for the CELLS; the file may be cut");
-    return mesh_.finish();
+    if (dataset_ == Dataset::surface && pieces_.empty())
+      throw InputError(text_.file(), "polygons", "none", "points and lines alone are no surface");
+    MeshFile file = mesh_.finish();
+    file.is_surface = dataset_ == Dataset::surface;
+    return file;
   }
 
  private:
@@ -60,14 +64,29 @@ class VtkReader {
     is_binary_ = encoding == "BINARY";
     if (text_.word("DATASET") != "DATASET") text_.fail("DATASET", "another keyword");
     const std::string_view dataset = text_.word("a dataset");
-    if (dataset != "UNSTRUCTURED_GRID") text_.fail("DATASET UNSTRUCTURED_GRID", dataset);
+    if (dataset == "POLYDATA") {
+      dataset_ = Dataset::surface;
+    } else if (dataset == "STRUCTURED_GRID") {
+      dataset_ = Dataset::structured;
+    } else if (dataset != "UNSTRUCTURED_GRID") {
+      text_.fail("DATASET UNSTRUCTURED_GRID, STRUCTURED_GRID or POLYDATA", dataset,
+                 "ParaView makes cells of an image: Threshold, then Save Data");
+    }
   }
 
   void read_part(const std::string& keyword) {
     if (keyword == "POINTS") {
       read_points();
+    } else if (keyword == "DIMENSIONS" && dataset_ == Dataset::structured) {
+      read_dimensions();
     } else if (keyword == "CELLS") {
-      read_cells();
+      if (has_cells_) text_.fail("one section CELLS", "a second one");
+      has_cells_ = true;
+      cells_ = read_lists(keyword);
+    } else if (dataset_ == Dataset::surface && (keyword == "VERTICES" || keyword == "LINES")) {
+      num_cells_ += read_lists(keyword).ranges.size();  // counted for the values of cells
+    } else if (dataset_ == Dataset::surface && (keyword == "POLYGONS" || keyword == "TRIANGLE_STRIPS")) {
+      add_polygons(read_lists(keyword), keyword);
     } else if (keyword == "CELL_TYPES") {
       read_cell_types();
     } else if (keyword == "POINT_DATA" || keyword == "CELL_DATA") {
@@ -78,6 +97,16 @@ class VtkReader {
     } else if (keyword == "VECTORS" || keyword == "NORMALS" || keyword == "TENSORS") {
       text_.word("a name");
       read_reals(type(), num_data_ * (keyword == "TENSORS" ? 9 : 3));
+    } else if (keyword == "TEXTURE_COORDINATES") {
+      text_.word("a name");
+      const std::size_t components = text_.count("components", 1);
+      read_reals(type(), num_data_ * components);
+    } else if (keyword == "COLOR_SCALARS") {
+      text_.word("a name");
+      read_reals(colour_, num_data_ * text_.count("components", 1));
+    } else if (keyword == "LOOKUP_TABLE") {
+      text_.word("a name");
+      read_reals(colour_, 4 * text_.count("colours", 1));
     } else if (keyword == "FIELD") {
       read_field();
     } else if (keyword == "METADATA") {
@@ -85,7 +114,9 @@ class VtkReader {
       while (text_.remaining() > 0 && !text_.rest_of_line().empty()) {
       }
     } else {
-      text_.fail("POINTS, CELLS, CELL_TYPES, CELL_DATA, SCALARS, ...", keyword);
+      text_.fail(dataset_ == Dataset::surface ? "POINTS, POLYGONS, CELL_DATA, SCALARS, ..."
+                                              : "POINTS, CELLS, CELL_TYPES, CELL_DATA, SCALARS, ...",
+                 keyword);
     }
   }
 
@@ -160,94 +191,154 @@ class VtkReader {
       }
     }
     mesh_.finish_vertices();
+    if (dataset_ != Dataset::structured) return;
+    const auto [nx, ny, nz] = dimensions_;
+    if (nx > count || ny > count || nz > count || nx * ny > count || nx * ny * nz != count)
+      text_.fail("as many points as DIMENSIONS says", std::to_string(count));
+    add_structured_cells();
   }
 
-  void read_cells() {
-    if (has_cells_) text_.fail("one section CELLS", "a second one");
-    has_cells_ = true;
+  /// Lists of points, one after another in `points`.
+  struct Lists {
+    std::vector<std::int64_t> points;
+    std::vector<std::pair<std::size_t, std::size_t>> ranges;  ///< first entry and number of points of each
+  };
+
+  Lists read_lists(const std::string& keyword) {
+    Lists lists;
     const std::size_t first = text_.count("cells", 1);
-    const std::size_t second = text_.count("entries of CELLS (sizes and indices into POINTS)", 1);
-    if (text_.peek() == "OFFSETS") return read_offset_cells(first, second);
-    const std::string entry = "one of the " + std::to_string(second) + " entries of CELLS, sizes and indices";
-    connectivity_ = read_integers({4, false, true}, second, entry);
+    const std::size_t second = text_.count("entries of " + keyword + " (sizes and indices into POINTS)", 1);
+    if (text_.peek() == "OFFSETS") return read_offset_lists(keyword, first, second);
+    const std::string entry =
+        "one of the " + std::to_string(second) + " entries of " + keyword + ", sizes and indices";
+    lists.points = read_integers({4, false, true}, second, entry);
+    const std::int64_t most = keyword == "CELLS" ? 27 : std::numeric_limits<std::int32_t>::max();
     std::size_t at = 0;
     for (std::size_t i = 0; i < first; ++i) {
-      if (at >= second) fail_at_sizes(first, second, "enough for " + std::to_string(i) + " cells");
-      const std::int64_t size = connectivity_[at];
-      if (size < 1 || size > 27) fail_at_cell(i, "a number of points from 1 to 27", size);
+      if (at >= second) fail_at_sizes(keyword, first, second, "enough for " + std::to_string(i) + " cells");
+      const std::int64_t size = lists.points[at];
+      if (size < 1 || size > most)
+        fail_at_cell(keyword, i, "a number of points from 1 to " + std::to_string(most), size);
       const std::size_t begin = at + 1;
       at = begin + static_cast<std::size_t>(size);
       if (at > second)
-        fail_at_sizes(first, second, "cell " + std::to_string(i) + " ends at " + std::to_string(at));
-      ranges_.emplace_back(begin, static_cast<std::size_t>(size));
+        fail_at_sizes(keyword, first, second, "cell " + std::to_string(i) + " ends at " + std::to_string(at));
+      lists.ranges.emplace_back(begin, static_cast<std::size_t>(size));
     }
-    if (at != second) fail_at_sizes(first, second, "cells that take " + std::to_string(at));
+    if (at != second) fail_at_sizes(keyword, first, second, "cells that take " + std::to_string(at));
+    return lists;
   }
 
   /// Since version 5: where each cell begins, and the end; then all indices.
-  void read_offset_cells(std::size_t first, std::size_t second) {
+  Lists read_offset_lists(const std::string& section, std::size_t first, std::size_t second) {
+    Lists lists;
     text_.word("");
     const auto offsets =
-        read_integers(type(), first, "one of the " + std::to_string(first) + " offsets of CELLS");
+        read_integers(type(), first, "one of the " + std::to_string(first) + " offsets of " + section);
     const std::string_view keyword = text_.word("CONNECTIVITY");
     if (keyword != "CONNECTIVITY")
-      text_.fail("CONNECTIVITY after the " + std::to_string(first) + " offsets of CELLS", printable(keyword));
-    connectivity_ =
-        read_integers(type(), second, "one of the " + std::to_string(second) + " indices of CELLS");
+      text_.fail("CONNECTIVITY after the " + std::to_string(first) + " offsets of " + section,
+                 printable(keyword));
+    lists.points =
+        read_integers(type(), second, "one of the " + std::to_string(second) + " indices of " + section);
     for (std::size_t i = 0; i < offsets.size(); ++i) {
       const std::int64_t least = i == 0 ? 0 : offsets[i - 1];
       const bool is_bounded = offsets[i] >= least && offsets[i] <= static_cast<std::int64_t>(second);
       if (!is_bounded || (i == 0 && offsets[0] != 0) ||
           (i + 1 == offsets.size() && offsets[i] != static_cast<std::int64_t>(second))) {
-        throw InputError(text_.file() + ": CELLS",
+        throw InputError(text_.file() + ": " + section,
                          "offsets that rise from 0 to the " + std::to_string(second) + " entries",
                          "offset " + std::to_string(i) + " = " + std::to_string(offsets[i]));
       }
       if (i > 0)
-        ranges_.emplace_back(static_cast<std::size_t>(least), static_cast<std::size_t>(offsets[i] - least));
+        lists.ranges.emplace_back(static_cast<std::size_t>(least),
+                                  static_cast<std::size_t>(offsets[i] - least));
     }
+    return lists;
   }
 
-  /// Refuses a section CELLS whose first line promises `first` cells in `second` entries.
-  [[noreturn]] void fail_at_sizes(std::size_t first, std::size_t second, const std::string& got) const {
+  /// Refuses a section of cells whose first line promises `first` of them in `second` entries.
+  [[noreturn]] void fail_at_sizes(const std::string& section, std::size_t first, std::size_t second,
+                                  const std::string& got) const {
     throw InputError(
-        text_.file() + ": CELLS",
+        text_.file() + ": " + section,
         std::to_string(first) + " cells in " + std::to_string(second) + " entries, as its first line says",
         got, "the sizes of the cells and those in the first line do not go together");
   }
 
-  [[noreturn]] void fail_at_cell(std::size_t cell, const std::string& expected, std::int64_t got) const {
-    throw InputError(text_.file() + ": CELLS: cell " + std::to_string(cell), expected, std::to_string(got));
+  [[noreturn]] void fail_at_cell(const std::string& section, std::size_t cell, const std::string& expected,
+                                 std::int64_t got) const {
+    throw InputError(text_.file() + ": " + section + ": cell " + std::to_string(cell), expected,
+                     std::to_string(got));
   }
 
   void read_cell_types() {
     if (has_types_) text_.fail("one section CELL_TYPES", "a second one");
     has_types_ = true;
     const std::size_t count = text_.count("cell types", 1);
-    if (count != ranges_.size()) {
-      text_.fail(std::to_string(ranges_.size()) + " cell types, as many as CELLS", std::to_string(count));
+    if (count != cells_.ranges.size()) {
+      text_.fail(std::to_string(cells_.ranges.size()) + " cell types, as many as CELLS",
+                 std::to_string(count));
     }
     const auto types = read_integers({4, false, true}, count, "a cell type");
-    std::array<Index, max_cell_nodes> nodes{};
     for (std::size_t i = 0; i < count; ++i) {
-      const auto kind = kind_of_vtk_cell(types[i]);
-      if (!kind) {
+      const auto [begin, size] = cells_.ranges[i];
+      const auto points = std::span(cells_.points).subspan(begin, size);
+      const auto found = vtk_cell(types[i], size);
+      if (!found) {
         throw InputError(mesh_.cell_place(static_cast<std::int64_t>(i)),
                          "a cell type that can be read, such as 5 (triangle) or 10 (tetrahedron)",
                          std::to_string(types[i]));
       }
-      const auto [begin, size] = ranges_[i];
-      if (size != static_cast<std::size_t>(num_nodes(*kind))) {
+      if (size != found->num_nodes) {
         fail_at_cell(
-            i, std::to_string(num_nodes(*kind)) + " points, as its type " + std::to_string(types[i]) + " has",
+            "CELLS", i,
+            std::to_string(found->num_nodes) + " points, as its type " + std::to_string(types[i]) + " has",
             static_cast<std::int64_t>(size));
       }
-      const auto number = static_cast<std::int64_t>(i);
-      for (std::size_t n = 0; n < size; ++n)
-        nodes[n] = mesh_.vertex(connectivity_[begin + n], number, *kind, n);
-      exchange_vtk_nodes(*kind, std::span(nodes).first(size));
-      cells_.push_back(mesh_.add_cell(*kind, number, std::span(nodes).first(size)));
+      for (const MeshBuilder::Cell& cell : add_vtk_cell(mesh_, *found, static_cast<std::int64_t>(i), points))
+        pieces_.push_back({cell, i});
     }
+    num_cells_ = count;
+  }
+
+  void add_polygons(const Lists& lists, const std::string& section) {
+    for (const auto& [begin, size] : lists.ranges) {
+      const std::size_t number = num_cells_++;
+      if (size < 3) fail_at_cell(section, number, "at least 3 points", static_cast<std::int64_t>(size));
+      const auto points = std::span(lists.points).subspan(begin, size);
+      for (const MeshBuilder::Cell& cell :
+           mesh_.add_polygon(static_cast<std::int64_t>(number), points, section == "TRIANGLE_STRIPS"))
+        pieces_.push_back({cell, number});
+    }
+  }
+
+  /// Numbers of points along the three directions; POINTS follow.
+  void read_dimensions() {
+    for (std::size_t& size : dimensions_)
+      size = std::max<std::size_t>(1, text_.count("points of a direction", 1));
+  }
+
+  /// Hexahedra between the points of a structured grid, quadrilaterals where it has one layer of points.
+  void add_structured_cells() {
+    const auto [nx, ny, nz] = dimensions_;
+    const auto point = [&](std::size_t i, std::size_t k, std::size_t l) {
+      return static_cast<std::int64_t>(i + nx * (k + ny * l));
+    };
+    const bool is_flat = nz == 1;
+    for (std::size_t l = 0; l + 1 < std::max<std::size_t>(nz, 2); ++l)
+      for (std::size_t k = 0; k + 1 < ny; ++k)
+        for (std::size_t i = 0; i + 1 < nx; ++i) {
+          std::vector<std::int64_t> nodes = {point(i, k, l), point(i + 1, k, l), point(i + 1, k + 1, l),
+                                             point(i, k + 1, l)};
+          if (!is_flat)
+            for (std::size_t n = 0; n < 4; ++n)
+              nodes.push_back(nodes[n] + static_cast<std::int64_t>(nx * ny));
+          const CellKind kind = is_flat ? CellKind::quadrilateral : CellKind::hexahedron;
+          pieces_.push_back(
+              {mesh_.add_cell_of_numbers(kind, static_cast<std::int64_t>(num_cells_), nodes), num_cells_});
+          ++num_cells_;
+        }
   }
 
   void read_scalars() {
@@ -275,22 +366,31 @@ class VtkReader {
 
   /// A scalar per cell becomes a cell field.
   void keep(const std::string& name, std::size_t components, const std::vector<double>& values) {
-    if (!is_cell_data_ || components != 1 || values.size() != cells_.size()) return;
-    for (std::size_t i = 0; i < values.size(); ++i) mesh_.set_cell_value(name, cells_[i], values[i]);
+    if (!is_cell_data_ || components != 1 || values.size() != num_cells_) return;
+    for (const Piece& piece : pieces_) mesh_.set_cell_value(name, piece.cell, values[piece.number]);
   }
+
+  /// A cell, or one of the triangles of a polygon of the file.
+  struct Piece {
+    MeshBuilder::Cell cell;
+    std::size_t number;  ///< in the file
+  };
+  static constexpr BinaryType colour_{1, false, false};  ///< in text a number from 0 to 1
+  enum class Dataset { unstructured, structured, surface };
 
   TextScanner text_;
   MeshBuilder mesh_;
+  Dataset dataset_ = Dataset::unstructured;
   bool is_binary_ = false;
   bool has_points_ = false;
   bool has_cells_ = false;
   bool has_types_ = false;
   bool is_cell_data_ = false;
   std::size_t num_data_ = 0;
-  std::vector<std::int64_t> connectivity_;
-  std::vector<std::pair<std::size_t, std::size_t>>
-      ranges_;                            ///< first entry and number of points of each cell
-  std::vector<MeshBuilder::Cell> cells_;  ///< in the order of the file
+  Lists cells_;
+  std::array<std::size_t, 3> dimensions_ = {0, 0, 0};
+  std::vector<Piece> pieces_;
+  std::size_t num_cells_ = 0;  ///< in the file
 };
 
 }  // namespace

@@ -134,24 +134,10 @@ class VtpReader {
             std::to_string(end), "the file may be cut");
       if (end - begin < 3)
         throw InputError(mesh_.cell_place(number), "at least 3 points", std::to_string(end - begin));
-      add_polygon(std::span(connectivity)
-                      .subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(end - begin)),
-                  number, is_strip);
+      const auto size = static_cast<std::size_t>(end - begin);
+      mesh_.add_polygon(number, std::span(connectivity).subspan(static_cast<std::size_t>(begin), size),
+                        is_strip);
       begin = end;
-    }
-  }
-
-  /// A polygon as a fan; every second triangle of a strip is turned, and what joins parts of it
-  /// has no area.
-  void add_polygon(std::span<const std::int64_t> points, std::int64_t number, bool is_strip) {
-    for (std::size_t i = 2; i < points.size(); ++i) {
-      const std::size_t second = is_strip && i % 2 == 1 ? i : i - 1;
-      const std::size_t third = is_strip && i % 2 == 1 ? i - 1 : i;
-      const std::array<Index, 3> nodes = {mesh_.vertex(points[is_strip ? i - 2 : 0], number),
-                                          mesh_.vertex(points[second], number),
-                                          mesh_.vertex(points[third], number)};
-      const bool is_fold = nodes[0] == nodes[1] || nodes[1] == nodes[2] || nodes[2] == nodes[0];
-      if (!(is_strip && is_fold)) mesh_.add_cell(CellKind::triangle, number, nodes);
     }
   }
 

@@ -74,8 +74,16 @@ void write_pvd(const std::filesystem::path& path, std::span<const PvdEntry> entr
 
 /// VTK's number of a kind of cell.
 int vtk_cell_type(CellKind kind);
-/// The kind of a VTK cell type; empty for one that we do not read.
-std::optional<CellKind> kind_of_vtk_cell(std::int64_t type);
+/// What a VTK cell type says: the kind of the first nodes, or a polygon, which is cut into triangles.
+struct VtkCell {
+  CellKind kind;
+  std::size_t num_nodes;
+  bool is_polygon = false;
+  bool is_lattice = false;  ///< a pixel or a voxel, whose corners are in the order of a lattice
+};
+/// @param size  points of the cell, which a polygon may have any number of
+/// @return empty for a type that is not read
+std::optional<VtkCell> vtk_cell(std::int64_t type, std::size_t size);
 /// Exchanges the nodes that VTK and MSH order differently (its own inverse).
 void exchange_vtk_nodes(CellKind kind, std::span<Index> nodes);
 

@@ -56,7 +56,7 @@ class VtuReader {
       if (is_numeric(array)) content.point_data.push_back(values(array, num_points_));
     }
     for (const XmlTag& array : arrays_.cell_data) {
-      if (is_numeric(array)) content.cell_data.push_back(values(array, cells_.size()));
+      if (is_numeric(array)) content.cell_data.push_back(values(array, num_cells_));
     }
     for (const XmlTag& array : arrays_.field_data) {
       const bool is_time = array.attribute("Name") == "TimeValue";
@@ -189,33 +189,31 @@ class VtuReader {
   }
 
   void read_cells() {
-    const std::size_t num_cells = count("NumberOfCells");
+    const std::size_t num_cells = num_cells_ = count("NumberOfCells");
     const auto connectivity = indices("connectivity");
     const auto offsets = indices("offsets");
     const auto types = indices("types");
     require_size(array(arrays_.cells, "offsets", 1), offsets.size(), num_cells);
     require_size(array(arrays_.cells, "types", 1), types.size(), num_cells);
-    std::array<Index, max_cell_nodes> nodes{};
     std::int64_t begin = 0;
     for (std::size_t i = 0; i < num_cells; ++i) {
       const auto number = static_cast<std::int64_t>(i);
-      const auto kind = kind_of_vtk_cell(types[i]);
-      if (!kind) {
+      const bool is_bounded =
+          offsets[i] >= begin && offsets[i] <= static_cast<std::int64_t>(connectivity.size());
+      const auto found = vtk_cell(types[i], is_bounded ? static_cast<std::size_t>(offsets[i] - begin) : 0);
+      if (!found) {
         throw InputError(mesh_.cell_place(number),
                          "a cell type that can be read, such as 5 (triangle) or 10 (tetrahedron)",
                          std::to_string(types[i]));
       }
-      const std::int64_t size = num_nodes(*kind);
-      if (offsets[i] != begin + size || offsets[i] > static_cast<std::int64_t>(connectivity.size())) {
+      const auto size = static_cast<std::int64_t>(found->num_nodes);
+      if (!is_bounded || offsets[i] != begin + size) {
         throw InputError(mesh_.cell_place(number), "offset " + std::to_string(begin + size),
                          std::to_string(offsets[i]));
       }
-      const auto cell_nodes = std::span(nodes).first(static_cast<std::size_t>(size));
-      for (std::size_t n = 0; n < cell_nodes.size(); ++n) {
-        nodes[n] = mesh_.vertex(connectivity[static_cast<std::size_t>(begin) + n], number, *kind, n);
-      }
-      exchange_vtk_nodes(*kind, cell_nodes);
-      cells_.push_back(mesh_.add_cell(*kind, number, cell_nodes));
+      const auto points = std::span(connectivity).subspan(static_cast<std::size_t>(begin), found->num_nodes);
+      for (const MeshBuilder::Cell& cell : add_vtk_cell(mesh_, *found, number, points))
+        pieces_.push_back({cell, i});
       begin = offsets[i];
     }
   }
@@ -228,9 +226,8 @@ class VtuReader {
     for (const VtuValues& array : content.cell_data) {
       if (!is_group(array)) continue;
       const std::size_t group = mesh_.group(array.name.substr(group_prefix.size()));
-      for (std::size_t i = 0; i < cells_.size(); ++i) {
-        if (array.values[i] == 1) mesh_.add_to_group(group, cells_[i]);
-      }
+      for (const Piece& piece : pieces_)
+        if (array.values[piece.number] == 1) mesh_.add_to_group(group, piece.cell);
     }
     for (const VtuValues& array : content.point_data) {
       if (!is_group(array)) continue;
@@ -248,9 +245,8 @@ class VtuReader {
       if (array.components != 1 || array.name.starts_with(group_prefix)) continue;
       for (std::size_t b = 0; b < mesh.blocks.size(); ++b) {
         CellField field{array.name, b, {}};
-        for (std::size_t i = 0; i < cells_.size(); ++i) {
-          if (cells_[i].block == b) field.values.push_back(array.values[i]);
-        }
+        for (const Piece& piece : pieces_)
+          if (piece.cell.block == b) field.values.push_back(array.values[piece.number]);
         const bool is_finite =
             std::all_of(field.values.begin(), field.values.end(), [](double v) { return std::isfinite(v); });
         if (is_finite) mesh.cell_fields.push_back(std::move(field));
@@ -258,13 +254,20 @@ class VtuReader {
     }
   }
 
+  /// A cell, or one of the triangles of a polygon of the file.
+  struct Piece {
+    MeshBuilder::Cell cell;
+    std::size_t number;  ///< in the file
+  };
+
   std::string file_;
   std::vector<XmlTag> tags_;
   VtuDecoder decoder_;
   MeshBuilder mesh_;
   Arrays arrays_;
   std::size_t num_points_ = 0;
-  std::vector<MeshBuilder::Cell> cells_;  ///< in the order of the file
+  std::size_t num_cells_ = 0;  ///< in the file
+  std::vector<Piece> pieces_;  ///< in the order of the file
 };
 
 }  // namespace

@@ -29,6 +29,19 @@ constexpr std::array<std::pair<int, CellKind>, 11> cell_types = {{{1, CellKind::
                                                                   {22, CellKind::triangle6},
                                                                   {24, CellKind::tetrahedron10}}};
 
+/// Second-order types of which the corners are used.
+struct ReducedType {
+  std::int64_t type;
+  CellKind kind;
+  std::size_t num_nodes;
+};
+constexpr std::array<ReducedType, 6> reduced_types = {{{23, CellKind::quadrilateral, 8},
+                                                       {25, CellKind::hexahedron, 20},
+                                                       {26, CellKind::prism, 15},
+                                                       {27, CellKind::pyramid, 13},
+                                                       {28, CellKind::quadrilateral, 9},
+                                                       {29, CellKind::hexahedron, 27}}};
+
 /// Text that is safe between the quotes of an XML attribute.
 std::string escaped(std::string_view text) {
   std::string result;
@@ -143,10 +156,15 @@ int vtk_cell_type(CellKind kind) {
   return 0;
 }
 
-std::optional<CellKind> kind_of_vtk_cell(std::int64_t type) {
-  for (const auto& [known, kind] : cell_types) {
-    if (known == type) return kind;
-  }
+std::optional<VtkCell> vtk_cell(std::int64_t type, std::size_t size) {
+  for (const auto& [known, kind] : cell_types)
+    if (known == type) return VtkCell{kind, static_cast<std::size_t>(num_nodes(kind))};
+  for (const ReducedType& known : reduced_types)
+    if (known.type == type) return VtkCell{known.kind, known.num_nodes};
+  constexpr std::int64_t polygon = 7, pixel = 8, voxel = 11;
+  if (type == polygon && size >= 3) return VtkCell{CellKind::triangle, size, /*is_polygon=*/true};
+  if (type == pixel) return VtkCell{CellKind::quadrilateral, 4, false, /*is_lattice=*/true};
+  if (type == voxel) return VtkCell{CellKind::hexahedron, 8, false, /*is_lattice=*/true};
   return std::nullopt;
 }
 

@@ -7,6 +7,7 @@
 #include "resilin/core/error.hpp"
 #include "resilin/core/memory.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/core/vocabulary.hpp"
 
 namespace resilin {
 namespace {
@@ -95,7 +96,7 @@ void require_linear_solver(const std::string& kind, const std::string& place) {
   std::vector<std::string> names = linear_solver_names();
   names.insert(names.begin(), "auto");
   if (std::ranges::find(names, kind) != names.end()) return;
-  refuse_word(place, kind, names);
+  refuse_own_word(place, kind, names);
 }
 
 std::vector<std::string> linear_solver_names() {

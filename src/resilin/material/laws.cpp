@@ -6,6 +6,7 @@
 #include "law_headers.hpp"  // made by CMakeLists.txt from the catalogue
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/core/vocabulary.hpp"
 #include "resilin/material/catalog.hpp"
 #include "resilin/material/kernels/law_kernels.hpp"
 #include "resilin/material/law.hpp"
@@ -124,7 +125,7 @@ const LawInfo& require_law(std::string_view name, const std::string& place) {
   if (const LawInfo* law = find_law(name)) return *law;
   std::vector<std::string> names;
   for (const LawInfo& law : infos()) names.emplace_back(law.name);
-  refuse_word(place, name, names);
+  refuse_own_word(place, name, names);
 }
 
 }  // namespace resilin

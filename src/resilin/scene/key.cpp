@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <regex>
 
+#include "resilin/core/vocabulary.hpp"
 #include "resilin/io/text_scanner.hpp"
 #include "resilin/scene/synonyms.hpp"
 
@@ -37,7 +38,7 @@ void refuse_unknown_keys(const SceneNode& table, const std::vector<std::string>&
     if (std::ranges::find(known, member.key) != known.end()) continue;
     const std::string meant = key_for_synonym(member.key, known);
     const std::string cure =
-        meant.empty() ? did_you_mean(member.key, known) : "did you mean \"" + meant + "\"?";
+        meant.empty() ? cure_of_word(member.key, known) : "did you mean \"" + meant + "\"?";
     SceneNode node{&member.value, table.path, table.context};
     if (!node.path.empty()) node.path += '.';
     node.path += printable(member.key);
@@ -97,7 +98,7 @@ std::string read_choice(const SceneNode& node, const std::vector<std::string>& t
   if (std::ranges::find(later, word) != later.end()) {
     node.fail_with("\"" + word + "\" is not part of this version; there is " + one_of(there_is));
   }
-  node.fail(one_of(there_is), did_you_mean(word, there_is));
+  node.fail(one_of(there_is), cure_of_word(word, there_is));
 }
 
 std::vector<std::string> read_choices(const SceneNode& node, const std::vector<std::string>& there_is,

@@ -6,8 +6,24 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/core/vocabulary.hpp"
+#include "resilin/io/text_scanner.hpp"
 
 namespace resilin {
+namespace {
+
+/// The cure of a text where something else is wanted: dimension = "axisymmetric", radius = "1,5".
+std::string cure_of_text(std::string text) {
+  const std::size_t comma = text.find(',');
+  double number = 0;
+  if (comma != text.npos) {
+    text[comma] = '.';
+    if (parse_real(text, number)) return "write decimals with a point: " + text;
+  }
+  return foreign_word_cure(text);
+}
+
+}  // namespace
 
 std::string SceneNode::place() const {
   const std::string start = source_and_line(*value);
@@ -23,7 +39,9 @@ SceneNode SceneNode::element(std::size_t i) const {
 }
 
 void SceneNode::fail(const std::string& expected, const std::string& cure) const {
-  throw InputError(place(), expected, describe(*value), cure);
+  const auto* text = std::get_if<std::string>(&value->data);
+  const bool is_plain_text = cure.empty() && text != nullptr;
+  throw InputError(place(), expected, describe(*value), is_plain_text ? cure_of_text(*text) : cure);
 }
 
 void SceneNode::fail_with(const std::string& problem) const { throw InputError(place(), problem); }

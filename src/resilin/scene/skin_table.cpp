@@ -32,7 +32,7 @@ void read_surface(const SceneNode& node, SkinDescription& skin) {
     skin.surface_name = read_text(node);
     file = read_mesh(read_path(node));
   }
-  to_first_order(file.mesh);
+  prepare_surface(file);
   check_facets(file, node);
   for (const std::string& warning : file.warnings) node.context->warnings.push_back(warning);
   skin.surface = std::move(file.mesh);

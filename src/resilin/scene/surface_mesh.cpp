@@ -7,9 +7,10 @@
 namespace resilin {
 namespace {
 
-constexpr double largest_usual = 10;     // [m]
-constexpr double smallest_usual = 1e-3;  // [m]
-constexpr double heavier = 1.05;         // lattice by surface: from there on it is told
+constexpr double largest_usual = 10;           // [m]
+constexpr double largest_usual_of_cells = 30;  // [m]; meshes are also made by programs that mean metres
+constexpr double smallest_usual = 1e-3;        // [m]
+constexpr double heavier = 1.05;               // lattice by surface: from there on it is told
 
 }  // namespace
 
@@ -17,9 +18,10 @@ void enclose_surface(const SceneNode& node, const MeshFile& file, int cells, Bod
   const std::string& name = file.numbering.file;
   if (node.context->dimension != 3)
     throw InputError(node.place(), "cells of the plane in a scene of dimension 2", "the surface " + name);
-  Mesh surface = file.mesh;
-  to_first_order(surface);
-  check_surface(surface, file.numbering).require_no_errors();
+  MeshFile facets = file;
+  prepare_surface(facets);
+  Mesh surface = std::move(facets.mesh);
+  check_surface(surface, facets.numbering).require_no_errors();
   SurfaceLattice lattice = make_surface_lattice(surface, name, {.cells = cells});
   for (const std::string& remark : lattice.remarks) node.context->warnings.push_back(remark);
   if (lattice.volume_ratio > heavier)
@@ -37,13 +39,14 @@ void enclose_surface(const SceneNode& node, const MeshFile& file, int cells, Bod
 
 void remark_on_unit(const SceneNode& body_node, const BodyDescription& body) {
   const SceneNode node = body_node.child("mesh");
-  const bool is_of_mesh = body.skin && body.skin->place == node.place();
-  if (!is_of_mesh) return;
-  const BoundingBox box = bounding_box(body.skin->surface);
+  if (node.value->is_table() && !node.has("surface")) return;  // a box is in metres
+  const bool is_surface = body.skin && body.skin->place == node.place();
+  const BoundingBox box = bounding_box(is_surface ? body.skin->surface : body.mesh);
   const double extent = body.scale * (box.max - box.min).maxCoeff();
-  if (extent >= smallest_usual && extent <= largest_usual) return;
+  const double largest = is_surface ? largest_usual : largest_usual_of_cells;
+  if ((extent >= smallest_usual || !is_surface) && extent <= largest) return;
   node.warn(body.mesh_name + " is " + format_short(extent) +
-            " m long: surface files have no unit and are read as metres; use scale = 0.001 for millimetres");
+            " m long: mesh files have no unit and are read as metres; use scale = 0.001 for millimetres");
 }
 
 }  // namespace resilin

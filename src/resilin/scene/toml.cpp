@@ -56,6 +56,19 @@ SceneValue convert(const toml::node& node, const Source& source) {
   return value;
 }
 
+/// Whether the parser stopped at the comma of "= 1,5".
+bool has_decimal_comma(std::string_view text, const toml::source_position& at) {
+  for (std::uint32_t line = 1; line < at.line; ++line) {
+    const std::size_t end = text.find('\n');
+    if (end == text.npos) return false;
+    text.remove_prefix(end + 1);
+  }
+  text = text.substr(0, text.find('\n'));
+  const auto is_digit = [&](std::size_t i) { return i < text.size() && text[i] >= '0' && text[i] <= '9'; };
+  const std::size_t comma = text.find(',', at.column >= 2 ? at.column - 2 : 0);
+  return comma != text.npos && comma <= at.column && comma > 0 && is_digit(comma - 1) && is_digit(comma + 1);
+}
+
 }  // namespace
 
 SceneValue parse_toml(std::string_view text, const std::string& name) {
@@ -65,8 +78,9 @@ SceneValue parse_toml(std::string_view text, const std::string& name) {
                    std::make_shared<const std::string>(name));
   } catch (const toml::parse_error& error) {
     const toml::source_position at = error.source().begin;
+    const std::string cure = has_decimal_comma(text, at) ? "; write decimals with a point, not a comma" : "";
     throw InputError(name + ":" + std::to_string(at.line) + ":" + std::to_string(at.column),
-                     std::string(error.description()));
+                     std::string(error.description()) + cure);
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/core/vocabulary.hpp"
 #include "resilin/energy/handle_spring.hpp"
 #include "resilin/energy/pressure.hpp"
 #include "resilin/world/selection.hpp"
@@ -80,7 +81,7 @@ const LoadKind& require_load_kind(const std::string& name, const std::string& pl
   if (found != load_kinds().end()) return *found;
   std::vector<std::string> names;
   for (const LoadKind& kind : load_kinds()) names.push_back(kind.name);
-  refuse_word(place, name, names);
+  refuse_own_word(place, name, names);
 }
 
 }  // namespace resilin

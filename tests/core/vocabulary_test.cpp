@@ -1,0 +1,93 @@
+#include "resilin/core/vocabulary.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <string>
+
+#include "resilin/core/error.hpp"
+#include "shared_data.hpp"
+
+namespace resilin {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct Wish {
+  std::string word;
+  std::vector<std::string> known;
+  std::string cure;
+};
+
+TEST(Vocabulary, SaysWhatAWordIsCalledHere) {
+  const std::vector<Wish> wishes = {
+      {"force", {"nodal_force", "traction"}, "it is called \"nodal_force\" here"},
+      {"plane", {"half_space", "box"}, "it is called \"half_space\" here"},
+      {"Ground-Plane", {"half_space"}, "it is called \"half_space\" here"},
+      {"quasi-static", {"static", "dynamic"}, "it is called \"static\" here"},
+      {"follower_load", {"name"}, "it is [[load]] of kind \"pressure\" here"},
+      {"hgo", {"name"}, "it is called body.material.law here"},
+  };
+  for (const Wish& wish : wishes) EXPECT_EQ(cure_of_word(wish.word, wish.known), wish.cure) << wish.word;
+}
+
+TEST(Vocabulary, SaysWhatIsNotAvailable) {
+  for (const char* word : {"axisymmetric", "plane_stress", "plane stress", "tie", "joint", "plasticity",
+                           "shell", "gpu", "viscoelastic", "explicit", "thermal"})
+    EXPECT_EQ(cure_of_word(word, std::vector<std::string>{"time_step", "tip"}),
+              "not available (docs/limits.md)")
+        << word;
+}
+
+TEST(Vocabulary, LeavesOtherWordsToTheNearestOne) {
+  EXPECT_EQ(cure_of_word("densty", std::vector<std::string>{"density", "law"}), "did you mean \"density\"?");
+  EXPECT_EQ(cure_of_word("xylophone", std::vector<std::string>{"density", "law"}), "");
+}
+
+TEST(Vocabulary, HasEveryWordOnceAndInSmallLetters) {
+  std::set<std::string_view> all;
+  for (const ForeignWord& foreign : vocabulary()) {
+    EXPECT_NE(foreign.called.empty(), foreign.limit.empty());
+    for (const std::string_view word : foreign.words) {
+      EXPECT_TRUE(all.insert(word).second) << word;
+      EXPECT_TRUE(std::ranges::all_of(word, [](unsigned char c) {
+        return std::islower(c) != 0 || std::isdigit(c) != 0 || c == '_';
+      })) << word;
+    }
+  }
+}
+
+/// Text in small letters, blanks and line ends as one blank, without marks of emphasis.
+std::string plain(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    if (c == '*' || c == '`') continue;
+    const bool is_blank = std::isspace(static_cast<unsigned char>(c)) != 0;
+    if (is_blank && result.ends_with(' ')) continue;
+    result += is_blank ? ' ' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  return result;
+}
+
+TEST(Vocabulary, OfWhatIsNotAvailableStandsInThePageOfLimits) {
+  std::ifstream page(testing::source_folder() / "docs" / "limits.md");
+  const std::string limits = plain({std::istreambuf_iterator<char>(page), {}});
+  for (const ForeignWord& foreign : vocabulary()) EXPECT_THAT(limits, HasSubstr(std::string(foreign.limit)));
+}
+
+TEST(RefuseOwnWord, NamesTheWordsThatThereAre) {
+  try {
+    refuse_own_word("load[0].kind", "gpu", std::vector<std::string>{"auto", "direct"});
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "load[0].kind: expected one of auto, direct, got \"gpu\"; not available (docs/limits.md)");
+  }
+}
+
+}  // namespace
+}  // namespace resilin
