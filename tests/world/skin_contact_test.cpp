@@ -89,10 +89,12 @@ TEST(AFlatOpenSkin, TakesTheThicknessOfItsCells) {
 
 TEST(ASkin, ThatIsVeryFineIsFeltFromNoFartherThanItsSides) {
   const World coarse(two_balls({1.1, 0, 0}, 2)), fine(two_balls({1.1, 0, 0}, 7));
-  EXPECT_EQ(default_activation_distance(coarse), 0.005);
+  // A box with the second moments of a ball has sides of sqrt(0.6) diameters.
+  const double of_ball = 0.005 * std::sqrt(0.6);
+  EXPECT_NEAR(default_activation_distance(coarse), of_ball, 0.05 * of_ball);
   // 8 * 4^7 triangles share the ball's area.
   const double side = std::sqrt(4 / std::sqrt(3.0) * 4 * 3.14159265 * 0.25 / (8 * std::pow(4, 7)));
-  EXPECT_NEAR(default_activation_distance(fine), std::min(0.005, side), 0.1 * side);
+  EXPECT_NEAR(default_activation_distance(fine), std::min(of_ball, side), 0.1 * side);
 }
 
 TEST(ASkin, WithATriangleWithoutAreaIsRefusedOnlyWhereItMeets) {

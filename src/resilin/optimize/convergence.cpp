@@ -32,7 +32,7 @@ void Convergence::measure(const VectorX& x, const VectorX& gradient) {
   if (parts_->count() > 1)
     for (Index part = 0; part < parts_->count(); ++part)
       if (measures[part] > 0) weights_[part] = weighted_scale_ / measures[part];
-  weighted_residual_ = largest_weighted(residuals_);
+  weighted_residual_ = residuals_.cwiseProduct(weights_).norm();
   find_worst();
 }
 
@@ -48,17 +48,7 @@ void Convergence::find_worst() {
 }
 
 double Convergence::weighted_norm(const VectorX& gradient) const {
-  return largest_weighted(parts_->norms(gradient, is_fixed_, Unknowns::free));
-}
-
-double Convergence::largest_weighted(const VectorX& norms) const {
-  double largest = 0;
-  for (Index part = 0; part < parts_->count(); ++part) {
-    const double weighted = norms[part] * weights_[part];
-    if (std::isnan(weighted)) return weighted;
-    largest = std::max(largest, weighted);
-  }
-  return largest;
+  return parts_->norms(gradient, is_fixed_, Unknowns::free).cwiseProduct(weights_).norm();
 }
 
 VectorX Convergence::weights_of(const Parts& coarse) const {

@@ -50,8 +50,8 @@ class Convergence {
   /// The free unknown of that part with the largest residual; -1: none, or one of another process.
   Index worst_unknown() const;
 
-  /// The largest residual of a part in a measure in which all count alike, and the force scale in it [N].
-  /// With one part these are the residual and the scale.
+  /// The residual of all parts in a measure in which all count alike, and the force scale in it [N]. With one
+  /// part these are the residual and the scale.
   double weighted_residual() const { return weighted_residual_; }
   double weighted_norm(const VectorX& gradient) const;
   double weighted_scale() const { return weighted_scale_; }
@@ -61,8 +61,6 @@ class Convergence {
 
  private:
   void find_worst();
-  /// The largest of the norms in the measure in which all parts count alike; nan where one is.
-  double largest_weighted(const VectorX& norms) const;
 
   const Objective* objective_;
   std::span<const std::uint8_t> is_fixed_;

@@ -140,7 +140,8 @@ Newton::Search::Outcome Newton::Search::move(const VectorX& gap, bool boundary_m
     if (next == used || next == projection) {
       const Verdict closer = boundary_moves ? Verdict::no : verdict(/*look_closer=*/true);
       if (closer == Verdict::yes) return Outcome::balanced;
-      return closer == Verdict::out_of_digits ? Outcome::out_of_digits : Outcome::stalled;
+      return closer == Verdict::out_of_digits && was_step_rounding() ? Outcome::out_of_digits
+                                                                     : Outcome::stalled;
     }
     projection = next;
   }
@@ -223,7 +224,8 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
         if (!renew_lag(/*is_balanced=*/true)) return finish(Status::converged, "converged");
         now = verdict();
       }
-      if (now == Verdict::out_of_digits && last_residual > 0 && weighted_residual > 0.5 * last_residual)
+      if (now == Verdict::out_of_digits && last_residual > 0 && weighted_residual > 0.5 * last_residual &&
+          was_step_rounding())
         return finish_out_of_digits();
     }
     if (report.iterations >= most_iterations()) {

@@ -66,6 +66,13 @@ struct Newton::Search {
 
   bool is_free(Eigen::Index i) const { return is_fixed[static_cast<std::size_t>(i)] == 0; }
 
+  /// The last step moved nothing by more than rounding of the positions may: else it is not known that a
+  /// large stiffness, as where surfaces were close for a moment, says what rounding leaves.
+  bool was_step_rounding() const {
+    constexpr double most = 1e4 * epsilon;
+    return share.all(step.lpNorm<Eigen::Infinity>() <= most * x.lpNorm<Eigen::Infinity>());
+  }
+
   /// What is still missing at the fixed unknowns, zero at the free ones; empty where nothing is.
   VectorX boundary_gap() const {
     VectorX gap = VectorX::Zero(x.size());

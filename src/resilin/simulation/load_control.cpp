@@ -26,7 +26,8 @@ constexpr Index most_unknowns_counted = 10000;
 /// the body hide, less is then left.
 constexpr double tight_tolerance = 1e-12;
 constexpr double smallest_share_of_path = 1.0 / 64;  ///< of a load step: shorter ones jump where these do
-constexpr double smallest_tight_share = 0.25;        ///< of a load step
+constexpr int most_attempts_without_digits = 4;
+constexpr double smallest_tight_share = 0.25;  ///< of a load step
 
 double turn_between(const World& world, double load, double next) {
   return largest_turn(world, world.at_load(load), world.at_load(next));
@@ -76,9 +77,8 @@ VectorX predicted_positions(const World& world, Objective& potential, const Vect
 /// @param searched  takes the counts of searches
 std::optional<Jump> jump_of_step(const World& world, Newton& newton, const State& state, const VectorX& x,
                                  double load, const NewtonObserver& observer, NewtonReport& searched) {
-  if (is_linear(world)) return std::nullopt;
-  // What is drawn deformed relaxes in the first step.
-  if (state.step == 0 && world.share.any(state.positions != world.rest_positions)) return std::nullopt;
+  // The first step starts from no equilibrium, or from one without load, where bodies may stiffen at once.
+  if (is_linear(world) || state.step == 0) return std::nullopt;
   const auto find = [&](const Equilibrium& from, double at) -> std::optional<Equilibrium> {
     Conditions conditions = world.at_load(at);
     conditions.collider_delay = conditions.time - world.at_load(from.load).time;
@@ -209,8 +209,9 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
     }
     ++report.failed_attempts;
     state.load_increment = 0.5 * (load - state.load);
-    // Smaller steps give no digits.
-    const bool is_out_of_digits = search.status == NewtonReport::Status::out_of_digits;
+    // Smaller steps give no digits, unless surfaces that came too near on the way have taken them.
+    const bool is_out_of_digits = search.status == NewtonReport::Status::out_of_digits &&
+                                  report.failed_attempts > most_attempts_without_digits;
     const bool has_path = !world.friction && world.path_time == 0;  // what arc length can follow
     if (state.load_increment < smallest_load_increment && !is_tight && !is_out_of_digits &&
         settings.tolerance > tight_tolerance) {
