@@ -52,7 +52,7 @@ TEST(SkinsThatMeet, AreRefusedWhereTheyGoThroughEachOtherAndNotWhereOnlyCellsDo)
               AllOf(HasSubstr("\"first\" and \"second\""), HasSubstr("move \"second\" by (")));
   Description inside = two_balls({0.3, 0.3, 0.3});
   inside.bodies[1].scale = 0.3;
-  EXPECT_THAT(refusal_of(inside), AllOf(HasSubstr("share space near"), HasSubstr("move \"second\" by (")));
+  EXPECT_THAT(refusal_of(inside), AllOf(HasSubstr("overlap near"), HasSubstr("move \"second\" by (")));
   EXPECT_THAT(refusal_of(two_balls({1, 0, 0})), HasSubstr("\"first\" and \"second\" touch near"));
   EXPECT_THAT(refusal_of(two_balls({1.001, 0, 0})), IsEmpty());
 }

@@ -27,10 +27,10 @@ std::string message_of(const std::function<void()>& function) {
 TEST(World, NamesTheFreeRigidMotionsOfAStaticBody) {
   Description scene = small_bar(3, false);
   scene.fixes.clear();
-  EXPECT_THAT(refusal_of(scene), AllOf(HasSubstr("6 of 6 rigid motions"), HasSubstr("[[fix]]")));
+  EXPECT_THAT(refusal_of(scene), AllOf(HasSubstr("6 of 6 rigid-body motions"), HasSubstr("[[fix]]")));
   scene = small_bar(2, false);
   scene.fixes[0].components = {true, false, false};
-  EXPECT_THAT(refusal_of(scene), AllOf(HasSubstr("1 of 3 rigid motions"), HasSubstr("translation along y")));
+  EXPECT_THAT(refusal_of(scene), AllOf(HasSubstr("1 of 3 rigid-body motions"), HasSubstr("translation along y")));
 }
 
 TEST(World, ChoosesTheElementByPoissonsRatioAtRestAndInMotionAlike) {
