@@ -245,7 +245,7 @@ TEST(AStaticBodyOnTheGround, IsNotHeldSideways) {
       << message;
   EXPECT_NE(message.find("constrains a body only within the activation distance"), message.npos);
   scene.bodies[0].translate = {0, 0, 0.1};
-  EXPECT_NE(refusal_of(scene).find("6 of 6 rigid motions"), std::string::npos);
+  EXPECT_NE(refusal_of(scene).find("6 of 6 rigid-body motions"), std::string::npos);
 }
 
 TEST(FreeVibrations, RefuseColliders) {
