@@ -42,7 +42,7 @@ TEST_F(New, NeverWritesOverAFile) {
   folder.write("a.toml", "mine");
   const ProgramResult result = run({"new", data("beam3_tet.veg"), "--out", "a.toml"});
   EXPECT_EQ(result.exit_code, 1);
-  EXPECT_THAT(result.err, HasSubstr("a.toml: is there already"));
+  EXPECT_THAT(result.err, HasSubstr("a.toml: exists already"));
   EXPECT_EQ(read_file(folder / "a.toml"), "mine");
 }
 

@@ -166,7 +166,7 @@ TEST_F(ShownResultsOfARun, BecomeAFilmWithOneRangeAndOneFraming) {
               HasSubstr("expected a name that ends in .png or .apng"));
   EXPECT_EQ(run_program(folder.path(), {"film", "nothing", "--out", "box.png"}).exit_code, 1);
   EXPECT_THAT(run_program(folder.path(), {"film", "out/box", "--out", "box.png", "--mode", "3"}).err,
-              HasSubstr("expected a run of vibrations"));
+              HasSubstr("expected a modal analysis"));
 }
 
 TEST_F(ShownResultsOfARun, BecomeAFilmOfAnyKindByFfmpeg) {
