@@ -54,7 +54,7 @@ SkinTiming measure(const std::string& name, Mesh mesh, Mesh surface) {
   const World world(body_with_skin(std::move(mesh), std::move(surface)));
   const Body& body = world.bodies[0];
   const Skin& skin = *body.skin;
-  const ElementInfo& element = body.elastic->element();
+  const ElementInfo& element = body.domains.element();
   std::vector<Vector3> points;
   for (Eigen::Index i = 0; i < skin.rest_positions.size(); i += 3)
     points.emplace_back(skin.rest_positions.segment<3>(i));

@@ -125,13 +125,20 @@ void print_scene(const Scene& scene, const World& world) {
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     const Body& body = world.bodies[b];
     const BodyDescription& description = scene.description.bodies[b];
-    print_line("body " + one_line(body.name) + ": " + body.law + ", " + one_line(description.mesh_name) +
-               ", mass " + format_short(body.mass) + " kg");
+    print_line("body " + one_line(body.name) + ": " + body.domains.laws() + ", " +
+               one_line(description.mesh_name) + ", mass " + format_short(body.mass) + " kg");
     std::vector<std::vector<std::string>> rows = {
         {"  element", body.element + (body.element_reason.empty() ? "" : ": " + body.element_reason)},
-        {"  quadrature", std::string(body.elastic->quadrature().name)}};
-    for (const auto& [constant, value] : body.constants)
-      rows.push_back({"  " + constant, format_short(value)});
+        {"  quadrature", std::string(body.domains.quadrature().name)}};
+    const bool has_regions = !description.regions.empty();
+    for (const Domain& domain : body.domains) {
+      if (has_regions)
+        rows.push_back({domain.name.empty() ? "  other cells" : "  region " + one_line(domain.name),
+                        domain.law + ", " + std::to_string(domain.energy->num_cells()) + " cells, density " +
+                            format_short(domain.density) + " kg/m^3"});
+      for (const auto& [constant, value] : domain.constants)
+        rows.push_back({(has_regions ? "    " : "  ") + constant, format_short(value)});
+    }
     for (auto& row : mesh_rows(description.mesh, box_of_body(world, body))) rows.push_back(std::move(row));
     if (body.skin)
       rows.push_back(

@@ -47,7 +47,7 @@ void expect_everywhere(const World& world, const State& state, const std::string
       const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> value(values.data() + i);
       // Displacements of the vertices carry round-offs of F; the fit is solved to 1e-13.
       ASSERT_LT((value - expected).norm(), 1e-11 * std::max(expected.norm(), 1e-3))
-          << prefix << name << " in " << world.bodies[0].law;
+          << prefix << name << " in " << world.bodies[0].domains.front().law;
     }
   }
 }
@@ -60,7 +60,7 @@ TEST(Fields, OfAUniformStateAreExactForEveryLawInTwoAndThreeDimensions) {
       const World world(scene);
       const Matrix<3> F = sample_F(dim);
       const State state = uniform_state(world, F);
-      const Material material = world.bodies[0].elastic->material(0);
+      const Material material = world.bodies[0].domains.front().energy->material(0);
       const Matrix<3> P = first_piola_kirchhoff_stress<3>(material, F);
       const bool is_small = law->kind == LawKind::small_strain;
       expect_everywhere(world, state, "cauchy_stress", cauchy_stress<3>(material, F));
@@ -75,7 +75,7 @@ TEST(Fields, ThatAreReadOffAStressAgreeWithIt) {
   const World world(small_bar(3, false));
   const Matrix<3> F = sample_F(3);
   const State state = uniform_state(world, F);
-  const Matrix<3> sigma = cauchy_stress<3>(world.bodies[0].elastic->material(0), F);
+  const Matrix<3> sigma = cauchy_stress<3>(world.bodies[0].domains.front().energy->material(0), F);
   const Principal expected = principal(sigma);
   const double tolerance = 1e-11 * sigma.norm();  // as above
   for (const std::string prefix : {"", "nodal_"}) {
@@ -97,7 +97,7 @@ TEST(Fields, OnTheNodesKeepTheMeanOfTheCells) {
   const World& world = simulation.world();
   const std::vector<double> cells = values_of(world, simulation.state(), "volume_ratio");
   const std::vector<double> nodes = values_of(world, simulation.state(), "nodal_volume_ratio");
-  const std::vector<double> volumes = world.bodies[0].elastic->rest_volumes();
+  const std::vector<double> volumes = world.bodies[0].domains.front().energy->rest_volumes();
   double of_cells = 0, of_nodes = 0;
   for (std::size_t cell = 0; cell < cells.size(); ++cell) {
     of_cells += volumes[cell] * (cells[cell] - 1);
@@ -105,7 +105,8 @@ TEST(Fields, OnTheNodesKeepTheMeanOfTheCells) {
       of_nodes +=
           volumes[cell] / 4 * (nodes[static_cast<std::size_t>(world.bodies[0].cells[4 * cell + a])] - 1);
   }
-  EXPECT_NEAR(of_nodes, of_cells, 1e-11 * world.bodies[0].elastic->total_rest_volume());  // solved to 1e-13
+  EXPECT_NEAR(of_nodes, of_cells,
+              1e-11 * world.bodies[0].domains.front().energy->total_rest_volume());  // solved to 1e-13
 }
 
 TEST(Fields, OfTwoBodiesAreSmoothedEachForItself) {
@@ -137,7 +138,7 @@ TEST(Fields, OfTheCellsHaveANameForEachWayToBringThemToTheVertices) {
   const std::vector<double> cells = values_of(world, simulation.state(), "von_mises");
   const std::vector<double> averages = values_of(world, simulation.state(), "averaged_von_mises");
   const Body& body = world.bodies[0];
-  const std::vector<double> volumes = body.elastic->rest_volumes();
+  const std::vector<double> volumes = body.domains.front().energy->rest_volumes();
   for (Index node = 0; node < world.num_nodes(); ++node) {
     double sum = 0, volume = 0;
     for (std::size_t i = 0; i < body.cells.size(); ++i)

@@ -43,8 +43,11 @@ Body one_cell(const ElementInfo& element, VectorX& X) {
   body.cells = std::move(nodes);
   const LawInfo& law = require_law("neo_hookean", "law");
   const auto constants = law.constants_from(hooke_from_young_poisson(1e5, 0.3));
-  body.elastic =
+  Domain domain;
+  domain.cells = body.cells;
+  domain.energy =
       std::make_shared<const ElasticEnergy>(element.dim, element.name, body.cells, X, law, constants);
+  body.domains = Domains({std::move(domain)});
   return body;
 }
 
@@ -64,7 +67,7 @@ TEST_P(NodalFitOnEveryElement, MeetsALinearField) {
   const Body body = one_cell(element, X);
   const auto n = static_cast<std::size_t>(element.num_nodes);
   std::vector<double> values, N(n);
-  for (const QuadraturePoint& point : body.elastic->quadrature().points) {
+  for (const QuadraturePoint& point : body.domains.front().energy->quadrature().points) {
     element.shape_values(point.xi, N);
     Vector3 place = Vector3::Zero();
     for (std::size_t a = 0; a < n; ++a) place += N[a] * node_position(element.dim, static_cast<Index>(a), X);
@@ -81,7 +84,7 @@ TEST(NodalFit, OfConstantCellsIsTheirProjection) {
   for (const World& world : sample_worlds()) {
     const Body& body = world.bodies[0];
     const auto n = static_cast<std::size_t>(num_nodes(body.cell_kind));
-    const std::vector<double> volumes = body.elastic->rest_volumes();
+    const std::vector<double> volumes = body.domains.front().energy->rest_volumes();
     Eigen::MatrixXd M = Eigen::MatrixXd::Zero(body.num_nodes, body.num_nodes);
     Eigen::MatrixXd b = Eigen::MatrixXd::Zero(body.num_nodes, 4);
     std::vector<double> values;

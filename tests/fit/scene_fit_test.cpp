@@ -81,6 +81,37 @@ TEST_F(SceneFit, GivesIntervalsThatHoldTheTruthAsOftenAsTheySay) {
   }
 }
 
+/// The two moduli as those of the body and of a region, each found by its own key; no number for each cell.
+TEST_F(SceneFit, FindsTheModulusOfARegion) {
+  const auto strip_of = [](const std::string& root, const std::string& tip) {
+    std::string strip = sagging_strip;
+    strip.replace(strip.find("{ file = \"young.csv\" }"), 22, root);
+    strip.insert(
+        strip.find("[[fix]]"),
+        "[[body.region]]\nname = \"tip\"\nwhere = { box = [[0.5, 0], [1, 0.2]] }\nmaterial = { law = "
+        "\"neo_hookean\", poissons_ratio = 0.3, youngs_modulus = " +
+            tip + " }\n");
+    return strip;
+  };
+  const Simulation truth = run_to_the_end(scene(strip_of("8e5", "3e5")));
+  folder.write("markers.csv", markers_csv(truth, middle_line(), 0, random));
+  scene(strip_of("5e5", "5e5"));
+  const std::string markers =
+      "[[experiment]]\nscene = \"scene.toml\"\nmarkers = { file = \"markers.csv\" }\n";
+  const SceneFitReport report = fit(markers +
+                                    "[[parameter]]\nkey = \"body.bar.material.youngs_modulus\"\n"
+                                    "[[parameter]]\nkey = \"body.bar.region.tip.material.youngs_modulus\"\n");
+  EXPECT_NEAR(report.parameters[0].value, 8e5, 1e-4 * 8e5);
+  EXPECT_NEAR(report.parameters[1].value, 3e5, 1e-4 * 3e5);
+  EXPECT_EQ(report.parameters[1].unit, "Pa");
+  EXPECT_THAT(scene_material_toml(report),
+              HasSubstr("# Under the [[body.region]] \"tip\" of \"bar\":\nmaterial = "));
+  for (const std::string key :
+       {"body.bar.material.youngs_modulus", "body.bar.region.tip.material.youngs_modulus"})
+    EXPECT_THAT(error_of(markers + "[[parameter]]\nkey = \"" + key + "\"\nper = \"cell\"\n"),
+                HasSubstr("expected one number of a body with regions"));
+}
+
 /// Truth by quadratic triangles, the fit by few linear ones, which bend far too little.
 TEST_F(SceneFit, ReportsAModelErrorWhereTheMeshIsTooCoarse) {
   std::string strip = sagging_strip;

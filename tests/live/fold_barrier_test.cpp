@@ -26,7 +26,7 @@ struct EveryElementFoldBarrier : OnEveryElement {
     scene.bodies.push_back(std::move(body));
     return scene;
   }()};
-  const std::shared_ptr<const ElasticEnergy> elastic = world.bodies[0].elastic;
+  const std::shared_ptr<const ElasticEnergy> elastic = world.bodies[0].domains.front().energy;
   FoldBarrier barrier{elastic, {3e5 /* Pa */}};
 
   /// Pressed to this part of its width, nodes moved by a hundredth of what is left of cells.

@@ -107,7 +107,7 @@ TEST(LiveScene, HeldPoseConvergesAndTheHandKeepsItsForce) {
   ASSERT_TRUE(scene.report().at_rest) << scene.report().words;
   // Nothing else pulls: at rest the elastic force at the corner is the hand's.
   VectorX forces = VectorX::Zero(scene.state().positions.size());
-  scene.world().bodies[0].elastic->add_gradient(scene.state().positions, {}, forces);
+  scene.world().bodies[0].domains.front().energy->add_gradient(scene.state().positions, {}, forces);
   EXPECT_NEAR(forces.segment(3 * Eigen::Index{corner}, 3).norm(), 20, 1e-4);
 }
 
@@ -282,12 +282,45 @@ TEST(LiveScene, ChangesHowBodiesTouch) {
   controls = scene.controls();
   controls.youngs_modulus = 1e6;
   controls.contact_distance = 0.3;  // beyond half the thickness
-  const auto constants = scene.world().bodies[0].constants;
+  const auto constants = scene.world().bodies[0].domains.front().constants;
   EXPECT_THROW(scene.set_controls(controls), InputError);
   EXPECT_EQ(scene.controls().youngs_modulus, 3e5);
   EXPECT_EQ(scene.world().contact->activation_distance(), 0.02);
-  EXPECT_EQ(scene.world().bodies[0].constants, constants) << "all or nothing";
+  EXPECT_EQ(scene.world().bodies[0].domains.front().constants, constants) << "all or nothing";
   scene.step(unhurried);
+}
+
+/// The sliders are those of the body's own material: regions keep theirs.
+TEST(LiveScene, PlaysABodyWithRegions) {
+  Description description = standing_block(2);
+  RegionDescription top;
+  top.name = "top";
+  top.where.kind = Where::Kind::box;
+  top.where.min = {0, 0, 0.5};
+  top.where.max = {1, 1, 1};
+  top.material.constants["youngs_modulus"] = 1e6;
+  description.bodies[0].regions.push_back(top);
+  LiveScene scene(description);
+  steps_to_rest(scene);
+  EXPECT_TRUE(scene.report().at_rest) << scene.report().words;
+  Description statics = description;
+  statics.is_dynamic = false;
+  statics.newton.tolerance = 1e-10;
+  Simulation simulation(statics);
+  while (!simulation.is_finished()) ASSERT_EQ(simulation.step().status, StepReport::Status::converged);
+  const VectorX& expected = simulation.state().positions;
+  EXPECT_LT((scene.state().positions - expected).norm(),
+            1e-6 * (expected - simulation.world().rest_positions).norm());
+  LiveControls controls = scene.controls();
+  controls.youngs_modulus = 3e5;
+  controls.law = "neo_hookean";
+  scene.set_controls(controls);
+  const Domains& domains = scene.world().bodies[0].domains;
+  EXPECT_EQ(domains[0].law, "neo_hookean");
+  EXPECT_EQ(domains[1].law, "stable_neo_hookean");
+  EXPECT_NEAR(domains[1].constants[0].second, 1e6 / 2.8, 1e-6);
+  for (int i = 0; i < 5; ++i) scene.step(unhurried);
+  EXPECT_EQ(scene.report().inverted_cells, 0);
 }
 
 TEST(LiveScene, BallPushesAndNeverEnters) {
@@ -334,7 +367,7 @@ TEST(LiveScene, ChangesItsLawUnlessCellsAreInsideOut) {
   for (const LawInfo* law : live_laws()) {
     controls.law = law->name;
     scene.set_controls(controls);
-    EXPECT_EQ(scene.world().bodies[0].law, law->name);
+    EXPECT_EQ(scene.world().bodies[0].domains.front().law, law->name);
     scene.step(unhurried);
   }
   controls.law = "stable_neo_hookean";
@@ -344,7 +377,7 @@ TEST(LiveScene, ChangesItsLawUnlessCellsAreInsideOut) {
   scene.place(mirrored, VectorX::Zero(mirrored.size()));
   controls.law = "neo_hookean";
   EXPECT_THROW(scene.set_controls(controls), InputError);
-  EXPECT_EQ(scene.world().bodies[0].law, "stable_neo_hookean");
+  EXPECT_EQ(scene.world().bodies[0].domains.front().law, "stable_neo_hookean");
 }
 
 /// What E and nu do not determine stays as it was given.
@@ -358,9 +391,9 @@ TEST(LiveScene, ChangesTheStiffnessOfALawWithFibres) {
   LiveScene scene(std::move(description));
   LiveControls controls = scene.controls();
   controls.youngs_modulus *= 2;
-  const Material before = scene.world().bodies[0].elastic->material(0);
+  const Material before = scene.world().bodies[0].domains.front().energy->material(0);
   scene.set_controls(controls);
-  const Material after = scene.world().bodies[0].elastic->material(0);
+  const Material after = scene.world().bodies[0].domains.front().energy->material(0);
   ASSERT_EQ(after.law->name, "holzapfel_gasser_ogden");
   for (std::size_t i = 0; i < after.constants.size(); ++i) {
     const double factor = after.law->constants[i].is_free ? 1 : 2;

@@ -47,6 +47,34 @@ TEST(ResumedRun, RemembersTheStepsThatHadFailed) {
   }
 }
 
+/// Bits of every file, also where a body has several materials; those of other regions are another scene.
+TEST(ResumedRun, OfABodyWithRegionsGivesTheSameBits) {
+  const TemporaryFolder folder;
+  Description scene = small_bar(3, true);
+  RegionDescription core;
+  core.name = "core";
+  core.where.kind = Where::Kind::box;
+  core.where.min = {0.5, 0, 0};
+  core.where.max = {1, 1, 1};
+  core.material.constants["youngs_modulus"] = 4e5;
+  core.material.density = 3000;
+  scene.bodies[0].regions.push_back(core);
+  scene.integrator = "newmark";
+  run_into(folder / "whole", scene, 0);
+  for (int parts = 0; parts < 3; ++parts) run_into(folder / "parts", scene, 3);
+  run_into(folder / "parts", scene, 0);
+  EXPECT_EQ(folder.read("parts/checkpoint.bin"), folder.read("whole/checkpoint.bin"));
+  EXPECT_EQ(read_report(folder / "parts" / "report.json").frames,
+            read_report(folder / "whole" / "report.json").frames);
+  scene.bodies[0].regions[0].material.constants["youngs_modulus"] = 5e5;
+  try {
+    run_into(folder / "parts", scene, 0);
+    ADD_FAILURE() << "goes on as another scene";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("body.body.region.core.material.youngs_modulus"));
+  }
+}
+
 /// A bar thrown long is strained most early on; damping takes the rest.
 TEST(ResumedRun, RemembersWhereItWasStrainedMost) {
   const TemporaryFolder folder;

@@ -60,7 +60,8 @@ TEST(EveryLaw, HasTheConstantsThatAreGivenByName) {
       material += ", " + std::string(law->constants[i].name) + " = " + format_number(constants[i]);
     if (law->max_fibres > 0) material += ", fibres = [[1, 0, 0]]";
     const Scene scene = read_good_scene_with({"body.0.material=" + material + " }"});
-    EXPECT_EQ(World(scene.description).bodies[0].elastic->material(0).constants, constants) << material;
+    EXPECT_EQ(World(scene.description).bodies[0].domains.front().energy->material(0).constants, constants)
+        << material;
   }
 }
 

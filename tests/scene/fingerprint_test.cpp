@@ -147,7 +147,7 @@ TEST(Fingerprint, IsTheSameForTheSameSceneHoweverItIsWritten) {
 
 TEST(Fingerprint, TakesTheRuleThatAnElementHasAnywayForNone) {
   const World world(read_text(good_scene).description);
-  const std::string own(world.bodies[0].elastic->element().default_quadrature);
+  const std::string own(world.bodies[0].domains.element().default_quadrature);
   const World named(read_good_scene_with({"body.beam.quadrature=\"" + own + "\""}).description);
   EXPECT_FALSE(first_difference(world.fingerprint, named.fingerprint)) << own;
 }

@@ -264,6 +264,30 @@ components = "y"
   EXPECT_THAT(error_with({"simulation.dimension=2"}), HasSubstr("since simulation.dimension is 2, got 3"));
 }
 
+TEST(SceneFile, ReadsRegionsOfABody) {
+  const std::string regions =
+      "body.0.region=[{name=\"core\", where={box=[[1,0,0],[2,1,1]]}, material={law=\"gent\", density=2000}},"
+      "{where={group=\"body\"}, material={youngs_modulus=2e6}}]";
+  const std::vector<RegionDescription> read =
+      read_good_scene_with({regions, "body.beam.region.core.material.youngs_modulus=3e6"})
+          .description.bodies[0]
+          .regions;
+  ASSERT_EQ(read.size(), 2U);
+  EXPECT_EQ(read[0].name, "core");
+  EXPECT_EQ(read[0].where.kind, Where::Kind::box);
+  EXPECT_EQ(read[0].material.law, "gent");
+  EXPECT_EQ(read[0].material.density, 2000);
+  EXPECT_EQ(read[0].material.constants.at("youngs_modulus"), 3e6);
+  EXPECT_EQ(read[1].name, "2");
+  EXPECT_EQ(read[1].where.group, "body");
+
+  EXPECT_THAT(error_with({"body.0.region={name=\"core\"}"}),
+              HasSubstr("a list of tables, each headed [[body.region]]"));
+  EXPECT_THAT(error_with({"body.0.region=[{name=\"core\", material={}}]"}), HasSubstr("where"));
+  EXPECT_THAT(error_with({"body.0.region=[{where=\"all\"}]"}), HasSubstr("material"));
+  EXPECT_THAT(error_with({"body.0.region=[{where=\"all\", material={}, law=\"gent\"}]"}), HasSubstr("law"));
+}
+
 TEST(SceneFile, ReadsASkinByItsNameOrAsATable) {
   const std::string file = (source_folder() / "tests/scene/scenes/beside/skin.obj").string();
   const auto skin_of = [](const std::string& value) {

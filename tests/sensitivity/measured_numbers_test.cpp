@@ -33,7 +33,7 @@ Description cut_bar(int dimension, bool is_dynamic, const std::string& element) 
 /// A place in the second cell of the body, at these reference coordinates.
 Vector3 place_in_cell(const World& world, const Vector3& xi) {
   const Body& body = world.bodies[0];
-  const ElementInfo& element = body.elastic->element();
+  const ElementInfo& element = body.domains.front().energy->element();
   const auto n = static_cast<std::size_t>(element.num_nodes);
   std::vector<double> shape(n);
   element.shape_values(xi, shape);
@@ -162,10 +162,11 @@ TEST_P(EveryElementsNumbers, AreThoseOfTheReport) {
                   1e-12 * frame.sections[0].force.norm());
 
     const Body& body = world.bodies[0];
-    const std::vector<Matrix<3>> stresses = body.elastic->cauchy_stresses(x);
-    const Vector3 at = place_in_cell(world, body.elastic->quadrature().points.back().xi);
+    const std::vector<Matrix<3>> stresses = body.domains.front().energy->cauchy_stresses(x);
+    const Vector3 at = place_in_cell(world, body.domains.front().energy->quadrature().points.back().xi);
     const Matrix<3>& expected =
-        stresses[2 * static_cast<std::size_t>(body.elastic->num_points()) - 1];  // of the second cell
+        stresses[2 * static_cast<std::size_t>(body.domains.front().energy->num_points()) -
+                 1];  // of the second cell
     EXPECT_LT((StressAtPlace(world, body, at, "place").stress(x) - expected).norm(), 1e-9 * expected.norm());
   }
 }

@@ -67,7 +67,7 @@ TEST(EveryLaw, PassesThePatchTestOnADistortedMesh) {
       }
       EXPECT_LT(largest_error, 1e-12);  // lengths are about 1
       // The energy is that of one material point, for the volume is 1.
-      const Material material = world.bodies[0].elastic->material(0);
+      const Material material = world.bodies[0].domains.front().energy->material(0);
       const double density =
           dimension == 3
               ? from_displacement_gradient::energy_density<3>(material, gradient)

@@ -65,7 +65,7 @@ TEST(LinearProblem, TellsTheLoadThatInvertsACell) {
     // The solution scales with the load: at that load the smallest volume ratio is zero, in that cell.
     const VectorX& X = simulation.world().rest_positions;
     const VectorX u = simulation.state().positions - X;
-    const ElasticEnergy& elastic = *simulation.world().bodies[0].elastic;
+    const ElasticEnergy& elastic = *simulation.world().bodies[0].domains.front().energy;
     const auto [ratio, cell] = elastic.min_volume_ratio(X + report.inversion->load * u);
     EXPECT_NEAR(ratio, 0, 1e-10);
     EXPECT_EQ(cell, report.inversion->cell);

@@ -38,6 +38,14 @@ Description crowded_scene(const std::string& element, MassKind mass) {
   block.name = "block";
   block.mesh = make_box({0.3, 0.25, 0.25}, {2, 2, 2});
   block.translate = {0, 3, 0};
+  RegionDescription core;
+  core.name = "core";
+  core.where.kind = Where::Kind::box;
+  core.where.min = {0.1, 3.05, 0};
+  core.where.max = {0.3, 3.25, 0.2};
+  core.material.constants["youngs_modulus"] = 3e5;
+  core.material.density = 2000;
+  block.regions.push_back(core);
   scene.bodies.push_back(block);
   scene.fixes[0].body = "body";
   scene.probes[0].body = "body";
@@ -141,6 +149,12 @@ TEST_P(EveryElementInParts, HasTheEnergiesForcesAndVerdictsOfTheWhole) {
         EXPECT_NEAR(own_scales[part], scales[part], summing_error * scales[part]);
       EXPECT_NEAR(measured.kinetic_energy, frame.kinetic_energy, summing_error * frame.kinetic_energy);
       EXPECT_NEAR(measured.elastic_energy, frame.elastic_energy, summing_error * frame.elastic_energy);
+      ASSERT_EQ(measured.regions.size(), 2U);
+      for (std::size_t i = 0; i < 2; ++i) {
+        EXPECT_GT(frame.regions[i].elastic_energy, 0);
+        EXPECT_NEAR(measured.regions[i].elastic_energy, frame.regions[i].elastic_energy,
+                    summing_error * frame.elastic_energy);
+      }
       EXPECT_NEAR(measured.contact_energy, frame.contact_energy,
                   summing_error * std::abs(frame.contact_energy));
       EXPECT_GT(frame.contact_energy, 0);

@@ -8,7 +8,7 @@ namespace resilin::testing {
 namespace {
 
 double total_rest_volume(const Simulation& simulation) {
-  return simulation.world().bodies[0].elastic->total_rest_volume();
+  return simulation.world().bodies[0].domains.front().energy->total_rest_volume();
 }
 
 TEST(StaticsReference, CooksMembraneInTwoDimensions) {

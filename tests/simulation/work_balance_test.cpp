@@ -41,7 +41,7 @@ WorkBalance balance_along(const Simulation& simulation, const World& energies, c
   VectorX gradient;
   potential.gradient(x, gradient);
   World world = simulation.world();
-  world.bodies[0].elastic = energies.bodies[0].elastic;
+  world.bodies[0].domains = energies.bodies[0].domains;
   const std::vector<VectorX> acting = potential.gradients_without(EnergyCategory::elastic, x);
   return measure_work(world, potential, x, gradient, acting, displacement)[0];
 }

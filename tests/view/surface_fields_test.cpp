@@ -96,7 +96,7 @@ TEST(SurfaceFields, AreMeansOfTheCellsAroundAVertexByVolume) {
   const std::vector<double> cells =
       FieldEvaluator(world).evaluate(state, std::vector<std::string>{"volume_ratio"}).front().values;
   const Body& body = world.bodies[0];
-  const std::vector<double> volumes = body.elastic->rest_volumes();
+  const std::vector<double> volumes = body.domains.front().energy->rest_volumes();
   const ShownSurface surface(world);
   std::vector<float> values(static_cast<std::size_t>(surface.num_vertices()));
   SurfaceFields(world, surface).evaluate(world, state, "averaged_volume_ratio", values);

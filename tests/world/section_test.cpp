@@ -71,13 +71,13 @@ TEST(SectionForce, CountsTheShareOfTheWeightThatBelongsToTheLowerCells) {
   scene.newton.tolerance = 1e-11;
   const Simulation simulation = run_all(scene);
   const Body& body = simulation.world().bodies[0];
-  const std::vector<double> volumes = body.elastic->rest_volumes();
+  const std::vector<double> volumes = body.domains.front().energy->rest_volumes();
   double upper_mass = 0;
   for (std::size_t cell = 0; cell < volumes.size(); ++cell) {
     double x = 0;
     for (std::size_t a = 0; a < 4; ++a)
       x += 0.25 * simulation.world().rest_positions[3 * Eigen::Index{body.cells[4 * cell + a]}];
-    if (x >= 0.5) upper_mass += body.density * volumes[cell];
+    if (x >= 0.5) upper_mass += body.domains.front().density * volumes[cell];
   }
   EXPECT_NEAR(simulation.frame().sections[0].force.x(), 9.81 * upper_mass, 1e-8 * 9.81 * upper_mass);
 }

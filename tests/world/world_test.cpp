@@ -226,7 +226,8 @@ TEST(CellConstants, MakeOnePartOfABodyStiffer) {
   scene.loads.push_back(pull);
   const Simulation simulation = run_all(scene);
   EXPECT_NEAR(simulation.frame().probes[0].displacement.x(), 0.5 * 100 / 1e5 + 0.5 * 100 / 4e5, 1e-9);
-  EXPECT_NEAR(simulation.world().bodies[0].constants[0].second, 0.5 * 2.5e5, 1e-6);  // the mean shear modulus
+  EXPECT_NEAR(simulation.world().bodies[0].domains.front().constants[0].second, 0.5 * 2.5e5,
+              1e-6);  // the mean shear modulus
 
   young.pop_back();
   EXPECT_THAT(refusal_of(scene), HasSubstr("a value for each of"));

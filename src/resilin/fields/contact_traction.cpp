@@ -22,7 +22,7 @@ namespace {
 class MiddleNodes {
  public:
   explicit MiddleNodes(const Body& body) {
-    const ElementInfo& element = body.elastic->element();
+    const ElementInfo& element = body.domains.element();
     if (element.degree < 2) return;
     const auto width = static_cast<std::size_t>(element.num_nodes);
     for (std::size_t first = 0; first < body.cells.size(); first += width) {

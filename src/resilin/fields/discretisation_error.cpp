@@ -86,16 +86,32 @@ CellMaterials cell_materials(const ElasticEnergy& elastic) {
   return found;
 }
 
+/// Those of all domains, each with numbers of its own.
+CellMaterials cell_materials(const Domains& domains) {
+  CellMaterials all{std::vector<Index>(static_cast<std::size_t>(domains.num_cells()), 0), {}};
+  for (const Domain& domain : domains) {
+    if (domain.energy->num_cells() == 0) continue;
+    const CellMaterials own = cell_materials(*domain.energy);
+    for (Index cell = 0; cell < domain.energy->num_cells(); ++cell)
+      all.of_cells[static_cast<std::size_t>(domain.number_of(cell))] =
+          static_cast<Index>(all.moduli.size()) + own.of_cells[static_cast<std::size_t>(cell)];
+    all.moduli.insert(all.moduli.end(), own.moduli.begin(), own.moduli.end());
+  }
+  return all;
+}
+
 /// What brings a body nearer to the exact solution: the element that "auto" takes, where it is another one,
 /// and finer cells.
 std::string finer_choice(const Body& body) {
   double poissons_ratio = -1;
-  for (const Hooke& moduli : cell_materials(*body.elastic).moduli)
+  for (const Hooke& moduli : cell_materials(body.domains).moduli)
     poissons_ratio = std::max(poissons_ratio, moduli.poissons_ratio());
+  const auto stands_apart = [](const Domain& domain) { return domain.law_info().has_volume_energy; };
+  const auto limiting = std::ranges::find_if_not(body.domains, stands_apart);
+  const LawInfo& law = (limiting == body.domains.end() ? body.domains.front() : *limiting).law_info();
   const ElementInfo& chosen =
-      *choose_element({.cells = body.cell_kind, .law = body.elastic->law(), .poissons_ratio = poissons_ratio})
-           .element;
-  if (&chosen != &body.elastic->element())
+      *choose_element({.cells = body.cell_kind, .law = law, .poissons_ratio = poissons_ratio}).element;
+  if (&chosen != &body.domains.element())
     return "element = \"" + std::string(chosen.name) + "\" or finer cells";
   if (is_simplex(chosen.shape)) return "finer cells";
   return "finer cells or " + std::string(chosen.dim == 3 ? "tetrahedra" : "triangles");
@@ -140,7 +156,7 @@ Eigen::MatrixXd reference_polynomials(const QuadratureRule& rule, int dim, int d
   return values;
 }
 
-ErrorSamples error_samples(const ElasticEnergy& elastic) {
+ErrorSamples error_samples(const Domains& elastic) {
   const ElementInfo& element = elastic.element();
   const QuadratureRule& own = elastic.quadrature();
   ErrorSamples samples{.rule = &own,
@@ -202,8 +218,9 @@ bool is_strained(const Sums& sums) { return sums.strain > least_strain * least_s
 class StressErrors {
  public:
   StressErrors(const World& world, const Body& body, const VectorX& positions)
-      : elastic_(*body.elastic),
-        stresses_(turned_back_stresses(elastic_, positions)),
+      : elastic_(body.domains),
+        stresses_(elastic_.by_cell(
+            [&](const ElasticEnergy& energy) { return turned_back_stresses(energy, positions); })),
         materials_(cell_materials(elastic_)),
         samples_(error_samples(elastic_)),
         places_(body, world.rest_positions, *samples_.rule),
@@ -251,7 +268,7 @@ class StressErrors {
     return differences;
   }
 
-  const ElasticEnergy& elastic_;
+  const Domains& elastic_;
   std::vector<SymmetricTensor> stresses_;  ///< at the quadrature points
   CellMaterials materials_;
   ErrorSamples samples_;
@@ -263,7 +280,7 @@ class StressErrors {
 }  // namespace
 
 std::optional<double> discretisation_error(const World& world, const Body& body, const VectorX& positions) {
-  const ElasticEnergy& elastic = *body.elastic;
+  const Domains& elastic = body.domains;
   if (elastic.num_cells() == 0) return std::nullopt;
   const StressErrors errors(world, body, positions);
   if (!errors.has_enough_points()) return std::nullopt;
@@ -283,9 +300,10 @@ std::optional<double> discretisation_error(const World& world, const Body& body,
 }
 
 std::optional<double> squared_solution_norm(const Body& body, const VectorX& positions) {
-  const ElasticEnergy& elastic = *body.elastic;
+  const Domains& elastic = body.domains;
   if (elastic.num_cells() == 0) return std::nullopt;
-  const std::vector<SymmetricTensor> stresses = turned_back_stresses(elastic, positions);
+  const std::vector<SymmetricTensor> stresses =
+      elastic.by_cell([&](const ElasticEnergy& energy) { return turned_back_stresses(energy, positions); });
   const CellMaterials materials = cell_materials(elastic);
   const std::vector<double> volumes = elastic.point_volumes();
   const auto num_points = static_cast<std::size_t>(elastic.num_points());

@@ -19,10 +19,10 @@ std::vector<double> nodal_vectors(const VectorX& values, int dim) {
 }
 
 /// Means over the cells' rest volume.
-std::vector<double> cell_means(const ElasticEnergy& elastic, const std::vector<double>& points,
+std::vector<double> cell_means(const Domains& domains, const std::vector<double>& points,
                                std::size_t components) {
-  const std::vector<double> volumes = elastic.point_volumes();
-  const auto num_points = static_cast<std::size_t>(elastic.num_points());
+  const std::vector<double> volumes = domains.point_volumes();
+  const auto num_points = static_cast<std::size_t>(domains.num_points());
   if (num_points == 1) return points;
   std::vector<double> means(points.size() / num_points, 0.0);
   for (std::size_t cell = 0; cell * num_points < volumes.size(); ++cell) {
@@ -45,7 +45,9 @@ class Samples {
 
   const std::vector<double>& at_points(const CellQuantity& quantity, std::size_t body) {
     auto [place, is_new] = points_.try_emplace({quantity.sample, body});
-    if (is_new) place->second = quantity.sample(*world_.bodies[body].elastic, x_);
+    if (is_new)
+      place->second = world_.bodies[body].domains.by_cell(
+          [&](const ElasticEnergy& energy) { return quantity.sample(energy, x_); });
     return place->second;
   }
 
@@ -120,7 +122,7 @@ std::vector<FieldValues> FieldEvaluator::evaluate(const State& state, std::span<
     const auto reduce = [&](std::size_t body, const std::vector<double>& points) {
       return is_fitted
                  ? fit_of(body).fit(points, components)
-                 : cell_means(*world_.bodies[body].elastic, points, static_cast<std::size_t>(components));
+                 : cell_means(world_.bodies[body].domains, points, static_cast<std::size_t>(components));
     };
     std::vector<double> values =
         derived(quantity, field.components(), samples.reduced(quantity, is_fitted, reduce));

@@ -29,16 +29,16 @@ std::vector<Vector3> places_of(const QuadratureRule& rule) {
 }  // namespace
 
 NodalFit::NodalFit(const Body& body) : num_nodes_(static_cast<std::size_t>(body.num_nodes)) {
-  const ElementInfo& element = body.elastic->element();
+  const ElementInfo& element = body.domains.element();
   const ElementInfo& corner = corner_element(element);
   const auto nodes_per_cell = static_cast<std::size_t>(element.num_nodes);
-  num_points_ = static_cast<std::size_t>(body.elastic->num_points());
+  num_points_ = static_cast<std::size_t>(body.domains.num_points());
   num_corners_ = static_cast<std::size_t>(corner.num_nodes);
   for (std::size_t begin = 0; begin < body.cells.size(); begin += nodes_per_cell)
     for (std::size_t a = 0; a < num_corners_; ++a)
       corners_.push_back(body.cells[begin + a] - body.first_node);
-  point_volumes_ = body.elastic->point_volumes();
-  shape_at_points_ = shape_values(corner, places_of(body.elastic->quadrature()));
+  point_volumes_ = body.domains.point_volumes();
+  shape_at_points_ = shape_values(corner, places_of(body.domains.quadrature()));
   shape_at_nodes_ = shape_values(corner, element.nodes);
 
   BlockPatternBuilder builder(body.num_nodes);
@@ -53,10 +53,10 @@ NodalFit::NodalFit(const Body& body) : num_nodes_(static_cast<std::size_t>(body.
 
 void NodalFit::add_matrix(const Body& body) {
   // Cells of one point are simplices of degree 1, whose points weigh the same in all of them.
-  const bool has_enough_points = body.elastic->quadrature().degree >= 2;
-  const CellShape shape = body.elastic->element().shape;
-  const QuadratureRule& rule = has_enough_points ? body.elastic->quadrature() : rule_of_degree(shape, 2);
-  const std::vector<double> N = shape_values(corner_element(body.elastic->element()), places_of(rule));
+  const bool has_enough_points = body.domains.quadrature().degree >= 2;
+  const CellShape shape = body.domains.element().shape;
+  const QuadratureRule& rule = has_enough_points ? body.domains.quadrature() : rule_of_degree(shape, 2);
+  const std::vector<double> N = shape_values(corner_element(body.domains.element()), places_of(rule));
   std::vector<bool> is_corner(num_nodes_, false);
   for (std::size_t cell = 0; cell * num_corners_ < corners_.size(); ++cell) {
     const Index* nodes = corners_.data() + cell * num_corners_;
@@ -82,7 +82,7 @@ void NodalFit::add_matrix(const Body& body) {
 }
 
 void NodalFit::find_nodes_between(const Body& body) {
-  const auto nodes_per_cell = static_cast<std::size_t>(body.elastic->element().num_nodes);
+  const auto nodes_per_cell = static_cast<std::size_t>(body.domains.element().num_nodes);
   std::vector<bool> is_found(num_nodes_, false);
   for (std::size_t cell = 0; cell * nodes_per_cell < body.cells.size(); ++cell)
     for (std::size_t local = num_corners_; local < nodes_per_cell; ++local) {

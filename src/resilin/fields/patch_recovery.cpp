@@ -36,12 +36,12 @@ Monomials monomials(const Vector3& s, int dim) {
 RestPlaces::RestPlaces(const Body& body, const VectorX& rest_positions, const QuadratureRule& rule)
     : body_(body),
       rest_positions_(rest_positions),
-      dim_(body.elastic->element().dim),
-      num_nodes_(static_cast<std::size_t>(body.elastic->element().num_nodes)),
+      dim_(body.domains.element().dim),
+      num_nodes_(static_cast<std::size_t>(body.domains.element().num_nodes)),
       shapes_(rule.points.size() * num_nodes_) {
   for (std::size_t q = 0; q < rule.points.size(); ++q)
-    body.elastic->element().shape_values(rule.points[q].xi,
-                                         std::span(shapes_).subspan(q * num_nodes_, num_nodes_));
+    body.domains.element().shape_values(rule.points[q].xi,
+                                        std::span(shapes_).subspan(q * num_nodes_, num_nodes_));
 }
 
 Vector3 RestPlaces::of(std::size_t cell, std::size_t point) const {
@@ -56,14 +56,14 @@ Vector3 RestPlaces::of(std::size_t cell, std::size_t point) const {
 PatchRecovery::PatchRecovery(const Body& body, const VectorX& rest_positions, int dim,
                              std::span<const Index> materials)
     : dim_(dim),
-      degree_(body.elastic->element().degree),
-      num_corners_(static_cast<std::size_t>(body.elastic->element().num_corners())),
-      num_points_(static_cast<std::size_t>(body.elastic->num_points())),
+      degree_(body.domains.element().degree),
+      num_corners_(static_cast<std::size_t>(body.domains.element().num_corners())),
+      num_points_(static_cast<std::size_t>(body.domains.num_points())),
       around_end_(static_cast<std::size_t>(body.num_nodes) + 1, 0),
       points_(static_cast<std::size_t>(body.num_cells()) * num_points_) {
-  const RestPlaces places(body, rest_positions, body.elastic->quadrature());
+  const RestPlaces places(body, rest_positions, body.domains.quadrature());
   for (std::size_t i = 0; i < points_.size(); ++i) points_[i] = places.of(i / num_points_, i % num_points_);
-  const auto width = static_cast<std::size_t>(body.elastic->element().num_nodes);
+  const auto width = static_cast<std::size_t>(body.domains.element().num_nodes);
   for (std::size_t begin = 0; begin < body.cells.size(); begin += width)
     for (std::size_t a = 0; a < num_corners_; ++a)
       corners_.push_back(body.cells[begin + a] - body.first_node);

@@ -27,9 +27,9 @@ void ExperimentModel::spread_over_cells(const SceneParameter& sought) {
   if (sought.key.find(".material.") == std::string::npos || found.component)
     throw InputError(sought.place + ".per", "\"value\", or a constant of a body's material as key",
                      "\"" + sought.key + "\"", "only constants of materials differ from cell to cell");
+  require_one_material(*world_, sought);
   if (is_of_cells(found.parameter)) return;
-  const std::string body = sought.key.substr(5, sought.key.find(".material.") - 5);
-  const auto cells = body_named(*world_, body, sought.place + ".key").num_cells();
+  const auto cells = body_named(*world_, body_of_key(sought.key), sought.place + ".key").num_cells();
   found.parameter.set(VectorX::Constant(cells, found.parameter.value[0]), description_);
   world_ = std::make_unique<World>(Description(description_));
 }

@@ -34,8 +34,6 @@ bool is_loose(const SceneUnknown& unknown, double lower, double upper) {
   return !(upper - lower <= (unknown.upper - unknown.lower) / 2);
 }
 
-std::string body_of_key(const std::string& key) { return key.substr(5, key.find(".material.") - 5); }
-
 }  // namespace
 
 SoughtScale::SoughtScale(const SceneUnknown& unknown, const std::string& place)

@@ -52,13 +52,24 @@ std::string cell_file_name(const std::string& body, const std::string& constant)
   return field_file_stem(body, constant) + ".csv";
 }
 
-/// Among the keys that are sought, the constants of this body's material.
-std::vector<std::string> sought_constants(const SceneFitReport& report, const std::string& body) {
+/// Among the keys that are sought, the constants of the material of this body, or of a region
+/// "BODY.region.NAME".
+std::vector<std::string> sought_constants(const SceneFitReport& report, const std::string& owner) {
   std::vector<std::string> constants;
-  const std::string begin = "body." + body + ".material.";
+  const std::string begin = "body." + owner + ".material.";
   for (const SceneParameter& parameter : report.description.parameters)
     if (parameter.key.starts_with(begin)) constants.push_back(parameter.key.substr(begin.size()));
   return constants;
+}
+
+/// "material = { ... }" of a scene, with files for lists by cell of this body.
+std::string material_line(const MaterialDescription& material, const std::string& body) {
+  std::string text = "material = { law = \"" + material.law + "\"";
+  for (const auto& [name, value] : material.constants) text += ", " + name + " = " + format_number(value);
+  for (const auto& [name, values] : material.cell_constants)
+    text += ", " + name + " = { file = \"" + cell_file_name(body, name) + "\" }";
+  return text + ", density = " + format_number(material.density) +
+         (material.fibres.empty() ? "" : ", fibres = ... as in the scene") + " }\n";
 }
 
 /// Calls `use(body)` for each body of the scenes whose material is sought, once.
@@ -270,15 +281,18 @@ std::string scene_material_toml(const SceneFitReport& report) {
   for (const std::string& warning : report.estimates.warnings)
     text += "# warning: " + one_line(warning) + "\n";
   for_each_fitted_body(report, [&](const BodyDescription& body) {
-    text += "\n# Under the [[body]] \"" + one_line(body.name) + "\":\nmaterial = { law = \"" +
-            body.material.law + "\"";
-    for (const auto& [name, value] : body.material.constants)
-      text += ", " + name + " = " + format_number(value);
-    for (const auto& [name, values] : body.material.cell_constants)
-      text += ", " + name + " = { file = \"" + cell_file_name(body.name, name) + "\" }";
-    text += ", density = " + format_number(body.material.density) +
-            (body.material.fibres.empty() ? "" : ", fibres = ... as in the scene") + " }\n";
+    text +=
+        "\n# Under the [[body]] \"" + one_line(body.name) + "\":\n" + material_line(body.material, body.name);
   });
+  std::set<std::string> done;
+  for (const Description& scene : report.scenes)
+    for (const BodyDescription& body : scene.bodies)
+      for (const RegionDescription& region : body.regions) {
+        const std::string owner = body.name + ".region." + region.name;
+        if (sought_constants(report, owner).empty() || !done.insert(owner).second) continue;
+        text += "\n# Under the [[body.region]] \"" + one_line(region.name) + "\" of \"" +
+                one_line(body.name) + "\":\n" + material_line(region.material, body.name);
+      }
   return text;
 }
 

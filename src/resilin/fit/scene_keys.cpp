@@ -30,6 +30,21 @@ bool is_of_cells(const Parameter& parameter) {
   return parameter.shape.size() == 1 && parameter.name.find(".material.") != std::string::npos;
 }
 
+std::string body_of_key(const std::string& key) {
+  const std::size_t begin = std::string("body.").size();
+  return key.substr(begin, std::min(key.find(".region."), key.find(".material.")) - begin);
+}
+
+void require_one_material(const World& world, const SceneParameter& sought) {
+  const std::string name = body_of_key(sought.key);
+  for (const BodyDescription& body : world.made_from->bodies)
+    if (body.name == name && !body.regions.empty())
+      throw InputError(sought.place + ".key", "one number of a body with regions",
+                       '"' + one_line(sought.key) + "\" for each cell",
+                       "give the cells regions of their own and seek a number of each: "
+                       "body.NAME.region.REGION.material.CONSTANT");
+}
+
 KindOfNumber kind_of(const World& world, const std::string& key) {
   const std::string constant = key.substr(key.rfind('.') + 1);
   if (key.find(".material.") != std::string::npos) {
@@ -37,13 +52,16 @@ KindOfNumber kind_of(const World& world, const std::string& key) {
     if (constant == "poissons_ratio") return {.lower = -0.999, .upper = 0.4999};
     if (constant == "density") return {.lower = 0, .is_above_lower = true, .unit = "kg/m^3"};
     for (const Body& body : world.bodies)
-      if (key.starts_with("body." + body.name + ".material."))
-        for (const ConstantText& text : body.elastic->law().constants)
+      for (const Domain& domain : body.domains) {
+        const std::string region = domain.region < 0 ? "" : ".region." + domain.name;
+        if (!key.starts_with("body." + body.name + region + ".material.")) continue;
+        for (const ConstantText& text : domain.law_info().constants)
           if (text.name == constant)
             return {.lower = std::max(text.above, text.at_least),
                     .upper = text.at_most,
                     .is_above_lower = text.above >= text.at_least,
                     .unit = std::string(text.unit)};
+      }
   }
   if (key.starts_with("body.") && key.ends_with(".density"))
     return {.lower = 0, .is_above_lower = true, .unit = "kg/m^3"};

@@ -23,6 +23,12 @@ FoundKey find_key(const World& world, const SceneParameter& sought);
 /// A constant that the scene has for each cell.
 bool is_of_cells(const Parameter& parameter);
 
+/// The name of the body whose material a key means.
+std::string body_of_key(const std::string& key);
+
+/// Throws InputError where a number for each cell is sought of a body with regions.
+void require_one_material(const World& world, const SceneParameter& sought);
+
 /// What a parameter may be, by its key: limits, and its unit.
 struct KindOfNumber {
   double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();

@@ -20,7 +20,7 @@ struct SoughtNumbers {
 };
 
 const BodyDescription& body_of(const ExperimentModel& model, const std::string& key) {
-  const std::string name = key.substr(5, key.find(".material.") - 5);
+  const std::string name = body_of_key(key);
   const auto& bodies = model.world().made_from->bodies;
   return *std::ranges::find(bodies, name, &BodyDescription::name);
 }
@@ -104,6 +104,7 @@ SoughtNumbers read_numbers(const ExperimentModel& model, const SceneParameter& s
   const VectorX& value = found.key.parameter.value;
   if (!is_of_cells(found.key.parameter))
     return read_component(sought, found.key, model.world().dimension, found.which);
+  require_one_material(model.world(), sought);
   switch (sought.per) {
     case SoughtPer::value:
       return read_regions(sought, value, found.which);

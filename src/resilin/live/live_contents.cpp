@@ -169,20 +169,18 @@ void LiveScene::Contents::renew_terms() {
 /// As stiff as the material against a change of volume at rest. What rests does so still.
 void LiveScene::Contents::renew_fold_barriers() {
   std::vector<std::shared_ptr<FoldBarrier>> renewed;
-  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
-    const Body& body = world.bodies[b];
-    const LawInfo& law = body.elastic->law();
-    renewed.emplace_back();
-    if (law.needs_positive_J) continue;
-    const std::vector<double> constants =
-        constants_of_cells(law, description.bodies[b].material, body.num_cells());
-    std::vector<double> stiffness;
-    for_each_rest_tangent(law, constants,
-                          [&](std::size_t, const double* A) { stiffness.push_back(A[0]); });  // dP_00/dF_00
-    renewed.back() = std::make_shared<FoldBarrier>(body.elastic, std::move(stiffness));
-    if (b < fold_barriers.size() && fold_barriers[b] && fold_barriers[b]->is_resting())
-      renewed.back()->rest();
-  }
+  for (const Body& body : world.bodies)
+    for (const Domain& domain : body.domains) {
+      const std::size_t number = renewed.size();
+      renewed.emplace_back();
+      if (domain.law_info().needs_positive_J) continue;
+      std::vector<double> stiffness;
+      for_each_rest_tangent(domain.law_info(), constants_of(*domain.energy),
+                            [&](std::size_t, const double* A) { stiffness.push_back(A[0]); });  // dP_00/dF_00
+      renewed.back() = std::make_shared<FoldBarrier>(domain.energy, std::move(stiffness));
+      if (number < fold_barriers.size() && fold_barriers[number] && fold_barriers[number]->is_resting())
+        renewed.back()->rest();
+    }
   fold_barriers = std::move(renewed);
 }
 
@@ -236,7 +234,7 @@ void LiveScene::Contents::change_materials(const LiveControls& wanted) {
     bodies[b].material = material_of(wanted, bodies[b].material);
     bodies[b].material.place = "material";
     change_material(changed, b, bodies[b]);
-    const double energy = changed.bodies[b].elastic->value(state.positions, {});
+    const double energy = changed.bodies[b].domains.value(state.positions);
     if (std::isfinite(energy)) continue;
     throw InputError("law", "a law that is finite for inverted elements, because there are some",
                      "\"" + wanted.law + "\", which needs J > 0 everywhere",

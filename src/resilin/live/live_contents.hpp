@@ -83,7 +83,8 @@ struct LiveScene::Contents {
   State state;
   LiveReport report;
   std::optional<Held> held;
-  std::vector<std::shared_ptr<FoldBarrier>> fold_barriers;  ///< by body; null where the law has its own
+  std::vector<std::shared_ptr<FoldBarrier>>
+      fold_barriers;  ///< by domain, body after body; null where the law has its own
   std::optional<Obstacle> floor, ball;
   ObstacleOptions floor_options;  ///< what the scene says of its own
   double ball_radius = 0;

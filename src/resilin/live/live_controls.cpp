@@ -16,7 +16,7 @@ namespace {
 double cell_size(const World& world) {
   double volume = 0, cells = 0;
   for (const Body& body : world.bodies) {
-    volume += body.elastic->total_rest_volume();
+    volume += body.domains.total_rest_volume();
     cells += static_cast<double>(body.num_cells());
   }
   return std::pow(volume / cells, 1.0 / world.dimension);
@@ -62,7 +62,7 @@ LiveControls starting_controls(const Description& description, const World& worl
   controls.gravity = description.gravity;
   controls.time_step = description.is_dynamic ? description.time_step : LiveControls{}.time_step;
   double volume = 0;
-  for (const Body& body : world.bodies) volume += body.elastic->total_rest_volume();
+  for (const Body& body : world.bodies) volume += body.domains.total_rest_volume();
   // A fiftieth of what doubles a cube of this volume, and no less than half the weight: enough to tilt and
   // stretch a body, too little to turn the cells at the hand inside out where they are not very fine.
   const double area = std::pow(volume, (world.dimension - 1.0) / world.dimension);

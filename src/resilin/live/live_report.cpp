@@ -22,15 +22,19 @@ void LiveScene::Contents::measure(const NewtonReport& newton_report) {
   report.elastic_energy = 0;
   report.min_volume_ratio = std::numeric_limits<double>::infinity();
   report.inverted_cells = 0;
-  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
-    const Body& body = world.bodies[b];
-    report.elastic_energy += body.elastic->value(state.positions, {});
-    const double ratio = body.elastic->min_volume_ratio(state.positions).ratio;
+  std::size_t number = 0;
+  for (const Body& body : world.bodies) {
+    report.elastic_energy += body.domains.value(state.positions);
+    const double ratio = body.domains.min_volume_ratio(state.positions).ratio;
     report.min_volume_ratio = std::min(report.min_volume_ratio, ratio);
     if (!(ratio > 0)) report.inverted_cells += inverted_cells(body, state.positions).count;
-    if (FoldBarrier* barrier = fold_barriers[b].get()) {
-      ratio >= FoldBarrier::activation_ratio ? barrier->look_at_roomy(state.positions)
-                                             : barrier->look_at(state.positions);
+    for (const Domain& domain : body.domains) {
+      FoldBarrier* barrier = fold_barriers[number++].get();
+      if (barrier == nullptr) continue;
+      const double own =
+          body.domains.size() == 1 ? ratio : domain.energy->min_volume_ratio(state.positions).ratio;
+      own >= FoldBarrier::activation_ratio ? barrier->look_at_roomy(state.positions)
+                                           : barrier->look_at(state.positions);
       report.elastic_energy += barrier->value(state.positions, {});
     }
   }

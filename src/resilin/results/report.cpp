@@ -92,6 +92,8 @@ Json frame_json(const Frame& frame, int dimension) {
   for (std::size_t i = 0; i < frame.reactions.size(); ++i) {
     json["reaction_moments"][frame.reactions[i].first] = moment_json(frame.reaction_torques[i], dimension);
   }
+  for (const auto& [body, region, elastic_energy] : frame.regions)
+    json["regions"][body][region]["energy"] = elastic_energy;
   json["sections"] = Json::object();
   for (const SectionForce& section : frame.sections) {
     json["sections"][section.name] = {{"force", vector_json(section.force, dimension)},
@@ -139,21 +141,46 @@ Json frame_json(const Frame& frame, const World& world, const State& state,
   return json;
 }
 
+namespace {
+
+Json constants_json(const Domain& domain) {
+  Json constants = Json::object();
+  for (const auto& [name, value] : domain.constants) constants[name] = value;
+  return constants;
+}
+
+/// The domains of a body that has regions; its own material under the name "".
+Json regions_json(const Body& body) {
+  Json list = Json::array();
+  for (const Domain& domain : body.domains) {
+    const double volume = domain.energy->total_rest_volume();
+    list.push_back({{"name", domain.name},
+                    {"law", domain.law},
+                    {"constants", constants_json(domain)},
+                    {"density", domain.density},
+                    {"cells", domain.energy->num_cells()},
+                    {"volume", volume},
+                    {"mass", domain.density * volume}});
+  }
+  return list;
+}
+
+}  // namespace
+
 Json bodies_json(const World& world) {
   Json list = Json::array();
   for (const Body& body : world.bodies) {
-    Json constants = Json::object();
-    for (const auto& [name, value] : body.constants) constants[name] = value;
     list.push_back({{"name", body.name},
-                    {"law", body.law},
-                    {"constants", constants},
+                    {"law", body.domains.front().law},
+                    {"constants", constants_json(body.domains.front())},
                     {"element", body.element},
                     {"element_reason", body.element_reason},
-                    {"quadrature", body.elastic->quadrature().name},
+                    {"quadrature", body.domains.quadrature().name},
                     {"mass", spelling(body.mass_kind)},
                     {"cells", body.num_cells()},
                     {"vertices", body.num_vertices},
                     {"unknowns", Offset{body.num_nodes} * world.dimension}});
+    if (body.has_regions()) list.back()["regions"] = regions_json(body);
   }
   return list;
 }

@@ -182,7 +182,8 @@ std::string inversion_on_the_way(const Simulation& simulation) {
          body.name + "\" most, with volume ratio " + format_short(smallest.ratio) + " at " +
          (world.is_dynamic ? "t = " + format_short(smallest.time) + " s"
                            : "load factor " + format_short(smallest.load)) +
-         ": this is unphysical, but " + body.law +
+         ": this is unphysical, but " +
+         (world.share.is_whole() ? body.domains.of_cell(smallest.cell).law : body.domains.laws()) +
          " permits it; use a law that needs J > 0, such as neo_hookean, or shorter steps";
 }
 

@@ -52,6 +52,8 @@ Keys<BodyDescription> body_keys() {
              read_body_mesh),
       key<B>({"material", "[material](#material)", "", "see there", "Constitutive model and density."},
              [](const SceneNode& node, B& b) { read_material(node, b.mesh, b.material); }),
+      key<B>({"region", "[[body.region]]", "", "none", "Cells of another material."},
+             [](const SceneNode& node, B& b) { read_regions(node, b.mesh, b.regions); }),
       number_key("scale", &B::scale, "", positive, "Scale factor of the mesh coordinates, applied first."),
       key<B>({"rotate", "[rotate](#rotate)", "", "none",
               "Rotation of the scaled mesh about the origin, applied second."},

@@ -42,6 +42,11 @@ void remark_on_unit(const SceneNode& body_node, const BodyDescription& body);
 void read_material(const SceneNode& node, const Mesh& mesh, MaterialDescription& material);
 TableDoc material_doc();
 
+// region_table.cpp
+/// `mesh` is that of the body.
+void read_regions(const SceneNode& node, const Mesh& mesh, std::vector<RegionDescription>& regions);
+TableDoc region_doc();
+
 // where_table.cpp
 void read_where(const SceneNode& node, Where& where);
 TableDoc where_doc();

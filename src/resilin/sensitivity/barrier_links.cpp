@@ -4,6 +4,7 @@
 
 #include "resilin/core/text.hpp"
 #include "resilin/sensitivity/constant_slopes.hpp"
+#include "resilin/world/meeting_surface.hpp"
 
 namespace resilin {
 namespace {
@@ -30,11 +31,6 @@ BarrierLinks::Barrier of_surface(std::size_t term, const ContactSurface& surface
   return barrier;
 }
 
-/// Number of constants of one set.
-Eigen::Index num_constants(const Body& body) {
-  return static_cast<Eigen::Index>(body.elastic->law().constants.size());
-}
-
 }  // namespace
 
 // Colliders stand among the terms in the order of the scene, those of facets among the others.
@@ -54,12 +50,16 @@ BarrierLinks::BarrierLinks(const World& world) : world_(world) {
     }
   }
   if (barriers_.empty()) return;
-  for (const Body& body : world.bodies) modulus_slopes_.push_back(log_modulus_slopes(body));
+  for (const Body& body : world.bodies) {
+    softest_.push_back(softest_domain(body));
+    modulus_slopes_.push_back(log_modulus_slopes(body.domains[softest_.back()]));
+  }
 }
 
-bool BarrierLinks::moves(const Barrier& barrier, const WorldChange& change) {
+bool BarrierLinks::moves(const Barrier& barrier, const WorldChange& change) const {
   return std::ranges::any_of(barrier.bodies, [&](Index body) {
-    return body >= 0 && change.bodies[static_cast<std::size_t>(body)].constants.size() > 0;
+    const auto b = static_cast<std::size_t>(body);
+    return body >= 0 && change.bodies[b].domains[softest_[b]].constants.size() > 0;
   });
 }
 
@@ -67,8 +67,8 @@ bool BarrierLinks::moves(const Barrier& barrier, const WorldChange& change) {
 void BarrierLinks::spread(const Barrier& barrier, const WorldChange& change, VectorX& stiffness) const {
   VectorX by_body = VectorX::Zero(static_cast<Eigen::Index>(world_.bodies.size()));
   for (std::size_t b = 0; b < world_.bodies.size(); ++b) {
-    const VectorX& constants = change.bodies[b].constants;
-    const Eigen::Index n = num_constants(world_.bodies[b]), num_sets = constants.size() / n;
+    const VectorX& constants = change.bodies[b].domains[softest_[b]].constants;
+    const Eigen::Index n = modulus_slopes_[b].size(), num_sets = constants.size() / n;
     for (Eigen::Index set = 0; set < num_sets; ++set)
       by_body[static_cast<Eigen::Index>(b)] +=
           modulus_slopes_[b].dot(constants.segment(set * n, n)) / static_cast<double>(num_sets);
@@ -84,8 +84,8 @@ void BarrierLinks::gather(const Barrier& barrier, const VectorX& stiffness, Worl
     if (const auto k = static_cast<Eigen::Index>(i); barrier.bodies[i] >= 0)
       by_body[barrier.bodies[i]] += barrier.stiffness[k] * stiffness[k];
   for (std::size_t b = 0; b < world_.bodies.size(); ++b) {
-    VectorX& constants = slopes.bodies[b].constants;
-    const Eigen::Index n = num_constants(world_.bodies[b]), num_sets = constants.size() / n;
+    VectorX& constants = slopes.bodies[b].domains[softest_[b]].constants;
+    const Eigen::Index n = modulus_slopes_[b].size(), num_sets = constants.size() / n;
     for (Eigen::Index set = 0; set < num_sets; ++set)
       constants.segment(set * n, n) +=
           by_body[static_cast<Eigen::Index>(b)] / static_cast<double>(num_sets) * modulus_slopes_[b];
@@ -97,7 +97,11 @@ std::string kink_of_barrier(const World& world, const WorldChange& change) {
   const std::vector<double>& stiffness = world.contact->surface().stiffness;
   for (std::size_t a = 0; a < world.bodies.size(); ++a)
     for (std::size_t b = a + 1; b < world.bodies.size(); ++b) {
-      const bool is_asked = change.bodies[a].constants.size() > 0 || change.bodies[b].constants.size() > 0;
+      const auto follows = [&](std::size_t body) {
+        const std::size_t softest = softest_domain(world.bodies[body]);
+        return change.bodies[body].domains[softest].constants.size() > 0;
+      };
+      const bool is_asked = follows(a) || follows(b);
       if (!is_asked || stiffness[a] != stiffness[b] || !world.meet(a, b)) continue;
       return "derivatives by materials: \"" + world.bodies[a].name + "\" and \"" + world.bodies[b].name +
              "\" are equally stiff, and the contact barrier follows the softer body: in contact these are "

@@ -8,7 +8,8 @@
 namespace resilin {
 
 /// How barriers whose stiffness the scene leaves out follow the constants of the bodies' materials: it is in
-/// proportion to Young's modulus at small strain of the means of these (world/meeting_surface.hpp).
+/// proportion to Young's modulus at small strain of the means of these, in the softest domain
+/// (world/meeting_surface.hpp).
 class BarrierLinks {
  public:
   /// A collider's barrier, or what keeps bodies apart.
@@ -23,14 +24,15 @@ class BarrierLinks {
 
   /// Those that follow a material.
   const std::vector<Barrier>& all() const { return barriers_; }
-  static bool moves(const Barrier& barrier, const WorldChange& change);
+  bool moves(const Barrier& barrier, const WorldChange& change) const;
   void spread(const Barrier& barrier, const WorldChange& change, VectorX& stiffness) const;
   void gather(const Barrier& barrier, const VectorX& stiffness, WorldChange& slopes) const;
 
  private:
   const World& world_;
   std::vector<Barrier> barriers_;
-  std::vector<VectorX> modulus_slopes_;  ///< of each body: d(log E)/d(means of its constants)
+  std::vector<std::size_t> softest_;     ///< of each body: the domain that it follows
+  std::vector<VectorX> modulus_slopes_;  ///< of this domain: d(log E)/d(means of its constants)
 };
 
 /// One line on the first two bodies that are equally stiff, if `change` is one of a material of theirs: the

@@ -3,9 +3,11 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
+#include <stdexcept>
 
 #include "resilin/core/error.hpp"
 #include "resilin/sensitivity/constant_slopes.hpp"
+#include "resilin/world/body_material.hpp"
 #include "resilin/world/body_mesh.hpp"
 #include "resilin/world/selection.hpp"
 
@@ -85,6 +87,30 @@ Parameter number_of_body(std::size_t body, const std::string& name, double value
   return parameter;
 }
 
+/// The material of a domain in a description.
+MaterialDescription& material_in(Description& description, std::size_t body, int region) {
+  BodyDescription& of = description.bodies[body];
+  return region < 0 ? of.material : of.regions[static_cast<std::size_t>(region)].material;
+}
+
+/// Density of a domain.
+Parameter density_of_domain(const World& world, std::size_t body, std::size_t number,
+                            const std::string& name) {
+  const Domain& domain = world.bodies[body].domains[number];
+  Parameter parameter{.name = name, .shape = {}, .value = VectorX::Constant(1, domain.density)};
+  parameter.ask = [=](WorldChange& of) { of.bodies[body].domains[number].has_density = true; };
+  parameter.spread = [=](const VectorX& by, WorldChange& of) {
+    of.bodies[body].domains[number].density += by[0];
+  };
+  parameter.gather = [=](const WorldChange& of, VectorX& slopes) {
+    slopes[0] += of.bodies[body].domains[number].density;
+  };
+  parameter.set = [body, region = domain.region](const VectorX& to, Description& description) {
+    material_in(description, body, region).density = to[0];
+  };
+  return parameter;
+}
+
 /// The names that `material` gives, those that it leaves to their fallback included.
 std::map<std::string, double> given_numbers(const LawInfo& law, const MaterialDescription& material) {
   std::map<std::string, double> given = material.constants;
@@ -96,12 +122,18 @@ std::map<std::string, double> given_numbers(const LawInfo& law, const MaterialDe
   return given;
 }
 
-Parameter constant_of_body(const World& world, std::size_t body, const std::string& name,
-                           const std::string& key) {
-  const MaterialDescription& material = description_of(world, body).material;
-  const LawInfo& law = world.bodies[body].elastic->law();
+Parameter constant_of_domain(const World& world, std::size_t body, std::size_t number,
+                             const std::string& name, const std::string& key) {
+  const Domain& domain = world.bodies[body].domains[number];
+  const int region = domain.region;
+  const MaterialDescription& material = material_of(description_of(world, body), region);
+  const LawInfo& law = domain.law_info();
   const auto n = static_cast<Eigen::Index>(law.constants.size());
-  const Eigen::Index size = world.bodies[body].elastic->parameters().front().size, num_sets = size / n;
+  const Eigen::Index size = domain.energy->parameters().front().size, num_sets = size / n;
+  // The number in the body, which lists of the scene go by, of the cell of each set.
+  const auto cell_of = [numbers = domain.numbers](Eigen::Index set) {
+    return numbers ? Eigen::Index{(*numbers)[static_cast<std::size_t>(set)]} : set;
+  };
   const auto of_cells = material.cell_constants.find(key);
   const bool is_field = of_cells != material.cell_constants.end();
   // d(constants)/d(number) of each set, one column for each.
@@ -115,29 +147,33 @@ Parameter constant_of_body(const World& world, std::size_t body, const std::stri
     }
     bool is_same = set > 0;
     for (const auto& [other, values] : material.cell_constants) {
-      double& number = given[other];
-      const double now = values[static_cast<std::size_t>(set)];
-      is_same = is_same && number == now;
-      number = now;
+      double& given_number = given[other];
+      const double now = values[static_cast<std::size_t>(cell_of(set))];
+      is_same = is_same && given_number == now;
+      given_number = now;
     }
     slopes.col(set) = is_same ? slopes.col(set - 1) : constant_slopes(law, given, material.place).col(column);
   }
   Parameter parameter{.name = name, .shape = {}, .value = VectorX::Constant(1, given[key])};
   if (is_field) {
-    parameter.shape = {num_sets};
-    parameter.value = Eigen::Map<const VectorX>(of_cells->second.data(), num_sets);
+    parameter.shape = {static_cast<Eigen::Index>(of_cells->second.size())};
+    parameter.value = Eigen::Map<const VectorX>(of_cells->second.data(), parameter.shape[0]);
   }
-  parameter.ask = [=](WorldChange& change) { make_room(change.bodies[body].constants, size); };
+  parameter.ask = [=](WorldChange& change) {
+    make_room(change.bodies[body].domains[number].constants, size);
+  };
   parameter.spread = [=](const VectorX& by, WorldChange& change) {
     for (Eigen::Index set = 0; set < num_sets; ++set)
-      change.bodies[body].constants.segment(set * n, n) += by[is_field ? set : 0] * slopes.col(set);
+      change.bodies[body].domains[number].constants.segment(set * n, n) +=
+          by[is_field ? cell_of(set) : 0] * slopes.col(set);
   };
   parameter.gather = [=](const WorldChange& change, VectorX& out) {
     for (Eigen::Index set = 0; set < num_sets; ++set)
-      out[is_field ? set : 0] += change.bodies[body].constants.segment(set * n, n).dot(slopes.col(set));
+      out[is_field ? cell_of(set) : 0] +=
+          change.bodies[body].domains[number].constants.segment(set * n, n).dot(slopes.col(set));
   };
   parameter.set = [=](const VectorX& to, Description& description) {
-    MaterialDescription& changed = description.bodies[body].material;
+    MaterialDescription& changed = material_in(description, body, region);
     if (to.size() == 1 && !is_field) {
       changed.cell_constants.erase(key);
       changed.constants[key] = to[0];
@@ -203,6 +239,9 @@ Parameter rest_positions_of_body(const World& world, std::size_t body, const std
   const Eigen::MatrixXd G = description.velocity_gradient.topLeftCorner(world.dimension, world.dimension);
   const Eigen::Index dim = world.dimension;
   const std::vector<double> contact_shape = as_vector(plus_origin(world, map.taken(world.contact_shape())));
+  std::vector<std::vector<Index>> regions(description.regions.size());  // cells stay in theirs
+  for (const Domain& domain : world.bodies[body].domains)
+    if (domain.region >= 0) regions[static_cast<std::size_t>(domain.region)] = *domain.numbers;
   const std::vector<Selection> fixes = selections_by_place(world, body, world.made_from->fixes),
                                loads = selections_by_place(world, body, world.made_from->loads);
   parameter.ask = [=](WorldChange& change) {
@@ -240,6 +279,7 @@ Parameter rest_positions_of_body(const World& world, std::size_t body, const std
       of.mesh.vertices[v] = back * (place - origin);
     }
     of.contact_shape = contact_shape;
+    for (std::size_t k = 0; k < regions.size(); ++k) of.regions[k].cells = regions[k];
     select_by_number(fixes, changed.fixes);
     select_by_number(loads, changed.loads);
   };
@@ -264,12 +304,23 @@ Parameter start_of_body(const World& world, std::size_t body, const std::string&
 
 }  // namespace
 
+namespace {
+
+/// What follows "body.NAME." in the names of a domain's parameters, before the key.
+std::string prefix_of(const Domain& domain) { return domain.region < 0 ? "" : "region." + domain.name + "."; }
+
+}  // namespace
+
 std::vector<std::string> keys_of_body(const World& world, std::size_t body) {
-  const LawInfo& law = world.bodies[body].elastic->law();
   std::vector<std::string> keys;
-  for (const auto& [name, value] : given_numbers(law, description_of(world, body).material))
-    keys.push_back("material." + name);
-  keys.insert(keys.end(), {"density", "rest_positions"});
+  for (const Domain& domain : world.bodies[body].domains) {
+    const std::string prefix = prefix_of(domain);
+    const MaterialDescription& material = material_of(description_of(world, body), domain.region);
+    for (const auto& [name, value] : given_numbers(domain.law_info(), material))
+      keys.push_back(prefix + "material." + name);
+    keys.push_back(prefix + "density");
+  }
+  keys.emplace_back("rest_positions");
   if (!world.is_dynamic) return keys;
   keys.insert(keys.end(), {"initial_positions", "initial_velocities"});
   const DampingDescription& damping = description_of(world, body).damping;
@@ -284,9 +335,6 @@ Parameter parameter_of_body(const World& world, std::size_t body, const std::str
   using Of = WorldChange::OfBody;
   const BodyDescription& description = description_of(world, body);
   const VertexMap map(world, body);
-  if (key == "density")
-    return number_of_body(body, name, description.material.density, &Of::density, &Of::has_density,
-                          [](BodyDescription& of) -> double& { return of.material.density; });
   if (key == "rest_positions") return rest_positions_of_body(world, body, name);
   if (key == "initial_positions")
     return start_of_body(world, body, name, &WorldChange::start_positions,
@@ -308,7 +356,13 @@ Parameter parameter_of_body(const World& world, std::size_t body, const std::str
   if (key == "damping.bulk_viscosity")
     return number_of_body(body, name, damping.bulk_viscosity, &Of::bulk_viscosity, &Of::has_damping,
                           [](BodyDescription& of) -> double& { return of.damping.bulk_viscosity; });
-  return constant_of_body(world, body, name, key.substr(std::string("material.").size()));
+  for (std::size_t d = 0; d < world.bodies[body].domains.size(); ++d) {
+    const std::string prefix = prefix_of(world.bodies[body].domains[d]), material = prefix + "material.";
+    if (key == prefix + "density") return density_of_domain(world, body, d, name);
+    if (key.starts_with(material))
+      return constant_of_domain(world, body, d, name, key.substr(material.size()));
+  }
+  throw std::logic_error("no parameter of a body: " + key);
 }
 
 }  // namespace resilin

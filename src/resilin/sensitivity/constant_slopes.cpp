@@ -105,11 +105,11 @@ double pressure_slope(const Material& material, double j, std::size_t constant) 
                })[0];
 }
 
-VectorX log_modulus_slopes(const Body& body) {
-  const LawInfo& law = body.elastic->law();
+VectorX log_modulus_slopes(const Domain& domain) {
+  const LawInfo& law = domain.law_info();
   std::vector<double> constants;
-  for (const auto& [name, value] : body.constants) constants.push_back(value);
-  const double modulus = youngs_modulus(body);
+  for (const auto& [name, value] : domain.constants) constants.push_back(value);
+  const double modulus = youngs_modulus(domain);
   double largest = 0;
   for (const double constant : constants) largest = std::max(largest, std::abs(constant));
   VectorX slopes(static_cast<Eigen::Index>(constants.size()));

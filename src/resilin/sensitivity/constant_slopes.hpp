@@ -28,7 +28,7 @@ VolumeEnergySlopes volume_energy(const Material& material, double j);
 /// d/dc of its first derivative, c being the constant of this place.
 double pressure_slope(const Material& material, double j, std::size_t constant);
 
-/// d(log E)/d(means of the constants) of a body's `youngs_modulus`.
-VectorX log_modulus_slopes(const Body& body);
+/// d(log E)/d(means of the constants) of a domain's `youngs_modulus`.
+VectorX log_modulus_slopes(const Domain& domain);
 
 }  // namespace resilin

@@ -35,7 +35,7 @@ std::vector<Marker> markers_at(const World& world, const Body& body, const std::
     point -= world.origin;
     if (world.dimension == 2) point[2] = 0;
   }
-  const Embedding embedding(body.elastic->element(), body.cells, world.rest_positions, centred);
+  const Embedding embedding(body.domains.element(), body.cells, world.rest_positions, centred);
   if (const Embedding::Outside& outside = embedding.outside();
       outside.count > 0 && outside.distance > tolerance) {
     const auto worst = static_cast<std::size_t>(outside.point);
@@ -51,7 +51,7 @@ std::vector<Marker> markers_at(const World& world, const Body& body, const std::
 }
 
 double volume_of(const Body& body, int dim, const VectorX& x, VectorX& slopes) {
-  const ElementInfo& element = body.elastic->element();
+  const ElementInfo& element = body.domains.element();
   const auto n = static_cast<std::size_t>(element.num_nodes);
   ShapeIntegrals integrals(element);
   const std::vector<double> ones(n, 1.0);

@@ -23,12 +23,15 @@ double add_kinetic_energy(const World& world, const Body& body, std::size_t numb
   world.mass->multiply(own, momentum);
   measured.by_velocities += momentum;
   WorldChange::OfBody& of = direct.bodies[number];
-  if (of.has_density || direct.rest_positions.size() > 0) {
+  if (of.has_density() || direct.rest_positions.size() > 0) {
     VectorX entries = VectorX::Zero(world.mass->num_entries());
     world.mass->add_slopes(0.5 * own, own, entries);
-    const CellMasses masses{body.elastic->element(), body.cells, world.rest_positions, body.density,
-                            body.mass_kind == MassKind::consistent};
-    of.density += masses.add_slopes(*world.mass, entries, direct.rest_positions);
+    for (std::size_t d = 0; d < body.domains.size(); ++d) {
+      const Domain& domain = body.domains[d];
+      const CellMasses masses{body.domains.element(), domain.cells, world.rest_positions, domain.density,
+                              body.mass_kind == MassKind::consistent};
+      of.domains[d].density += masses.add_slopes(*world.mass, entries, direct.rest_positions);
+    }
   }
   return 0.5 * momentum.dot(own);
 }
@@ -36,12 +39,15 @@ double add_kinetic_energy(const World& world, const Body& body, std::size_t numb
 double add_elastic_energy(const Body& body, std::size_t number, const VectorX& x, MeasuredNumber& measured,
                           WorldChange& direct) {
   const Conditions any;
-  body.elastic->add_gradient(x, any, measured.by_positions);
-  if (VectorX& constants = direct.bodies[number].constants; constants.size() > 0)
-    body.elastic->add_energy_slopes("constants", x, constants);
-  if (direct.rest_positions.size() > 0)
-    body.elastic->add_energy_slopes("rest_positions", x, direct.rest_positions);
-  return body.elastic->value(x, any);
+  for (std::size_t d = 0; d < body.domains.size(); ++d) {
+    const ElasticEnergy& energy = *body.domains[d].energy;
+    energy.add_gradient(x, any, measured.by_positions);
+    if (VectorX& constants = direct.bodies[number].domains[d].constants; constants.size() > 0)
+      energy.add_energy_slopes("constants", x, constants);
+    if (direct.rest_positions.size() > 0)
+      energy.add_energy_slopes("rest_positions", x, direct.rest_positions);
+  }
+  return body.domains.value(x);
 }
 
 std::size_t number_of(const World& world, const Body& body) {
@@ -120,11 +126,12 @@ MeasuredNumber measured_of(Derivatives& run, const Section& section, double valu
   const std::size_t body = number_of(run.world(), section.body(run.world()));
   WorldChange direct = run.asked();
   Section::Slopes slopes{.positions = VectorX::Zero(x.size()),
-                         .rest_positions = std::move(direct.rest_positions),
-                         .constants = std::move(direct.bodies[body].constants)};
+                         .rest_positions = std::move(direct.rest_positions)};
+  std::vector<WorldChange::OfDomain>& domains = direct.bodies[body].domains;
+  for (WorldChange::OfDomain& of : domains) slopes.constants.push_back(std::move(of.constants));
   add(slopes);
   direct.rest_positions = std::move(slopes.rest_positions);
-  direct.bodies[body].constants = std::move(slopes.constants);
+  for (std::size_t d = 0; d < domains.size(); ++d) domains[d].constants = std::move(slopes.constants[d]);
   return {value, std::move(slopes.positions), {}, run.by_parameters(direct)};
 }
 

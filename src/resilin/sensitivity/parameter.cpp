@@ -36,7 +36,7 @@ Parameter gravity(const World& world, const std::string& name) {
 
 Parameter load_parameter(const World& world, std::size_t l, const std::string& name, const std::string& key) {
   const LoadDescription& load = world.made_from->loads[l];
-  const Energy& term = *world.terms[world.bodies.size() + l];
+  const Energy& term = *world.terms[world.term_of_load(l)];
   const auto parameters = term.parameters();
   const auto found = std::ranges::find(parameters, key, &EnergyParameter::name);
   const Eigen::Index size = found->size;
@@ -210,7 +210,7 @@ std::vector<Entry> entries(const World& world) {
       all.push_back({name, [&world, b, name, key] { return parameter_of_body(world, b, name, key); }});
     }
   for (std::size_t l = 0; l < description.loads.size(); ++l)
-    for (const EnergyParameter& of_term : world.terms[world.bodies.size() + l]->parameters()) {
+    for (const EnergyParameter& of_term : world.terms[world.term_of_load(l)]->parameters()) {
       if (of_term.name == "rest_positions" || (of_term.name == "velocity" && !passes_time)) continue;
       const std::string key(of_term.name), name = prefix("load", description.loads[l].name, l) + key;
       all.push_back({name, [&world, l, name, key] { return load_parameter(world, l, name, key); }});

@@ -28,6 +28,7 @@ struct Parameter {
 ///
 ///   body.NAME.material.CONSTANT        one number, or one for each cell where the scene has them
 ///   body.NAME.density, body.NAME.damping.KEY
+///   body.NAME.region.REGION.material.CONSTANT, body.NAME.region.REGION.density
 ///   body.NAME.rest_positions           of the vertices, where they stand in the scene [m]
 ///   body.NAME.initial_positions, .initial_velocities    likewise
 ///   load.NAME.value, .stiffness, .displacement, .velocity

@@ -69,8 +69,8 @@ StressAtPlace::StressAtPlace(const World& world, const Body& body, const Vector3
                              const std::string& place)
     : world_(world), body_(body), material_{nullptr, {}, {}} {
   const int dim = world.dimension;
-  const ElementInfo& element = body.elastic->element();
-  while (world.bodies[body_number_].elastic != body.elastic) ++body_number_;
+  const ElementInfo& element = body.domains.element();
+  while (&world.bodies[body_number_] != &body) ++body_number_;
   std::vector<Vector3> points = {at - world.origin};
   if (dim == 2) points[0][2] = 0;
   const Embedding embedding(element, body.cells, world.rest_positions, points);
@@ -79,7 +79,7 @@ StressAtPlace::StressAtPlace(const World& world, const Body& body, const Vector3
                      format_point(at, dim) + ", " + format_short(outside.distance) + " m outside",
                      "give the points by their reference positions");
   cell_ = embedding.cell(0);
-  material_ = body.elastic->material(cell_);
+  material_ = body.domains.material(cell_);
   nodes_.assign(embedding.nodes(0).begin(), embedding.nodes(0).end());
   cell_positions(dim, nodes_, world.rest_positions, rest_);
   // Shape functions reproduce the reference coordinates.
@@ -87,7 +87,7 @@ StressAtPlace::StressAtPlace(const World& world, const Body& body, const Vector3
   for (std::size_t a = 0; a < nodes_.size(); ++a) here.xi += embedding.weights(0)[a] * element.nodes[a];
   gradients_ = point_geometry(element, here, rest_).gradients;
   if (!element.has_mean_volume) return;
-  for (const QuadraturePoint& point : body.elastic->quadrature().points)
+  for (const QuadraturePoint& point : body.domains.quadrature().points)
     points_.push_back(point_geometry(element, point, rest_));
 }
 
@@ -166,16 +166,17 @@ void StressAtPlace::add_slopes(const Matrix<3>& by, const VectorX& x, VectorX& b
   };
   add(Y, mean.by_x, by_positions);
   if (slopes.rest_positions.size() > 0) add(-F.transpose() * Y, mean.by_X, slopes.rest_positions);
-  VectorX& constants = slopes.bodies[body_number_].constants;
+  const auto [domain, own_cell] = body_.domains.place_of(cell_);
+  VectorX& constants = slopes.bodies[body_number_].domains[domain].constants;
   if (constants.size() == 0) return;
   const auto n = static_cast<Eigen::Index>(material_.constants.size());
-  const bool is_uniform = body_.elastic->parameters().front().size == n;
+  const bool is_uniform = body_.domains[domain].energy->parameters().front().size == n;
   for (Eigen::Index p = 0; p < n; ++p) {
     double slope = contracted(by_P, constant_stress(material_, H, static_cast<std::size_t>(p)));
     if (!points_.empty())
       slope += trace * (pressure_slope(material_, mean.j, static_cast<std::size_t>(p)) -
                         pressure_slope(material_, J - 1, static_cast<std::size_t>(p)));
-    constants[(is_uniform ? 0 : cell_ * n) + p] += slope;
+    constants[(is_uniform ? 0 : own_cell * n) + p] += slope;
   }
 }
 

@@ -27,21 +27,30 @@ class TermLinks {
   int inertia() const { return inertia_; }
 
  private:
-  struct Viscous {
-    std::size_t term, body;
+  /// A term of a domain.
+  struct OfDomain {
+    std::size_t term, body, domain;
   };
   void spread_gravity(const WorldChange& change, VectorX& forces) const;
   void gather_gravity(const VectorX& forces, WorldChange& slopes) const;
-  void spread_viscosities(const WorldChange& change, std::size_t body, VectorX& viscosities) const;
-  void gather_viscosities(const VectorX& viscosities, std::size_t body, WorldChange& slopes) const;
-  CellMasses masses_of(std::size_t body, double density) const;
+  void spread_viscosities(const WorldChange& change, const OfDomain& of, VectorX& viscosities) const;
+  void gather_viscosities(const VectorX& viscosities, const OfDomain& of, WorldChange& slopes) const;
+  /// Calls `use(body, domain, change of the domain)` for each domain of the world.
+  template <class Change, class Use>
+  void for_each_domain(Change& change, const Use& use) const {
+    for (std::size_t b = 0; b < world_.bodies.size(); ++b)
+      for (std::size_t d = 0; d < world_.bodies[b].domains.size(); ++d)
+        use(b, world_.bodies[b].domains[d], change.bodies[b].domains[d]);
+  }
+  CellMasses masses_of(std::size_t body, const Domain& domain, double density) const;
   bool moves_gravity(const WorldChange& change) const;
-  bool moves_viscosity(const WorldChange& change, std::size_t body) const;
+  bool moves_viscosity(const WorldChange& change, const OfDomain& of) const;
 
   const World& world_;
   const Description& description_;
   int gravity_ = -1, inertia_ = -1, mass_damping_ = -1;  ///< numbers of terms
-  std::vector<Viscous> viscous_;
+  std::vector<OfDomain> elastic_, viscous_;
+  std::vector<std::size_t> loads_;  ///< numbers of their terms
   BarrierLinks barriers_;
   ContactLinks contacts_;
 };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <string>
 #include <vector>
@@ -11,12 +12,17 @@ namespace resilin {
 /// A change of the numbers that a world was made of, to first order; or slopes of a result by them. What is
 /// empty does not change, or is not asked for.
 struct WorldChange {
-  struct OfBody {
+  struct OfDomain {
     VectorX constants{};  ///< as the parameter of ElasticEnergy
     bool has_density = false;
     double density = 0;
+  };
+  struct OfBody {
+    std::vector<OfDomain> domains{};
     bool has_damping = false;  ///< any of these:
     double mass_damping = 0, stiffness_damping = 0, shear_viscosity = 0, bulk_viscosity = 0;
+
+    bool has_density() const { return std::ranges::any_of(domains, &OfDomain::has_density); }
   };
   struct OfSupport {
     bool is_asked = false;
@@ -42,7 +48,9 @@ struct WorldChange {
         loads(world.made_from->loads.size()),
         supports(world.supports.size()),
         colliders(world.made_from->colliders.size()),
-        contact{.pairs = std::vector<double>(world.made_from->contact.pairs.size())} {}
+        contact{.pairs = std::vector<double>(world.made_from->contact.pairs.size())} {
+    for (std::size_t b = 0; b < bodies.size(); ++b) bodies[b].domains.resize(world.bodies[b].domains.size());
+  }
 
   bool has_gravity = false;
   Vector3 gravity = Vector3::Zero();

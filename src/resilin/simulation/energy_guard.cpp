@@ -125,7 +125,7 @@ double strain_stiffness(const World& world) {
   const VectorX origin = center.head(world.dimension).replicate(world.num_nodes(), 1);
   const VectorX strained = world.rest_positions + strain * (world.rest_positions - origin);
   double energy = 0;
-  for (const Body& body : world.bodies) energy += body.elastic->value(strained, {});
+  for (const Body& body : world.bodies) energy += body.domains.value(strained);
   return world.share.sum(energy) / (strain * strain);
 }
 

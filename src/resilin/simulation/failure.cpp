@@ -33,11 +33,11 @@ struct Stretched {
 };
 
 Stretched most_stretched(const Body& body, const VectorX& positions) {
-  const std::vector<Matrix<3>> gradients = body.elastic->deformation_gradients(positions);
+  const std::vector<Matrix<3>> gradients = body.domains.deformation_gradients(positions);
   Stretched most;
   for (std::size_t i = 0; i < gradients.size(); ++i) {
     const Matrix<3>& F = gradients[i];
-    const auto cell = static_cast<Index>(i) / body.elastic->num_points();
+    const auto cell = static_cast<Index>(i) / body.domains.num_points();
     if (!F.allFinite()) return {std::numeric_limits<double>::quiet_NaN(), cell};
     if (F.norm() <= most.stretch) continue;  // no stretch is larger
     const double stretch = std::sqrt(dense::symmetric_eigenpairs3(F.transpose() * F).values[2]);
@@ -48,7 +48,7 @@ Stretched most_stretched(const Body& body, const VectorX& positions) {
 
 /// Where the material of a body suffers most.
 std::string strain_text(const World& world, const Body& body, const VectorX& positions) {
-  const auto [ratio, flat_cell] = body.elastic->min_volume_ratio(positions);
+  const auto [ratio, flat_cell] = body.domains.min_volume_ratio(positions);
   std::string text =
       "; its smallest volume ratio is " + format_short(ratio) + ", in " + cell_text(world, body, flat_cell);
   const Stretched most = most_stretched(body, positions);
@@ -61,10 +61,15 @@ std::string strain_text(const World& world, const Body& body, const VectorX& pos
 }  // namespace
 
 std::string describe_limit(const Body& body) {
-  const LawInfo* law = find_law(body.law);
-  if (law == nullptr || law->end_of_domain.empty()) return {};
-  return "; " + body.law + " ends where " + std::string(law->end_of_domain) +
-         ": reduce the load, or change the constants";
+  std::string text;
+  std::vector<std::string> told;
+  for (const Domain& domain : body.domains) {
+    const std::string end(domain.law_info().end_of_domain);
+    if (end.empty() || std::ranges::find(told, domain.law) != told.end()) continue;
+    told.push_back(domain.law);
+    text += "; " + domain.law + " ends where " + end + ": reduce the load, or change the constants";
+  }
+  return text;
 }
 
 std::string describe_unsettled_friction(const StageReport& stage) {
@@ -115,7 +120,7 @@ std::string describe_failure(const World& world, const NewtonReport& report, con
   }
   for (const Body& body : world.bodies) {
     if (&body == worst) continue;
-    const auto [ratio, cell] = body.elastic->min_volume_ratio(positions);
+    const auto [ratio, cell] = body.domains.min_volume_ratio(positions);
     if (ratio > all_but_flat) continue;
     text += "; " + cell_text(world, body, cell) + " of \"" + body.name + "\" has volume ratio " +
             format_short(ratio);

@@ -77,8 +77,8 @@ class EnergyRate {
   }
   void measure() {
     const VectorX step = part_ * displacement_;
-    after_ = share_.sum(body_.elastic->difference(x_, x_ + step, conditions_));
-    before_ = share_.sum(body_.elastic->difference(x_, x_ - step, conditions_));
+    after_ = share_.sum(body_.domains.difference(x_, x_ + step));
+    before_ = share_.sum(body_.domains.difference(x_, x_ - step));
   }
 
   const Share& share_;

@@ -100,9 +100,17 @@ Frame measure_frame(const World& world, const State& state, const VectorX* step_
   frame.external_energy = potential.energy(EnergyCategory::external, state.positions);
   frame.contact_energy = potential.energy(EnergyCategory::contact, state.positions);
 
+  for (const Body& body : world.bodies)
+    for (const Domain& domain : body.domains)
+      if (body.has_regions())
+        frame.regions.push_back(
+            {.body = body.name,
+             .region = domain.name,
+             .elastic_energy = world.share.sum(domain.energy->value(state.positions, {}))});
+
   frame.min_volume_ratio = std::numeric_limits<double>::infinity();
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
-    const auto [ratio, cell] = world.bodies[b].elastic->min_volume_ratio(state.positions);
+    const auto [ratio, cell] = world.bodies[b].domains.min_volume_ratio(state.positions);
     if (ratio < frame.min_volume_ratio) {
       frame.min_volume_ratio = ratio;
       frame.worst_cell = cell;

@@ -20,6 +20,12 @@ struct Frame {
     Vector3 velocity = Vector3::Zero();      ///< [m/s]
   };
 
+  /// Strain energy of a domain of a body that has regions.
+  struct RegionEnergy {
+    std::string body, region;   ///< names; the body's own material is ""
+    double elastic_energy = 0;  ///< [J]
+  };
+
   struct ModeValues {
     int number = 0;        ///< from 1
     double frequency = 0;  ///< [Hz]; zero for a rigid or unstable mode
@@ -60,6 +66,8 @@ struct Frame {
 
   /// Bodies that touch.
   std::vector<SurfaceContact::BodyContact> contacts;
+
+  std::vector<RegionEnergy> regions;  ///< of bodies that have regions
 
   std::vector<SectionForce> sections;  ///< what bodies carry through the cuts that the scene asks for
 

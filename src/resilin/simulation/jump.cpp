@@ -11,9 +11,8 @@ constexpr double lasting_share = 0.3;  ///< of what was lost in the step: so muc
 constexpr int most_bisections = 5, least_bisections = 2;  ///< where one finds no equilibrium
 
 double strain_energy(const World& world, const Equilibrium& at) {
-  const Conditions conditions = world.at_load(at.load);
   double energy = 0;
-  for (const Body& body : world.bodies) energy += body.elastic->value(at.positions, conditions);
+  for (const Body& body : world.bodies) energy += body.domains.value(at.positions);
   return world.share.sum(energy);
 }
 
@@ -24,9 +23,11 @@ double released_energy(const World& world, const Equilibrium& from, const Equili
   VectorX forces = VectorX::Zero(from.positions.size());  // in equilibrium they balance all others
   double change = 0;
   for (const Body& body : world.bodies) {
-    body.elastic->add_gradient(from.positions, before, forces);
-    body.elastic->add_gradient(to.positions, after, forces);
-    change += body.elastic->difference(from.positions, to.positions, after);
+    for (const Domain& domain : body.domains) {
+      domain.energy->add_gradient(from.positions, before, forces);
+      domain.energy->add_gradient(to.positions, after, forces);
+    }
+    change += body.domains.difference(from.positions, to.positions);
   }
   world.share.add_copies(forces);
   const double work = 0.5 * world.share.dot(forces, to.positions - from.positions);

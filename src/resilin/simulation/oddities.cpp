@@ -25,7 +25,8 @@ std::string inversion_text(const World& world, const Body& body, const InvertedC
          std::to_string(num_cells_of_all(world, body)) + " cells of \"" + body.name + "\" " +
          (inverted.count == 1 ? "is" : "are") + " inverted, cell " + std::to_string(inverted.worst) +
          " most, with volume ratio " + format_short(inverted.ratio) + ": this is unphysical, but " +
-         body.law + " permits it; use a law that needs J > 0, such as neo_hookean, or reduce the load";
+         (world.share.is_whole() ? body.domains.of_cell(inverted.worst).law : body.domains.laws()) +
+         " permits it; use a law that needs J > 0, such as neo_hookean, or reduce the load";
 }
 
 std::string folding_text(const World& world, const Body& body, const InvertedCells& folded) {
@@ -57,8 +58,8 @@ InvertedCells of_all(const World& world, const Body& body, InvertedCells found) 
 }  // namespace
 
 InvertedCells inverted_cells(const Body& body, const VectorX& x) {
-  const std::vector<double> ratios = body.elastic->volume_ratios(x);
-  const auto num_points = static_cast<std::size_t>(body.elastic->num_points());
+  const std::vector<double> ratios = body.domains.volume_ratios(x);
+  const auto num_points = static_cast<std::size_t>(body.domains.num_points());
   InvertedCells found;
   for (std::size_t first = 0; first < ratios.size(); first += num_points) {
     bool is_inverted = false;
@@ -83,11 +84,11 @@ Index num_inverted_cells(const World& world, const State& state) {
 
 InvertedCells folded_cells(const Body& body, const World& world, const VectorX& x) {
   InvertedCells found;
-  const ElementInfo& element = body.elastic->element();
+  const ElementInfo& element = body.domains.element();
   const int dim = world.dimension, num_nodes = resilin::num_nodes(body.cell_kind);
   if (num_nodes == dim + 1) return found;  // J is the same everywhere
-  const std::vector<double> ratios = body.elastic->volume_ratios(x);
-  const auto num_points = static_cast<std::size_t>(body.elastic->num_points());
+  const std::vector<double> ratios = body.domains.volume_ratios(x);
+  const auto num_points = static_cast<std::size_t>(body.domains.num_points());
   const auto places = [&](Index cell, const VectorX& all) {
     std::vector<double> of_cell;
     for (int a = 0; a < num_nodes; ++a) {

@@ -62,7 +62,8 @@ void add_facets(const CellBlock& block, const auto& force_of, DistributedLoads& 
 
 DistributedLoads distributed_loads(const World& world, const VectorX& x, const Conditions& c) {
   DistributedLoads loads;
-  for (const Body& body : world.bodies) loads.bodies.push_back(c.load * body.density * world.gravity);
+  for (const Body& body : world.bodies)
+    loads.bodies.push_back(c.load * body.domains.front().density * world.gravity);
   for (const auto& term : world.terms) {
     if (const auto* pressure = dynamic_cast<const Pressure*>(term.get())) {
       const CellKind kind = first_order(pressure->facets().kind);
@@ -103,13 +104,13 @@ DistributedLoads distributed_loads(const World& world, const VectorX& x, const C
   return loads;
 }
 
-/// The richer space on one body: which functions there are, their residual, and the stiffness that couples
-/// them with one another and with the element's own unknowns, cell by cell.
+/// The richer space on a body of one domain: which functions there are, their residual, and the stiffness
+/// that couples them with one another and with the element's own unknowns, cell by cell.
 template <int dim>
 class BodySpace {
  public:
   BodySpace(const World& world, const Body& body)
-      : world_(world), body_(body), elastic_(*body.elastic), space_(elastic_.element()) {
+      : world_(world), body_(body), elastic_(*body.domains.front().energy), space_(elastic_.element()) {
     const std::vector<Index>& nodes = body.cells;
     const auto n = static_cast<std::size_t>(elastic_.element().num_nodes), count = space_.functions().size();
     std::vector<std::pair<Key, std::size_t>> keys;
@@ -466,7 +467,7 @@ std::optional<SpaceError> space_error_in(Simulation& simulation) {
   double bytes = 0;
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     const Body& body = world.bodies[b];
-    if (body.num_cells() == 0 || body.elastic->element().has_mean_volume) continue;
+    if (body.num_cells() == 0 || body.has_regions() || body.domains.element().has_mean_volume) continue;
     BodySpace<dim> space(world, body);
     if (bytes + space.bytes() > most_bytes) continue;
     bytes += space.bytes();

@@ -67,9 +67,11 @@ Json fields_json(std::span<const ScalarField> fields, const World& world) {
 double field_scale(const FieldInfo& field, const World& world) {
   double stiffest = 0, fastest = 0;  // waves
   for (const Body& body : world.bodies) {
-    const double modulus = youngs_modulus(body);
-    stiffest = std::max(stiffest, modulus);
-    if (body.density > 0) fastest = std::max(fastest, std::sqrt(modulus / body.density));
+    for (const Domain& domain : body.domains) {
+      const double modulus = youngs_modulus(domain);
+      stiffest = std::max(stiffest, modulus);
+      if (domain.density > 0) fastest = std::max(fastest, std::sqrt(modulus / domain.density));
+    }
   }
   if (field.unit == "m") return world.largest_extent();
   if (field.unit == "m/s") return fastest;

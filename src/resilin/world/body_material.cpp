@@ -4,47 +4,131 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/world/body_mesh.hpp"
 #include "resilin/world/cell_material.hpp"
+#include "resilin/world/region_cells.hpp"
 
 namespace resilin {
+namespace {
 
-std::shared_ptr<ElasticEnergy> give_material(const World& world, const BodyDescription& description,
-                                             const std::vector<double>& constants, Body& body) {
-  const MaterialDescription& material = description.material;
+/// Entries of the cells of a domain; all where there is one for all cells.
+template <class T>
+std::vector<T> entries_of_cells(std::vector<T> values, std::size_t width, const std::vector<Index>* numbers) {
+  if (numbers == nullptr || values.size() == width) return values;
+  std::vector<T> picked;
+  for (const Index cell : *numbers) {
+    const auto first = values.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(cell) * width);
+    picked.insert(picked.end(), first, first + static_cast<std::ptrdiff_t>(width));
+  }
+  return picked;
+}
+
+DomainMaterial material_of_domain(const BodyDescription& description, int region, Index num_cells,
+                                  std::shared_ptr<const std::vector<Index>> numbers) {
+  const MaterialDescription& material = material_of(description, region);
   const LawInfo& law = require_law(material.law, material.place + ".law");
-  const std::size_t num_constants = law.constants.size();
-  body.law = law.name;
-  body.constants.clear();
-  const std::size_t num_sets = constants.size() / num_constants;
-  for (std::size_t i = 0; i < num_constants; ++i) {
-    double sum = 0;
-    for (std::size_t k = i; k < constants.size(); k += num_constants) sum += constants[k];
-    body.constants.emplace_back(law.constants[i].name, sum / static_cast<double>(num_sets));
+  std::vector<double> constants =
+      entries_of_cells(constants_of_cells(law, material, num_cells), law.constants.size(), numbers.get());
+  return {region, std::move(numbers), &law, std::move(constants)};
+}
+
+SharedIndices nodes_of_cells(const Body& body, const std::vector<Index>& numbers) {
+  const auto width = static_cast<std::size_t>(num_nodes(body.cell_kind));
+  std::vector<Index> nodes;
+  nodes.reserve(numbers.size() * width);
+  for (const Index cell : numbers)
+    for (std::size_t a = 0; a < width; ++a)
+      nodes.push_back(body.cells[static_cast<std::size_t>(cell) * width + a]);
+  return nodes;
+}
+
+}  // namespace
+
+const MaterialDescription& material_of(const BodyDescription& description, int region) {
+  return region < 0 ? description.material : description.regions[static_cast<std::size_t>(region)].material;
+}
+
+std::vector<DomainMaterial> domain_materials(const BodyDescription& description, int dim, bool is_part,
+                                             bool has_own_cells) {
+  const Index num_cells = solid_cells(description, dim).num_cells();
+  if (description.regions.empty()) return {material_of_domain(description, -1, num_cells, nullptr)};
+  std::vector<std::vector<Index>> cells = cells_of_domains(description, dim, is_part);
+  std::vector<DomainMaterial> materials;
+  for (std::size_t d = 0; d < cells.size(); ++d) {
+    if (d == 0 && !has_own_cells && cells[d].empty()) continue;
+    materials.push_back(material_of_domain(description, static_cast<int>(d) - 1, num_cells,
+                                           std::make_shared<const std::vector<Index>>(std::move(cells[d]))));
   }
+  return materials;
+}
+
+double largest_poissons_ratio(const std::vector<DomainMaterial>& materials) {
+  double largest = -1;
+  for (const DomainMaterial& material : materials)
+    largest = std::max(largest, largest_poissons_ratio(*material.law, material.constants));
+  return largest;
+}
+
+const LawInfo& limiting_law(const std::vector<DomainMaterial>& materials) {
+  for (const DomainMaterial& material : materials)
+    if (!material.law->has_volume_energy) return *material.law;
+  return *materials.front().law;
+}
+
+std::vector<std::shared_ptr<ElasticEnergy>> give_material(const World& world,
+                                                          const BodyDescription& description,
+                                                          const std::vector<DomainMaterial>& materials,
+                                                          Body& body) {
   using Gradients = ElasticTiles::Gradients;  // that of viscous damping, in motion, are those of the body
-  auto elastic = std::make_shared<ElasticEnergy>(
-      world.dimension, ElementChoice(body.element, description.quadrature), body.cells, world.rest_positions,
-      law, constants, fibres_of_cells(law, description, body.num_cells()), preferred_instruction_set(),
-      world.is_dynamic ? Gradients::held : Gradients::held_by_small_bodies);
-  if (world.newton.inversion_bound == InversionBound::everywhere) elastic->bound_inversion_everywhere();
-  body.elastic = elastic;
-  body.density = material.density;
-  body.mass = material.density * body.elastic->total_rest_volume();
-  if ((world.is_dynamic || world.modes) && !(material.density > 0)) {
-    throw InputError(material.place + ".density", "a positive number in a dynamic analysis",
-                     format_number(material.density));
+  std::vector<std::shared_ptr<ElasticEnergy>> energies;
+  std::vector<Domain> domains;
+  body.mass = 0;
+  for (const DomainMaterial& of : materials) {
+    const MaterialDescription& material = material_of(description, of.region);
+    const LawInfo& law = *of.law;
+    Domain domain;
+    domain.name = of.region < 0 ? "" : description.regions[static_cast<std::size_t>(of.region)].name;
+    domain.region = of.region;
+    domain.law = law.name;
+    const std::size_t num_constants = law.constants.size(), num_sets = of.constants.size() / num_constants;
+    for (std::size_t i = 0; i < num_constants; ++i) {
+      double sum = 0;
+      for (std::size_t k = i; k < of.constants.size(); k += num_constants) sum += of.constants[k];
+      domain.constants.emplace_back(law.constants[i].name, sum / static_cast<double>(num_sets));
+    }
+    domain.numbers = of.numbers;
+    domain.cells = of.numbers ? nodes_of_cells(body, *of.numbers) : body.cells;
+    FibreDirections fibres = fibres_of_cells(law, material, description.rotate, body.num_cells());
+    fibres.directions = entries_of_cells(std::move(fibres.directions), fibres.num_families, of.numbers.get());
+    auto energy = std::make_shared<ElasticEnergy>(
+        world.dimension, ElementChoice(body.element, description.quadrature), domain.cells,
+        world.rest_positions, law, of.constants, fibres, preferred_instruction_set(),
+        world.is_dynamic ? Gradients::held : Gradients::held_by_small_bodies);
+    if (world.newton.inversion_bound == InversionBound::everywhere) energy->bound_inversion_everywhere();
+    domain.energy = energy;
+    domain.density = material.density;
+    body.mass += material.density * energy->total_rest_volume();
+    if ((world.is_dynamic || world.modes) && !(material.density > 0)) {
+      throw InputError(material.place + ".density", "a positive number in a dynamic analysis",
+                       format_number(material.density));
+    }
+    energies.push_back(std::move(energy));
+    domains.push_back(std::move(domain));
   }
-  return elastic;
+  body.domains = Domains(std::move(domains));
+  return energies;
 }
 
 void change_material(World& world, std::size_t index, const BodyDescription& description) {
   Body changed = world.bodies[index];
-  const LawInfo& law = require_law(description.material.law, description.material.place + ".law");
-  const auto elastic = give_material(
-      world, description, constants_of_cells(law, description.material, changed.num_cells()), changed);
-  elastic->bind(*world.pattern);
-  std::ranges::replace(world.terms, std::shared_ptr<const Energy>(world.bodies[index].elastic),
-                       std::shared_ptr<const Energy>(elastic));
+  std::vector<DomainMaterial> materials;
+  for (const Domain& domain : changed.domains)
+    materials.push_back(material_of_domain(description, domain.region, changed.num_cells(), domain.numbers));
+  const auto energies = give_material(world, description, materials, changed);
+  for (std::size_t d = 0; d < energies.size(); ++d) {
+    energies[d]->bind(*world.pattern);
+    world.terms[world.term_of_domain(index, d)] = energies[d];
+  }
   world.bodies[index] = std::move(changed);
   world.made_from.reset();
 }

@@ -34,9 +34,10 @@ std::vector<double> constants_of_cells(const LawInfo& law, const MaterialDescrip
                            [](std::size_t cell) { return ", cell " + std::to_string(cell); });
 }
 
-FibreDirections fibres_of_cells(const LawInfo& law, const BodyDescription& body, Index num_cells) {
-  const std::string place = body.material.place + ".fibres";
-  const auto& families = body.material.fibres;
+FibreDirections fibres_of_cells(const LawInfo& law, const MaterialDescription& material,
+                                const std::optional<Rotation>& rotation, Index num_cells) {
+  const std::string place = material.place + ".fibres";
+  const auto& families = material.fibres;
   const auto max_families = static_cast<std::size_t>(law.max_fibres);
   if (max_families == 0 && !families.empty())
     throw InputError(place, "nothing: " + std::string(law.name) + " has no fibres",
@@ -46,7 +47,7 @@ FibreDirections fibres_of_cells(const LawInfo& law, const BodyDescription& body,
     throw InputError(place, "1 to " + std::to_string(max_families) + " families of directions",
                      families.empty() ? "none" : std::to_string(families.size()),
                      "for example fibres = [[1, 0, 0]]");
-  const Eigen::Matrix3d turn = rotation_matrix(body.rotate);
+  const Eigen::Matrix3d turn = rotation_matrix(rotation);
   const auto count = static_cast<std::size_t>(num_cells);
   const bool is_uniform =
       std::ranges::all_of(families, [](const auto& directions) { return directions.size() == 1; });

@@ -13,8 +13,9 @@ std::vector<double> constants_of_cells(const LawInfo& law, const MaterialDescrip
                                        Index num_cells);
 
 /// Unit directions of the fibres, once or for one cell after another, as ElasticEnergy takes them; turned
-/// with the body.
-FibreDirections fibres_of_cells(const LawInfo& law, const BodyDescription& body, Index num_cells);
+/// with the body by `rotation`.
+FibreDirections fibres_of_cells(const LawInfo& law, const MaterialDescription& material,
+                                const std::optional<Rotation>& rotation, Index num_cells);
 
 /// The largest small-strain Poisson's ratio of sets of constants, from the tangent at rest (fibres are slack
 /// there).

@@ -218,13 +218,20 @@ std::shared_ptr<const SurfaceContact> make_contact(const ContactDescription& des
 
 void change_contact(World& world, const ContactDescription& description) {
   World changed = world;
-  std::erase_if(changed.terms, [&world](const auto& term) {
-    return term && (term == world.contact || term == world.friction);
-  });
+  for (const TermOrigin::Kind kind : {TermOrigin::Kind::contact, TermOrigin::Kind::friction})
+    if (const auto number = changed.find_term({kind})) {
+      changed.terms.erase(changed.terms.begin() + static_cast<std::ptrdiff_t>(*number));
+      changed.origins.erase(changed.origins.begin() + static_cast<std::ptrdiff_t>(*number));
+    }
+  const auto add = [&changed](const std::shared_ptr<const Energy>& term, TermOrigin::Kind kind) {
+    if (!term) return;
+    changed.terms.insert(changed.terms.begin() + static_cast<std::ptrdiff_t>(changed.origins.size()), term);
+    changed.origins.push_back({kind});
+  };
   changed.contact = make_contact(description, changed);
-  if (changed.contact) changed.terms.push_back(changed.contact);
+  add(changed.contact, TermOrigin::Kind::contact);
   changed.friction = make_friction(description, changed);
-  if (changed.friction) changed.terms.push_back(changed.friction);
+  add(changed.friction, TermOrigin::Kind::friction);
   changed.warnings = world.warnings;
   changed.made_from.reset();
   world = std::move(changed);

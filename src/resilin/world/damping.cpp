@@ -21,15 +21,15 @@ Viscosity rest_stiffness(const Material& material) {
 
 namespace {
 
-/// The viscosities that a body's `damping` asks for; empty when it asks for none.
-std::vector<Viscosity> viscosities_of(const DampingDescription& damping, const Body& body) {
+/// The viscosities that a body's `damping` asks for in a domain; empty when it asks for none.
+std::vector<Viscosity> viscosities_of(const DampingDescription& damping, const ElasticEnergy& elastic) {
   if (damping.stiffness == 0 && damping.shear_viscosity == 0 && damping.bulk_viscosity == 0) return {};
   const Viscosity own{.eta = damping.shear_viscosity,
                       .zeta = damping.bulk_viscosity - 2.0 / 3 * damping.shear_viscosity};
   if (damping.stiffness == 0) return {own};
-  std::vector<Viscosity> viscosities(static_cast<std::size_t>(body.num_cells()), own);
+  std::vector<Viscosity> viscosities(static_cast<std::size_t>(elastic.num_cells()), own);
   for (std::size_t cell = 0; cell < viscosities.size(); ++cell) {
-    const Viscosity rest = rest_stiffness(body.elastic->material(static_cast<Index>(cell)));
+    const Viscosity rest = rest_stiffness(elastic.material(static_cast<Index>(cell)));
     viscosities[cell].eta += damping.stiffness * rest.eta;
     viscosities[cell].zeta += damping.stiffness * rest.zeta;
   }
@@ -38,22 +38,29 @@ std::vector<Viscosity> viscosities_of(const DampingDescription& damping, const B
 
 }  // namespace
 
-Terms damping_terms(const Description& description, const World& world) {
-  Terms terms;
+void add_damping(const Description& description, World& world) {
+  const auto add = [&world](std::shared_ptr<const Energy> term, const TermOrigin& origin) {
+    world.terms.push_back(std::move(term));
+    world.origins.push_back(origin);
+  };
   MassMatrix by_mass;
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     const Body& body = world.bodies[b];
     const DampingDescription& wanted = description.bodies[b].damping;
-    if (const std::vector<Viscosity> viscosities = viscosities_of(wanted, body); !viscosities.empty())
-      terms.push_back(std::make_shared<ViscousDamping>(body.elastic, viscosities));
+    for (std::size_t d = 0; d < body.domains.size(); ++d)
+      if (const std::vector<Viscosity> viscosities = viscosities_of(wanted, *body.domains[d].energy);
+          !viscosities.empty())
+        add(std::make_shared<ViscousDamping>(body.domains[d].energy, viscosities),
+            {TermOrigin::Kind::viscous_damping, b, d});
     if (wanted.mass == 0) continue;
     if (by_mass.nodal.size() == 0) by_mass = world.mass->times(0);
-    add_cell_masses(by_mass, body.elastic->element(), body.cells, world.rest_positions,
-                    wanted.mass * body.density, body.mass_kind == MassKind::consistent);
+    for (const Domain& domain : body.domains)
+      add_cell_masses(by_mass, body.domains.element(), domain.cells, world.rest_positions,
+                      wanted.mass * domain.density, body.mass_kind == MassKind::consistent);
   }
   if (by_mass.nodal.size() > 0)
-    terms.push_back(std::make_shared<MassDamping>(std::make_shared<const MassMatrix>(std::move(by_mass))));
-  return terms;
+    add(std::make_shared<MassDamping>(std::make_shared<const MassMatrix>(std::move(by_mass))),
+        {TermOrigin::Kind::mass_damping});
 }
 
 }  // namespace resilin

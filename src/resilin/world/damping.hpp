@@ -5,8 +5,8 @@
 
 namespace resilin {
 
-/// The damping that a description asks for, of a world whose bodies and masses are complete; may be empty.
-Terms damping_terms(const Description& description, const World& world);
+/// Adds the damping that a description asks for to the terms of a world whose bodies and masses are complete.
+void add_damping(const Description& description, World& world);
 
 /// Lame's constants [Pa] of the isotropic solid nearest to the rest stiffness (its Voigt average), which is
 /// the rest stiffness itself for a law without fibres: damping in proportion to stiffness has their multiples

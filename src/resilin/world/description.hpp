@@ -107,6 +107,18 @@ struct SkinDescription {
   bool is_smooth = false;    ///< see Embedding
 };
 
+/// Cells of a body that are of another material than the body. They share the body's nodes.
+struct RegionDescription {
+  std::string place = "body.region";
+  std::string name;
+  /// Cells whose centroid it holds; of a group its cells, of listed vertices the cells that have no others.
+  /// A cell belongs to the first region that means it.
+  Where where;
+  std::optional<std::vector<Index>> cells;  ///< their numbers in the mesh, in place of `where`
+  /// Lists by cell have an entry for each cell of the body.
+  MaterialDescription material;
+};
+
 struct BodyDescription {
   std::string place = "body";
   std::string name = "body";
@@ -114,7 +126,8 @@ struct BodyDescription {
   std::string mesh_name;         ///< the file, or "box", for messages
   std::string element = "auto";  ///< a name of element/catalog.hpp, or auto: see choose_element
   std::string quadrature;        ///< a rule's name; empty: the element's own
-  MaterialDescription material;
+  MaterialDescription material;  ///< of the cells that belong to no region
+  std::vector<RegionDescription> regions;
   double scale = 1;
   std::optional<Rotation> rotate;                               ///< about the origin, after scale
   Vector3 translate = Vector3::Zero();                          ///< [m], after rotate

@@ -206,6 +206,7 @@ std::string key_of(std::string_view member) {
   if (member == "is_enabled") return "enabled";
   if (member == "with_themselves") return "self";
   if (member == "pairs") return "pair";
+  if (member == "regions") return "region";
   if (member == "is_smooth") return "smooth";
   if (is_one_of(member, {"constants", "cell_constants", "shape"})) return "";
   return std::string(member == "pressure" ? "value" : member);
@@ -286,6 +287,9 @@ class Entries {
   }
   void add(const std::string& key, const std::vector<ContactPairDescription>& pairs) {
     for (const ContactPairDescription& pair : pairs) add(key, pair);
+  }
+  void add(const std::string& key, const std::vector<RegionDescription>& regions) {
+    for (const RegionDescription& region : regions) add(key + "." + region.name, region);
   }
   void add(const std::string& key, const std::vector<std::vector<Vector3>>& lists) {
     for (std::size_t i = 0; i < lists.size(); ++i) add(key + "." + std::to_string(i), lists[i]);

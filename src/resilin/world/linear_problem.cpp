@@ -42,7 +42,7 @@ std::optional<Inversion> first_inversion(const World& world, const VectorX& posi
   std::optional<Inversion> first;
   double least = 0;
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
-    const ElasticEnergy& elastic = *world.bodies[b].elastic;
+    const Domains& elastic = world.bodies[b].domains;
     const std::vector<Matrix<3>> F = elastic.deformation_gradients(positions);
     for (std::size_t k = 0; k < F.size(); ++k) {
       const Matrix<3> H = F[k] - Matrix<3>::Identity();

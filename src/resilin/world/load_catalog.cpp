@@ -25,7 +25,7 @@ std::shared_ptr<Energy> make_body_force(const LoadDescription& load, const LoadS
                      std::to_string(site.vertices.size()) + " vertices that fill no cell");
   }
   const bool are_all = cells.size() == site.body.cells.size();
-  return dead_load(std::make_shared<LoadedCells>(site.body.elastic->element(),
+  return dead_load(std::make_shared<LoadedCells>(site.body.domains.element(),
                                                  are_all ? site.body.cells : SharedIndices(std::move(cells))),
                    load, site);
 }

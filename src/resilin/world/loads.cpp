@@ -40,8 +40,9 @@ std::shared_ptr<Energy> make_gravity(const Vector3& gravity, const World& world,
     world.mass->multiply(gravity.head(dim).replicate(world.num_nodes(), 1), forces);
   } else {
     for (const Body& body : world.bodies)
-      add_body_force(body.elastic->element(), body.cells, world.rest_positions, body.density * gravity,
-                     forces);
+      for (const Domain& domain : body.domains)
+        add_body_force(body.domains.element(), domain.cells, world.rest_positions, domain.density * gravity,
+                       forces);
   }
   return std::make_shared<DeadLoad>("gravity", std::move(forces), world.rest_positions);
 }

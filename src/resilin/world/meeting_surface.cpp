@@ -12,11 +12,20 @@
 
 namespace resilin {
 
-double youngs_modulus(const Body& body) {
+double youngs_modulus(const Domain& domain) {
   std::vector<double> constants;
-  for (const auto& [name, value] : body.constants) constants.push_back(value);
-  return youngs_modulus(require_law(body.law, body.name), constants);
+  for (const auto& [name, value] : domain.constants) constants.push_back(value);
+  return youngs_modulus(domain.law_info(), constants);
 }
+
+std::size_t softest_domain(const Body& body) {
+  std::size_t softest = 0;
+  for (std::size_t d = 1; d < body.domains.size(); ++d)
+    if (youngs_modulus(body.domains[d]) < youngs_modulus(body.domains[softest])) softest = d;
+  return softest;
+}
+
+double youngs_modulus(const Body& body) { return youngs_modulus(body.domains[softest_domain(body)]); }
 
 double youngs_modulus(const LawInfo& law, const std::vector<double>& constants) {
   double E = 0;

@@ -12,7 +12,11 @@
 /// With which surfaces the bodies of a world meet others, themselves and colliders.
 namespace resilin {
 
-/// Young's modulus of a body's material at small strain, by the means of its constants [Pa].
+/// Young's modulus of a domain's material at small strain, by the means of its constants [Pa].
+double youngs_modulus(const Domain& domain);
+/// Number of the domain with the least Young's modulus: contact is as stiff as this asks for.
+std::size_t softest_domain(const Body& body);
+/// Young's modulus of the softest domain of a body [Pa].
 double youngs_modulus(const Body& body);
 /// The same by other constants of its law's formula.
 double youngs_modulus(const LawInfo& law, const std::vector<double>& constants);

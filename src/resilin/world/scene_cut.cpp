@@ -126,7 +126,7 @@ void SceneCut::find_load_sites() {
     const Body& body = *found;
     BodyDescription description = rest_.bodies[b];
     description.element = body.element;
-    const LawInfo& law = require_law(body.law, load.place);
+    const LawInfo& law = body.domains.front().law_info();
     std::vector<std::string> told_before;
     const BodyMesh made = make_body_mesh(
         description, dim, {.cells = solid_cells(description, dim).kind, .law = law, .poissons_ratio = 0},
@@ -177,12 +177,22 @@ BodyDescription SceneCut::body_part(std::size_t body, int rank, std::span<const 
     part.mesh.vertices.push_back(node_position(world_.dimension, node, world_.rest_positions));
   part.initial_positions = of_nodes(world_.start_positions, nodes, world_.dimension);
   if (world_.is_dynamic) part.initial_velocities = of_nodes(world_.start_velocities, nodes, world_.dimension);
-  for (auto& [name, values] : part.material.cell_constants) values = of_cells(values, cells);
   const Eigen::Matrix3d turn = rotation_matrix(world_.made_from->bodies[body].rotate);
-  for (std::vector<Vector3>& directions : part.material.fibres) {
-    directions = of_cells(directions, cells);
-    for (Vector3& direction : directions) direction = turn * direction;
+  const auto cut = [&](MaterialDescription& material) {
+    for (auto& [name, values] : material.cell_constants) values = of_cells(values, cells);
+    for (std::vector<Vector3>& directions : material.fibres) {
+      directions = of_cells(directions, cells);
+      for (Vector3& direction : directions) direction = turn * direction;
+    }
+  };
+  cut(part.material);
+  for (RegionDescription& region : part.regions) {
+    cut(region.material);
+    region.cells.emplace();
   }
+  for (std::size_t i = 0; i < cells.size() && !part.regions.empty(); ++i)
+    if (const int region = whole.domains.of_cell(cells[i]).region; region >= 0)
+      part.regions[static_cast<std::size_t>(region)].cells->push_back(static_cast<Index>(i));
   return part;
 }
 
@@ -209,6 +219,7 @@ ScenePart SceneCut::part(int rank) const {
     }
     BodyPart& own = part.bodies.emplace_back();
     own.mass = body.mass;
+    own.has_own_cells = body.domains.front().region < 0;
     part.description.bodies[b] =
         body_part(b, rank, std::span(part.numbers).subspan(at(first_of_body.back())), local_of, own.cells);
   }

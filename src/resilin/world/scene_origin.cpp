@@ -46,6 +46,7 @@ void move(Where& where, const Vector3& by) {
 void move(BodyDescription& body, int dim, const Vector3& by) {
   body.translate += by;
   body.velocity -= body.velocity_gradient * by;
+  for (RegionDescription& region : body.regions) move(region.where, by);
   for (std::vector<double>* places : {&body.initial_positions, &body.contact_shape})
     for (std::size_t i = 0; i < places->size(); ++i) (*places)[i] += by[static_cast<int>(i) % dim];
 }

@@ -21,8 +21,9 @@ struct ContactPart {
 };
 
 struct BodyPart {
-  std::vector<Index> cells;  ///< their numbers in the whole body
-  double mass = 0;           ///< of the whole body [kg]
+  std::vector<Index> cells;   ///< their numbers in the whole body
+  double mass = 0;            ///< of the whole body [kg]
+  bool has_own_cells = true;  ///< some cells of the whole body belong to no region
 };
 
 /// What one process gets of a scene that several share: its cells with all their nodes, and what has been

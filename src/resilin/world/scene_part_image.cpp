@@ -7,7 +7,7 @@ namespace resilin {
 
 RESILIN_MEMBERS(SelectionPart, nodes, facets)
 RESILIN_MEMBERS(ContactPart, nodes, stiffness)
-RESILIN_MEMBERS(BodyPart, cells, mass)
+RESILIN_MEMBERS(BodyPart, cells, mass, has_own_cells)
 RESILIN_MEMBERS(ScenePart, description, origin, fingerprint, bodies, fixes, loads, colliders, probes, numbers,
                 ranked_numbers, owners, copies_begin, copies, num_ranked)
 

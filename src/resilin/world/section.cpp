@@ -22,7 +22,7 @@ std::span<const Index> cell_nodes(const Body& body, std::size_t cell) {
 /// Whether the mean of a cell's corners lies below the plane.
 std::vector<bool> cells_below(const SectionDescription& section, const Body& body, int dim,
                               const VectorX& rest_positions) {
-  const auto num_corners = static_cast<std::size_t>(body.elastic->element().num_corners());
+  const auto num_corners = static_cast<std::size_t>(body.domains.element().num_corners());
   std::vector<bool> is_below;
   for (std::size_t cell = 0; cell < static_cast<std::size_t>(body.num_cells()); ++cell) {
     double sum = 0;
@@ -39,7 +39,7 @@ struct NodeVolumes {
 };
 
 NodeVolumes node_volumes(const Body& body, const std::vector<bool>& is_below) {
-  const std::vector<double> volumes = body.elastic->rest_volumes();
+  const std::vector<double> volumes = body.domains.rest_volumes();
   NodeVolumes sums;
   for (std::size_t cell = 0; cell < volumes.size(); ++cell)
     for (const Index node : cell_nodes(body, cell)) {
@@ -51,32 +51,41 @@ NodeVolumes node_volumes(const Body& body, const std::vector<bool>& is_below) {
 
 }  // namespace
 
-Section::Side Section::side_of(const Body& body, std::vector<Index> cells, int dim,
-                               const VectorX& rest_positions) {
-  const ElasticEnergy& whole = *body.elastic;
-  Side side{.cells = std::move(cells), .nodes = {}, .energy = {}};
-  std::vector<double> constants;
-  FibreDirections fibres;
-  for (const Index cell : side.cells) {
-    const auto of_cell = cell_nodes(body, static_cast<std::size_t>(cell));
-    side.nodes.insert(side.nodes.end(), of_cell.begin(), of_cell.end());
-    const Material material = whole.material(cell);
-    constants.insert(constants.end(), material.constants.begin(), material.constants.end());
-    fibres.directions.insert(fibres.directions.end(), material.fibres.begin(), material.fibres.end());
-    fibres.num_families = material.fibres.size();
+void Section::add_cells(const Body& body, const std::vector<Index>& cells, bool is_lower,
+                        const VectorX& rest_positions) {
+  for (std::size_t d = 0; d < body.domains.size(); ++d) {
+    const ElasticEnergy& whole = *body.domains[d].energy;
+    Cells side{.is_lower = is_lower,
+               .domain = d,
+               .is_uniform =
+                   whole.parameters().front().size == static_cast<Eigen::Index>(whole.law().constants.size()),
+               .cells = {},
+               .nodes = {},
+               .energy = {}};
+    std::vector<double> constants;
+    FibreDirections fibres;
+    for (const Index cell : cells) {
+      const auto [domain, own] = body.domains.place_of(cell);
+      if (domain != d) continue;
+      side.cells.push_back(own);
+      const auto of_cell = cell_nodes(body, static_cast<std::size_t>(cell));
+      side.nodes.insert(side.nodes.end(), of_cell.begin(), of_cell.end());
+      const Material material = whole.material(own);
+      constants.insert(constants.end(), material.constants.begin(), material.constants.end());
+      fibres.directions.insert(fibres.directions.end(), material.fibres.begin(), material.fibres.end());
+      fibres.num_families = material.fibres.size();
+    }
+    if (side.cells.empty()) continue;
+    side.energy = std::make_shared<const ElasticEnergy>(
+        dim_, ElementChoice(whole.element().name, whole.quadrature().name), side.nodes, rest_positions,
+        whole.law(), constants, fibres, whole.instruction_set());
+    cells_.push_back(std::move(side));
   }
-  side.energy = std::make_shared<const ElasticEnergy>(
-      dim, ElementChoice(whole.element().name, whole.quadrature().name), side.nodes, rest_positions,
-      whole.law(), constants, fibres, whole.instruction_set());
-  return side;
 }
 
 Section::Section(const SectionDescription& description, const Body& body, int dim,
                  const VectorX& rest_positions)
-    : name_(description.name),
-      dim_(dim),
-      is_uniform_(body.elastic->parameters().front().size ==
-                  static_cast<Eigen::Index>(body.elastic->law().constants.size())) {
+    : name_(description.name), dim_(dim) {
   require_axis(description.axis, dim, description.place + ".plane.axis");
   const std::vector<bool> is_below = cells_below(description, body, dim, rest_positions);
   if (std::ranges::find(is_below, true) == is_below.end() ||
@@ -112,8 +121,8 @@ Section::Section(const SectionDescription& description, const Body& body, int di
     if (std::ranges::any_of(cell_nodes(body, cell),
                             [&](Index node) { return is_cut_node[static_cast<std::size_t>(node)]; }))
       (is_below[cell] ? lower : upper).push_back(static_cast<Index>(cell));
-  lower_ = side_of(body, std::move(lower), dim, rest_positions);
-  upper_ = side_of(body, std::move(upper), dim, rest_positions);
+  add_cells(body, lower, true, rest_positions);
+  add_cells(body, upper, false, rest_positions);
 
   const CellBlock block{.kind = body.cell_kind, .nodes = body.cells};
   visit_facets(block, [&](std::span<const resilin::Facet> uses) {
@@ -183,8 +192,7 @@ const Body& Section::body(const World& world) const { return world.body_of(nodes
 std::vector<Vector3> Section::node_forces(const VectorX& x) const {
   const Conditions any;
   VectorX lower = VectorX::Zero(x.size()), upper = VectorX::Zero(x.size());
-  lower_.energy->add_gradient(x, any, lower);
-  upper_.energy->add_gradient(x, any, upper);
+  for (const Cells& side : cells_) side.energy->add_gradient(x, any, side.is_lower ? lower : upper);
   std::vector<Vector3> forces;
   for (const auto& [node, share, volume] : nodes_)
     forces.push_back((1 - share) * node_position(dim_, node, lower) -
@@ -203,7 +211,8 @@ SectionForce Section::measure(const VectorX& x) const {
 }
 
 /// slopes += those of the sum over the cut's nodes of by_node times the volume of the side's cells there.
-void Section::add_volume_slopes(const Side& side, const std::vector<double>& by_node, VectorX& slopes) const {
+void Section::add_volume_slopes(const Cells& side, const std::vector<double>& by_node,
+                                VectorX& slopes) const {
   std::map<Index, double> by;
   for (std::size_t i = 0; i < nodes_.size(); ++i) by[nodes_[i].node] = by_node[i];
   std::vector<double> by_cell(side.cells.size(), 0.0);
@@ -240,22 +249,23 @@ void Section::add_force_slopes(const std::vector<Vector3>& by, const VectorX& x,
   const Conditions any;
   std::vector<double> of_lower_volume, of_volume;
   VectorX forces = VectorX::Zero(x.size());
-  for (const Side* side : {&lower_, &upper_}) {
-    side->energy->add_gradient(x, any, forces);
+  for (const Cells& side : cells_) {
+    side.energy->add_gradient(x, any, forces);
     VectorX w = VectorX::Zero(x.size());
     for (std::size_t i = 0; i < nodes_.size(); ++i)
       w.segment(Eigen::Index{nodes_[i].node} * dim_, dim_) =
-          (side == &lower_ ? 1 - nodes_[i].share : -nodes_[i].share) * by[i].head(dim_);
-    if (slopes.positions.size() > 0) side->energy->add_tangent_forces(x, w, slopes.positions);
+          (side.is_lower ? 1 - nodes_[i].share : -nodes_[i].share) * by[i].head(dim_);
+    if (slopes.positions.size() > 0) side.energy->add_tangent_forces(x, w, slopes.positions);
     if (slopes.rest_positions.size() > 0)
-      side->energy->add_parameter_slopes("rest_positions", x, w, any, slopes.rest_positions);
-    if (slopes.constants.size() == 0) continue;
-    VectorX of_cells = VectorX::Zero(side->energy->parameters().front().size);
-    side->energy->add_parameter_slopes("constants", x, w, any, of_cells);
-    const auto cells = static_cast<Eigen::Index>(side->cells.size()), n = of_cells.size() / cells;
+      side.energy->add_parameter_slopes("rest_positions", x, w, any, slopes.rest_positions);
+    if (side.domain >= slopes.constants.size() || slopes.constants[side.domain].size() == 0) continue;
+    VectorX& by_constants = slopes.constants[side.domain];
+    VectorX of_cells = VectorX::Zero(side.energy->parameters().front().size);
+    side.energy->add_parameter_slopes("constants", x, w, any, of_cells);
+    const auto cells = static_cast<Eigen::Index>(side.cells.size()), n = of_cells.size() / cells;
     for (Eigen::Index i = 0; i < cells; ++i) {
-      const Eigen::Index set = is_uniform_ ? 0 : side->cells[static_cast<std::size_t>(i)];
-      slopes.constants.segment(set * n, n) += of_cells.segment(i * n, n);
+      const Eigen::Index set = side.is_uniform ? 0 : side.cells[static_cast<std::size_t>(i)];
+      by_constants.segment(set * n, n) += of_cells.segment(i * n, n);
     }
   }
   if (slopes.rest_positions.size() == 0) return;
@@ -265,8 +275,8 @@ void Section::add_force_slopes(const std::vector<Vector3>& by, const VectorX& x,
     of_lower_volume.push_back(-(1 - share) * power);
     of_volume.push_back(share * power);
   }
-  add_volume_slopes(lower_, of_lower_volume, slopes.rest_positions);
-  add_volume_slopes(upper_, of_volume, slopes.rest_positions);
+  for (const Cells& side : cells_)
+    add_volume_slopes(side, side.is_lower ? of_lower_volume : of_volume, slopes.rest_positions);
 }
 
 }  // namespace resilin

@@ -45,7 +45,7 @@ class Section {
   /// Slopes of a number by what a force depends on. What is empty is not asked for.
   struct Slopes {
     VectorX positions{}, rest_positions{};  ///< of the world
-    VectorX constants{};                    ///< of the body's law, as the parameter of ElasticEnergy
+    std::vector<VectorX> constants{};       ///< of each domain, as the parameter of its energy
   };
   /// Adds those of by . force, as long as no cell changes sides.
   void add_slopes(const Vector3& by, const VectorX& x, Slopes& slopes) const;
@@ -58,14 +58,18 @@ class Section {
     double share;   ///< s
     double volume;  ///< of the cells at the node, at rest [m^3]
   };
-  /// The cells at the cut on one side.
-  struct Side {
-    std::vector<Index> cells;  ///< of the body
+  /// The cells at the cut on one side that are of one domain.
+  struct Cells {
+    bool is_lower = false;
+    std::size_t domain = 0;
+    bool is_uniform = false;   ///< one set of constants for the whole domain
+    std::vector<Index> cells;  ///< of the domain
     std::vector<Index> nodes;  ///< of these, in the world
     std::shared_ptr<const ElasticEnergy> energy;
   };
-  static Side side_of(const Body& body, std::vector<Index> cells, int dim, const VectorX& rest_positions);
-  void add_volume_slopes(const Side& side, const std::vector<double>& by_node, VectorX& slopes) const;
+  void add_cells(const Body& body, const std::vector<Index>& cells, bool is_lower,
+                 const VectorX& rest_positions);
+  void add_volume_slopes(const Cells& side, const std::vector<double>& by_node, VectorX& slopes) const;
   /// The corners of a side between a lower and an upper cell.
   struct Facet {
     CellKind kind;
@@ -79,8 +83,7 @@ class Section {
 
   std::string name_;
   int dim_;
-  bool is_uniform_;  ///< one set of constants for the whole body
-  Side lower_, upper_;
+  std::vector<Cells> cells_;
   std::vector<Node> nodes_;
   std::vector<Facet> facets_;
 };

@@ -26,17 +26,6 @@ std::vector<std::string> group_names(const Mesh& mesh) {
   return names;
 }
 
-const Group& find_group(const Mesh& mesh, const std::string& name, const std::string& place) {
-  if (const Group* group = mesh.find_group(name)) return *group;
-  const std::vector<std::string> names = group_names(mesh);
-  if (names.empty()) {
-    throw InputError(place, "a group of the mesh", "\"" + name + "\"",
-                     "the mesh has no groups: use box, plane, sphere or vertices");
-  }
-  throw InputError(place, "a group of the mesh (" + join(names) + ")", "\"" + name + "\"",
-                   did_you_mean(name, names));
-}
-
 std::function<bool(const Vector3&)> position_test(const Where& where, double extent) {
   switch (where.kind) {
     case Where::Kind::box:
@@ -98,6 +87,23 @@ std::vector<Index> whole_cells(const CellBlock& block, const std::vector<Index>&
 }
 
 }  // namespace
+
+const Group& find_group(const Mesh& mesh, const std::string& name, const std::string& place) {
+  if (const Group* group = mesh.find_group(name)) return *group;
+  const std::vector<std::string> names = group_names(mesh);
+  if (names.empty()) {
+    throw InputError(place, "a group of the mesh", "\"" + name + "\"",
+                     "the mesh has no groups: use box, plane, sphere or vertices");
+  }
+  throw InputError(place, "a group of the mesh (" + join(names) + ")", "\"" + name + "\"",
+                   did_you_mean(name, names));
+}
+
+std::function<bool(const Vector3&)> place_test(const Where& where, int dim, double extent,
+                                               const std::string& place) {
+  check_where(where, dim, place);
+  return position_test(where, extent);
+}
 
 std::vector<Index> select_vertices(const Where& where, const Mesh& mesh, const Body& body,
                                    const VectorX& rest_positions, int dim, const std::string& place) {

@@ -1,11 +1,21 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "resilin/world/world.hpp"
 
 namespace resilin {
+
+/// A group of a mesh. Throws InputError beginning with `place`, with the names of those there are.
+const Group& find_group(const Mesh& mesh, const std::string& name, const std::string& place);
+
+/// Whether a box, plane or sphere holds a point; anything does in other selections.
+/// @param where   kept by reference
+/// @param extent  of the body [m]
+std::function<bool(const Vector3&)> place_test(const Where& where, int dim, double extent,
+                                               const std::string& place);
 
 /// Nodes of a body (numbers of its mesh, ascending) that a `where` means, in the placed rest shape.
 ///

@@ -20,15 +20,16 @@ double least_volume_ratio(const ElasticEnergy& elastic, const std::vector<double
   return *std::min_element(first, first + elastic.num_points());
 }
 
-[[noreturn]] void refuse_start(const BodyDescription& description, const ElasticEnergy& elastic,
-                               const VectorX& x) {
+[[noreturn]] void refuse_start(const BodyDescription& description, const Domain& domain, const VectorX& x) {
+  const ElasticEnergy& elastic = *domain.energy;
   const std::string law(elastic.law().name), place = description.place + ".initial_positions";
   const std::vector<double> energies = elastic.energy_densities(x), ratios = elastic.volume_ratios(x);
   const auto bad = std::ranges::find_if(energies, [](double energy) { return !std::isfinite(energy); });
   const auto cell = static_cast<Index>((bad - energies.begin()) / elastic.num_points());
   if (bad == energies.end()) throw InputError(place, "a shape at which " + law + " has an energy", "none");
   const double ratio = least_volume_ratio(elastic, ratios, cell);
-  const std::string where = "cell " + std::to_string(cell) + " with volume ratio " + format_short(ratio);
+  const std::string where =
+      "cell " + std::to_string(domain.number_of(cell)) + " with volume ratio " + format_short(ratio);
   if (!(ratio > 0) && elastic.law().needs_positive_J)
     throw InputError(
         place, "no inverted cell, since " + law + " needs J > 0", where,
@@ -149,11 +150,10 @@ std::vector<std::string> supports_in_colliders(const World& world) {
 }
 
 void check_start(const Description& description, const World& world) {
-  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
-    const ElasticEnergy& elastic = *world.bodies[b].elastic;
-    if (!std::isfinite(elastic.value(world.start_positions, {})))
-      refuse_start(description.bodies[b], elastic, world.start_positions);
-  }
+  for (std::size_t b = 0; b < world.bodies.size(); ++b)
+    for (const Domain& domain : world.bodies[b].domains)
+      if (!std::isfinite(domain.energy->value(world.start_positions, {})))
+        refuse_start(description.bodies[b], domain, world.start_positions);
 }
 
 bool is_idle(const World& world) {

@@ -106,6 +106,7 @@ class Builder {
   void add_load(std::size_t number);
   void add_probe(std::size_t number);
   void add_section(const SectionDescription& section);
+  void note_origin(const TermOrigin& origin);
   void build_pattern();
   void add_masses();
   void find_fixed_unknowns();
@@ -115,8 +116,8 @@ class Builder {
   World& world_;
   const ScenePart* part_;
   std::vector<BodyMesh> meshes_;
-  std::vector<std::vector<double>> constants_;     ///< of each body's law, once or for each cell
-  std::vector<std::shared_ptr<Energy>> coupling_;  ///< terms whose couplings make up the pattern
+  std::vector<std::vector<DomainMaterial>> materials_;  ///< of each body
+  std::vector<std::shared_ptr<Energy>> coupling_;       ///< terms whose couplings make up the pattern
 };
 
 void Builder::build() {
@@ -127,7 +128,8 @@ void Builder::build() {
   if (!world_.is_dynamic) world_.start_velocities.resize(0);
   // Once all bodies are placed, so that every energy sees the whole world's vertices.
   for (std::size_t b = 0; b < world_.bodies.size(); ++b)
-    coupling_.push_back(give_material(world_, description_.bodies[b], constants_[b], world_.bodies[b]));
+    for (auto& energy : give_material(world_, description_.bodies[b], materials_[b], world_.bodies[b]))
+      coupling_.push_back(std::move(energy));
   if (part_ == nullptr) check_start(description_, world_);
   for (std::size_t i = 0; i < description_.fixes.size(); ++i) add_support(i);
   check_support_conflicts(world_.dimension, world_.supports, world_.rest_positions);
@@ -136,20 +138,31 @@ void Builder::build() {
   for (const SectionDescription& section : description_.sections) add_section(section);
   build_pattern();
   add_masses();
+  using Kind = TermOrigin::Kind;
   world_.terms.assign(coupling_.begin(), coupling_.end());
+  for (std::size_t b = 0; b < world_.bodies.size(); ++b)
+    for (std::size_t d = 0; d < world_.bodies[b].domains.size(); ++d)
+      world_.origins.push_back({Kind::domain, b, d});
+  for (std::size_t i = 0; i < description_.loads.size(); ++i) world_.origins.push_back({Kind::load, i});
   if (description_.gravity.head(world_.dimension).norm() > 0)
     world_.terms.push_back(make_gravity(description_.gravity, world_, world_.is_dynamic));
+  note_origin({Kind::gravity});
   for (std::size_t b = 0; b < world_.bodies.size(); ++b)
     check_contact_skin(world_.bodies[b], world_, description_.bodies[b].place);
-  for (std::size_t i = 0; i < description_.colliders.size(); ++i)
+  for (std::size_t i = 0; i < description_.colliders.size(); ++i) {
     add_collider(description_.colliders[i], world_, part_ == nullptr ? nullptr : &part_->colliders[i]);
+    note_origin({Kind::collider, i});
+  }
   world_.contact = make_contact(description_.contact, world_);
   if (world_.contact) world_.terms.push_back(world_.contact);
+  note_origin({Kind::contact});
   world_.friction = make_friction(description_.contact, world_);
   if (world_.friction) world_.terms.push_back(world_.friction);
+  note_origin({Kind::friction});
   if (world_.is_dynamic) {
     world_.terms.push_back(std::make_shared<Inertia>(world_.mass));
-    for (const auto& term : damping_terms(description_, world_)) world_.terms.push_back(term);
+    note_origin({Kind::inertia});
+    add_damping(description_, world_);
   }
   find_fixed_unknowns();
   find_events(description_, world_);
@@ -193,15 +206,16 @@ void Builder::add_body(const BodyDescription& description) {
     }
   }
   const CellBlock& cells = solid_cells(description, world_.dimension);
-  const LawInfo& law = require_law(description.material.law, description.material.place + ".law");
-  constants_.push_back(constants_of_cells(law, description.material, cells.num_cells()));
-  const ElementCase element_case{
-      .cells = cells.kind, .law = law, .poissons_ratio = largest_poissons_ratio(law, constants_.back())};
+  materials_.push_back(
+      domain_materials(description, world_.dimension, part_ != nullptr,
+                       part_ != nullptr && part_->bodies[world_.bodies.size()].has_own_cells));
+  const ElementCase element_case{.cells = cells.kind,
+                                 .law = limiting_law(materials_.back()),
+                                 .poissons_ratio = largest_poissons_ratio(materials_.back())};
   const BodyMesh& made =
       meshes_.emplace_back(make_body_mesh(description, world_.dimension, element_case, world_.warnings));
   Body body;
   body.name = description.name;
-  body.law = law.name;
   body.element = made.element->name;
   body.element_reason = made.reason;
   if (!made.reason.empty())
@@ -274,6 +288,9 @@ void Builder::add_section(const SectionDescription& section) {
   world_.sections.emplace_back(section, body, world_.dimension, world_.rest_positions);
 }
 
+/// Whatever the last lines have added to the terms is made of this.
+void Builder::note_origin(const TermOrigin& origin) { world_.origins.resize(world_.terms.size(), origin); }
+
 /// One pattern for all energies; each looks up its slots in it.
 void Builder::build_pattern() {
   BlockPatternBuilder builder(world_.num_nodes());
@@ -295,8 +312,9 @@ void Builder::add_masses() {
     mass.slots.assign(static_cast<std::size_t>(world_.pattern->num_slots()), 0.0);
   }
   for (const Body& body : world_.bodies)
-    add_cell_masses(mass, body.elastic->element(), body.cells, world_.rest_positions, body.density,
-                    is_consistent(body));
+    for (const Domain& domain : body.domains)
+      add_cell_masses(mass, body.domains.element(), domain.cells, world_.rest_positions, domain.density,
+                      is_consistent(body));
   world_.mass = std::make_shared<const MassMatrix>(std::move(mass));
 }
 
@@ -360,7 +378,7 @@ World::World(const Description& description, std::shared_ptr<const Description> 
   for (const Body& body : bodies)
     for (auto& [name, value] : fingerprint)
       if (name == "body." + body.name + ".quadrature" &&
-          value == '"' + std::string(body.elastic->element().default_quadrature) + '"')
+          value == '"' + std::string(body.domains.element().default_quadrature) + '"')
         value = "\"\"";
 }
 
@@ -387,6 +405,12 @@ std::vector<std::string> names_of_terms(const World& world, EnergyCategory categ
   for (const auto& term : world.terms)
     if (term->properties().category == category) names.emplace_back(term->name());
   return names;
+}
+
+std::optional<std::size_t> World::find_term(const TermOrigin& of) const {
+  const auto found = std::ranges::find(origins, of);
+  if (found == origins.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - origins.begin());
 }
 
 Index World::num_free_unknowns() const {

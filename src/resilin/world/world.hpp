@@ -14,6 +14,7 @@
 #include "resilin/energy/elastic.hpp"
 #include "resilin/energy/mass.hpp"
 #include "resilin/world/description.hpp"
+#include "resilin/world/domain.hpp"
 #include "resilin/world/fingerprint.hpp"
 #include "resilin/world/probe.hpp"
 #include "resilin/world/scene_part.hpp"
@@ -26,9 +27,6 @@ namespace resilin {
 /// One body in the world's numbering of nodes.
 struct Body {
   std::string name;
-  std::string law;
-  std::vector<std::pair<std::string, double>>
-      constants;  ///< of the law's formula; per-cell ones by their mean
   std::string element;
   std::string element_reason;  ///< why `element` was chosen; empty when the user chose it
   MassKind mass_kind = MassKind::lumped;
@@ -40,14 +38,34 @@ struct Body {
   std::vector<std::array<Index, 2>> ends_of_added;
   CellKind cell_kind = CellKind::tetrahedron;
   SharedIndices cells;  ///< nodes of the cells, in the world's numbering
-  std::shared_ptr<const ElasticEnergy> elastic;
+  Domains domains;
   std::shared_ptr<const Skin> skin;  ///< null for a body without
   MeetingSurface contact_surface = MeetingSurface::boundary;
-  double density = 0;  ///< [kg/m^3]
-  double mass = 0;     ///< [kg]
+  double mass = 0;  ///< [kg]
 
+  bool has_regions() const { return domains.size() > 1 || domains.front().region >= 0; }
   bool meets_with_skin() const { return contact_surface == MeetingSurface::skin; }
   Index num_cells() const { return static_cast<Index>(cells.size()) / resilin::num_nodes(cell_kind); }
+};
+
+/// What made a term of a world.
+struct TermOrigin {
+  enum class Kind {
+    domain,
+    load,
+    gravity,
+    collider,
+    contact,
+    friction,
+    inertia,
+    viscous_damping,  ///< of a domain
+    mass_damping
+  };
+  Kind kind;
+  std::size_t number = 0;  ///< of the load or the collider in the description, or of the body
+  std::size_t domain = 0;  ///< its number in the body
+
+  bool operator==(const TermOrigin&) const = default;
 };
 
 /// From where to where something reaches along an axis [m].
@@ -114,9 +132,10 @@ class World {
   std::vector<std::string> run_warnings;  ///< likewise, of a run to which no hand adds: see all_warnings
   std::vector<std::string> notes;         ///< what was chosen for the user, one line each
 
-  /// Everything that is minimised: strain energies body by body, loads and gravity, colliders, inertia,
+  /// Everything that is minimised: strain energies domain by domain, loads and gravity, colliders, inertia,
   /// damping. A caller may add terms of its own.
   Terms terms;
+  std::vector<TermOrigin> origins;         ///< of `terms`, but for those that a caller has added
   std::shared_ptr<const MassMatrix> mass;  ///< lumped in statics, however bodies in motion would have it
   // Colliders are among the terms; here they are for who draws them.
   std::vector<std::shared_ptr<const ColliderBarrier>> colliders;       ///< whose distance is exact
@@ -132,6 +151,13 @@ class World {
   /// The rest shape by which contact measures, likewise.
   const VectorX& contact_shape() const {
     return other_contact_shape.size() > 0 ? other_contact_shape : rest_positions;
+  }
+  /// The number of the term that this has made, if it has made one.
+  std::optional<std::size_t> find_term(const TermOrigin& of) const;
+  /// Likewise of a load, which makes one.
+  std::size_t term_of_load(std::size_t load) const { return *find_term({TermOrigin::Kind::load, load}); }
+  std::size_t term_of_domain(std::size_t body, std::size_t domain) const {
+    return *find_term({TermOrigin::Kind::domain, body, domain});
   }
   Index num_nodes() const { return static_cast<Index>(rest_positions.size() / dimension); }
   /// In the scene's coordinates [m].

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "resilin/core/shared_indices.hpp"
+#include "resilin/energy/elastic.hpp"
+
+namespace resilin {
+
+/// Cells of a body that are of one material: their constitutive model, their density and their own term of
+/// strain energy.
+struct Domain {
+  std::string name;  ///< that of the [[body.region]]; empty for the body's own material
+  int region = -1;   ///< its number among the regions of the body's description; -1: the body's own material
+  std::string law;   ///< name of the constitutive model
+  std::vector<std::pair<std::string, double>> constants{};  ///< of its formula; per-cell ones by their mean
+  double density = 0;                                       ///< [kg/m^3]
+  std::shared_ptr<const std::vector<Index>> numbers{};      ///< of its cells in the body, rising; null: all
+  SharedIndices cells{};                                    ///< nodes of its cells, in the world's numbering
+  std::shared_ptr<const ElasticEnergy> energy{};
+
+  const LawInfo& law_info() const { return energy->law(); }
+  /// The number in the body of one of its cells.
+  Index number_of(Index cell) const { return numbers ? (*numbers)[static_cast<std::size_t>(cell)] : cell; }
+};
+
+/// Constants of the law's formula that an energy was made with: once, or for one cell after another.
+std::vector<double> constants_of(const ElasticEnergy& energy);
+
+/// The domains of a body, one at least. All have one element and share the body's nodes. Sums, extremes and
+/// lists are those of the whole body; lists by cell or by quadrature point are in the order of its cells.
+class Domains {
+ public:
+  Domains() = default;
+  explicit Domains(std::vector<Domain> all);
+
+  auto begin() const { return all_.begin(); }
+  auto end() const { return all_.end(); }
+  std::size_t size() const { return all_.size(); }
+  const Domain& operator[](std::size_t i) const { return all_[i]; }
+  const Domain& front() const { return all_.front(); }
+  /// Names of the constitutive models, each once.
+  std::string laws() const;
+
+  struct Place {
+    std::size_t domain;
+    Index cell;  ///< in the domain
+  };
+  Place place_of(Index cell) const;
+  const Domain& of_cell(Index cell) const { return all_[place_of(cell).domain]; }
+  Material material(Index cell) const;
+
+  const ElementInfo& element() const { return front().energy->element(); }
+  const QuadratureRule& quadrature() const { return front().energy->quadrature(); }
+  Index num_points() const { return front().energy->num_points(); }  ///< of a cell
+  Index num_cells() const { return num_cells_; }
+  double total_rest_volume() const;
+
+  double value(const VectorX& x) const;  ///< [J]
+  double difference(const VectorX& from, const VectorX& to) const;
+  /// The smallest J of all domains, as ElasticEnergy has it.
+  ElasticEnergy::VolumeRatio min_volume_ratio(const VectorX& x) const;
+
+  std::vector<double> rest_volumes() const;
+  std::vector<double> point_volumes() const;
+  std::vector<double> volume_ratios(const VectorX& x) const;
+  std::vector<Matrix<3>> deformation_gradients(const VectorX& x) const;
+
+  /// Entries of all cells, each of which has as many: `ask(energy)` gives those of a domain.
+  template <class Ask>
+  auto by_cell(const Ask& ask) const {
+    auto first = ask(*front().energy);
+    if (all_.size() == 1) return first;
+    decltype(first) entries;
+    for (std::size_t d = 0; d < all_.size(); ++d) {
+      const auto own = d == 0 ? std::move(first) : ask(*all_[d].energy);
+      const auto count = static_cast<std::size_t>(all_[d].energy->num_cells());
+      if (count == 0) continue;
+      const std::size_t width = own.size() / count;
+      entries.resize(width * static_cast<std::size_t>(num_cells_));
+      for (std::size_t cell = 0; cell < count; ++cell)
+        for (std::size_t k = 0; k < width; ++k)
+          entries[static_cast<std::size_t>(all_[d].number_of(static_cast<Index>(cell))) * width + k] =
+              own[cell * width + k];
+    }
+    return entries;
+  }
+
+ private:
+  std::vector<Domain> all_;
+  Index num_cells_ = 0;
+  std::vector<Place> places_{};  ///< by cell of the body; empty with one domain
+};
+
+}  // namespace resilin
