@@ -50,6 +50,7 @@ struct DistributedLoads {
   std::vector<FacetForce> facets;
   std::map<std::vector<Index>, Vector3> cells;  ///< by the nodes of a cell [N/m^3]
   std::vector<Vector3> bodies;                  ///< on all cells of a body [N/m^3]
+  Vector3 acceleration = Vector3::Zero();       ///< gravity [m/s^2]
 };
 
 void add_facets(const CellBlock& block, const auto& force_of, DistributedLoads& loads) {
@@ -62,8 +63,8 @@ void add_facets(const CellBlock& block, const auto& force_of, DistributedLoads& 
 
 DistributedLoads distributed_loads(const World& world, const VectorX& x, const Conditions& c) {
   DistributedLoads loads;
-  for (const Body& body : world.bodies)
-    loads.bodies.push_back(c.load * body.domains.front().density * world.gravity);
+  loads.acceleration = c.load * world.gravity;
+  loads.bodies.assign(world.bodies.size(), Vector3::Zero());
   for (const auto& term : world.terms) {
     if (const auto* pressure = dynamic_cast<const Pressure*>(term.get())) {
       const CellKind kind = first_order(pressure->facets().kind);
@@ -110,9 +111,10 @@ template <int dim>
 class BodySpace {
  public:
   BodySpace(const World& world, const Body& body)
-      : world_(world), body_(body), elastic_(*body.domains.front().energy), space_(elastic_.element()) {
+      : world_(world), body_(body), space_(body.domains.element()) {
     const std::vector<Index>& nodes = body.cells;
-    const auto n = static_cast<std::size_t>(elastic_.element().num_nodes), count = space_.functions().size();
+    const auto n = static_cast<std::size_t>(body_.domains.element().num_nodes),
+               count = space_.functions().size();
     std::vector<std::pair<Key, std::size_t>> keys;
     for (Index cell = 0; cell < num_cells(); ++cell)
       for (std::size_t f = 0; f < count; ++f) {
@@ -137,12 +139,12 @@ class BodySpace {
     }
   }
 
-  Index num_cells() const { return elastic_.num_cells(); }
+  Index num_cells() const { return body_.domains.num_cells(); }
   Eigen::Index num_unknowns() const { return static_cast<Eigen::Index>(keys_.size()) * dim; }
   const Body& body() const { return body_; }
   double bytes() const {
     const double rows = static_cast<double>(space_.functions().size()) * dim;
-    return 8 * rows * (rows + dim * elastic_.element().num_nodes) * num_cells();
+    return 8 * rows * (rows + dim * body_.domains.element().num_nodes) * num_cells();
   }
 
   /// Functions of facets that one support holds, or that are in contact, do not move. A facet between two
@@ -175,12 +177,15 @@ class BodySpace {
   bool form(const VectorX& x, const DistributedLoads& loads, const Vector3& body_force) {
     residual_.setZero(num_unknowns());
     rows_ = space_.functions().size() * dim;
-    columns_ = static_cast<std::size_t>(elastic_.element().num_nodes) * dim;
+    columns_ = static_cast<std::size_t>(body_.domains.element().num_nodes) * dim;
     matrices_.assign(static_cast<std::size_t>(num_cells()) * rows_ * (rows_ + columns_), 0.0);
     std::vector<double> cell_residuals(static_cast<std::size_t>(num_cells()) * rows_, 0.0);
-    for (std::size_t first = 0; first < static_cast<std::size_t>(num_cells()); first += cells_per_batch)
-      form_cells(first, std::min(first + cells_per_batch, static_cast<std::size_t>(num_cells())), x, loads,
-                 body_force, cell_residuals);
+    for (const Domain& domain : body_.domains) {
+      const auto count = static_cast<std::size_t>(domain.energy->num_cells());
+      for (std::size_t first = 0; first < count; first += cells_per_batch)
+        form_cells(domain, first, std::min(first + cells_per_batch, count), x, loads,
+                   body_force + domain.density * loads.acceleration, cell_residuals);
+    }
     gather(cell_residuals, residual_);
     for (const FacetForce& facet : loads.facets) add_facet(facet);
     set_fixed_to_zero(residual_);
@@ -302,8 +307,9 @@ class BodySpace {
     });
   }
 
-  void form_cells(std::size_t first, std::size_t last, const VectorX& x, const DistributedLoads& loads,
-                  const Vector3& body_force, std::vector<double>& cell_residuals);
+  void form_cells(const Domain& domain, std::size_t first, std::size_t last, const VectorX& x,
+                  const DistributedLoads& loads, const Vector3& body_force,
+                  std::vector<double>& cell_residuals);
 
   void form_preconditioner() {
     inverses_.assign(keys_.size(), Square::Zero());
@@ -318,7 +324,6 @@ class BodySpace {
 
   const World& world_;
   const Body& body_;
-  const ElasticEnergy& elastic_;
   RicherSpace space_;
   std::vector<Key> keys_;       ///< of the functions, rising
   std::vector<Index> numbers_;  ///< [cell, function of the cell]
@@ -331,11 +336,12 @@ class BodySpace {
 };
 
 template <int dim>
-void BodySpace<dim>::form_cells(std::size_t first, std::size_t last, const VectorX& x,
+void BodySpace<dim>::form_cells(const Domain& domain, std::size_t first, std::size_t last, const VectorX& x,
                                 const DistributedLoads& loads, const Vector3& body_force,
                                 std::vector<double>& cell_residuals) {
   constexpr int square = dim * dim;
-  const ElementInfo& element = elastic_.element();
+  const ElasticEnergy& elastic = *domain.energy;
+  const ElementInfo& element = elastic.element();
   const std::vector<QuadraturePoint>& points = space_.rule().points;
   const std::vector<Index>& nodes = body_.cells;
   const std::size_t n = columns_ / dim, count = rows_ / dim, num_points = points.size();
@@ -345,7 +351,7 @@ void BodySpace<dim>::form_cells(std::size_t first, std::size_t last, const Vecto
   std::vector<Vector3> fibres;
   std::size_t num_fibres = 0;
   for (std::size_t cell = first; cell < last; ++cell) {
-    const Material material = elastic_.material(static_cast<Index>(cell));
+    const Material material = elastic.material(static_cast<Index>(cell));
     num_fibres = material.fibres.size();
     for (std::size_t q = 0; q < num_points; ++q) {
       constants.insert(constants.end(), material.constants.begin(), material.constants.end());
@@ -355,7 +361,8 @@ void BodySpace<dim>::form_cells(std::size_t first, std::size_t last, const Vecto
   parallel_for(last - first, cells_per_chunk, [&](std::size_t begin, std::size_t end) {
     std::vector<double> rest(n * dim);
     for (std::size_t i = begin; i < end; ++i) {
-      const Index* const local = nodes.data() + (first + i) * n;
+      const Index* const local =
+          nodes.data() + static_cast<std::size_t>(domain.number_of(static_cast<Index>(first + i))) * n;
       for (std::size_t a = 0; a < n; ++a)
         for (std::size_t k = 0; k < dim; ++k)
           rest[a * dim + k] =
@@ -374,7 +381,7 @@ void BodySpace<dim>::form_cells(std::size_t first, std::size_t last, const Vecto
       }
     }
   });
-  StateBatch<double> states{.law = &elastic_.law(),
+  StateBatch<double> states{.law = &elastic.law(),
                             .dim = dim,
                             .count = (last - first) * num_points,
                             .deformation_gradients = H.data(),
@@ -383,8 +390,8 @@ void BodySpace<dim>::form_cells(std::size_t first, std::size_t last, const Vecto
                             .fibres = fibres.empty() ? nullptr : fibres.front().data(),
                             .num_fibres = num_fibres,
                             .fibre_stride = 3 * num_fibres,
-                            .instruction_set = elastic_.instruction_set()};
-  const std::size_t num_constants = elastic_.law().constants.size();
+                            .instruction_set = elastic.instruction_set()};
+  const std::size_t num_constants = elastic.law().constants.size();
   for (std::size_t k = 0; k < num_constants; ++k)
     states.constants.push_back({constants.data() + k, num_constants});
   first_piola_kirchhoff_stresses(states, P.data());
@@ -395,7 +402,7 @@ void BodySpace<dim>::form_cells(std::size_t first, std::size_t last, const Vecto
     Eigen::Matrix<double, dim, Eigen::Dynamic, Eigen::RowMajor> products(
         dim, static_cast<Eigen::Index>(rows_ + columns_));
     for (std::size_t i = begin; i < end; ++i) {
-      const std::size_t cell = first + i;
+      const auto cell = static_cast<std::size_t>(domain.number_of(static_cast<Index>(first + i)));
       Vector3 density = body_force;
       if (!loads.cells.empty()) {
         const auto found = loads.cells.find({nodes.begin() + static_cast<std::ptrdiff_t>(cell * n),
@@ -467,7 +474,7 @@ std::optional<SpaceError> space_error_in(Simulation& simulation) {
   double bytes = 0;
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     const Body& body = world.bodies[b];
-    if (body.num_cells() == 0 || body.has_regions() || body.domains.element().has_mean_volume) continue;
+    if (body.num_cells() == 0 || body.domains.element().has_mean_volume) continue;
     BodySpace<dim> space(world, body);
     if (bytes + space.bytes() > most_bytes) continue;
     bytes += space.bytes();
