@@ -115,7 +115,7 @@ TEST(BarrierLinks, FollowWhatAWorldWouldHave) {
       }
       for (std::size_t b = 0; b < sides[0].size(); ++b) {
         const BarrierLinks::Barrier& barrier = links.all()[b];
-        ASSERT_TRUE(BarrierLinks::moves(barrier, change));
+        ASSERT_TRUE(links.moves(barrier, change));
         VectorX slopes = VectorX::Zero(barrier.stiffness.size());
         links.spread(barrier, change, slopes);
         const VectorX differences = (sides[0][b].stiffness - sides[1][b].stiffness) / (2 * h);
