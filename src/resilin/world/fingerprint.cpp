@@ -289,6 +289,10 @@ class Entries {
     for (const ContactPairDescription& pair : pairs) add(key, pair);
   }
   void add(const std::string& key, const std::vector<RegionDescription>& regions) {
+    if (regions.empty()) return;
+    std::vector<std::string> names;  // so that a name that is new or gone is named as such
+    for (const RegionDescription& region : regions) names.push_back(text(region.name));
+    entries_.emplace_back(key, join(names));
     for (const RegionDescription& region : regions) add(key + "." + region.name, region);
   }
   void add(const std::string& key, const std::vector<std::vector<Vector3>>& lists) {
