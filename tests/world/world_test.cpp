@@ -30,7 +30,8 @@ TEST(World, NamesTheFreeRigidMotionsOfAStaticBody) {
   EXPECT_THAT(refusal_of(scene), AllOf(HasSubstr("6 of 6 rigid-body motions"), HasSubstr("[[fix]]")));
   scene = small_bar(2, false);
   scene.fixes[0].components = {true, false, false};
-  EXPECT_THAT(refusal_of(scene), AllOf(HasSubstr("1 of 3 rigid-body motions"), HasSubstr("translation along y")));
+  EXPECT_THAT(refusal_of(scene),
+              AllOf(HasSubstr("1 of 3 rigid-body motions"), HasSubstr("translation along y")));
 }
 
 TEST(World, ChoosesTheElementByPoissonsRatioAtRestAndInMotionAlike) {

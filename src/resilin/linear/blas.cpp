@@ -46,9 +46,9 @@ std::string_view openblas_core() {
   return core_name != nullptr ? core_name() : std::string_view{};
 }
 
-/// The kernels of OpenBLAS that should be in use; empty when its own choice is right. OpenBLAS knows a processor
-/// by its model, not by its instruction sets. For a model newer than the library it takes kernels of Haswell or
-/// of Prescott.
+/// The kernels of OpenBLAS that should be in use; empty when its own choice is right. OpenBLAS knows a
+/// processor by its model, not by its instruction sets. For a model newer than the library it takes kernels
+/// of Haswell or of Prescott.
 std::string wanted_core(std::string_view core) {
 #if defined(__x86_64__)
   if (const auto requested = requested_instruction_set()) {
