@@ -189,7 +189,7 @@ TEST(RegionsOfABody, AreRefusedInOneLine) {
                 body.material.law = "neo_hookean_simo";
                 body.regions[0].material.law = "saint_venant_kirchhoff";
               }),
-              HasSubstr("the volume energy of saint_venant_kirchhoff does not stand apart"));
+              HasSubstr("the volumetric energy of saint_venant_kirchhoff is not separate"));
 }
 
 /// One element suits all materials: that of the one that is most nearly incompressible.
