@@ -179,10 +179,12 @@ Finding look_at_ffmpeg(const std::filesystem::path& folder) {
 Finding look_at_mesher(const Mesher& mesher, const std::filesystem::path& folder) {
   const auto program = mesher.find(folder);
   if (is_interrupted()) throw Interrupted();
-  if (program) return {.name = mesher.name, .found = "mesh --tets fills surfaces by it", .cure = ""};
+  if (program)
+    return {
+        .name = mesher.name, .found = "mesh --mesher " + mesher.name + " fills surfaces by it", .cure = ""};
   return {.name = mesher.name,
-          .found = "mesh --tets cannot fill surfaces by it",
-          .cure = mesher.how_to_install + "; scenes, new and view mesh around surfaces without it"};
+          .found = "mesh --mesher " + mesher.name + " cannot fill surfaces by it",
+          .cure = mesher.how_to_install + "; the built-in meshers fill surfaces without it"};
 }
 
 Finding look_at_petsc() {

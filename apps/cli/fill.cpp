@@ -12,7 +12,9 @@
 #include "resilin/element/catalog.hpp"
 #include "resilin/mesh/edit.hpp"
 #include "resilin/mesh/embedding.hpp"
+#include "resilin/mesh/fitted_mesh.hpp"
 #include "resilin/mesh/quality.hpp"
+#include "resilin/mesh/surface_lattice.hpp"
 #include "temporary_place.hpp"
 #include "terminal.hpp"
 
@@ -71,18 +73,17 @@ struct Found {
   std::filesystem::path program;
 };
 
-Found find_mesher(const FillOptions& options, bool is_closed, const std::filesystem::path& folder) {
-  std::vector<std::string> names, cures;
+Found find_mesher(const FillOptions& options, const std::filesystem::path& folder) {
+  std::vector<std::string> cures;
   for (const Mesher& mesher : meshers()) {
-    names.push_back(mesher.name);
-    if (!options.mesher.empty() && options.mesher != mesher.name) continue;
-    if (options.mesher.empty() && mesher.needs_closed_surface && !is_closed) continue;
+    if (options.mesher != mesher.name) continue;
     if (const auto program = mesher.find(folder)) return {&mesher, *program};
     cures.push_back(mesher.name + " (" + mesher.how_to_install + ")");
   }
-  if (cures.empty()) throw InputError("mesh --mesher", "one of " + join(names), "\"" + options.mesher + "\"");
-  throw InputError("mesh --tets", "one of the programs that make tetrahedra", "none on PATH",
-                   "install " + join(cures, " or "));
+  if (cures.empty())
+    throw InputError("mesh --mesher", "one of " + join(all_meshers()), "\"" + options.mesher + "\"");
+  throw InputError("mesh --mesher", "a program that is installed", "none of that name on PATH",
+                   "install " + join(cures, " or ") + ", or leave --mesher out");
 }
 
 /// Throws one line when the program did not make the file.
@@ -139,6 +140,10 @@ struct Attempts {
   }
 };
 
+void print_volume_ratio(double ratio) {
+  if (ratio > 0) print_line("the mesh has " + format_short(ratio) + " times the volume of the surface");
+}
+
 /// How well shaped the cells are and how far the given surface stands out of them.
 void print_quality(const Mesh& mesh, const Mesh& surface) {
   const CellBlock& cells = *mesh.find_block(CellKind::tetrahedron);
@@ -159,20 +164,49 @@ void print_quality(const Mesh& mesh, const Mesh& surface) {
                     " degrees): another number of tetrahedra or another --mesher may do better"});
 }
 
+/// By Resilin's own meshers.
+Mesh fill_by_itself(const Mesh& surface, const MeshFile& file, const FillOptions& options) {
+  const std::string& name = file.numbering.file;
+  Mesh mesh;
+  double ratio = 0;
+  if (options.mesher == "lattice") {
+    SurfaceLattice lattice = make_surface_lattice(surface, name, {.cells = options.tetrahedra});
+    print_warnings(lattice.remarks);
+    ratio = lattice.volume_ratio;
+    mesh = std::move(lattice.mesh);
+  } else {
+    FittedMesh fitted = make_fitted_mesh(surface, name, {.cells = options.tetrahedra});
+    print_warnings(fitted.remarks);
+    ratio = fitted.volume_ratio;
+    mesh = std::move(fitted.mesh);
+  }
+  print_volume_ratio(ratio);
+  print_quality(mesh, surface);
+  return mesh;
+}
+
 }  // namespace
+
+std::vector<std::string> all_meshers() {
+  std::vector<std::string> names = {"fitted", "lattice"};
+  for (const Mesher& mesher : meshers()) names.push_back(mesher.name);
+  return names;
+}
 
 Mesh fill_surface(const MeshFile& file, const FillOptions& options) {
   const std::string place = "mesh --tets";
   if (options.tetrahedra < 1)
     throw InputError(place, "a whole number >= 1", std::to_string(options.tetrahedra));
   const Mesh surface = cleaned(file);
+  if (options.mesher == "fitted" || options.mesher == "lattice")
+    return fill_by_itself(surface, file, options);
   const CellBlock& triangles = surface.blocks[0];
   const std::size_t open_edges = count_open_edges(triangles);
   const TemporaryPlace folder("resilin-mesh");
-  const Found found = find_mesher(options, open_edges == 0, folder.path());
+  const Found found = find_mesher(options, folder.path());
   if (found.mesher->needs_closed_surface && open_edges > 0) {
     throw InputError(place, file.numbering.file + " is not closed: " + std::to_string(open_edges) +
-                                " edges do not have two triangles; close it, or use --mesher pytetwild");
+                                " edges do not have two triangles; close it, or use --mesher fitted");
   }
   write_mesh(folder.path() / "surface.obj", surface);
   const BoundingBox box = bounding_box(surface);

@@ -4,7 +4,6 @@
 
 #include "command.hpp"
 #include "fill.hpp"
-#include "mesher.hpp"
 #include "offered_words.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
@@ -62,10 +61,8 @@ Mesh make_box_mesh(const MeshOptions& options) {
 
 /// The mesh to start from, and the name of the file that it goes to.
 Mesh read_input(const MeshOptions& options, std::string& out) {
-  if (!options.fills && !options.fill.mesher.empty())
-    throw InputError("mesh --mesher", "--tets beside it", "none");
   if (!options.box.empty()) {
-    if (options.fills) throw InputError("mesh --tets", "a surface to fill", "--box");
+    if (options.fills) throw InputError("mesh --tets, --mesher", "a surface to fill", "--box");
     if (options.files.size() != 1)
       throw InputError("mesh --box", "one file, OUT", std::to_string(options.files.size()));
     out = options.files[0];
@@ -146,16 +143,18 @@ void add_mesh(CommandLine& line, Action& action) {
   const Option tets =
       command
           .option("--tets", options->fill.tetrahedra,
-                  "Fill the closed surface IN with about this many tetrahedra, by gmsh or pytetwild")
+                  "Fill the surface IN with about this many tetrahedra (5000 with --mesher alone)")
           .type_name("N");
-  command.option("--mesher", options->fill.mesher, "The program that --tets calls: gmsh or pytetwild")
-      .type_name("NAME")
-      .offers([] {
-        std::vector<std::string> names;
-        for (const Mesher& mesher : meshers()) names.push_back(mesher.name);
-        return names;
-      });
-  command.option("--time-limit", options->fill.time_limit, "How long --tets may take [s]")
+  const Option mesher =
+      command
+          .option(
+              "--mesher", options->fill.mesher,
+              "How to fill: fitted (cells end at the surface) or lattice (alike cells around it), which are "
+              "built in, or a program of your own, gmsh or pytetwild")
+          .type_name("NAME")
+          .shows_default()
+          .offers(all_meshers);
+  command.option("--time-limit", options->fill.time_limit, "How long gmsh or pytetwild may take [s]")
       .type_name("SECONDS")
       .positive()
       .shows_default();
@@ -165,8 +164,8 @@ void add_mesh(CommandLine& line, Action& action) {
       "  resilin mesh bar.msh --box 4 1 1 --cells 40 10 10\n"
       "  resilin mesh creature.obj creature.msh --tets 5000\n\nAn existing OUT is replaced once the new file "
       "is complete.");
-  command.on_chosen([options, tets, &action] {
-    options->fills = tets.is_given();
+  command.on_chosen([options, tets, mesher, &action] {
+    options->fills = tets.is_given() || mesher.is_given();
     action = [options] { return convert(*options); };
   });
 }

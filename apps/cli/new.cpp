@@ -136,8 +136,7 @@ std::string scene_text(const NewOptions& options, const std::string& mesh, bool 
   if (m.dim == 2) text += "dimension = 2\n";
   text += "gravity = " + vector_text(-gravity * Vector3::Unit(m.up), m.dim) + "  # [m/s^2]\n";
   text += "\n[[body]]\nname = \"body\"\nmesh = " + mesh + "\n";
-  if (is_surface)
-    text += "# cells: tetrahedra around the surface; more are slower and closer to its volume\n";
+  if (is_surface) text += "# cells: tetrahedra that fill the surface; more are slower and more accurate\n";
   text += "scale = " + format_number(options.scale) +
           "                # 0.001 for a file in millimetres; it is " + format_short(extent) +
           " m long now\n";

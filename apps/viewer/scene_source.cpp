@@ -166,7 +166,9 @@ std::unique_ptr<ServedLiveScene> served_scene(const SceneSource& source) {
   return std::make_unique<ServedLiveScene>(
       [source, values] {
         *values = source.load();
-        return read_scene_from_values(*values, source.name, source.folder);
+        SceneOptions options;
+        options.is_for_real_time = true;
+        return read_scene_from_values(*values, source.name, source.folder, options);
       },
       [source, values](const SceneChanges& changes) { return save(source, *values, changes); });
 }

@@ -200,6 +200,8 @@ class ReportedBody(BodyReport):
     """A body in the report; `discretisation_error` is an estimate (docs/theory/discretisation.md)."""
 
     discretisation_error: float | None
+    # Volume of the cells by the volume inside the skin; None without a closed skin.
+    mesh_volume_ratio: float | None
 
 
 class TimingReport(TypedDict):

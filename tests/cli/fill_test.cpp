@@ -56,6 +56,17 @@ struct Fill : ::testing::Test {
   }
 };
 
+TEST_F(Fill, NeedsNoOtherProgram) {
+  const ProgramResult result = run({"cube.obj", "out.msh", "--tets", "600"}, "");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, AllOf(HasSubstr("the mesh has 1 times the volume of the surface"),
+                                HasSubstr("smallest angle between sides"), HasSubstr("tetrahedra")));
+  EXPECT_EQ(result.err, "");
+  const ProgramResult lattice = run({"cube.obj", "out.msh", "--mesher", "lattice"}, "");
+  EXPECT_EQ(lattice.exit_code, 0) << lattice.err;
+  EXPECT_THAT(lattice.out, HasSubstr("smallest angle between sides 60 degrees"));
+}
+
 TEST_F(Fill, ChangesTheSizeUntilTheNumberOfTetrahedraIsNear) {
   install_gmsh(cube_filler);
   const ProgramResult result = run({"cube.obj", "out.msh", "--tets", "3000", "--mesher", "gmsh"});
@@ -104,11 +115,13 @@ TEST_F(Fill, EndsAProgramThatTakesTooLong) {
 }
 
 TEST_F(Fill, SaysHowToInstallAProgramWhereThereIsNone) {
-  const ProgramResult result = run({"cube.obj", "out.msh", "--tets", "300"}, "");
+  const ProgramResult result = run({"cube.obj", "out.msh", "--tets", "300", "--mesher", "gmsh"}, "");
   expect_refusal(result, "pip install gmsh");
-  EXPECT_THAT(result.err, AllOf(HasSubstr("pip install pytetwild"), StartsWith("resilin: ")));
+  EXPECT_THAT(result.err, StartsWith("resilin: "));
+  expect_refusal(run({"cube.obj", "out.msh", "--tets", "300", "--mesher", "pytetwild"}, ""),
+                 "pip install pytetwild");
   expect_refusal(run({"cube.obj", "out.msh", "--tets", "300", "--mesher", "tetgen"}),
-                 "expected one of pytetwild, gmsh, got \"tetgen\"");
+                 "expected one of fitted, lattice, pytetwild, gmsh, got \"tetgen\"");
 }
 
 TEST_F(Fill, RefusesSurfacesThatEncloseNothing) {
@@ -120,7 +133,6 @@ TEST_F(Fill, RefusesSurfacesThatEncloseNothing) {
                  "open.obj is not closed: 3 edges do not have two triangles");
   expect_refusal(run({"cube.msh", "out.msh", "--tets", "0", "--mesher", "gmsh"}),
                  "expected a whole number >= 1, got 0");
-  expect_refusal(run({"cube.obj", "out.msh", "--mesher", "gmsh"}), "expected --tets beside it");
 }
 
 }  // namespace

@@ -13,6 +13,10 @@
 namespace resilin {
 namespace {
 
+constexpr double sheet_share =
+    1.0 / 3;                       // of lids to the surface, beyond which it is a sheet: half a ball has 1/2
+constexpr double thinnest = 1e-9;  // volume by area^(3/2): below it is nothing but rounding
+
 /// A directed side of a triangle, its ends in rising order.
 struct Side {
   Index low, high;
@@ -145,6 +149,28 @@ SolidSurface make_solid_surface(const Mesh& mesh, const std::string& name) {
   surface.num_open_edges = open_edges(surface.mesh, block).size();
   surface.open_share = area_of_lids(surface.mesh, block) / surface.area;
   return surface;
+}
+
+void require_volume(const SolidSurface& surface, const std::string& name) {
+  if (surface.num_open_edges > 0 && surface.open_share > sheet_share)
+    throw InputError(name, "a surface that encloses a volume",
+                     "an open sheet (" + std::to_string(surface.num_open_edges) + " open edges)",
+                     "close it, or give it a thickness, in the program that it is from");
+  if (surface.num_open_edges > 0) return;  // the guess of its volume may be anything
+  if (surface.volume > thinnest * surface.area * std::sqrt(surface.area)) return;
+  throw InputError(name, "a surface that encloses a volume",
+                   "one that is flat or whose parts take each other's volume away");
+}
+
+std::vector<std::string> remarks_on(const SolidSurface& surface, const std::string& name) {
+  std::vector<std::string> remarks;
+  if (surface.num_open_edges > 0)
+    remarks.push_back(name + ": " + std::to_string(surface.num_open_edges) +
+                      " open edges; the winding number of the surface decides what is inside");
+  if (surface.num_turned > 0)
+    remarks.push_back(name + ": " + std::to_string(surface.num_turned) +
+                      " triangles are wound against their neighbours and count as inverted");
+  return remarks;
 }
 
 }  // namespace resilin

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "resilin/mesh/mesh.hpp"
 
@@ -26,5 +27,11 @@ struct SolidSurface {
 /// @throws InputError  when there are no triangles, or none with an area, or coordinates too large to compute
 /// with
 SolidSurface make_solid_surface(const Mesh& mesh, const std::string& name);
+
+/// @throws InputError  when the surface is an open sheet or encloses no volume
+void require_volume(const SolidSurface& surface, const std::string& name);
+
+/// Holes and turned triangles, one line each.
+std::vector<std::string> remarks_on(const SolidSurface& surface, const std::string& name);
 
 }  // namespace resilin

@@ -11,8 +11,8 @@
 #include "resilin/mesh/bcc_grid.hpp"
 #include "resilin/mesh/edit.hpp"
 #include "resilin/mesh/solid_surface.hpp"
+#include "resilin/mesh/surface_places.hpp"
 #include "resilin/mesh/topology.hpp"
-#include "resilin/mesh/winding_number.hpp"
 
 namespace resilin {
 namespace {
@@ -22,10 +22,6 @@ constexpr int most_attempts = 8;
 constexpr std::size_t tests_per_chunk = 256;
 constexpr double tetrahedra_per_cube = 12;
 constexpr double layer = 0.9;  // spacings that cells stand out of a surface, as a mean: a first guess
-constexpr double half_wound = 0.5;
-constexpr double sheet_share =
-    1.0 / 3;                       // of lids to the surface, beyond which it is a sheet: half a ball has 1/2
-constexpr double thinnest = 1e-9;  // volume by area^(3/2): below it is nothing but rounding
 
 class LatticeMaker {
  public:
@@ -33,10 +29,10 @@ class LatticeMaker {
       : name_(name),
         surface_(make_solid_surface(surface, name)),
         box_(bounding_box(surface_.mesh)),
-        winding_(surface_.mesh, surface_.triangles()) {}
+        places_(surface_) {}
 
   SurfaceLattice make(int wanted) const {
-    require_volume();
+    require_volume(surface_, name_);
     double spacing = first_spacing(wanted), best_spacing = 0, best_miss = 0;
     double too_small = 0, too_large = std::numeric_limits<double>::infinity();
     for (int attempt = 0; attempt < most_attempts; ++attempt) {
@@ -55,17 +51,6 @@ class LatticeMaker {
   }
 
  private:
-  void require_volume() const {
-    if (surface_.num_open_edges > 0 && surface_.open_share > sheet_share)
-      throw InputError(name_, "a surface that encloses a volume",
-                       "an open sheet (" + std::to_string(surface_.num_open_edges) + " open edges)",
-                       "close it, or give it a thickness, in the program that it is from");
-    if (surface_.num_open_edges > 0) return;  // the guess of its volume may be anything
-    if (surface_.volume > thinnest * surface_.area * std::sqrt(surface_.area)) return;
-    throw InputError(name_, "a surface that encloses a volume",
-                     "one that is flat or whose parts take each other's volume away");
-  }
-
   /// From wanted = 12 (V + layer spacing A) / spacing^3, by bisection.
   double first_spacing(int wanted) const {
     const double extent = (box_.max - box_.min).norm();
@@ -110,7 +95,7 @@ class LatticeMaker {
 
   bool is_inside(const Vector3& X) const {
     const bool is_in_box = (X.array() > box_.min.array()).all() && (X.array() < box_.max.array()).all();
-    return is_in_box && std::abs(winding_(X)) > half_wound;
+    return is_in_box && places_.is_inside(X);
   }
 
   SurfaceLattice finish(BccGrid grid, double spacing) const {
@@ -119,13 +104,8 @@ class LatticeMaker {
     lattice.spacing = spacing;
     const double num_cells = lattice.mesh.blocks[0].num_cells();
     const double cell_volume = spacing * spacing * spacing / tetrahedra_per_cube;
-    if (surface_.volume > 0) lattice.volume_ratio = num_cells * cell_volume / surface_.volume;
-    if (surface_.num_open_edges > 0)
-      lattice.remarks.push_back(name_ + ": " + std::to_string(surface_.num_open_edges) +
-                                " open edges; the winding number of the surface decides what is inside");
-    if (surface_.num_turned > 0)
-      lattice.remarks.push_back(name_ + ": " + std::to_string(surface_.num_turned) +
-                                " triangles are wound against their neighbours and count as inverted");
+    if (places_.volume() > 0) lattice.volume_ratio = num_cells * cell_volume / places_.volume();
+    lattice.remarks = remarks_on(surface_, name_);
     return lattice;
   }
 
@@ -153,7 +133,7 @@ class LatticeMaker {
   const std::string& name_;
   SolidSurface surface_;
   BoundingBox box_;
-  WindingNumber winding_;
+  SurfacePlaces places_;
 };
 
 }  // namespace

@@ -16,12 +16,37 @@ constexpr Index leaf_size = 8;
 constexpr double far = 2;  // radii from the centre: from there on a node is taken as a dipole
 constexpr std::size_t max_depth = 64;
 
-/// Source: Van Oosterom & Strackee 1983, "The solid angle of a plane triangle", eq. 8.
-double solid_angle(const std::array<Vector3, 3>& corners, const Vector3& X) {
+/// Sum of angles of the plane by their product as complex numbers, so that one arc tangent is enough for
+/// many.
+class AngleSum {
+ public:
+  /// Adds the angle of x + i y, which is in [-pi, pi].
+  void add(double x, double y) {
+    const double scale = std::abs(x) + std::abs(y);
+    if (!(scale > 0)) return;
+    x /= scale;
+    y /= scale;
+    const double product_x = x_ * x - y_ * y, product_y = x_ * y + y_ * x;
+    // Two angles of one sign whose sum has the other one have passed pi.
+    if (y_ >= 0 && y >= 0 && product_y < 0) ++turns_;
+    if (y_ < 0 && y < 0 && product_y >= 0) --turns_;
+    x_ = product_x;
+    y_ = product_y;
+  }
+  double value() const { return std::atan2(y_, x_) + 2 * std::numbers::pi * turns_; }
+
+ private:
+  double x_ = 1, y_ = 0;
+  int turns_ = 0;
+};
+
+/// Adds half the solid angle. Source: Van Oosterom & Strackee 1983, "The solid angle of a plane triangle",
+/// eq. 8.
+void add_half_solid_angle(const std::array<Vector3, 3>& corners, const Vector3& X, AngleSum& sum) {
   const Vector3 a = corners[0] - X, b = corners[1] - X, c = corners[2] - X;
   const double la = a.norm(), lb = b.norm(), lc = c.norm();
   const double divisor = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
-  return 2 * std::atan2(a.dot(b.cross(c)), divisor);
+  sum.add(divisor, a.dot(b.cross(c)));
 }
 
 }  // namespace
@@ -94,8 +119,10 @@ double WindingNumber::operator()(const Vector3& X) const {
     if (distance > far * node.radius) {
       angle += node.dipole.dot(arm) / (distance * distance * distance);
     } else if (node.left < 0) {
+      AngleSum half;
       for (Index t = node.first; t < node.last; ++t)
-        angle += solid_angle(corners_[static_cast<std::size_t>(t)], X);
+        add_half_solid_angle(corners_[static_cast<std::size_t>(t)], X, half);
+      angle += 2 * half.value();
     } else {
       stack[size++] = node.left + 1;
       stack[size++] = node.left;

@@ -5,6 +5,7 @@
 #include "resilin/core/parallel.hpp"
 #include "resilin/fields/extremes.hpp"
 #include "resilin/results/build_info.hpp"
+#include "resilin/results/mesh_volume_ratio.hpp"
 
 namespace resilin {
 namespace {
@@ -202,10 +203,13 @@ Json report_json(const World& world, Json frames, const RunSummary& summary) {
   report["is_linear"] = is_linear(world);
   report["frames"] = std::move(frames);
   report["bodies"] = bodies_json(world);
+  const bool has_ended = summary.outcome.status != RunStatus::running;
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     const DiscretisationErrors& errors = summary.outcome.discretisation_errors;
     const std::optional<double> error = b < errors.size() ? errors[b] : std::nullopt;
     report["bodies"][b]["discretisation_error"] = error ? Json(*error) : Json(nullptr);
+    const std::optional<double> ratio = has_ended ? mesh_volume_ratio(world, world.bodies[b]) : std::nullopt;
+    report["bodies"][b]["mesh_volume_ratio"] = ratio ? Json(*ratio) : Json(nullptr);
   }
   if (const SmallestVolume& smallest = summary.most_strained.smallest_volume; smallest.cell >= 0)
     report["smallest_volume_ratio"] = {{"value", smallest.ratio}, {"body", body_name(world, smallest.body)},

@@ -75,7 +75,7 @@ Mesh read_box(const SceneNode& node) {
 struct MeshTable {
   std::optional<Mesh> box;
   std::optional<MeshFile> surface;
-  int cells = LatticeOptions{}.cells;
+  SurfaceCells cells;
 };
 
 /// A file, or the mesh that a program hands over.
@@ -91,16 +91,21 @@ Keys<MeshTable> mesh_keys() {
       key<M>({"box", "table", "", "",
               "A box (a rectangle in 2D) with the groups `x_min`, `x_max`, `y_min`, ..."},
              [](const SceneNode& node, M& m) { m.box = read_box(node); }),
-      key<M>({"surface", "text", "", "",
-              "In place of a box: a file with the surface of a body. A lattice of tetrahedra encloses it, "
-              "and it becomes the embedded skin ([skin.md](skin.md#from-a-surface-alone)). The name of such "
-              "a file alone "
-              "means the same."},
-             [](const SceneNode& node, M& m) { m.surface = read_file_of(node); }),
-      key<M>({"cells", "whole number >= 1", "", default_text(M{}.cells), "Approximate number of tetrahedra."},
+      key<M>(
+          {"surface", "text", "", "",
+           "In place of a box: a file with the surface of a body. Tetrahedra fill it, and it becomes the "
+           "embedded skin ([skin.md](skin.md#from-a-surface-alone)). The name of such a file alone means the "
+           "same."},
+          [](const SceneNode& node, M& m) { m.surface = read_file_of(node); }),
+      key<M>({"cells", "whole number >= 1", "", default_text(M{}.cells.cells),
+              "Approximate number of tetrahedra in a surface."},
              [](const SceneNode& node, M& m) {
-               m.cells = read_integer(node, {.min = 1, .max = LatticeOptions::most_cells});
+               m.cells.cells = read_integer(node, {.min = 1, .max = LatticeOptions::most_cells});
              }),
+      key<M>({"mesher", one_of(surface_meshers()), "", default_text(M{}.cells.mesher),
+              "How tetrahedra fill a surface: `fitted` ones end at it and keep its sharp edges; those of a "
+              "`lattice` are congruent and stand out of it. `auto`: `fitted`, a lattice in `resilin view`."},
+             [](const SceneNode& node, M& m) { m.cells.mesher = read_choice(node, surface_meshers()); }),
   };
 }
 
@@ -110,6 +115,7 @@ void read_mesh_table(const SceneNode& node, BodyDescription& body) {
         "either { box = { size, cells } } or { surface = FILE, cells = NUMBER }, or the name of a mesh file");
   if (node.has("box") && node.has("cells"))
     node.child("cells").fail_with("is for a surface; a box has its own, box.cells");
+  if (node.has("box") && node.has("mesher")) node.child("mesher").fail_with("is for a surface");
   MeshTable table;
   read_table(node, mesh_keys(), table);
   if (table.box) {
@@ -121,7 +127,7 @@ void read_mesh_table(const SceneNode& node, BodyDescription& body) {
   const bool is_text = std::holds_alternative<std::string>(surface.value->data);
   body.mesh_name = is_text ? read_text(surface) : table.surface->numbering.file;
   for (const std::string& warning : table.surface->warnings) node.context->warnings.push_back(warning);
-  enclose_surface(node, *table.surface, table.cells, body);
+  fill_surface(node, *table.surface, table.cells, body);
 }
 
 /// The mesh of a file of cells.
@@ -146,7 +152,7 @@ void read_body_mesh(const SceneNode& node, BodyDescription& body) {
   MeshFile file = read_file_of(node);
   if (file.is_surface && node.context->dimension == 3) {
     for (const std::string& warning : file.warnings) node.context->warnings.push_back(warning);
-    return enclose_surface(node, file, LatticeOptions{}.cells, body);
+    return fill_surface(node, file, {}, body);
   }
   const ElementInfo* element = find_element(body.element, node.context->dimension);
   body.mesh = prepared(node, std::move(file), element != nullptr && element->degree == 1);

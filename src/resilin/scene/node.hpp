@@ -30,6 +30,7 @@ struct SceneContext {
   bool is_dynamic = false;
   std::int64_t max_box_cells = 0;
   MeshCache* meshes = nullptr;  ///< of scenes that share meshes; may be null
+  bool is_for_real_time = false;
   std::vector<std::string> warnings;
 };
 

@@ -66,6 +66,7 @@ Scene read_scene_from_values(SceneValue values, const std::string& name, const s
   context.folder = folder;
   context.max_box_cells = options.max_box_cells;
   context.meshes = options.meshes;
+  context.is_for_real_time = options.is_for_real_time;
   values.source = std::make_shared<const std::string>(name);
   values.line = 0;
   Scene scene;

@@ -17,6 +17,7 @@ struct SceneOptions {
   std::vector<std::string> overrides;      ///< "KEY=VALUE" each, as after --set
   std::int64_t max_box_cells = 100000000;  ///< a box of more cells than this is taken for a slip
   MeshCache* meshes = nullptr;             ///< where mesh files have been read for other scenes; may be null
+  bool is_for_real_time = false;  ///< surfaces get a lattice where the scene does not choose a mesher
 };
 
 /// A scene that has been read and checked.

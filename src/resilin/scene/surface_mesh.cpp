@@ -1,5 +1,8 @@
+#include <cmath>
+
 #include "resilin/core/error.hpp"
 #include "resilin/mesh/edit.hpp"
+#include "resilin/mesh/fitted_mesh.hpp"
 #include "resilin/mesh/refine_surface.hpp"
 #include "resilin/mesh/surface_lattice.hpp"
 #include "resilin/scene/tables.hpp"
@@ -10,11 +13,53 @@ namespace {
 constexpr double largest_usual = 10;           // [m]
 constexpr double largest_usual_of_cells = 30;  // [m]; meshes are also made by programs that mean metres
 constexpr double smallest_usual = 1e-3;        // [m]
-constexpr double heavier = 1.05;               // lattice by surface: from there on it is told
+constexpr double worth_telling = 0.02;         // of the volume
+
+/// What either mesher makes.
+struct FilledSurface {
+  Mesh mesh;
+  double cell_size = 0;     ///< [m]
+  double volume_ratio = 0;  ///< of the cells to the surface; 0 when it is not known
+  bool is_fitted = false;
+};
+
+FilledSurface fill_by_lattice(const SceneNode& node, const Mesh& surface, const std::string& name,
+                              int cells) {
+  SurfaceLattice lattice = make_surface_lattice(surface, name, {.cells = cells});
+  for (const std::string& remark : lattice.remarks) node.context->warnings.push_back(remark);
+  return {std::move(lattice.mesh), lattice.spacing, lattice.volume_ratio, false};
+}
+
+FilledSurface fill_by_fitting(const SceneNode& node, const Mesh& surface, const std::string& name,
+                              int cells) {
+  FittedMesh fitted = make_fitted_mesh(surface, name, {.cells = cells});
+  for (const std::string& remark : fitted.remarks) node.context->warnings.push_back(remark);
+  return {std::move(fitted.mesh), fitted.cell_size, fitted.volume_ratio, true};
+}
+
+/// A surface that is no body is refused by both meshers in the same words; one that cannot be followed gets a
+/// lattice, unless the scene asks for fitted cells.
+FilledSurface fill(const SceneNode& node, const Mesh& surface, const std::string& name,
+                   const SurfaceCells& wanted) {
+  const bool is_lattice =
+      wanted.mesher == "lattice" || (wanted.mesher == "auto" && node.context->is_for_real_time);
+  if (is_lattice) return fill_by_lattice(node, surface, name, wanted.cells);
+  if (wanted.mesher == "fitted") return fill_by_fitting(node, surface, name, wanted.cells);
+  try {
+    return fill_by_fitting(node, surface, name, wanted.cells);
+  } catch (const InputError& error) {
+    FilledSurface filled = fill_by_lattice(node, surface, name, wanted.cells);
+    node.context->warnings.push_back(std::string(error.what()) + "; a lattice fills it");
+    return filled;
+  }
+}
 
 }  // namespace
 
-void enclose_surface(const SceneNode& node, const MeshFile& file, int cells, BodyDescription& body) {
+std::vector<std::string> surface_meshers() { return {"auto", "fitted", "lattice"}; }
+
+void fill_surface(const SceneNode& node, const MeshFile& file, const SurfaceCells& wanted,
+                  BodyDescription& body) {
   const std::string& name = file.numbering.file;
   if (node.context->dimension != 3)
     throw InputError(node.place(), "cells of the plane in a scene of dimension 2", "the surface " + name);
@@ -22,17 +67,18 @@ void enclose_surface(const SceneNode& node, const MeshFile& file, int cells, Bod
   prepare_surface(facets);
   Mesh surface = std::move(facets.mesh);
   check_surface(surface, facets.numbering).require_no_errors();
-  SurfaceLattice lattice = make_surface_lattice(surface, name, {.cells = cells});
-  for (const std::string& remark : lattice.remarks) node.context->warnings.push_back(remark);
-  if (lattice.volume_ratio > heavier)
+  FilledSurface filled = fill(node, surface, name, wanted);
+  const double ratio = filled.volume_ratio;
+  if (ratio > 0 && std::abs(ratio - 1) > worth_telling)
     node.context->warnings.push_back(
-        name + ": " + std::to_string(lattice.mesh.blocks[0].num_cells()) + " cells around it have " +
-        format_short(lattice.volume_ratio) +
-        " times its volume, mass and stiffness; use more cells for a closer fit (docs/skin.md)");
-  body.mesh = std::move(lattice.mesh);
+        "the mesh has " + format_short(ratio) + " times the volume of the surface " + name + " (" +
+        std::to_string(filled.mesh.blocks[0].num_cells()) + " cells), and mass and stiffness accordingly; " +
+        (filled.is_fitted ? "more cells come nearer" : "mesher = \"fitted\" follows the surface") +
+        " (docs/skin.md)");
+  body.mesh = std::move(filled.mesh);
   body.skin.emplace();
   body.skin->place = node.place();
-  refine_surface(surface, lattice.spacing);  // so that it bends with the cells
+  refine_surface(surface, filled.cell_size);  // so that it bends with the cells
   body.skin->surface = std::move(surface);
   body.skin->surface_name = body.mesh_name;
 }

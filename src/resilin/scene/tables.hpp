@@ -32,8 +32,15 @@ void read_body_mesh(const SceneNode& node, BodyDescription& body);
 TableDoc mesh_doc();
 
 // surface_mesh.cpp
-/// Makes the body a lattice of about `cells` tetrahedra that carries the surface as its skin.
-void enclose_surface(const SceneNode& node, const MeshFile& file, int cells, BodyDescription& body);
+/// How a surface gets its cells.
+struct SurfaceCells {
+  int cells = 4000;             ///< about how many
+  std::string mesher = "auto";  ///< a name of surface_meshers()
+};
+std::vector<std::string> surface_meshers();
+/// Makes the body tetrahedra that fill the surface and carry it as their skin.
+void fill_surface(const SceneNode& node, const MeshFile& file, const SurfaceCells& wanted,
+                  BodyDescription& body);
 /// Warns where the surface of `body`, the table that is read, is of a size that tells of another unit.
 void remark_on_unit(const SceneNode& body_node, const BodyDescription& body);
 

@@ -1,0 +1,332 @@
+#include "resilin/mesh/fitted_mesh.hpp"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
+#include "resilin/mesh/edit.hpp"
+#include "resilin/mesh/fitted_draft.hpp"
+#include "resilin/mesh/improve_tetrahedra.hpp"
+#include "resilin/mesh/topology.hpp"
+
+namespace resilin {
+namespace {
+
+using Kind = FittedVertex::Kind;
+using Nodes = FittedDraft::Nodes;
+
+constexpr double near_at_first = 0.2, near_enough = 0.1;  // of the wanted number: no further attempt
+constexpr int most_attempts = 4;
+constexpr int fewest_cells = 60;  // fewer follow no surface
+constexpr int relaxations = 3;
+constexpr double wanted_sine = 0.3;  // 17 degrees
+constexpr int improvement_passes = 10;
+constexpr double least_sine_allowed = 1e-3;
+// While cells are improved, by the spacing: movement along the surface, distance of sides from it.
+constexpr double most_slide = 0.8, most_gap = 0.08;
+constexpr int fitting_rounds = 2;
+constexpr double most_fit = 0.1;   // of the spacing: movement of a vertex to fit the sides
+constexpr double good_sine = 0.2;  // that is not given up for it: 11.5 degrees
+
+class FittedMaker {
+ public:
+  FittedMaker(const Mesh& surface, const std::string& name)
+      : name_(name), surface_(make_solid_surface(without_copies(surface), name)), places_(surface_) {}
+
+  FittedMesh make(int wanted) const {
+    const auto draft_of = [&](double spacing) {
+      FittedDraft draft(places_, spacing);
+      for (int i = 0; i < relaxations; ++i) draft.relax();
+      return draft;
+    };
+    require_volume(surface_, name_);
+    double spacing = first_spacing(wanted);
+    // Drafts whose points do not move yet bring the spacing near; of those that do, some more cells come.
+    double too_small = 0, too_large = std::numeric_limits<double>::infinity(), power = 0.4;
+    const auto next = [&](double count) {
+      (count > wanted ? too_small : too_large) = spacing;
+      spacing *= std::pow(count / wanted, power);  // between that of a sheet, 1/2, and of a solid, 1/3
+      if (spacing <= too_small || spacing >= too_large) spacing = std::sqrt(too_small * too_large);
+    };
+    const auto miss = [&](double count) { return std::abs(std::log(count / wanted)); };
+    for (int attempt = 0; attempt < most_attempts; ++attempt) {
+      const double count = count_of(FittedDraft(places_, spacing));
+      if (miss(count) < near_at_first) break;
+      next(count);
+    }
+    too_small = 0;
+    too_large = std::numeric_limits<double>::infinity();
+    FittedDraft best = draft_of(spacing);
+    for (int attempt = 1; attempt < most_attempts && miss(count_of(best)) > near_enough; ++attempt) {
+      next(count_of(best));
+      FittedDraft draft = draft_of(spacing);
+      if (miss(count_of(draft)) < miss(count_of(best))) best = std::move(draft);
+    }
+    return finish(best);
+  }
+
+ private:
+  static Mesh without_copies(const Mesh& given) {
+    Mesh mesh = given;
+    to_first_order(mesh);
+    if (mesh.find_block(CellKind::triangle) == nullptr) return mesh;
+    merge_duplicate_vertices(mesh);
+    std::vector<Index>& nodes = mesh.block(CellKind::triangle).nodes;
+    std::set<std::array<Index, 3>> seen;
+    std::vector<Index> kept;
+    for (std::size_t i = 0; i + 2 < nodes.size(); i += 3) {
+      std::array<Index, 3> key = {nodes[i], nodes[i + 1], nodes[i + 2]};
+      std::ranges::sort(key);
+      if (seen.insert(key).second) kept.insert(kept.end(), {nodes[i], nodes[i + 1], nodes[i + 2]});
+    }
+    nodes = std::move(kept);
+    return mesh;
+  }
+
+  static double count_of(const FittedDraft& draft) {
+    return std::max(static_cast<double>(draft.cells().size()), 0.1);  // its logarithm is taken
+  }
+
+  double first_spacing(int wanted) const {
+    const double extent = std::sqrt(surface_.area);
+    double low = 0, high = 4 * extent;
+    for (int i = 0; i < 60; ++i) {
+      const double spacing = 0.5 * (low + high);
+      const double count =
+          12 * places_.volume() / (spacing * spacing * spacing) + surface_.area / (spacing * spacing);
+      (count > wanted ? low : high) = spacing;
+    }
+    return 0.5 * (low + high);
+  }
+
+  VertexGuide guide_for(const FittedDraft& draft, const TetrahedronSet& set,
+                        const std::vector<Index>& draft_vertex,
+                        const std::vector<std::array<Index, 2>>& line_edges) const {
+    const auto vertex = [&](Index v) -> const FittedVertex& {
+      return draft.vertices()[static_cast<std::size_t>(draft_vertex[static_cast<std::size_t>(v)])];
+    };
+    const double edge = draft.spacing();
+    VertexGuide guide;
+    guide.project = [&, vertex, edge](Index v, Vector3& X) {
+      const FittedVertex& from = vertex(v);
+      switch (from.kind) {
+        case Kind::inside:
+          return true;
+        case Kind::corner:
+          return false;
+        case Kind::line: {
+          const CreaseLine& line = draft.features().lines[static_cast<std::size_t>(from.line)];
+          X = line.at(line.nearest(X));
+          return true;
+        }
+        case Kind::surface:
+          break;
+      }
+      const SurfacePlace place = places_.nearest(X, from.triangle);
+      if (place.normal.dot(from.normal) < 0.5 || (place.X - from.X).norm() > most_slide * edge) return false;
+      X = place.X;
+      return true;
+    };
+    guide.may_be_side = [&, edge](Index a, Index b, Index c) {
+      const auto X = [&](Index v) -> const Vector3& { return set.positions[static_cast<std::size_t>(v)]; };
+      const double allowed = most_gap * edge;
+      return places_.is_near(0.5 * (X(a) + X(b)), allowed) &&
+             places_.is_near((X(a) + X(b) + X(c)) / 3, allowed);
+    };
+    guide.is_kept = [&](Index a, Index b) {
+      const Index i = draft_vertex[static_cast<std::size_t>(a)],
+                  j = draft_vertex[static_cast<std::size_t>(b)];
+      return std::ranges::binary_search(line_edges, std::array<Index, 2>{std::min(i, j), std::max(i, j)});
+    };
+    return guide;
+  }
+
+  FittedMesh finish(const FittedDraft& draft) const {
+    TetrahedronSet set;
+    std::vector<Index> number(draft.vertices().size(), -1), draft_vertex;
+    for (const Nodes& cell : draft.cells()) {
+      Nodes nodes{};
+      for (std::size_t i = 0; i < 4; ++i) {
+        Index& v = number[static_cast<std::size_t>(cell[i])];
+        if (v < 0) {
+          v = static_cast<Index>(draft_vertex.size());
+          draft_vertex.push_back(cell[i]);
+          set.positions.push_back(draft.vertices()[static_cast<std::size_t>(cell[i])].X);
+        }
+        nodes[i] = v;
+      }
+      set.cells.push_back(nodes);
+    }
+    const auto line_edges = draft.line_edges();
+    const VertexGuide guide = guide_for(draft, set, draft_vertex, line_edges);
+    improve_tetrahedra(set, guide, wanted_sine, improvement_passes);
+    fit_sides(set, draft, draft_vertex);
+    part_pinches(set);
+    double flattest = 1;
+    for (const Nodes& cell : set.cells) flattest = std::min(flattest, quality_of(set, cell));
+    if (set.cells.empty() || !(flattest > least_sine_allowed))
+      throw InputError(name_, "a surface that tetrahedra can follow",
+                       set.cells.empty() ? "one around no cell" : "one that leaves flat cells",
+                       "try another number of cells or mesher = \"lattice\"");
+
+    FittedMesh fitted;
+    fitted.cell_size = draft.spacing();
+    fitted.volume = places_.volume();
+    fitted.mesh.vertices = set.positions;
+    std::vector<Index>& nodes = fitted.mesh.block(CellKind::tetrahedron).nodes;
+    double volume = 0;
+    for (const Nodes& cell : set.cells) {
+      nodes.insert(nodes.end(), cell.begin(), cell.end());
+      const auto X = [&](std::size_t i) -> const Vector3& {
+        return set.positions[static_cast<std::size_t>(cell[i])];
+      };
+      volume += (X(1) - X(0)).dot((X(2) - X(0)).cross(X(3) - X(0))) / 6;
+    }
+    remove_unused_nodes(fitted.mesh);
+    if (fitted.volume > 0) fitted.volume_ratio = volume / fitted.volume;
+    fitted.remarks = remarks_on(surface_, name_);
+    const auto count_parts = [](const Mesh& mesh) {
+      return connected_components(mesh.blocks[0], static_cast<Index>(mesh.vertices.size())).count;
+    };
+    const Index num_shells = count_parts(surface_.mesh), num_parts = count_parts(fitted.mesh);
+    if (num_parts > num_shells)
+      fitted.remarks.push_back(name_ + ": its cells are " + std::to_string(num_parts) +
+                               " parts that do not hang together, while it has " +
+                               std::to_string(num_shells) + "; more cells resolve its thinnest walls");
+    return fitted;
+  }
+
+  /// Moves vertices of curved surfaces so that the sides of the cells, rather than their corners, lie on it
+  /// on average: chords of a ball would enclose less than the ball.
+  void fit_sides(TetrahedronSet& set, const FittedDraft& draft,
+                 const std::vector<Index>& draft_vertex) const {
+    const Boundary rim = boundary(block_of(set));
+    std::vector<std::vector<std::size_t>> star(set.positions.size());
+    for (std::size_t c = 0; c < set.cells.size(); ++c)
+      for (const Index v : set.cells[c]) star[static_cast<std::size_t>(v)].push_back(c);
+    const auto quality = [&](std::size_t c) { return quality_of(set, set.cells[c]); };
+    const auto hint = [&](Index v) {
+      return draft.vertices()[static_cast<std::size_t>(draft_vertex[static_cast<std::size_t>(v)])].triangle;
+    };
+    for (int round = 0; round < fitting_rounds; ++round) {
+      std::vector<Vector3> gaps(set.positions.size(), Vector3::Zero());
+      std::vector<double> weights(set.positions.size(), 0);
+      for (Index f = 0; f < rim.facets.num_cells(); ++f) {
+        const auto nodes = rim.facets.cell(f);
+        const auto X = [&](std::size_t i) -> const Vector3& {
+          return set.positions[static_cast<std::size_t>(nodes[i])];
+        };
+        const Vector3 normal = (X(1) - X(0)).cross(X(2) - X(0));  // twice the area
+        // Mean of the gap over the side, by the rule of its edges' middles.
+        double gap = 0;
+        for (std::size_t i = 0; i < 3; ++i) {
+          const Vector3 middle = 0.5 * (X(i) + X((i + 1) % 3));
+          const SurfacePlace place = places_.nearest(middle, hint(nodes[i]));
+          if (place.normal.dot(normal) > 0.5 * normal.norm()) gap += (place.X - middle).dot(place.normal) / 3;
+        }
+        for (const Index v : nodes) {
+          gaps[static_cast<std::size_t>(v)] += gap * normal;
+          weights[static_cast<std::size_t>(v)] += normal.norm();
+        }
+      }
+      for (std::size_t v = 0; v < set.positions.size(); ++v) {
+        const FittedVertex& vertex = draft.vertices()[static_cast<std::size_t>(draft_vertex[v])];
+        if (vertex.kind != Kind::surface || !(weights[v] > 0)) continue;
+        const Vector3 old = set.positions[v];
+        double before = 1, after = 1;
+        for (const std::size_t c : star[v]) before = std::min(before, quality(c));
+        Vector3 step = gaps[v] / weights[v];
+        const double most = most_fit * draft.spacing();
+        if (step.norm() > most) step *= most / step.norm();
+        set.positions[v] += step;
+        for (const std::size_t c : star[v]) after = std::min(after, quality(c));
+        if (after < std::min(before, good_sine)) set.positions[v] = old;
+      }
+    }
+  }
+
+  static double quality_of(const TetrahedronSet& set, const Nodes& cell) {
+    const auto X = [&](std::size_t i) -> const Vector3& {
+      return set.positions[static_cast<std::size_t>(cell[i])];
+    };
+    return least_sine({X(0), X(1), X(2), X(3)});
+  }
+
+  static CellBlock block_of(const TetrahedronSet& set) {
+    CellBlock block{CellKind::tetrahedron, {}};
+    for (const Nodes& cell : set.cells) block.nodes.insert(block.nodes.end(), cell.begin(), cell.end());
+    return block;
+  }
+
+  /// Where cells hang together by a vertex or an edge alone, drops all but the largest fan of them.
+  static void part_pinches(TetrahedronSet& set) {
+    const auto volume = [&](const Nodes& cell) {
+      const auto X = [&](std::size_t i) -> const Vector3& {
+        return set.positions[static_cast<std::size_t>(cell[i])];
+      };
+      return (X(1) - X(0)).dot((X(2) - X(0)).cross(X(3) - X(0))) / 6;
+    };
+    while (true) {
+      const Pinches pinches = find_pinches(block_of(set), static_cast<Index>(set.positions.size()));
+      std::vector<std::vector<Index>> places;
+      for (const Index v : pinches.vertices) places.push_back({v});
+      for (const auto& [a, b] : pinches.edges) places.push_back({a, b});
+      if (places.empty()) return;
+      std::set<std::size_t> dropped;
+      for (const auto& place : places) {
+        std::vector<std::size_t> around;
+        for (std::size_t c = 0; c < set.cells.size(); ++c)
+          if (std::ranges::all_of(place, [&](Index v) { return std::ranges::count(set.cells[c], v) > 0; }))
+            around.push_back(c);
+        // Fans: cells around the place that share sides.
+        std::vector<std::size_t> fan(around.size());
+        for (std::size_t i = 0; i < fan.size(); ++i) fan[i] = i;
+        for (bool has_changed = true; has_changed;) {
+          has_changed = false;
+          for (std::size_t i = 0; i < fan.size(); ++i)
+            for (std::size_t j = 0; j < i; ++j) {
+              if (fan[i] == fan[j]) continue;
+              int shared = 0;
+              for (const Index v : set.cells[around[i]])
+                shared += static_cast<int>(std::ranges::count(set.cells[around[j]], v));
+              if (shared < 3) continue;
+              fan[i] = fan[j] = std::min(fan[i], fan[j]);
+              has_changed = true;
+            }
+        }
+        std::map<std::size_t, double> volumes;
+        for (std::size_t i = 0; i < fan.size(); ++i) volumes[fan[i]] += volume(set.cells[around[i]]);
+        const auto largest = std::ranges::max_element(
+            volumes, [](const auto& a, const auto& b) { return a.second < b.second; });
+        for (std::size_t i = 0; i < fan.size(); ++i)
+          if (fan[i] != largest->first) dropped.insert(around[i]);
+      }
+      if (dropped.empty()) return;
+      std::vector<Nodes> kept;
+      for (std::size_t c = 0; c < set.cells.size(); ++c)
+        if (!dropped.contains(c)) kept.push_back(set.cells[c]);
+      set.cells = std::move(kept);
+    }
+  }
+
+  const std::string& name_;
+  SolidSurface surface_;
+  SurfacePlaces places_;
+};
+
+}  // namespace
+
+FittedMesh make_fitted_mesh(const Mesh& surface, const std::string& name, const FittedMeshOptions& options) {
+  if (options.cells < 1 || options.cells > FittedMeshOptions::most_cells)
+    throw InputError(name, "a number of cells from 1 to " + std::to_string(FittedMeshOptions::most_cells),
+                     std::to_string(options.cells));
+  return FittedMaker(surface, name).make(std::max(options.cells, fewest_cells));
+}
+
+}  // namespace resilin
