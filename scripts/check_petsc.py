@@ -141,8 +141,9 @@ def differences_of_reports(one, several, scene):
     problems = []
     for key in ("status", "title", "bodies", "solver"):
         if key == "bodies":
-            left = [{k: v for k, v in body.items() if k not in ("discretisation_error", "mesh_volume_ratio")} for body in one[key]]
-            right = [{k: v for k, v in body.items() if k not in ("discretisation_error", "mesh_volume_ratio")} for body in several[key]]
+            of_whole_bodies = ("discretisation_error", "mesh_volume_ratio")
+            left = [{k: v for k, v in body.items() if k not in of_whole_bodies} for body in one[key]]
+            right = [{k: v for k, v in body.items() if k not in of_whole_bodies} for body in several[key]]
             if left != right:
                 problems.append(f"bodies: expected {left}, got {right}")
         elif key == "solver":
