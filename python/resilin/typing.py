@@ -181,9 +181,22 @@ class FrameReport(_Frame, total=False):
     time_error: float
     inversion_load: float
     jump_energy: float
+    regions: dict[str, dict[str, dict[str, float]]]  # by body and region
 
 
-class BodyReport(TypedDict):
+class RegionReport(TypedDict):
+    """A region of a body; the body's own material has an empty name."""
+
+    name: str
+    law: str
+    constants: dict[str, float]
+    density: float
+    cells: int
+    volume: float
+    mass: float
+
+
+class _Body(TypedDict):
     name: str
     law: str
     constants: dict[str, float]
@@ -194,6 +207,12 @@ class BodyReport(TypedDict):
     cells: int
     vertices: int
     unknowns: int
+
+
+class BodyReport(_Body, total=False):
+    """A body of a simulation; regions where it has some."""
+
+    regions: list[RegionReport]
 
 
 class ReportedBody(BodyReport):
@@ -211,6 +230,17 @@ class TimingReport(TypedDict):
     assembly: float
     solve: float
     output: float
+
+
+class SmallestVolumeRatio(TypedDict):
+    """The smallest volume ratio of all steps, and where it was."""
+
+    value: float
+    body: str
+    cell: int
+    step: int
+    time: float
+    load: float
 
 
 class _Report(TypedDict):
@@ -234,3 +264,4 @@ class Report(_Report, total=False):
     """The content of report.json (docs/results.md); modes of a modal analysis."""
 
     modes: list[ModeReport]
+    smallest_volume_ratio: SmallestVolumeRatio

@@ -165,6 +165,12 @@ def fits(value, kind):
     return True
 
 
+def of_two_materials():
+    scene = cantilever()
+    half = {"where": {"box": [[-1, -1, -1], [0.5, 1, 1]]}, "material": scene["body"][0]["material"]}
+    return scene | {"body": [scene["body"][0] | {"region": [half | {"name": "half"}]}]}
+
+
 REPORTED = {
     "a static run with a probe, a section and results on vertices": cantilever()
     | {
@@ -173,6 +179,7 @@ REPORTED = {
     },
     "steps in time as long as an estimate allows": square(adaptive={"tolerance": 1e-2}, end_time=0.05),
     "free vibrations": cantilever(kind="modes", gravity=[0, 0, 0]),
+    "a body of two materials": of_two_materials(),
 }
 
 
