@@ -38,7 +38,7 @@ SERVES = re.compile(r"^(?:\./run|resilin) view ")
 ADDRESS = re.compile(r"Listening on (\S+)\s")
 # Numbers that differ from machine to machine and from version to version.
 NUMBER = re.compile(r"[-+]?\b\d+(?:\.\d+)?(?:e[-+]?\d+)?\b")
-# How far a run is, which is printed when about a second has passed: one line on a quick machine, several on a slow one.
+# A progress line, printed about once a second: one on a quick machine, several on a slow one.
 PROGRESS = re.compile(r"\s*\d+ %  ")
 LONG_TIME = re.compile(r"\b\d+ (?:h \d\d min|min \d\d s)\b")  # what is said in seconds below a minute
 

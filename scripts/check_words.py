@@ -20,7 +20,7 @@ LONG_SENTENCES_LEFT = ()
 LONG_LINES_LEFT = ()
 HEADINGS_LEFT = ()
 
-# What our own words are called in the field.
+# The field's terms for our own words.
 FIELD_TERMS = {
     r"supports?\b": "boundary condition, prescribed displacement",
     r"what is held": "boundary condition, prescribed displacement",

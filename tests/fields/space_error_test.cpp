@@ -69,14 +69,19 @@ Where plane_at(double x) {
   return where;
 }
 
+/// A second support, at the far end of the bar.
+FixDescription& end_support(Description& scene) {
+  FixDescription support = scene.fixes[0];
+  support.name = "end";
+  support.where = plane_at(1);
+  scene.fixes.push_back(support);
+  return scene.fixes.back();
+}
+
 TEST(SpaceError, SeesTheWarpingOfATwistedBarOneCellAcross) {
   const auto twisted = [](const std::string& element, std::array<int, 3> cells) {
     Description scene = bar(element, cells, 0.2, 0.3, "neo_hookean");
-    FixDescription turn = scene.fixes[0];
-    turn.name = "turn";
-    turn.where = plane_at(1);
-    turn.rotate = Rotation{.axis = Vector3::UnitX(), .center = {0, 0.1, 0.1}, .degrees = 20};
-    scene.fixes.push_back(turn);
+    end_support(scene).rotate = Rotation{.axis = Vector3::UnitX(), .center = {0, 0.1, 0.1}, .degrees = 20};
     return scene;
   };
   for (const std::string element : {"P2", "Q1"})
@@ -87,11 +92,7 @@ TEST(SpaceError, SeesTheWarpingOfATwistedBarOneCellAcross) {
 TEST(SpaceError, SeesTheBulgeOfAPadOfOneLayer) {
   const auto pressed = [](const std::string& element, std::array<int, 3> cells) {
     Description scene = bar(element, cells, 1, 0.45, "neo_hookean");
-    FixDescription plate = scene.fixes[0];
-    plate.name = "plate";
-    plate.where = plane_at(1);
-    plate.displacement = Vector3(-0.05, 0, 0);
-    scene.fixes.push_back(plate);
+    end_support(scene).displacement = Vector3(-0.05, 0, 0);
     return scene;
   };
   expect_told(pressed("Q1", {1, 3, 3}), pressed("P2P0", {6, 6, 6}));

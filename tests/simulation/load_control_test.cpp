@@ -32,14 +32,20 @@ TEST(LoadSteps, MeetEveryLoadThatTheSceneAsksFor) {
   for (const double asked : {0.25, 0.5, 0.75, 1.0}) EXPECT_THAT(loads, ::testing::Contains(asked));
 }
 
-/// At half the load a support that turns by half a turn stands at a quarter, not half-way along the chord.
-TEST(LoadSteps, TurnSupportsAlongTheirArc) {
+/// A bar whose far end turns about its axis by so many degrees.
+Description turned_bar(double degrees) {
   Description scene = small_bar(3, false);
   scene.gravity.setZero();
   FixDescription turned = scene.fixes[0];
   turned.where.at = 1;
-  turned.rotate = Rotation{.axis = Vector3::UnitX(), .center = {0, 0.125, 0.125}, .degrees = 180};
+  turned.rotate = Rotation{.axis = Vector3::UnitX(), .center = {0, 0.125, 0.125}, .degrees = degrees};
   scene.fixes.push_back(turned);
+  return scene;
+}
+
+/// At half the load a support that turns by half a turn stands at a quarter, not half-way along the chord.
+TEST(LoadSteps, TurnSupportsAlongTheirArc) {
+  Description scene = turned_bar(180);
   scene.load_steps = 4;
   Simulation simulation(scene);
   while (simulation.state().load < 0.5) ASSERT_EQ(simulation.step().status, StepReport::Status::converged);
@@ -244,12 +250,7 @@ TEST(Jumps, AreNotToldOfWhereThereIsNone) {
 
 /// A bar that is turned until it cannot bear more: what it loses then is no work of its ends.
 TEST(Jumps, OfABarThatIsTurnedTooFarAreTold) {
-  Description scene = small_bar(3, false);
-  scene.gravity.setZero();
-  FixDescription turned = scene.fixes[0];
-  turned.where.at = 1;
-  turned.rotate = Rotation{.axis = Vector3::UnitX(), .center = {0, 0.125, 0.125}, .degrees = 900};
-  scene.fixes.push_back(turned);
+  Description scene = turned_bar(900);
   Simulation simulation(scene);
   double most = 0;
   while (!simulation.is_finished() && simulation.step().status == StepReport::Status::converged) {

@@ -53,7 +53,7 @@ Force take_from_neighbours(std::size_t feature, std::span<const PartForce> parts
   return Force(0.0);
 }
 
-/// What presses on one point, of forces that have these values.
+/// The forces that press on one point, part by part, made of `forces`.
 template <class Force>
 std::vector<Force> pressing(std::span<const PartForce> parts, std::span<const Force> forces) {
   const auto gives_back = [](const PartForce& part) { return part.force < 0; };

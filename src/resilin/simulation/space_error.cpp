@@ -128,7 +128,10 @@ class BodySpace {
     std::ranges::sort(keys);
     numbers_.resize(keys.size());
     for (const auto& [key, place] : keys) {
-      if (keys_.empty() || keys_.back() != key) keys_.push_back(key);
+      if (keys_.empty() || keys_.back() != key) {
+        keys_.push_back(key);
+        locals_.push_back(place % count);
+      }
       numbers_[place] = static_cast<Index>(keys_.size() - 1);
     }
     signs_.assign(keys.size(), 1);
@@ -299,10 +302,8 @@ class BodySpace {
   }
 
   void add_facet(const FacetForce& facet) {
-    const std::size_t count = space_.functions().size();
     for_functions_of(facet.corners, [&](Index number) {
-      const auto place = std::ranges::find(numbers_, number) - numbers_.begin();
-      const double share = space_.share_of_facet(static_cast<std::size_t>(place) % count);
+      const double share = space_.share_of_facet(locals_[static_cast<std::size_t>(number)]);
       residual_.segment<dim>(Eigen::Index{number} * dim) += share * facet.force.template head<dim>();
     });
   }
@@ -325,10 +326,11 @@ class BodySpace {
   const World& world_;
   const Body& body_;
   RicherSpace space_;
-  std::vector<Key> keys_;       ///< of the functions, rising
-  std::vector<Index> numbers_;  ///< [cell, function of the cell]
-  std::vector<double> signs_;   ///< likewise
-  std::vector<char> is_fixed_;  ///< per unknown
+  std::vector<Key> keys_;            ///< of the functions, rising
+  std::vector<std::size_t> locals_;  ///< their numbers in one of the cells that have them
+  std::vector<Index> numbers_;       ///< [cell, function of the cell]
+  std::vector<double> signs_;        ///< likewise
+  std::vector<char> is_fixed_;       ///< per unknown
   std::size_t rows_ = 0, columns_ = 0;
   std::vector<double> matrices_;  ///< [cell][row][K_bb, then K_bh]
   std::vector<Square> inverses_;  ///< of the diagonal blocks
@@ -345,6 +347,13 @@ void BodySpace<dim>::form_cells(const Domain& domain, std::size_t first, std::si
   const std::vector<QuadraturePoint>& points = space_.rule().points;
   const std::vector<Index>& nodes = body_.cells;
   const std::size_t n = columns_ / dim, count = rows_ / dim, num_points = points.size();
+  std::vector<double> values;   // of the functions on the reference cell, [point][function]
+  std::vector<Vector3> slopes;  // likewise
+  for (const QuadraturePoint& point : points)
+    for (std::size_t f = 0; f < count; ++f) {
+      values.push_back(space_.value(f, point.xi));
+      slopes.push_back(space_.gradient(f, point.xi));
+    }
   std::vector<double> H((last - first) * num_points * square), P(H.size()), A(H.size() * square);
   std::vector<PointGeometry> geometries((last - first) * num_points);
   std::vector<double> constants;
@@ -414,8 +423,7 @@ void BodySpace<dim>::form_cells(const Domain& domain, std::size_t first, std::si
         const PointGeometry& geometry = geometries[i * num_points + q];
         const double weight = geometry.weight;
         for (std::size_t f = 0; f < count; ++f)
-          gradients[f] =
-              (geometry.dxi_dX.transpose() * space_.gradient(f, points[q].xi)).template head<dim>();
+          gradients[f] = (geometry.dxi_dX.transpose() * slopes[q * count + f]).template head<dim>();
         for (std::size_t a = 0; a < n; ++a)
           gradients[count + a] =
               Eigen::Map<const Eigen::Matrix<double, dim, 1>>(geometry.gradients.data() + a * dim);
@@ -425,7 +433,7 @@ void BodySpace<dim>::form_cells(const Domain& domain, std::size_t first, std::si
         for (std::size_t f = 0; f < count; ++f)
           for (int k = 0; k < dim; ++k)
             cell_residuals[cell * rows_ + f * dim + static_cast<std::size_t>(k)] +=
-                weight * (space_.value(f, points[q].xi) * density[k] - stress.row(k).dot(gradients[f]));
+                weight * (values[q * count + f] * density[k] - stress.row(k).dot(gradients[f]));
         // K_ai,bk = G_aj A_ij,kl G_bl: A G of all functions b first, [j, (b, k)] for each i
         const Eigen::Map<const Eigen::Matrix<double, square, square, Eigen::RowMajor>> tangent(
             A.data() + state * square * square);
