@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
+#include <string>
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
@@ -411,6 +413,18 @@ std::optional<std::size_t> World::find_term(const TermOrigin& of) const {
   const auto found = std::ranges::find(origins, of);
   if (found == origins.end()) return std::nullopt;
   return static_cast<std::size_t>(found - origins.begin());
+}
+
+std::size_t World::term_of_load(std::size_t load) const {
+  const std::optional<std::size_t> term = find_term({TermOrigin::Kind::load, load});
+  if (!term) throw std::logic_error("World::term_of_load: no term of load " + std::to_string(load));
+  return *term;
+}
+
+std::size_t World::term_of_domain(std::size_t body, std::size_t domain) const {
+  const std::optional<std::size_t> term = find_term({TermOrigin::Kind::domain, body, domain});
+  if (!term) throw std::logic_error("World::term_of_domain: no term of body " + std::to_string(body));
+  return *term;
 }
 
 Index World::num_free_unknowns() const {

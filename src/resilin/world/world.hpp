@@ -154,11 +154,9 @@ class World {
   }
   /// The number of the term that this has made, if it has made one.
   std::optional<std::size_t> find_term(const TermOrigin& of) const;
-  /// Likewise of a load, which makes one.
-  std::size_t term_of_load(std::size_t load) const { return *find_term({TermOrigin::Kind::load, load}); }
-  std::size_t term_of_domain(std::size_t body, std::size_t domain) const {
-    return *find_term({TermOrigin::Kind::domain, body, domain});
-  }
+  /// Likewise of a load, which makes one, and of a domain.
+  std::size_t term_of_load(std::size_t load) const;
+  std::size_t term_of_domain(std::size_t body, std::size_t domain) const;
   Index num_nodes() const { return static_cast<Index>(rest_positions.size() / dimension); }
   /// In the scene's coordinates [m].
   Vector3 place_of(Index node, const VectorX& positions) const;
