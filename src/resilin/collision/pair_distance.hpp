@@ -57,7 +57,7 @@ double squared_distance(PairKind kind, std::span<const Vector<dim>> vertices);
 template <int dim>
 double distance_change(PairKind kind, std::span<const Vector<dim>> from, std::span<const Vector<dim>> to);
 
-/// How some psi(d) changes with the distance.
+/// Derivatives of some psi(d) by the distance.
 struct DistanceSlopes {
   double first;         ///< psi'
   double first_over_d;  ///< psi' / d, which may be finite at d = 0

@@ -5,10 +5,10 @@ namespace resilin {
 /// Two simple convex parts of surfaces that may come near each other.
 enum class PairKind { point_point, point_edge, point_triangle, edge_edge };
 
-/// How many vertices the first part has; they come first wherever those of a pair are listed.
+/// Number of vertices of the first feature; they come first in every list of a pair.
 constexpr int num_first(PairKind kind) { return kind == PairKind::edge_edge ? 2 : 1; }
 
-/// How many vertices the second part has.
+/// Number of vertices of the second feature.
 constexpr int num_second(PairKind kind) {
   switch (kind) {
     case PairKind::point_point:

@@ -7,9 +7,9 @@
 
 namespace resilin {
 
-/// The surfaces of all bodies and obstacles, as they meet: in 3D points against triangles and edges against
-/// edges, in 2D points against edges. Its vertices have numbers of their own, 0 to `bodies.size()`: they may
-/// be nodes, or points that follow from nodes by a fixed linear map.
+/// The contact surfaces of all bodies and obstacles: in 3D points against triangles and edges against edges,
+/// in 2D points against edges. Its vertices have numbers of their own, 0 to `bodies.size()`: they may be
+/// nodes, or points that follow from nodes by a fixed linear map.
 struct CollisionSurface {
   int dim = 3;
   std::vector<Index> points;     ///< the vertices that meet triangles, in 2D edges
@@ -26,7 +26,7 @@ struct CollisionSurface {
 /// @return        the number of its first vertex in the surface
 Index add_body(CollisionSurface& surface, Index num_vertices, std::span<const Index> facets);
 
-/// Which bodies meet each other and themselves.
+/// Contact pairs of bodies, self-contact included.
 class BodyMeetings {
  public:
   /// At first every body meets every other, and itself as told.

@@ -11,7 +11,7 @@
 
 namespace resilin {
 
-/// What a user says of a collider's shape; each kind reads what it needs.
+/// Description of a collider's shape; each kind reads its own members.
 struct ShapeDescription {
   Vector3 point = Vector3::Zero();      ///< of a half-space's boundary [m]
   Vector3 normal = Vector3::Zero();     ///< of a half-space, out of it

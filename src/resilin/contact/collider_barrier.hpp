@@ -14,8 +14,8 @@
 
 namespace resilin {
 
-/// Keeps points of the bodies' surfaces out of a collider: E = sum_i kappa A_i b(d(x_i)). What rubs there is
-/// for `Friction` to tell.
+/// Keeps points of the bodies' surfaces out of a collider: E = sum_i kappa A_i b(d(x_i)). `Friction` adds
+/// friction.
 ///
 /// Only positions with d > 0 are in its domain, and `max_step` never lets a point lose more than nine
 /// tenths of its distance: nothing passes through. Between the steps of a simulation the caller may move the
@@ -42,12 +42,12 @@ class ColliderBarrier final : public BasicEnergy, public FrictionSource {
   void add_parameter_forces(std::string_view name, const VectorX& x, const VectorX& change,
                             const Conditions& c, VectorX& gradient) const override;
 
-  /// What the collider does to the bodies.
+  /// Resultant force of the collider on the bodies.
   std::optional<Reaction> reaction(const VectorX& x, const Conditions& c) const override;
 
   const FrictionSource* friction_source() const override { return this; }
   std::string_view name_in_reports() const override { return name_; }
-  /// Each point that is near enough to feel it.
+  /// Each point within the activation distance.
   void add_friction_contacts(const VectorX& x, const VectorX& start, const Conditions& c,
                              FrictionContacts& contacts) const override;
   void add_friction_slopes(const VectorX& x, const VectorX& start, const Conditions& c,
@@ -56,7 +56,7 @@ class ColliderBarrier final : public BasicEnergy, public FrictionSource {
   const ColliderMotion* motion_of_its_own() const override { return &motion_; }
   double friction() const { return friction_; }
 
-  /// Across its surface, the points that are near enough to feel it.
+  /// Constraints normal to its surface at the points within the activation distance.
   void add_held_directions(const VectorX& x, std::vector<HeldDirection>& held) const override;
 
   struct Nearest {
@@ -83,7 +83,7 @@ class ColliderBarrier final : public BasicEnergy, public FrictionSource {
   std::optional<double> driven_work(const VectorX& from, const Conditions& before, const VectorX& to,
                                     const Conditions& after) const override;
 
-  /// Where the shape's reference point is [m].
+  /// Reference point of the shape [m].
   Vector3 place(const Conditions& c) const { return rigid_place(c)(shape_->reference_point()); }
   void move_to(const Vector3& point) { offset_ = point - shape_->reference_point(); }
   void move_by(const Vector3& motion) { offset_ += motion; }
@@ -109,7 +109,7 @@ class ColliderBarrier final : public BasicEnergy, public FrictionSource {
   RigidPlace rigid_place(const Conditions& c) const;
   /// Whether the bodies let it go from where it is at one time to where it is at another.
   bool may_go(const VectorX& x, double from, double to) const;
-  /// What is left of its distance when something comes nearer.
+  /// Remaining share of the distance after an approach.
   double distance_left(double distance, double share) const;
   /// Calls `visit(point, y, d)` for points nearer than the activation distance; y is relative to the shape.
   template <class Visit>

@@ -10,7 +10,7 @@
 
 namespace resilin {
 
-/// Where a rigid thing is that was made elsewhere: x = turn X + shift.
+/// Placement of a rigid body: x = turn X + shift.
 struct RigidPlace {
   std::optional<Eigen::Matrix3d> turn;  ///< none: as it was made
   Vector3 shift = Vector3::Zero();      ///< [m]

@@ -25,7 +25,7 @@ struct ContactBody {
   std::shared_ptr<const Embedding> carrier = nullptr;
 };
 
-/// A rigid surface that bodies meet, which moves by itself.
+/// A rigid contact surface with its own motion.
 struct ContactObstacle {
   ColliderMesh mesh;
   ColliderMotion motion;
@@ -53,7 +53,7 @@ struct ContactSurface {
   std::optional<ContactObstacle> obstacle;
   Sharpness sharpness;  ///< at rest
 
-  /// Where the vertices are, dim numbers each [m].
+  /// Vertex positions, dim numbers each [m].
   VectorX places(const VectorX& x, const Conditions& c = {}) const;
   /// Their displacements for those of the nodes; the obstacle stands.
   VectorX displacements(const VectorX& of_nodes) const;

@@ -48,7 +48,7 @@ struct ContactTerms {
   std::size_t num_points() const { return point_begin.size() - 1; }
 };
 
-/// Which candidates are nearer than their activation distance, one number each: not 0 where they are.
+/// Active candidates (nearer than their activation distance), one number each: not 0 if active.
 struct NearCandidates {
   std::vector<std::uint8_t> points;  ///< against triangles, in 2D edges
   std::vector<std::uint8_t> edges;   ///< in 3D against edges

@@ -7,7 +7,7 @@
 
 namespace resilin {
 
-/// What a facet lends to one of its vertices.
+/// Share of a facet's area for one of its vertices.
 struct FacetShare {
   Vector3 normal;  ///< of length 1
   double area;     ///< [m^2], in 2D [m]

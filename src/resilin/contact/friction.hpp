@@ -113,7 +113,7 @@ class LaggedFriction final : public BasicEnergy {
   Eigen::Vector2d direction(std::size_t contact, const Eigen::Matrix<double, 3, 2>& T,
                             const Eigen::Vector2d& slip) const;
 
-  /// How the forces change at x.
+  /// Derivatives of the forces at x.
   const FrictionSlopes& slopes_at(const VectorX& x, const Conditions& c) const;
 
   /// The source and the nodes of a contact.

@@ -11,7 +11,7 @@
 
 namespace resilin {
 
-/// A place where something is pressed against a body and rubs, with the force that presses.
+/// A frictional contact on a body, with its normal force.
 struct FrictionContact {
   Vector3 normal;                      ///< across the surfaces, of length 1
   double limit;                        ///< mu lambda [N]: of the friction, which slip overcomes
@@ -65,14 +65,14 @@ class FrictionContacts {
   std::size_t source_ = 0;
 };
 
-/// How a contact changes with the places that it follows (contact/friction_slopes.hpp).
+/// Derivatives of a contact by its positions (contact/friction_slopes.hpp).
 struct FrictionContactSlopes;
 
-/// Something that presses against bodies.
+/// A source of normal forces on bodies.
 class FrictionSource {
  public:
   virtual ~FrictionSource() = default;
-  /// Under which its force on the bodies is reported; empty where bodies rub against each other.
+  /// Name of its force in the report; empty for contact between bodies.
   virtual std::string_view name_in_reports() const { return {}; }
   /// Whether it is a stage's own copy of the other, which may know more of what is near.
   virtual bool is_copy_of(const FrictionSource& /*other*/) const { return false; }
@@ -92,7 +92,7 @@ class FrictionSource {
   /// Coefficients that it was made with, and numbers of its parameter "barrier_stiffness".
   virtual Eigen::Index num_coefficients() const { return 1; }
   virtual Eigen::Index num_stiffnesses() const { return 0; }
-  /// How it moves by itself; null: it does not.
+  /// Its own motion; null without one.
   virtual const ColliderMotion* motion_of_its_own() const { return nullptr; }
 };
 

@@ -34,16 +34,16 @@ class ObstacleContact final : public SurfaceContact {
                             const Conditions& c, VectorX& gradient) const override;
   const ColliderMotion* motion_of_its_own() const override { return &obstacle().motion; }
 
-  /// What the obstacle does to the bodies.
+  /// Resultant force of the obstacle on the bodies.
   std::optional<Reaction> reaction(const VectorX& x, const Conditions& c) const override;
 
-  /// Across the obstacle, the nodes that are near enough to feel it.
+  /// Constraints normal to the obstacle at the nodes within the activation distance.
   void add_held_directions(const VectorX& x, std::vector<HeldDirection>& held) const override;
   // NOLINTNEXTLINE(bugprone-unchecked-optional-access): its surface was made with one
   const ContactObstacle& obstacle() const { return *surface().obstacle; }
 
  private:
-  /// How much of the obstacle's way between two times is free where bodies stand.
+  /// Collision-free share of the obstacle's motion between two times, for the present bodies.
   double free_way(const VectorX& x, double from, double to) const;
 };
 

@@ -16,8 +16,8 @@
 
 namespace resilin {
 
-/// Keeps the surfaces of bodies apart from each other, from themselves and from an obstacle: the sum over the
-/// pairs that are near of stiffness m b(d) (contact_terms.hpp). What rubs there is for `Friction` to tell.
+/// Contact between bodies, self-contact and contact with an obstacle: the sum of stiffness m b(d) over active
+/// pairs (contact_terms.hpp). `Friction` adds friction.
 ///
 /// `max_step` follows every candidate on its way (collision_time.hpp), so that no step that it bounds leads
 /// through a surface. Between two positions that are far apart `difference` alone does not see that.
@@ -54,17 +54,17 @@ class SurfaceContact : public BasicEnergy, public FrictionSource {
   std::unique_ptr<Energy> begin_stage(const Stage& stage) const override;
   void prepare(const VectorX& x, const VectorX& p, const Conditions& c) override;
 
-  /// What two bodies that touch do to each other, or one to itself.
+  /// Contact of two bodies, or of one with itself.
   struct BodyContact {
     Index body, other;                                     ///< numbers of the bodies
     Vector3 force = Vector3::Zero();                       ///< on `other` [N]; the body feels the opposite
     double gap = std::numeric_limits<double>::infinity();  ///< the smallest [m]
-    Index num_pairs = 0;                                   ///< of parts that feel each other
+    Index num_pairs = 0;                                   ///< active contact pairs
   };
   /// In the order of the bodies.
   std::vector<BodyContact> body_contacts(const VectorX& x, const Conditions& c) const;
 
-  /// Across the gap, the nodes of parts that are near enough to feel each other.
+  /// Constraints normal to the gap at the nodes of active pairs.
   void add_held_directions(const VectorX& x, std::vector<HeldDirection>& held) const override;
 
   /// One contact for each feature that pushes, its slip that of the closest points.
@@ -123,13 +123,13 @@ class SurfaceContact : public BasicEnergy, public FrictionSource {
   VectorX vertex_gradient(const VectorX& x, const Conditions& c) const;
   /// d2E/dy2 times displacements of the vertices [N].
   VectorX vertex_hessian_times(const VectorX& x, const Conditions& c, const VectorX& displacements) const;
-  /// How much of a way of the vertices is free, from 0 to 1, all pairs keeping a share of their distance.
+  /// Collision-free share of a vertex motion, from 0 to 1; all pairs keep a share of their distance.
   double free_share(const VectorX& places, const VectorX& displacements, double share_left) const;
   /// For the copy of a stage.
   void begin_memory() { memory_ = Memory{.search = {trees_, barrier_.activation_distance}}; }
 
  private:
-  /// What is known of the vertices in one state.
+  /// Cached data of the vertices in one state.
   struct State {
     VectorX x, places;
     double time = 0, delay = 0;  ///< of the conditions

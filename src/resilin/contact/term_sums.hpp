@@ -34,7 +34,7 @@ std::vector<double> slopes_along(const TermSet& set, const VectorX& places, cons
 void add_node_hessian(const TermSet& set, const VectorX& places, double weight, Projection projection,
                       BlockMatrix& hessian);
 
-/// How two parts press each other.
+/// Normal force between two features.
 struct PartForce {
   PairKind kind;
   std::array<Index, most_pair_vertices> vertices;  ///< of the surface, those of the first part first
@@ -45,7 +45,7 @@ struct PartForce {
 };
 std::vector<PartForce> part_forces(const TermSet& set, const VectorX& places);
 
-/// How one of these changes with the places of its vertices.
+/// Its derivatives by the vertex positions.
 struct PartForceSlopes {
   std::size_t term;                                        ///< its number
   std::array<Vector3, most_pair_vertices> force;           ///< [N/m]

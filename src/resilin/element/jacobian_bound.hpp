@@ -6,7 +6,7 @@
 
 namespace resilin {
 
-/// What is certain about the Jacobian determinant det dx/dxi of a cell, a polynomial of xi.
+/// Bounds of the Jacobian determinant det dx/dxi of a cell, a polynomial of xi.
 struct JacobianSign {
   enum class Kind {
     positive,      ///< everywhere: shown by a bound, not by samples
@@ -19,7 +19,7 @@ struct JacobianSign {
 };
 
 /// Decides whether a cell with these node positions (dim numbers each, in the element's node order) is turned
-/// inside out anywhere.
+/// inverted anywhere.
 ///
 /// The determinant lies between its least and largest Bernstein coefficients, and those at corners are
 /// values; where they differ in sign the reference cell is halved, and so on. Cost without halving: one

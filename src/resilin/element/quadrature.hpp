@@ -17,7 +17,7 @@ struct QuadraturePoint {
 /// cube.
 enum class CellShape { triangle, quadrilateral, tetrahedron, hexahedron };
 
-/// What the shapes of all dimensions have in common. Code that differs by family switches over it without a
+/// Family of a shape, the same in all dimensions. Code that differs by family switches over it without a
 /// default, so that the compiler shows every place that a new family has to fill.
 enum class ShapeFamily { simplices, cubes };
 

@@ -69,8 +69,8 @@ class ViscousDamping final : public MotionTerm {
                          double* K) const;
   const ElasticEnergy& body() const { return *body_; }
 
-  /// What D v of a stage's term may be differentiated by: "viscosities" (eta and zeta, of one cell after
-  /// another where they differ), "rest_positions" and "shape".
+  /// Parameters of D v in a stage's term: "viscosities" (eta and zeta, of one cell after another where they
+  /// differ), "rest_positions" and "shape".
   std::vector<EnergyParameter> stage_parameters() const;
   /// Adds the slopes of w . D v.
   void add_slopes(std::string_view name, const std::vector<double>& shape, const VectorX& v, const VectorX& w,

@@ -22,7 +22,7 @@ struct ActiveTime {
 
   /// Times are met to a small part of a step, so that a window that ends at a step's end includes that step.
   bool contains(double time) const;
-  /// What counts of the load: the function's value or the load factor, zero outside its time.
+  /// Factor of the load: the function's value or the load factor, zero outside its time.
   double factor(const Conditions& c) const { return contains(c.time) ? function.factor(c.time, c.load) : 0; }
   bool is_always() const {
     return function.is_constant() && from == -until && until > 0 && std::isinf(until);
@@ -37,8 +37,8 @@ double larger_work(const Energy& term, const VectorX& from, const Conditions& be
 /// The sums of forces times w over the nodes, one for each axis.
 Vector3 power_by_axis(const VectorX& forces, const VectorX& w, int dim);
 
-/// Where a dead load acts: nodal forces [N] on the rest shape X, each a number of its node times one vector,
-/// the value.
+/// Distribution of a dead load: nodal forces [N] on the rest shape X, each a number of its node times one
+/// vector, the value.
 class LoadedRegion {
  public:
   virtual ~LoadedRegion() = default;

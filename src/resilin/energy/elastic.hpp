@@ -142,7 +142,7 @@ class ElasticEnergy final : public BasicEnergy {
   void evaluate_hessians(const VectorX& x, Projection projection) const;
 
  private:
-  /// What the mean volume of a cell changes at a point: U(J_mean) - U(J), and dU/dJ [Pa] likewise.
+  /// Change by the mean volume of a cell at a point: U(J_mean) - U(J), and dU/dJ [Pa] likewise.
   struct VolumeChange {
     double energy, pressure;
   };

@@ -19,7 +19,7 @@ inline constexpr std::size_t blocks_per_chunk = 256;  ///< of a parallel loop ov
 /// points. For ElasticEnergy, which cuts the loops and owns the data.
 class ElasticTiles {
  public:
-  /// What one tile needs. A tile is so small that it stays in the nearest caches.
+  /// Working memory of one tile. A tile is so small that it stays in the nearest caches.
   class Scratch;
   /// Some blocks of cells.
   struct Tile {

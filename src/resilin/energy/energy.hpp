@@ -16,15 +16,15 @@
 
 namespace resilin {
 
-/// What loads and moving targets depend on besides the positions.
+/// Conditions that loads and moving targets depend on, besides the positions.
 struct Conditions {
   double time = 0;            ///< [s]; in a static run the load factor times the scene's end time
-  double load = 1;            ///< load factor of a static run; 1 in motion
-  double collider_delay = 0;  ///< how far moving colliders are behind, while a step leads them on [s]
-  double contact_weight = 1;  ///< times which terms that act as impulses count (`Stage`)
+  double load = 1;            ///< load factor of a static run; 1 in dynamics
+  double collider_delay = 0;  ///< delay of moving colliders within a step [s]
+  double contact_weight = 1;  ///< weight of terms that act as impulses (`Stage`)
 };
 
-/// Under what a term is counted in reports.
+/// Category of a term in reports.
 enum class EnergyCategory { elastic, external, contact, friction, damping, inertia };
 
 /// Forces of contact and of friction act as impulses at the ends of stages.
@@ -32,27 +32,27 @@ inline bool acts_as_impulse(EnergyCategory category) {
   return category == EnergyCategory::contact || category == EnergyCategory::friction;
 }
 
-/// What is known of a term without asking it for numbers.
+/// Properties of a term that need no evaluation.
 struct EnergyProperties {
   EnergyCategory category = EnergyCategory::external;
   bool is_quadratic = false;  ///< in x, with one Hessian for all x and all conditions
   bool has_potential = true;  ///< false: its force may depend on the path; its Hessian is then symmetrised
 };
 
-/// What a term does to the bodies in sum, for terms that report it under their name.
+/// Resultant of a term on the bodies, for terms that report it under their name.
 struct Reaction {
   Vector3 force = Vector3::Zero();   ///< [N]
   Vector3 torque = Vector3::Zero();  ///< about the origin [N m]
 };
 
-/// A node's part in the place of a point, or in the distance of two points.
+/// Weight of a node in the position of a point, or in the distance of two points.
 struct WeightedNode {
   Index node;
   double weight;
 };
 
-/// A direction in which something holds a point of a body at the start of a static run, or points of two
-/// bodies hold each other: the sum of the nodes' ways by their weights has to stay zero along it.
+/// A direction in which a point of a body, or the relative position of points of two bodies, is constrained
+/// at the start of a static run: the weighted sum of nodal displacements along it stays zero.
 struct HeldDirection {
   std::vector<WeightedNode> nodes;
   Vector3 direction;  ///< of length 1
@@ -68,7 +68,7 @@ struct EnergyParameter {
 /// Matrices of the cells of a body, for its own loop over them to add (energy/elastic.hpp).
 class CellMatrices;
 
-/// What rubs against bodies (contact/friction_contact.hpp).
+/// A source of friction on bodies (contact/friction_contact.hpp).
 class FrictionSource;
 
 /// One term of the sum that is minimised over the positions: E(x) in joules.
@@ -89,7 +89,8 @@ class Energy {
   virtual std::string_view name() const = 0;
   virtual EnergyProperties properties() const = 0;
 
-  /// [J]; zero at rest; +infinity outside the domain (J <= 0 under a logarithm).
+  /// Energy [J]; zero in the reference configuration; +infinity outside the domain (J <= 0 under a
+  /// logarithm).
   virtual double value(const VectorX& x, const Conditions& c) const = 0;
 
   /// E(to) - E(from) [J] as the sum of the differences of its parts, so that it keeps its digits when the two
@@ -109,7 +110,7 @@ class Energy {
   virtual void add_hessian(const VectorX& x, const Conditions& c, Projection projection,
                            BlockMatrix& hessian) const = 0;
 
-  /// Couplings that are always there. Called once, before `bind`.
+  /// Adds permanent couplings of nodes. Called once, before `bind`.
   virtual void add_pattern(BlockPatternBuilder& builder) const = 0;
   /// Looks up its slots in the pattern that all energies share. Called once.
   virtual void bind(const BlockPattern& pattern) = 0;
@@ -176,14 +177,14 @@ class Energy {
 
   // ---- driven motion
 
-  /// The work [J] of what drives the term by itself, a function of time or a motion of its own, while bodies
-  /// go from `from` to `to`: where a scheme decides at which of the two the term's forces are taken, the
-  /// largest that it may be. None for a term whose energy depends on the positions alone.
+  /// Work [J] of imposed changes of the term, by a function of time or its own motion, while bodies move from
+  /// `from` to `to`: where a scheme decides at which of the two the term's forces are taken, the largest that
+  /// it may be. None for a term whose energy depends on the positions alone.
   virtual std::optional<double> driven_work(const VectorX& from, const Conditions& before, const VectorX& to,
                                             const Conditions& after) const = 0;
 
-  /// How little the term's own motion may be behind when bodies stand at x, at most `c.collider_delay` [s]:
-  /// zero where nothing is in its way.
+  /// Smallest delay of the term's own motion when bodies are at x, at most `c.collider_delay` [s]: zero where
+  /// nothing blocks it.
   virtual double least_delay(const VectorX& x, const Conditions& c) const = 0;
 
   // ---- reporting
@@ -191,7 +192,7 @@ class Energy {
   /// The term's force on the bodies in sum, for terms that report it under their name.
   virtual std::optional<Reaction> reaction(const VectorX& x, const Conditions& c) const = 0;
 
-  /// Directions in which it holds nodes that stand at x, so that no rigid motion is free.
+  /// Directions in which it constrains nodes at x, so that no rigid-body motion is free.
   virtual void add_held_directions(const VectorX& x, std::vector<HeldDirection>& held) const = 0;
 
   /// Heat [J] that the term makes while bodies go from one shape to another at even speed: zero for terms

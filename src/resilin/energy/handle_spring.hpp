@@ -42,7 +42,7 @@ class HandleSpring final : public BasicEnergy {
  private:
   /// Vector from the far end to the node.
   Vector3 stretch(Index node, const VectorX& x, const Conditions& c) const;
-  /// How the far end goes with the displacement or, `name` says, the velocity.
+  /// Derivative of the far end by the displacement or, according to `name`, the velocity.
   double slope_of_end(std::string_view name, const Conditions& c) const {
     return name == "velocity" ? c.time - motion_.start : active_.function.factor(c.time, c.load);
   }

@@ -5,7 +5,7 @@
 
 namespace resilin {
 
-/// How far bodies are from a place, weighed by their mass: E = 1/(2 s) |x - x~|^2_M.
+/// Mass-weighted distance of bodies from given positions: E = 1/(2 s) |x - x~|^2_M.
 class MassDistance final : public BasicEnergy {
  public:
   /// @param mass    kept by reference: must outlive this term
@@ -46,8 +46,8 @@ class MassDistance final : public BasicEnergy {
   std::string_view target_name_;
 };
 
-/// What an implicit time step minimises besides the potential energy: the distance to x~, where the nodes
-/// would go without forces, with the integrator's scale s [s^2] (docs/theory/integrators.md).
+/// Inertial term that an implicit time step minimises besides the potential energy: the distance to x~, where
+/// the nodes would go without forces, with the integrator's scale s [s^2] (docs/theory/integrators.md).
 class Inertia final : public MotionTerm {
  public:
   explicit Inertia(std::shared_ptr<const MassMatrix> mass) : mass_(std::move(mass)) {}

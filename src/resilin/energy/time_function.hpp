@@ -37,7 +37,7 @@ struct TimeFunction {
 
   bool is_constant() const { return std::holds_alternative<Constant>(form); }
   double value(double time) const;
-  /// What counts of a load at a time and a load factor.
+  /// Factor of a load at a time and a load factor.
   double factor(double time, double load) const { return is_constant() ? load : value(time); }
   double rate(double time) const;         ///< df/dt [1/s]
   double second_rate(double time) const;  ///< d2f/dt2 [1/s^2]

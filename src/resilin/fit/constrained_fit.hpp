@@ -7,7 +7,7 @@
 
 namespace resilin {
 
-/// What the constants have to keep to: limits of c and z, and Drucker's condition at some states.
+/// Constraints of the constants: limits of c and z, and Drucker's condition at some states.
 struct FitLimits {
   std::vector<LoadedState> stable_states;  ///< empty: stability is not asked for
 };

@@ -11,7 +11,7 @@
 
 namespace resilin {
 
-/// What is made small: the sum of weight * residual^2 over all points.
+/// Residual of the objective, the sum of weight * residual^2 over all points.
 enum class ResidualKind {
   absolute,  ///< P_model - P_measured
   relative,  ///< (P_model - P_measured) / P_measured
@@ -21,7 +21,7 @@ constexpr std::array<std::string_view, 3> spellings(ResidualKind) {
   return {"absolute", "relative", "sigma"};
 }
 
-/// What happens to constants whose energy is no minimum somewhere within the data (Drucker's condition).
+/// Treatment of constants that are unstable within the data (Drucker's condition).
 enum class StabilityRule {
   required,  ///< the best constants that are stable there
   report,    ///< said, not prevented
@@ -38,7 +38,7 @@ constexpr std::array<std::string_view, 3> spellings(VolumeRule) {
   return {"auto", "incompressible", "compressible"};
 }
 
-/// What a user says about a constant: "limit", or "gent.limit" of one law alone. Stresses in Pa.
+/// Settings of a constant: "limit", or "gent.limit" of one law alone. Stresses in Pa.
 struct ConstantSetting {
   std::string name;
   std::string place;
@@ -47,7 +47,7 @@ struct ConstantSetting {
   double upper = std::numeric_limits<double>::infinity();
 };
 
-/// What `resilin fit` is asked for.
+/// Input of `resilin fit`.
 struct FitDescription {
   std::string place = "fit";
   std::string title;

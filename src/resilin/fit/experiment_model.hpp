@@ -46,7 +46,7 @@ class ExperimentModel {
   /// The scene with other numbers, by the parameter of the description: all that are sought of it.
   Description changed(const std::function<const double*(std::size_t)>& values) const;
 
-  /// What a run gives for all that was measured.
+  /// Values of a run for all measured quantities.
   struct Outcome {
     VectorX values;
     std::vector<int> frames;                ///< of each number

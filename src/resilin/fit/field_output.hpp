@@ -6,7 +6,7 @@
 
 #include "resilin/fit/scene_fit.hpp"
 
-/// What is shown of fields of cells.
+/// Output of fields of cells.
 namespace resilin {
 
 /// The fields: name, cells, least and most, intervals, resolution; the first row is the heading.

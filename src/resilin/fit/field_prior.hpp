@@ -10,8 +10,8 @@
 
 namespace resilin {
 
-/// What is asked of fields besides that they explain the measurements, for u, their way from the start in
-/// what is sought (logarithms), over a body of volume V in dim dimensions:
+/// Prior (regularisation) of fields, for u, their way from the start in what is sought (logarithms), over a
+/// body of volume V in dim dimensions:
 enum class PriorKind {
   smooth,    ///< L^2 mean |grad u|^2, L = V^(1/dim): neighbours are alike
   tikhonov,  ///< mean u^2: values are near to the start

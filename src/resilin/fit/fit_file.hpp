@@ -12,7 +12,7 @@
 
 namespace resilin {
 
-/// What a file asks for: laws from homogeneous tests, or parameters of scenes from experiments.
+/// Contents of a fit file: laws from homogeneous tests, or parameters of scenes from experiments.
 using AnyFit = std::variant<FitDescription, SceneFitDescription>;
 
 /// Reads what is to be fitted: [[test]] or [[experiment]], and [fit] of a TOML file, the columns of its CSV

@@ -5,12 +5,12 @@
 
 #include "resilin/fit/fit_report.hpp"
 
-/// What all fits write alike.
+/// Common JSON of all fits.
 namespace resilin {
 
 using FitJson = nlohmann::ordered_json;
 
-/// What is infinite or no number is null.
+/// Infinite numbers and NaN are null.
 FitJson number_json(double value);
 
 FitJson correlations_json(const std::vector<Correlation>& correlations);

@@ -5,7 +5,7 @@
 
 #include "resilin/fit/fit_report.hpp"
 
-/// What is shown of a fit.
+/// Output of a fit.
 namespace resilin {
 
 /// A table of the laws, the best first, and what is to be said about each. Stresses in the unit of the tests.

@@ -13,7 +13,7 @@
 
 namespace resilin {
 
-/// Where the value of a constant comes from.
+/// Origin of the value of a constant.
 enum class ConstantOrigin {
   fitted,   ///< from the tests
   given,    ///< by the user
@@ -24,7 +24,7 @@ constexpr std::array<std::string_view, 4> spellings(ConstantOrigin) {
   return {"fitted", "given", "assumed", "absent"};
 }
 
-/// What the tests say about one constant; SI.
+/// Estimate of one constant from the tests; SI.
 struct ConstantEstimate {
   std::string name, unit;
   double value = 0;
@@ -43,7 +43,7 @@ struct Correlation {
   std::string text;  ///< "only c10 + c01 is determined by these tests"
 };
 
-/// How well a law meets one test.
+/// Fit of a model to one test.
 struct TestQuality {
   std::string test;
   double r_squared;
@@ -58,7 +58,7 @@ struct FittedCurve {
   std::vector<bool> is_stable;
 };
 
-/// What data say about several numbers.
+/// Statement of the data about several numbers.
 struct Estimates {
   std::vector<ConstantEstimate> constants;
   double condition = 1;  ///< of the normal matrix with columns of length 1
@@ -93,7 +93,7 @@ struct LawNotFitted {
   std::string name, reason;
 };
 
-/// What `resilin fit` finds.
+/// Result of `resilin fit`.
 struct FitReport {
   FitDescription description;
   bool is_compressible = false;

@@ -26,7 +26,7 @@ struct LawChoice {
 
 /// Every name that `laws` may hold: those of the catalogue, ogden1, ogden2 and ogden3. "ogden" means ogden3.
 std::vector<std::string> fit_law_names();
-/// What is fitted when no laws are named.
+/// Laws that are fitted by default.
 std::vector<std::string> usual_fit_laws();
 
 /// The choice of this name; throws InputError(place, ...) that says why for a law that cannot be fitted to

@@ -25,7 +25,7 @@ SearchResult search_constants(const LawChoice& choice, const FitData& data,
                               const FitDescription& description);
 
 // law_remarks.cpp
-/// What follows from the constants: stability, curves, moduli, and what is to be said about them.
+/// Consequences of the constants: stability, curves, moduli and remarks.
 void tell_material(const LawChoice& choice, const std::vector<double>& constants,
                    const FitDescription& description, LawFit& fit);
 /// Exponents at the end of the search, signs that make no difference, intervals that hold 0.
@@ -33,7 +33,7 @@ void tell_ambiguities(const LawChoice& choice, const std::vector<double>& consta
                       const FitDescription& description, LawFit& fit);
 /// Optima that are as good.
 void tell_rivals(const LawChoice& choice, const SearchResult& found, LawFit& fit);
-/// What limits did to the fit.
+/// Effect of the limits on the fit.
 void tell_limits(const LawChoice& choice, const SearchResult& found, const FitData& data,
                  const FitDescription& description, LawFit& fit);
 

@@ -18,7 +18,7 @@ namespace resilin {
 ///   load, time  which equilibrium at rest, or which instant of a motion
 ///   id          a number, passed over
 ///
-/// Of what is measured some components may be missing. Throws InputError at `place`.
+/// Some measured components may be missing. Throws InputError at `place`.
 /// @param file  as messages name it
 std::vector<MeasuredRow> measured_rows(MeasuredKind kind, const NumberTable& table, int dim, bool is_dynamic,
                                        const std::string& file, const std::string& place);

@@ -7,7 +7,7 @@
 
 namespace resilin {
 
-/// How a specimen is strained, everywhere alike.
+/// Homogeneous deformation mode of a specimen.
 enum class TestMode {
   uniaxial,      ///< a bar pulled or pushed, its sides free: F = diag(l, x, x)
   equibiaxial,   ///< a sheet pulled alike along two edges: F = diag(l, l, x)
@@ -27,7 +27,7 @@ constexpr bool keeps_volume(TestMode mode) {
   return mode != TestMode::volumetric && mode != TestMode::confined;
 }
 
-/// What a laboratory has measured on one specimen. Points at rest are left out: they tell nothing.
+/// Measurements on one specimen. Points at zero strain are left out: they carry no information.
 struct MaterialTest {
   std::string place;  ///< for messages: "data.toml:3: test[0]"
   std::string name;

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-/// What the pictures of a report share.
+/// Common parts of the pictures of a report.
 namespace resilin {
 
 /// An interval of what is drawn.

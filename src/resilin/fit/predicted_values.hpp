@@ -9,8 +9,8 @@ namespace resilin {
 
 using DenseMatrix = Eigen::MatrixXd;
 
-/// What a law predicts for measured numbers, as a function of its constants. The solvers know nothing else of
-/// a homogeneous test (homogeneous_model.hpp).
+/// Predictions of a law for measured numbers, as a function of its constants. The solvers know nothing else
+/// of a homogeneous test (homogeneous_model.hpp).
 class PredictedValues {
  public:
   virtual ~PredictedValues() = default;

@@ -12,7 +12,7 @@
 
 namespace resilin {
 
-/// What was measured.
+/// The measured quantity.
 enum class MeasuredKind {
   markers,   ///< displacements of points [m]
   reaction,  ///< the force of a support or a collider on the bodies [N]
@@ -38,7 +38,7 @@ constexpr bool is_number(MeasuredKind kind) {
 /// In which its numbers are told.
 std::string unit_of(MeasuredKind kind);
 
-/// Which number of a table one is.
+/// Identity of a number of a table.
 struct MeasuredPlace {
   std::string row;               ///< "markers.csv, row 3"
   int component = 0;             ///< 0: x
@@ -92,7 +92,7 @@ struct SceneParameter {
   SoughtPer per = SoughtPer::value;
 };
 
-/// How the weight of the prior is chosen where no number is given.
+/// Choice of the prior's weight without a given number.
 enum class StrengthRule {
   l_curve,      ///< the corner of the L-curve
   discrepancy,  ///< the misfit that the sigmas expect
@@ -106,7 +106,7 @@ struct Regularisation {
   std::optional<double> strength;  ///< of the prior beside the sum of squares; none: by the rule
 };
 
-/// What is asked for where whole scenes are fitted.
+/// Input of a fit of whole scenes.
 struct SceneFitDescription {
   std::string place = "fit";
   std::string title;

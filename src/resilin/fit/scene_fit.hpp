@@ -29,7 +29,7 @@ struct FittedValue {
   double measured = 0, model = 0;
 };
 
-/// How well the scenes meet one table of measurements.
+/// Fit of the scenes to one table of measurements.
 struct TableQuality {
   std::string name;
   MeasuredKind kind;
@@ -49,7 +49,7 @@ struct FittedParameter {
   bool is_held = false;               ///< by a bound
 };
 
-/// Where the search has ended from one start.
+/// Result of the search from one start.
 struct SearchEnd {
   VectorX start, found;  ///< all unknowns; of a field its middle, the mean of what is sought
   double sum_of_squares = std::numeric_limits<double>::infinity();
@@ -73,7 +73,7 @@ struct FittedField {
   int num_loose = 0;                 ///< cells whose interval is wider than a factor of 2 to both sides
 };
 
-/// How the weight of the prior of fields was chosen.
+/// Choice of the weight of the fields' prior.
 struct RegularisationReport {
   Regularisation asked;
   LCurve curve;                       ///< at the place found
@@ -83,7 +83,7 @@ struct RegularisationReport {
   RegularisedProblem::Point point{};  ///< at the weight taken
 };
 
-/// What a fit of scenes finds.
+/// Result of a fit of scenes.
 struct SceneFitReport {
   SceneFitDescription description;
   std::vector<FittedParameter> parameters;  ///< those that are no cells of a field

@@ -5,7 +5,7 @@
 
 #include "resilin/fit/scene_fit.hpp"
 
-/// What the texts and the page of a fit of scenes share.
+/// Common parts of the texts and the page of a fit of scenes.
 namespace resilin {
 
 std::string with_unit(const std::string& text, const std::string& unit);
@@ -16,7 +16,7 @@ std::string objective_of(const SceneFitReport& report);
 /// The parameters: name, value found, standard error, interval, start; the first row is the heading.
 std::vector<std::vector<std::string>> parameter_rows(const SceneFitReport& report);
 
-/// How well each table is met; the first row is the heading.
+/// Misfit of each table; the first row is the heading.
 std::vector<std::vector<std::string>> table_rows(const SceneFitReport& report);
 
 /// The sum of squares and what it says about noise, in a line; whether the search has ended well, in another.

@@ -8,10 +8,10 @@
 #include "resilin/fit/scene_experiment.hpp"
 #include "resilin/sensitivity/parameter.hpp"
 
-/// What the keys of a fit mean in a scene.
+/// Meaning of the keys of a fit in a scene.
 namespace resilin {
 
-/// What a key means in a scene: a parameter of it, and which component of a vector.
+/// Meaning of a key in a scene: a parameter and the component of a vector.
 struct FoundKey {
   Parameter parameter;
   std::optional<Eigen::Index> component;
@@ -29,7 +29,7 @@ std::string body_of_key(const std::string& key);
 /// Throws InputError where a number for each cell is sought of a body with regions.
 void require_one_material(const World& world, const SceneParameter& sought);
 
-/// What a parameter may be, by its key: limits, and its unit.
+/// Limits and unit of a parameter, by its key.
 struct KindOfNumber {
   double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();
   bool is_above_lower = false;

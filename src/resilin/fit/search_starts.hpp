@@ -7,7 +7,7 @@
 
 namespace resilin {
 
-/// Where searches for these unknowns start: first where these say, then at places that fill the space between
+/// Starts of searches for these unknowns: first where these say, then at places that fill the space between
 /// their bounds evenly, in logarithms of what is positive; without bounds within a factor of 10 of the start,
 /// or, of what may be negative, once its size to both sides.
 std::vector<VectorX> search_starts(std::span<const SceneUnknown> unknowns, int count);

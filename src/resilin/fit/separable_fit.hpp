@@ -6,7 +6,7 @@
 
 namespace resilin {
 
-/// Where a search for the smallest sum of squares has ended.
+/// Result of a search for the smallest sum of squares.
 struct FitPoint {
   VectorX c, z;
   double sum = 0;  ///< |r|^2 in units of the problem

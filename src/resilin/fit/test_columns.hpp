@@ -10,7 +10,7 @@
 
 namespace resilin {
 
-/// What the numbers of a column are.
+/// Quantity of a column.
 enum class ColumnRole {
   stretch,
   strain,        ///< engineering strain, stretch - 1

@@ -11,10 +11,10 @@ namespace resilin {
 double student_t_95(double degrees_of_freedom);
 /// The same where the size of errors is known.
 constexpr double normal_95 = 1.959963984540054;
-/// What a sum of so many squares of normal errors of size 1 exceeds in one of 100 cases.
+/// 99 % quantile of the chi-squared distribution with so many degrees of freedom.
 double chi_square_99(double degrees_of_freedom);
 
-/// What the residuals around the optimum say about the constants.
+/// Uncertainty of the constants from the residuals around the optimum.
 struct Uncertainty {
   DenseMatrix covariance;  ///< of the constants in the units of `slopes`
   std::vector<bool> is_determined;

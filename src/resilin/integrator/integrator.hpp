@@ -9,7 +9,7 @@
 
 namespace resilin {
 
-/// What a step starts from.
+/// Start of a step.
 struct History {
   Motion now;
   VectorX previous_positions{};  ///< one step before

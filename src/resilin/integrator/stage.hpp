@@ -36,7 +36,7 @@ struct Stage {
   VectorX target() const { return base_positions + duration * base_velocities; }
   double scale() const { return duration * duration; }
   VectorX velocities(const VectorX& x) const { return (x - base_positions) / duration; }
-  /// How the place at the stage's end depends on x, its slope and itself.
+  /// Position at the stage's end as a function of x: derivative and value.
   double end_slope() const { return is_mean ? 2 : 1; }
   /// From the end of the stage before, or the start of the step, to its own [s].
   double length() const {

@@ -5,8 +5,8 @@
 
 namespace resilin {
 
-/// What the BLAS in use calls its kernels, such as "OpenBLAS Haswell"; "generic" for one that does not say,
-/// "none" when the build has no BLAS.
+/// Name of the BLAS kernels in use, such as "OpenBLAS Haswell"; "generic" for one that does not say, "none"
+/// when the build has no BLAS.
 std::string blas_kernel_name();
 
 /// Makes OpenBLAS use AVX-512 kernels where the processor has them but is newer than the library, which then

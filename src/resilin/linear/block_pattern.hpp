@@ -9,7 +9,7 @@
 
 namespace resilin {
 
-/// Where the dim x dim blocks of a symmetric matrix stand: the upper triangle, by block rows.
+/// Pattern of the dim x dim blocks of a symmetric matrix: the upper triangle, by block rows.
 ///
 /// Row i holds columns columns[row_begin[i]] .. columns[row_begin[i+1]-1], ascending, the diagonal i first.
 /// The position of a block in `columns` is its slot; values of slot s start at s * dim * dim, row-major.

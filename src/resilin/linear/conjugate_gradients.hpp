@@ -16,7 +16,7 @@ class Preconditioner {
   virtual void analyze(const BlockMatrix& A, const VectorX& node_positions) = 0;
   virtual LinearReport factorize(const BlockMatrix& A) = 0;
   virtual void release() = 0;  ///< gives back its memory
-  /// What it will hold, about: for each coupling of the pattern [bytes].
+  /// Approximate memory for each coupling of the pattern [bytes].
   virtual double bytes_per_coupling(int dim) const = 0;
   /// @param norm  |r|, positive: what is computed in float is scaled by it
   virtual void apply(const VectorX& r, double norm, VectorX& z) = 0;

@@ -4,7 +4,7 @@
 
 namespace resilin {
 
-/// What a preconditioner wants to know of a matrix before it starts.
+/// Checks of a matrix before a preconditioner uses it.
 struct DiagonalCheck {
   double largest = 0;  ///< entry of the diagonal
   Index bad_node =

@@ -8,7 +8,7 @@
 
 namespace resilin {
 
-/// What direct solvers share: the residual of every solve is checked, and refined when it misses the
+/// Common part of direct solvers: the residual of every solve is checked, and refined when it misses the
 /// tolerance; memory that runs out is a status of `factorize`, with words.
 class DirectSolver : public LinearSolver {
  public:

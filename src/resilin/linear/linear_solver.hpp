@@ -21,7 +21,7 @@ struct LinearOptions {
   Share share = {};  ///< whose nodes the matrix couples: its entries are then this process's part of them
 };
 
-/// What became of a factorisation or a solve.
+/// Status of a factorisation or a solve.
 struct LinearReport {
   enum class Status { ok, indefinite, not_converged, out_of_memory };
   Status status = Status::ok;
@@ -49,8 +49,8 @@ class LinearSolver {
   /// Matrices of one search for an equilibrium follow: what was learnt of those before is forgotten, so that
   /// a search gives the same bits whatever went before it.
   virtual void begin_search() {}
-  /// What it will take for a matrix of this pattern, about and rather too little [bytes]; 0 where it looks at
-  /// the memory that is left itself.
+  /// Lower estimate of the memory for a matrix of this pattern [bytes]; 0 where it looks at the memory that
+  /// is left itself.
   virtual double expected_bytes(const BlockPattern& /*pattern*/, int /*dim*/) const { return 0; }
   /// Gives back memory: the next matrix is analysed anew. Changes no result.
   virtual void release() {}

@@ -25,7 +25,7 @@ struct Supernode {
 struct MultifrontalAnalysis {
   explicit MultifrontalAnalysis(const MergedPattern& pattern);
 
-  /// Where a block of the matrix goes in the panel of its supernode.
+  /// Position of a matrix block in the panel of its supernode.
   struct Entry {
     Offset slot;        ///< of the merged pattern
     Index row, column;  ///< blocks, within the front

@@ -6,7 +6,7 @@
 
 namespace resilin::detail {
 
-/// What a pivot must be, of a matrix whose largest entries are about one.
+/// Smallest pivot of a matrix with largest entries of about one.
 struct PivotRule {
   double threshold = 0.01;   ///< entries of L stay below its inverse
   double growth = 100;       ///< what one pivot may add to an entry

@@ -11,14 +11,14 @@
 
 namespace resilin {
 
-/// What keeps cells upright whose law is finite for cells inside out: a barrier at the volume ratio J = 0,
-/// of no effect on cells that keep a tenth of their volume.
+/// Prevents inversion of elements whose law is finite for J <= 0: a barrier at the volume ratio J = 0, of no
+/// effect on cells that keep a tenth of their volume.
 ///
 ///   E(x) = sum_points V k b(J),   b the clamped log barrier that is zero from J = 0.1 on
 ///
-/// It rests from where a cell is inside out until all have a tenth of their volume: cells that are entangled
-/// come apart only through each other, and no energy appears when it is there again.
-/// Theory: docs/theory/real_time.md, eq. (R.4).
+/// It is inactive from the inversion of a cell until all have a tenth of their volume: cells that are
+/// entangled come apart only through each other, and no energy appears when it is there again. Theory:
+/// docs/theory/real_time.md, eq. (R.4).
 class FoldBarrier final : public BasicEnergy {
  public:
   static constexpr double activation_ratio = 0.1;

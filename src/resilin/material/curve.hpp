@@ -9,7 +9,7 @@
 
 namespace resilin {
 
-/// How a block of material is strained; its edges keep their directions, except in shear. The stretch of
+/// Deformation mode of a block of material; its edges keep their directions, except in shear. The stretch of
 /// every free direction is such that the nominal stress on its faces is zero.
 enum class LoadCase {
   uniaxial,     ///< F = diag(l, x, y): P22 = P33 = 0; without fibres x = y
@@ -29,7 +29,7 @@ struct LoadRange {
 };
 LoadRange usual_range(LoadCase load_case);
 
-/// What is lost first at a state of the curve.
+/// First kind of instability at a state of the curve.
 ///
 /// `stress_drops`: more stretch needs less nominal stress (less Cauchy stress in the volumetric case, where
 /// the load is a pressure). `directions_part`: the energy is no minimum under the forces that act, held fixed
@@ -41,7 +41,7 @@ enum class Stability { stable, stress_drops, directions_part, not_elliptic, no_s
 /// "stable", "stress_drops" ...
 std::string_view name(Stability stability);
 
-/// Where the curve stops being stable, or ends, between rest and an end of the range asked for.
+/// Point at which the curve becomes unstable, or ends, between rest and an end of the range asked for.
 struct StabilityLimit {
   Stability loss;
   bool above;           ///< it is lost beyond `stretch`; otherwise below

@@ -5,7 +5,7 @@
 
 namespace resilin {
 
-/// What a law's energy is a function of.
+/// Arguments of a law's energy.
 enum class LawKind {
   invariants,    ///< Invariants: isotropic, any strain
   small_strain,  ///< SmallStrain, quadratic: isotropic, rotations strain it
@@ -13,7 +13,7 @@ enum class LawKind {
   fibres,        ///< FibreInvariants: stiffer along one or two families of fibres
 };
 
-/// What loops over states need to know about a law.
+/// Properties of a law for loops over states.
 struct LawForm {
   LawKind kind;
   bool uses_second_invariant;

@@ -4,9 +4,9 @@
 
 namespace resilin {
 
-/// What a law of principal stretches is written with: symmetric functions of e_i = s_i - 1, s_i the signed
-/// singular values of F (only the smallest is negative, where det F is). In 2D, plane strain: of diag(F_2,
-/// 1), so that s_3 = 1, or -1 where det F_2 < 0 and both others are longer.
+/// Arguments of a law of principal stretches: symmetric functions of e_i = s_i - 1, s_i the signed singular
+/// values of F (only the smallest is negative, where det F is). In 2D, plane strain: of diag(F_2, 1), so that
+/// s_3 = 1, or -1 where det F_2 < 0 and both others are longer.
 ///
 /// T carries, besides derivatives with respect to e_1, e_2, e_3, the divided differences of the plane (i, j)
 ///

@@ -25,7 +25,7 @@ class BccGrid {
   /// Cubes of the side `spacing` around a box, and some more on every side; at most `most_cubes`.
   BccGrid(const Vector3& low, const Vector3& high, double spacing);
 
-  /// How many they would be; more than `most_cubes` are not counted further.
+  /// Number of these cubes; more than `most_cubes` are not counted further.
   static std::size_t count_cubes(const Vector3& low, const Vector3& high, double spacing);
 
   std::size_t num_tetrahedra() const { return is_chosen_.size(); }
@@ -34,7 +34,7 @@ class BccGrid {
 
   Vector3 middle(std::size_t tetrahedron) const;  ///< [m]
 
-  /// Chooses all tetrahedra that a triangle meets, those that it merely touches too.
+  /// Selects all tetrahedra that a triangle intersects or touches.
   void choose_met_by(const std::array<Vector3, 3>& triangle);
   /// Chooses all tetrahedra of which the nodes, one at least, are corners. @return how many were not chosen
   Index choose_around(std::span<const Node> nodes);

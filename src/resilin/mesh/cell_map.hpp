@@ -34,8 +34,8 @@ class CellMap {
   /// X(xi) [m].
   Vector3 place(Index cell, const Vector3& xi) const;
 
-  /// How deep xi lies in the reference cell: the least of the barycentric coordinates, or of the distances
-  /// from the sides of the unit square or cube; negative outside.
+  /// Depth of xi in the reference cell: the least of the barycentric coordinates, or of the distances from
+  /// the sides of the unit square or cube; negative outside.
   double depth(const Vector3& xi) const;
 
   /// xi with X(xi) = X for a place in the cell or near it; empty where Newton's method finds none.

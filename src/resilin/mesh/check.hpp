@@ -17,7 +17,7 @@ struct MeshIssue {
   std::string text() const { return place + ": " + problem; }  ///< one line
 };
 
-/// What is wrong with a mesh (errors: it cannot be simulated) and what is odd (warnings).
+/// Findings about a mesh: errors prevent a simulation, warnings do not.
 struct MeshReport {
   std::vector<MeshIssue> errors;
   std::vector<MeshIssue> warnings;
@@ -26,7 +26,7 @@ struct MeshReport {
   void require_no_errors() const;
 };
 
-/// What is wrong with a folded cell and what to do about it: which node in the middle of an edge stands too
+/// The fault of an inverted second-order cell and its cure: which node in the middle of an edge stands too
 /// far off, or that the corners are in another order than that of MSH.
 std::string fold_text(const Mesh& mesh, const CellBlock& block, const FoldedCell& folded,
                       const Numbering& numbering);
@@ -36,10 +36,9 @@ std::string fold_text(const Mesh& mesh, const CellBlock& block, const FoldedCell
 ///
 /// Errors: no cells of the dimension, cells of several kinds or of one that cannot be simulated, nodes that
 /// do not exist or are missing in the middle of edges, coordinates that are not finite (or leave the plane in
-/// 2D), flat cells, cells that are turned inside out somewhere, cells given twice, more than two cells at one
-/// side or two on the same side of it. Warnings: inverted cells (to be mended by `reorient`), vertices of no
-/// cell, vertices at the same place, several components, such that share space, joints at a single vertex or
-/// edge.
+/// 2D), flat cells, cells that are inverted somewhere, cells given twice, more than two cells at one side or
+/// two on the same side of it. Warnings: inverted cells (to be mended by `reorient`), vertices of no cell,
+/// vertices at the same place, several components, such that share space, joints at a single vertex or edge.
 MeshReport check_mesh(const Mesh& mesh, int dimension, const Numbering& numbering = {});
 
 /// Examines a surface of triangles (skin, collision surface). Errors as above; flat triangles, edges of more

@@ -47,11 +47,11 @@ class Embedding {
     return std::span(weights_).subspan(first(point), width());
   }
 
-  /// What the place of a point is of those of nodes, x = sum_k w_k x_(node_k), the smooth variant's part
+  /// Interpolation of a point from nodal positions, x = sum_k w_k x_(node_k), the smooth variant's part
   /// included: appends each node once, but such whose weight is rounding, with weights that sum to one.
   void append_weights(Index point, std::vector<Index>& nodes, std::vector<double>& weights) const;
 
-  /// How far outside all cells the points stand.
+  /// Distance of the points outside all cells.
   struct Outside {
     Index count = 0;              ///< of points that are farther off than rounding
     Index point = -1;             ///< the worst; -1 when all are inside
@@ -60,8 +60,8 @@ class Embedding {
   };
   const Outside& outside() const { return outside_; }
 
-  /// Where the points are: 3 numbers each, the third zero in 2D. Parallel, the same bits on any number of
-  /// threads; float carries the coordinates to about seven digits.
+  /// Present positions of the points: 3 numbers each, the third zero in 2D. Parallel, the same bits on any
+  /// number of threads; float carries the coordinates to about seven digits.
   /// @param x    dim numbers per node [m]
   /// @param out  3 num_points() numbers
   void apply(const VectorX& x, std::span<double> out) const;

@@ -6,14 +6,14 @@
 
 namespace resilin {
 
-/// How a cube of the box becomes tetrahedra.
+/// Division of a cube of the box into tetrahedra.
 enum class TetPattern {
   kuhn6,  ///< six around the diagonal from corner 0 to corner 7: (0,1,3,7), (0,1,7,5), (0,5,7,4), (0,3,2,7),
           ///< (0,2,6,7), (0,6,4,7)
   five    ///< five, one of them in the middle; mirrored from cube to cube so that neighbours fit
 };
 
-/// How a cell of the rectangle becomes triangles.
+/// Division of a cell of the rectangle into triangles.
 enum class TrianglePattern {
   uniform,     ///< quad (a,b,c,d), counter-clockwise from the lower left: (a,b,c), (a,c,d)
   alternating  ///< every other quad, as on a chessboard, has the other diagonal: (a,b,d), (b,c,d)

@@ -3,7 +3,7 @@
 #include "resilin/core/members.hpp"
 #include "resilin/mesh/mesh.hpp"
 
-/// What a mesh consists of.
+/// The members of a mesh.
 namespace resilin {
 
 RESILIN_MEMBERS(CellBlock, kind, nodes)

@@ -9,8 +9,7 @@
 
 namespace resilin {
 
-/// How the file that a mesh came from calls its vertices and cells, so that messages speak the file's
-/// language.
+/// Names of vertices and cells in the file of a mesh, so that messages speak the file's language.
 struct Numbering {
   std::string file = "mesh";           ///< opens every message
   std::string cell_word = "element";   ///< "element" in MSH, "cell" in VTK

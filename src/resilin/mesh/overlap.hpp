@@ -23,9 +23,9 @@ struct Overlap {
 };
 
 /// The first cell that shares space with one of other cells, and the first such; none where they only touch.
-/// Sides are taken as flat, those of hexahedra as two triangles each; cells may be inside out. Cells are
-/// apart when one of them has to be moved by less than 1e-3 of its size to part them, so that rounded
-/// coordinates are no overlap.
+/// Sides are taken as flat, those of hexahedra as two triangles each; cells may be inverted. Cells are apart
+/// when one of them has to be moved by less than 1e-3 of its size to part them, so that rounded coordinates
+/// are no overlap.
 std::optional<Overlap> find_overlap(const PlacedCells& cells, const PlacedCells& others);
 
 /// Components of one body that share space.

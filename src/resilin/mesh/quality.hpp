@@ -18,11 +18,11 @@ std::vector<Vector3> triangle_area_vectors(const Mesh& mesh, const CellBlock& bl
 /// Area [m^2] of each triangle in space, by corners.
 std::vector<double> triangle_areas(const Mesh& mesh, const CellBlock& block);
 
-/// What rounding alone may make of a flat cell's volume: a volume below it cannot be told from zero.
-/// 16 eps L^(d-1) max(L, |coordinate|), with L the longest edge.
+/// Volume that rounding alone may give a flat cell: a volume below it cannot be told from zero. 16 eps
+/// L^(d-1) max(L, |coordinate|), with L the longest edge.
 double volume_round_off(const Mesh& mesh, const CellBlock& block, Index cell);
 
-/// A cell that is turned inside out somewhere though its volume is not zero.
+/// A cell that is inverted somewhere although its volume is not zero.
 struct FoldedCell {
   Index cell;
   double jacobian;  ///< det dX/dxi at `xi`, zero or negative, once the cell is oriented by its volume

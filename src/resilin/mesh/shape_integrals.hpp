@@ -43,7 +43,7 @@ class ShapeIntegrals {
   /// Weights times det dX/dxi at the points, into `volumes_`; where slopes are asked for, weights times the
   /// cofactors of dX/dxi, the slopes of the determinant, into `cofactors_`: [point][k][i].
   void measure(const Samples& samples, std::span<const double> rest_positions, bool has_slopes = false);
-  /// What a change of the rest positions does to `volumes_` at a point.
+  /// Change of `volumes_` at a point with the reference positions.
   double change_of_volume(const Samples& samples, std::size_t point, std::span<const double> change) const;
   /// Adds `factor` times the slopes of `volumes_` at a point by the rest positions.
   void add_slopes_of_volume(const Samples& samples, std::size_t point, double factor,

@@ -21,7 +21,7 @@ struct SurfaceLattice {
   std::vector<std::string> remarks;  ///< about the surface, one line each: holes, turned triangles
 };
 
-/// The tetrahedra of a body-centred cubic lattice that the surface meets or encloses.
+/// The tetrahedra of a body-centred cubic lattice that the surface intersects or encloses.
 ///
 /// All are alike: corners are two neighbouring middles of cubes and the ends of an edge of the face between
 /// them; dihedral angles are 60 and 90 degrees. What is inside is told by the winding number of the surface,

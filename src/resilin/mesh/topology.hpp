@@ -28,8 +28,8 @@ struct Boundary {
 /// The boundary of a block of solid cells. Linear in the number of cells.
 Boundary boundary(const CellBlock& block);
 
-/// What is seen of solid cells: the boundary of those that fill space; those of a plane are seen themselves
-/// (`local` of their owners is -1).
+/// The visible surface of solid cells: the boundary of those that fill space; those of a plane are seen
+/// themselves (`local` of their owners is -1).
 Boundary visible_facets(const CellBlock& block);
 
 /// Calls `visit` once for every distinct side (set of nodes) with all its uses, in a fixed order.

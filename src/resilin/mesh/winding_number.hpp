@@ -6,7 +6,7 @@
 
 namespace resilin {
 
-/// How often a surface winds around a point, also one with holes:
+/// Winding number of a surface around a point, also for a surface with holes:
 ///
 ///   w(X) = 1 / (4 pi) sum_triangles (solid angle seen from X)
 ///

@@ -4,8 +4,8 @@
 
 namespace resilin {
 
-/// What an objective keeps of a shape that is known, formed anew along a search until that leaves the forces
-/// in balance: a fixed-point iteration around Newton's method.
+/// Lagged quantities of an objective, updated along a search until the forces balance: a fixed-point
+/// iteration around Newton's method.
 ///
 /// It is not worth more digits of a search than the next round keeps: the search goes on with it until a
 /// tenth of the residual is left.

@@ -17,13 +17,13 @@ namespace resilin {
 
 struct NewtonSettings {
   double tolerance = 1e-8;  ///< of the force residual relative to the objective's force scale
-  /// And some more for each time that what lags is formed anew, unless it is smaller than this.
+  /// Further iterations for each lagged update, unless the limit is smaller than this.
   int max_iterations = 100;
   ProjectionPolicy projection = ProjectionPolicy::adaptive;
   bool is_quadratic = false;  ///< the objective is: one step, whose linear system is solved to the end
   double armijo = 1e-4;       ///< share of the predicted decrease that a step must reach
   int max_halvings = 40;      ///< of one line search
-  int lag_rounds = 0;         ///< so often what lags may be formed anew before the search ends
+  int lag_rounds = 0;         ///< limit of lagged updates
   /// With carried internal values: so many steps in a row may leave the energy above its lowest value, before
   /// the search goes back there. 0: every step lowers the energy.
   int relaxed_steps = 0;
@@ -53,9 +53,9 @@ struct NewtonReport {
   double force_scale = 0;    ///< [N]; converged means residual <= tolerance * force_scale
   Index worst_unknown = -1;  ///< its free unknown with the largest residual
   VectorX rounding{};  ///< what rounding may leave of each force, where that was asked for; else empty [N]
-  int lag_rounds = 0;  ///< so often what lags was formed anew and the search went on
-  /// After a converged search: `relative_residual` once what lags is that of the place where it ended, if
-  /// that is out of balance; else 0.
+  int lag_rounds = 0;  ///< number of lagged updates
+  /// After a converged search: `relative_residual` with lagged quantities of the final positions, if
+  /// unbalanced; else 0.
   double lag_mismatch = 0;
   double assembly_seconds = 0, solve_seconds = 0;
 
@@ -63,7 +63,7 @@ struct NewtonReport {
   double relative_residual() const { return residual > 0 ? residual / force_scale : residual; }
 };
 
-/// Called after every iteration; returning false stops at this place.
+/// Called after every iteration; returning false stops the search.
 using NewtonObserver = std::function<bool(const NewtonReport& so_far)>;
 
 /// Newton's method with all that it keeps between calls: the matrix and the analysed solver.

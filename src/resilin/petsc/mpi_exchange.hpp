@@ -10,7 +10,7 @@
 
 namespace resilin {
 
-/// What has been sent since the start, by this process.
+/// Messages sent by this process since the start.
 struct Traffic {
   Offset sums = 0;      ///< reductions over all processes
   Offset messages = 0;  ///< to neighbours

@@ -12,7 +12,7 @@
 
 namespace resilin {
 
-/// How many processes were started together, by mpirun, and which of them this is; 1 and 0 by itself.
+/// Number of MPI processes and rank of this one; 1 and 0 without mpirun.
 int num_processes();
 int process_rank();
 /// Ends all of them, at once.

@@ -11,7 +11,7 @@
 
 namespace resilin {
 
-/// What a run needs to go on to the same bits and to the same verdict.
+/// Data for a bitwise-identical restart with the same verdict.
 struct Checkpoint {
   std::string version;      ///< of the program that wrote it
   Fingerprint fingerprint;  ///< of the scene

@@ -18,7 +18,7 @@ bool has_colliders(const World& world);
 /// Triangles, lines and points with the number of the collider.
 VtuContent collider_content(const World& world, const State& state);
 
-/// What the file of a frame, frames/NNNN.vtu, has beside it; empty where there is nothing.
+/// Collider file beside the file of a frame, frames/NNNN.vtu; empty without colliders.
 Mesh saved_colliders(const std::filesystem::path& frame_file);
 
 /// Takes away those of frames from `end` on.

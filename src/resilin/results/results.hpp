@@ -37,7 +37,7 @@ class ResultFolder {
   const std::filesystem::path& path() const;
   double output_seconds() const;  ///< that the run has waited for what is written
 
-  /// What `finish` has made to be looked at: names and sizes [bytes].
+  /// Files of `finish` for viewing: names and sizes [bytes].
   const std::vector<std::pair<std::string, std::uintmax_t>>& shown_files() const;
 
   /// The run that has left the folder without ending (it was killed), in words; empty when none has.

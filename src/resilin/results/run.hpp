@@ -8,7 +8,7 @@
 
 namespace resilin {
 
-/// What is called while a simulation runs; each may be empty.
+/// Callbacks of a run; each may be empty.
 struct RunHooks {
   std::function<bool()> is_stopped = {};  ///< asked before every step and after every Newton iteration
   std::function<void(const NewtonReport& so_far)> after_iteration = {};

@@ -7,7 +7,7 @@
 
 namespace resilin {
 
-/// What a run that goes on takes from the report of the run before.
+/// Data that a restart takes from the earlier report.
 struct SavedReport {
   Json frames = Json::array();  ///< each with a step, rising, a time and a load
   double total_seconds = 0;     ///< that the run had taken

@@ -6,8 +6,8 @@
 
 namespace resilin {
 
-/// What a step that lasts is at: "step 3, from load factor 0.25 by 0.125 at most, Newton iteration 48,
-/// residual 0.031 (tolerance 1e-08)".
+/// Progress of a long step: "step 3, from load factor 0.25 by 0.125 at most, Newton iteration 48, residual
+/// 0.031 (tolerance 1e-08)".
 ///
 /// @param simulation  within the step
 /// @param so_far      of the search that is going on; its residual is shown relative to the load

@@ -19,7 +19,7 @@ enum class RunStatus {
 };
 std::string_view name(RunStatus status);
 
-/// How a run ended, with the reason in words.
+/// Final status of a run, with the reason in words.
 struct RunOutcome {
   RunStatus status = RunStatus::done;
   std::string reason;
@@ -27,7 +27,7 @@ struct RunOutcome {
   DiscretisationErrors discretisation_errors{};  ///< of the bodies, in their most strained state
 };
 
-/// What the report says about a whole run.
+/// Report of a whole run.
 struct RunSummary {
   RunOutcome outcome;
   std::string solver;

@@ -14,7 +14,7 @@
 /// rows.
 namespace resilin {
 
-/// What the reference says about a key.
+/// Reference entry of a key.
 struct KeyDoc {
   std::string name;
   std::string type;          ///< "number > 0"

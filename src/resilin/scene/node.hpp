@@ -23,7 +23,7 @@ class UnknownKeyError : public InputError {
   using InputError::InputError;
 };
 
-/// What the meaning of a value depends on besides itself.
+/// Context of a value.
 struct SceneContext {
   std::filesystem::path folder;  ///< relative paths are beside the scene
   int dimension = 3;

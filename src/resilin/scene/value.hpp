@@ -50,7 +50,7 @@ inline SceneValue::SceneValue() : data(Table{}) {}
 /// "beam.toml:12", or the source alone when there is no line.
 std::string source_and_line(const SceneValue& value);
 
-/// How a value reads in a message: "0.5", "\"text\"", "an array of 2", "a table".
+/// Text of a value in a message: "0.5", "\"text\"", "an array of 2", "a table".
 std::string describe(const SceneValue& value);
 
 /// Reads a whole TOML document. Throws InputError "NAME:LINE:COLUMN: ..." when it is not TOML.

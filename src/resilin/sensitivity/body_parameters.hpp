@@ -4,7 +4,7 @@
 
 namespace resilin {
 
-/// What follows "body.NAME." in the names of parameters.
+/// Names of parameters after "body.NAME.".
 std::vector<std::string> keys_of_body(const World& world, std::size_t body);
 
 /// The parameter of one of these keys.

@@ -28,7 +28,7 @@ class ContactLinks {
   VectorX stiffness_slopes(std::size_t term, const TermChanges& terms) const;
 
  private:
-  /// What rubs, and where its numbers begin among those of friction.
+  /// Friction sources, and where their numbers begin among those of friction.
   struct Source {
     std::size_t term;
     Eigen::Index coefficient, num_coefficients, stiffness, num_stiffnesses;

@@ -82,7 +82,7 @@ class Derivatives {
   /// @throws InputError  at an equilibrium that is not stable
   virtual std::vector<VectorX> transposed(const std::vector<FrameChange>& slopes) = 0;
 
-  /// What changes of the parameters do to the frames, to first order.
+  /// First-order change of the frames with the parameters.
   std::vector<FrameChange> forward(const std::vector<VectorX>& changes);
 
   /// The same along several directions; at least of the frames that are wanted, the others may stay empty.

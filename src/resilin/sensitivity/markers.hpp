@@ -5,7 +5,7 @@
 
 #include "resilin/world/world.hpp"
 
-/// What results are measured at.
+/// Points at which results are measured.
 namespace resilin {
 
 /// A point of a body at rest, carried by the nodes of its cell: x = sum_k weights_k x_(nodes_k).

@@ -5,7 +5,7 @@
 
 #include "resilin/sensitivity/derivatives.hpp"
 
-/// Numbers of a frame that depend on the parameters not through places and velocities alone.
+/// Numbers of a frame that depend on the parameters not only through positions and velocities.
 namespace resilin {
 
 /// A number and its slopes by all that it depends on.
@@ -14,7 +14,7 @@ struct MeasuredNumber {
   VectorX by_positions{}, by_velocities{};  ///< of all nodes; empty: by none
   std::vector<VectorX> by_parameters{};     ///< with places and velocities held
 
-  /// What changes of the frame and of the parameters do to it, to first order.
+  /// First-order change with the frame and the parameters.
   double change(const FrameChange& frame, const std::vector<VectorX>& parameters) const;
 };
 
@@ -35,7 +35,7 @@ const Section& section_named(const World& world, const std::string& name, const 
 /// The force [N] through a section: dim numbers.
 /// @throws InputError  for an unknown section
 std::vector<MeasuredNumber> section_force_at(Derivatives& run, const std::string& section, int frame);
-/// Its moment [N m] about the middle of the cut: three numbers, of which a plane has the last alone.
+/// Its moment [N m] about the centroid of the cut: three numbers, of which a plane has the last alone.
 std::vector<MeasuredNumber> section_moment_at(Derivatives& run, const std::string& section, int frame);
 
 /// The volume of a body as it is deformed [m^3], in 2D [m^2].
@@ -43,7 +43,7 @@ MeasuredNumber volume_at(Derivatives& run, const Body& body, int frame);
 
 std::vector<std::string> collider_names(const World& world);
 /// The force of a collider on the bodies [N]: three numbers.
-/// @throws InputError  for an unknown one, and for one that rubs
+/// @throws InputError  for an unknown one, and for one with friction
 std::vector<MeasuredNumber> collider_force_at(Derivatives& run, const std::string& collider, int frame);
 
 }  // namespace resilin

@@ -24,7 +24,8 @@ struct Parameter {
   std::function<void(const VectorX& value, Description& description)> set{};
 };
 
-/// What a scene has of parameters, by the keys of a scene file with the names of bodies, loads and supports:
+/// Parameters of a scene, by the keys of a scene file with the names of bodies, loads and boundary
+/// conditions:
 ///
 ///   body.NAME.material.CONSTANT        one number, or one for each cell where the scene has them
 ///   body.NAME.density, body.NAME.damping.KEY

@@ -2,7 +2,7 @@
 
 #include "resilin/sensitivity/world_change.hpp"
 
-/// How the prescribed motion follows from the numbers of its supports and from the rest shape.
+/// Derivatives of the prescribed motion by parameters of boundary conditions and by the reference positions.
 namespace resilin {
 
 /// The change of places, velocities and accelerations at the fixed unknowns under these conditions, written

@@ -27,10 +27,10 @@ struct StepReplay {
   std::vector<StageReplay> stages{};
 };
 
-/// What a stage balances, as it was where it ended.
+/// Forces of a stage at its end.
 Potential potential_of(const World& world, const StageReplay& stage);
 
-/// Where the stages of a step ended.
+/// Final positions of the stages of a step.
 /// @param earlier  those before the last one, which follows from the step's end (StepReport::stage_places)
 std::vector<VectorX> places_of_stages(const Integrator& scheme, const History& start, const State& end,
                                       std::vector<VectorX> earlier);
@@ -39,7 +39,7 @@ std::vector<VectorX> places_of_stages(const Integrator& scheme, const History& s
 StepReplay replay_step(const World& world, const Integrator& scheme, const History& start, double time,
                        double time_step, std::vector<VectorX> places, std::vector<VectorX> by_impulses = {});
 
-/// What the next step starts from.
+/// Start of the next step.
 History history_after(const World& world, const Integrator& scheme, const StepReplay& step);
 
 }  // namespace resilin

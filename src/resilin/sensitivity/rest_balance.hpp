@@ -50,7 +50,7 @@ class RestBalance {
   /// As far as solutions with it have told.
   Index unstable_modes() const { return tangent_.is_symmetric() ? tangent_.negative_eigenvalues() : 0; }
 
-  /// What is out of balance: forces at the free unknowns, distances at the fixed ones.
+  /// Residual: forces at the free DOFs, distances at the fixed ones.
   VectorX residual() const;
   /// K z = residual at the free unknowns, z = residual at the fixed ones; of K the symmetric part, without
   /// contact where supports hold all bodies.
@@ -64,7 +64,7 @@ class RestBalance {
   /// dX of a body's vertices.
   VectorX of_vertices(std::size_t body, const VectorX& z) const;
   WorldChange change_of(const VectorX& z) const;
-  /// What a change of the rest places does to the forces of colliders by the areas that bear them.
+  /// Change of the collider forces with the reference positions, by their contact areas.
   void add_area_forces(const VectorX& change, VectorX& forces);
 
   World world_;

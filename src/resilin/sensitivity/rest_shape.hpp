@@ -8,7 +8,7 @@
 
 namespace resilin {
 
-/// What a search for a rest shape is at.
+/// Progress of an inverse-design search.
 struct RestShapeProgress {
   bool is_judging = false;  ///< a run from the shape that was found goes on
   double share = 0;         ///< of the loads: for which a shape is found, or that the run has raised
@@ -44,7 +44,7 @@ struct RestShape {
   double distance = 0;
   double size = 0;     ///< of the bodies as drawn, along the axes [m]
   int iterations = 0;  ///< of Newton's method
-  /// Colliders that leave no rest shape when they are felt from as far as by default: names, and activation
+  /// Colliders that leave no stress-free shape with the default activation distance: names, and activation
   /// distances at which they do not press on what is drawn, which `scene` has [m].
   std::vector<std::pair<std::string, double>> kept_off;
   /// A line each: colliders that are kept off, where no run begins in the rest shape, inside of a collider,
@@ -52,7 +52,8 @@ struct RestShape {
   std::vector<std::string> warnings;
 };
 
-/// Finds the rest places X of all vertices whose equilibrium is the shape that a scene of statics draws.
+/// Inverse design: finds the reference positions X of all vertices whose equilibrium is the drawn shape of a
+/// static scene.
 ///
 /// At deformed places x that are given, balance g(x, X) = 0 is an equation in X alone (and in the places of
 /// nodes that an element adds). Newton's method needs no equilibrium on its way; dg/dX acts on vectors, and

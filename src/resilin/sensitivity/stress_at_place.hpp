@@ -10,7 +10,7 @@
 namespace resilin {
 
 /// The Cauchy stress at a point of a body at rest, of the cell that carries it: where cells meet it may jump.
-/// Of elements with a mean volume it holds their pressure.
+/// For mixed elements it includes their pressure.
 class StressAtPlace {
  public:
   /// @param at  in the scene [m]
@@ -44,7 +44,7 @@ class StressAtPlace {
   Material material_;
 };
 
-/// What may be read off a stress: "xx", "yy", "zz", "xy", "yz", "zx" and "von_mises".
+/// Components of a stress: "xx", "yy", "zz", "xy", "yz", "zx" and "von_mises".
 std::vector<std::string> stress_components();
 
 /// Its value and its slopes by the stress, a symmetric matrix.

@@ -9,9 +9,9 @@
 
 namespace resilin {
 
-/// What the derivative of a potential's gradient is beside the Hessian.
+/// Nonsymmetric part of the derivative of a potential's gradient.
 ///
-/// Of forces without a potential, a pressure that follows an open surface, the Hessian is the symmetric part.
+/// For forces without a potential (a follower pressure on an open surface) the Hessian is the symmetric part.
 /// They are quadratic in x, so that a central difference gives their derivative times a vector without an
 /// error but rounding. Terms that lag something behind, friction, have a Hessian by what it is now: besides,
 /// it follows the places.

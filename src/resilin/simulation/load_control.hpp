@@ -8,8 +8,8 @@
 
 namespace resilin {
 
-/// How a static run goes from equilibrium to equilibrium: by load steps that adapt, or along the path of
-/// equilibria by arc length. Theory: docs/theory/statics.md.
+/// Quasi-static analysis: adaptive load increments, or arc length along the equilibrium path. Theory:
+/// docs/theory/statics.md.
 ///
 /// Holds what is worth keeping between steps, none of which changes a result.
 class LoadControl {
@@ -35,7 +35,7 @@ class LoadControl {
   /// Why the run ends without a first step along the path; empty when it can begin.
   std::string begin_path(const World& world, Newton& newton, State& state, StepReport& report,
                          const NewtonObserver& observer);
-  /// Where a linear solution turns a cell inside out; warns when that is within the load.
+  /// The first element inversion of a linear solution; warns if that is within the load.
   static void find_inversion(const World& world, const State& state, StepReport& report);
   void count_unstable_modes(const World& world, const Newton& newton, const State& state, StepReport& report);
 

@@ -8,8 +8,8 @@
 
 namespace resilin {
 
-/// What no real body does though every step converged, one line each: cells that are inside out, forces at
-/// rest that rounding leaves out of balance, bodies that share space and did not at the start.
+/// Unphysical results of converged steps, one line each: inverted elements, static forces that rounding
+/// leaves unbalanced, bodies that overlap and did not at the start.
 std::vector<std::string> oddities(const World& world, const State& state);
 
 /// Cells of a body with J <= 0, or no number, at a quadrature point.

@@ -21,7 +21,7 @@ struct Timing {
   double steps = 0;  ///< everything inside `step`
 };
 
-/// A running simulation: a world, a state and what is worth keeping between steps.
+/// A running simulation: a world, a state and data kept between steps.
 ///
 ///   Simulation simulation(description);
 ///   while (!simulation.is_finished()) simulation.step();
@@ -37,10 +37,11 @@ class Simulation {
   const State& state() const { return state_; }
   const Frame& frame() const { return frame_; }  ///< of the present state
   const Timing& timing() const { return timing_; }
-  /// With the factors of the last step: for who solves with a matrix near to its own. Changes no later step.
+  /// Linear solver with the factors of the last step, for solves with a similar matrix. Changes no later
+  /// step.
   Newton& newton() { return newton_; }
   std::string_view solver_name() const { return newton_.solver_name(); }
-  /// Gives back the memory of the linear solver, which another step would fill again.
+  /// Releases the memory of the linear solver; a further step allocates it again.
   void release_solver() { newton_.release_solver(); }
 
   /// The modes of vibration, once the first of them has been stepped to.
@@ -50,7 +51,7 @@ class Simulation {
   /// every Newton iteration.
   StepReport step(const NewtonObserver& observer = {});
 
-  /// The end time, the full load or the last mode is reached.
+  /// Whether the end time, the full load or the last mode is reached.
   bool is_finished() const;
 
   /// The next step shows a mode of vibration: the equilibrium that they are about has been found.
@@ -62,15 +63,15 @@ class Simulation {
   /// From 0 to 1, for progress.
   double share_done() const;
 
-  /// Those since the start, and those that `resume_from` was told of.
+  /// Failed steps since the start, including those of `resume_from`.
   const FailedSteps& failed_steps() const { return failed_steps_; }
 
   /// Since the start, what `resume_from` was told of included; in statics only the least volume.
   const MostStrained& most_strained() const { return most_strained_; }
 
-  /// Goes on from a saved state, after steps of which `failed` had not converged and `most_strained` was
-  /// strained most. Throws InputError naming `place` when a state does not fit this world; whether it is of
-  /// the same scene the caller knows.
+  /// Restarts from a saved state. `failed` are its steps that had not converged, `most_strained` its most
+  /// strained state. Throws InputError naming `place` if the state does not fit this world; the caller checks
+  /// that the scene is the same.
   void resume_from(const State& state, const std::string& place, const FailedSteps& failed = {},
                    const MostStrained& most_strained = {});
 
@@ -80,10 +81,10 @@ class Simulation {
   void note_failure(const std::string& reason);
 
   World world_;
-  std::optional<TimeStepper> time_stepper_;  ///< in motion
-  std::optional<LoadControl> load_control_;  ///< in statics
+  std::optional<TimeStepper> time_stepper_;  ///< dynamics
+  std::optional<LoadControl> load_control_;  ///< statics
   Newton newton_;
-  std::vector<VibrationMode> modes_;  ///< of free vibrations, once they are found
+  std::vector<VibrationMode> modes_;  ///< vibration modes, once they are found
   State state_;
   Frame frame_;
   Timing timing_;

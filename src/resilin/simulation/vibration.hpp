@@ -25,7 +25,7 @@ std::vector<VibrationMode> find_modes(const World& world, const VectorX& equilib
                                       StepReport& report, const std::function<bool()>& is_stopped);
 
 /// The equilibrium moved along a mode, for a picture: the farthest vertex by a tenth of the scene's largest
-/// extent, or by less where a cell would turn inside out.
+/// extent, or by less if an element would invert.
 VectorX drawn_mode(const World& world, const VectorX& equilibrium, const VibrationMode& mode);
 
 }  // namespace resilin

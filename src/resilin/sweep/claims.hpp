@@ -8,7 +8,7 @@
 
 namespace resilin {
 
-/// Which scenes of a shared folder this process works at, so that no other one runs the same.
+/// Scenes of a shared folder that this process runs, so that no other one runs them.
 ///
 /// A claim is a lock of the system on one byte of a file (fcntl with F_OFD_SETLK): it ends with the process,
 /// however the process ends, and holds between machines where the file system has locks.

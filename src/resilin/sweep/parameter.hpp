@@ -10,8 +10,8 @@
 
 namespace resilin {
 
-/// What varies from scene to scene: one or more keys of the scene that take the same value, out of a list or
-/// of an interval.
+/// Parameter of a sweep: one or more keys of the scene that take the same value, out of a list or of an
+/// interval.
 struct SweepParameter {
   enum class Kind { list, spaced, interval };
 

@@ -13,7 +13,7 @@
 
 namespace resilin {
 
-/// What becomes of a quantity's values at all steps of a run, the start included.
+/// Reduction of a quantity's values over all steps of a run, the start included.
 enum class OverSteps { last, first, min, max, max_abs, mean, all };
 constexpr std::array<std::string_view, 7> spellings(OverSteps) {
   return {"last", "first", "min", "max", "max_abs", "mean", "all"};
@@ -30,7 +30,7 @@ struct Quantity {
 /// Reads `quantities`: texts, or tables with name, of and over. Names are those of one column each.
 std::vector<Quantity> read_quantities(const SceneNode& node);
 
-/// What a scene offers without being asked: probes, reactions, elastic energy and smallest volume ratio.
+/// Default quantities of a scene: probes, reactions, elastic energy and smallest volume ratio.
 std::vector<Quantity> usual_quantities(const Description& description);
 
 /// All that a scene can be asked for.

@@ -10,7 +10,7 @@
 
 namespace resilin {
 
-/// How a scene of a sweep ended. All but `done` count as failed.
+/// Final status of a scene of a sweep. All but `done` count as failed.
 enum class SceneStatus {
   done,
   not_converged,  ///< the quantities are those of the last converged step
@@ -21,7 +21,7 @@ constexpr std::array<std::string_view, 4> spellings(SceneStatus) {
   return {"done", "not_converged", "refused", "failed"};
 }
 
-/// What is kept of a scene that has been run.
+/// Record of a finished scene.
 struct SceneRow {
   SceneHash hash;
   std::uint64_t scene = 0;  ///< its number

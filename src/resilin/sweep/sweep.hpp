@@ -18,7 +18,7 @@
 
 namespace resilin {
 
-/// How the values of the parameters are put together.
+/// Combination of the parameter values.
 enum class SweepMethod { grid, list, latin_hypercube, sobol };
 constexpr std::array<std::string_view, 4> spellings(SweepMethod) {
   return {"grid", "list", "latin_hypercube", "sobol"};
@@ -34,7 +34,7 @@ struct KeptScenes {
   bool may_have(std::uint64_t scene) const { return has(scene, true) || has(scene, false); }
 };
 
-/// What a sweep consists of.
+/// Definition of a sweep.
 struct SweepDescription {
   std::string place = "sweep";
   SceneValue base;
@@ -65,14 +65,15 @@ class Sweep {
   std::vector<SceneValue> values(std::uint64_t i) const;
   std::vector<std::string> shown_values(std::uint64_t i) const;
 
-  /// What results follow from: values of the scene, content of its files, quantities, version of the program.
+  /// Input that determines the results: values of the scene, content of its files, quantities, version of the
+  /// program.
   /// @throws InputError  when a value cannot even be put into the scene
   SceneHash hash(std::uint64_t i) const;
 
   /// @throws InputError  for a scene that is wrong, which is no fault of the others
   Scene scene(std::uint64_t i) const;
 
-  /// What simulations of its scenes share.
+  /// Data shared by the simulations of its scenes.
   const std::shared_ptr<AnalysisCache>& analyses() const { return analyses_; }
 
   /// "scene 12 (body.beam.scale = 2)", for messages.

@@ -22,7 +22,7 @@ struct Shard {
 /// The shard of "2/8". @throws InputError
 Shard parse_shard(const std::string& text);
 
-/// How far a sweep, or a shard of it, is.
+/// Progress of a sweep, or of a shard of it.
 struct SweepCount {
   std::uint64_t scenes = 0, done = 0, failed = 0;
   std::uint64_t left() const { return scenes - done - failed; }
@@ -46,7 +46,7 @@ class SweepFolder {
   const std::filesystem::path& path() const { return path_; }
   const Sweep& sweep() const { return sweep_; }
 
-  /// What has become of a scene; nothing when it is to be run.
+  /// Status of a scene; nothing before it has run.
   std::optional<RowStore::Found> find(std::uint64_t scene, const SceneHash& hash) const;
   std::string line(const SceneHash& hash) const;
   SweepCount count(const Shard& shard) const;
@@ -80,7 +80,7 @@ class SweepFolder {
   std::set<SceneHash> own_claims_;
 };
 
-/// Where the results of a scene are kept in the folder of a sweep.
+/// Folder of the kept results of a scene.
 std::filesystem::path kept_path(const std::filesystem::path& folder, const SceneHash& hash);
 
 inline constexpr const char* table_name = "results.csv";

@@ -14,9 +14,9 @@
 
 namespace resilin {
 
-/// What is drawn of a world while it moves (docs/view_protocol.md): of each body the surface of its cells (in
-/// 2D the cells themselves), and its skin when it has one. Vertices, triangles and edges are numbered over
-/// all parts; every vertex belongs to one of them or to a tetrahedron.
+/// Drawn surfaces of a moving world (docs/view_protocol.md): of each body the surface of its cells (in 2D the
+/// cells themselves), and its skin when it has one. Vertices, triangles and edges are numbered over all
+/// parts; every vertex belongs to one of them or to a tetrahedron.
 ///
 /// Facets of second order are cut into four flat triangles at the nodes in the middle of their edges,
 /// quadrilaterals into two. What is inside, for a cut to show, are tetrahedra between the nodes: cells of

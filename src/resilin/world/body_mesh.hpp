@@ -12,7 +12,7 @@
 
 namespace resilin {
 
-/// Where a body's mesh stands in the world: scaled, then rotated, then translated.
+/// Placement of a body's mesh in the world: scaled, then rotated, then translated.
 class Placement {
  public:
   explicit Placement(const BodyDescription& body);
@@ -26,7 +26,7 @@ class Placement {
   Vector3 center_, translation_;
 };
 
-/// What the choice of an element depends on.
+/// Input of the choice of an element.
 struct ElementCase {
   CellKind cells;  ///< of the mesh
   const LawInfo& law;

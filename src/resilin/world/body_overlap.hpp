@@ -16,7 +16,7 @@ struct BodyOverlap {
 
 /// Bodies that share space when they stand at x; such as only touch do not. Of a pair the first cells are
 /// named. Sides of cells are taken as flat between their corners; where `contact` has the bodies' surfaces,
-/// its finer parts decide. Of bodies that meet with a skin only whether one is inside the other is told.
+/// its finer parts decide. For bodies with a contact skin only full containment is detected.
 std::vector<BodyOverlap> overlapping_bodies(const World& world, const VectorX& x,
                                             const SurfaceContact* contact);
 

@@ -7,9 +7,9 @@
 
 namespace resilin {
 
-/// What keeps bodies apart, or null where none meet.
-/// Throws InputError for a description that cannot be, for bodies that touch, cross or share space at the
-/// start, and for an activation distance that reaches across a body.
+/// The contact term between bodies, or null without contact. Throws InputError for a description that cannot
+/// be, for bodies that touch, cross or share space at the start, and for an activation distance that reaches
+/// across a body.
 std::shared_ptr<const SurfaceContact> make_contact(const ContactDescription& description, World& world);
 
 /// Gives a world other contact between its bodies, and with it other friction.

@@ -14,34 +14,33 @@
 #include "resilin/energy/time_function.hpp"
 #include "resilin/mesh/mesh.hpp"
 
-/// What a user says about a simulation, as plain data: the scene file, the Python dict and C++ programs all
-/// fill these structs, and `World` is made from them. Defaults stand here and nowhere else.
+/// A simulation as plain data: the scene file, the Python dict and C++ programs all fill these structs, and
+/// `World` is made from them. Defaults stand here and nowhere else.
 ///
 /// `place` says where a struct came from ("beam.toml: [[load]] 1") and begins every message about it.
 namespace resilin {
 
 // Choices with their spellings in a scene file, in order (core/spelling.hpp).
 
-/// How mass is spread over the nodes.
+/// Mass matrix.
 enum class MassKind { lumped, consistent };
 constexpr std::array<std::string_view, 2> spellings(MassKind) { return {"lumped", "consistent"}; }
 
-/// What is done to negative eigenvalues of the elements' matrices; `automatic` chooses for statics and
-/// motion.
+/// Projection of negative eigenvalues of the element Hessians; `automatic` chooses for statics and dynamics.
 enum class ProjectionChoice { automatic, none, clamp, absolute };
 constexpr std::array<std::string_view, 4> spellings(ProjectionChoice) {
   return {"auto", "none", "clamp", "absolute"};
 }
 
-/// With which surface a body meets others, itself and colliders: that of its cells, or its skin.
+/// Contact surface of a body: the boundary of its cells, or its skin.
 enum class MeetingSurface { boundary, skin };
 constexpr std::array<std::string_view, 2> spellings(MeetingSurface) { return {"boundary", "skin"}; }
 
-/// Where laws that need J > 0 keep it: at the quadrature points, or in the whole of every cell.
+/// Where laws that need J > 0 enforce it: at the quadrature points, or everywhere in each cell.
 enum class InversionBound { points, everywhere };
 constexpr std::array<std::string_view, 2> spellings(InversionBound) { return {"points", "everywhere"}; }
 
-/// How a static run goes on: by load steps, or along the path of equilibria, also where the load falls.
+/// Control of a static run: load increments, or arc length along the equilibrium path.
 enum class LoadControlKind { load, arc_length };
 constexpr std::array<std::string_view, 2> spellings(LoadControlKind) { return {"load", "arc_length"}; }
 
@@ -49,15 +48,15 @@ constexpr std::array<std::string_view, 2> spellings(LoadControlKind) { return {"
 enum class OnJump { follow, stop };
 constexpr std::array<std::string_view, 2> spellings(OnJump) { return {"follow", "stop"}; }
 
-/// Whether each equilibrium says how many unstable modes it has; `automatic` counts where it is cheap.
+/// Count of unstable modes of each equilibrium; `automatic` counts where it is cheap.
 enum class UnstableModes { automatic, count, skip };
 constexpr std::array<std::string_view, 3> spellings(UnstableModes) { return {"auto", "count", "skip"}; }
 
-/// What a run writes: files for ParaView, a page for browsers, a stage for Blender and Houdini.
+/// Output of a run: files for ParaView, a page for browsers, a USD stage for Blender and Houdini.
 enum class OutputFormat { vtu, html, usda };
 constexpr std::array<std::string_view, 3> spellings(OutputFormat) { return {"vtu", "html", "usda"}; }
 
-/// Which vertices of a body are meant, in its rest shape after scale, rotate and translate.
+/// Selection of vertices of a body, in its reference configuration after scale, rotate and translate.
 struct Where {
   enum class Kind { all, group, box, plane, sphere, vertices };
   Kind kind = Kind::all;
@@ -79,10 +78,10 @@ struct MaterialDescription {
   std::map<std::string, double> constants = {{"youngs_modulus", 1e5}, {"poissons_ratio", 0.4}};
   /// A value for each cell in place of the single one of the same name.
   std::map<std::string, std::vector<double>> cell_constants;
-  /// For a law with fibres: the rest directions of each family, one for all cells or one for each, in the
-  /// axes of the mesh; they turn with the body's `rotate`. Their length does not matter.
+  /// For a law with fibres: the reference directions of each family, one for all cells or one for each, in
+  /// the axes of the mesh; they rotate with the body's `rotate`. Their length does not matter.
   std::vector<std::vector<Vector3>> fibres;
-  double density = 1000;  ///< [kg/m^3] of the rest shape
+  double density = 1000;  ///< reference density [kg/m^3]
 };
 
 struct Rotation {
@@ -91,15 +90,15 @@ struct Rotation {
   double degrees = 0;                ///< at load factor 1
 };
 
-/// Forces against the velocity of a body in motion (docs/theory/damping.md).
+/// Damping forces in dynamics (docs/theory/damping.md).
 struct DampingDescription {
-  double mass = 0;             ///< times M v [1/s]
-  double stiffness = 0;        ///< times the rest stiffness, on the rate of Green's strain [s]
+  double mass = 0;             ///< mass-proportional [1/s]
+  double stiffness = 0;        ///< stiffness-proportional, on the Green strain rate [s]
   double shear_viscosity = 0;  ///< [Pa s]
   double bulk_viscosity = 0;   ///< [Pa s]
 };
 
-/// A fine surface that a body's cells carry; placed with the body's mesh.
+/// A fine surface embedded in a body's cells; transformed with the body's mesh.
 struct SkinDescription {
   std::string place = "skin";
   Mesh surface{};            ///< triangles; in 2D also lines
@@ -148,18 +147,18 @@ struct BodyDescription {
   std::optional<SkinDescription> skin;
 };
 
-/// Prescribed displacement.
+/// Dirichlet boundary condition: prescribed displacement.
 struct FixDescription {
   std::string place = "fix";
-  std::string name;  ///< reactions are reported under it
+  std::string name;  ///< name of the reaction in the report
   std::string body;  ///< may stay empty when there is one body
   Where where;
   std::array<bool, 3> components = {true, true, true};
   Vector3 displacement = Vector3::Zero();              ///< at load factor 1 [m]
-  Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();  ///< adds G X, X the rest position
+  Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();  ///< adds G X, X the reference position
   std::optional<Rotation> rotate;                      ///< in place of displacement and gradient
-  Vector3 velocity = Vector3::Zero();                  ///< moves on at this speed [m/s] ...
-  std::optional<double> until;                         ///< ... until this time, then stays [s]
+  Vector3 velocity = Vector3::Zero();                  ///< prescribed velocity [m/s] ...
+  std::optional<double> until;                         ///< ... until this time; then it stays [s]
   TimeFunction time_function;  ///< on displacement, gradient and rotate, in place of the load factor
 };
 
@@ -169,9 +168,10 @@ struct LoadDescription {
   std::string body;
   std::string kind = "body_force";  ///< a name of world/load_catalog.cpp
   Where where;
-  /// body_force [N/m^3], traction [N/m^2] dead on the rest surface, nodal_force [N] on each vertex.
+  /// body_force [N/m^3], traction [N/m^2] (dead load on the reference surface), nodal_force [N] on each
+  /// vertex.
   Vector3 value = Vector3::Zero();
-  double pressure = 0;   ///< pressure [Pa], positive pushes inwards, follows the surface
+  double pressure = 0;   ///< follower pressure [Pa], positive inwards
   double stiffness = 0;  ///< spring [N/m] on each vertex
   Vector3 displacement =
       Vector3::Zero();                 ///< spring: its far end stands at rest position + displacement [m] ...
@@ -181,10 +181,10 @@ struct LoadDescription {
   TimeFunction time_function;  ///< on the load, of a spring on its displacement, in place of the load factor
 };
 
-/// A rigid thing that bodies cannot enter or pass.
+/// A rigid obstacle with prescribed motion.
 struct ColliderDescription {
   std::string place = "collider";
-  std::string name;                 ///< the force on the bodies is reported under it
+  std::string name;                 ///< name of the contact force in the report
   std::string kind = "half_space";  ///< a name of contact/catalog.cpp
   ShapeDescription shape;
   Vector3 velocity = Vector3::Zero();         ///< [m/s] ...
@@ -194,27 +194,27 @@ struct ColliderDescription {
   std::optional<ColliderTurn> rotate;         ///< until the same time
   std::optional<double> activation_distance;  ///< [m]; default: see default_activation_distance
   std::optional<double> stiffness;  ///< of the barrier [Pa]; default 0.1 of each body's Young's modulus
-  double friction = 0;              ///< Coulomb's coefficient
+  double friction = 0;              ///< Coulomb friction coefficient
 };
 
-/// Two bodies, or one and itself, that meet in another way than all others.
+/// A contact pair (two bodies, or one and itself) with its own settings.
 struct ContactPairDescription {
   std::string place = "contact.pair";
   std::array<std::string, 2> bodies;
   bool is_enabled = true;
-  std::optional<double> friction;  ///< Coulomb's coefficient; default that of all bodies
+  std::optional<double> friction;  ///< Coulomb friction coefficient; default that of all bodies
 };
 
-/// How bodies meet each other and themselves.
+/// Contact between bodies and self-contact.
 struct ContactDescription {
   std::string place = "contact";
   bool is_enabled = true;                     ///< false: bodies pass through each other
-  bool with_themselves = false;               ///< each body meets itself, too
+  bool with_themselves = false;               ///< self-contact of each body
   std::optional<double> activation_distance;  ///< [m]; default: see default_activation_distance
-  std::optional<double> stiffness;       ///< of the barrier [Pa]; default 0.1 of each body's Young's modulus
-  double friction = 0;                   ///< Coulomb's coefficient of bodies on each other and on themselves
+  std::optional<double> stiffness;  ///< of the barrier [Pa]; default 0.1 of each body's Young's modulus
+  double friction = 0;  ///< Coulomb friction coefficient of bodies on each other and on themselves
   std::optional<double> friction_speed;  ///< [m/s]; default: see default_friction_speed
-  int friction_iterations = 50;          ///< so often at most a stage of a step forms normal forces anew
+  int friction_iterations = 50;          ///< limit of lagged friction iterations per stage
   std::vector<ContactPairDescription> pairs;
 };
 
@@ -222,7 +222,7 @@ struct ProbeDescription {
   std::string place = "probe";
   std::string name;
   std::string body;
-  Vector3 at = Vector3::Zero();  ///< the vertex nearest to this rest position is watched [m]
+  Vector3 at = Vector3::Zero();  ///< reference position; the nearest vertex is used [m]
 };
 
 /// A plane cut through a body whose section force is reported.
@@ -231,13 +231,13 @@ struct SectionDescription {
   std::string name;
   std::string body;
   int axis = 0;   ///< 0, 1, 2 for x, y, z
-  double at = 0;  ///< coordinate in the rest shape [m]
+  double at = 0;  ///< coordinate in the reference configuration [m]
 };
 
 struct NewtonOptions {
   double tolerance = 1e-8;   ///< force residual relative to the load (docs/theory/stopping.md)
   int max_iterations = 100;  ///< per load or time step; a smaller number truncates a step, safely
-  int max_failures = 5;      ///< motion: ends after so many steps in a row without a solution; 0: never
+  int max_failures = 5;      ///< dynamics: ends after so many failed steps in a row; 0: never
   ProjectionChoice projection = ProjectionChoice::automatic;
   InversionBound inversion_bound = InversionBound::points;
 };
@@ -255,17 +255,17 @@ struct OutputOptions {
   bool writes(OutputFormat format) const { return std::ranges::find(formats, format) != formats.end(); }
 };
 
-/// Steps in time whose length follows an estimate of their error.
+/// Adaptive time steps by an error estimate.
 struct AdaptiveSteps {
-  double tolerance = 1e-4;         ///< of the places after a step, in parts of the scene's largest extent
+  double tolerance = 1e-4;         ///< position error per step over the scene's largest extent
   std::optional<double> min_step;  ///< [s]; default 1e-6 of the first step
   std::optional<double> max_step;  ///< [s]; default the end time
 };
 
-/// Free vibrations.
+/// Modal analysis.
 struct ModesOptions {
-  int count = 10;          ///< how many, from the lowest frequency on
-  bool is_loaded = false;  ///< about the equilibrium under the loads, not about rest
+  int count = 10;          ///< number of modes, from the lowest frequency on
+  bool is_loaded = false;  ///< about the equilibrium under the loads, not the reference
 };
 
 /// A whole simulation.
@@ -275,12 +275,12 @@ struct Description {
   bool is_dynamic = false;
   int dimension = 3;                  ///< 3, or 2: plane strain, unit thickness
   Vector3 gravity = Vector3::Zero();  ///< [m/s^2]
-  double time_step = 0.01;            ///< in motion [s]
-  double end_time = 1;                ///< motion stops here; static: the time at load factor 1 [s]
+  double time_step = 0.01;            ///< dynamics [s]
+  double end_time = 1;                ///< end of the run; static: the time at load factor 1 [s]
   std::string integrator = "backward_euler";
-  std::optional<AdaptiveSteps> adaptive;  ///< in motion; `time_step` is then the first step
-  std::optional<ModesOptions> modes;      ///< free vibrations are asked for; not in motion
-  int load_steps = 1;                     ///< static: first attempt; halved by itself when a step fails
+  std::optional<AdaptiveSteps> adaptive;                    ///< dynamics; `time_step` is then the first step
+  std::optional<ModesOptions> modes;                        ///< modal analysis; not in dynamics
+  int load_steps = 1;                                       ///< static: load increments; cutbacks halve them
   LoadControlKind load_control = LoadControlKind::load;     ///< static
   int max_steps = 500;                                      ///< arc_length: the path ends after so many steps
   UnstableModes unstable_modes = UnstableModes::automatic;  ///< static

@@ -10,7 +10,7 @@ namespace resilin {
 /// Whether anything that a scene says follows time: functions, windows, velocities.
 bool follows_time(const Description& description);
 
-/// Where loads and prescribed motions begin, end or have a kink, rising [s].
+/// Times at which loads and prescribed motions begin, end or have a kink, rising [s].
 std::vector<double> event_times(const Description& description);
 
 /// Makes a support that would turn far at once turn as fast as steps may, and be there before the end; warns

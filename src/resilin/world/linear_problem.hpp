@@ -8,10 +8,10 @@
 namespace resilin {
 
 /// Whether the static problem of a world is linear: linear elasticity everywhere, dead loads and springs, no
-/// pressure that follows the surface. Its energy is quadratic: one linear system has the answer.
+/// follower pressure. Its energy is quadratic: one linear solve gives the answer.
 bool is_linear(const World& world);
 
-/// Where a solution of linear elasticity first turns a cell inside out.
+/// The first element inversion of a linear-elastic solution.
 struct Inversion {
   double load = 0;  ///< the load factor at which the volume ratio reaches zero
   int body = 0;

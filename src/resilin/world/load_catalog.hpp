@@ -10,7 +10,7 @@
 
 namespace resilin {
 
-/// Where a load acts, and what its energy needs besides its description.
+/// Region of a load, and further input of its energy.
 struct LoadSite {
   const World& world;
   const Body& body;

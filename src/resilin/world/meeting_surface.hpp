@@ -9,7 +9,7 @@
 #include "resilin/contact/contact_surface.hpp"
 #include "resilin/world/world.hpp"
 
-/// With which surfaces the bodies of a world meet others, themselves and colliders.
+/// Contact surfaces of the bodies of a world.
 namespace resilin {
 
 /// Young's modulus of a domain's material at small strain, by the means of its constants [Pa].
@@ -43,7 +43,7 @@ std::vector<ContactBody> contact_bodies(const World& world, std::optional<double
 /// "vertex 3 of "body"": a point of the surface that it meets others with.
 std::string point_name(const Body& body, Index number);
 
-/// Whether the surface that a body meets others with has an inside: a skin may be open.
+/// Whether the contact surface of a body has an inside: a skin may be open.
 bool has_inside(const World& world, const Body& body);
 
 /// The largest extent of the smallest body: the longest side of the box with the same second moments, which
@@ -62,7 +62,7 @@ double default_activation_distance(const World& world);
 /// Throws InputError at `place` for a triangle without an area, in 3D: where it is.
 void require_areas(const ColliderMesh& mesh, const World& world, const std::string& place);
 
-/// Throws InputError for a skin that a body cannot meet others with; `place` is that of the body.
+/// Throws InputError for a skin that cannot be a contact surface; `place` is that of the body.
 void check_contact_skin(const Body& body, const World& world, const std::string& place);
 
 }  // namespace resilin

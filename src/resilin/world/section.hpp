@@ -13,7 +13,7 @@ namespace resilin {
 struct Body;
 class World;
 
-/// What one side of a body exerts on the other through a plane cut.
+/// Force and moment of one side of a body on the other through a plane cut.
 struct SectionForce {
   std::string name;
   Vector3 force = Vector3::Zero();   ///< of the side beyond the plane on the side below it [N]

@@ -13,8 +13,8 @@ void check_start(const Description& description, const World& world);
 /// times where they are zero.
 bool is_idle(const World& world);
 
-/// Supports that lead vertices into a collider, which vertices held in all components do not feel; one line
-/// each. The world is complete.
+/// Boundary conditions that move vertices into a collider, with which fixed vertices have no contact; one
+/// line each. The world is complete.
 std::vector<std::string> supports_in_colliders(const World& world);
 
 }  // namespace resilin

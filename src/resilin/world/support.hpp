@@ -26,16 +26,16 @@ struct Support {
   std::optional<double> until;
   TimeFunction time_function;  ///< of displacement, gradient and rotate; in place of the load factor
 
-  /// Where a node with rest position X belongs [m].
+  /// Prescribed position of a node with reference position X [m].
   Vector3 target(const Vector3& X, const Conditions& c) const;
   /// The angle that it turns by between these conditions, up and down [degrees].
   double turn_between(const Conditions& from, const Conditions& to) const;
-  /// How it moves there: the velocity [m/s] and the acceleration [m/s^2], from before where they jump.
+  /// Its velocity [m/s] and acceleration [m/s^2], from before a jump.
   Vector3 velocity_at(const Vector3& X, double time) const;
   Vector3 acceleration_at(const Vector3& X, double time) const;
 };
 
-/// Which unknowns are prescribed, and by which support: dim numbers per node, -1 where free.
+/// Prescribed DOFs and their boundary conditions: dim numbers per node, -1 where free.
 std::vector<std::int32_t> supports_of_unknowns(int dim, Index num_nodes,
                                                const std::vector<Support>& supports);
 
@@ -46,7 +46,7 @@ void check_support_conflicts(int dim, const std::vector<Support>& supports, cons
 /// back, and long before it leads through the axis.
 constexpr double largest_turn_of_step = 60;
 
-/// How many steps of equal turn lead around an angle [degrees]; at least 1.
+/// Number of equal rotation steps for an angle [degrees]; at least 1.
 int num_steps_of_turn(double degrees);
 
 /// A turn without a time function that is too far for one step.

@@ -106,7 +106,7 @@ class World {
   OnJump on_jump = OnJump::follow;
   std::string integrator;
   std::optional<AdaptiveSteps> adaptive;
-  std::optional<ModesOptions> modes;  ///< set when free vibrations are asked for
+  std::optional<ModesOptions> modes;  ///< set for a modal analysis
   std::vector<double> event_times;    ///< where loads and prescribed motions are not smooth, rising [s]
   int friction_iterations = 0;        ///< of ContactDescription
   NewtonOptions newton;
@@ -123,7 +123,7 @@ class World {
   VectorX rest_positions;       ///< [m], dim numbers per node, body after body
   VectorX other_contact_shape;  ///< see contact_shape; empty where that is the rest shape of all bodies
   VectorX start_positions;      ///< [m]
-  VectorX start_velocities;     ///< in motion [m/s]
+  VectorX start_velocities;     ///< dynamics [m/s]
   std::vector<Body> bodies;
   std::vector<Support> supports;
   std::vector<Probe> probes;
@@ -132,19 +132,19 @@ class World {
   std::vector<std::string> run_warnings;  ///< likewise, of a run to which no hand adds: see all_warnings
   std::vector<std::string> notes;         ///< what was chosen for the user, one line each
 
-  /// Everything that is minimised: strain energies domain by domain, loads and gravity, colliders, inertia,
-  /// damping. A caller may add terms of its own.
+  /// All energy terms: strain energies domain by domain, loads and gravity, colliders, inertia, damping. A
+  /// caller may add terms of its own.
   Terms terms;
   std::vector<TermOrigin> origins;         ///< of `terms`, but for those that a caller has added
   std::shared_ptr<const MassMatrix> mass;  ///< lumped in statics, however bodies in motion would have it
   // Colliders are among the terms; here they are for who draws them.
   std::vector<std::shared_ptr<const ColliderBarrier>> colliders;       ///< whose distance is exact
   std::vector<std::shared_ptr<const ObstacleContact>> mesh_colliders;  ///< those of facets
-  std::shared_ptr<const SurfaceContact> contact;  ///< one of `terms`; null where no bodies meet
-  std::shared_ptr<const Friction> friction;       ///< likewise; null where nothing rubs
+  std::shared_ptr<const SurfaceContact> contact;  ///< one of `terms`; null without contact between bodies
+  std::shared_ptr<const Friction> friction;       ///< likewise; null without friction
   std::shared_ptr<const BlockPattern> pattern;
-  std::vector<std::uint8_t> is_fixed;    ///< per unknown: prescribed, or of a vertex that no cell uses
-  std::vector<std::int32_t> support_of;  ///< per unknown: which support prescribes it; -1: none
+  std::vector<std::uint8_t> is_fixed;    ///< per DOF: prescribed, or of a vertex that no cell uses
+  std::vector<std::int32_t> support_of;  ///< per DOF: index of its boundary condition; -1: none
 
   /// Conditions of a static run at a load factor: time is the path parameter.
   Conditions at_load(double load) const { return {.time = load * path_time, .load = load}; }
@@ -172,7 +172,7 @@ class World {
     return share.is_whole() ? cell : cell_numbers[body][static_cast<std::size_t>(cell)];
   }
   const Body& body_of(Index node) const;
-  /// Whether two bodies, by their numbers, keep each other apart.
+  /// Whether contact acts between two bodies, by their numbers.
   bool meet(std::size_t a, std::size_t b) const;
 
  private:
@@ -180,17 +180,17 @@ class World {
         const ScenePart* part = nullptr, Share share_of_part = {});
 };
 
-/// The angle by which any support or collider turns on the way between two conditions [degrees].
+/// Largest rotation of a boundary condition or collider between two conditions [degrees].
 double largest_turn(const World& world, const Conditions& from, const Conditions& to);
 
-/// Everything that is odd about running a world as it stands, one line each.
+/// All warnings about running a world, one line each.
 std::vector<std::string> all_warnings(const World& world);
 
 /// The names of terms of a category.
 std::vector<std::string> names_of_terms(const World& world, EnergyCategory category);
 
-/// Throws InputError naming the part of a body that neither supports nor terms hold: its free rigid motions
-/// would make the static problem singular.
+/// Throws InputError naming the part of a body that neither boundary conditions nor terms constrain: its free
+/// rigid-body motions would make the static problem singular.
 void check_is_held(const World& world);
 
 }  // namespace resilin

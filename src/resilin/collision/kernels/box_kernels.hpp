@@ -8,7 +8,7 @@
 
 namespace resilin {
 
-/// How many boxes a block holds, whatever the instruction set.
+/// Number of boxes in a block, for every instruction set.
 constexpr std::size_t boxes_per_block = 8;
 
 /// One box: its least coordinates and the negatives of its largest ones, so that the box around two boxes is
@@ -33,7 +33,7 @@ struct BlockTreeView {
   int vertices_per_part;
 };
 
-/// Which blocks of the tree may meet, by the bodies in them: a table of num_bodies x num_bodies.
+/// Blocks of the tree that may be in contact, by their bodies: a table of num_bodies x num_bodies.
 struct MeetingView {
   const unsigned char* table;
   std::int32_t num_bodies;

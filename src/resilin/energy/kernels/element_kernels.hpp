@@ -37,15 +37,15 @@ struct OwnedNodes {
   std::int32_t begin, end;
 };
 
-/// Where the blocks of the cells stand in a matrix: which one of its row each is, the row being that of the
-/// node of the pair with the smaller world number. In one byte each where no row is too long for that.
+/// Positions of the cells' blocks in a matrix: which one of its row each is, the row being that of the node
+/// of the pair with the smaller world number. In one byte each where no row is too long for that.
 struct MatrixPlaces {
   const std::uint32_t* row_begin;  ///< by local node: the first slot of its row
   const std::uint8_t* narrow;      ///< of all blocks: [block][pair][lane]; one of the two is there
   const std::uint32_t* wide;
 };
 
-/// How the element Hessians are formed.
+/// Variant of the element Hessians.
 struct HessianForm {
   LawForm law;
   double removed;  ///< times the negative part of an element's eigenvalues is taken off: 0 none, 1 clamp, 2

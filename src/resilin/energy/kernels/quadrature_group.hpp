@@ -4,7 +4,7 @@
 #include "resilin/energy/kernels/lane_hessians.hpp"
 #include "resilin/energy/kernels/quadrature_kernels.hpp"
 
-/// What loops over elements with quadrature points have in common.
+/// Common data of loops over elements with quadrature points.
 namespace resilin::RESILIN_SIMD_NAMESPACE {
 
 constexpr int num_pairs(int num_nodes) { return num_nodes * (num_nodes + 1) / 2; }
@@ -23,7 +23,7 @@ struct Group {
   const std::int32_t* nodes(int a) const {
     return tile.nodes + (block * num_nodes + static_cast<std::size_t>(a)) * block_size + lane;
   }
-  /// Where the rows of an entry begin in an array of the tile.
+  /// Start of the rows of an entry in an array of the tile.
   std::size_t row(std::size_t point, int rows) const {
     return (in_tile * tile.num_points + point) * static_cast<std::size_t>(rows * block_size) +
            static_cast<std::size_t>(lane);

@@ -90,7 +90,7 @@ constexpr bool has_margin = Law::kind == LawKind::invariants &&
 template <class Law>
 constexpr bool has_domain = Law::needs_positive_J || has_margin<Law>;
 
-/// Where Psi is infinite.
+/// Whether Psi is infinite.
 template <class Law>
 RESILIN_INLINE Mask is_outside([[maybe_unused]] const Law& law, const double* rows) {
   Mask outside = Lanes(0.0) > Lanes(1.0);
