@@ -152,6 +152,7 @@ class RunningSimulation {
     const std::uint64_t changes = played_.scene->look([&](const LiveScene& live) {
       state.positions = live.state().positions;
       if (simulation_->world().is_dynamic) state.velocities = live.state().velocities;
+      state.history = live.state().history;
       return played_.scene->changes();
     });
     if (state.positions != before.positions || state.velocities != before.velocities)

@@ -110,6 +110,7 @@ class Witness final : public Energy {
   std::unique_ptr<Energy> begin_stage(const Stage&) const override {
     return std::make_unique<Witness>();  // a term of the stage's own, so that it is told everything
   }
+  const HistoryTerm* history_term() const override { return nullptr; }
   void prepare(const VectorX& x, const VectorX& p, const Conditions& c) override {
     told = x.sum() + 2 * p.sum() + c.time;
   }

@@ -39,7 +39,7 @@ bool has_potential(const Description& scene) {
   for (Eigen::Index i = 0; i < x.size(); ++i)
     if (world.is_fixed[static_cast<std::size_t>(i)] == 0)
       x[i] += 0.01 * std::sin(3.0 * static_cast<double>(i));
-  return Potential(world, {.time = 0, .load = 1}, static_stage(x)).has_potential(x);
+  return Potential::at(world, {.time = 0, .load = 1}, x).has_potential(x);
 }
 
 TEST(FollowerPressure, HasAPotentialOnAClosedSurfaceOrWithHeldEdgesOnly) {

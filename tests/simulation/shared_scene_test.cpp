@@ -102,7 +102,7 @@ TEST_P(EveryElementInParts, HasTheEnergiesForcesAndVerdictsOfTheWhole) {
                    .duration = 0.01,
                    .shape = world.rest_positions};
     };
-    const Potential potential(whole, conditions, stage_of_state(whole, state));
+    const Potential potential = Potential::in_stage(whole, state, conditions, stage_of_state(whole, state));
     VectorX gradient, magnitude;
     potential.gradient(state.positions, gradient);
     potential.gradient_magnitude(state.positions, magnitude);
@@ -118,7 +118,7 @@ TEST_P(EveryElementInParts, HasTheEnergiesForcesAndVerdictsOfTheWhole) {
       own.positions = bent(world, 1e-3);
       own.velocities = bent(world, 1.0) - world.rest_positions;
       own.load = 1;
-      const Potential share(world, conditions, stage_of_state(world, own));
+      const Potential share = Potential::in_stage(world, own, conditions, stage_of_state(world, own));
       VectorX forces, sizes;
       share.gradient(own.positions, forces);
       share.gradient_magnitude(own.positions, sizes);

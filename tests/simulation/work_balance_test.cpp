@@ -37,7 +37,7 @@ Description worked_bar(const std::string& law, const ElementInfo& element) {
 
 WorkBalance balance_along(const Simulation& simulation, const World& energies, const VectorX& displacement) {
   const VectorX& x = simulation.state().positions;
-  const Potential potential(simulation.world(), {.time = 0, .load = 1}, static_stage(x));
+  const Potential potential = Potential::at(simulation.world(), {.time = 0, .load = 1}, x);
   VectorX gradient;
   potential.gradient(x, gradient);
   World world = simulation.world();

@@ -84,7 +84,10 @@ class Dice {
             {{text(), number()}, {text(), number()}},
             {{text(), numbers()}},
             list([this] { return list([this] { return vector(); }); }),
-            number()};
+            number(),
+            maybe([this] {
+              return ViscoelasticDescription{text(), numbers(), numbers(), static_cast<Moduli>(whole(2))};
+            })};
   }
   BodyDescription body() {
     BodyDescription body;

@@ -117,6 +117,13 @@ void ElasticEnergy::set_constants(std::span<const double> constants) {
   }
 }
 
+ElasticEnergy ElasticEnergy::with_scaled_constants(std::span<const double> factors) const {
+  ElasticEnergy scaled = *this;
+  for (std::size_t i = 0; i < scaled.tiles_.constants.size(); ++i)
+    scaled.tiles_.constants[i] *= factors[i / block_size % factors.size()];
+  return scaled;
+}
+
 void ElasticEnergy::set_directions(const FibreDirections& fibres) {
   const ElementBlocks& blocks = tiles_.blocks;
   const auto num_cells = static_cast<std::size_t>(blocks.num_cells);

@@ -49,6 +49,9 @@ class ElasticEnergy final : public BasicEnergy {
                 InstructionSet instruction_set = preferred_instruction_set(),
                 ElasticTiles::Gradients gradients = ElasticTiles::Gradients::held);
 
+  /// A copy whose constants are these times `factors`, one for each constant of the law.
+  ElasticEnergy with_scaled_constants(std::span<const double> factors) const;
+
   std::string_view name() const override { return "elastic"; }
   EnergyProperties properties() const override {
     return {.category = EnergyCategory::elastic,

@@ -71,6 +71,9 @@ class CellMatrices;
 /// A source of friction on bodies (contact/friction_contact.hpp).
 class FrictionSource;
 
+/// A term that owns internal variables (energy/history_term.hpp).
+class HistoryTerm;
+
 /// One term of the sum that is minimised over the positions: E(x) in joules.
 ///
 /// Positions are one number per unknown, node by node (`dim * node + component`) [m]. Terms of a world are
@@ -151,6 +154,9 @@ class Energy {
   /// something behind or that keep what an iteration shares make one. Null: the term itself serves. It must
   /// not outlive this term.
   virtual std::unique_ptr<Energy> begin_stage(const Stage& stage) const = 0;
+
+  /// The term as one with internal variables, if it has some: its stages begin with those of a state.
+  virtual const HistoryTerm* history_term() const = 0;
 
   /// Asked of a stage's own terms alone, before `max_step`, `difference` and `add_gradient` between x and
   /// x + p: what they all need (candidates for contact) may be found here, once.
@@ -238,6 +244,7 @@ class BasicEnergy : public Energy {
   }
 
   std::unique_ptr<Energy> begin_stage(const Stage&) const override { return nullptr; }
+  const HistoryTerm* history_term() const override { return nullptr; }
   void prepare(const VectorX&, const VectorX&, const Conditions&) override {}
 
   const FrictionSource* friction_source() const override { return nullptr; }

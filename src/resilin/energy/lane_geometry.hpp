@@ -144,6 +144,10 @@ class LanePoint {
   }
 
   const LaneRow& weight() const { return weight_; }  ///< zero in lanes that are filled up
+  /// dN_a/dX_k
+  const LaneRow& slope(std::size_t a, int k) const {
+    return slopes_[a * static_cast<std::size_t>(dim) + static_cast<std::size_t>(k)];
+  }
 
   /// The gradient of a field of the nodes, local numbers with the stride of the kernels.
   LaneMatrix<dim> gradient(const std::vector<double>& values) const {
@@ -156,13 +160,15 @@ class LanePoint {
     return G;
   }
 
-  /// Adds weight M g_a to the nodes that are owned, g_a = dN_a/dX.
-  void add(const LaneMatrix<dim>& M, const OwnedNodes& owned, double* local) const {
+  /// Adds weight M g_a, or its absolute values, to the nodes that are owned, g_a = dN_a/dX.
+  void add(const LaneMatrix<dim>& M, const OwnedNodes& owned, double* local,
+           bool is_magnitude = false) const {
     for (std::size_t a = 0; a < static_cast<std::size_t>(blocks_.num_nodes); ++a)
       for (int i = 0; i < dim; ++i) {
         LaneRow share = M(i, 0) * slope(a, 0);
         for (int k = 1; k < dim; ++k) share += M(i, k) * slope(a, k);
         share *= weight_;
+        if (is_magnitude) share = share.abs();
         for (std::size_t lane = 0; lane < block_size; ++lane) {
           const Index to = node(a, lane);
           if (to >= owned.begin && to < owned.end)
@@ -184,10 +190,6 @@ class LanePoint {
           values[static_cast<std::size_t>(node(a, lane)) * blocks_.stride() + static_cast<std::size_t>(i)];
     return row;
   }
-  const LaneRow& slope(std::size_t a, int k) const {
-    return slopes_[a * static_cast<std::size_t>(dim) + static_cast<std::size_t>(k)];
-  }
-
   const ElementBlocks& blocks_;
   std::size_t first_node_;
   LaneRow weight_;

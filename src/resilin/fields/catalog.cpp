@@ -26,48 +26,48 @@ std::vector<double> tensors_of(const std::vector<Matrix<3>>& points, const Funct
   return values;
 }
 
-std::vector<double> sample_cauchy_stress(const ElasticEnergy& elastic, const VectorX& x) {
-  const std::vector<Matrix<3>> sigma = elastic.cauchy_stresses(x);
+std::vector<double> sample_cauchy_stress(const DomainState& at) {
+  const std::vector<Matrix<3>> sigma = at.cauchy_stresses();
   return tensors_of(sigma, [&](std::size_t p) -> const Matrix<3>& { return sigma[p]; });
 }
 
 /// From sigma, so that whatever an element does to the pressure is in it: P = J sigma F^-T. A law of small
 /// strain has but one stress.
-std::vector<double> sample_first_stress(const ElasticEnergy& elastic, const VectorX& x) {
-  if (elastic.law().kind == LawKind::small_strain) return sample_cauchy_stress(elastic, x);
-  const std::vector<Matrix<3>> sigma = elastic.cauchy_stresses(x), F = elastic.deformation_gradients(x);
+std::vector<double> sample_first_stress(const DomainState& at) {
+  if (at.elastic().law().kind == LawKind::small_strain) return sample_cauchy_stress(at);
+  const std::vector<Matrix<3>> sigma = at.cauchy_stresses(),
+                               F = at.elastic().deformation_gradients(at.positions());
   return tensors_of(sigma, [&](std::size_t p) -> Matrix<3> {
     return F[p].determinant() * sigma[p] * F[p].inverse().transpose();
   });
 }
 
 /// S = F^-1 P = J F^-1 sigma F^-T
-std::vector<double> sample_second_stress(const ElasticEnergy& elastic, const VectorX& x) {
-  if (elastic.law().kind == LawKind::small_strain) return sample_cauchy_stress(elastic, x);
-  const std::vector<Matrix<3>> sigma = elastic.cauchy_stresses(x), F = elastic.deformation_gradients(x);
+std::vector<double> sample_second_stress(const DomainState& at) {
+  if (at.elastic().law().kind == LawKind::small_strain) return sample_cauchy_stress(at);
+  const std::vector<Matrix<3>> sigma = at.cauchy_stresses(),
+                               F = at.elastic().deformation_gradients(at.positions());
   return tensors_of(sigma, [&](std::size_t p) -> Matrix<3> {
     const Matrix<3> F_inverse = F[p].inverse();
     return F[p].determinant() * F_inverse * sigma[p] * F_inverse.transpose();
   });
 }
 
-std::vector<double> sample_green_strain(const ElasticEnergy& elastic, const VectorX& x) {
-  const std::vector<Matrix<3>> F = elastic.deformation_gradients(x);
+std::vector<double> sample_green_strain(const DomainState& at) {
+  const std::vector<Matrix<3>> F = at.elastic().deformation_gradients(at.positions());
   return tensors_of(F, [&](std::size_t p) { return green_strain(F[p] - Matrix<3>::Identity()); });
 }
 
-std::vector<double> sample_logarithmic_strain(const ElasticEnergy& elastic, const VectorX& x) {
-  const std::vector<Matrix<3>> F = elastic.deformation_gradients(x);
+std::vector<double> sample_logarithmic_strain(const DomainState& at) {
+  const std::vector<Matrix<3>> F = at.elastic().deformation_gradients(at.positions());
   return tensors_of(F, [&](std::size_t p) { return logarithmic_strain(F[p] - Matrix<3>::Identity()); });
 }
 
-std::vector<double> sample_volume_ratio(const ElasticEnergy& elastic, const VectorX& x) {
-  return elastic.volume_ratios(x);
+std::vector<double> sample_volume_ratio(const DomainState& at) {
+  return at.elastic().volume_ratios(at.positions());
 }
 
-std::vector<double> sample_energy_density(const ElasticEnergy& elastic, const VectorX& x) {
-  return elastic.energy_densities(x);
-}
+std::vector<double> sample_energy_density(const DomainState& at) { return at.energy_densities(); }
 
 // ---- read off a mean stress
 

@@ -220,7 +220,7 @@ class StressErrors {
   StressErrors(const World& world, const Body& body, const VectorX& positions)
       : elastic_(body.domains),
         stresses_(elastic_.by_cell(
-            [&](const ElasticEnergy& energy) { return turned_back_stresses(energy, positions); })),
+            [&](const Domain& domain) { return turned_back_stresses(*domain.energy, positions); })),
         materials_(cell_materials(elastic_)),
         samples_(error_samples(elastic_)),
         places_(body, world.rest_positions, *samples_.rule),
@@ -303,7 +303,7 @@ std::optional<double> squared_solution_norm(const Body& body, const VectorX& pos
   const Domains& elastic = body.domains;
   if (elastic.num_cells() == 0) return std::nullopt;
   const std::vector<SymmetricTensor> stresses =
-      elastic.by_cell([&](const ElasticEnergy& energy) { return turned_back_stresses(energy, positions); });
+      elastic.by_cell([&](const Domain& domain) { return turned_back_stresses(*domain.energy, positions); });
   const CellMaterials materials = cell_materials(elastic);
   const std::vector<double> volumes = elastic.point_volumes();
   const auto num_points = static_cast<std::size_t>(elastic.num_points());

@@ -41,13 +41,15 @@ std::vector<double> cell_means(const Domains& domains, const std::vector<double>
 /// The samples that the asked fields share, of one state: taken once, reduced once.
 class Samples {
  public:
-  Samples(const World& world, const VectorX& x) : world_(world), x_(x) {}
+  Samples(const World& world, const State& state) : world_(world), state_(state) {}
 
   const std::vector<double>& at_points(const CellQuantity& quantity, std::size_t body) {
     auto [place, is_new] = points_.try_emplace({quantity.sample, body});
+    const Domains& domains = world_.bodies[body].domains;
     if (is_new)
-      place->second = world_.bodies[body].domains.by_cell(
-          [&](const ElasticEnergy& energy) { return quantity.sample(energy, x_); });
+      place->second = domains.by_cell([&](const Domain& domain) {
+        return quantity.sample({world_, body, static_cast<std::size_t>(&domain - &domains.front()), state_});
+      });
     return place->second;
   }
 
@@ -65,7 +67,7 @@ class Samples {
 
  private:
   const World& world_;
-  const VectorX& x_;
+  const State& state_;
   std::map<std::pair<Sampler, std::size_t>, std::vector<double>> points_;
   std::map<std::pair<Sampler, bool>, std::vector<double>> reduced_;
 };
@@ -105,7 +107,7 @@ NodalFit& FieldEvaluator::fit_of(std::size_t body) {
 }
 
 std::vector<FieldValues> FieldEvaluator::evaluate(const State& state, std::span<const std::string> names) {
-  Samples samples(world_, state.positions);
+  Samples samples(world_, state);
   std::vector<FieldValues> results;
   for (const std::string& name : names) {
     const FieldInfo& field = require_field(name, "fields");

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <functional>
+#include <limits>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -14,9 +15,33 @@
 /// The rows of the catalogue. A new quantity is one row in catalog.cpp.
 namespace resilin {
 
-/// Read at the quadrature points of a body: 1 or 9 numbers for each, those of a cell at [num_points * cell +
-/// point].
-using Sampler = std::vector<double> (*)(const ElasticEnergy& elastic, const VectorX& x);
+/// A domain of a body in one state of a world.
+struct DomainState {
+  const World& world;
+  std::size_t body, number;
+  const State& state;
+
+  const Domain& domain() const { return world.bodies[body].domains[number]; }
+  const ElasticEnergy& elastic() const { return *domain().energy; }
+  const VectorX& positions() const { return state.positions; }
+  /// nan for a viscoelastic material in a state without history, such as one read from a frame of results.
+  std::vector<Matrix<3>> cauchy_stresses() const {
+    if (!domain().viscoelastic) return elastic().cauchy_stresses(positions());
+    if (state.history.size() == 0)
+      return std::vector<Matrix<3>>(static_cast<std::size_t>(elastic().num_cells() * elastic().num_points()),
+                                    Matrix<3>::Constant(std::numeric_limits<double>::quiet_NaN()));
+    return domain().viscoelastic->cauchy_stresses(positions(),
+                                                  world.history_of_domain(body, number, state.history));
+  }
+  std::vector<double> energy_densities() const {
+    return domain().viscoelastic ? domain().viscoelastic->energy_densities(positions())
+                                 : elastic().energy_densities(positions());
+  }
+};
+
+/// Read at the quadrature points of a domain: 1 or 9 numbers for each, those of a cell at [num_points * cell
+/// + point].
+using Sampler = std::vector<double> (*)(const DomainState& at);
 
 /// A quantity of the cells: samples, and what is read off their mean over a cell or their fit at a vertex.
 struct CellQuantity {

@@ -71,6 +71,7 @@ Stage Integrator::begin_stage(int stage, const History& start, const std::vector
   const double end = begun.is_mean ? 1 : weights.time_fraction;
   const double slope = begun.end_slope();
   begun.contact_weight = (end - begin) / (slope * slope * weights.duration);
+  begun.elapsed = weights.time_fraction * time_step;
   begun.shape = expected_shape(scheme, number, order(), start, solutions, time_step);
   return begun;
 }

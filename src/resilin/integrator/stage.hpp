@@ -31,6 +31,7 @@ struct Stage {
   double contact_weight = 1;  ///< times which energies of contact count
   VectorX shape{};            ///< about the x that is sought, known before: where damping is formed [m]
   double load_time = 0;  ///< statics: what the load increment stands for, in which bodies come from x_0 [s]
+  double elapsed = 0;    ///< from the start of the step to the instant of x: internal variables follow it [s]
 
   bool is_static() const { return duration == 0; }
   VectorX target() const { return base_positions + duration * base_velocities; }
@@ -67,7 +68,7 @@ struct Stage {
 
 /// A stage of a static step from the equilibrium `x`. Without a time that it takes nothing slips in it.
 inline Stage static_stage(const VectorX& x, double load_time = 0) {
-  return {.base_positions = x, .shape = x, .load_time = load_time};
+  return {.base_positions = x, .shape = x, .load_time = load_time, .elapsed = load_time};
 }
 
 }  // namespace resilin

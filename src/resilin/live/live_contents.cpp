@@ -100,6 +100,7 @@ LiveScene::Contents::Contents(const Description& scene, const std::optional<Stat
   start.positions = world.start_positions;
   start.velocities = world.start_velocities;
   start.load = 1;
+  start.history = start_of_history(world.terms, start.positions);
   if (given_start) {
     check_places(given_start->positions, given_start->velocities, "start");
     start.positions = given_start->positions;
@@ -107,6 +108,11 @@ LiveScene::Contents::Contents(const Description& scene, const std::optional<Stat
     start.time = given_start->time;
     start.load = given_start->load;
     start.collider_delay = given_start->collider_delay;
+    // A frame of results has no history: its branches have relaxed.
+    constexpr double long_ago = std::numeric_limits<double>::infinity();
+    start.history = given_start->history.size() == start.history.size()
+                        ? given_start->history
+                        : start_of_history(world.terms, start.positions, long_ago);
     was_run = true;
     goes_on = has_path;
     // What turns far has gone with the load factor, not at once.

@@ -31,7 +31,8 @@ bool LiveScene::Contents::is_seeking() const {
   // Where friction holds bodies depends on how they came there, which a search for the equilibrium forgets.
   const bool rubs = std::ranges::any_of(
       terms, [](const auto& term) { return term->properties().category == EnergyCategory::friction; });
-  return !rubs && state.time >= end_of_changes && calm.quiet_steps >= quiet_steps_before_seeking;
+  const bool creeps = state.history.size() > 0;
+  return !rubs && !creeps && state.time >= end_of_changes && calm.quiet_steps >= quiet_steps_before_seeking;
 }
 
 void LiveScene::Contents::step(const StepBudget& budget) {
@@ -103,7 +104,7 @@ void LiveScene::Contents::move_in_time(double dt, const StepBudget& budget) {
   place_supports(world.dimension, world.supports, world.rest_positions, conditions, targets);
   const bool is_driven = targets != state.positions;
   const Terms all = with_hand(terms);
-  Potential potential(all, is_fixed, conditions, stage);
+  Potential potential(all, is_fixed, conditions, stage, {}, state.history);
   VectorX x = state.positions;
   const NewtonReport newton_report =
       minimize(potential, flight(world, is_fixed, potential, stage, controls.gravity, x), targets,
@@ -113,6 +114,7 @@ void LiveScene::Contents::move_in_time(double dt, const StepBudget& budget) {
     const double gain = potential.difference_without(EnergyCategory::inertia, state.positions, x);
     limit_kinetic_energy(*world.mass, state.velocities, gain, velocities);
   }
+  advance_history(world.terms, x, step, state);
   state.previous_positions = std::move(state.positions);
   state.positions = std::move(x);
   state.velocities = std::move(velocities);
@@ -156,10 +158,10 @@ void LiveScene::Contents::move_to_equilibrium(const StepBudget& budget) {
                     .duration = dt * std::pow(10.0, 0.5 * std::min(calm.seeking_steps, 8)),
                     .shape = state.positions};
   const Terms all = with_hand(terms_at_rest);
-  Potential potential(all, is_fixed, conditions, stage);
+  Potential potential(all, is_fixed, conditions, stage, {}, state.history);
   VectorX x = state.positions;
   NewtonReport newton_report = minimize(potential, {.places = x}, targets, 0.1 * rest_tolerance, budget, x);
-  const Potential at_rest(all, is_fixed, conditions, static_stage(state.positions));
+  const Potential at_rest(all, is_fixed, conditions, static_stage(state.positions), {}, state.history);
   VectorX gradient;
   at_rest.gradient(x, gradient);
   Convergence balance(at_rest, is_fixed, newton.parts(), rest_tolerance, unloaded_scale());

@@ -1,8 +1,9 @@
 #include "resilin/petsc/shared_results.hpp"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
+#include <string_view>
+#include <type_traits>
 
 #include "resilin/core/archive.hpp"
 #include "resilin/core/error.hpp"
@@ -29,9 +30,16 @@ std::string frame_stem(std::size_t number) {
   return std::filesystem::path(numbered_vtu(number)).stem().string();
 }
 
-/// The vectors of a state, one number per unknown each, some of them empty.
-constexpr std::array state_vectors = {&State::positions, &State::velocities, &State::previous_positions,
-                                      &State::accelerations, &State::previous_velocities};
+/// The vectors of a state with one number per unknown each, some of them empty. There is no history:
+/// viscoelastic materials are refused (require_distributable).
+std::vector<VectorX*> state_vectors(State& state) {
+  std::vector<VectorX*> vectors;
+  visit_members(state, [&vectors](std::string_view name, auto& value) {
+    if constexpr (std::is_same_v<decltype(value), VectorX&>)
+      if (name != "history") vectors.push_back(&value);
+  });
+  return vectors;
+}
 
 /// The smaller, or larger, of two entries of "extremes"; by number where they are alike.
 bool is_better(const Json& a, const Json& b, bool is_min, const char* number) {
@@ -124,8 +132,8 @@ struct SharedResults::Contents {
   /// The whole state, on the first process.
   State whole_state(const State& own) const {
     State whole = own;
-    for (VectorX State::* vector : state_vectors)
-      if ((own.*vector).size() > 0) whole.*vector = gathered(share(), own.*vector, scene.whole.num_nodes);
+    for (VectorX* vector : state_vectors(whole))
+      if (vector->size() > 0) *vector = gathered(share(), *vector, scene.whole.num_nodes);
     return whole;
   }
 
@@ -198,7 +206,7 @@ SharedResults::Resumed SharedResults::resume(Simulation& simulation, Resume rule
     if (!std::filesystem::exists(path)) return;
     checkpoint = parse_checkpoint(read_file(path), path.string());
     resumed = {true, check_scene(checkpoint, own.world().fingerprint, rule, path.string())};
-    check_state(checkpoint.state, Eigen::Index{own.scene.whole.num_nodes} * own.world().dimension,
+    check_state(checkpoint.state, Eigen::Index{own.scene.whole.num_nodes} * own.world().dimension, 0,
                 path.string());
     if (resumed.difference) {
       checkpoint.state.accelerations.resize(0);
@@ -212,9 +220,9 @@ SharedResults::Resumed SharedResults::resume(Simulation& simulation, Resume rule
   // Everything but the vectors goes to all processes, these part by part.
   Checkpoint small = checkpoint;
   std::vector<std::uint8_t> has_vector;
-  for (VectorX State::* vector : state_vectors) {
-    has_vector.push_back((checkpoint.state.*vector).size() > 0 ? 1 : 0);
-    (small.state.*vector).resize(0);
+  for (VectorX* vector : state_vectors(small.state)) {
+    has_vector.push_back(vector->size() > 0 ? 1 : 0);
+    vector->resize(0);
   }
   has_vector.push_back(checkpoint.most_strained.positions.size() > 0 ? 1 : 0);
   small.most_strained.positions.resize(0);
@@ -227,9 +235,11 @@ SharedResults::Resumed SharedResults::resume(Simulation& simulation, Resume rule
   reader(resumed.has_checkpoint, has_vector, own.num_frames, own.last_step, image);
   if (!resumed.has_checkpoint) return resumed;
   small = parse_checkpoint(image, path.string());
+  const std::vector<VectorX*> own_vectors = state_vectors(small.state),
+                              whole_vectors = state_vectors(checkpoint.state);
   std::size_t i = 0;
-  for (VectorX State::* vector : state_vectors)
-    if (has_vector[i++] != 0) small.state.*vector = scattered(share, checkpoint.state.*vector);
+  for (; i < own_vectors.size(); ++i)
+    if (has_vector[i] != 0) *own_vectors[i] = scattered(share, *whole_vectors[i]);
   if (has_vector[i] != 0)
     small.most_strained.positions = scattered(share, checkpoint.most_strained.positions);
   own.resumed_step = small.state.step;

@@ -195,7 +195,7 @@ std::vector<MeasuredNumber> collider_force_at(Derivatives& run, const std::strin
   const VectorX x = run.positions(frame);
   const Frame& of_frame = run.frame(frame);
   const Conditions c = world.is_dynamic ? Conditions{.time = of_frame.time} : world.at_load(of_frame.load);
-  Potential potential(world, c, static_stage(x));
+  Potential potential = Potential::at(world, c, x);
   potential.prepare(x, VectorX::Zero(x.size()));
   const Energy& term = *potential.terms()[number];
   const Eigen::Matrix3d shift = world.terms[number]

@@ -21,7 +21,7 @@ State state_of(const History& start, double time) {
 }  // namespace
 
 Potential potential_of(const World& world, const StageReplay& stage) {
-  Potential potential(world, stage.conditions, stage.stage);
+  Potential potential = Potential::in_stage(world, VectorX(), stage.conditions, stage.stage);
   potential.prepare(stage.motion.positions, VectorX::Zero(stage.motion.positions.size()));
   potential.form_lag(stage.motion.positions);
   return potential;

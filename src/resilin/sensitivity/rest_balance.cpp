@@ -37,7 +37,7 @@ RestBalance::RestBalance(Description description, const std::vector<std::string>
       links_(world_),
       conditions_(raised(world_, part)),
       x_(places_moved(shape.deformed, -world_.origin, world_.dimension)),
-      potential_(world_, conditions_, static_stage(x_)),
+      potential_(Potential::at(world_, conditions_, x_)),
       tangent_(world_, world_.solver.kind),
       other_areas_(world_) {
   for (const std::string& name : names) parameters_.push_back(find_parameter(world_, name));
@@ -53,7 +53,7 @@ void RestBalance::form() {
   if (!is_held || potential_.gradient_of(EnergyCategory::contact, x_).isZero(0)) return;
   Conditions conditions = conditions_;
   conditions.contact_weight = 0;
-  untouched_ = std::make_unique<Potential>(world_, conditions, static_stage(x_));
+  untouched_ = std::make_unique<Potential>(Potential::at(world_, conditions, x_));
   untouched_->prepare(x_, VectorX::Zero(x_.size()));
   untouched_tangent_ = std::make_unique<Tangent>(world_, world_.solver.kind);
   untouched_tangent_->form(*untouched_, x_);

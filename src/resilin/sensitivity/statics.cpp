@@ -68,7 +68,7 @@ Potential StaticDerivatives::potential(std::size_t frame) const {
                           ? static_stage(places_[frame - 1],
                                          world().end_time * (frames_[frame].load - frames_[frame - 1].load))
                           : static_stage(places_[frame]);
-  Potential made(world(), conditions(frame), stage);
+  Potential made = Potential::in_stage(world(), VectorX(), conditions(frame), stage);
   made.prepare(places_[frame], VectorX::Zero(places_[frame].size()));
   made.form_lag(places_[frame]);
   return made;

@@ -52,10 +52,10 @@ double largest_free_distance(const World& world, const VectorX& vectors) {
 }
 
 VectorX contact_accelerations(const World& world, const State& state) {
-  const Conditions now{.time = state.time, .load = 1, .collider_delay = state.collider_delay};
   const VectorX& x = state.positions;
-  VectorX gradient = Potential(world, now, static_stage(x)).impulses(x);
-  if (const auto friction = friction_of(world, state)) friction->add_gradient(x, now, gradient);
+  VectorX gradient = Potential::at(world, state).impulses(x);
+  if (const auto friction = friction_of(world, state))
+    friction->add_gradient(x, conditions_of(state), gradient);
   return accelerations_by(world, -gradient);
 }
 
@@ -101,10 +101,11 @@ double TimeStepper::step_error(const World& world, Newton& newton, const State& 
       found.scheme->local_error(start, found.end, time_step) - time_step * time_step * by_contact;
   // What touches may let go within the step: contact holds no error back.
   const bool touches = world.share.any(!by_contact.isZero(0));
-  const Conditions end{.time = state.time + time_step, .load = 1};
+  const Conditions end = conditions_after(state, time_step);
   const Terms terms = terms_without(EnergyCategory::contact, world.terms);
-  newton.form_matrix(Potential(terms, world.is_fixed, end, found.last_stage, world.share), world.is_fixed,
-                     found.end.positions, touches ? Newton::Factors::anew : Newton::Factors::of_search);
+  newton.form_matrix(Potential(terms, world.is_fixed, end, found.last_stage, world.share, state.history),
+                     world.is_fixed, found.end.positions,
+                     touches ? Newton::Factors::anew : Newton::Factors::of_search);
   // (M/c^2 + K)^-1 M/c^2 e, (I.8)
   const auto filtered_distance = [&](const VectorX& way) {
     VectorX forces;

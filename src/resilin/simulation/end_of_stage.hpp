@@ -93,6 +93,7 @@ class EndOfStage final : public Energy {
   }
   /// The stage has begun.
   std::unique_ptr<Energy> begin_stage(const Stage&) const override { return nullptr; }
+  const HistoryTerm* history_term() const override { return nullptr; }
   void prepare(const VectorX& x, const VectorX& p, const Conditions& c) override {
     VectorX room;
     if (own_) own_->prepare(end_of(x, room), slope_ * p, at_end(c, weight_));

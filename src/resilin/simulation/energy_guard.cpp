@@ -33,8 +33,8 @@ double kinetic_energy(const World& world, const VectorX& velocities) {
 
 /// The largest that the supports' work on the bodies may be: reaction times way, with the reactions at the
 /// one end or the other; and the inertia of what moves along with them. None where they stand still.
-std::optional<double> work_of_supports(const World& world, const State& start, const Conditions& before,
-                                       const Motion& end, const Potential& after) {
+std::optional<double> work_of_supports(const World& world, const State& start, const Motion& end,
+                                       const Potential& after) {
   VectorX way = end.positions - start.positions;
   VectorX free_way = free_part(world, way);
   way -= free_way;
@@ -42,7 +42,7 @@ std::optional<double> work_of_supports(const World& world, const State& start, c
   VectorX reactions;
   after.gradient(end.positions, reactions);
   const double work_after = world.share.dot(reactions, way);
-  Potential(world, before, static_stage(start.positions)).gradient(start.positions, reactions);
+  Potential::at(world, start).gradient(start.positions, reactions);
   const double work_before = world.share.dot(reactions, way);
   double work = std::max(work_before, work_after);
   if (!world.mass->is_lumped()) {
@@ -105,13 +105,13 @@ VectorX without_rigid_motion(const World& world, const VectorX& positions, Vecto
 
 EnergyChange energy_change(const World& world, const State& start, const Motion& end,
                            const Conditions& after) {
-  const Conditions before{.time = start.time, .load = 1, .collider_delay = start.collider_delay};
-  Potential potential(world, after, static_stage(start.positions));
+  const Conditions before = conditions_of(start);
+  Potential potential = Potential::in_stage(world, start, after, static_stage(start.positions));
   potential.prepare(start.positions, end.positions - start.positions);
   EnergyChange change{.kinetic_before = kinetic_energy(world, start.velocities),
                       .kinetic_after = kinetic_energy(world, end.velocities)};
   const Potential::Gain gain = potential.gain(start.positions, before, end.positions);
-  const std::optional<double> work = work_of_supports(world, start, before, end, potential);
+  const std::optional<double> work = work_of_supports(world, start, end, potential);
   change.added = change.kinetic_after - change.kinetic_before + gain.beyond_work - work.value_or(0);
   change.is_driven = gain.is_driven || work.has_value();
   return change;

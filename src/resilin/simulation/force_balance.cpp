@@ -210,6 +210,7 @@ std::string describe_imbalance(const World& world, const Potential& potential, c
   const std::vector<WorkBalance> works = measure_work(world, potential, x, gradient, acting, displacement);
   for (std::size_t b = 0; b < works.size(); ++b) {
     const WorkBalance& balance = works[b];
+    if (world.bodies[b].domains.are_viscoelastic()) continue;  // forces do the work of branches, too
     // A body that slides across its forces goes a long way on which they do no work but that of what the
     // search may leave of them.
     const Eigen::Index first = Eigen::Index{world.bodies[b].first_node} * world.dimension;
@@ -246,7 +247,7 @@ VectorX rounding_of_forces(const World& world, const Potential& potential, const
 
 std::vector<std::string> describe_lost_digits(const World& world, const State& state) {
   const VectorX& x = state.positions;
-  Potential potential(world, world.at_load(state.load), stage_of(world, state));
+  Potential potential = Potential::in_stage(world, state, world.at_load(state.load), stage_of(world, state));
   potential.form_lag(x);
   VectorX gradient;
   potential.gradient(x, gradient);

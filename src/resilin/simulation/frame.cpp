@@ -95,7 +95,7 @@ Frame measure_frame(const World& world, const State& state, const VectorX* step_
   }
   frame.linear_momentum = world.share.sum(frame.linear_momentum);
   frame.angular_momentum = world.share.sum(frame.angular_momentum);
-  const Potential potential(world, conditions, static_stage(state.positions));
+  const Potential potential = Potential::at(world, state);
   frame.elastic_energy = potential.energy(EnergyCategory::elastic, state.positions);
   frame.external_energy = potential.energy(EnergyCategory::external, state.positions);
   frame.contact_energy = potential.energy(EnergyCategory::contact, state.positions);
@@ -103,10 +103,9 @@ Frame measure_frame(const World& world, const State& state, const VectorX* step_
   for (const Body& body : world.bodies)
     for (const Domain& domain : body.domains)
       if (body.has_regions())
-        frame.regions.push_back(
-            {.body = body.name,
-             .region = domain.name,
-             .elastic_energy = world.share.sum(domain.energy->value(state.positions, {}))});
+        frame.regions.push_back({.body = body.name,
+                                 .region = domain.name,
+                                 .elastic_energy = world.share.sum(domain.stored_energy(state.positions))});
 
   frame.min_volume_ratio = std::numeric_limits<double>::infinity();
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {

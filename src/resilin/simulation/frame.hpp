@@ -54,8 +54,9 @@ struct Frame {
   Index worst_cell = -1;                ///< where the volume ratio is least, in its body ...
   int worst_body = 0;                   ///< ... this one
   double elastic_energy = 0, kinetic_energy = 0, external_energy = 0, contact_energy = 0;  ///< [J]
-  double dissipated_energy = 0;  ///< by damping and friction, since the start; no part of the total [J]
-  double friction_work = 0;      ///< of it, by friction [J]
+  /// By damping, friction and viscoelasticity, since the start; no part of the total [J].
+  double dissipated_energy = 0;
+  double friction_work = 0;                    ///< of it, by friction [J]
   Vector3 linear_momentum = Vector3::Zero();   ///< [kg m/s]
   Vector3 angular_momentum = Vector3::Zero();  ///< about the origin [kg m^2/s]
   std::vector<ProbeValue> probes;

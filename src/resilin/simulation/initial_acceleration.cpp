@@ -63,7 +63,7 @@ VectorX accelerations_at(const World& world, const State& state, const VectorX& 
   const Conditions conditions = conditions_of(state);
   const Stage stage = stage_at_once(state.positions, state.velocities);
   const Terms smooth = smooth_terms(world);
-  const Potential potential(smooth, world.is_fixed, conditions, stage, world.share);
+  const Potential potential(smooth, world.is_fixed, conditions, stage, world.share, state.history);
   VectorX gradient;
   potential.gradient(state.positions, gradient);
   if (!world.share.all(gradient.allFinite()))

@@ -78,11 +78,13 @@ VectorX predicted_positions(const World& world, Objective& potential, const Vect
 std::optional<Jump> jump_of_step(const World& world, Newton& newton, const State& state, const VectorX& x,
                                  double load, const NewtonObserver& observer, NewtonReport& searched) {
   // The first step starts from no equilibrium, or from one without load, where bodies may stiffen at once.
-  if (is_linear(world) || state.step == 0) return std::nullopt;
+  // Where bodies creep, they lose strain energy without a jump.
+  if (is_linear(world) || state.step == 0 || world.keeps_history()) return std::nullopt;
   const auto find = [&](const Equilibrium& from, double at) -> std::optional<Equilibrium> {
     Conditions conditions = world.at_load(at);
     conditions.collider_delay = conditions.time - world.at_load(from.load).time;
-    Potential potential(world, conditions, static_stage(from.positions, world.end_time * (at - from.load)));
+    Potential potential = Potential::in_stage(
+        world, state, conditions, static_stage(from.positions, world.end_time * (at - from.load)));
     VectorX targets = from.positions;
     place_supports(world.dimension, world.supports, world.rest_positions, conditions, targets);
     Equilibrium found{.load = at, .positions = from.positions};
@@ -152,7 +154,8 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
     Conditions conditions = world.at_load(load);
     conditions.collider_delay = conditions.time - world.at_load(state.load).time;
     const double load_time = world.end_time * (load - state.load);
-    Potential potential(world, conditions, static_stage(state.positions, load_time));
+    Potential potential =
+        Potential::in_stage(world, state, conditions, static_stage(state.positions, load_time));
     VectorX targets = state.positions;
     place_supports(world.dimension, world.supports, world.rest_positions, conditions, targets);
     VectorX x = predicted_positions(world, potential, targets, state, load);
@@ -200,6 +203,7 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
       const double heat = potential.heat_of_friction(state.positions, x, load_time);
       state.friction_work += heat;
       state.dissipated_energy += heat;
+      state.dissipated_energy += world.share.sum(advance_history(world.terms, x, load_time, state));
       report.friction.add(searched);
       move_to(state, std::move(x), load);
       state.time = conditions.time;
@@ -248,7 +252,7 @@ void LoadControl::find_inversion(const World& world, const State& state, StepRep
 
 void LoadControl::count_unstable_modes(const World& world, const Newton& newton, const State& state,
                                        StepReport& report) {
-  Potential potential(world, world.at_load(state.load), stage_of(world, state));
+  Potential potential = Potential::in_stage(world, state, world.at_load(state.load), stage_of(world, state));
   potential.form_lag(state.positions);
   // Without a potential the eigenvalues of the symmetric part say nothing of stability.
   // A factorisation of the whole scene is none that several processes share.

@@ -23,7 +23,7 @@ class StaticLoads final : public LoadFamily {
   StaticLoads(const World& world, const VectorX& start) : world_(world), stage_(static_stage(start)) {}
 
   std::unique_ptr<Objective> at(double load) const override {
-    return std::make_unique<Potential>(world_, world_.at_load(load), stage_);
+    return std::make_unique<Potential>(Potential::in_stage(world_, VectorX(), world_.at_load(load), stage_));
   }
   void place_fixed(double load, VectorX& x) const override {
     place_supports(world_.dimension, world_.supports, world_.rest_positions, world_.at_load(load), x);
@@ -110,7 +110,7 @@ StepReport LoadControl::step_along_path(const World& world, Newton& newton, Stat
     }
     std::string imbalance;
     if (search.converged()) {
-      const Potential potential(world, world.at_load(point.load), static_stage(state.positions));
+      const Potential potential = Potential::at(world, world.at_load(point.load), state.positions);
       VectorX gradient;
       potential.gradient(point.positions, gradient);
       imbalance = describe_imbalance(world, potential, point.positions, gradient, search,

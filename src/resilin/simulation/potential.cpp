@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
+#include <utility>
 
+#include "resilin/energy/history_term.hpp"
 #include "resilin/simulation/end_of_stage.hpp"
 
 namespace resilin {
@@ -16,17 +19,50 @@ constexpr double round_off_of_delay = 1e-12;  ///< of it
 /// Share of the sum of |parts| of a force: what is smaller cannot be told from rounding.
 constexpr double forces_round_off = 10 * std::numeric_limits<double>::epsilon();
 
+Eigen::Index count_history(std::span<const std::shared_ptr<const Energy>> terms) {
+  Eigen::Index count = 0;
+  for (const auto& term : terms)
+    if (const HistoryTerm* of = term->history_term()) count += of->num_history_values();
+  return count;
+}
+
+/// The internal variables of a term, which begin at `first`; this moves on to those of the next.
+VectorX next_of(const VectorX& history, const HistoryTerm& term, Eigen::Index& first) {
+  const Eigen::Index count = term.num_history_values();
+  first += count;
+  return history.segment(first - count, count);
+}
+
 }  // namespace
+
+Potential Potential::at(const World& world, const State& state) {
+  return in_stage(world, state, conditions_of(state), static_stage(state.positions));
+}
+
+Potential Potential::at(const World& world, const Conditions& conditions, const VectorX& positions) {
+  return in_stage(world, VectorX(), conditions, static_stage(positions));
+}
 
 Potential::Potential(std::span<const std::shared_ptr<const Energy>> terms,
                      std::span<const std::uint8_t> is_fixed, const Conditions& conditions, const Stage& stage,
-                     Share share)
+                     Share share, VectorX history)
     : share_(std::move(share)),
       is_fixed_(is_fixed),
       conditions_(conditions),
-      base_positions_(stage.is_static() ? VectorX() : stage.base_positions) {
+      base_positions_(stage.is_static() ? VectorX() : stage.base_positions),
+      history_(std::move(history)) {
+  const Eigen::Index num_history_values = count_history(terms);
+  if (history_.size() == 0) history_.setZero(num_history_values);
+  if (history_.size() != num_history_values)
+    throw std::logic_error("Potential: the history is not that of the terms");
+  Eigen::Index first = 0;
   for (const auto& term : terms) {
-    std::unique_ptr<Energy> own = term->begin_stage(stage);
+    const HistoryTerm* with_history = term->history_term();
+    history_terms_.push_back(with_history);
+    std::unique_ptr<Energy> own =
+        with_history == nullptr
+            ? term->begin_stage(stage)
+            : with_history->begin_stage_after(next_of(history_, *with_history, first), stage);
     if (acts_as_impulse(term->properties().category) && EndOfStage::is_needed(stage)) {
       const Energy& inner = own ? *own : *term;
       own = std::make_unique<EndOfStage>(inner, std::move(own), stage);
@@ -223,8 +259,10 @@ VectorX Potential::distinct_acting_scales(const VectorX& x, const VectorX& round
 
 double Potential::energy(EnergyCategory category, const VectorX& x) const {
   double sum = 0;
-  for (const Energy* term : terms_)
-    if (term->properties().category == category) sum += term->value(x, conditions_);
+  for (std::size_t i = 0; i < terms_.size(); ++i)
+    if (terms_[i]->properties().category == category)
+      sum += history_terms_[i] != nullptr ? history_terms_[i]->stored_energy(x)
+                                          : terms_[i]->value(x, conditions_);
   return share_.sum(sum);
 }
 
@@ -271,7 +309,15 @@ std::vector<VectorX> Potential::gradients_without(EnergyCategory category, const
 
 Potential::Gain Potential::gain(const VectorX& from, const Conditions& before, const VectorX& to) const {
   Gain gain;
-  for (const Energy* term : terms_) {
+  Eigen::Index first = 0;
+  for (std::size_t i = 0; i < terms_.size(); ++i) {
+    const Energy* term = terms_[i];
+    if (const HistoryTerm* of = history_terms_[i]) {
+      const VectorX history = next_of(history_, *of, first);
+      const double heat = of->advance(history, from, to, conditions_.time - before.time).heat;
+      gain.beyond_work += of->stored_difference(from, to) + heat;
+      continue;
+    }
     const std::optional<double> work = term->driven_work(from, before, to, conditions_);
     gain.beyond_work += work ? term->value(to, conditions_) - term->value(from, before) - *work
                              : term->difference(from, to, conditions_);
@@ -304,6 +350,29 @@ double Potential::least_delay(const VectorX& x) const {
     if (delay >= behind) break;
   }
   return behind;
+}
+
+VectorX start_of_history(const Terms& terms, const VectorX& positions, double duration) {
+  State state;
+  state.positions = positions;
+  state.history.setZero(count_history(terms));
+  advance_history(terms, positions, duration, state);
+  return state.history;
+}
+
+double advance_history(const Terms& terms, const VectorX& positions, double duration, State& state) {
+  double heat = 0;
+  Eigen::Index first = 0;
+  for (const auto& term : terms) {
+    const HistoryTerm* of = term->history_term();
+    if (of == nullptr) continue;
+    const Eigen::Index at = first;
+    HistoryTerm::Advance done =
+        of->advance(next_of(state.history, *of, first), state.positions, positions, duration);
+    state.history.segment(at, done.history.size()) = done.history;
+    heat += done.heat;
+  }
+  return heat;
 }
 
 Terms terms_without(EnergyCategory category, const Terms& terms) {

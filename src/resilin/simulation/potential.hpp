@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "resilin/optimize/objective.hpp"
+#include "resilin/world/state.hpp"
 #include "resilin/world/world.hpp"
 
 namespace resilin {
@@ -13,13 +14,26 @@ namespace resilin {
 /// minimises, and the one place where terms are added up.
 class Potential final : public Objective {
  public:
+  /// The potential of any terms; a world has `at` and `in_stage`.
   /// @param terms, is_fixed  kept by reference
   /// @param share            what this process has of the scene; sums are those over all processes
+  /// @param history          State::history at the start of the step; empty: the reference configuration's
   Potential(std::span<const std::shared_ptr<const Energy>> terms, std::span<const std::uint8_t> is_fixed,
-            const Conditions& conditions, const Stage& stage, Share share = {});
-  /// The potential of a world's own terms and fixed unknowns; kept by reference.
-  Potential(const World& world, const Conditions& conditions, const Stage& stage)
-      : Potential(world.terms, world.is_fixed, conditions, stage, world.share) {}
+            const Conditions& conditions, const Stage& stage, Share share = {}, VectorX history = {});
+
+  /// The potential of a world in a state as it is, internal variables frozen.
+  static Potential at(const World& world, const State& state);
+  /// Likewise of a world whose terms keep no history.
+  static Potential at(const World& world, const Conditions& conditions, const VectorX& positions);
+  /// The potential of a world in one stage of a step from `start`. The world's terms are kept by reference.
+  static Potential in_stage(const World& world, const State& start, const Conditions& conditions,
+                            const Stage& stage) {
+    return in_stage(world, start.history, conditions, stage);
+  }
+  static Potential in_stage(const World& world, const VectorX& history, const Conditions& conditions,
+                            const Stage& stage) {
+    return {world.terms, world.is_fixed, conditions, stage, world.share, history};
+  }
 
   const Conditions& conditions() const { return conditions_; }
   /// Within the stage: what lags stays where it is.
@@ -85,9 +99,20 @@ class Potential final : public Objective {
   VectorX base_positions_;                    ///< of the stage; empty in statics
   std::vector<std::unique_ptr<Energy>> own_;  ///< made for this stage
   std::vector<const Energy*> terms_;          ///< in order, `own_` in place of those they were made of
+  std::vector<const HistoryTerm*>
+      history_terms_;  ///< by term: what has made it; null for one without history
+  VectorX history_;    ///< at the start of the step
   std::vector<std::vector<const CellMatrices*>> along_;  ///< by term: what it takes along into the Hessian
   std::vector<bool> is_taken_;                           ///< by term: another one takes it along
 };
+
+/// Internal variables at the start of a run, to which bodies came from their reference configuration at an
+/// even rate, in no time or in `duration` [s].
+VectorX start_of_history(const Terms& terms, const VectorX& positions, double duration = 0);
+
+/// Moves the internal variables of a state to the end of a step to `positions`, `duration` [s] later; before
+/// its positions move. @return heat of the terms [J], of this process
+double advance_history(const Terms& terms, const VectorX& positions, double duration, State& state);
 
 /// The terms that are no part of a category.
 Terms terms_without(EnergyCategory category, const Terms& terms);

@@ -6,6 +6,7 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/simulation/potential.hpp"
 
 namespace resilin {
 namespace {
@@ -43,6 +44,7 @@ Simulation::Simulation(World world, std::shared_ptr<AnalysisCache> analyses)
       world_.is_dynamic ? world_.start_velocities : VectorX::Zero(world_.start_positions.size());
   state_.load = world_.is_dynamic ? 1 : 0;
   state_.previous_positions = state_.positions;
+  state_.history = start_of_history(world_.terms, state_.positions);
   if (world_.is_dynamic) {
     time_stepper_.emplace(world_);
     time_stepper_->prepare(world_, state_);
@@ -156,7 +158,7 @@ void Simulation::note_failure(const std::string& reason) {
 
 void Simulation::resume_from(const State& state, const std::string& place, const FailedSteps& failed,
                              const MostStrained& most_strained) {
-  check_state(state, state_.positions.size(), place);
+  check_state(state, state_.positions.size(), world_.num_history_values(), place);
   check_most_strained(most_strained, world_, place);
   const int most_modes = world_.modes ? world_.modes->count : 0;
   if (state.mode > most_modes)

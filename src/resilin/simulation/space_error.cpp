@@ -464,7 +464,7 @@ std::optional<SpaceError> space_error_in(Simulation& simulation) {
   const World& world = simulation.world();
   const VectorX& x = simulation.state().positions;
   const Conditions conditions = world.at_load(simulation.state().load);
-  Potential potential(world, conditions, static_stage(x));
+  Potential potential = Potential::at(world, conditions, x);
   potential.form_lag(x);
   const VectorX contact =
       potential.gradient_of(EnergyCategory::contact, x) + potential.gradient_of(EnergyCategory::friction, x);
@@ -569,7 +569,8 @@ std::optional<SpaceError> space_error_in(Simulation& simulation) {
 
 std::optional<SpaceError> space_error(Simulation& simulation) {
   const World& world = simulation.world();
-  if (world.is_dynamic || world.modes || !world.share.is_whole()) return std::nullopt;
+  if (world.is_dynamic || world.modes || !world.share.is_whole() || world.keeps_history())
+    return std::nullopt;
   return world.dimension == 3 ? space_error_in<3>(simulation) : space_error_in<2>(simulation);
 }
 

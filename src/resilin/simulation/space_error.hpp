@@ -20,7 +20,7 @@ struct SpaceError {
 /// one degree more span (RicherSpace). The step is found by conjugate gradients on the new unknowns alone,
 /// with those of the element eliminated by their own stiffness matrix. Contact and point loads count on
 /// the nodes of the element; facets in contact keep their shape.
-/// @return nothing in motion, for modes and for a part of a scene
+/// @return nothing in motion, for modes, for viscoelastic materials and for a part of a scene
 /// Source: Deuflhard, Leinweber & Yserentant 1989; Ainsworth & Oden 2000, ch. 5.
 std::optional<SpaceError> space_error(Simulation& simulation);
 

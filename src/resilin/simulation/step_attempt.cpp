@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "resilin/simulation/energy_guard.hpp"
+#include "resilin/simulation/potential.hpp"
 
 namespace resilin {
 namespace {
@@ -32,7 +33,7 @@ History history_of(const State& state) {
 
 bool TimeStepper::Attempt::keeps_energy(const World& world, const State& start, double time_step,
                                         double round_off, bool is_last_resort) {
-  const Conditions after{.time = start.time + time_step, .load = 1, .collider_delay = collider_delay};
+  const Conditions after = conditions_after(start, time_step, collider_delay);
   const EnergyChange change = energy_change(world, start, end, after);
   const double before = std::max(start.largest_kinetic_energy, change.kinetic_before);
   // What a scheme loses where nothing disturbs it, it may find again.
@@ -61,6 +62,7 @@ bool TimeStepper::Attempt::keeps_energy(const World& world, const State& start, 
 
 void TimeStepper::Attempt::move(const World& world, State& state, double time_step, double time) && {
   state.dissipated_energy += dissipation(world, state, end, time_step);
+  state.dissipated_energy += world.share.sum(advance_history(world.terms, end.positions, time_step, state));
   state.previous_positions = std::move(state.positions);
   state.previous_velocities = std::move(state.velocities);
   state.previous_time_step = time_step;

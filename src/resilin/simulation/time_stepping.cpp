@@ -77,10 +77,10 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
     Motion prescribed{before, zero, zero};
     prescribe_motion(world, state, time_step, stage, prescribed);
     follow_prescribed(world, prescribed, stage);
-    Conditions conditions{.time = state.time + stage.time_fraction * time_step, .load = 1};
+    Conditions conditions = conditions_after(state, stage.time_fraction * time_step);
     const double end = conditions.time + stage.time_to_end();
     conditions.collider_delay = end - colliders_reached;
-    Potential potential(world, conditions, stage);
+    Potential potential = Potential::in_stage(world, state, conditions, stage);
     VectorX x = before;
     const Flight flying = flight(world, world.is_fixed, potential, stage, world.gravity, x);
     const StageReport searched =
@@ -171,9 +171,9 @@ TimeStepper::Attempt TimeStepper::safe_attempt(const World& world, Newton& newto
   const bool is_lost = found.touches && found.may_be_turned && !is_safest;
   const double round_off = round_off_energy(world, strain_stiffness_, state.positions, time_step);
   if (!is_lost && found.keeps_energy(world, state, time_step, round_off, is_safest)) return found;
-  const Conditions end{.time = state.time + time_step, .load = 1, .collider_delay = found.collider_delay};
-  const bool leaves_domain =
-      !Potential(world, end, static_stage(state.positions)).is_in_domain(found.end.positions);
+  const Conditions end = conditions_after(state, time_step, found.collider_delay);
+  const bool leaves_domain = !Potential::in_stage(world, state, end, static_stage(state.positions))
+                                  .is_in_domain(found.end.positions);
   Attempt other = attempt(world, newton, state, time_step, safest_, observer);
   std::swap(found.report.newton, other.report.newton);
   add_to(other.report.newton, found.report.newton);

@@ -50,7 +50,7 @@ std::vector<VibrationMode> find_modes(const World& world, const VectorX& equilib
   BlockMatrix stiffness(world.dimension, world.pattern);
   {
     const Stopwatch watch(report.newton.assembly_seconds);
-    const Potential potential(world, world.at_load(load), static_stage(equilibrium));
+    const Potential potential = Potential::at(world, world.at_load(load), equilibrium);
     potential.hessian(equilibrium, Projection::none, stiffness);
   }
   const EigenProblem problem{

@@ -7,6 +7,7 @@
 #include "resilin/world/body_mesh.hpp"
 #include "resilin/world/cell_material.hpp"
 #include "resilin/world/region_cells.hpp"
+#include "resilin/world/viscoelastic_material.hpp"
 
 namespace resilin {
 namespace {
@@ -75,12 +76,10 @@ const LawInfo& limiting_law(const std::vector<DomainMaterial>& materials) {
   return *materials.front().law;
 }
 
-std::vector<std::shared_ptr<ElasticEnergy>> give_material(const World& world,
-                                                          const BodyDescription& description,
-                                                          const std::vector<DomainMaterial>& materials,
-                                                          Body& body) {
+std::vector<std::shared_ptr<Energy>> give_material(const World& world, const BodyDescription& description,
+                                                   const std::vector<DomainMaterial>& materials, Body& body) {
   using Gradients = ElasticTiles::Gradients;  // that of viscous damping, in motion, are those of the body
-  std::vector<std::shared_ptr<ElasticEnergy>> energies;
+  std::vector<std::shared_ptr<Energy>> energies;
   std::vector<Domain> domains;
   body.mass = 0;
   for (const DomainMaterial& of : materials) {
@@ -105,6 +104,16 @@ std::vector<std::shared_ptr<ElasticEnergy>> give_material(const World& world,
         world.rest_positions, law, of.constants, fibres, preferred_instruction_set(),
         world.is_dynamic ? Gradients::held : Gradients::held_by_small_bodies);
     if (world.newton.inversion_bound == InversionBound::everywhere) energy->bound_inversion_everywhere();
+    std::shared_ptr<Energy> term = energy;
+    if (material.viscoelastic) {
+      PronySeries series = prony_series(*material.viscoelastic, law);
+      if (series.stiffening != 1)
+        energy = std::make_shared<ElasticEnergy>(
+            energy->with_scaled_constants(isochoric_factors(law, series.stiffening)));
+      const auto viscoelastic = std::make_shared<ViscoelasticEnergy>(energy, std::move(series.branches));
+      domain.viscoelastic = viscoelastic;
+      term = viscoelastic;
+    }
     domain.energy = energy;
     domain.density = material.density;
     body.mass += material.density * energy->total_rest_volume();
@@ -112,7 +121,7 @@ std::vector<std::shared_ptr<ElasticEnergy>> give_material(const World& world,
       throw InputError(material.place + ".density", "a positive number in a dynamic analysis",
                        format_number(material.density));
     }
-    energies.push_back(std::move(energy));
+    energies.push_back(std::move(term));
     domains.push_back(std::move(domain));
   }
   body.domains = Domains(std::move(domains));

@@ -35,10 +35,8 @@ const MaterialDescription& material_of(const BodyDescription& description, int r
 /// Makes the strain energies of `body`, whose cells are placed in `world`, and notes the materials in it.
 /// They are not bound to a pattern yet.
 /// @throws InputError  for a law that does not suit the element or the motion
-std::vector<std::shared_ptr<ElasticEnergy>> give_material(const World& world,
-                                                          const BodyDescription& description,
-                                                          const std::vector<DomainMaterial>& materials,
-                                                          Body& body);
+std::vector<std::shared_ptr<Energy>> give_material(const World& world, const BodyDescription& description,
+                                                   const std::vector<DomainMaterial>& materials, Body& body);
 
 /// Gives body number `index` of a world other materials, in the same domains; all else stays. On an error the
 /// world is unchanged.

@@ -56,6 +56,10 @@ constexpr std::array<std::string_view, 3> spellings(UnstableModes) { return {"au
 enum class OutputFormat { vtu, html, usda };
 constexpr std::array<std::string_view, 3> spellings(OutputFormat) { return {"vtu", "html", "usda"}; }
 
+/// Constants of a viscoelastic material: those of a sudden load, or those after a long time.
+enum class Moduli { instantaneous, long_term };
+constexpr std::array<std::string_view, 2> spellings(Moduli) { return {"instantaneous", "long_term"}; }
+
 /// Selection of vertices of a body, in its reference configuration after scale, rotate and translate.
 struct Where {
   enum class Kind { all, group, box, plane, sphere, vertices };
@@ -71,6 +75,16 @@ struct Where {
   std::vector<Index> vertices;       ///< vertices: numbers in the body's mesh, from 0
 };
 
+/// Finite-strain viscoelasticity by a Prony series (docs/theory/viscoelasticity.md).
+struct ViscoelasticDescription {
+  std::string place = "material.viscoelastic";
+  /// Share of each branch in the shear moduli: of the instantaneous or of the long-term ones, as `moduli`
+  /// says.
+  std::vector<double> g;
+  std::vector<double> tau;  ///< relaxation time of each branch [s]
+  Moduli moduli = Moduli::instantaneous;
+};
+
 struct MaterialDescription {
   std::string place = "material";
   std::string law = "stable_neo_hookean";  ///< a name of material/catalog.hpp
@@ -82,6 +96,7 @@ struct MaterialDescription {
   /// the axes of the mesh; they rotate with the body's `rotate`. Their length does not matter.
   std::vector<std::vector<Vector3>> fibres;
   double density = 1000;  ///< reference density [kg/m^3]
+  std::optional<ViscoelasticDescription> viscoelastic{};
 };
 
 struct Rotation {

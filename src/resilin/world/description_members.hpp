@@ -11,7 +11,8 @@ namespace resilin {
 inline Members<> members(const TimeFunction::Constant&) { return {}; }
 
 RESILIN_MEMBERS(Where, kind, group, min, max, axis, at, tolerance, center, radius, vertices)
-RESILIN_MEMBERS(MaterialDescription, place, law, constants, cell_constants, fibres, density)
+RESILIN_MEMBERS(ViscoelasticDescription, place, g, tau, moduli)
+RESILIN_MEMBERS(MaterialDescription, place, law, constants, cell_constants, fibres, density, viscoelastic)
 RESILIN_MEMBERS(Rotation, axis, center, degrees)
 RESILIN_MEMBERS(DampingDescription, mass, stiffness, shear_viscosity, bulk_viscosity)
 RESILIN_MEMBERS(SkinDescription, place, surface, surface_name, is_smooth)

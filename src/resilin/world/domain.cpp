@@ -51,9 +51,13 @@ double Domains::total_rest_volume() const {
   return volume;
 }
 
+bool Domains::are_viscoelastic() const {
+  return std::ranges::any_of(all_, [](const Domain& domain) { return domain.viscoelastic != nullptr; });
+}
+
 double Domains::value(const VectorX& x) const {
   double sum = 0;
-  for (const Domain& domain : all_) sum += domain.energy->value(x, {});
+  for (const Domain& domain : all_) sum += domain.stored_energy(x);
   return sum;
 }
 
@@ -75,19 +79,19 @@ ElasticEnergy::VolumeRatio Domains::min_volume_ratio(const VectorX& x) const {
 }
 
 std::vector<double> Domains::rest_volumes() const {
-  return by_cell([](const ElasticEnergy& energy) { return energy.rest_volumes(); });
+  return by_cell([](const Domain& domain) { return domain.energy->rest_volumes(); });
 }
 
 std::vector<double> Domains::point_volumes() const {
-  return by_cell([](const ElasticEnergy& energy) { return energy.point_volumes(); });
+  return by_cell([](const Domain& domain) { return domain.energy->point_volumes(); });
 }
 
 std::vector<double> Domains::volume_ratios(const VectorX& x) const {
-  return by_cell([&x](const ElasticEnergy& energy) { return energy.volume_ratios(x); });
+  return by_cell([&x](const Domain& domain) { return domain.energy->volume_ratios(x); });
 }
 
 std::vector<Matrix<3>> Domains::deformation_gradients(const VectorX& x) const {
-  return by_cell([&x](const ElasticEnergy& energy) { return energy.deformation_gradients(x); });
+  return by_cell([&x](const Domain& domain) { return domain.energy->deformation_gradients(x); });
 }
 
 }  // namespace resilin

@@ -7,6 +7,7 @@
 
 #include "resilin/core/shared_indices.hpp"
 #include "resilin/energy/elastic.hpp"
+#include "resilin/energy/viscoelastic.hpp"
 
 namespace resilin {
 
@@ -20,9 +21,14 @@ struct Domain {
   double density = 0;                                       ///< [kg/m^3]
   std::shared_ptr<const std::vector<Index>> numbers{};      ///< of its cells in the body, rising; null: all
   SharedIndices cells{};                                    ///< nodes of its cells, in the world's numbering
-  std::shared_ptr<const ElasticEnergy> energy{};
+  std::shared_ptr<const ElasticEnergy> energy{};  ///< of a viscoelastic material: the instantaneous one
+  std::shared_ptr<const ViscoelasticEnergy> viscoelastic{};  ///< null for an elastic material
 
   const LawInfo& law_info() const { return energy->law(); }
+  /// Strain energy [J]; of a viscoelastic material that of its long-term moduli.
+  double stored_energy(const VectorX& x) const {
+    return viscoelastic ? viscoelastic->stored_energy(x) : energy->value(x, {});
+  }
   /// The number in the body of one of its cells.
   Index number_of(Index cell) const { return numbers ? (*numbers)[static_cast<std::size_t>(cell)] : cell; }
 };
@@ -59,7 +65,8 @@ class Domains {
   Index num_cells() const { return num_cells_; }
   double total_rest_volume() const;
 
-  double value(const VectorX& x) const;  ///< [J]
+  bool are_viscoelastic() const;         ///< one of them at least
+  double value(const VectorX& x) const;  ///< stored energy [J]
   double difference(const VectorX& from, const VectorX& to) const;
   /// The smallest J of all domains, as ElasticEnergy has it.
   ElasticEnergy::VolumeRatio min_volume_ratio(const VectorX& x) const;
@@ -69,14 +76,14 @@ class Domains {
   std::vector<double> volume_ratios(const VectorX& x) const;
   std::vector<Matrix<3>> deformation_gradients(const VectorX& x) const;
 
-  /// Entries of all cells, each of which has as many: `ask(energy)` gives those of a domain.
+  /// Entries of all cells, each of which has as many: `ask(domain)` gives those of a domain.
   template <class Ask>
   auto by_cell(const Ask& ask) const {
-    auto first = ask(*front().energy);
+    auto first = ask(front());
     if (all_.size() == 1) return first;
     decltype(first) entries;
     for (std::size_t d = 0; d < all_.size(); ++d) {
-      const auto own = d == 0 ? std::move(first) : ask(*all_[d].energy);
+      const auto own = d == 0 ? std::move(first) : ask(all_[d]);
       const auto count = static_cast<std::size_t>(all_[d].energy->num_cells());
       if (count == 0) continue;
       const std::size_t width = own.size() / count;

@@ -5,6 +5,7 @@
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/world/colliders.hpp"
+#include "resilin/world/viscoelastic_material.hpp"
 
 namespace resilin {
 
@@ -18,7 +19,8 @@ bool follows_time(const Description& description) {
   const auto is_windowed = [](const LoadDescription& load) { return load.from > 0 || load.until; };
   return std::ranges::any_of(description.fixes, varies) || std::ranges::any_of(description.loads, varies) ||
          std::ranges::any_of(description.loads, is_windowed) ||
-         std::ranges::any_of(description.colliders, moves);
+         std::ranges::any_of(description.colliders, moves) ||
+         std::ranges::any_of(description.bodies, is_viscoelastic);
 }
 
 std::vector<double> event_times(const Description& description) {

@@ -61,6 +61,9 @@ void require_distributable(const World& world) {
   if (world.friction) refuse(scene + ": friction", "friction");
   if (!world.sections.empty()) refuse(scene + ": section", "a section force");
   for (const Body& body : world.bodies)
+    if (body.domains.are_viscoelastic())
+      refuse(scene + ": body \"" + body.name + "\"", "a viscoelastic material");
+  for (const Body& body : world.bodies)
     if (body.skin) refuse(scene + ": body \"" + body.name + "\"", "a skin");
   for (const std::string& field : world.output.fields)
     if (field.starts_with("contact_") || field.starts_with("nodal_"))

@@ -3,13 +3,15 @@
 #include <string>
 #include <string_view>
 
+#include "resilin/core/members.hpp"
 #include "resilin/core/types.hpp"
 #include "resilin/energy/energy.hpp"
 
 namespace resilin {
 
-/// Everything that a step reads and changes. Equal states give equal steps, bit by bit. A new member gets a
-/// line in `visit_members` (state.cpp).
+/// Everything that a step reads and changes. Equal states give equal steps, bit by bit. A new member belongs
+/// into the list below, without which this does not compile; from the list follow checkpoints, their check
+/// and the parts of a distributed state.
 struct State {
   int step = 0;
   int mode = 0;        ///< of free vibrations: which one is shown, from 1; 0: none yet
@@ -39,18 +41,30 @@ struct State {
   VectorX previous_velocities;        ///< one step before [m/s]
   double previous_time_step = 0;      ///< length of that step [s]; 0: there was none
   double time_step = 0;               ///< length of the next step, where steps adapt [s]
-  double dissipated_energy = 0;       ///< by damping and friction, since the start [J]
+  double dissipated_energy = 0;       ///< by damping, friction, viscoelasticity [J]
   double collider_delay = 0;          ///< how far moving colliders are behind; bodies were in their way [s]
   double energy_excess = 0;           ///< how far the energy, less work done, has risen: see TimeStepper [J]
   double largest_kinetic_energy = 0;  ///< so far [J]
   int guarded_steps = 0;              ///< that would have added energy, and were changed
   double removed_energy = 0;          ///< from the velocities of these [J]
   int divided_steps = 0;              ///< taken in parts, for none of the whole length was found
+
+  VectorX history{};  ///< internal variables of the terms, one term after another (HistoryTerm)
 };
+RESILIN_MEMBERS(State, step, mode, time, load, positions, velocities, previous_positions, load_increment,
+                previous_load, arc_length, load_weight, jumps, largest_jump, largest_jump_load, friction_work,
+                unsettled_steps, friction_mismatch, accelerations, previous_velocities, previous_time_step,
+                time_step, dissipated_energy, collider_delay, energy_excess, largest_kinetic_energy,
+                guarded_steps, removed_energy, divided_steps, history)
 
 /// Under which its forces are taken.
 inline Conditions conditions_of(const State& state) {
   return {.time = state.time, .load = state.load, .collider_delay = state.collider_delay};
+}
+
+/// The same `duration` [s] later, in motion.
+inline Conditions conditions_after(const State& state, double duration, double collider_delay = 0) {
+  return {.time = state.time + duration, .load = state.load, .collider_delay = collider_delay};
 }
 
 /// Exact binary image of a state, for checkpoints.
@@ -60,8 +74,9 @@ std::string serialize(const State& state);
 State deserialize_state(std::string_view image, const std::string& place);
 
 /// Throws InputError naming `place` and the member unless a step can begin at the state: its vectors have
-/// `num_unknowns` entries (or none, where that has a meaning), all numbers are finite, times and counters are
-/// not negative.
-void check_state(const State& state, Eigen::Index num_unknowns, const std::string& place);
+/// `num_unknowns` entries (or none, where that has a meaning), its history `num_history_values`, all numbers
+/// are finite, times and counters are not negative.
+void check_state(const State& state, Eigen::Index num_unknowns, Eigen::Index num_history_values,
+                 const std::string& place);
 
 }  // namespace resilin

@@ -7,6 +7,7 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/energy/history_term.hpp"
 #include "resilin/energy/inertia.hpp"
 #include "resilin/mesh/facet.hpp"
 #include "resilin/world/body_material.hpp"
@@ -25,6 +26,7 @@
 #include "resilin/world/scene_origin.hpp"
 #include "resilin/world/selection.hpp"
 #include "resilin/world/start_check.hpp"
+#include "resilin/world/viscoelastic_material.hpp"
 
 namespace resilin {
 namespace {
@@ -124,6 +126,7 @@ class Builder {
 
 void Builder::build() {
   check_description(description_);
+  check_viscoelasticity(description_);
   if (description_.bodies.empty()) throw InputError(world_.place, "at least one [[body]]", "none");
   for (const BodyDescription& body : description_.bodies) add_body(body);
   if (world_.other_contact_shape == world_.rest_positions) world_.other_contact_shape.resize(0);
@@ -425,6 +428,23 @@ std::size_t World::term_of_domain(std::size_t body, std::size_t domain) const {
   const std::optional<std::size_t> term = find_term({TermOrigin::Kind::domain, body, domain});
   if (!term) throw std::logic_error("World::term_of_domain: no term of body " + std::to_string(body));
   return *term;
+}
+
+Eigen::Index World::num_history_values() const {
+  Eigen::Index count = 0;
+  for (const auto& term : terms)
+    if (const HistoryTerm* of = term->history_term()) count += of->num_history_values();
+  return count;
+}
+
+VectorX World::history_of_domain(std::size_t body, std::size_t domain, const VectorX& history) const {
+  const std::size_t number = term_of_domain(body, domain);
+  Eigen::Index first = 0;
+  for (std::size_t i = 0; i < number; ++i)
+    if (const HistoryTerm* of = terms[i]->history_term()) first += of->num_history_values();
+  const HistoryTerm* of = terms[number]->history_term();
+  if (of == nullptr) return {};
+  return history.segment(first, of->num_history_values());
 }
 
 Index World::num_free_unknowns() const {

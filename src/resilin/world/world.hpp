@@ -157,6 +157,11 @@ class World {
   /// Likewise of a load, which makes one, and of a domain.
   std::size_t term_of_load(std::size_t load) const;
   std::size_t term_of_domain(std::size_t body, std::size_t domain) const;
+  /// Number of internal variables of all terms: those of one term after another make up State::history.
+  Eigen::Index num_history_values() const;
+  bool keeps_history() const { return num_history_values() > 0; }
+  /// Those of a domain, of all of a state.
+  VectorX history_of_domain(std::size_t body, std::size_t domain, const VectorX& history) const;
   Index num_nodes() const { return static_cast<Index>(rest_positions.size() / dimension); }
   /// In the scene's coordinates [m].
   Vector3 place_of(Index node, const VectorX& positions) const;

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "resilin/energy/elastic.hpp"
+#include "resilin/energy/history_term.hpp"
+
+namespace resilin {
+
+/// A branch of a Prony series g(t) = 1 - sum_i g_i (1 - exp(-t / tau_i)).
+struct PronyBranch {
+  double share;  ///< g_i, of the instantaneous shear moduli
+  double time;   ///< tau_i [s]
+};
+
+/// Whether a law is Psi = Psi_iso(J^(-1/3) F) + U(J) with a bulk modulus of its own in U.
+bool has_isochoric_split(const LawInfo& law);
+
+/// Factors of a law's constants that scale Psi_iso and leave U alone.
+std::vector<double> isochoric_factors(const LawInfo& law, double factor);
+
+/// Strain energy of a viscoelastic body at finite strain: the isochoric stress relaxes, the pressure does
+/// not.
+///
+///   S(t) = J U' C^-1 + J^(-2/3) DEV[ int g(t - s) d/ds X(s) ds ],   X = DEV[2 dPsi_iso/dC_bar]
+///
+/// with DEV[A] = A - (A:C) C^-1 / 3 at the present C. Internal variables of a quadrature point are X and the
+/// h_i of the branches, by the increments of X that are linear in time:
+///
+///   h_i <- e_i h_i + c_i (X - X_n),   e_i = exp(-dt/tau_i),   c_i = (1 - e_i) / (dt/tau_i)
+///
+/// A stage minimises U + (g_inf + sum_i g_i c_i) Psi_iso + J^(-2/3) C:H / 2, H = sum_i g_i (e_i h_i - c_i
+/// X_n). Sources: Simo 1987; Simo & Hughes 1998, ch. 10. Theory: docs/theory/viscoelasticity.md.
+class ViscoelasticEnergy final : public BasicEnergy, public HistoryTerm {
+ public:
+  /// @param instantaneous  of a law with an isochoric split, with its constants under sudden load
+  /// @param branches       whose shares sum to less than one
+  ViscoelasticEnergy(std::shared_ptr<ElasticEnergy> instantaneous, std::vector<PronyBranch> branches);
+
+  std::string_view name() const override { return instantaneous_->name(); }
+  EnergyProperties properties() const override { return instantaneous_->properties(); }
+
+  // ---- as the term itself: the response to a sudden load from the reference configuration
+  double value(const VectorX& x, const Conditions& c) const override { return instantaneous_->value(x, c); }
+  double difference(const VectorX& from, const VectorX& to, const Conditions& c) const override {
+    return instantaneous_->difference(from, to, c);
+  }
+  double magnitude(const VectorX& x, const Conditions& c) const override {
+    return instantaneous_->magnitude(x, c);
+  }
+  void add_gradient(const VectorX& x, const Conditions& c, VectorX& gradient) const override {
+    instantaneous_->add_gradient(x, c, gradient);
+  }
+  void add_gradient_magnitude(const VectorX& x, const Conditions& c, VectorX& magnitude) const override {
+    instantaneous_->add_gradient_magnitude(x, c, magnitude);
+  }
+  void add_hessian(const VectorX& x, const Conditions& c, Projection projection,
+                   BlockMatrix& hessian) const override {
+    instantaneous_->add_hessian(x, c, projection, hessian);
+  }
+  void add_pattern(BlockPatternBuilder& builder) const override { instantaneous_->add_pattern(builder); }
+  void bind(const BlockPattern& pattern) override { instantaneous_->bind(pattern); }
+  double max_step(const VectorX& x, const VectorX& p, const Conditions& c) const override {
+    return instantaneous_->max_step(x, p, c);
+  }
+
+  // ---- history
+  const HistoryTerm* history_term() const override { return this; }
+  Eigen::Index num_history_values() const override;
+  std::unique_ptr<Energy> begin_stage_after(const VectorX& history, const Stage& stage) const override;
+  /// Its heat is the work against the stresses of the branches, by the trapezoidal rule. A branch gives some
+  /// of it back while it relaxes.
+  Advance advance(const VectorX& history, const VectorX& from, const VectorX& to,
+                  double duration) const override;
+  /// U + g_inf Psi_iso: that of the long-term moduli.
+  double stored_energy(const VectorX& x) const override;
+  double stored_difference(const VectorX& from, const VectorX& to) const override;
+
+  /// By quadrature point [Pa], as ElasticEnergy has them; at the positions that the history has led to.
+  std::vector<Matrix<3>> cauchy_stresses(const VectorX& x, const VectorX& history) const;
+  /// Stored energy by quadrature point [J/m^3].
+  std::vector<double> energy_densities(const VectorX& x) const;
+
+  const std::vector<PronyBranch>& branches() const { return branches_; }
+  double long_term_share() const { return long_term_share_; }  ///< g_inf
+
+ private:
+  ElasticEnergy with_isochoric_share(double share) const;
+  Eigen::Index values_per_point() const;
+
+  std::shared_ptr<ElasticEnergy> instantaneous_;
+  std::vector<PronyBranch> branches_;
+  double long_term_share_ = 1;
+};
+
+}  // namespace resilin

@@ -1,0 +1,382 @@
+// Viscoelasticity at finite strain, against closed forms and another code (tests/reference/viscoelastic.json,
+// visco_strip.json), and what every term with internal variables must keep.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "every_integrator.hpp"
+#include "reference_case.hpp"
+#include "resilin/core/parallel.hpp"
+#include "resilin/fields/evaluator.hpp"
+#include "resilin/simulation/potential.hpp"
+#include "small_scenes.hpp"
+
+namespace resilin::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+ViscoelasticDescription prony(std::vector<double> g, std::vector<double> tau) {
+  return {.place = "bar.toml: body[0].material.viscoelastic", .g = std::move(g), .tau = std::move(tau)};
+}
+
+ViscoelasticDescription prony_of(const nlohmann::json& pairs) {
+  std::vector<double> g, tau;
+  for (const auto& pair : pairs) {
+    g.push_back(pair[0]);
+    tau.push_back(pair[1]);
+  }
+  return prony(g, tau);
+}
+
+MaterialDescription reference_rubber(const std::string& law, const nlohmann::json& constants) {
+  MaterialDescription material;
+  if (law == "mooney_rivlin") {
+    material.law = law;
+    material.constants = {
+        {"c10", constants["c10"]}, {"c01", constants["c01"]}, {"bulk_modulus", constants["kappa"]}};
+  } else {
+    material.law = "neo_hookean_isochoric";
+    material.constants = {{"shear_modulus", constants["mu"]}, {"bulk_modulus", constants["kappa"]}};
+  }
+  return material;
+}
+
+/// A cube of 1 m, one cell, on rollers at x = 0, y = 0 and z = 0.
+Description reference_cube(const std::string& law, double end_time, int steps) {
+  const nlohmann::json reference = read_reference("viscoelastic");
+  Description scene;
+  scene.dimension = 3;
+  scene.newton.tolerance = 1e-12;
+  scene.end_time = end_time;
+  scene.load_steps = steps;
+  BodyDescription body;
+  body.element = "Q1";
+  body.mesh = make_hexahedron_box({1, 1, 1}, {1, 1, 1});
+  body.material = reference_rubber(law, reference["laws"][law]);
+  body.material.viscoelastic = prony_of(reference["prony_g_tau"]);
+  scene.bodies.push_back(std::move(body));
+  for (int axis = 0; axis < 3; ++axis) {
+    FixDescription roller = fix("roller " + std::to_string(axis), plane(axis, 0));
+    roller.components = {axis == 0, axis == 1, axis == 2};
+    scene.fixes.push_back(roller);
+  }
+  scene.probes.push_back(probe("corner", {1, 1, 1}));
+  return scene;
+}
+
+/// Its face at x = 1 moves along x by `displacement` times a function of time.
+void pull(Description& scene, double displacement, const TimeFunction& function) {
+  FixDescription face = fix("pulled", plane(0, 1));
+  face.components = {true, false, false};
+  face.displacement = {displacement, 0, 0};
+  face.time_function = function;
+  scene.fixes.push_back(face);
+}
+
+TimeFunction table(std::vector<double> times, std::vector<double> values) {
+  return {TimeFunction::Table{std::move(times), std::move(values)}};
+}
+
+/// It starts with the stretches of a row.
+void start_stretched(Description& scene, const nlohmann::json& row) {
+  for (const Vector3& X : scene.bodies[0].mesh.vertices) {
+    scene.bodies[0].initial_positions.push_back(row["stretch"].get<double>() * X.x());
+    for (const double x : {X.y(), X.z()})
+      scene.bodies[0].initial_positions.push_back(row["lateral_stretch"].get<double>() * x);
+  }
+}
+
+double reaction(const Frame& frame, const std::string& name, int component) {
+  for (const auto& [of, force] : frame.reactions)
+    if (of == name) return force[component];
+  ADD_FAILURE() << "no reaction " << name;
+  return 0;
+}
+
+/// Steps until the time of a row.
+void step_to(Simulation& simulation, double time) {
+  while (simulation.state().time < time - 1e-9) {
+    const StepReport report = simulation.step();
+    ASSERT_EQ(report.status, StepReport::Status::converged) << report.reason;
+  }
+}
+
+void expect_stretches(const Simulation& simulation, const nlohmann::json& row, double tolerance) {
+  const Vector3 displacement = simulation.frame().probes[0].displacement;
+  EXPECT_NEAR(1 + displacement.x(), row["stretch"].get<double>(), tolerance);
+  EXPECT_NEAR(1 + displacement.y(), row["lateral_stretch"].get<double>(), tolerance);
+  EXPECT_NEAR(1 + displacement.z(), row["lateral_stretch"].get<double>(), tolerance);
+}
+
+struct ViscoelasticReference : ::testing::TestWithParam<std::string> {
+  const nlohmann::json reference = read_reference("viscoelastic");
+  nlohmann::json rows(const std::string& name) const {
+    return reference["results"][GetParam() + "_simo"][name];
+  }
+  nlohmann::json shear_rows(const std::string& name) const {
+    return reference["results"]["shear_" + GetParam() + "_simo"][name]["rows"];
+  }
+};
+
+TEST_P(ViscoelasticReference, StepsAreThoseOfTheUpdateRule) {
+  Description scene = reference_cube(GetParam(), 2, 20);
+  pull(scene, 0.8, table({0, 1, 2}, {0, 1, 1}));
+  Simulation simulation(scene);
+  for (const auto& row : rows("time_discrete")["linear"]) {
+    step_to(simulation, row["t"]);
+    expect_stretches(simulation, row, 1e-9);
+    const double P = row["P11"];
+    EXPECT_NEAR(reaction(simulation.frame(), "pulled", 0), P, 1e-9 * P);
+  }
+}
+
+TEST_P(ViscoelasticReference, StressRelaxesAfterAJump) {
+  Description scene = reference_cube(GetParam(), 1, 200);
+  start_stretched(scene, rows("relaxation_jump_finite")[0]);
+  pull(scene, 0.8, table({0}, {1}));
+  Simulation simulation(scene);
+  for (const auto& row : rows("relaxation_jump_finite")) {
+    if (row["t"] > 1) break;
+    step_to(simulation, row["t"]);
+    const double tolerance = row["t"] == 0.0 ? 1e-9 : 1e-6;  // the lateral stretch does not move evenly
+    expect_stretches(simulation, row, tolerance);
+    const double P = row["P11"];
+    EXPECT_NEAR(reaction(simulation.frame(), "pulled", 0), P, tolerance * P);
+  }
+}
+
+TEST_P(ViscoelasticReference, CreepsUnderALoadThatStays) {
+  Description scene = reference_cube(GetParam(), 1, 200);
+  const nlohmann::json creep = rows("creep_jump");
+  start_stretched(scene, creep["rows"][0]);
+  LoadDescription load;
+  load.name = "load";
+  load.kind = "traction";
+  load.where = plane(0, 1);
+  load.value = {creep["P11"], 0, 0};
+  load.time_function = table({0}, {1});
+  scene.loads.push_back(load);
+  Simulation simulation(scene);
+  for (const auto& row : creep["rows"]) {
+    if (row["t"] > 1) break;
+    step_to(simulation, row["t"]);
+    expect_stretches(simulation, row, 1e-5);  // second order in steps of 5 ms
+  }
+}
+
+TEST_P(ViscoelasticReference, CyclesLoseTheAreaOfTheirLoops) {
+  Description scene = reference_cube(GetParam(), 2, 400);
+  const nlohmann::json cyclic = rows("cyclic");
+  pull(scene, 0.5 * cyclic["A"].get<double>(),
+       {TimeFunction::Sine{.frequency = 1, .amplitude = 1, .phase = -90, .offset = 1}});
+  Simulation simulation(scene);
+  double before = 0;
+  for (const auto& row : cyclic["rows"]) {
+    const int cycle = row["cycle"];
+    if (cycle > 2) break;
+    step_to(simulation, cycle - 0.5);
+    EXPECT_NEAR(reaction(simulation.frame(), "pulled", 0), row["P11_at_peak_stretch"].get<double>(), 10);
+    step_to(simulation, cycle);
+    EXPECT_NEAR(reaction(simulation.frame(), "pulled", 0), row["P11_at_end"].get<double>(), 10);
+    const double work = simulation.frame().elastic_energy + simulation.frame().dissipated_energy;
+    const double area = row["loop_area_per_volume"];
+    EXPECT_NEAR(work - before, area, 4e-4 * area);  // second order in steps of 5 ms
+    before = work;
+  }
+}
+
+TEST_P(ViscoelasticReference, StressesInSimpleShearAreThoseOfTheIntegral) {
+  Description scene = reference_cube(GetParam(), 0.2, 200);
+  scene.fixes.clear();
+  FixDescription all = fix("all", Where());
+  all.gradient(0, 1) = 1.2;
+  all.time_function = table({0, 0.2}, {0, 1});
+  scene.fixes.push_back(all);
+  Simulation simulation(scene);
+  const std::vector<std::string> names = {"cauchy_stress"};
+  for (const auto& row : shear_rows("ramp_finite")) {
+    if (row["t"] > 0.2) break;
+    step_to(simulation, row["t"]);
+    const std::vector<double> stress =
+        FieldEvaluator(simulation.world()).evaluate(simulation.state(), names).front().values;
+    const double scale = row["cauchy12"];
+    EXPECT_NEAR(stress[1], row["cauchy12"].get<double>(), 1e-5 * scale);
+    EXPECT_NEAR(stress[0], row["cauchy11"].get<double>(), 1e-5 * scale);
+    EXPECT_NEAR(stress[4], row["cauchy22"].get<double>(), 1e-5 * scale);
+    EXPECT_NEAR(stress[8], row["cauchy33"].get<double>(), 1e-5 * scale);
+    const double work = simulation.frame().elastic_energy + simulation.frame().dissipated_energy;
+    EXPECT_NEAR(work, row["work_per_volume"].get<double>(), 1e-4 * work);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Laws, ViscoelasticReference, ::testing::Values("nh_iso_j1", "mooney_rivlin"),
+                         [](const auto& of) { return of.param; });
+
+TEST(ViscoelasticStrip, CreepsAndComesBackAsInAnotherCode) {
+  const nlohmann::json reference = read_reference("visco_strip");
+  for (const auto& row : reference["rows"]) {
+    SCOPED_TRACE(row["element"].get<std::string>());
+    Description scene = one_body(2, reference_mesh(reference["mesh"]), {});
+    use_element(scene, row);
+    scene.bodies[0].material = reference_rubber("nh_iso_j1", reference["constants"]);
+    scene.bodies[0].material.viscoelastic = prony_of(reference["prony_g_tau"]);
+    scene.end_time = 2;
+    scene.load_steps = 20;
+    scene.fixes.push_back(fix("fix", group("fix")));
+    LoadDescription load;
+    load.name = "load";
+    load.kind = "traction";
+    load.where = group("pull");
+    load.value = {reference["traction_on_pull"][0], reference["traction_on_pull"][1], 0};
+    load.time_function = table({0, 0.5, 1, 1.1}, {0, 1, 1, 0});
+    scene.loads.push_back(load);
+    Vector3 corner = Vector3::Zero();
+    for (const Vector3& X : scene.bodies[0].mesh.vertices) corner = corner.cwiseMax(X);
+    scene.probes.push_back(probe("corner", corner));
+    Simulation simulation(scene);
+    double time = 0;
+    for (const auto& u : row["u_per_step"]) {
+      step_to(simulation, time += 0.1);
+      EXPECT_LT(relative_error(simulation.frame().probes[0].displacement, u), 1e-8);
+    }
+  }
+}
+
+// ---- any term with internal variables
+
+/// A viscoelastic bar that falls into its weight.
+Description creeping_bar(int dimension, bool is_dynamic, const std::string& element = "P1") {
+  Description scene = small_bar(dimension, is_dynamic);
+  scene.bodies[0].element = element;
+  scene.bodies[0].material.law = "neo_hookean_simo";
+  scene.bodies[0].material.viscoelastic = prony({0.3, 0.2, 0.1}, {0.01, 0.1, 1});
+  scene.load_steps = 10;
+  return scene;
+}
+
+TEST(Viscoelasticity, GoesOnFromACheckpointInTheSameBits) {
+  expect_same_bits_after_a_checkpoint(creeping_bar(2, false), 4);
+  for (const std::string& integrator : integrator_names()) {
+    Description scene = creeping_bar(3, true);
+    scene.integrator = integrator;
+    expect_same_bits_after_a_checkpoint(scene, 4);
+    scene.adaptive.emplace();
+    expect_same_bits_after_a_checkpoint(scene, 2);
+  }
+}
+
+TEST(Viscoelasticity, GivesTheSameBitsForAnyNumberOfThreads) {
+  const int threads_before = num_threads();
+  std::string state;
+  for (const int threads : {1, 2, 5}) {
+    set_num_threads(threads);
+    const std::string found = serialize(run_all(creeping_bar(3, true)).state());
+    if (state.empty()) state = found;
+    EXPECT_EQ(found, state);
+  }
+  set_num_threads(threads_before);
+}
+
+/// What is undone leaves no trace: a step that is cut in two by its observer begins with the same history.
+TEST(Viscoelasticity, DoesNotAdvanceInAStepThatIsInterrupted) {
+  for (const bool is_dynamic : {false, true}) {
+    Simulation simulation(creeping_bar(2, is_dynamic));
+    simulation.step();
+    const VectorX history = simulation.state().history;
+    EXPECT_GT(history.norm(), 0);
+    EXPECT_EQ(simulation.step([](const NewtonReport&) { return false; }).status,
+              StepReport::Status::interrupted);
+    EXPECT_EQ(simulation.state().history, history);
+  }
+}
+
+TEST(Viscoelasticity, ConvergesWithTheOrderOfEachIntegrator) {
+  for (const std::string& integrator : integrator_names()) {
+    SCOPED_TRACE(integrator);
+    const auto tip = [&](double time_step) {
+      Description scene = creeping_bar(2, true);
+      scene.bodies[0].material.viscoelastic = prony({0.3, 0.2}, {0.05, 0.5});
+      scene.integrator = integrator;
+      scene.time_step = time_step;
+      scene.newton.tolerance = 1e-11;
+      return converged_end_of(scene).frame().probes[0].displacement.y();
+    };
+    const double coarse = tip(0.005), middle = tip(0.0025), fine = tip(0.00125);
+    const double rate = std::log2(std::abs((coarse - middle) / (middle - fine)));
+    EXPECT_GT(rate, make_integrator(integrator, "test")->order() == 1 ? 0.8 : 1.6);
+  }
+}
+
+TEST(Viscoelasticity, KeepsTheEnergyThatItsBranchesTakeInTheBalance) {
+  Description scene = creeping_bar(2, true);
+  scene.integrator = "midpoint";
+  scene.time_step = 0.001;
+  scene.newton.tolerance = 1e-11;
+  const Simulation start(scene);
+  const Simulation end = converged_end_of(scene);
+  const double lost = start.frame().total_energy() - end.frame().total_energy();
+  EXPECT_GT(end.frame().dissipated_energy, 0);
+  EXPECT_NEAR(end.frame().dissipated_energy, lost, 1e-3 * lost);
+  EXPECT_EQ(end.state().guarded_steps, 0);
+}
+
+TEST(Viscoelasticity, OfLongTermModuliIsTheSameMaterial) {
+  Description scene = creeping_bar(2, false, "P2P0");
+  scene.bodies[0].material.constants = {{"shear_modulus", 4e4}, {"bulk_modulus", 2e6}};
+  scene.bodies[0].material.viscoelastic = prony({0.3, 0.3}, {0.01, 1});
+  const Simulation instantaneous = converged_end_of(scene);
+  scene.bodies[0].material.constants["shear_modulus"] = 0.4 * 4e4;
+  scene.bodies[0].material.viscoelastic = prony({0.75, 0.75}, {0.01, 1});
+  scene.bodies[0].material.viscoelastic->moduli = Moduli::long_term;
+  const Simulation long_term = converged_end_of(scene);
+  EXPECT_NEAR(long_term.frame().probes[0].displacement.y(), instantaneous.frame().probes[0].displacement.y(),
+              1e-9);
+}
+
+TEST(Viscoelasticity, CreepsToTheEquilibriumOfItsLongTermModuli) {
+  Description scene = creeping_bar(2, false);
+  scene.bodies[0].material.constants = {{"shear_modulus", 4e4}, {"bulk_modulus", 2e5}};
+  scene.bodies[0].material.viscoelastic = prony({0.5}, {0.01});
+  scene.end_time = 100;
+  const Vector3 crept = converged_end_of(scene).frame().probes[0].displacement;
+  scene.bodies[0].material.viscoelastic.reset();
+  scene.bodies[0].material.constants["shear_modulus"] = 2e4;
+  const Vector3 elastic = converged_end_of(scene).frame().probes[0].displacement;
+  EXPECT_LT((crept - elastic).norm(), 1e-3 * elastic.norm());
+}
+
+TEST(Viscoelasticity, OfBadInputIsRefusedInOneLine) {
+  const auto with = [](const ViscoelasticDescription& viscoelastic) {
+    Description scene = creeping_bar(2, false);
+    scene.bodies[0].material.viscoelastic = viscoelastic;
+    return scene;
+  };
+  EXPECT_THAT(refusal_of(with(prony({0.5, 0.5}, {1, 2}))),
+              HasSubstr("viscoelastic.g: expected shares that sum"));
+  EXPECT_THAT(refusal_of(with(prony({0.5}, {0}))),
+              HasSubstr("viscoelastic.tau[0]: expected a relaxation time"));
+  EXPECT_THAT(refusal_of(with(prony({0.5, -0.1}, {1, 1}))),
+              HasSubstr("viscoelastic.g[1]: expected a number"));
+  EXPECT_THAT(refusal_of(with(prony({0.5}, {1, 2}))),
+              HasSubstr("viscoelastic.tau: expected 1 relaxation time"));
+  EXPECT_THAT(refusal_of(with(prony({}, {}))), HasSubstr("viscoelastic.g: expected a share"));
+  Description scene = creeping_bar(2, false);
+  scene.bodies[0].material.law = "neo_hookean";
+  EXPECT_THAT(refusal_of(scene), HasSubstr("expected a law with an isochoric-volumetric split"));
+  scene = creeping_bar(2, false);
+  scene.load_control = LoadControlKind::arc_length;
+  EXPECT_THAT(refusal_of(scene), HasSubstr("arc_length"));
+  scene = creeping_bar(2, false);
+  scene.modes.emplace();
+  EXPECT_THAT(refusal_of(scene), HasSubstr("modal analysis"));
+  scene = creeping_bar(2, false);
+  scene.sections.emplace_back();
+  EXPECT_THAT(refusal_of(scene), HasSubstr("section of an elastic body"));
+}
+
+}  // namespace
+}  // namespace resilin::testing
