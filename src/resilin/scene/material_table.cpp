@@ -13,6 +13,35 @@ std::vector<std::string> law_names() {
   return names;
 }
 
+std::vector<double> read_numbers(const SceneNode& node) {
+  if (const auto* table = std::get_if<SceneValue::Numbers>(&node.value->data)) return (*table)->values;
+  expect_list(node, "numbers, one for each branch");
+  std::vector<double> numbers;
+  for (std::size_t i = 0; i < node.value->array().size(); ++i)
+    numbers.push_back(read_number(node.element(i)));
+  return numbers;
+}
+
+Keys<ViscoelasticDescription> viscoelastic_keys() {
+  using V = ViscoelasticDescription;
+  return {
+      key<V>({"g", "list of numbers > 0", "", "required",
+              "Share of each branch in the shear moduli; all sum to less than 1 for instantaneous moduli."},
+             [](const SceneNode& node, V& v) { v.g = read_numbers(node); }),
+      key<V>({"tau", "list of numbers > 0", "s", "required", "Relaxation time of each branch."},
+             [](const SceneNode& node, V& v) { v.tau = read_numbers(node); }),
+      choice_key("moduli", &V::moduli,
+                 "Which moduli the constants of the law are: those of a sudden load, or those after a long "
+                 "time; g are shares of the same."),
+  };
+}
+
+void read_viscoelastic(const SceneNode& node, MaterialDescription& material) {
+  ViscoelasticDescription& viscoelastic = material.viscoelastic.emplace();
+  viscoelastic.place = node.place();
+  read_table(node, viscoelastic_keys(), viscoelastic);
+}
+
 Keys<MaterialDescription> material_keys() {
   using M = MaterialDescription;
   return {
@@ -21,6 +50,9 @@ Keys<MaterialDescription> material_keys() {
                  "describe each."),
       number_key("density", &M::density, "kg/m^3", not_negative,
                  "Mass per reference volume; > 0 in dynamics."),
+      key<M>({"viscoelastic", "[viscoelastic](#viscoelastic)", "", "none",
+              "Finite-strain viscoelasticity by a Prony series, for laws with a bulk_modulus."},
+             read_viscoelastic),
   };
 }
 
@@ -132,6 +164,14 @@ void read_material(const SceneNode& node, const Mesh& mesh, MaterialDescription&
     material.constants.erase(name);
     read_constant(node.child(name), name, mesh, material);
   }
+}
+
+TableDoc viscoelastic_doc() {
+  return document("viscoelastic",
+                  "Prony series of a material: shear stress relaxes by 1 - sum_i g_i (1 - exp(-t / tau_i)) "
+                  "([materials](materials.md#viscoelasticity)). The pressure does not relax. In a static "
+                  "analysis the time is the load factor times `simulation.end_time`.",
+                  viscoelastic_keys());
 }
 
 TableDoc material_doc() {

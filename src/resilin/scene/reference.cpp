@@ -53,6 +53,7 @@ std::vector<TableDoc> scene_tables() {
       element_doc(),
       mesh_doc(),
       material_doc(),
+      viscoelastic_doc(),
       region_doc(),
       damping_doc(),
       rotation_doc(),

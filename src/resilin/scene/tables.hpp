@@ -48,6 +48,7 @@ void remark_on_unit(const SceneNode& body_node, const BodyDescription& body);
 /// `mesh` is that of the body, for values per cell.
 void read_material(const SceneNode& node, const Mesh& mesh, MaterialDescription& material);
 TableDoc material_doc();
+TableDoc viscoelastic_doc();
 
 // region_table.cpp
 /// `mesh` is that of the body.
