@@ -120,7 +120,7 @@ void add_statics(int n, std::vector<Measurement>& measurements) {
   }
 }
 
-/// What each step more keeps on the heap, for each vertex.
+/// Memory on the heap that each further step keeps, for each vertex.
 double bytes_per_vertex_and_step(Description scene, const std::vector<std::string>& wrt) {
   double bytes[2] = {0, 0};
   int steps[2] = {0, 0};

@@ -6,7 +6,7 @@
 
 namespace resilin::bench {
 
-/// What derivatives of runs cost beside the runs, processor time: the height of one corner by Young's modulus
+/// Cost of derivatives of runs beside the runs, processor time: the height of one corner by Young's modulus
 /// of each cell. At rest the bar with n cells across by a direct solver and by multigrid, and with four kinds
 /// of parameters more; in motion the cube with n cells along an edge and the bar with 9 across.
 std::vector<Measurement> measure_gradients(int n, bool is_dynamic);

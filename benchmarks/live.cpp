@@ -12,7 +12,7 @@
 namespace resilin::bench {
 namespace {
 
-constexpr int steps_per_phase = 60;  ///< of pulling, and again of swinging back
+constexpr int steps_per_phase = 60;  ///< steps per phase of pulling, and again of swinging back
 
 double median(std::vector<double> values) {
   std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
@@ -71,7 +71,7 @@ LiveTiming measure_live(const LiveCase& live_case) {
   const Index node = farthest_node(world);
   const Vector3 start = node_position(world.dimension, node, world.rest_positions);
 
-  // What the page draws is a part of every step: positions and normals of the surface, skins included.
+  // Each step includes the data that the page draws: positions and normals of the surface, skins included.
   const ShownSurface surface(world);
   std::vector<float> positions(3 * static_cast<std::size_t>(surface.num_vertices())),
       normals(positions.size());

@@ -16,11 +16,11 @@ struct LiveCase {
   int newton_limit = 0;     ///< Newton iterations of a step; 0: until it is solved
 };
 
-/// What a second of pulling and a second after it cost, and how far each step was from the solved one.
+/// Cost of a second of pulling and a second after it, and how far each step was from the solved one.
 struct LiveTiming {
   Index cells = 0, vertices = 0, drawn = 0;
   double median_ms = 0, p95_ms = 0, largest_ms = 0;  ///< wall time of a step with its surface
-  double drawing_ms = 0;          ///< of it for positions and normals of the surface, median
+  double drawing_ms = 0;          ///< time of drawing: positions and normals of the surface, median
   double cpu_ms = 0;              ///< mean processor time of a step, all threads
   double newton = 0, linear = 0;  ///< iterations of a step, mean
   double residual = 0;            ///< median force residual as a share of the load

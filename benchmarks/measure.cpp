@@ -13,8 +13,8 @@ namespace resilin::bench {
 namespace {
 
 struct Run {
-  double cpu = 0, wall = 0;      ///< of all steps [s]
-  std::vector<double> step_cpu;  ///< of each step [s]
+  double cpu = 0, wall = 0;      ///< processor and wall time of all steps [s]
+  std::vector<double> step_cpu;  ///< processor time of each step [s]
   int newton = 0, linear_solves = 0, linear = 0, projected = 0;
   int not_converged = 0;
   double worst_residual = 0;  ///< relative
@@ -42,11 +42,11 @@ Run run(Simulation& simulation) {
   return run;
 }
 
-/// What the process has used at most [bytes]: every benchmark is a process of its own.
+/// Peak memory of the process [bytes]: every benchmark is a process of its own.
 double peak_memory() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  constexpr double kilobyte = 1024;  // what the kernel calls "kB"
+  constexpr double kilobyte = 1024;  // unit of "kB" in the kernel
   return kilobyte * static_cast<double>(usage.ru_maxrss);
 }
 

@@ -6,15 +6,15 @@
 
 namespace resilin::bench {
 
-/// What drawing a body costs in each frame.
+/// Cost of drawing a body in each frame.
 struct SkinTiming {
   std::string name;
-  int cells = 0, vertices = 0;  ///< of the body; of its skin
-  double outside_percent = 0;   ///< of the vertices that are in no cell
+  int cells = 0, vertices = 0;  ///< cells and vertices of the body; of its skin
+  double outside_percent = 0;   ///< vertices that are in no cell
   double build_ms = 0;          ///< the embedding, once
   double apply_ms = 0;          ///< the vertices' places
   double smooth_apply_ms = 0;   ///< the same of the smooth variant
-  double normals_ms = 0;        ///< of the deformed skin
+  double normals_ms = 0;        ///< normals of the deformed skin
   double field_ms = 0;          ///< von Mises stress at the vertices
   double encode_ms = 0;         ///< a frame for the page, with normals and field
 };

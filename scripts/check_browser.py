@@ -103,7 +103,7 @@ def outcomes_of_tap(text):
 
 
 def find_faults_of_this_check():
-    """What the runner of node writes is read rightly."""
+    """The output of node's test runner is read rightly."""
     text = (
         "TAP version 13\n# Subtest: a\nok 1 - a\n  ---\n  ...\n# Subtest: b\nnot ok 2 - b\n  error: 'why'\n"
         "# Subtest: c\nok 3 - c # SKIP no browser\n1..3\n"

@@ -11,7 +11,7 @@ from files import ROOT
 EXAMPLE = ROOT / "examples" / "cpp"
 TIP = re.compile(r"tip: *(-?[0-9.eE+-]+) m")
 TIME_LIMIT = 1200  # [s] for a step that hangs; they take seconds
-# What the program prints about itself, where shells and man look for it: the beginning of each.
+# Text that the program prints about itself, where shells and man look for it: the beginning of each.
 PRINTED = {
     "bash-completion/completions/resilin": "# Completion for bash",
     "zsh/site-functions/_resilin": "#compdef resilin",

@@ -9,12 +9,12 @@ from files import ROOT
 # Image -> the build folder whose program is as that of the image, but for CHOLMOD, which images leave out.
 IMAGES = {"Dockerfile": "petsc", "program.Dockerfile": "release"}
 LEFT_OUT = "libcholmod3"
-BASE = {"libc6", "libgcc-s1", "libstdc++6", "zlib1g"}  # of every Debian image: apt and dpkg need them
+BASE = {"libc6", "libgcc-s1", "libstdc++6", "zlib1g"}  # base of every Debian image: apt and dpkg need them
 INSTALLS = re.compile(r"apt-get install -y --no-install-recommends\s+((?:[\w.+-]+\s+)+)")
 
 
 def installed_packages(text):
-    """Of the image that is left in the end: what its last stage installs."""
+    """Packages that the last stage of an image installs."""
     stage = text.replace("\\\n", " ").rpartition("\nFROM ")[2]
     return set(INSTALLS.search(stage)[1].split())
 
@@ -47,7 +47,7 @@ def problems_of(image, program):
 
 
 def find_problems():
-    """Of the images whose program is built here."""
+    """Problems of the images whose program is built here."""
     problems = []
     for image, preset in IMAGES.items():
         program = ROOT / "build" / preset / "apps" / "cli" / "resilin"

@@ -29,7 +29,7 @@ INTERPRETER = ROOT / "build" / "python" / "venv" / "bin" / "python"  # made by s
 TIME_LIMIT = 600  # [s] for one line that hangs; they take seconds
 FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 TYPED = re.compile(r"^ {4}((?:resilin|\./run|\./test|python) .*)$", re.MULTILINE)  # an indented line that is a command
-WRITES = re.compile(r"^Write this file as `(\w+\.toml)`:\s*\n\Z", re.MULTILINE)  # what stands before such a scene
+WRITES = re.compile(r"^Write this file as `(\w+\.toml)`:\s*\n\Z", re.MULTILINE)  # text before such a scene
 PRINTS = re.compile(r"\s*`(\./run (\w+\.toml))` prints\s*\n+```text\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 EXPORTS = re.compile(r"^(?:\./run|resilin) export ")
 MODULE = ROOT / "build" / "wasm" / "apps" / "play" / "resilin_play.wasm"  # made by build_wasm.sh
@@ -40,7 +40,7 @@ ADDRESS = re.compile(r"Listening on (\S+)\s")
 NUMBER = re.compile(r"[-+]?\b\d+(?:\.\d+)?(?:e[-+]?\d+)?\b")
 # A progress line, printed about once a second: one on a quick machine, several on a slow one.
 PROGRESS = re.compile(r"\s*\d+ %  ")
-LONG_TIME = re.compile(r"\b\d+ (?:h \d\d min|min \d\d s)\b")  # what is said in seconds below a minute
+LONG_TIME = re.compile(r"\b\d+ (?:h \d\d min|min \d\d s)\b")  # durations that are given in seconds below a minute
 
 DRIVER = """
 import json, sys, traceback
@@ -102,13 +102,13 @@ STAND_INS = {
 
 @dataclasses.dataclass
 class Line:
-    """What a reader types: a line of the shell, or a block of Python."""
+    """Text that a reader types: a line of the shell, or a block of Python."""
 
     page: str
-    number: int  # of its first line in the page
+    number: int  # number of its first line in the page
     kind: str  # "sh" or "python"
     text: str
-    prints: str | None = None  # what the page says that it prints
+    prints: str | None = None  # output that the page claims
 
     @property
     def name(self):
@@ -127,7 +127,7 @@ def all_pages():
 
 
 def lines_of(text, page):
-    """What there is to type in a page, in its order."""
+    """Text to type in a page, in its order."""
     found = []
     for match in FENCE.finditer(text):
         number = text.count("\n", 0, match.start(2)) + 1

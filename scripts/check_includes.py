@@ -103,7 +103,7 @@ def room_files():
     }
     for pattern, room in folders.items():
         for folder in sorted(ROOT.glob(pattern)):
-            # What lies straight in src/resilin, such as version.hpp, belongs to everyone.
+            # Headers straight in src/resilin, such as version.hpp, belong to everyone.
             for path in sorted(folder.rglob("*")) if folder.is_dir() else []:
                 if is_checked(path):
                     yield path, room or folder.name

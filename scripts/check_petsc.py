@@ -276,7 +276,7 @@ def after(seconds):
 
 
 def problems_of_end(folder, out, ended, number, was_launcher):
-    """Of a run that was told to end: all its processes have, with one line, and its checkpoint serves."""
+    """Problems of a run that was told to end: all its processes have, with one line, and its checkpoint serves."""
     lines = [line for line in ended.stderr.splitlines() if PRINTED.match(line)]
     said = f"exit code {ended.returncode}, {lines or ended.stderr.splitlines()[-4:]}"
     if ended.returncode == 128 + number or (was_launcher and ended.returncode != 0 and len(lines) <= 1):

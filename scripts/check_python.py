@@ -10,7 +10,7 @@ from files import ROOT
 
 FOLDER = ROOT / "build" / "python"
 INTERPRETER = FOLDER / "venv" / "bin" / "python"  # made by setup.sh
-EXTRAS = ("plot", "parquet", "sweep", "notebook")  # of the package, which its tests use
+EXTRAS = ("plot", "parquet", "sweep", "notebook")  # extras of the package, which its tests use
 TIME_LIMIT = 1800  # [s] for all tests when one hangs; they take a minute on quiet cores
 
 
@@ -49,7 +49,7 @@ def run_in_empty_environment():
 
 
 def pinned():
-    """What the tests use, in its versions."""
+    """Requirements of the tests, with their versions."""
     text = (ROOT / "python" / "requirements-dev.txt").read_text(encoding="utf-8")
     return [line for line in text.partition("# To test")[2].splitlines()[1:] if not line.startswith("#")]
 
@@ -66,7 +66,7 @@ def default_launcher():
 
 
 def compiled_objects(log):
-    """What ccache's log of statistics says, one line of words for each object."""
+    """Statistics in ccache's log, one line of words for each object."""
     words = log.split("\n")
     hits = sum(word in ("direct_cache_hit", "preprocessed_cache_hit") for word in words)
     misses = words.count("cache_miss")

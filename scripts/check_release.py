@@ -1,4 +1,4 @@
-"""What the release script decides, without building anything: which interpreters serve, what is tried, what counts."""
+"""Tests of the release script without a build: which interpreters serve, what is tried, what counts."""
 
 import contextlib
 import hashlib
@@ -114,7 +114,7 @@ def problems_of_checksums(folder):
 
 
 def problems_of_failures(folder):
-    """What fails is said in one line, does not count, and does not keep the rest from being made."""
+    """A failure is said in one line, does not count, and does not keep the rest from being made."""
     faults = []
 
     def fails():

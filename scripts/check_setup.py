@@ -8,7 +8,7 @@ import tempfile
 from files import ROOT
 
 ABSENT = "resilin-no-such-package"
-OF_EVERY_DEBIAN = ("awk", "bash", "dpkg-query", "head", "sed", "sort")  # of what the functions call
+OF_EVERY_DEBIAN = ("awk", "bash", "dpkg-query", "head", "sed", "sort")  # tools that the functions call
 
 
 def run_setup(commands):

@@ -24,7 +24,7 @@ STYLED = re.compile(r"""url\(["']?(?!data:)([^"')]+)|@import\s+["']([^"']+)""")
 
 
 class Page(html.parser.HTMLParser):
-    """What a page leads to, what it loads, and what may be led to in it."""
+    """Links of a page, files that it loads, and its anchors."""
 
     def __init__(self, text):
         super().__init__()
@@ -89,7 +89,7 @@ def what_is_missing(folder):
 
 
 def command(folder):
-    """What builds the site of `folder`."""
+    """Command that builds the site of `folder`."""
     few = ["--no-pictures", "--pictures", *DRAWN, "--play", PLAYED, "--modules", LISTED]
     return [INTERPRETER, BUILDER, *few, "--out", folder / "site", "--work", folder / "work"]
 

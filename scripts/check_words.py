@@ -1,11 +1,14 @@
 """Rules about words in README.md, docs/ and comments that a machine can check; each problem is a line with its place.
 
 Sentences have at most MAX_WORDS words and lines MAX_COLUMNS columns, headings and help texts use the field's terms,
-and no comment of the C++ sources begins with "Of".
+and every comment and docstring names its thing first.
 """
 
+import ast
+import io
 import re
 import sys
+import tokenize
 
 from files import relative, repository_files
 
@@ -13,7 +16,7 @@ MAX_WORDS = 25
 MAX_COLUMNS = 120
 # Printed by the program, or by validation/run.py, whose sources and tolerances are quoted whole.
 GENERATED = ("docs/scene.md", "docs/laws.md", "docs/fit_keys.md")
-DIARIES = "docs/notes/"  # what was tried and measured, for developers
+DIARIES = "docs/notes/"  # attempts and measurements, for developers
 
 # Pages that do not comply yet.
 LONG_SENTENCES_LEFT = ()
@@ -47,7 +50,9 @@ SENTENCE_END = re.compile(r"(?<=[.!?])[\")*_]*(?:\s+|$)")
 ABBREVIATION = re.compile(r"\b(e\.g|i\.e|et al|vs|Fig|eq|ch|art|Dr|no|approx)\.")
 WORD = re.compile(r"[A-Za-zÀ-ÿ][\w'’-]*(?:/[A-Za-z][\w'-]*)*")
 FORMULA = re.compile(r"^( {4,}|\t)")
-COMMENT = re.compile(r"^\s*///?(?!/)\s?(.*)$")
+COMMENT = re.compile(r"^\s*(?://[/!]?(?!/)|/\*\*)\s?(.*)$")
+BESIDE = re.compile(r"\S\s+//+<?\s(.*)$")  # a comment after code
+DANGLING = re.compile(r"(?:Of|What|Whose|Than|(?:With|By|In|From) (?:which|what|whom))\b", re.IGNORECASE)
 HELP = re.compile(r'\b(?:option|flag|command|add_\w+)\(\s*"[^"]*",[^";]*((?:"[^"]*"\s*)+)')
 
 
@@ -157,13 +162,37 @@ def help_texts(name, text):
     return problems
 
 
+def dangling(place, text):
+    if not (found := DANGLING.match(text)):
+        return []
+    return [f'{place}: a comment that begins with "{found[0]}": name the thing first']
+
+
 def dangling_comments(name, text):
+    """Comments of C++ and TypeScript: the first line of a block, and those after code."""
     problems, is_comment = [], False
     for number, line in enumerate(text.splitlines(), 1):
-        comment = COMMENT.match(line)
-        if comment and not is_comment and comment[1].startswith("Of "):
-            problems.append(f'{name}:{number}: a comment that begins with "Of": name the thing first')
+        comment, beside = COMMENT.match(line), BESIDE.search(line)
+        if comment and not is_comment:
+            problems += dangling(f"{name}:{number}", comment[1])
+        elif beside and not comment:
+            problems += dangling(f"{name}:{number}", beside[1])
         is_comment = bool(comment)
+    return problems
+
+
+def dangling_python(name, text):
+    """Docstrings and comments of Python."""
+    problems, last = [], 0
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+            problems += dangling(f"{name}:{getattr(node, 'lineno', 1)}", ast.get_docstring(node) or "")
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type == tokenize.COMMENT:
+            is_alone, number = token.line.lstrip().startswith("#"), token.start[0]
+            if not (is_alone and last == number - 1):
+                problems += dangling(f"{name}:{number}", token.string.lstrip("#: "))
+            last = number if is_alone else 0
     return problems
 
 
@@ -180,11 +209,13 @@ def find_problems():
             problems += long_lines(name, text)
         if not is_left(name, HEADINGS_LEFT):
             problems += headings(name, text)
-    for path in repository_files(".hpp", ".cpp"):
+    for path in repository_files(".hpp", ".cpp", ".ts", ".mjs"):
         name, text = relative(path), path.read_text(encoding="utf-8")
         problems += dangling_comments(name, text)
         if name.startswith("apps/cli/"):
             problems += help_texts(name, text)
+    for path in repository_files(".py"):
+        problems += dangling_python(relative(path), path.read_text(encoding="utf-8"))
     return problems
 
 
@@ -210,6 +241,10 @@ def find_faults_of_this_check():
         (help_texts, 'command("x", "Number of threads"); // unknowns\n', 0),
         (dangling_comments, "/// Of each body the force.\n", 1),
         (dangling_comments, "/// The force\n/// Of each body.\n", 0),
+        (dangling_comments, "/** What a page knows. */\ndouble a;  ///< of each body\n", 2),
+        (dangling_comments, 'double a;  ///< offset of each body\nopen("http://of whom");\n', 0),
+        (dangling_python, 'a = "# what"  # of it\n# What\n# what\ndef f():\n    """Of what."""\n', 3),
+        (dangling_python, '"""Whatever."""\n# Often\n# of it\n', 0),
     ]
     return [
         f"{rule.__name__} on {text[:40]!r}: expected {expected} problems, got {found}"

@@ -10,7 +10,7 @@ import tomllib
 from files import ROOT
 
 TIME_LIMIT = 60  # [s] for an interpreter that does not answer
-# What an interpreter says of itself: a wheel needs its headers, a trial its venv.
+# Query of an interpreter: a wheel needs its headers, a trial its venv.
 QUESTION = """
 import importlib.util, json, os, platform, sys, sysconfig
 headers = os.path.join(sysconfig.get_paths()["include"], "Python.h")
@@ -119,14 +119,14 @@ def find_interpreters(versions, environment=os.environ):
 
 
 def planned_wheels(found, stable):
-    """Of {version: interpreter}: a wheel each before `stable`, one for all from there on, built by the oldest."""
+    """Wheels for {version: interpreter}: one each before `stable`, one for all from there on, built by the oldest."""
     wheels = [PlannedWheel(found[v], (found[v],), is_stable=False) for v in sorted(found) if v < stable]
     newer = tuple(found[v] for v in sorted(found) if v >= stable)
     return wheels + ([PlannedWheel(newer[0], newer, is_stable=True)] if newer else [])
 
 
 def lines_about_untried(wheels, versions):
-    """What is said of versions that a wheel serves and nobody has tried it with, and of those without a wheel."""
+    """Remarks on versions that a wheel serves and nobody has tried it with, and on those without a wheel."""
     tried = {user.minor for wheel in wheels for user in wheel.users}
     stable = [wheel for wheel in wheels if wheel.is_stable]
     lines = []

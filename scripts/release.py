@@ -1,4 +1,4 @@
-"""What scripts/release.sh does once all tools are there; see there."""
+"""Steps of scripts/release.sh once all tools are there; see there."""
 
 import argparse
 import collections
@@ -21,7 +21,7 @@ WORK = ROOT / "build" / "release-parts"
 TOOLS = ROOT / "build" / "python" / "venv" / "bin"  # made by setup.sh
 SITE_TOOLS = ROOT / "build" / "site" / "venv" / "bin" / "python"  # made by build_site.sh
 MODULE = ROOT / "build" / "wasm" / "apps" / "play" / "resilin_play.wasm"  # made by build_wasm.sh
-# What nobody can build without, of all that the archive of the sources holds.
+# Files that nobody can build without, of all that the archive of the sources holds.
 NEEDED_SOURCES = ("src/", "apps/", "python/", "cmake/", "CMakeLists.txt", "pyproject.toml", "README.md", "LICENSE")
 
 
@@ -115,7 +115,7 @@ def made_sources():
 
 
 def missing_sources(archive, names):
-    """Of the files of the repository that are needed, those that the archive lacks."""
+    """Needed files of the repository that the archive lacks."""
     with tarfile.open(archive) as members:
         there = {name.partition("/")[2] for name in members.getnames()}
     return [name for name in names if name.startswith(NEEDED_SOURCES) and name not in there]
@@ -142,7 +142,7 @@ def write_checksums(folder):
 
 
 def attempt(faults, work, *arguments):
-    """What `work` returns; what it throws is said and kept, and the rest goes on."""
+    """Result of `work`; an exception is printed and kept, and the rest goes on."""
     try:
         return work(*arguments)
     except (ReleaseError, try_wheel.TrialError) as failure:

@@ -56,7 +56,7 @@ TIME_LIMIT = 600  # [s] for one GoogleTest case that hangs; the longest takes se
 
 @dataclasses.dataclass
 class Outcome:
-    """What came of one test; `status` is "passed", "failed" or "skipped"."""
+    """Outcome of one test; `status` is "passed", "failed" or "skipped"."""
 
     name: str
     status: str

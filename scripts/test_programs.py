@@ -79,7 +79,7 @@ def read_results(file, name):
     outcomes = []
     for case in ElementTree.parse(file).getroot().iter("testcase"):
         if case.get("status") != "run" and case.get("result") != "skipped":
-            continue  # of another shard, or left out
+            continue  # belongs to another shard, or is left out
         failures = [failure.text or "" for failure in case.findall("failure")]
         status = "failed" if failures else "skipped" if case.get("result") == "skipped" else "passed"
         outcomes.append((f"{name}/{case.get('classname')}.{case.get('name')}", status, "\n".join(failures)))

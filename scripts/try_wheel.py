@@ -82,7 +82,7 @@ def address_of(process):
 
 
 def status_and_text(address):
-    """Of an HTTP answer."""
+    """Text of an HTTP answer."""
     try:
         with urllib.request.urlopen(address, timeout=PAGE_LIMIT) as answer:
             return answer.status, answer.read().decode()

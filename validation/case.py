@@ -155,7 +155,7 @@ def compare(entry, report, folder):
 
 
 def place_name(path, place):
-    """What stands for {} in a path, with its name: load=0.5, modes 3."""
+    """Reads the text in place of {} in a path, with its name: load=0.5, modes 3."""
     before, _, _ = path.partition("{}")
     name = before.rsplit("/", 1)[-1] or before.split("/")[-2] + " "
     return f"{name}{place}"

@@ -10,8 +10,8 @@ DTYPES = {b"Float64": "d", b"Int64": "q"}
 @dataclasses.dataclass
 class Frame:
     rest: list  # positions of the nodes at rest, three numbers each [m]
-    displacements: list  # of the nodes, three numbers each [m]
-    positions: list  # of the nodes, three numbers each, to the last bit [m]
+    displacements: list  # displacements of the nodes, three numbers each [m]
+    positions: list  # positions of the nodes, three numbers each, to the last bit [m]
     cells: list  # node numbers of each cell, in VTK's order
     bodies: list  # number of the body that each cell is of
 

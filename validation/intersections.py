@@ -14,8 +14,8 @@ from fractions import Fraction
 from contact_scenes import shapes
 from frames import read_frame
 
-ROUNDING = 8e-16  # of a sum of products of three differences (Shewchuk 1997, o3derrboundA)
-ROLLER_SIDES = 64  # of a cylinder, docs/contact.md: its facets are inside the circle
+ROUNDING = 8e-16  # rounding of a sum of products of three differences (Shewchuk 1997, o3derrboundA)
+ROLLER_SIDES = 64  # roller sides of a cylinder, docs/contact.md: its facets are inside the circle
 IN_A_BODY = 0.5  # winding number above which a point is inside
 
 
@@ -176,7 +176,7 @@ def facets_of(collider, folder, time):
 
 
 def vertices_inside(collider, time, positions):
-    """Of a half-space, a sphere or a long cylinder."""
+    """Surface points of a half-space, a sphere or a long cylinder."""
     shift = way(collider, time)
     if collider["kind"] == "half_space":
         point = [x + s for x, s in zip(collider["point"], shift, strict=True)]

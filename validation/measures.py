@@ -1,4 +1,4 @@
-"""What validation reads off a run beyond numbers that stand in its report: values on the nodes, slopes, pressures.
+"""Quantities of a run beyond the numbers in its report: values on the nodes, slopes, pressures.
 
 A measure is a function of the report and the folder of results; `expected.json` calls it by its name.
 """
@@ -63,19 +63,19 @@ def largest_energy_growth(report, _folder):
 
 
 def newton_iterations(report, _folder):
-    """Of all steps."""
+    """Newton iterations of all steps."""
     return sum(frame["newton_iterations"] for frame in report["frames"])
 
 
 def mean_velocity(report, _folder, time, axis, mass):
-    """Of the centre of mass of everything, along an axis; at the end where there is no time."""
+    """Velocity of the centre of mass of everything, along an axis; at the end where there is no time."""
     at_time = [frame for frame in report["frames"] if time is None or math.isclose(frame["time"], time, rel_tol=1e-6)]
     frame = at_time[-1]
     return frame["momentum"]["linear"][axis] / mass
 
 
 def mean_acceleration(report, folder, begin, end, axis, mass):
-    """Of the centre of mass of everything, along an axis between two times."""
+    """Acceleration of the centre of mass of everything, along an axis between two times."""
     change = mean_velocity(report, folder, end, axis, mass) - mean_velocity(report, folder, begin, axis, mass)
     return change / (end - begin)
 
@@ -88,7 +88,7 @@ def time_to_stop(report, _folder, axis):
 
 
 def sum_of_reactions(report, _folder, load, names, axis):
-    """What supports and colliders exert together along an axis, at a load factor."""
+    """Force of boundary conditions and colliders together along an axis, at a load factor."""
     frame = next(frame for frame in report["frames"] if math.isclose(frame["load"], load, rel_tol=1e-9))
     return math.fsum(frame["reactions"][name][axis] for name in names)
 
@@ -99,7 +99,7 @@ def places(folder, step):
 
 
 def mean_place(_report, folder, step, axis):
-    """Of all nodes, each counted once, along an axis."""
+    """Places of all nodes, each counted once, along an axis."""
     along = [place[axis] for place in places(folder, step)]
     return math.fsum(along) / len(along)
 
@@ -123,7 +123,7 @@ def contact_duration(report, _folder, name_of_collider):
 
 
 def mean_contact_force(report, folder, name_of_collider, axis):
-    """What a collider gives to the momentum along an axis, over the time that it pushes."""
+    """Impulse of a collider along an axis, over the time that it pushes."""
     momenta = [frame["momentum"]["linear"][axis] for frame in report["frames"]]
     return (momenta[-1] - momenta[0]) / contact_duration(report, folder, name_of_collider)
 

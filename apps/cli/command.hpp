@@ -9,7 +9,7 @@ namespace resilin::cli {
 
 enum ExitCode { done = 0, wrong_input = 1, not_converged = 2, internal_error = 3 };
 
-/// What is left to do once the command line is read; gives the exit code.
+/// Action that runs after the command line is read; returns the exit code.
 using Action = std::function<int()>;
 
 /// Each adds its subcommand; when it is the one on the command line, `action` is set.

@@ -19,7 +19,7 @@ class Option;
 /// reads it in command_line.cpp.
 namespace resilin::cli {
 
-/// What shells offer for the value of an option, where it is known; words are made when they are asked for.
+/// Completions that shells offer for the value of an option; words are made when they are asked for.
 struct Offer {
   Completion completion;
   std::function<std::vector<std::string>()> words;
@@ -32,7 +32,7 @@ class Option {
   Option(CLI::Option& option, Offers& offers) : option_(&option), offers_(&offers) {}
 
   Option required() const;
-  Option type_name(const std::string& name) const;  ///< what stands for the value in the help
+  Option type_name(const std::string& name) const;  ///< placeholder of the value in the help
   Option shows_default() const;
   Option values(int least, int most) const;  ///< how many follow one another
   Option repeatable() const;                 ///< one value each time
@@ -40,7 +40,7 @@ class Option {
   Option separated_by(char separator) const;
   Option one_of(const std::vector<std::string>& words) const;
   Option group(const std::string& heading) const;  ///< where the help lists it
-  /// What shells offer for its value; words beside files and folders.
+  /// Shells complete the value with files of these extensions, or with words beside files and folders.
   Option is_file(const std::vector<std::string>& extensions = {}) const;
   Option is_folder() const;
   Option is_file_or_folder(const std::vector<std::string>& extensions = {}) const;
@@ -88,7 +88,7 @@ class Command {
   Offers* offers_;
 };
 
-/// What is wrong with a command line, in one line.
+/// Error of a command line, in one line.
 struct CommandLineError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };

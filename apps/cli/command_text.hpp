@@ -6,7 +6,7 @@
 /// The commands of a program and their options as text: what completions of shells and man pages are made of.
 namespace resilin::cli {
 
-/// What may stand for a value.
+/// Completions of a value.
 struct Completion {
   enum class Kind {
     nothing,  ///< words alone, if any
@@ -15,13 +15,13 @@ struct Completion {
     file_or_folder
   };
   Kind kind = Kind::nothing;
-  std::vector<std::string> extensions;  ///< of files, such as "toml"; empty: any
+  std::vector<std::string> extensions;  ///< extensions of files, such as "toml"; empty: any
   std::vector<std::string> words;       ///< "a=" goes on with a value, "a=b" is whole
 };
 
 struct OptionText {
   std::string name;   ///< "--out"; of an argument that is known by its place "scene"
-  std::string value;  ///< what stands for it in the help, "KEY=VALUE"; empty for a flag
+  std::string value;  ///< placeholder of the value in the help, "KEY=VALUE"; empty for a flag
   std::string help, group;
   bool is_argument = false;  ///< known by its place
   bool is_required = false;

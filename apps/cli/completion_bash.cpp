@@ -6,7 +6,7 @@
 namespace resilin::cli {
 namespace {
 
-/// What is not told of a single command.
+/// Functions that all commands share.
 constexpr const char* bash_functions = R"bash(
 _resilin() {
   # bash takes words apart at '='; here they are whole
@@ -110,7 +110,7 @@ std::string bash_completion(const ProgramText& program) {
           text += case_of(command.name + " " + option.name, option);
         continue;
       }
-      constexpr int most_places = 4;  // of one argument that takes any number
+      constexpr int most_places = 4;  // maximum number of places of one argument that takes any number
       for (int i = 0; i < std::min(option.most_values, most_places); ++i)
         text += case_of(command.name + " " + std::to_string(++place), option);
     }

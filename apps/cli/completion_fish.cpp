@@ -7,7 +7,7 @@ namespace {
 /// fish knows \' and \\ between single quotes.
 std::string quoted_for_fish(const std::string& text) { return "'" + escaped(text, "'\\") + "'"; }
 
-/// What follows `complete` for a value: nothing else than this is offered.
+/// Arguments of `complete` for a value: nothing else than this is offered.
 std::string value_of(const Completion& completion) {
   if (!completion.words.empty()) return " -x -a " + quoted_for_fish(join(completion.words, " "));
   if (completion.kind == Completion::Kind::folder) return " -x -a '(__fish_complete_directories)'";

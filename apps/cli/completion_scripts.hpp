@@ -21,7 +21,7 @@ std::string escaped(const std::string& text, const std::string& special, const s
 /// Between single quotes, for shells of the kind of sh.
 std::string quoted_for_shell(const std::string& text);
 
-/// What is told of an option in a list: its first sentence.
+/// Text of an option in a list: the first sentence of its help.
 std::string first_sentence(const std::string& help);
 
 /// Whether some words stop at '=' and go on with a value.

@@ -36,7 +36,7 @@ namespace {
 
 constexpr double look_seconds = 60;  ///< how long another program may take to say what it is
 
-/// What was looked at. Without `cure` all is well.
+/// Result of one check. Without `cure` all is well.
 struct Finding {
   std::string name, found, cure;
   bool is_needed = false;  ///< nothing works without it
@@ -212,7 +212,7 @@ std::optional<std::filesystem::path> clone_of_this_program() {
   return std::nullopt;
 }
 
-/// What a part of the site is made by.
+/// Tool that a part of the site needs.
 struct SitePart {
   const char *part, *tool, *how_to_get;
 };

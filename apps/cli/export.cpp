@@ -27,8 +27,8 @@ struct ExportOptions {
   std::vector<std::string> overrides;
 };
 
-/// What simulates in the page: named, installed beside this program's other files, or built in the checkout
-/// that this program was built in.
+/// Path of the WebAssembly solver: named, installed beside this program's other files, or built in the
+/// checkout that this program was built in.
 std::filesystem::path engine_file(const ExportOptions& options) {
   if (!options.engine.empty()) return options.engine;
   std::error_code failure;
@@ -67,7 +67,7 @@ void write_page(const ExportOptions& options, const std::string& page, const std
 
 void export_scene(const ExportOptions& options, const std::string& engine) {
   const Scene scene = read_scene(options.shown, {.overrides = options.overrides});
-  const LiveScene live(scene.description);  // what cannot be played is said here, not in the browser
+  const LiveScene live(scene.description);  // reports here, not in the browser, if the scene cannot be played
   print_warnings(scene.warnings);
   write_page(options, playable_page(engine, scene.description, scene.warnings), cells_of(live.world()));
 }

@@ -3,7 +3,7 @@
 #include <array>
 #include <string_view>
 
-/// What the program ffmpeg is needed for, and as what.
+/// Calls of the program ffmpeg, and what they need of it.
 namespace resilin::cli {
 
 /// A kind of film that ffmpeg writes.

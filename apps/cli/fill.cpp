@@ -21,7 +21,7 @@
 namespace resilin::cli {
 namespace {
 
-constexpr double near_enough = 0.1;  // of the wanted number: no further attempt
+constexpr double near_enough = 0.1;  // tolerance relative to the wanted number: no further attempt
 constexpr double acceptable = 0.2;   // more is said in a warning
 constexpr int most_attempts = 8;
 constexpr double flat_angle = 5;  // degrees between sides; cells below it are slivers

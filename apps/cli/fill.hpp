@@ -10,7 +10,7 @@ namespace resilin::cli {
 struct FillOptions {
   int tetrahedra = 5000;          ///< about how many
   std::string mesher = "fitted";  ///< a name of all_meshers()
-  double time_limit = 600;        ///< of all attempts of another program together [s]
+  double time_limit = 600;        ///< time limit of all attempts of another program together [s]
 };
 
 /// The meshers of Resilin, then those that are programs of their own (meshers()).

@@ -47,7 +47,7 @@ Kind kind_of(const std::filesystem::path& out) {
       one_line(extension));
 }
 
-/// What ffmpeg is asked for besides the pictures.
+/// Options of ffmpeg besides the pictures.
 std::vector<std::string> encoding(const std::string& extension) {
   const std::string even = "pad=ceil(iw/2)*2:ceil(ih/2)*2";
   if (extension == ".gif")

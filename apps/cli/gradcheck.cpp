@@ -29,7 +29,7 @@ std::string limit_text(const DifferenceLimit& limit) {
   return fmt::format("{:.6g} +- {:.1g}", limit.value, limit.error);
 }
 
-/// What the numbers prove; empty where they agree.
+/// Conclusion from the numbers; empty where they agree.
 std::string finding(const GradientCheck& check) {
   const DifferenceLimits& limits = check.limits;
   switch (check.verdict()) {

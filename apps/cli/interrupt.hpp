@@ -17,7 +17,7 @@ std::string interrupter();
 /// Sleeps until then.
 void wait_for_interrupt();
 
-/// What cannot be written because nobody reads it (SIGPIPE) or because it would be too long (SIGXFSZ) is an
+/// Output that nobody reads (SIGPIPE) or that would be too long (SIGXFSZ) gives an
 /// error in words, not the end of the process; and no file takes the place of a standard stream that is
 /// closed.
 void report_failed_writes();

@@ -50,7 +50,7 @@ bool is_out_of_memory(const std::system_error& error) {
 
 int run_action(const Action& action) {
   try {
-    preferred_instruction_set();  // what cannot be had is said before any work is done
+    preferred_instruction_set();  // reports a missing instruction set before any work is done
     num_threads();
     choose_blas_kernel();
     return action();

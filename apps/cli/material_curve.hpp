@@ -7,7 +7,7 @@
 
 namespace resilin::cli {
 
-/// What `resilin materials LAW --curve ...` is asked for.
+/// Options of `resilin materials LAW --curve ...`.
 struct CurveOptions {
   std::string load_case;       ///< empty: no curve
   std::optional<double> from;  ///< stretches, or amounts of shear; default: usual_range

@@ -14,7 +14,8 @@ std::optional<std::filesystem::path> find_gmsh(const std::filesystem::path&) { r
 
 /// Cuts the surface into patches, meshes them anew, finer where they are curved, and fills what they enclose.
 std::string gmsh_script(double size) {
-  constexpr double finest = 1.0 / 3;  // of the size; coarser cells would cut thin parts off
+  constexpr double finest =
+      1.0 / 3;  // smallest cells, relative to the size; coarser ones would cut thin parts off
   return "Merge \"surface.msh\";\n"
          "ClassifySurfaces{40 * Pi / 180, 1, 1, Pi};\n"
          "CreateGeometry;\n"

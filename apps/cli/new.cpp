@@ -26,11 +26,12 @@
 namespace resilin::cli {
 namespace {
 
-constexpr double gravity = 9.81;       // [m/s^2]
-constexpr double density = 1000;       // [kg/m^3]
-constexpr double stiffness = 1000;     // Young's modulus by density gravity extent: little sag
-constexpr double held_share = 0.1;     // of the height
-constexpr double least_spread = 0.05;  // of held vertices, by the extent: so that they hold against turning
+constexpr double gravity = 9.81;    // [m/s^2]
+constexpr double density = 1000;    // [kg/m^3]
+constexpr double stiffness = 1000;  // Young's modulus by density gravity extent: little sag
+constexpr double held_share = 0.1;  // held share of the height
+constexpr double least_spread =
+    0.05;  // least spread of held vertices, by the extent: so that they hold against turning
 
 struct NewOptions {
   std::string mesh, out, up = "auto";
@@ -46,12 +47,12 @@ double one_digit(double value) {
   return std::ceil(value / unit * (1 - 1e-9)) * unit;
 }
 
-/// What the numbers of the scene depend on.
+/// Measures from which the numbers of the scene follow.
 struct Measures {
   int dim;
   int up;                         ///< axis against gravity
-  BoundingBox box;                ///< of the surface, else of the cells, once scaled [m]
-  std::vector<Vector3> vertices;  ///< of the cells [m]
+  BoundingBox box;                ///< box of the surface, else of the cells, once scaled [m]
+  std::vector<Vector3> vertices;  ///< vertices of the cells [m]
   std::vector<std::string> warnings;
 
   double height() const { return box.max[up] - box.min[up]; }

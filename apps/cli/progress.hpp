@@ -40,7 +40,7 @@ class Progress {
   Clock::time_point next_line_of_step_ = start_;
   double share_ = 0;
   std::string text_;
-  int iterations_ = 0;  ///< of the step that is going on
+  int iterations_ = 0;  ///< iterations of the step that is going on
   bool is_drawn_ = false;
 };
 

@@ -50,7 +50,7 @@ std::string own_name(const std::string& wanted, const std::string& otherwise, st
   return name;
 }
 
-/// What a scene file has to say instead, a line each.
+/// Lines that a scene file needs instead.
 using Lines = std::vector<std::string>;
 
 /// Gives the mesh of a body groups for what the scene selects by place in the shape as drawn.

@@ -52,7 +52,7 @@ void print_start(const Speaker& speaker, const RunOptions& options, const Shared
                std::string(simulation.solver_name()) + ", " + std::to_string(num_processes()) + " processes");
 }
 
-/// What has been sent, per process and Newton iteration, and the memory of the largest process.
+/// Logs the traffic per MPI rank and Newton iteration, and the memory of the largest rank.
 void log_traffic(const SharedScene& scene, int iterations) {
   const Share& share = scene.world->share;
   const Traffic traffic = scene.exchange->traffic();

@@ -37,7 +37,7 @@ void print_probes_and_reactions(const Frame& frame, int dimension);
 /// process runs the scene by itself. A build without PETSc refuses, in one line of the first of them.
 std::optional<int> run_together(const RunOptions& options);
 
-/// What this build can do on several processes: "by PETSc 3.18.5 and MPI", or "no: built without PETSc".
+/// Support for MPI in this build: "by PETSc 3.18.5 and MPI", or "no: built without PETSc".
 std::string distribution_text();
 
 /// The run of one scene on all processes that mpirun has started; in builds with PETSc.

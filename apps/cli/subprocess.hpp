@@ -7,7 +7,7 @@
 
 namespace resilin::cli {
 
-/// What came of another program.
+/// Output and exit code of another program.
 struct Subprocess {
   enum class End { exited, killed_by_signal, out_of_time, interrupted, not_started };
   End end = End::not_started;

@@ -16,7 +16,7 @@
 #include "viewer/mailbox.hpp"
 #include "viewer/served_live_scene.hpp"
 
-/// What a page that carries its scene calls: the live scene of `resilin view`, in the page itself.
+/// Functions that a self-contained page calls: the live scene of `resilin view`, in the page itself.
 ///
 /// Bytes go in through `resilin_input`, and come out at `resilin_output`. What returns an int says 0 when it
 /// has failed; the output then is one line that says why.
@@ -116,7 +116,7 @@ RESILIN_EXPORT(resilin_turn) int resilin_turn() {
   return without_throwing([] { program().game->turns.turn(program().game->mailbox.take()); });
 }
 
-/// What to tell the page next, in the output: 0 nothing, 1 a text, 2 bytes.
+/// Puts the next message for the page into the output; returns 0 for none, 1 for a text, 2 for bytes.
 RESILIN_EXPORT(resilin_next) int resilin_next() {
   const std::optional<resilin::viewer::Outgoing> message = program().game->room.next(Game::page);
   if (!message) return 0;

@@ -26,7 +26,7 @@ struct Target {
 };
 Target parse_target(std::string_view target);
 
-/// What stands behind `key=` in the query of a target; empty when there is none. Not decoded.
+/// Value of `key=` in the query of a target; empty when there is none. Not decoded.
 std::string_view query_value(std::string_view target, std::string_view key);
 
 /// The parts of a request that decide; an absent header is empty.
@@ -34,7 +34,7 @@ struct RequestOrigin {
   std::string_view target;
   std::optional<std::string_view> host = std::nullopt;
   std::optional<std::string_view> origin = std::nullopt;
-  bool needs_origin = false;  ///< of a WebSocket, and of what a page sends
+  bool needs_origin = false;  ///< for a WebSocket, and for messages of a page
 };
 
 /// Why a request gets status 403, as one line for the user; empty when it may pass.

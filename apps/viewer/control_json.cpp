@@ -17,7 +17,7 @@ Json value_json(const LiveControl& control, const LiveControls& controls) {
                     value_of(control, controls));
 }
 
-/// What the page needs to know of a form beside the value.
+/// Description of a form for the page, beside the value.
 Json form_json(const LiveControl& control, const LiveControls& initial, double extent) {
   return std::visit(
       Overloaded{

@@ -9,7 +9,7 @@
 
 namespace resilin::viewer {
 
-/// What went wrong, in one line for the user.
+/// Message of an exception, in one line for the user.
 inline std::string words_of(const std::exception& error) {
   if (dynamic_cast<const InputError*>(&error) != nullptr) return error.what();
   if (const auto* shortage = dynamic_cast<const std::bad_alloc*>(&error))

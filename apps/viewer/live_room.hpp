@@ -25,7 +25,7 @@ class LiveRoom : public PageService {
   void closed(ClientId client) override;
 
  private:
-  /// What one page has been sent.
+  /// Messages that one page has received.
   struct Page {
     std::uint64_t generation = 0;
     std::uint64_t state_version = 0, status_version = 0;

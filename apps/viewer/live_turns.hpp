@@ -16,7 +16,7 @@ namespace resilin::viewer {
 
 struct LiveTurnsOptions {
   std::chrono::microseconds frame{16667};   ///< between two frames, at least
-  std::chrono::microseconds budget{12000};  ///< of that, for time steps
+  std::chrono::microseconds budget{12000};  ///< part of it for time steps
 };
 
 /// The simulation's side of a live scene, turn by turn: does what the pages say, steps so that simulated time

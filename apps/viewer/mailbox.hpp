@@ -16,7 +16,7 @@
 #include "page_message.hpp"
 #include "page_server.hpp"
 
-/// What the server's thread and the simulation's thread hand to each other.
+/// Messages between the server's thread and the simulation's thread.
 namespace resilin::viewer {
 
 /// Index of a field of the header; none: frames without a field.
@@ -50,7 +50,7 @@ struct News {
   VersionedText state, status;
 };
 
-/// What a page is told about what it has asked for: one line.
+/// One line that answers the request of a page.
 struct Word {
   std::string text;
   bool is_refusal = true;
@@ -61,7 +61,7 @@ struct Command {
   std::optional<LoopMessage> message;  ///< none: the page has left
 };
 
-/// What the simulation's thread finds when it looks.
+/// Requests that wait for the simulation's thread.
 struct Requests {
   std::vector<Command> commands;
   std::set<FieldChoice> wanted_fields;  ///< by the pages that are open
@@ -79,7 +79,7 @@ class Mailbox {
   void post_leaving(ClientId client);
   void set_wanted_fields(std::set<FieldChoice> fields);
   News news() const;
-  /// What pages are to be told, by page; 0 stands for all.
+  /// Takes the messages for pages, by page; 0 stands for all.
   std::map<ClientId, std::vector<Word>> take_words();
 
   // For the simulation's thread.
@@ -92,7 +92,7 @@ class Mailbox {
   bool has_requests() const;
   void publish(const std::function<void(News&)>& change);
   void refuse(ClientId client, std::string why);
-  void tell(ClientId client, std::string text);  ///< what it has asked for is done
+  void tell(ClientId client, std::string text);  ///< answers a request that is done
   void refuse_all(const std::string& why);       ///< tells it to every page
 
   /// From any thread: ends `wait`.

@@ -37,7 +37,7 @@ using Request = http::request<http::empty_body>;
 class LivePage;
 class Connection;
 
-/// What all connections share; used on the server's thread alone, except for `wake_is_posted`.
+/// State that all connections share; used on the server's thread alone, except for `wake_is_posted`.
 struct Shared {
   ServerOptions options;
   std::map<std::string, Resource> resources;
@@ -49,7 +49,7 @@ struct Shared {
   ClientId last_client = 0;
   std::map<ClientId, std::weak_ptr<LivePage>> pages;
   std::atomic<bool> wake_is_posted = false;
-  asio::thread_pool makers{1};          ///< of answers that take their time
+  asio::thread_pool makers{1};          ///< thread for answers that take their time
   std::atomic<bool> is_ending = false;  ///< they are no longer wanted
   bool is_stopping = false;
   std::function<void()> when_all_are_closed;  ///< called once the last page has gone while stopping

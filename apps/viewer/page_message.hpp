@@ -10,7 +10,7 @@
 #include "resilin/live/control_table.hpp"
 #include "resilin/view/face_patch.hpp"
 
-/// What a page can say: docs/view_protocol.md, "Messages of the page".
+/// Messages of the page: docs/view_protocol.md, "Messages of the page".
 namespace resilin::viewer {
 
 struct Grab {
@@ -43,7 +43,7 @@ struct Poke {
 struct PokeEnd {};
 struct SetControl {
   const LiveControl* control = nullptr;  ///< an entry of the table
-  ControlValue value;                    ///< of the kind that its form has
+  ControlValue value;                    ///< value, of the kind that its form has
 };
 struct ChooseField {
   std::string name;  ///< empty: none
@@ -77,10 +77,10 @@ struct Extended<std::variant<Kind...>, More...> {
   using type = std::variant<Kind..., More...>;
 };
 
-/// What changes the scene.
+/// Messages that change the scene.
 using SceneMessage = std::variant<Grab, Drag, Release, Pin, Unpin, UnpinAll, HoldFace, FreeFaces, Poke,
                                   PokeEnd, SetControl, Reset, Reload>;
-/// What is said to the simulation.
+/// Messages to the simulation.
 using LoopMessage = Extended<SceneMessage, Pause, Play, SingleStep, SaveScene, OpenScene, SceneTouched>::type;
 /// All that a page can say; the rest is for the server.
 using PageMessage = Extended<LoopMessage, ChooseField, Acknowledge>::type;

@@ -25,7 +25,7 @@ struct Outgoing {
   SharedBytes bytes;
 };
 
-/// What the pages at the other ends of WebSockets talk to. The server calls all of it from its own thread.
+/// Partner of the pages at the other ends of WebSockets. The server calls all of it from its own thread.
 ///
 /// The server pulls: it asks for a page's next message when the page has taken the one before, so nothing
 /// piles up for a page that is slow, and a page that takes nothing is asked nothing.
@@ -34,7 +34,7 @@ class PageService {
   virtual ~PageService() = default;
   virtual void opened(ClientId client) = 0;
   virtual void received(ClientId client, bool is_text, std::string_view bytes) = 0;
-  /// What to send next; nothing until `PageServer::wake` when there is nothing to say.
+  /// Returns the next message; nothing until `PageServer::wake` when there is none.
   virtual std::optional<Outgoing> next(ClientId client) = 0;
   virtual void closed(ClientId client) = 0;
 };
@@ -47,20 +47,22 @@ using MakeBytes = std::function<std::string(std::string_view target, const std::
 /// becomes an answer with status 422.
 using TakeBytes = std::function<std::string(std::string_view target, std::string bytes)>;
 
-/// What `GET` of a path gets: bytes in memory, a file that is read while it is sent, or what is made of the
+/// Answer to `GET` of a path: bytes in memory, a file that is read while it is sent, or bytes made from the
 /// target; or what takes a `POST`.
 struct Resource {
   std::string content_type;
   std::variant<SharedBytes, std::filesystem::path, MakeBytes, TakeBytes> content;
-  std::string script_nonce;  ///< of a page: scripts that carry it may run, and no others
+  std::string script_nonce;  ///< script nonce of a page: scripts that carry it may run, and no others
 };
 
 struct ServerOptions {
-  std::uint16_t port = 0;    ///< 0: any free one
-  int max_connections = 32;  ///< of pages; of those that ask for nothing the oldest makes room
+  std::uint16_t port = 0;  ///< 0: any free one
+  int max_connections =
+      32;  ///< maximum connections of pages; of those that ask for nothing the oldest makes room
   std::size_t max_header_bytes = 8192;
-  std::size_t max_message_bytes = 4096;                 ///< of a page; a longer one ends its connection
-  std::size_t max_sent_bytes = std::size_t{256} << 20;  ///< of a file that a page sends
+  std::size_t max_message_bytes =
+      4096;  ///< maximum message bytes of a page; a longer one ends its connection
+  std::size_t max_sent_bytes = std::size_t{256} << 20;  ///< maximum sent bytes of a file that a page sends
   std::chrono::milliseconds request_timeout{10000};     ///< for a request and for the WebSocket handshake
   std::chrono::milliseconds send_timeout{10000};        ///< a page that takes a message for longer is dropped
   std::chrono::milliseconds body_timeout{

@@ -17,7 +17,7 @@ class RecordedFields {
   RecordedFields(const RecordedFields&) = delete;
   RecordedFields& operator=(const RecordedFields&) = delete;
 
-  /// What can be had, as JSON; an empty list for a run that has kept no scene or no frames.
+  /// Lists the available fields as JSON; an empty list for a run without its scene or frames.
   std::string list();
 
   /// One field in all frames, as bytes.

@@ -25,8 +25,8 @@ std::string harmless_name(std::string_view path);
 struct SceneSource {
   std::function<SceneValue()> load;  ///< the scene's values, anew at each reload
   std::string name;                  ///< begins messages
-  std::filesystem::path folder;      ///< of relative paths, and of what is saved
-  std::string stem;                  ///< of the file that is saved
+  std::filesystem::path folder;      ///< folder of relative paths, and of what is saved
+  std::string stem;                  ///< stem of the file that is saved
   bool is_bare_mesh = false;         ///< it was no scene: what is saved is at rest where something is held
   std::shared_ptr<const SentFile> sent{};  ///< the mesh, which no disk has
 };

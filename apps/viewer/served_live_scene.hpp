@@ -17,11 +17,11 @@
 
 namespace resilin::viewer {
 
-/// What somebody has changed of a scene on its page.
+/// Changes that a user has made to a scene on its page.
 struct SceneChanges {
   const Description* before = nullptr;  ///< as it was read
-  Vector3 up = Vector3::UnitZ();        ///< what the ground faces
-  LiveControls first, now;              ///< with which it began, and as they are
+  Vector3 up = Vector3::UnitZ();        ///< normal of the ground
+  LiveControls first, now;              ///< controls at the start, and now
   std::vector<HeldFace> held;
 };
 
@@ -66,7 +66,7 @@ class ServedLiveScene : public ServedScene {
  private:
   /// A face of the surface that is held, as the page sees it.
   struct ShownFace {
-    int number = 0;  ///< of the HeldFace
+    int number = 0;  ///< number of the HeldFace
     FacePatch patch;
   };
   /// All that a reload replaces.
@@ -82,13 +82,13 @@ class ServedLiveScene : public ServedScene {
     ShownSurface surface;
     std::vector<ShownCollider> colliders;
     SurfaceFields fields;
-    std::vector<ScalarField> field_choices;         ///< of which pages choose, in the order of the header
-    Vector3 grab_offset = Vector3::Zero();          ///< from the pointer to the place that is held [m]
+    std::vector<ScalarField> field_choices;  ///< fields that pages choose from, in the order of the header
+    Vector3 grab_offset = Vector3::Zero();   ///< from the pointer to the place that is held [m]
     std::map<Index, std::uint32_t> vertex_of_node;  ///< which vertex of the page stands for a pinned node
     VectorX previous_positions;                     ///< one step before [m]
     double previous_time = 0;                       ///< [s]
     Conditions previous_conditions{};
-    std::uint32_t shown_frame = 0;  ///< whose places and normals the buffers hold
+    std::uint32_t shown_frame = 0;  ///< frame whose places and normals the buffers hold
     std::vector<float> positions, normals, field;
   };
 

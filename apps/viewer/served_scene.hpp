@@ -10,7 +10,7 @@
 
 namespace resilin::viewer {
 
-/// What the pages play with, as the simulation thread sees it. The formats are those of
+/// Scene that the pages play with, as the simulation thread sees it. The formats are those of
 /// docs/view_protocol.md.
 class ServedScene {
  public:

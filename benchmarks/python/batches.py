@@ -29,7 +29,7 @@ def beam(cells, **simulation):
 
 
 def timed(work):
-    """What comes out, seconds on the wall clock and of processors."""
+    """Returns the result, and the seconds on the wall clock and of processors."""
     wall, processors = time.perf_counter(), time.process_time()
     return work(), time.perf_counter() - wall, time.process_time() - processors
 

@@ -25,9 +25,9 @@ import tempfile
 import time
 
 YOUNG, POISSON, FORCE = 1e6, 0.4, (0.0, 0.0, -3000.0)  # Pa, 1, N/m^3
-TOLERANCE = 1e-8  # of the load
+TOLERANCE = 1e-8  # tolerance of the load
 PLACES = [[4, 0, 0], [4, 1, 0], [4, 0, 1], [4, 1, 1], [2, 0, 0], [2, 1, 1]]  # nodes whose displacements are compared
-AGREEMENT = 1e-6  # of the largest; what TOLERANCE leaves
+AGREEMENT = 1e-6  # agreement of the largest; what TOLERANCE leaves
 DOLFINX_PYTHON = "/usr/bin/python3"
 DOLFINX_MODULES = "/usr/lib/petscdir/petsc3.18/x86_64-linux-gnu-real/lib/python3/dist-packages"
 

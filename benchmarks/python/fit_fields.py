@@ -13,7 +13,7 @@ import numpy as np
 import resilin
 
 E = "body.sheet.material.youngs_modulus"
-SIGMA = 2e-4  # of the markers [m]
+SIGMA = 2e-4  # sigma of the markers [m]
 AT = np.stack(np.meshgrid(np.linspace(0.035, 0.965, 14), np.linspace(0.035, 0.965, 14)), axis=-1).reshape(-1, 2)
 
 

@@ -53,7 +53,7 @@ def holder_of(stack):
 
 
 def run_and_measure(command):
-    """What the benchmark says, and the peak of its process [bytes]."""
+    """Returns the output of the benchmark and the peak memory of its process [bytes]."""
     with subprocess.Popen([*command, "--json"], stdout=subprocess.PIPE) as process:
         report = json.load(process.stdout)
         _, status, usage = os.wait4(process.pid, 0)

@@ -101,7 +101,7 @@ def seconds_of(call, repeats):
 
 def alternating_medians(calls):
     """Median seconds of one call of each, taken in turns for about SECONDS_PER_CASE."""
-    repeats = [max(1, int(2e-3 / max(seconds_of(call, 2), 1e-7))) for call in calls]  # of a few milliseconds
+    repeats = [max(1, int(2e-3 / max(seconds_of(call, 2), 1e-7))) for call in calls]  # repeats of a few milliseconds
     samples = [[] for _ in calls]
     end = time.perf_counter() + SECONDS_PER_CASE
     while len(samples[0]) < 3 or (time.perf_counter() < end and len(samples[0]) < 200):

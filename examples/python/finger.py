@@ -26,7 +26,7 @@ def finger(pressure):
     }
 
 
-TARGET = -0.03  # of the tip's displacement upwards [m]
+TARGET = -0.03  # target of the tip's displacement upwards [m]
 pressure = 50.0
 for forward_solves in range(1, 20):
     height, slopes = resilin.value_and_gradient(

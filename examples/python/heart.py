@@ -13,7 +13,7 @@ import numpy as np
 import resilin
 
 SOFT, STIFF = 1e5, 4e5  # [Pa]
-SIGMA = 2e-4  # of the markers [m]
+SIGMA = 2e-4  # sigma of the markers [m]
 E = "body.sheet.material.youngs_modulus"
 AT = np.stack(np.meshgrid(np.linspace(0.035, 0.965, 14), np.linspace(0.035, 0.965, 14)), axis=-1).reshape(-1, 2)
 
@@ -57,7 +57,7 @@ def pulled(mesh, moduli, axis):
 
 
 def markers():
-    """Of both pulls, from a finer sheet with the heart in it, with noise."""
+    """Markers of both pulls, from a finer sheet with the heart in it, with noise."""
     fine = square(40)
     moduli = np.where(is_heart(centres(fine)), STIFF, SOFT)
     noise = np.random.default_rng(1)

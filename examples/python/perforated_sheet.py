@@ -25,7 +25,7 @@ RANGES = {"radius": (0.05, 0.4), "flatness": (0.6, 1.0), "youngs_modulus": (2e5,
 def square_with_hole(radius, flatness):
     """Positions (4 SECTORS, LAYERS + 1, 2) between an ellipse and the square of side 1 around it."""
     t = np.arange(SECTORS) / SECTORS
-    side = np.stack([np.full(SECTORS, 0.5), t - 0.5], axis=1)  # of the right side, then turned by quarters
+    side = np.stack([np.full(SECTORS, 0.5), t - 0.5], axis=1)  # points of the right side, then turned by quarters
     turn = np.array([[0, 1], [-1, 0]])
     outer = np.concatenate([side @ np.linalg.matrix_power(turn, k) for k in range(4)])
     angle = np.arctan2(outer[:, 1], outer[:, 0])

@@ -17,7 +17,7 @@ ENDS = np.array([[0, 0.03], [0.5, 0.03]])
 TARGETS = np.array([[2.2, 0.8], [2.2, 0.3]])  # upright, half a second later [m]
 VELOCITIES = "body.bar.initial_velocities"
 arm = mesh.positions - [0.25, 0.03]
-# What a metre per second along x, along y and a turn of one radian per second are to each vertex.
+# Velocity of each vertex for a metre per second along x, along y and a turn of one radian per second.
 MOTIONS = np.array([np.tile([1.0, 0.0], (len(arm), 1)), np.tile([0.0, 1.0], (len(arm), 1)), arm[:, ::-1] * [-1, 1]])
 
 

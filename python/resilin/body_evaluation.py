@@ -1,4 +1,4 @@
-"""What autograd follows when only the positions of a body are followed: energy, gradient and Hessian of the core."""
+"""Autograd functions of a body's positions alone: energy, gradient and Hessian of the core."""
 
 from __future__ import annotations
 

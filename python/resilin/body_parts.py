@@ -1,4 +1,4 @@
-"""What a body is made of, ready for the core, and what comes back, ready for scipy."""
+"""Conversion of the data of a body for the core, and of results for scipy."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the core has to choose from, by name."""
+"""Catalogues of the core, by name."""
 
 from __future__ import annotations
 

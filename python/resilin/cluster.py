@@ -27,7 +27,7 @@ Task = tuple[int, str]  # number and hash of a scene
 
 
 class Row(NamedTuple):
-    """What a worker sends back of a scene."""
+    """Result of a scene that a worker sends back."""
 
     hash: str
     line: str
@@ -35,7 +35,7 @@ class Row(NamedTuple):
     seconds: float
 
 
-_made: dict[bytes, _core.Sweep] = {}  # of this worker
+_made: dict[bytes, _core.Sweep] = {}  # sweeps of this worker
 
 
 def given(definition: bytes) -> bytes:
@@ -44,7 +44,7 @@ def given(definition: bytes) -> bytes:
 
 
 def run_scenes(definition: bytes, tasks: list[Task], folder: str, threads: int) -> list[Row]:
-    """What a worker does."""
+    """Runs one scene on a worker."""
     sweep = _made.get(definition)
     if sweep is None:
         if len(_made) >= 4:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from resilin.typing import AnyPath, CurveKind, Loss, RealArray, StressKind
 
-NUM_POINTS = 61  # of a curve for which no stretches are asked
+NUM_POINTS = 61  # number of points of a curve for which no stretches are asked
 
 
 @dataclass(frozen=True)

@@ -208,7 +208,7 @@ class Differentiated:
         return self._objective
 
     def _slopes(self) -> list[FrameSlopes]:
-        """Of the objective."""
+        """Parameter names of the objective."""
         return [] if self._objective is None else self._objective.slopes()
 
     def _shaped(self, name: str, values: Floats) -> Numbers:
@@ -233,7 +233,7 @@ class Differentiated:
         return [(*frame, changes) for frame in self._run.forward(changes)]
 
     def _changes(self, direction: Mapping[str, RealArray]) -> list[Floats]:
-        """Of each parameter, flat; zero for those that are left out."""
+        """Change of each parameter, flat; zero for those that are left out."""
         for name in direction:
             if name not in self._shapes:
                 refuse(f"direction.{name}", "one of " + ", ".join(self._shapes), "a name that is not in wrt")

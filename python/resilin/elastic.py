@@ -90,7 +90,7 @@ class Elastic:
 
     def _make_core(self) -> None:
         self._tensor_body: ElasticAtTensors | None = None  # made when it is needed
-        self._versions: list[int] = []  # of the constants that `_core` was made with
+        self._versions: list[int] = []  # versions of the constants that `_core` was made with
         law = self._material._law
         if isinstance(law, LawAtArrays):
             self._core = self._core_with(law.own)

@@ -1,4 +1,4 @@
-"""What autograd follows: quantities of a law at tensors of states.
+"""Autograd functions: quantities of a law at tensors of states.
 
 Each quantity that the core evaluates knows what it becomes when it is differentiated; one autograd function,
 `Evaluation`, serves all. The energy can be differentiated twice, stress and forces once.
@@ -33,9 +33,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Quantity:
-    """What the core evaluates at each state, and its derivatives; None where there is none."""
+    """Quantity that the core evaluates at each state, and its derivatives; None where there is none."""
 
-    num_axes: int  # of its value at one state, each of length d
+    num_axes: int  # number of axes of its value at one state, each of length d
     evaluate: Callable[[_core.BatchLaw, Array, bool, Array], None]  # law, F, holds_displacement_gradients, result
     by_F: Quantity | None = None
     by_constant: Callable[[int], Quantity] | None = None

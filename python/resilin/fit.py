@@ -31,7 +31,7 @@ class FittedConstant:
     unit: str  #: "Pa", or empty for a pure number
     value: float
     standard_error: float  #: inf where the tests do not determine it, 0 where it was not fitted
-    half_width_95: float  #: of the interval of 95 % (Student's t)
+    half_width_95: float  #: half width of the interval of 95 % (Student's t)
     origin: Literal["fitted", "given", "assumed", "absent"]
     is_determined: bool
 
@@ -65,9 +65,9 @@ class FittedLaw:
     """One calibrated constitutive model."""
 
     name: str  #: as it was asked for, such as "ogden2"
-    law: str  #: of the catalogue
+    law: str  #: law of the catalogue
     constants: dict[str, FittedConstant]
-    sum_of_squares: float  #: of weighted residuals; [Pa^2] where they are absolute
+    sum_of_squares: float  #: sum of squares of weighted residuals; [Pa^2] where they are absolute
     points: int
     aicc: float  #: Akaike's criterion for few points; inf where there are too few
     akaike_weight: float
@@ -92,7 +92,7 @@ class Fit:
 
     laws: tuple[FittedLaw, ...]
     not_fitted: dict[str, str]  #: why not, by law
-    objective: str  #: what was made small, in words
+    objective: str  #: the minimised function, in words
     warnings: tuple[str, ...]
     text: str = field(repr=False)  #: the table that ``resilin fit`` prints
     material_toml: str = field(repr=False)
@@ -194,5 +194,5 @@ def _curve(entry: dict[str, Any]) -> FittedCurve:
 
 
 def _number(value: Any) -> Any:
-    """What JSON cannot say is infinite."""
+    """Number from JSON; null stands for infinity."""
     return np.inf if value is None else value

@@ -73,7 +73,7 @@ class _Simulation:
         return values, np.broadcast_shapes(*fronts)
 
     def _run(self, values: Mapping[str, Floats], front: tuple[int, ...]) -> ArrayRun:
-        """Of one set of arrays, or of a batch; the last ones are kept, since slopes back are asked for after."""
+        """Runs one set of arrays, or a batch; keeps the last ones, since derivatives are asked for after."""
         size = math.prod(front)
         flat = {}
         for name, value in values.items():

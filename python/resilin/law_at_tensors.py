@@ -111,7 +111,7 @@ class LawAtTensors:
         return sigma
 
     def _read(self, *tensors: torch.Tensor) -> tuple[LawAtArrays, list[NDArray[Any]]] | None:
-        """What evaluates views of the tensors; None where autograd or torch.func must follow."""
+        """Evaluator for views of the tensors; None where autograd or torch.func must follow."""
         law = self._law
         if not isinstance(law, LawAtArrays):
             return None

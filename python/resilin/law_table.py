@@ -1,4 +1,4 @@
-"""What help(Material) says about the laws."""
+"""Text of help(Material) about the laws."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def law_table(laws: Mapping[str, _core.LawInfo]) -> str:
-    """What each law is, and its constants."""
+    """Table of all laws and their constants."""
     lines = ["Laws", "----"]
     for law in laws.values():
         lines += [

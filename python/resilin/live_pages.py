@@ -34,7 +34,7 @@ class LivePages:
     def __init__(self, core: _core.LiveScene) -> None:
         self._core = core
         self._pages: dict[int, _Page] = {}
-        self._owing_since: dict[int, float] = {}  # of pages that have not answered what they were sent
+        self._owing_since: dict[int, float] = {}  # times since when pages owe an answer to the last message
         self._last_number = 0
         self._sending = threading.Lock()
         self._starting = threading.Lock()
@@ -114,7 +114,7 @@ class LivePages:
                     while (message := self._core.next_message(number)) is not None:
                         self._owing_since.setdefault(number, time.monotonic())
                         page.send(message)
-                except Exception:  # of whatever carries it
+                except Exception:  # errors of whatever carries it
                     gone.append(number)
         for number in gone:
             self.close(number)

@@ -14,7 +14,7 @@ from resilin.picture import picture_options
 if TYPE_CHECKING:
     from resilin import _core
 
-MOST_BYTES = 3_000_000  # of a page; a notebook keeps each that it shows
+MOST_BYTES = 3_000_000  # most bytes of a page; a notebook keeps each that it shows
 HEIGHT = 560  # [px]
 
 

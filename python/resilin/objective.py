@@ -32,7 +32,7 @@ class FrameSlopes(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """What a function that is an objective gets: T frames, the first is the start."""
+    """Argument of an objective function: T frames, the first is the start."""
 
     positions: Floats  #: (T, N, d) [m], all nodes, one body after another
     times: Floats  #: (T,) [s]

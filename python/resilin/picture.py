@@ -88,7 +88,7 @@ def picture_options(
     dark: bool = False,
     transparent: bool = False,
 ) -> _core.PictureOptions:
-    """What `Result.plot` takes, as the core wants it."""
+    """Options of `Result.plot` in the form of the core."""
     options = _core.PictureOptions()
     if field is not None and not isinstance(field, str):
         refuse("field", "the name of a field", repr(field))

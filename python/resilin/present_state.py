@@ -1,4 +1,4 @@
-"""What is asked alike of everything that has a present state."""
+"""Quantities of every object that has a present state."""
 
 from __future__ import annotations
 

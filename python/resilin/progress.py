@@ -35,7 +35,7 @@ class Progress:
 
     @property
     def after_step(self) -> Callable[..., None] | None:
-        """What the core is to call after each step, and with (share done, what it is at) within one; or None."""
+        """Callbacks of the core: after each step, and within one with (fraction done, activity); or None."""
         return self._step if self._is_shown else None
 
     def _step(self, share: float | None = None, text: str = "") -> None:

@@ -49,14 +49,14 @@ def read_scene(scene: Scene, overrides: Overrides = ()) -> _core.Scene:
 
 
 def override_lines(overrides: Overrides) -> list[str]:
-    """What stands after each --set."""
+    """Texts of overrides, as they follow each --set."""
     if isinstance(overrides, Mapping):
         overrides = [f"{key}={_toml(value)}" for key, value in overrides.items()]
     return [plain_text(override, "overrides") for override in overrides]
 
 
 def of_file_or_dict(data: Scene, of_file: Callable[[str], _T], of_values: Callable[[dict[str, object]], _T]) -> _T:
-    """What `of_file` makes of a path, or `of_values` of a dict with the keys of such a file."""
+    """Calls `of_file` for a path, or `of_values` for a dict with the keys of such a file."""
     if isinstance(data, Mapping):
         return of_values(plain_values(data))
     if not isinstance(data, str | os.PathLike):

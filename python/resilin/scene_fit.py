@@ -25,12 +25,12 @@ class FittedParameter:
     """Estimate of one parameter of the scenes, in SI units."""
 
     name: str
-    key: str  #: of the scenes
+    key: str  #: key of the scenes
     unit: str
     start: float
     value: float
     standard_error: float  #: inf where the measurements do not determine it
-    interval: tuple[float, float]  #: of 95 %, by the logarithm of what is positive
+    interval: tuple[float, float]  #: interval of 95 %, by the logarithm of what is positive
     is_held: bool  #: by a bound, against which the data would have it go on
 
 
@@ -39,10 +39,12 @@ class FittedField:
     """A constant with cell values: arrays (M,), in SI units."""
 
     name: str
-    key: str  #: of the scenes
+    key: str  #: key of the scenes
     unit: str
     values: NDArray[np.float64]
-    interval: tuple[NDArray[np.float64], NDArray[np.float64]]  #: of 95 %: of noise and of what the prior leaves open
+    interval: tuple[
+        NDArray[np.float64], NDArray[np.float64]
+    ]  #: interval of 95 %: of noise and of what the prior leaves open
     resolution: NDArray[np.float64]  #: the data tell a mean over about such a length [m]
 
 
@@ -51,8 +53,8 @@ class Regularisation:
     """Settings and result of the regularisation of a field."""
 
     strength: float  #: the weight of the prior that was taken
-    corner: float  #: of the L-curve; 0 without one
-    discrepancy: float  #: by which the misfit is that of the sigmas; 0 where there is none
+    corner: float  #: corner of the L-curve; 0 without one
+    discrepancy: float  #: ratio of the misfit to that of the sigmas; 0 where there are none
     cross_validated: float
     freedom: float  #: so many combinations of the unknowns the data determine
     l_curve: NDArray[np.float64]  #: (P, 3): strength, sum of squares, roughness
@@ -74,17 +76,17 @@ class SceneFit:
 
     parameters: dict[str, FittedParameter]  #: by name
     fields: dict[str, FittedField]  #: by name: constants that were sought for each cell
-    regularisation: Regularisation | None  #: of fields
-    sum_of_squares: float  #: of residuals over sigma, where there are sigmas
+    regularisation: Regularisation | None  #: regularisation of fields
+    sum_of_squares: float  #: sum of squares of residuals over sigma, where there are sigmas
     degrees_of_freedom: int
-    solves: int  #: of each scene
+    solves: int  #: solves of each scene
     #: the sum of squares, of fields with the prior, where each start of the search has ended; inf: no solution
     starts: tuple[float, ...]
     is_converged: bool
     correlation: NDArray[np.float64]  #: (P, P) between the estimates
     tables: tuple[MeasuredTable, ...]
     warnings: tuple[str, ...]
-    text: str = field(repr=False)  #: what ``resilin fit`` prints
+    text: str = field(repr=False)  #: output of ``resilin fit``
     material_toml: str = field(repr=False)
     _report: _core.SceneFitReport = field(repr=False)
 

@@ -15,7 +15,7 @@ from resilin.scene import plain_value
 class Definition(NamedTuple):
     """A sweep as it travels to other processes: a file, or values."""
 
-    path: str  #: of SWEEP.toml, absolute; empty where there are values
+    path: str  #: path of SWEEP.toml, absolute; empty where there are values
     values: dict[str, Any]  #: as in SWEEP.toml, with arrays and meshes
     folder: str  #: absolute; that relative paths of a dict start at
 

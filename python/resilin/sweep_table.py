@@ -38,7 +38,7 @@ class SweepTable(Mapping[str, "NDArray[Any]"]):
 
     def __init__(self, folder: pathlib.Path, owner: object = None) -> None:
         self.folder = folder
-        self._owner = owner  # of a folder that goes with this table
+        self._owner = owner  # owner of a folder that goes with this table
         self._columns: dict[str, NDArray[Any]] | None = None
 
     @property

@@ -81,7 +81,7 @@ def plain_arrays(*tensors: Any) -> list[NDArray[Any]]:
         return []
     try:
         return [tensor.numpy() for tensor in tensors]
-    except (AttributeError, RuntimeError, TypeError):  # of autograd, torch.func or another device
+    except (AttributeError, RuntimeError, TypeError):  # errors of autograd, torch.func or another device
         return []
 
 

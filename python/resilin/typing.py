@@ -50,7 +50,7 @@ CurveKind: TypeAlias = Literal["uniaxial", "equibiaxial", "planar", "shear", "vo
 ColorMap: TypeAlias = Literal["auto", "viridis", "diverging"]
 StressKind: TypeAlias = Literal["nominal", "cauchy"]
 Loss: TypeAlias = Literal["stress_drops", "directions_part", "not_elliptic", "no_state"]
-#: Of a LiveScene; vectors are lists of three numbers.
+#: Value of a control of a LiveScene; vectors are lists of three numbers.
 ControlValue: TypeAlias = "bool | float | str | list[float]"
 StepStatus: TypeAlias = Literal["converged", "not_converged"]
 SweepMethod: TypeAlias = Literal["grid", "list", "latin_hypercube", "sobol"]
@@ -63,7 +63,7 @@ Triplets: TypeAlias = tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.flo
 
 
 class PictureOptions(TypedDict, total=False):
-    """What `Result.plot` says about them."""
+    """Options of pictures; see `Result.plot`."""
 
     size: Sequence[float]
     view: str | Sequence[float]

@@ -27,7 +27,7 @@ class LiveView(anywidget.AnyWidget):
 
     def __init__(self, pages: LivePages, title: str, height: int) -> None:
         self._pages = pages
-        self._numbers: dict[str, int] = {}  # of pages, by the names that they have given themselves
+        self._numbers: dict[str, int] = {}  # numbers of pages, by the names that they have given themselves
         super().__init__(title=title, height=height)
         self.on_msg(self._hear)
 

@@ -18,7 +18,7 @@ namespace {
 // All arrays are C-contiguous and aligned already: the Python layer has seen to
 // that.
 using Input = nb::ndarray<nb::ro, nb::c_contig, nb::device::cpu>;  // double or float
-using Output = nb::ndarray<nb::c_contig, nb::device::cpu>;         // of the input's type
+using Output = nb::ndarray<nb::c_contig, nb::device::cpu>;         // output in the input's type
 using Numbers = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
 
 void require(bool is_so, const char* what) {

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t nodes_per_chunk = 1024;
 
-/// What stands left of the diagonal in each row: the transposed blocks of slots (j, i), j < i, j ascending.
+/// Blocks left of the diagonal in each row: the transposed blocks of slots (j, i), j < i, j ascending.
 struct LowerBlocks {
   std::vector<Offset> begin, slots;
   std::vector<Index> columns;
@@ -63,7 +63,7 @@ Csr to_csr(const BlockMatrix& matrix) {
   csr.values.resize(csr.columns.size());
   parallel_for(num_nodes, nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      std::size_t place = 0;  // of the block in the row, in numbers
+      std::size_t place = 0;  // place of the block in the row, in numbers
       const auto put = [&](Index column, const double* block, std::size_t row_stride,
                            std::size_t column_stride) {
         for (std::size_t a = 0; a < dim; ++a) {

@@ -291,7 +291,7 @@ class DifferentiatedRun {
   }
 
   std::unique_ptr<Derivatives> run_;
-  Interruptible* interruptible_ = nullptr;    ///< of the call that goes on
+  Interruptible* interruptible_ = nullptr;    ///< call that goes on
   const std::atomic<bool>* stops_ = nullptr;  ///< likewise, where it goes on beside others
 };
 

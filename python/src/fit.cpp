@@ -15,7 +15,7 @@
 namespace resilin::python {
 namespace {
 
-/// What `resilin fit` writes, as texts.
+/// Output of `resilin fit`, as texts.
 nb::typed<nb::dict, nb::str, nb::str> fit(const FitDescription& description) {
   std::string json, text, material, page;
   {
@@ -34,7 +34,7 @@ nb::typed<nb::dict, nb::str, nb::str> fit(const FitDescription& description) {
   return result;
 }
 
-/// What a fit of scenes gives, as texts and as `report`; `on_solve`, or None, is told a line for each solve.
+/// Result of a fit of scenes, as texts and as `report`; `on_solve`, or None, is told a line for each solve.
 nb::typed<nb::dict, nb::str, nb::any> fit_experiments(const SceneFitDescription& description,
                                                       const nb::object& on_solve) {
   SceneFitReport report;

@@ -38,7 +38,7 @@ std::vector<double> without_third(const std::vector<double>& vectors, std::size_
   return values;
 }
 
-/// What `function` gives for each state, (T, N, dim).
+/// Values of `function` for each state, (T, N, dim).
 template <class Function>
 NumpyArray<double> node_arrays(const World& world, std::span<const State> states, const Function& function) {
   std::vector<double> all;
@@ -94,7 +94,7 @@ void History::record(const Simulation& simulation, bool is_last) {
   const State& state = simulation.state();
   if (!states_.empty() && states_.back().step == state.step) return;
   if (!is_last && !states_.empty() && state.step % world().output.every != 0) return;
-  if (!states_.empty()) {  // what is only needed to go on from the last
+  if (!states_.empty()) {  // drops data that only a continued run needs
     State& before = states_.back();
     for (VectorX* values : {&before.previous_positions, &before.previous_velocities, &before.accelerations})
       values->resize(0);

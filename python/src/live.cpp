@@ -17,13 +17,13 @@
 namespace resilin::python {
 namespace {
 
-/// What `function` says of the live scene.
+/// Calls `function` with the live scene and returns its value.
 template <class Function>
 auto told(Function function) {
   return [function](const PlayedScene& scene) { return scene.look(function); };
 }
 
-/// What `function` does to it.
+/// Calls `function`, which changes the live scene.
 template <class Function>
 auto done(Function function) {
   return [function](PlayedScene& scene) { scene.change(function); };

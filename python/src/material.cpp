@@ -77,7 +77,7 @@ void convert_constants(const LawInfo& law, double mu, double lambda, const std::
   }
 }
 
-/// What is not a number stands for nothing.
+/// Number, or none for anything that is not a number.
 std::optional<double> number_or_none(double value) {
   return std::isnan(value) ? std::nullopt : std::optional<double>(value);
 }

@@ -13,7 +13,7 @@ namespace resilin::python {
 
 namespace nb = nanobind;
 
-/// What is asked of numpy again and again; kept until the process ends.
+/// Handles of numpy that are used again and again; kept until the process ends.
 struct Numpy {
   nb::object array_type = nb::module_::import_("numpy").attr("ndarray");
   nb::object empty = nb::module_::import_("numpy").attr("empty");

@@ -15,7 +15,7 @@
 
 namespace resilin::python {
 
-/// What a page and its scene say to each other: text or bytes.
+/// Messages between a page and its scene: text or bytes.
 using PageWords = std::variant<std::string, nb::bytes>;
 
 /// The pages of a live scene that somebody else shows, and carries the words of: no server, no thread.
@@ -26,7 +26,7 @@ class ScenePages {
   ScenePages(std::shared_ptr<LiveScene> live, std::vector<std::string> warnings);
 
   void open(viewer::ClientId page);
-  void close(viewer::ClientId page);  ///< of no effect when it is not open
+  void close(viewer::ClientId page);  ///< has no effect when it is not open
   void receive(viewer::ClientId page, const PageWords& message);
   std::optional<PageWords> next(viewer::ClientId page);
   std::optional<double> seconds_to_turn() const;

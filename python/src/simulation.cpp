@@ -133,7 +133,7 @@ class RunningSimulation {
  private:
   struct Played {
     std::shared_ptr<PlayedScene> scene;
-    std::uint64_t seen = 0;  ///< of its changes, those that the simulation has followed
+    std::uint64_t seen = 0;  ///< changes that the simulation has followed
     bool is_away = false;    ///< a run goes its own way until it has come to its end
   };
 
@@ -200,7 +200,7 @@ class RunningSimulation {
     };
     record(false);
     double seconds = setup_seconds_;
-    int iterations = 0;  // of the step
+    int iterations = 0;  // iterations of the step
     const auto within_step = [&](const NewtonReport& so_far) {
       ++iterations;
       if (after_step.is_none()) return;

@@ -106,7 +106,7 @@ def test_workers_with_other_files_are_refused(client, tmp_path):
     scene["body"][0]["material"]["poissons_ratio"] = {"file": str(tmp_path / "ratio.csv")}
     (tmp_path / "ratio.csv").write_text("0.3\n0.3\n")
     resilin.sweep(scene, {MODULUS: [1e5]}, client=client, out=tmp_path / "out")
-    # What the client hashes is not what the worker then finds.
+    # The client's hash differs from the file that the worker finds.
     from resilin import cluster as cluster_module
 
     made = cluster_module.make_sweep(resilin.sweeps._definition(scene, {MODULUS: [1e5]}, "grid", None, 0, (), "none"))

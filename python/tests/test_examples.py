@@ -1,4 +1,4 @@
-"""What README.md and examples/python show does what they say."""
+"""README.md and examples/python do what they say."""
 
 import pathlib
 import re

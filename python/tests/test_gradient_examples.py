@@ -55,7 +55,7 @@ def test_a_heart_is_found_from_markers(tmp_path):
     found = run("heart.py")
     fit = found["fit"]
     assert fit.is_converged
-    assert fit.solves <= 30  # of each of two scenes
+    assert fit.solves <= 30  # solves of each of two scenes
     is_stiff = found["truth"] > 2e5
     moduli = found["moduli"]
     # In and out are told apart in all but cells at the edge, and by about the right moduli.

@@ -48,7 +48,7 @@ def test_a_hand_pulls_a_place_towards_another_with_the_force_that_the_wall_answe
     settled(live)
     rise = live.positions[tip, 2] - 0.1
     assert 0.1 < rise < 0.21
-    # What the deformed cells pull with at the vertices that are free, by the energy of the mesh alone.
+    # Forces of the deformed cells at the free vertices, by the energy of the mesh alone.
     mesh = resilin.Mesh.box((1, 0.2, 0.2), (10, 2, 2))
     np.testing.assert_array_equal(mesh.positions, live.rest_positions)
     law = resilin.Material("neo_hookean", youngs_modulus=5e5, poissons_ratio=0.3)

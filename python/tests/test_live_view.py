@@ -46,7 +46,7 @@ class Page:
             self.frames.append(message)
 
     def answer(self):
-        """Of the last frame: done from the test's thread, as a notebook does it from its own."""
+        """Answers the last frame from the test's thread, as a notebook does it from its own."""
         if self.frames and self.frames[-1][:4] == b"RSF1" and self.answers:
             self.pages.receive(self.number, b"\1\0\0\0" + self.frames[-1][4:8])
 
@@ -103,7 +103,7 @@ def test_a_pull_on_the_page_moves_the_python_object_and_back():
     assert live.is_held and live.time > 0
     page.say(type="release")
     page.until(lambda: not live.is_held)
-    # What the program does is on the page.
+    # A change by the program is on the page.
     live.set(damping=7)
     corner = int(np.linalg.norm(live.rest_positions - [1, 0, 0], axis=1).argmin())
     live.pin(corner)

@@ -60,7 +60,7 @@ class TestEveryLaw:
         treated = np.maximum(values, 0) if projection == "clamp" else np.abs(values)
         expected = vectors * treated[:, None, :] @ vectors.transpose(0, 2, 1)
         scale = np.abs(exact[inside]).max((1, 2), keepdims=True)
-        assert (np.abs(projected[inside] - expected) <= 1e-10 * scale).all()  # of Hessians, as in the references
+        assert (np.abs(projected[inside] - expected) <= 1e-10 * scale).all()  # projected Hessians, as in the references
 
     def test_forces_are_the_slope_of_the_energy_of_a_cell(self, law, dim):
         material = material_of(law)

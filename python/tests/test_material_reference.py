@@ -16,7 +16,7 @@ REFERENCE = pathlib.Path(__file__).resolve().parents[2] / "tests" / "reference"
 
 LAME = {"mu": "shear_modulus", "lam": "lame_lambda"}
 BULK = {"mu": "shear_modulus", "kappa": "bulk_modulus"}
-LAWS = {  # of the files: our name, and our names of its constants; those of a list are numbered
+LAWS = {  # laws of the files: our name, and our names of its constants; those of a list are numbered
     "nh_log": ("neo_hookean", LAME),
     "nh_j1_log": ("neo_hookean_quadratic", LAME),
     "snh": ("stable_neo_hookean", LAME),
@@ -65,7 +65,7 @@ def energy_at_rest(file, key):
 
 
 def size_of_terms(material, F, P, A):
-    """What P is a sum of: itself, the rounding of each entry of F, and that of J, a sum of products of entries."""
+    """Terms that P sums: itself, the rounding of each entry of F, and that of J, a sum of products of entries."""
     dim = F.shape[-1]
     norm = np.linalg.norm(F, axis=(-2, -1))
     cofactors = np.prod(np.linalg.svd(F, compute_uv=False)[..., : dim - 1], axis=-1)

@@ -40,7 +40,7 @@ def place(tmp_path):
 
 
 def answer(argv, typed, end, folder):
-    """What a shell on a terminal of its own has shown by the time that `end` comes."""
+    """Output of a shell on a terminal of its own by the time that `end` comes."""
     master, slave = pty.openpty()
     environment = {"PATH": f"{PROGRAM.parent}:{os.environ['PATH']}", "TERM": "dumb", "HOME": str(folder), "LC_ALL": "C"}
     with subprocess.Popen(

@@ -1,4 +1,4 @@
-"""What a run leaves to be looked at, read by others' programs."""
+"""Results of a run, read by others' programs."""
 
 import json
 

@@ -13,7 +13,7 @@ from scenes import cantilever, square
 
 import resilin
 
-NUM_STEPS = 20  # of `square`
+NUM_STEPS = 20  # number of steps of `square`
 
 
 @pytest.fixture(scope="module")
@@ -78,7 +78,7 @@ def test_a_look_during_the_work_sees_a_whole_state(look, works, alone):
 
 def test_looks_come_between_the_steps_of_a_run():
     """And do not wait for its end."""
-    simulation = resilin.Simulation(square(end_time=1e6))  # of hours
+    simulation = resilin.Simulation(square(end_time=1e6))  # takes hours
     times, runs = [], 0
     while len(set(times)) <= 3 and runs < 50:  # on a busy machine a run may be over before this thread comes to look
         runner = threading.Thread(target=lambda: simulation.run(steps=400))
@@ -137,7 +137,7 @@ def test_ctrl_c_ends_the_waiting():
 
 
 def test_a_signal_handler_inside_a_step_is_told_to_wait():
-    """What it would see is neither the state before the step nor the one after."""
+    """A reader during a step would see neither the state before the step nor the one after."""
     simulation = resilin.Simulation(cantilever(load_steps=1))
     errors = []
 

@@ -1,4 +1,4 @@
-"""What a user writes, for test_types.py: a strict type checker has nothing to say, and it runs."""
+"""A user's script for test_types.py: a strict type checker has nothing to say, and it runs."""
 
 # ruff: noqa: N806 - F, H and P are the letters of the field
 

@@ -11,7 +11,7 @@ NAME = re.compile(
 TYPE = re.compile(r"\b(?:struct|class|enum|union|namespace|concept)\s+\w")
 TEMPLATE = re.compile(r"template\s*<[^;{]*?>\s*\n")
 COMMENT = re.compile(r"//[^\n]*")
-INITIALIZERS = re.compile(r"(\)(?:\s*(?:const|noexcept))*)\s*:\s[^:;{}][^;]*$")  # of a constructor
+INITIALIZERS = re.compile(r"(\)(?:\s*(?:const|noexcept))*)\s*:\s[^:;{}][^;]*$")  # initializers of a constructor
 SKIPPED = re.compile(r"#pragma once|#include|namespace [\w:]*\s*\{$|\}\s*// namespace|class \w+;$|struct \w+;$")
 
 
@@ -78,7 +78,7 @@ def blocks(text):
 
 
 def names_in(block):
-    """What a block declares, in its order."""
+    """Names that a block declares, in its order."""
     names, depth = [], 0
     code = TEMPLATE.sub("", COMMENT.sub("", block))
     for line in code.splitlines():

@@ -30,7 +30,7 @@ def executed(path):
         print(f"{path.name}: shown without outputs: ./test python makes what runs it", file=sys.stderr)
         return json.loads(path.read_text(encoding="utf-8"))
     command = [INTERPRETER, "-c", RUN, path, path.parent]
-    with tempfile.TemporaryDirectory(prefix="resilin-site-") as home:  # what Jupyter leaves behind
+    with tempfile.TemporaryDirectory(prefix="resilin-site-") as home:  # for files that Jupyter leaves behind
         environment = {**os.environ, "PYTHONPATH": str(PACKAGE), "HOME": home, "IPYTHONDIR": home}
         run = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
     if run.returncode != 0:
@@ -43,7 +43,7 @@ def joined(value):
 
 
 def worth_reading(text):
-    """What a cell prints, without the line of progress and without the places in sources where warnings arise."""
+    """Output of a cell, without the line of progress and without the places in sources where warnings arise."""
     lines = [line.rsplit("\r", 1)[-1] for line in text.splitlines()]
     kept = []
     for line in lines:

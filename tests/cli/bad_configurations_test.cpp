@@ -14,7 +14,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// What an entry of "configurations" in tests/data/bad_inputs/index.json is in our words.
+/// An entry of "configurations" in tests/data/bad_inputs/index.json in our words.
 struct Configuration {
   std::vector<std::string> settings;  ///< --set on the box scene
   int exit_code = 1;

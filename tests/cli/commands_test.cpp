@@ -203,7 +203,7 @@ TEST_F(Commands, InfoTellsHowItWasBuilt) {
   EXPECT_THAT(run({"info", "--scene-reference"}).out, StartsWith("# The scene file"));
 }
 
-/// What OpenBLAS calls its kernels for an instruction set of ours.
+/// Name that OpenBLAS has for its kernels of an instruction set of ours.
 std::string openblas_core(const std::string& set) {
   return set == "avx512" ? "SkylakeX" : set == "avx2" ? "Haswell" : "Prescott";
 }

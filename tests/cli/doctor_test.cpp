@@ -30,7 +30,7 @@ struct Doctor : ::testing::Test {
 
   ProgramResult run() const { return run_program(folder.path(), {"doctor"}, environment); }
 
-  /// What is said about one thing.
+  /// Finding about one thing.
   Json finding(const std::string& name) const {
     const ProgramResult result = run_program(folder.path(), {"doctor", "--json"}, environment);
     EXPECT_EQ(result.exit_code, 0) << result.err;

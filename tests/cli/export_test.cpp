@@ -71,7 +71,7 @@ TEST_F(Export, OfARunWritesItsRecordingWithTheStateOfEachFrame) {
       EXPECT_THAT(page,
                   HasSubstr("<script id=\"state-" + std::to_string(number) + "\" type=\"text/plain\">eJ"));
     EXPECT_THAT(page, Not(HasSubstr("state-4")));
-    // What it plays is what result.html plays.
+    // It plays the same recording as result.html.
     const std::size_t begin = result.find("<script id=\"recording\""), end = result.find("</script>", begin);
     EXPECT_THAT(page, HasSubstr(result.substr(begin, end - begin)));
     std::filesystem::remove_all(folder / "out");

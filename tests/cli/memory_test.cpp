@@ -69,7 +69,7 @@ TEST_F(ShortMemory, EndsInTheSameResultOrInOneLine) {
   EXPECT_GT(num_refusals, 0);
 }
 
-/// What a large mesh needs is known before it is taken, so that the answer is there before a step is.
+/// The memory of a large mesh is known before it is taken, so that the answer is there before a step is.
 TEST_F(ShortMemory, IsForeseenForLargeMeshesAndSaysWhatWouldFit) {
   folder.write("box.toml",
                std::regex_replace(box_scene, std::regex(R"(cells = \[4, 2, 2\])"), "cells = [60, 30, 30]"));

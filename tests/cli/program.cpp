@@ -22,7 +22,7 @@ pid_t start(const std::filesystem::path& folder, std::vector<std::string> words,
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
-  std::filesystem::remove(folder / "stdout.txt");  // of a run before
+  std::filesystem::remove(folder / "stdout.txt");  // results of a run before
   const pid_t process = fork();
   if (process != 0) return process;
   const auto redirect = [&](const char* name, int descriptor) {

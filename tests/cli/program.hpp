@@ -32,7 +32,7 @@ class RunningProgram {
   RunningProgram(const RunningProgram&) = delete;
   RunningProgram& operator=(const RunningProgram&) = delete;
 
-  /// What it has printed, as soon as that matches a regular expression or the program has ended.
+  /// Output so far, as soon as that matches a regular expression or the program has ended.
   std::string wait_for(const std::string& pattern);
   bool is_running() const;
   void kill(int signal);

@@ -1,4 +1,4 @@
-// What a run leaves to be looked at: result.html and result.usda.
+// Results for viewers: result.html and result.usda.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

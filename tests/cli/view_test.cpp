@@ -36,7 +36,7 @@ struct View : ::testing::Test {
     return run_program(folder.path(), arguments);
   }
 
-  /// What a running program has printed.
+  /// Address that a running program has printed.
   static Address address_of(RunningProgram& program) {
     const std::string out = program.wait_for("token=[0-9a-f]{32}");
     std::smatch match;
@@ -185,7 +185,7 @@ TEST_F(View, ComputesFieldsOfARunThatItsRecordingDoesNotHold) {
                   .ends_with("[]"));
 }
 
-/// What processes are called with can be read by every user of the machine.
+/// Arguments of processes can be read by every user of the machine.
 TEST_F(View, NoProcessIsCalledWithTheTokenWhenABrowserIsOpened) {
   folder.write("browser", R"sh(#!/bin/sh
 cat "$1" > content.txt

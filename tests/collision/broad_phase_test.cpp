@@ -154,7 +154,7 @@ TEST(BroadPhase, MissesNothingOnAGridNorFarAwayNorAtAnySize) {
   }
 }
 
-/// What is found are the boxes that meet: no more than those of boxes larger by the rounding.
+/// The found boxes are those that meet: no more than those of boxes larger by the rounding.
 TEST(BroadPhase, FindsLittleMoreThanTheBoxesThatMeet) {
   const RandomBodies bodies(3, 8, 5, 60, 0.1, 0.05);
   const BodyMeetings meetings(5, true);

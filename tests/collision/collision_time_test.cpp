@@ -125,7 +125,7 @@ TEST_P(EveryPairKind, IsNeverLateForDegeneratePairs) {
   }
   const std::vector<double> times = all.times(set);
   expect_no_lateness(all, times);
-  // What goes one way together, or stays, is free all the way unless it touches.
+  // Pairs that move together, or stay, are free all the way unless they touch.
   for (std::size_t i = 0; i < times.size(); ++i) {
     if (i % 4 < 2 && all.distance(i, 0) > 1e-9 * all.size(i)) {
       EXPECT_EQ(times[i], 1) << i << " of size " << all.size(i) << " apart by " << all.distance(i, 0) << [&] {

@@ -70,7 +70,7 @@ TEST(ContactSearch, SearchesAgainOnlyWhenVerticesLeaveTheirRegion) {
   EXPECT_TRUE(search.cover(end, beside));
 }
 
-/// What it has of earlier searches is always enough.
+/// The results of earlier searches are always enough.
 TEST(ContactSearch, HasAllPairsThatAreNear) {
   const SearchedBoxes boxes(3, 0.5 * search_distance);
   ContactSearch search = boxes.search();

@@ -63,7 +63,7 @@ double upward_force(const Energy& energy, const Block& block) {
   return force;
 }
 
-/// What a half-space says of the same gap.
+/// Force of a half-space at the same gap.
 double force_of_half_space(const Block& block) {
   const ColliderBarrier floor(
       "floor", block.dim, std::make_shared<HalfSpace>(Vector3::Zero(), Vector3::Unit(block.dim - 1)),

@@ -98,7 +98,7 @@ TEST(SlidingNormals, OfABoxAreThoseOfItsFaces) {
     EXPECT_LT((surface.normal({v[0], v[1], v[2]}, {1 - a - b, a, b}, facet) - facet).norm(), 1e-14);
     EXPECT_LT((surface.normal({v[0], v[1], v[2]}, {1 - a - b, a, b}, -facet) + facet).norm(), 1e-14);
   }
-  Index from = -1, to = -1;  // of the edge along z at x = y = 1
+  Index from = -1, to = -1;  // from and to of the edge along z at x = y = 1
   for (Index v = 0; v < static_cast<Index>(box.vertices.size()); ++v) {
     if (box.vertices[static_cast<std::size_t>(v)] == Vector3(1, 1, 0)) from = v;
     if (box.vertices[static_cast<std::size_t>(v)] == Vector3(1, 1, 0.5)) to = v;

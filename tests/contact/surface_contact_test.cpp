@@ -276,7 +276,7 @@ class Valleys {
     for (Eigen::Index i = Eigen::Index{surfaces_.first_nodes[1]} * dim; i < way_.size(); i += dim)
       way_[i] = 0.15;
   }
-  /// What presses when the point has gone so far.
+  /// Contact forces when the point has gone so far.
   std::vector<PartForce> forces(const SurfaceContact& contact, double t) const {
     return contact.part_forces(surfaces_.positions + t * way_);
   }
@@ -294,7 +294,7 @@ double sum_of(const std::vector<PartForce>& forces) {
   return sum;
 }
 
-/// What friction sees: the forces and their directions.
+/// Forces and directions for friction.
 Eigen::Matrix3d directions_of(const std::vector<PartForce>& forces) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (const PartForce& force : forces) sum += force.force * force.normal * force.normal.transpose();

@@ -148,7 +148,7 @@ TEST(ElasticEnergy, HessianIsTheSlopeOfTheForces) {
     Assembled assembled(body, energy);
     energy.add_hessian(x, {}, Projection::none, assembled.A);
     const VectorX p = body.moved(1, 5) - body.X;
-    const double step = 1e-7;  // of positions about 0.3 m apart
+    const double step = 1e-7;  // step of positions about 0.3 m apart
     VectorX plus = VectorX::Zero(x.size()), minus = plus, product;
     energy.add_gradient(x + step * p, {}, plus);
     energy.add_gradient(x - step * p, {}, minus);

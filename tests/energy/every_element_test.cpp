@@ -1,4 +1,4 @@
-// What the elastic energy of every element of the catalogue must do.
+// Properties of the elastic energy of every element of the catalogue.
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
@@ -82,7 +82,7 @@ double least_fibre_stretch(const ElasticEnergy& energy, const VectorX& x) {
   return least;
 }
 
-/// What the elastic energy on each element of the catalogue must do.
+/// Properties of the elastic energy on each element of the catalogue.
 struct EveryElementEnergy : OnEveryElement {
   /// Calls `check(element, mesh, law)` for laws of every kind, on curved cells.
   template <class Check>

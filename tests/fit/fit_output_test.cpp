@@ -28,7 +28,7 @@ const FitReport& report_of_example() {
 
 TEST(FitOutput, RanksTheLawsOfTheExample) {
   const FitReport& report = report_of_example();
-  EXPECT_EQ(report.laws.front().name, "ogden3");  // what the data were made of
+  EXPECT_EQ(report.laws.front().name, "ogden3");  // the law of the data
   const std::string text = fit_text(report);
   EXPECT_THAT(
       text,

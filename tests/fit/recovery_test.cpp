@@ -10,7 +10,7 @@
 namespace resilin {
 namespace {
 
-/// What a laboratory would measure of this law, with noise of so many parts of the largest stress, or of so
+/// Measurements of this law, with noise of so many parts of the largest stress, or of so
 /// many Pa when it is above 1.
 MaterialTest measured_test(const LawInfo& law, bool is_compressible, const std::vector<double>& constants,
                            TestMode mode, double from, double to, int count, double noise,

@@ -83,7 +83,7 @@ TEST_P(PriorsAndProblems, AgreeWithNormalEquations) {
     for (const double a : {1e-3, 0.3, 40.0}) {
       const DenseMatrix normal = J.transpose() * J + a * dense(prior, n), inverse = normal.inverse();
       const VectorX u = inverse * J.transpose() * d;
-      const double tolerance = 1e-8;  // of a normal matrix whose condition is up to 1e6
+      const double tolerance = 1e-8;  // tolerance of a normal matrix whose condition is up to 1e6
       EXPECT_LT((problem.solution(a) - u).norm(), tolerance * u.norm());
       const RegularisedProblem::Point point = problem.at(a);
       EXPECT_NEAR(point.misfit, (d - J * u).squaredNorm(), tolerance * d.squaredNorm());

@@ -1,4 +1,4 @@
-// What may be measured of a scene, besides markers; and searches from many starts.
+// Measurable quantities of a scene besides markers; and searches from many starts.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -29,7 +29,8 @@ extern "C" const char* __ubsan_default_options() { return "print_stacktrace=1:ab
 namespace resilin::testing {
 namespace {
 
-constexpr long seconds_per_input = 10;  // of processor time, which a busy machine does not shorten
+constexpr long seconds_per_input =
+    10;  // seconds per input of processor time, which a busy machine does not shorten
 constexpr rlim_t memory_limit = rlim_t{1} << 30;
 
 struct Options {
@@ -39,7 +40,7 @@ struct Options {
   std::vector<std::filesystem::path> folders = {};
 };
 
-/// What a handler may look at when the process dies.
+/// Data for a handler when the process dies.
 volatile std::uint64_t current_number = 0;
 volatile std::uint64_t current_seed = 0;
 

@@ -8,7 +8,7 @@ namespace resilin::testing {
 
 /// One mutated file, with the unchanged files that stand beside it.
 struct FuzzInput {
-  std::string name;                                  ///< of the file that was mutated
+  std::string name;                                  ///< name of the file that was mutated
   std::string bytes;                                 ///< mutated
   const std::map<std::string, std::string>& corpus;  ///< all files by name
 };

@@ -21,7 +21,7 @@ void require(bool is_true, const char* what) {
   if (!is_true) throw std::logic_error(what);
 }
 
-/// What every reader promises about its mesh.
+/// Promises of every reader about its mesh.
 void require_sound(const MeshFile& file) {
   const Mesh& mesh = file.mesh;
   const auto is_vertex = [&](Index v) {

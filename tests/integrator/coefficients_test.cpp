@@ -1,4 +1,4 @@
-// What the numbers of a scheme must fulfil, whatever they are for.
+// Conditions on the numbers of every scheme.
 
 #include <gtest/gtest.h>
 

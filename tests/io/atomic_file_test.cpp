@@ -77,7 +77,7 @@ TEST(AtomicFile, SweepsUpWhatAProcessThatIsGoneHasLeft) {
   waitpid(gone, nullptr, 0);
   const std::string half = ".partial." + std::to_string(gone) + ".";
   const std::vector<std::string> left = {"a.txt" + half + "0", "a.txt" + half + "17"};
-  const std::vector<std::string> others = {"b.txt" + half + "0",  // of another file
+  const std::vector<std::string> others = {"b.txt" + half + "0",  // a partial file of another file
                                            "a.txt.partial." + std::to_string(getppid()) + ".0",
                                            "a.txt.partial.x.0", "a.txt" + half + "0.txt", "a.txt.partial"};
   for (const std::string& name : left) folder.write(name, "half");

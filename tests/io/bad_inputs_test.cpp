@@ -23,7 +23,7 @@ struct Answer {
 
 std::filesystem::path folder() { return testing::source_folder() / "tests" / "data" / "bad_inputs"; }
 
-/// What a user of the file hears: a surface format is examined as a surface, the others as a 3D solid.
+/// Message to a user of the file: a surface format is examined as a surface, the others as a 3D solid.
 Answer answer_to(const std::string& name) {
   Answer answer;
   try {

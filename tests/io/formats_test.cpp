@@ -6,7 +6,7 @@
 #include "resilin/io/mesh_file.hpp"
 #include "temporary_folder.hpp"
 
-// What the smaller text formats may hold, and what they may not.
+// Valid and invalid content of the smaller text formats.
 
 namespace resilin {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "refusal.hpp"
 
-// What glTF files may say of triangles, written by hand.
+// Triangles in glTF files, written by hand.
 
 namespace resilin {
 namespace {

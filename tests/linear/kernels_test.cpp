@@ -11,7 +11,7 @@
 namespace resilin::detail {
 namespace {
 
-/// What this machine does not run cannot be tested on it. Every set must agree with the plainest to
+/// Sets that this machine does not run cannot be tested on it. Every set must agree with the plainest to
 /// round-off.
 struct EveryInstructionSet : ::testing::TestWithParam<InstructionSet> {
   const BlockKernels& kernels = block_kernels(GetParam());

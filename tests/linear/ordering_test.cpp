@@ -60,7 +60,7 @@ bool holds_every_node_once(std::vector<Index> order, Index count) {
   return static_cast<Index>(order.size()) == count;
 }
 
-/// What no mesh looks like: hubs, cliques of all sizes on a chain, trees, islands, couplings by chance.
+/// Graphs unlike any mesh: hubs, cliques of all sizes on a chain, trees, islands, couplings by chance.
 TEST(FillReducingOrder, HoldsEveryNodeOfStrangeGraphsOnce) {
   std::mt19937 random(3);
   const auto below = [&random](Index count) {

@@ -20,7 +20,7 @@ Offset update_size(const Supernode& supernode) {
   return TrapezoidLayout{supernode.num_rows(), TrapezoidLayout::nodes_per_block}.size(supernode.num_rows());
 }
 
-/// What lies in the array while a front is eliminated: the factor up to its columns, the updates that are not
+/// Content of the array while a front is eliminated: the factor up to its columns, the updates that are not
 /// yet taken up, its own.
 std::vector<Extent> extents_at(const MultifrontalAnalysis& analysis, std::size_t front) {
   const bool is_last = front + 1 == analysis.supernodes.size();

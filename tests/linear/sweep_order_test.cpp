@@ -32,7 +32,7 @@ NodeGraph graph_of(const BlockPattern& pattern) {
   return NodeGraph(merged);
 }
 
-/// What rows of a chunk write to when they add to their neighbours behind them.
+/// Rows that a chunk writes to when its rows add to their neighbours behind them.
 std::vector<Index> touched(const NodeGraph& graph, const SweepOrder& order, const ColoredChunks::Rows& rows) {
   const std::vector<Index> position = inverse_of(order.node_at);
   std::vector<Index> places;

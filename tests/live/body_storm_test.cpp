@@ -90,11 +90,11 @@ bool has_crossing_by_trying(const CollisionSurface& surface, const VectorX& plac
   return false;
 }
 
-/// What came of a storm.
+/// Outcome of a storm.
 struct Wreck {
   int frames = 0, crossings = 0, crossings_by_trying = 0, vertices_outside = 0, num_touching = 0;
   int folded_frames = 0;     ///< with a cell inside out
-  double longest_delay = 0;  ///< of the box behind its motion [s]
+  double longest_delay = 0;  ///< longest delay of the box behind its motion [s]
   bool is_finite = true;
 };
 

@@ -380,7 +380,7 @@ TEST(LiveScene, ChangesItsLawUnlessCellsAreInsideOut) {
   EXPECT_EQ(scene.world().bodies[0].domains.front().law, "stable_neo_hookean");
 }
 
-/// What E and nu do not determine stays as it was given.
+/// Constants that E and nu do not determine stay as they were given.
 TEST(LiveScene, ChangesTheStiffnessOfALawWithFibres) {
   Description description = standing_block(2, 0);
   MaterialDescription& material = description.bodies[0].material;

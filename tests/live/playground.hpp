@@ -13,7 +13,7 @@
 /// Scenes to play with, and a hand that plays by chance but always the same way.
 namespace resilin::testing {
 
-/// What a scene does must not hang on how busy the machine is.
+/// The behaviour of a scene must not hang on how busy the machine is.
 constexpr StepBudget unhurried{.seconds = std::numeric_limits<double>::infinity()};
 
 /// A block cut into cells of an element, `n` along each of its edges.

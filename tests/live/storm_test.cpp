@@ -8,7 +8,7 @@
 namespace resilin::testing {
 namespace {
 
-/// What came of a storm.
+/// Outcome of a storm.
 struct Aftermath {
   int frames = 0;
   Index most_inverted = 0;  ///< cells turned inside out at any time

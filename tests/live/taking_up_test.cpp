@@ -18,7 +18,7 @@ using ::testing::HasSubstr;
 struct TakenUp {
   std::string name;
   Description scene;
-  int steps;  ///< of the run
+  int steps;  ///< steps of the run
 };
 
 /// A bar that falls and slides on a floor, whose barrier is the scene's own, behind a ball that pushes it.
@@ -143,7 +143,7 @@ TEST(TakenUpScene, GoesOnWithCellsInsideOutAsTheRunDoes) {
   EXPECT_GT((pulled.state().positions - run.state().positions).norm(), 1e-2 * moved);
 }
 
-/// What stood still under a part of its load does so by hand.
+/// A run at rest under a part of its load stays at rest by hand.
 TEST(TakenUpScene, OfARunAtRestRestsUnderTheLoadOfItsFrame) {
   Description scene = small_bar(3, false);
   scene.load_steps = 4;

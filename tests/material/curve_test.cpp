@@ -69,7 +69,8 @@ void check_row(const StretchCurve& curve, std::size_t i, const Json& row, const 
   // rounded.
   const double rounding = std::abs(row["value"].get<double>() - (column == 1 ? 0 : 1)) < 1e-3 ? 1e-3 : 0;
   expect_equal(curve.nominal_stress[i], entry(row["P"]), rounding, here);
-  const Json& cauchy = row["cauchy"].is_null() ? row["P"] : row["cauchy"];  // of small strain: the same
+  const Json& cauchy =
+      row["cauchy"].is_null() ? row["P"] : row["cauchy"];  // cauchy of small strain: the same
   expect_equal(curve.cauchy_stress[i], entry(cauchy), rounding, here);
 }
 
@@ -126,7 +127,7 @@ TEST(StretchCurve, FreeFacesAreFreeOfStress) {
         const Matrix<3> P = first_piola_kirchhoff_stress<3>(material, F);
         const double stiffness = stress_tangent<3>(material, F).cwiseAbs().maxCoeff();
         const int free_axis = load_case == LoadCase::equibiaxial ? 2 : 1;
-        // What the rounding of F to double does to P.
+        // Bound of the effect on P of rounding F to double.
         EXPECT_NEAR(P(free_axis, free_axis), 0, 1e-14 * stiffness) << label(material, load_case);
         if (load_case == LoadCase::uniaxial) {
           EXPECT_NEAR(P(2, 2), 0, 1e-14 * stiffness);

@@ -14,7 +14,7 @@
 namespace resilin {
 namespace {
 
-/// What a batch gives: energies, stresses, tangents and the derivatives by every constant.
+/// Result of a batch: energies, stresses, tangents and the derivatives by every constant.
 template <int dim>
 std::vector<double> everything_of(const Material& material, const std::vector<double>& H,
                                   InstructionSet set) {

@@ -9,7 +9,7 @@
 
 namespace resilin::testing {
 
-/// What material_points_*.json and closed_forms.json call a law, and the names there of our constants.
+/// Name of a law in material_points_*.json and closed_forms.json, and the names there of our constants.
 struct FileLaw {
   std::string name;
   std::vector<std::string> parameters;

@@ -56,7 +56,7 @@ double size_of_terms(const Material& material, const Matrix<dim>& F) {
   return shape * f + slope * cof + curvature * cof * det_terms;
 }
 
-/// What a rounding of each entry of F on its way to I_C, and another on its way to J, does to P. Powers and
+/// Effect on P of a rounding of each entry of F on its way to I_C, and another on its way to J. Powers and
 /// exponentials magnify these beyond the size of their terms.
 template <int dim>
 double size_of_changes(const Matrix<dim>& F, const TangentMatrix<dim>& A) {

@@ -82,13 +82,14 @@ double volume_of_cells(const Mesh& mesh) {
 }
 
 struct Expected {
-  double volume = 0.01;    ///< error, by the volume
-  double angle = 8;        ///< least dihedral [degrees]
-  double distance = 0.15;  ///< of the sides of cells and of the surface from each other, by the cell size
+  double volume = 0.01;  ///< error, by the volume
+  double angle = 8;      ///< least dihedral [degrees]
+  double distance =
+      0.15;  ///< distance of the sides of cells and of the surface from each other, by the cell size
   Index parts = 1;
 };
 
-/// What fitted cells promise.
+/// Promises of fitted cells.
 void expect_fitted(const FittedMesh& fitted, const Mesh& surface, const Expected& expected = {}) {
   const MeshReport report = check_mesh(fitted.mesh, 3);
   ASSERT_TRUE(report.errors.empty()) << report.errors[0].text();

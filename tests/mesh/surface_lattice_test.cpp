@@ -98,7 +98,7 @@ std::vector<Vector3> points_of(const Mesh& surface) {
   return points;
 }
 
-/// What every lattice promises.
+/// Promises of every lattice.
 void expect_sound(const SurfaceLattice& lattice, const Mesh& surface, bool is_connected = true) {
   const MeshReport report = check_mesh(lattice.mesh, 3);
   EXPECT_TRUE(report.errors.empty()) << report.errors[0].text();
@@ -170,7 +170,7 @@ TEST(SurfaceLattice, HasAboutAsManyCellsAsAreWanted) {
     }
 }
 
-/// What stands out is a layer about as thick as a cell: it goes with the spacing.
+/// The protruding layer is about as thick as a cell: it goes with the spacing.
 TEST(SurfaceLattice, VolumeConvergesToThatOfTheSurface) {
   for (const Shape& shape : {shapes()[0], shapes()[1], shapes()[2]}) {
     double excess = 0, spacing = 0;

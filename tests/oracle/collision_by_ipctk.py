@@ -106,7 +106,7 @@ def compare_pairs(program, name, count, random, worst):
         case = f"{name}, {FAMILIES[family[i]]}, x = {x[i].tolist()}, p = {p[i].tolist()}"
         size = max(np.abs(x[i]).max(), 1e-300)
         expected = np.sqrt(max(distance(*x[i]), 0))
-        no_length = n > 2 and family[i] in (1, 2)  # of which ipctk makes lines
+        no_length = n > 2 and family[i] in (1, 2)  # pairs of which ipctk makes lines
         if not no_length:
             worst.see(f"{name}: distance", abs(ours[i, 2] - expected) / size, 1e-7, case)
         worst.see(f"{name}: distance in lanes", abs(np.sqrt(ours[i, 1]) - ours[i, 2]) / size, 1e-7, case)

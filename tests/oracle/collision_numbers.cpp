@@ -1,4 +1,4 @@
-// What the library says about pairs of parts of surfaces, as raw doubles for
+// Results of the library for pairs of parts of surfaces, as raw doubles for
 // tests/oracle/collision_by_ipctk.py.
 //
 //   collision_numbers pairs KIND < in > out

@@ -179,7 +179,7 @@ TEST(Surface, OfQuadraticCellsIsCurved) {
   EXPECT_EQ(surface.edges.size(), 3u);
 }
 
-/// What is 1 at one node and 0 at the others stays between, reaches 0 half-way, and all nodes make 1.
+/// A value of 1 at one node and 0 at the others stays between, reaches 0 half-way, and all nodes make 1.
 TEST(Surface, OfQuadraticCellsHasPartsOnWhichValuesAreLinear) {
   const std::vector<Vector3> points = {{0, 0, 0},   {1, 0, 0},     {0, 1, 0},
                                        {0.5, 0, 0}, {0.5, 0.5, 0}, {0, 0.5, 0}};

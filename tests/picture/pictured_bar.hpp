@@ -6,7 +6,7 @@
 #include "resilin/mesh/generators.hpp"
 #include "resilin/picture/picture.hpp"
 
-/// What the tests of pictures draw.
+/// Scene that the tests of pictures draw.
 namespace resilin::testing {
 
 inline const Color white = {255, 255, 255};

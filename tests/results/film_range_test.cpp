@@ -22,7 +22,7 @@ TEST(FilmRange, LeavesOutSingleBlowsOnBothSides) {
   frames[7] = {-90, 800};
   frames[8] = {-3, 300};
   EXPECT_EQ(film_range(frames), (Range{-1, 20}));
-  // What lasts a fifth of the time is no blow.
+  // A load for a fifth of the time is no blow.
   for (std::size_t i = 20; i < 30; ++i) frames[i] = {-40, 500};
   EXPECT_EQ(film_range(frames)[1], 800) << "less than twice 500";
 }

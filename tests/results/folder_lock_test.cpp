@@ -88,7 +88,7 @@ TEST(FolderLock, OfAKilledProcessStandsInNobodysWay) {
   EXPECT_THAT(folder.read("run.lock"), HasSubstr("process " + std::to_string(getpid())));
 }
 
-/// What the file says, true or not, decides nothing: the system knows who holds it.
+/// The words in the file, true or not, decide nothing: the system knows who holds it.
 TEST(FolderLock, IsNotMisledByWhatTheFileSays) {
   for (const std::string& content :
        {std::string(), std::string("process 1 on here since 2020-01-01 00:00:00\n"), std::string(5000, 'x'),

@@ -1,4 +1,4 @@
-// What was odd on the way is told at the end of a run, where nothing of it is left.
+// Oddities on the way are told at the end of a run, where nothing of them is left.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -199,7 +199,7 @@ TEST(ResumedRun, MakesTheSameOnceMoreWhereItEndedBeforeItsLastCheckpoint) {
   EXPECT_EQ(parts.size(), whole.size());
 }
 
-/// What stands in the folder is kept where it is of the scene that is gone on with, and only there.
+/// Files in the folder are kept where they are of the scene that is gone on with, and only there.
 TEST(ResumedRun, WritesCollidersAnewThatHaveNoFileOrAreOfAnotherScene) {
   const TemporaryFolder folder;
   Description scene = bar_onto_colliders(3, false, false);
@@ -226,7 +226,7 @@ TEST(ResumedRun, WithOtherStepsGoesOnFromTheTimeThatItHadReached) {
     const double reached = 4 * scene.time_step;
     scene.time_step *= factor;
     run_into(folder / "out", scene, 2, Resume::anyway);
-    EXPECT_EQ(run_into(folder / "out", scene, 1).status, RunStatus::budget);  // of the same scene by now
+    EXPECT_EQ(run_into(folder / "out", scene, 1).status, RunStatus::budget);  // the same scene by now
     const SavedReport report = read_report(folder / "out" / "report.json");
     ASSERT_EQ(report.frames.size(), 8u);
     for (int step = 5; step <= 7; ++step) {

@@ -1,4 +1,4 @@
-// What is computed from the frames of a run is what its states give, wherever the scene stands.
+// Values computed from the frames of a run equal those of its states, wherever the scene stands.
 
 #include "resilin/results/saved_run.hpp"
 
@@ -24,7 +24,7 @@ namespace {
 struct Placed {
   int dimension;
   bool is_dynamic;
-  double distance;  ///< of the scene from its origin, in extents of the bar
+  double distance;  ///< distance of the scene from its origin, in extents of the bar
 };
 
 std::ostream& operator<<(std::ostream& stream, const Placed& placed) {
@@ -112,7 +112,7 @@ TEST_P(FramesOfARun, AreDrawnAsTheStates) {
   }
 }
 
-/// What gravity pulls at stands upright: pictures of one scene with y or z up are the same but for the axes.
+/// Gravity decides what is upright: pictures of one scene with y or z up are the same but for the axes.
 TEST(PictureOfAState, TakesUpFromGravity) {
   Description scene = scene_of({3, true, 0});
   scene.gravity = {0, 0, -9.81};

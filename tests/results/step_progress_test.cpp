@@ -1,4 +1,4 @@
-// What is told of a step while it goes on.
+// Progress of a step while it goes on.
 
 #include "resilin/results/step_progress.hpp"
 

@@ -76,7 +76,7 @@ std::vector<SceneValue> others(const SceneValue& leaf) {
   return list;
 }
 
-/// What is only watched or written, what this scene's kind does not use, and files, which others change.
+/// Keys that no step sees: outputs, keys that this scene's kind does not use, and files, which others change.
 bool is_seen_by_no_step(const Path& path) {
   static const std::set<std::string> tables = {"title", "probe", "section", "output"};
   static const std::set<std::string> keys = {"load_steps",     "load_control", "max_steps",

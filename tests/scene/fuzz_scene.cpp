@@ -52,7 +52,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
 int main(int argc, char** argv) {
   return resilin::testing::fuzz_main(argc, argv, [](const resilin::testing::FuzzInput& input) {
-    if (input.name.ends_with(".set")) {  // what follows --set
+    if (input.name.ends_with(".set")) {  // arguments of --set
       resilin::read_and_build(input.corpus.at("plane.toml"),
                               {.overrides = {input.bytes}, .max_box_cells = resilin::max_box_cells});
     } else {

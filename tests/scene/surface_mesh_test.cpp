@@ -71,7 +71,7 @@ double volume_of(const Mesh& mesh) {
   return std::accumulate(volumes.begin(), volumes.end(), 0.0);
 }
 
-constexpr double volume_of_ball = 4.09;  // of radius 1, by its 512 triangles
+constexpr double volume_of_ball = 4.09;  // volume of ball of radius 1, by its 512 triangles
 
 struct SurfaceMesh : ::testing::Test {
   const TemporaryFolder folder;
@@ -187,7 +187,7 @@ TEST_P(SharedSurfaceMesh, GoesFromAnStlToAConvergedResult) {
     const Scene scene =
         scene_of(folder / "a.stl", surface,
                  "{ surface = \"a.stl\", cells = 1500, mesher = \"" + std::string(mesher) + "\" }");
-    expect_converged(scene, mesher == std::string("fitted") ? 0.01 : 0);  // of 0.1 m
+    expect_converged(scene, mesher == std::string("fitted") ? 0.01 : 0);  // relative to 0.1 m
   }
 }
 

@@ -138,7 +138,7 @@ TEST(StaticDerivatives, OfAMeshWithFacetsOfNoCellAreRight) {
   expect_right_derivatives(scene, {"body.body.rest_positions"});
 }
 
-/// What stood on a plane is held although it has moved off it.
+/// Nodes that stood on a plane are held although they have moved off it.
 TEST(StaticDerivatives, ByRestPositionsKeepWhatWasSelectedByPlace) {
   for (const std::string element : {"P1", "P2"}) {
     Description scene = short_bar(3, false, element);

@@ -31,7 +31,7 @@ TEST(GradientCheck, HasNoDigitsWhereDifferencesAreNoise) {
   EXPECT_EQ(same.verdict(), Verdict::no_digits);
   same.slope = 1e-9;
   EXPECT_EQ(same.verdict(), Verdict::open);
-  // What is left of higher orders at large steps, noise at the smallest.
+  // Higher orders remain at large steps, noise at the smallest.
   EXPECT_EQ(check_of(1e-9, {1e-4, 1e-6, 1e-8}, 1e-10).verdict(), Verdict::no_digits);
 }
 

@@ -6,7 +6,7 @@
 namespace resilin::testing {
 namespace {
 
-constexpr double tolerance = 1e-7;  ///< of the reference, relative to the largest number
+constexpr double tolerance = 1e-7;  ///< tolerance of the reference, relative to the largest number
 
 double relative_error(const VectorX& values, const std::vector<double>& expected) {
   const auto reference =

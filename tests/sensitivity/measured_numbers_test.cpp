@@ -14,7 +14,7 @@
 namespace resilin::testing {
 namespace {
 
-constexpr double middle = 0.25;  // of the bar, where cells meet [m]
+constexpr double middle = 0.25;  // middle of the bar, where cells meet [m]
 
 Description cut_bar(int dimension, bool is_dynamic, const std::string& element) {
   Description scene = short_bar(dimension, is_dynamic, element);
@@ -166,7 +166,7 @@ TEST_P(EveryElementsNumbers, AreThoseOfTheReport) {
     const Vector3 at = place_in_cell(world, body.domains.front().energy->quadrature().points.back().xi);
     const Matrix<3>& expected =
         stresses[2 * static_cast<std::size_t>(body.domains.front().energy->num_points()) -
-                 1];  // of the second cell
+                 1];  // stress of the second cell
     EXPECT_LT((StressAtPlace(world, body, at, "place").stress(x) - expected).norm(), 1e-9 * expected.norm());
   }
 }

@@ -46,7 +46,7 @@ Description standing_block(int dimension, double gap, double modulus) {
   return scene;
 }
 
-/// What the run of a scene that has nothing of the search but its meshes ends in: the largest distance of a
+/// Error of the run of a scene that has nothing of the search but its meshes: the largest distance of a
 /// vertex from its place as drawn, moved along one axis.
 double end_beside(const RestShape& found, const Description& drawn, const Vector3& moved) {
   Description scene = found.scene;

@@ -47,12 +47,12 @@ Description random_drop(unsigned seed, const std::string& integrator, double tol
   return scene;
 }
 
-/// What the tolerance may cost at most: far more than it does, far less than steps that creep.
+/// Bound of the cost of a tolerance: far more than it does, far less than steps that creep.
 int most_steps(double tolerance) { return static_cast<int>(20 / std::sqrt(tolerance)); }
 
 struct AdaptiveRun {
   int steps = 0, cut_short = 0;
-  double gain = 0, kinetic = 0;  ///< of the total energy; the largest kinetic energy [J]
+  double gain = 0, kinetic = 0;  ///< gain and kinetic of the total energy; the largest kinetic energy [J]
   bool touched = false;
   std::string reason;
   VectorX positions;
@@ -148,7 +148,7 @@ TEST_P(AdaptiveContactOfEveryIntegrator, TakesNoMoreStepsWhereSearchesAreCutShor
         SCOPED_TRACE(::testing::Message()
                      << "scene " << scene_number << ", " << max_iterations << " iterations");
         const AdaptiveRun run = run_adaptive(scene, most_steps(tolerance));
-        EXPECT_LE(run.steps, 2 * whole + 10);  // what is cut short is less smooth
+        EXPECT_LE(run.steps, 2 * whole + 10);  // a motion that is cut short is less smooth
         if (scene_number > 0) {                // a load does work on the other
           EXPECT_LE(run.gain, 1e-3 * run.kinetic);
         }

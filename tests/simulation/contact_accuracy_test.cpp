@@ -1,4 +1,4 @@
-// What bodies in contact feel, beside what they must feel: balance, even pressure, quadratic convergence.
+// Forces of bodies in contact beside exact ones: balance, even pressure, quadratic convergence.
 
 #include <gtest/gtest.h>
 

@@ -129,7 +129,7 @@ Description swinging_bar(const std::string& integrator, double time_step) {
   return scene;
 }
 
-/// What the energy of the bar lacks at the end beside what damping took, in parts of the latter.
+/// Energy that the bar lacks at the end beside what damping took, in parts of the latter.
 double energy_gap(const std::string& integrator, double time_step) {
   Simulation simulation(swinging_bar(integrator, time_step));
   const double start = simulation.frame().total_energy();
@@ -147,7 +147,7 @@ double energy_gap(const std::string& integrator, double time_step) {
 TEST_P(DampedMotionOfEveryIntegrator, AccountsForTheEnergyThatDampingTakes) {
   const double coarse = energy_gap(integrator, 0.002), fine = energy_gap(integrator, 0.001);
   const int order = make_integrator(integrator, "test")->order();
-  // What is missing is the error of the scheme; backward Euler damps besides.
+  // The difference is the error of the scheme; backward Euler damps besides.
   EXPECT_LT(std::abs(fine), order == 1 ? 0.5 : 0.02);
   EXPECT_LT(std::abs(fine), std::abs(coarse) * (order == 1 ? 0.6 : 0.3) + 1e-6);
   if (order == 1) {

@@ -25,7 +25,7 @@ Stage stage_that_ends_at(const VectorX& end, const std::string& integrator) {
   start.previous_velocities = start.now.velocities;
   start.previous_time_step = step_of_test;
   Stage stage = make_integrator(integrator, "test")->begin_stage(0, start, {}, step_of_test);
-  stage.base_positions = end;  // of a mean, too
+  stage.base_positions = end;  // base positions of a mean, too
   return stage;
 }
 

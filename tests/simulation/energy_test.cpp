@@ -140,7 +140,7 @@ TEST_P(EnergyOfEveryIntegrator, DoesNotGrowWhereAJellyFalls) {
   }
 }
 
-/// What touches nothing keeps its momentum, however early its searches end, and no step of it is changed.
+/// A body without contact keeps its momentum, however early its searches end, and no step of it is changed.
 TEST_P(EnergyOfEveryIntegrator, LeavesFreeFlightAlone) {
   for (const int max_iterations : {1, 2, 5, 100}) {
     for (const MassKind mass : {MassKind::lumped, MassKind::consistent}) {

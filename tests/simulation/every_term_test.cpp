@@ -159,7 +159,7 @@ struct EveryTerm : ::testing::TestWithParam<TermCase> {
   std::shared_ptr<const Energy> term;
   Terms terms;  ///< the term and those that it sees
   std::vector<InStage> stages;
-  const Energy* energy = nullptr;  ///< of the stage at hand
+  const Energy* energy = nullptr;  ///< energy of the stage at hand
   Potential* potential = nullptr;
   VectorX x, p;
   const Conditions at_hand{.time = 0.03, .load = 0.75, .collider_delay = 0.005};
@@ -249,7 +249,7 @@ TEST_P(EveryTerm, HessianIsTheSlopeOfItsGradientOrItsSymmetricPart) {
     const VectorX Tq = (gradient_at(x + h * q) - gradient_at(x - h * q)) / (2 * h);
     const double scale = q.norm() * std::max(product.norm(), Tp.norm());
     if (energy->properties().has_potential) {
-      constexpr double rounding = 10 * std::numeric_limits<double>::epsilon();  // of forces, over h
+      constexpr double rounding = 10 * std::numeric_limits<double>::epsilon();  // rounding of forces, over h
       EXPECT_NEAR(q.dot(product), q.dot(Tp),
                   1e-5 * scale + 1e-9 + rounding / h * magnitude_at(x).norm() * q.norm());
     } else {

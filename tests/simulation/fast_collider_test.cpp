@@ -13,7 +13,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// What comes along -x towards the free end of the bar, its front 0.2 m away, wider than the bar.
+/// A collider along -x towards the free end of the bar, its front 0.2 m away, wider than the bar.
 ColliderDescription ram(const std::string& kind, int dim, double speed) {
   const Vector3 middle(0, 0.125, dim == 3 ? 0.125 : 0);
   ColliderDescription ram;

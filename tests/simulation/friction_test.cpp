@@ -190,7 +190,7 @@ TEST(ABlockThatLands, FeelsFrictionAtOnce) {
   World world(scene);
   Simulation settled(world);
   step_until(settled, 1);
-  // What is left is the fall through the activation distance, and a rebound.
+  // The rest is the fall through the activation distance, and a rebound.
   EXPECT_LT(mean_velocity(settled).x(), 0.4 * lost);
   world.friction_iterations = 0;
   Simulation lagged(world);

@@ -1,4 +1,4 @@
-// What must not change a result: restarts, numbering, the place in space, the units.
+// Changes that must not change a result: restarts, numbering, the place in space, the units.
 
 #include <gtest/gtest.h>
 

@@ -128,7 +128,7 @@ TEST(ABlockOnABox, RestsAsOnAHalfSpace) {
   const double weight = 0.5 * 1000 * 9.81;
   EXPECT_NEAR(forces[0], weight, 1e-7 * weight);
   EXPECT_NEAR(forces[1], weight, 1e-7 * weight);
-  EXPECT_NEAR(heights[1], heights[0], 0.02 * 0.005);  // of the activation distance
+  EXPECT_NEAR(heights[1], heights[0], 0.02 * 0.005);  // tolerance relative to the activation distance
 }
 
 /// A belt takes a block along by its friction, at mu g until it is as fast; a turning table does so in a

@@ -1,4 +1,4 @@
-// What each integrator keeps of a motion: a tumbling bar without forces (the table of
+// Invariants of each integrator: a tumbling bar without forces (the table of
 // docs/theory/integrators.md).
 
 #include <gtest/gtest.h>

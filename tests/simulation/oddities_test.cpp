@@ -1,4 +1,4 @@
-// What is said at the end of a run that converged and yet shows what no body does.
+// Remarks at the end of a run that converged and yet shows what no body does.
 #include "resilin/simulation/oddities.hpp"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// What follows time in a static run, where the load factor is the path parameter.
+// Functions of time in a static run, where the load factor is the path parameter.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -289,7 +289,7 @@ TEST_P(RegionsReference, IsMet) {
       scene.load_steps = 4;
       BodyDescription& body = scene.bodies[0];
       use_element(scene, row);
-      body.material = MaterialDescription();  // of no cell
+      body.material = MaterialDescription();  // material of no cell
       std::vector<double> rest_energy_densities;
       for (const auto& of : reference["regions"]) {
         const MaterialDescription material = reference_material(of, rest_energy_densities.emplace_back());

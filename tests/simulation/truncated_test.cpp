@@ -38,7 +38,7 @@ INSTANTIATE_TEST_SUITE_P(Catalogue, TruncationOfEveryIntegrator, ::testing::Valu
 
 struct Lost {
   double linear_momentum = 0, angular_momentum = 0;  ///< at most, relative
-  double gain = 0;                                   ///< of the total energy, relative
+  double gain = 0;                                   ///< gain of the total energy, relative
 };
 
 Lost lost_by(const Description& scene) {

@@ -52,7 +52,7 @@ inline double product(const std::vector<FrameChange>& slopes, const std::vector<
   return sum;
 }
 
-/// What comes out of a run of the scene, less what came out of another one.
+/// Results of a run of the scene, less those of another one.
 inline std::vector<FrameChange> results_beside(const Description& scene, Derivatives& base) {
   Simulation simulation(scene);
   std::vector<FrameChange> results;

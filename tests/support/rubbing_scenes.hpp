@@ -54,7 +54,7 @@ inline Description two_arms(int dimension, bool is_dynamic) {
   arms.mesh.groups.clear();
   for (Vector3& vertex : arms.mesh.vertices)
     if (vertex[up] > 0.09) {
-      vertex[up] -= 0.048;  // what is left of the slot
+      vertex[up] -= 0.048;  // rest of the slot
       vertex[0] += 0.007;   // no corner is above another
     }
   scene.fixes[0].body = "arms";

@@ -15,7 +15,7 @@
 
 namespace resilin::testing {
 
-/// What threads that stand for processes write down for each other.
+/// Messages between threads that stand for processes.
 struct Table {
   explicit Table(int num_ranks)
       : barrier(num_ranks), numbers(static_cast<std::size_t>(num_ranks)), bytes(numbers.size()) {}

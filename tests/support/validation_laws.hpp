@@ -5,7 +5,7 @@
 
 namespace resilin::testing {
 
-/// What the reference files call our laws, and how they name the constants of a formula.
+/// Names of our laws in the reference files, and of the constants of a formula.
 struct ReferenceLaw {
   std::string law;
   std::map<std::string, double> constants;  ///< literal, not converted

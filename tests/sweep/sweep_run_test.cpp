@@ -176,7 +176,7 @@ TEST_F(SweepRunTest, KeepsTheResultsThatAreAskedFor) {
   };
   EXPECT_FALSE(is_kept(0));
   EXPECT_TRUE(is_kept(2));
-  EXPECT_EQ(run("keep = \"all\"\n" + parameters).run, 1u);  // of the others one is refused and stays so
+  EXPECT_EQ(run("keep = \"all\"\n" + parameters).run, 1u);  // one of the others is refused and stays so
   EXPECT_TRUE(is_kept(0));
   for (const auto& entry : std::filesystem::directory_iterator(folder / "out" / "kept"))
     EXPECT_EQ(entry.path().extension(), "") << entry.path();

@@ -41,7 +41,7 @@ std::vector<float> places_of(const ShownSurface& surface, const VectorX& x) {
 struct Case {
   const char* element;
   int dim;
-  int triangles;  ///< of the boundary of 8 x 2 x 2 cubes, in 2D of 8 x 2 squares
+  int triangles;  ///< triangles of the boundary of 8 x 2 x 2 cubes, in 2D of 8 x 2 squares
 };
 constexpr std::array<Case, 6> every_cell = {
     {{"P1", 3, 144}, {"P2", 3, 4 * 144}, {"Q1", 3, 144}, {"P1", 2, 32}, {"P2", 2, 4 * 32}, {"Q1", 2, 32}}};
@@ -65,7 +65,7 @@ TEST(ShownSurface, IsClosedAndTurnedOutwardsForEveryKindOfCell) {
         used.insert(i);
       }
     }
-    EXPECT_NEAR(size, c.dim == 3 ? 0.0625 : 0.25, 1e-7);  // of floats
+    EXPECT_NEAR(size, c.dim == 3 ? 0.0625 : 0.25, 1e-7);  // rounding of floats
     if (c.dim == 3) {
       for (const auto& [side, count] : sides) EXPECT_EQ(count, 0);
     }
@@ -110,7 +110,7 @@ TEST(ShownSurface, HasTheInsideOfEveryKindOfCell) {
       EXPECT_GT(std::abs(sixth), 1e-9);
       volume += std::abs(sixth);
     }
-    EXPECT_NEAR(volume, 0.0625, 1e-7);  // of floats; more where two overlap
+    EXPECT_NEAR(volume, 0.0625, 1e-7);  // rounding of floats; more where two overlap
     EXPECT_GT(surface.parts()[0].num_inside, 0);
   }
 }

@@ -15,7 +15,7 @@
 
 namespace resilin::viewer {
 
-/// What a test knows and wants of its fake scene; read and written from both threads.
+/// State of a fake scene in a test; read and written from both threads.
 struct FakeSwitches {
   std::atomic<int> num_steps = 0;
   std::atomic<bool> rests = false;  ///< after the next step

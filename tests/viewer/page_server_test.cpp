@@ -154,7 +154,7 @@ TEST_F(PageServerTest, EndsARequestThatDoesNotComeToItsEnd) {
   EXPECT_TRUE(comes_true([this] { return get("/").starts_with("HTTP/1.1 200"); }));
 }
 
-/// What somebody who does not know the token can hold up: nothing, however much of a request has come.
+/// A client without the token can hold nothing up, however much of a request has come.
 TEST_F(PageServerTest, ConnectionsThatAskForNothingKeepNobodyOut) {
   const std::string whole = request_text(server->port(), "/?token=" + std::string(32, '0'));
   for (const std::size_t size :

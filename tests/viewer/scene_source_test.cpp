@@ -35,7 +35,7 @@ void hold_towards(ServedLiveScene& scene, const Vector3& direction) {
   scene.apply(HoldFace{farthest, place(farthest), {}});
 }
 
-/// What the saved scene holds: it is run to its end.
+/// Boundary conditions of the saved scene: it is run to its end.
 std::vector<std::vector<Index>> supports_of(const std::filesystem::path& path) {
   Simulation simulation(read_scene(path).description);
   while (!simulation.is_finished()) {

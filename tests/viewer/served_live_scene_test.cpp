@@ -208,7 +208,7 @@ TEST_F(ServedLiveSceneTest, FramesBetweenTwoStepsGoEvenlyFromOneToTheOther) {
   const DecodedFrame after = frame();
   const DecodedFrame between = frame(std::nullopt, 0.25);
   EXPECT_NEAR(between.time, before.time + 0.25 * 0.01, 1e-12);
-  const float precision = 2e-5F * between.size[2];  // of a frame: 1/65535
+  const float precision = 2e-5F * between.size[2];  // precision of a frame: 1/65535
   for (std::size_t i = 0; i < before.positions.size(); ++i) {
     EXPECT_NEAR(between.positions[i], 0.75F * before.positions[i] + 0.25F * after.positions[i], precision);
   }

@@ -46,7 +46,7 @@ TEST(BodiesThatMeet, AreRefusedWhereTheyShareSpaceOrTouchAtTheStart) {
       }
 }
 
-/// What a message says is enough to mend the scene.
+/// The words of a message are enough to mend the scene.
 TEST(BodiesThatMeet, AreApartWhereTheCureMovesThem) {
   for (const int dimension : {2, 3})
     for (const double x : {-0.95, -0.5, 0.2, 0.999, 1.0}) {

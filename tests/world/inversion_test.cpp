@@ -51,7 +51,8 @@ struct KnownRoots {
   const char* what;
   Matrix<3> matrix;  ///< in some basis
   double least;      ///< its most negative real eigenvalue, 0 when it has none
-  double tolerance;  ///< of that, relative: the root of the rounding by how many eigenvalues are equal
+  double
+      tolerance;  ///< tolerance of that, relative: the root of the rounding by how many eigenvalues are equal
 };
 
 std::vector<KnownRoots> known_roots() {

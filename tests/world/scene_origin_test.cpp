@@ -81,7 +81,7 @@ TEST_P(ScenesFarAway, MoveAsTheyDoAtTheOriginAndReportWhereTheyAre) {
   EXPECT_NE(moved.world().origin, Vector3::Zero());
   const VectorX u = near.state().positions - near.world().rest_positions;
   const VectorX v = moved.state().positions - moved.world().rest_positions;
-  // What the scene says in its own coordinates (a floor's height, v + G X) is rounded there.
+  // Numbers in the scene's own coordinates (a floor's height, v + G X) are rounded there.
   EXPECT_LT((u - v).cwiseAbs().maxCoeff(), 1e-13 * far);
   const VtuContent frame = frame_content(moved.world(), moved.state(), {});
   for (Index node = 0; node < moved.world().num_nodes(); ++node) {

@@ -1,4 +1,4 @@
-// What is said of a scene before its first step: starts that a law cannot have, scenes in which nothing
+// Remarks on a scene before its first step: starts that a law cannot have, scenes in which nothing
 // happens, bodies in each other, probes far from any vertex.
 #include "resilin/world/start_check.hpp"
 

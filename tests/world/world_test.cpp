@@ -1,4 +1,4 @@
-// What a world refuses and says, and what a step reports.
+// Errors and warnings of a world, and reports of a step.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-"""What the scenes of contact are put together from; lengths are in metres, y is up."""
+"""Building blocks of the contact scenes; lengths are in metres, y is up."""
 
 GRAVITY = [0, -9.80665, 0]
 OUTPUT = {"formats": ["vtu"]}

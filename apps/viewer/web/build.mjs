@@ -48,7 +48,7 @@ const parts = {
   style: await bundle("page.css"),
   // A script ends at the first "</script" of the page, wherever it stands.
   program: (await bundle("main.ts")).replaceAll("</script", "<\\/script"),
-  worker: (await bundle("play_worker.ts")).replaceAll("</script", "<\\/script"), // of a page that carries its scene
+  worker: (await bundle("play_worker.ts")).replaceAll("</script", "<\\/script"), // worker of a page that carries its scene
 };
 const page = template.replace(/\s*\/\*\{(\w+)\}\*\/\s*/g, (_, name) => parts[name]);
 for (const once of [source, '<script id="program">'])

@@ -39,7 +39,7 @@ class BlockTree {
   void set_levels(std::vector<Index> bodies_of_blocks);
 
   int vertices_per_part_ = 1;
-  std::vector<Index> parts_;     ///< of each place; -1 where a body ends within a block
+  std::vector<Index> parts_;     ///< parts of each place; -1 where a body ends within a block
   std::vector<Index> vertices_;  ///< [block][vertex of the part][place in the block]; -1 likewise
   std::vector<std::size_t> level_begin_;
   std::vector<BoxBlock> blocks_;

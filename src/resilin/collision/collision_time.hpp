@@ -10,9 +10,10 @@
 namespace resilin {
 
 struct CollisionTimeOptions {
-  double share_left = 0.1;   ///< of its distance at the start, that a pair keeps at its time; in (0, 1)
+  double share_left =
+      0.1;  ///< fraction of its distance at the start that a pair keeps at its time; in (0, 1)
   double tolerance = 0.05;   ///< how much more may be left, as a share of the same distance
-  int max_iterations = 100;  ///< of one pair; fewer only make its time earlier
+  int max_iterations = 100;  ///< maximum iterations of one pair; fewer only make its time earlier
 };
 
 /// For each candidate a time t in [0, 1] such that its parts stay apart on all of [0, t] by at least

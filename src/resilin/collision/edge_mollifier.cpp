@@ -8,7 +8,7 @@ namespace resilin {
 double edge_cross_change(std::span<const Vector3, 4> from, std::span<const Vector3, 4> to) {
   const Vector3 a0 = from[1] - from[0], b0 = from[3] - from[2], a1 = to[1] - to[0], b1 = to[3] - to[2];
   const Vector3 da = (to[1] - from[1]) - (to[0] - from[0]), db = (to[3] - from[3]) - (to[2] - from[2]);
-  const Vector3 change = da.cross(b1) + a0.cross(db);  // of the cross product
+  const Vector3 change = da.cross(b1) + a0.cross(db);  // change of the cross product
   return change.dot(a0.cross(b0) + a1.cross(b1));
 }
 

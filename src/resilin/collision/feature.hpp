@@ -13,7 +13,7 @@ namespace resilin {
 /// that is nearest to a corner shared by six triangles gives six equal features.
 struct Feature {
   PairKind kind =
-      PairKind::point_point;  ///< of what is left of the pair: those parts' vertices, the first part first
+      PairKind::point_point;  ///< kind of the closest features: those parts' vertices, the first part first
   std::array<Index, most_pair_vertices> vertices{-1, -1, -1, -1};
 
   auto operator<=>(const Feature&) const = default;

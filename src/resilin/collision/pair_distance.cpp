@@ -42,7 +42,7 @@ template <int dim>
 struct FreeEdges {
   int count = 0;
   std::array<Vector<dim>, 2> along;
-  std::array<Weights, 2> slopes{};  ///< of the weights, for a motion by `along`
+  std::array<Weights, 2> slopes{};  ///< slopes of the weights, for a motion by `along`
 
   FreeEdges(PairKind kind, std::span<const Vector<dim>> x, const Weights& weights) {
     const auto first = static_cast<std::size_t>(num_first(kind));

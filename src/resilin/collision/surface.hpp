@@ -15,7 +15,7 @@ struct CollisionSurface {
   std::vector<Index> points;     ///< the vertices that meet triangles, in 2D edges
   std::vector<Index> edges;      ///< two vertices each, every edge once
   std::vector<Index> triangles;  ///< three vertices each; none in 2D
-  std::vector<Index> bodies;     ///< of each vertex; a part belongs to the body of its first vertex
+  std::vector<Index> bodies;     ///< bodies of each vertex; a part belongs to the body of its first vertex
 
   std::size_t num_vertices() const { return bodies.size(); }
 };

@@ -15,8 +15,8 @@ namespace resilin {
 /// A node by itself has the share 1. Shares may be negative: quadratic shape functions are, and linear ones
 /// outside their cell.
 struct CarriedPoints {
-  std::vector<std::size_t> row_begin{0};  ///< of each point, in `nodes` and `shares`, and the end
-  std::vector<Index> nodes;               ///< of a point each once
+  std::vector<std::size_t> row_begin{0};  ///< first entry of each point, in `nodes` and `shares`, and the end
+  std::vector<Index> nodes;               ///< nodes of a point each once
   std::vector<double> shares;
 
   Index num_points() const { return static_cast<Index>(row_begin.size()) - 1; }

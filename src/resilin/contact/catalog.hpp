@@ -13,22 +13,22 @@ namespace resilin {
 
 /// Description of a collider's shape; each kind reads its own members.
 struct ShapeDescription {
-  Vector3 point = Vector3::Zero();      ///< of a half-space's boundary [m]
-  Vector3 normal = Vector3::Zero();     ///< of a half-space, out of it
-  Vector3 center = Vector3::Zero();     ///< of a sphere or a box [m]
-  double radius = 0;                    ///< of a sphere, a capsule or a cylinder [m]
-  Vector3 size = Vector3::Zero();       ///< of a box, its edge lengths [m]
-  Vector3 start = Vector3::Zero();      ///< of the axis of a capsule or a cylinder [m] ...
+  Vector3 point = Vector3::Zero();      ///< point of a half-space's boundary [m]
+  Vector3 normal = Vector3::Zero();     ///< normal of a half-space, out of it
+  Vector3 center = Vector3::Zero();     ///< center of a sphere or a box [m]
+  double radius = 0;                    ///< radius of a sphere, a capsule or a cylinder [m]
+  Vector3 size = Vector3::Zero();       ///< size of a box, its edge lengths [m]
+  Vector3 start = Vector3::Zero();      ///< start of the axis of a capsule or a cylinder [m] ...
   Vector3 end = Vector3::Zero();        ///< ... and where it ends
   Mesh mesh{};                          ///< triangles, edges, points; of solid cells the surface
   std::string mesh_name{};              ///< the file, for messages
-  double scale = 1;                     ///< of the mesh
-  Vector3 translate = Vector3::Zero();  ///< of the mesh, after scale [m]
+  double scale = 1;                     ///< scale of the mesh
+  Vector3 translate = Vector3::Zero();  ///< translation of the mesh, after scale [m]
 };
 
 struct ShapeKind {
   std::string_view name;
-  std::vector<std::string> keys;  ///< of the scene file that this kind must have
+  std::vector<std::string> keys;  ///< keys of the scene file that this kind must have
   std::shared_ptr<const ColliderShape> (*make)(const ShapeDescription&) = nullptr;  ///< exact: its distance
   ColliderMesh (*make_mesh)(const ShapeDescription&, int dim) = nullptr;  ///< or of facets: its surface
   std::vector<std::string> more_keys{};                                   ///< that it may have

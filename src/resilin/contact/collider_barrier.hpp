@@ -99,7 +99,7 @@ class ColliderBarrier final : public BasicEnergy, public FrictionSource {
   const ColliderMotion& motion() const { return motion_; }
 
  private:
-  static constexpr double share_left = 0.1;  ///< of the activation distance
+  static constexpr double share_left = 0.1;  ///< share left of the activation distance
 
   double stiffness(Index point) const { return points_.stiffness[static_cast<std::size_t>(point)]; }
   /// Place of a point, at positions or of displacements of nodes.

@@ -13,7 +13,7 @@
 namespace resilin {
 namespace {
 
-constexpr Index sides_around = 64;  ///< of what is round
+constexpr Index sides_around = 64;  ///< number of sides of round shapes
 
 /// Facets around an axis, ring by ring from its start to its end.
 class Lathe {
@@ -205,7 +205,7 @@ ColliderMesh capsule_mesh(const Vector3& start, const Vector3& end, double radiu
   if (dim == 2) return flat_capsule(start, end, radius);
   const Vector3 along = (end - start).normalized();
   Lathe lathe(along);
-  constexpr Index rings = sides_around / 4;  // of each half ball
+  constexpr Index rings = sides_around / 4;  // rings of each half ball
   const auto add_ring = [&](const Vector3& center, double latitude) {
     lathe.add_ring(center + radius * std::sin(latitude) * along, radius * std::cos(latitude));
   };

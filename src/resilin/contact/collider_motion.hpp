@@ -35,7 +35,7 @@ struct ColliderTurn {
 /// times a function of time.
 struct ColliderMotion {
   Vector3 velocity = Vector3::Zero();                      ///< [m/s]
-  double until = std::numeric_limits<double>::infinity();  ///< of velocity and turn [s]
+  double until = std::numeric_limits<double>::infinity();  ///< end of velocity and turn [s]
   Vector3 displacement = Vector3::Zero();                  ///< [m]
   TimeFunction time_function{};
   std::optional<ColliderTurn> turn{};
@@ -48,15 +48,15 @@ struct ColliderMotion {
   /// Whether its points move on lines, evenly up to `until`.
   bool is_straight() const { return displacement.isZero(0) && turning_speed() == 0; }
   RigidPlace place(double time) const;
-  /// With which what is at x came there: where rates jump, that from before [m/s].
+  /// Velocity of the material point at x: where rates jump, the one from before [m/s].
   Vector3 velocity_at(const Vector3& x, double time) const;
-  /// With which it turns then, about its axis [1/s].
+  /// Angular velocity about its axis [1/s].
   Vector3 spin(double time) const;
 
   /// To first order in its numbers of a name.
   struct Slopes {
-    Eigen::Matrix3d shift;  ///< of its place
-    Eigen::Matrix3d rate;   ///< of the velocity of what stays where it is [1/s]
+    Eigen::Matrix3d shift;  ///< shift of its place
+    Eigen::Matrix3d rate;   ///< rate of the velocity of what stays where it is [1/s]
   };
   /// "place": of what moves, as it was made; "velocity"; "displacement".
   static constexpr std::array<std::string_view, 3> parameter_names = {"place", "velocity", "displacement"};

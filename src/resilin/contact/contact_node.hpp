@@ -17,8 +17,8 @@ struct ContactNode {
 /// Points of surfaces that may touch something: nodes, and such as nodes carry.
 struct ContactPoints {
   CarriedPoints places;
-  std::vector<double> stiffness;  ///< of each, likewise
-  std::vector<Index> numbers;     ///< of each: its node, or its vertex of the surface that nodes carry
+  std::vector<double> stiffness;  ///< stiffness of each, likewise
+  std::vector<Index> numbers;  ///< numbers of each: its node, or its vertex of the surface that nodes carry
 
   ContactPoints() = default;
   ContactPoints(const std::vector<ContactNode>& nodes) {

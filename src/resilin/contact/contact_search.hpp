@@ -36,7 +36,7 @@ class ContactSearch {
   std::shared_ptr<const BroadPhase> trees_;
   double distance_;
   std::optional<BroadPhase> own_trees_;
-  std::vector<MovingPoint> ways_;  ///< of the last search
+  std::vector<MovingPoint> ways_;  ///< ways of the last search
   bool has_any_ = false;           ///< it found boxes of bodies that meet
 };
 

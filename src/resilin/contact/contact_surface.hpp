@@ -19,7 +19,7 @@ namespace resilin {
 
 /// A body's part in contact.
 struct ContactBody {
-  CellBlock facets;      ///< of its surface, by the nodes of the world: seen from outside anticlockwise
+  CellBlock facets;  ///< facets of its surface, by the nodes of the world: seen from outside anticlockwise
   double stiffness = 0;  ///< kappa of its layer [Pa]
   /// Where set, the facets are lines or triangles by its points, which it carries by the nodes of the world.
   std::shared_ptr<const Embedding> carrier = nullptr;
@@ -41,7 +41,7 @@ struct ContactObstacle {
 struct ContactSurface {
   CollisionSurface parts;
   CarriedPoints vertices;             ///< those of the obstacle follow no node
-  std::vector<Index> numbers;         ///< of each vertex: its node or its point of the carrier
+  std::vector<Index> numbers;         ///< numbers of each vertex: its node or its point of the carrier
   std::vector<double> point_areas;    ///< at rest, what faces one thing (facing_area.hpp) [m^2], in 2D [m]
   std::vector<double> edge_areas;     ///< in 3D likewise: a third of each triangle beside the edge
   std::vector<double> edge_lengths;   ///< at rest [m]
@@ -49,7 +49,7 @@ struct ContactSurface {
   std::vector<int> edge_counts;   ///< times that an edge's distance is to be counted besides its triangles'
   std::vector<int> point_counts;  ///< that of a vertex, besides its edges' and triangles'
   std::vector<double> stiffness;  ///< kappa of each body [Pa]; infinite for the obstacle
-  std::vector<double> mean_point_areas;  ///< of each body
+  std::vector<double> mean_point_areas;  ///< mean point areas of each body
   std::optional<ContactObstacle> obstacle;
   Sharpness sharpness;  ///< at rest
 

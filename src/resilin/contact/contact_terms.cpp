@@ -126,7 +126,7 @@ class TermList {
     }
   }
 
-  /// What edges and vertices of the parts near a point count besides.
+  /// Adds the corrections of edges and vertices of the parts near a point.
   void add_corrections(Index p) {
     for (std::vector<Index>* list : {&edges_, &corners_}) {
       std::ranges::sort(*list);
@@ -160,7 +160,7 @@ class TermList {
   double distance_;
   ContactTerms list_;
   std::vector<ContactTerm>& terms_ = list_.terms;
-  std::vector<Index> edges_, corners_;  ///< of the parts near the present point
+  std::vector<Index> edges_, corners_;  ///< edges and corners of the parts near the present point
 };
 
 }  // namespace

@@ -19,10 +19,10 @@ namespace resilin {
 /// feels is never negative. Source: Li et al. 2023, "Convergent Incremental Potential Contact", 4.
 struct ContactTerm {
   PairKind kind;
-  std::array<Index, most_pair_vertices> vertices;  ///< of the surface, those of the first part first
+  std::array<Index, most_pair_vertices> vertices;  ///< vertices of the surface, those of the first part first
   double stiffness;                                ///< [Pa m^2], in 2D [Pa m] on unit thickness
-  double mollifier_threshold;                      ///< of EdgeMollifier [m^4]; 0 for pairs that have none
-  double activation_distance;                      ///< [m]
+  double mollifier_threshold;  ///< mollifier threshold of EdgeMollifier [m^4]; 0 for pairs that have none
+  double activation_distance;  ///< [m]
 
   bool operator==(const ContactTerm&) const = default;
 
@@ -39,7 +39,7 @@ struct ContactTerm {
 /// those of edges.
 struct ContactTerms {
   std::vector<ContactTerm> terms;
-  std::vector<std::size_t> point_begin{0};  ///< of each point's terms, and the end of the last
+  std::vector<std::size_t> point_begin{0};  ///< first term of each point, and the end of the last
 
   std::span<const ContactTerm> of_point(std::size_t point) const {
     return std::span(terms).subspan(point_begin[point], point_begin[point + 1] - point_begin[point]);
@@ -66,7 +66,7 @@ NearCandidates near_candidates(const ContactSurface& surface, const SurfaceCandi
 ContactTerms contact_terms(const ContactSurface& surface, const SurfaceCandidates& candidates,
                            const NearCandidates& near, double activation_distance);
 
-/// What the stiffness of a term follows, relative to its own: that of the softer body, or half of each of two
+/// Stiffness that a term follows, relative to its own: that of the softer body, or half of each of two
 /// that are alike, the mean of the slopes to both sides.
 struct SofterBodies {
   std::array<Index, 2> bodies;
@@ -86,7 +86,7 @@ std::vector<ContactTerm> terms_of_change(const ContactTerms& all, const ContactT
 struct NearestCandidate {
   double distance;  ///< [m]; infinite where there are none
   PairKind kind = PairKind::point_point;
-  std::array<Index, most_pair_vertices> vertices{-1, -1, -1, -1};  ///< of the surface
+  std::array<Index, most_pair_vertices> vertices{-1, -1, -1, -1};  ///< vertices of the surface
 };
 NearestCandidate nearest_candidate(const ContactSurface& surface, const SurfaceCandidates& candidates,
                                    const VectorX& places);

@@ -19,7 +19,7 @@ namespace resilin {
 namespace {
 
 constexpr std::size_t edges_per_task = 256;
-constexpr double beside_bound = 1e-14;  // of a product's size: some tens of its roundings
+constexpr double beside_bound = 1e-14;  // bound relative to a product's size: some tens of its roundings
 constexpr Index none = std::numeric_limits<Index>::max();
 
 /// Whether a segment lies beyond one side of a triangle by more than round-off: so do almost all of the pairs
@@ -67,7 +67,7 @@ class CrossingSearch {
     tree_ = BoxTree(boxes);
   }
 
-  /// What an edge goes through, the lowest number; `none` for nothing.
+  /// First triangle that an edge goes through, the lowest number; `none` for nothing.
   Index first_through(Index edge) const {
     const std::span<const Index> ends = std::span(surface_.edges).subspan(2 * at(edge), 2);
     Box box;

@@ -9,7 +9,7 @@ namespace resilin {
 
 /// An edge of a surface that goes through a triangle, in 2D through another edge.
 struct Crossing {
-  Index edge;   ///< of the surface
+  Index edge;   ///< edge of the surface
   Index other;  ///< triangle, in 2D edge
 };
 /// The first vertex of the edge, near which it is, and that of the other part.

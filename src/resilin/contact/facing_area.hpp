@@ -9,7 +9,7 @@ namespace resilin {
 
 /// Share of a facet's area for one of its vertices.
 struct FacetShare {
-  Vector3 normal;  ///< of length 1
+  Vector3 normal;  ///< normal of length 1
   double area;     ///< [m^2], in 2D [m]
 };
 

@@ -33,8 +33,8 @@ class Friction final : public StageTerm {
   /// Null where no time passes.
   std::unique_ptr<Energy> begin_stage(const Stage& stage) const override;
 
-  /// What obstacles that move along their surfaces may take bodies along with: the limits of the friction
-  /// times their way, at the one end or the other.
+  /// Bounds of the work that obstacles which move along their surfaces may do on bodies: the limits of the
+  /// friction times their way, at the one end or the other.
   std::optional<double> driven_work(const VectorX& from, const Conditions& before, const VectorX& to,
                                     const Conditions& after) const override;
 
@@ -118,7 +118,7 @@ class LaggedFriction final : public BasicEnergy {
 
   /// The source and the nodes of a contact.
   using Parties = std::pair<std::size_t, std::vector<Index>>;
-  /// What was in use before contacts were formed the last time.
+  /// Contacts in use before they were formed the last time.
   struct Before {
     FrictionContacts contacts{};
     std::vector<Vector3> directions{};
@@ -132,15 +132,15 @@ class LaggedFriction final : public BasicEnergy {
   VectorX still_;  ///< where the stage would end that bodies end without velocity
   double time_;    ///< that the slip takes [s]
   MollifiedSlip slip_;
-  bool is_mean_;  ///< of the stage: slip is counted from its target
+  bool is_mean_;  ///< for the stage: slip is counted from its target
   FrictionContacts contacts_{};
   /// For each contact the force over its limit, less its sign, as the Hessian sees it: as it followed the
   /// search. Empty: those of x.
   std::vector<Vector3> directions_{};
   Before before_{};
   Relaxation relaxation_{};
-  std::map<Parties, std::size_t> numbers_{};   ///< of whom met in this stage
-  std::optional<FrictionContacts> coupled_{};  ///< what the Hessian sees while the lag is coupled
+  std::map<Parties, std::size_t> numbers_{};   ///< numbers of the parties that met in this stage
+  std::optional<FrictionContacts> coupled_{};  ///< contacts that the Hessian sees while the lag is coupled
   /// Found last, and where: changes no bit of a result.
   mutable std::shared_ptr<const FrictionSlopes> slopes_{};
   mutable VectorX slopes_at_{};

@@ -15,7 +15,7 @@ namespace resilin {
 struct FrictionContact {
   Vector3 normal;                      ///< across the surfaces, of length 1
   double limit;                        ///< mu lambda [N]: of the friction, which slip overcomes
-  Vector3 velocity = Vector3::Zero();  ///< of what presses, where it is no body [m/s]
+  Vector3 velocity = Vector3::Zero();  ///< velocity of the pressing side, where it is no body [m/s]
 };
 
 /// Contacts one after the other. A contact slips by sum_k weight_k (way of node_k), less the way of what

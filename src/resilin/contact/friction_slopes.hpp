@@ -11,18 +11,18 @@ namespace resilin {
 /// A contact, and how it changes to first order with the places that it follows and with what its source was
 /// made of.
 struct FrictionContactSlopes {
-  /// What slips: a point of a body, which follows nodes; one of what moves by itself follows none.
+  /// Slipping point: one of a body follows nodes; one of a source that moves by itself follows none.
   struct Vertex {
     double weight;
     std::vector<WeightedNode> nodes;
   };
   /// A place that the contact follows besides its slip.
   struct Place {
-    std::vector<WeightedNode> nodes{};  ///< whose it is; none: it moves with the source
-    bool is_at_start = false;           ///< of the stage
+    std::vector<WeightedNode> nodes{};  ///< nodes of the body; none: it moves with the source
+    bool is_at_start = false;           ///< at the start of the stage
     Vector3 limit = Vector3::Zero();    ///< its slope [N/m]
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero(), velocity = Eigen::Matrix3d::Zero();
-    std::vector<Vector3> weights{};  ///< of the vertices; empty: they do not change
+    std::vector<Vector3> weights{};  ///< weights of the vertices; empty: they do not change
   };
 
   FrictionContact contact;
@@ -31,22 +31,23 @@ struct FrictionContactSlopes {
   double share_of_rate = 0;  ///< its velocity follows that of the source by so much
   std::vector<Vertex> vertices;
   std::vector<Place> places;
-  std::vector<std::pair<Eigen::Index, double>> stiffness;  ///< of the source, and the slope of the limit
+  std::vector<std::pair<Eigen::Index, double>>
+      stiffness;  ///< stiffness of the source, and the slope of the limit
 };
 
 /// How the forces of friction at x change when each has the limit, normal and points of its very place
 /// (docs/theory/gradients.md, G.6).
 class FrictionSlopes {
  public:
-  /// What changes, or slopes by it; what is empty does not count.
+  /// Changes, or derivatives by them; empty members do not count.
   struct Change {
     VectorX lag{};           ///< places that contacts are formed at, what slips staying where it is [m]
     VectorX start{};         ///< places where the stage began [m]
     VectorX still{};         ///< places that slip is counted from [m]
-    VectorX coefficients{};  ///< of the sources, one after the other
+    VectorX coefficients{};  ///< coefficients of the sources, one after the other
     VectorX stiffness{};     ///< likewise
-    VectorX shifts{};        ///< of what moves by itself, three for each source [m]
-    VectorX rates{};         ///< of its velocity [m/s]
+    VectorX shifts{};        ///< shifts of what moves by itself, three for each source [m]
+    VectorX rates{};         ///< rates of its velocity [m/s]
   };
 
   /// @param still  places that slip is counted from [m]
@@ -77,7 +78,8 @@ class FrictionSlopes {
 
   int dim_;
   std::vector<Contact> contacts_;
-  std::vector<Eigen::Index> first_coefficient_{0}, first_stiffness_{0};  ///< of each source, and the end
+  std::vector<Eigen::Index> first_coefficient_{0},
+      first_stiffness_{0};  ///< first coefficient and first stiffness of each source, and the end
 };
 
 }  // namespace resilin

@@ -39,7 +39,7 @@ class PairBarrier {
   PairDistance<dim> pair_;
   double stiffness_;
   EdgeMollifier mollifier_{0};      ///< fades nothing
-  std::optional<EdgeCross> cross_;  ///< of edges that fade
+  std::optional<EdgeCross> cross_;  ///< cross of edges that fade
 };
 
 /// E(to) - E(from) [J] of a pair, the arguments those of `PairBarrier`: with its digits when the two are

@@ -11,7 +11,7 @@ namespace resilin {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr double round_off = 1e-6;  ///< what is flatter is flat
+constexpr double round_off = 1e-6;  ///< flatter edges count as flat
 
 double angle_between(const Vector3& a, const Vector3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
@@ -26,17 +26,17 @@ struct Fan {
     (count == 0 ? first : second) = direction;
     ++count;
   }
-  /// What two of them leave free in the plane that they are in; of one, the half away from it.
+  /// Fraction that two of them leave free in the plane that they are in; for one, the half away from it.
   double share() const {
     if (count == 0) return 1;
     return count == 2 ? (pi - angle_between(first, second)) / (2 * pi) : 0.5;
   }
 };
 
-/// What meets at a vertex.
+/// Facets and edges that meet at a vertex.
 struct Corner {
-  double angles = 0;       ///< of triangles
-  bool is_on_rim = false;  ///< of a surface of triangles
+  double angles = 0;       ///< sum of the angles of triangles
+  bool is_on_rim = false;  ///< on the rim of a surface of triangles
   bool has_triangles = false;
   Fan lines;  ///< edges of no triangle
 

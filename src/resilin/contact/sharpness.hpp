@@ -15,8 +15,8 @@ namespace resilin {
 /// that these alone need keep it off; and cut into smaller parts, a surface has the same in sum.
 /// Edges are taken as ridges from either side, and vertices by the angles around them (Gauss's curvature).
 struct Sharpness {
-  std::vector<double> edges;   ///< of the surface, in 2D none
-  std::vector<double> points;  ///< of its vertices
+  std::vector<double> edges;   ///< edges of the surface, in 2D none
+  std::vector<double> points;  ///< points of its vertices
 };
 
 /// @param triangle_edges  three for each triangle; -1 where it repeats a vertex

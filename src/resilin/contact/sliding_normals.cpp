@@ -24,7 +24,7 @@ struct Facet {
   Vector3 normal;      ///< times its area
   double size, sign;   ///< its area; of its normal along the way apart
   double along_share;  ///< as far as it is turned from that way, 1 or more: it counts whole
-  double share;        ///< of its own normal, the rest that of the way apart
+  double share;        ///< share of its own normal, the rest that of the way apart
 
   Facet(const Vector3& area, const Vector3& apart)
       : normal(area), size(area.norm()), sign(std::copysign(1.0, area.dot(apart))) {

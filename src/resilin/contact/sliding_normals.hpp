@@ -48,7 +48,7 @@ class SlidingNormals {
                              Slopes& slopes) const;
 
   const CollisionSurface& parts_;
-  std::vector<std::size_t> row_begin_;  ///< of each vertex, in `facets_`, and the end
+  std::vector<std::size_t> row_begin_;  ///< first facet of each vertex, in `facets_`, and the end
   std::vector<Index> facets_;           ///< triangles, in 2D edges, around each vertex
 };
 

@@ -111,7 +111,7 @@ class SurfaceContact : public BasicEnergy, public FrictionSource {
   struct Gap {
     double distance = std::numeric_limits<double>::infinity();  ///< [m]
     PairKind kind = PairKind::point_point;
-    std::array<Index, most_pair_vertices> vertices{-1, -1, -1, -1};  ///< of the surface
+    std::array<Index, most_pair_vertices> vertices{-1, -1, -1, -1};  ///< vertices of the surface
   };
   /// The smallest gap below the activation distance, the first of several; infinite where none is.
   Gap smallest_gap(const VectorX& x, const Conditions& c = {}) const;
@@ -132,10 +132,10 @@ class SurfaceContact : public BasicEnergy, public FrictionSource {
   /// Cached data of the vertices in one state.
   struct State {
     VectorX x, places;
-    double time = 0, delay = 0;  ///< of the conditions
-    NearCandidates near;         ///< of the present candidates
+    double time = 0, delay = 0;  ///< time and delay of the conditions
+    NearCandidates near;         ///< near pairs among the present candidates
     ContactTerms all, merged;
-    VectorX gradient;  ///< of the vertices; empty: not asked for yet
+    VectorX gradient;  ///< gradient of the vertices; empty: not asked for yet
 
     bool is_of(const VectorX& positions, const Conditions& c) const;
   };
@@ -166,7 +166,7 @@ class SurfaceContact : public BasicEnergy, public FrictionSource {
   std::shared_ptr<const SlidingNormals> sliding_normals_{};  ///< where there is friction
   std::shared_ptr<const BroadPhase> trees_;
   std::shared_ptr<Timing> timing_ = std::make_shared<Timing>();
-  mutable std::optional<Memory> memory_;  ///< of a stage
+  mutable std::optional<Memory> memory_;  ///< memory of a stage
 };
 
 }  // namespace resilin

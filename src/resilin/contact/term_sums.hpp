@@ -19,7 +19,7 @@ struct TermSet {
 /// [J]; infinite where parts touch.
 double sum_of_values(const TermSet& set, const VectorX& places);
 
-/// What the energies differ by between two places of the vertices [J], small differences with their digits.
+/// Difference of the energies between two places of the vertices [J], small differences with their digits.
 double sum_of_differences(const TermSet& set, const VectorX& from, const VectorX& to);
 
 /// dE/dy [N] of the vertices, or the sum of its |parts|.
@@ -37,8 +37,8 @@ void add_node_hessian(const TermSet& set, const VectorX& places, double weight, 
 /// Normal force between two features.
 struct PartForce {
   PairKind kind;
-  std::array<Index, most_pair_vertices> vertices;  ///< of the surface, those of the first part first
-  std::array<double, most_pair_vertices> weights;  ///< of the closest points: see PairDistance
+  std::array<Index, most_pair_vertices> vertices;  ///< vertices of the surface, those of the first part first
+  std::array<double, most_pair_vertices> weights;  ///< weights of the closest points: see PairDistance
   Vector3 normal;                                  ///< unit vector from the second to the first
   double distance;                                 ///< [m]
   double force;  ///< on the first part along the normal [N]; negative for a term that others count twice
@@ -51,7 +51,7 @@ struct PartForceSlopes {
   std::array<Vector3, most_pair_vertices> force;           ///< [N/m]
   std::array<Eigen::Matrix3d, most_pair_vertices> normal;  ///< [1/m]
   std::array<std::array<Vector3, most_pair_vertices>, most_pair_vertices>
-      weights;  ///< of each, by each [1/m]
+      weights;  ///< weights of each, by each [1/m]
 };
 /// In the order of the forces.
 std::vector<PartForceSlopes> part_force_slopes(const TermSet& set, const VectorX& places);

@@ -24,8 +24,8 @@ std::vector<InstructionSet> available_instruction_sets();
 /// @throws InputError  when it is not available
 std::optional<InstructionSet> requested_instruction_set();
 
-/// What kernels use, those of elements and those of linear algebra: the requested set, else the fastest
-/// available one.
+/// Instruction set of kernels, those of elements and those of linear algebra: the requested set, else the
+/// fastest available one.
 /// @throws InputError  when there is none, or when RESILIN_ISA asks for one that is not available
 InstructionSet preferred_instruction_set();
 

@@ -47,9 +47,10 @@ Eigen::Index rank(const Matrix& A, double least_pivot);
 
 /// A = Q R with an orthogonal Q, which is kept as the reflections that it consists of.
 struct Reflections {
-  Matrix packed;           ///< R in the upper triangle, the reflections below it
-  VectorX coefficients;    ///< one for each reflection
-  std::vector<int> order;  ///< of the columns by their lengths, or empty: A.col(order[i]) = (Q R).col(i)
+  Matrix packed;         ///< R in the upper triangle, the reflections below it
+  VectorX coefficients;  ///< one for each reflection
+  std::vector<int>
+      order;  ///< order of the columns by their lengths, or empty: A.col(order[i]) = (Q R).col(i)
 };
 
 Reflections reflections(const Matrix& A);

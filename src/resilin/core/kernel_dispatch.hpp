@@ -15,7 +15,7 @@ template <InstructionSet... sets>
 struct InstructionSets {
   static constexpr std::array<InstructionSet, sizeof...(sets)> all = {sets...};
 
-  /// What `kernels_of.operator()<set>()` gives, a pointer to the kernels of that set.
+  /// Result of `kernels_of.operator()<set>()`, a pointer to the kernels of that set.
   template <class KernelsOf>
   static auto kernels(InstructionSet set, const KernelsOf& kernels_of) {
     decltype((kernels_of.template operator()<sets>(), ...)) found = nullptr;

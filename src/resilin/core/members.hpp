@@ -6,7 +6,7 @@
 
 namespace resilin {
 
-/// What a struct consists of: references to its members, and their names with commas between.
+/// Members of a struct: references to them, and their names with commas between.
 template <class... T>
 struct Members {
   std::string_view names;

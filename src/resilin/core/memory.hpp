@@ -15,12 +15,12 @@ struct MemoryRoom {
   std::string_view limit;  ///< goes after "are left": "of the address space allowed (ulimit -v)"
 };
 
-/// What is left of the address space and the data that the process may have (setrlimit): what it may still
-/// ask for.
+/// Remainder of the address space and the data that the process may have (setrlimit): the most that it may
+/// still ask for.
 MemoryRoom address_space_left();
 
-/// What the control groups (v1 and v2, with those above) and the machine leave: what it may still use. The
-/// cache of files, which the system gives back at need, counts as free. Reads a few small files.
+/// Memory that the control groups (v1 and v2, with those above) and the machine leave: it may still be used.
+/// The cache of files, which the system gives back at need, counts as free. Reads a few small files.
 MemoryRoom free_memory();
 
 /// The lesser of the two.
@@ -33,10 +33,10 @@ std::string words(const MemoryRoom& room);
 /// process once they are used. Little memory is taken to fit.
 bool fits(double bytes, MemoryRoom (*room)() = memory_room);
 
-/// What this process uses now [bytes]; 0 where the system does not say.
+/// Memory that this process uses now [bytes]; 0 where the system does not say.
 double memory_in_use();
 
-/// What the heap holds now [bytes]; 0 where the allocator does not count, as those of sanitizers.
+/// Memory that the heap holds now [bytes]; 0 where the allocator does not count, as those of sanitizers.
 double heap_bytes();
 
 /// Whether so much address space can be had in one piece now: asks for it and gives it back.

@@ -19,7 +19,7 @@
 #define RESILIN_HEAP_IS_COUNTED
 #endif
 
-/// What Linux says about memory, and gives.
+/// Memory as Linux reports and gives it.
 namespace resilin {
 namespace {
 
@@ -114,7 +114,7 @@ MemoryRoom address_space_left() {
 MemoryRoom free_memory() {
   MemoryRoom room{unlimited, ""};
   look_at_groups(room);
-  constexpr double kilobyte = 1024;  // what the kernel calls "kB"
+  constexpr double kilobyte = 1024;  // unit of "kB" in the kernel
   const double free = kilobyte * sum_in_file("/proc/meminfo", "MemAvailable:", "SwapFree:");
   if (free > 0) take_less(room, free, "on this machine");
   return room;

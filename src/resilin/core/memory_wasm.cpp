@@ -9,7 +9,7 @@ namespace resilin {
 namespace {
 
 constexpr double page = 65536;         // bytes
-constexpr double most = 65536 * page;  // what 32 bits address
+constexpr double most = 65536 * page;  // limit of 32-bit addresses
 
 double size_of_memory() { return page * static_cast<double>(__builtin_wasm_memory_size(0)); }
 

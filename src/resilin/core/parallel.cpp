@@ -27,7 +27,7 @@ int threads_with_room(int wanted) {
   return fitting < wanted ? std::max(1, static_cast<int>(fitting)) : wanted;
 }
 
-/// What RESILIN_THREADS asks for, else as many as there are cores.
+/// Number of threads that RESILIN_THREADS asks for, else the number of cores.
 int wanted_threads() {
   const char* const variable = std::getenv("RESILIN_THREADS");
   const std::string text = variable == nullptr ? "" : variable;

@@ -4,7 +4,7 @@
 
 namespace resilin {
 
-/// What is done to the eigenvalues of an element's Hessian before it is assembled.
+/// Change of the eigenvalues of an element's Hessian before it is assembled.
 enum class Projection {
   none,      ///< the exact Hessian
   clamp,     ///< negative eigenvalues become zero (Teran et al. 2005)

@@ -11,7 +11,7 @@
 
 namespace resilin {
 
-/// What processes that work on one scene tell each other (docs/theory/distribution.md). Each has some of the
+/// Exchange between processes that work on one scene (docs/theory/distribution.md). Each has some of the
 /// cells with all nodes of these, so that nodes between processes have a copy on several; one copy is the
 /// owner's. All processes call the same functions in the same order.
 class Exchange {
@@ -33,7 +33,7 @@ class Exchange {
   virtual void combine_copies(VectorX& values, Combine how) const = 0;
 
   virtual std::span<const std::uint8_t> owned() const = 0;     ///< by node: this copy is the owner's
-  virtual std::span<const Index> numbers() const = 0;          ///< of the nodes in the whole scene
+  virtual std::span<const Index> numbers() const = 0;          ///< numbers of the nodes in the whole scene
   virtual std::span<const Offset> ranked_numbers() const = 0;  ///< the same, those of an owner in a row
 
   /// The bytes that one process gives, on all of them.
@@ -76,7 +76,8 @@ class Share {
   bool any(bool value) const { return is_whole() ? value : largest(value ? 1.0 : 0.0) > 0; }
   bool all(bool value) const { return is_whole() ? value : !any(!value); }
 
-  /// What is added up cell by cell, as forces are, becomes whole at nodes between processes.
+  /// Sums copies: values that are added up cell by cell, as forces are, become whole at nodes between
+  /// processes.
   void add_copies(VectorX& values) const {
     if (!is_whole()) exchange_->combine_copies(values, Exchange::Combine::sum);
   }

@@ -1,6 +1,6 @@
 #pragma once
 
-// What lanes need the processor's own instructions for. Apart from core/simd.hpp, because the compiler's
+// Processor's own instructions for lanes. Apart from core/simd.hpp, because the compiler's
 // header of them is long and most laws do without.
 
 #if defined(__SSE2__)

@@ -12,7 +12,7 @@ struct ForeignWord {
   std::vector<std::string_view> words;   ///< small letters, "_" for blanks and hyphens
   std::vector<std::string_view> called;  ///< values that mean it here; empty where nothing does
   std::string_view home;                 ///< where to find it, for a place that has none of `called`
-  std::string_view limit = {};           ///< of what is not available: the words of docs/limits.md
+  std::string_view limit = {};           ///< words of docs/limits.md about a feature that is not available
 };
 
 /// Values by their names in other programs, and everything that is asked for and not available.

@@ -13,11 +13,11 @@ namespace resilin {
 /// are in the order of MSH (Gmsh): corners first, then the middles of edges.
 struct ElementInfo {
   std::string_view name;  ///< as in a scene file: "P2"
-  std::string_view text;  ///< what it is, for the documentation
+  std::string_view text;  ///< description for the documentation
   CellShape shape;
   int dim;
   int num_nodes;
-  int degree;            ///< of its shape functions
+  int degree;            ///< degree of its shape functions
   bool has_mean_volume;  ///< its volume energy takes the cell's mean volume ratio: one pressure per cell
   std::string_view default_quadrature;
   std::span<const Vector3> nodes;  ///< reference coordinates of the nodes

@@ -12,7 +12,8 @@
 namespace resilin {
 namespace {
 
-using Exponents = std::array<int, 4>;  ///< of the barycentric coordinates, or of a cube's coordinates
+using Exponents =
+    std::array<int, 4>;  ///< exponents of the barycentric coordinates, or of a cube's coordinates
 
 double binomial(int n, int k) {
   double value = 1;

@@ -46,7 +46,7 @@ constexpr int dimension(CellShape shape) {
   return 3;
 }
 
-double size(CellShape shape);  ///< of the reference cell: 1/2, 1, 1/6, 1
+double size(CellShape shape);  ///< size of the reference cell: 1/2, 1, 1/6, 1
 
 struct QuadratureRule {
   std::string_view name;  ///< "4-point"; "exact" for a rule whose error is round-off for smooth energies

@@ -94,7 +94,7 @@ class ViscousDamping final : public MotionTerm {
   std::shared_ptr<const ElasticEnergy> body_;
   const ViscousKernels& kernels_;
   std::vector<double> rows_;  ///< [block][eta, zeta][lane], or one set
-  std::size_t stride_ = 0;    ///< of ViscosityRows
+  std::size_t stride_ = 0;    ///< stride of ViscosityRows
 };
 
 }  // namespace resilin

@@ -109,7 +109,9 @@ class ElasticEnergy final : public BasicEnergy {
   Index num_cells() const { return tiles_.blocks.num_cells; }
   const ElementInfo& element() const { return *element_; }
   const QuadratureRule& quadrature() const { return *rule_; }
-  Index num_points() const { return static_cast<Index>(rule_->points.size()); }  ///< of a cell
+  Index num_points() const {
+    return static_cast<Index>(rule_->points.size());
+  }  ///< number of quadrature points of a cell
   const LawInfo& law() const { return *tiles_.law; }
   InstructionSet instruction_set() const { return instruction_set_; }
   double total_rest_volume() const;
@@ -196,7 +198,7 @@ class ElasticEnergy final : public BasicEnergy {
   ElasticTiles tiles_;
   Eigen::Index num_world_unknowns_;
   bool bounds_everywhere_ = false;   ///< see max_step
-  std::size_t num_families_ = 0;     ///< of fibres
+  std::size_t num_families_ = 0;     ///< number of families of fibres
   std::vector<Index> all_blocks_;    ///< 0, 1, 2, ...
   std::vector<Index> lane_of_cell_;  ///< block * block_size + lane
   // See MatrixPlaces; set once the pattern is known.

@@ -1,4 +1,4 @@
-// What is read off an elastic body cell by cell.
+// Fields of an elastic body, cell by cell.
 #include <Eigen/LU>
 #include <cmath>
 #include <limits>

@@ -32,7 +32,7 @@ LaneMatrix<dim> contracted(const double* tangent, const LaneMatrix<dim>& G) {
   return T;
 }
 
-/// What a change of the rest shape by v does to the stress, seen in the gradients of the shape functions as
+/// Change of the stress by a change v of the reference shape, seen in the gradients of the shape functions as
 /// they were; or, `is_transposed`, the numbers M of which sum W M g_a is the slope of w . dE/dx by X_a, v
 /// then being w. With L = dv/dX and G = dw/dX:
 ///

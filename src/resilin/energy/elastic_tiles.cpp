@@ -151,7 +151,7 @@ void ElasticTiles::measure(const Tile& tile, const double* u, bool keeps_frames,
   point_kernels_->variables(state_tile(tile, scratch), false, scratch.H, scratch.variables, frames);
 }
 
-/// What a kernel of the law is called with for the entries of a tile, or once for each of its blocks.
+/// Arguments of a kernel of the law for the entries of a tile, or once for each of its blocks.
 LawBatch ElasticTiles::law_batch(const Tile& tile, const double* variables, bool is_per_entry,
                                  Scratch& scratch, double* results) const {
   const std::size_t points = is_per_entry ? blocks.num_points : 1, count = tile.num_blocks * points;

@@ -12,7 +12,8 @@
 
 namespace resilin {
 
-inline constexpr std::size_t blocks_per_chunk = 256;  ///< of a parallel loop over an elastic body
+inline constexpr std::size_t blocks_per_chunk =
+    256;  ///< blocks per chunk of a parallel loop over an elastic body
 
 /// The arithmetic of an elastic body, one tile of cells at a time. Linear simplices have kernels in which
 /// shape and law are one (element_kernels.hpp); all other elements go through the states at their quadrature
@@ -50,7 +51,7 @@ class ElasticTiles {
 
   /// Psi by entry; with a mean volume its share of the cell's energy.
   void energies(const Tile& tile, const double* u, Scratch& scratch, double* psi) const;
-  /// What rounding of Psi is a part of, by entry: |Psi|, and what the law's variables are summed of times the
+  /// Scale of the rounding of Psi, by entry: |Psi|, and the summands of the law's variables times the
   /// slopes of Psi by them. A body that has turned has invariants near zero which are sums of numbers that
   /// are not.
   void magnitudes(const Tile& tile, const double* u, Scratch& scratch, double* psi) const;
@@ -92,7 +93,7 @@ class ElasticTiles {
   const LawInfo* law;
   std::vector<double> constants;    ///< rows of lanes: one set, or one for each block
   std::size_t constant_stride = 0;  ///< numbers from block to block in `constants`; 0 when there is one set
-  std::vector<double> directions;   ///< of the fibres, [block][fibre_rows][lane]; empty without
+  std::vector<double> directions;   ///< directions of the fibres, [block][fibre_rows][lane]; empty without
   std::vector<std::uint8_t> transposed_lanes;  ///< see QuadratureTile; set once the pattern is known
 
  private:
@@ -132,7 +133,7 @@ class ElasticTiles::Scratch {
   std::vector<Index> gradients_of;  ///< the blocks whose gradients these are
   double *H, *G, *variables, *frames, *law, *constants, *directions, *energy, *energy_from;
   double *stress, *tangent;
-  double *j, *volume, *mean_j, *mean_volume, *mean;  ///< of elements with a mean volume
+  double *j, *volume, *mean_j, *mean_volume, *mean;  ///< scratch of elements with a mean volume
   double* K;
 
  private:

@@ -55,7 +55,7 @@ struct WeightedNode {
 /// at the start of a static run: the weighted sum of nodal displacements along it stays zero.
 struct HeldDirection {
   std::vector<WeightedNode> nodes;
-  Vector3 direction;  ///< of length 1
+  Vector3 direction;  ///< direction of length 1
 };
 
 /// Numbers that a term was made with, or that a stage gave it, and by which its force may be differentiated:

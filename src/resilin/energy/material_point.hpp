@@ -9,7 +9,7 @@ namespace resilin {
 /// A place inside a cell, drawn or touched: sum_a weights[a] x_a over nodes of that one cell, or of those
 /// around a place that a hand holds; the weights sum to one.
 struct MaterialPoint {
-  std::vector<Index> nodes;  ///< of the world
+  std::vector<Index> nodes;  ///< nodes of the world
   std::vector<double> weights;
 
   Vector3 position(int dim, const VectorX& x) const {

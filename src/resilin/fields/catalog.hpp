@@ -6,7 +6,7 @@
 
 namespace resilin {
 
-/// What a state can be asked for, by name: the scene's `output.fields`, Python's `result.fields` and the
+/// Fields of a state, by name: the scene's `output.fields`, Python's `result.fields` and the
 /// command line's pictures. Every quantity of the cells is there under three names, which mean three things:
 /// by cell, as `averaged_...` the mean of the cells around a vertex, and as `nodal_...` smooth on the
 /// vertices.
@@ -26,11 +26,11 @@ struct FieldInfo {
   };
   std::string name;
   std::string label;  ///< at a colour bar, different for each: "von Mises stress, averaged"
-  std::string text;   ///< what it is
+  std::string text;   ///< description
   std::string unit;   ///< empty when it has none
   Kind kind;
   Source source;
-  bool is_symmetric = true;  ///< of tensors
+  bool is_symmetric = true;  ///< for tensors
 
   bool is_on_nodes() const { return source != Source::cells; }
   /// Whether it is a vector that has a length but no sense.
@@ -38,7 +38,7 @@ struct FieldInfo {
   int components() const { return kind == Kind::scalar ? 1 : kind == Kind::tensor ? 9 : 3; }
 };
 
-/// What stands behind the label of a quantity: ", by cell", ", averaged", ", smooth" or nothing.
+/// Suffix of the label of a quantity: ", by cell", ", averaged", ", smooth" or nothing.
 std::string_view label_suffix(FieldInfo::Source source);
 
 /// All fields, in the order of the documentation.

@@ -21,8 +21,8 @@ class CellAverages {
 
  private:
   std::vector<std::uint32_t> first_;     ///< by node, into the next two
-  std::vector<std::uint32_t> cells_at_;  ///< of all bodies, one after another
-  std::vector<double> shares_;           ///< of each cell in the node's value
+  std::vector<std::uint32_t> cells_at_;  ///< cells at the nodes of all bodies, one after another
+  std::vector<double> shares_;           ///< shares of each cell in the node's value
 };
 
 }  // namespace resilin

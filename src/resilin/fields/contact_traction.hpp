@@ -5,7 +5,7 @@
 
 namespace resilin {
 
-/// What bodies and colliders exert on each node over the rest area that they press on: dim numbers per node
+/// Traction of bodies and colliders on each node over the rest area that they press on: dim numbers per node
 /// [Pa]. A node on a sharp edge has its share of the faces that look against the force alone.
 VectorX contact_traction(const World& world, const State& state);
 

@@ -100,7 +100,7 @@ CellMaterials cell_materials(const Domains& domains) {
   return all;
 }
 
-/// What brings a body nearer to the exact solution: the element that "auto" takes, where it is another one,
+/// Advice that brings a body nearer to the exact solution: the element of "auto", where it is another one,
 /// and finer cells.
 std::string finer_choice(const Body& body) {
   double poissons_ratio = -1;
@@ -272,8 +272,8 @@ class StressErrors {
   std::vector<SymmetricTensor> stresses_;  ///< at the quadrature points
   CellMaterials materials_;
   ErrorSamples samples_;
-  RestPlaces places_;            ///< of the samples
-  std::vector<double> volumes_;  ///< of the quadrature points [m^3]
+  RestPlaces places_;            ///< places of the samples
+  std::vector<double> volumes_;  ///< volumes of the quadrature points [m^3]
   PatchRecovery recovery_;
 };
 

@@ -10,8 +10,9 @@ namespace resilin {
 struct Extreme {
   double value = 0;
   std::size_t body = 0;
-  Index number = 0;                    ///< of the vertex or cell in its body
-  Vector3 position = Vector3::Zero();  ///< of the vertex, or of the mean of the cell's nodes, deformed [m]
+  Index number = 0;  ///< number of the vertex or cell in its body
+  Vector3 position =
+      Vector3::Zero();  ///< position of the vertex, or of the mean of the cell's nodes, deformed [m]
 };
 
 struct Extremes {

@@ -16,7 +16,7 @@ constexpr int max_widenings = 3;
 /// Least pivot of a fit. Points may be many and yet all lie on one quadric, as those of a cube of six
 /// tetrahedra do.
 constexpr double least_pivot = 1e-2;
-constexpr double least_variance = 1e-12;  ///< of points, as a share of the largest
+constexpr double least_variance = 1e-12;  ///< least variance of points, as a share of the largest
 
 using Monomials = Eigen::Matrix<double, 1, max_monomials>;
 

@@ -18,7 +18,7 @@ class RestPlaces {
   const Body& body_;
   const VectorX& rest_positions_;
   int dim_;
-  std::size_t num_nodes_;       ///< of a cell
+  std::size_t num_nodes_;       ///< number of nodes of a cell
   std::vector<double> shapes_;  ///< [point * num_nodes + node]
 };
 
@@ -56,7 +56,7 @@ class PatchRecovery {
   struct Patch {
     Vector3 center = Vector3::Zero();         ///< the mean of its points [m]
     Matrix<3> scale = Matrix<3>::Identity();  ///< its points then vary by 1 in every direction [1/m]
-    int degree = 0;                           ///< of the polynomial
+    int degree = 0;                           ///< degree of the polynomial
     std::vector<Index> cells = {};            ///< rising
   };
   /// Coefficients of one patch: a column for each monomial up to the element's degree.
@@ -81,7 +81,7 @@ class PatchRecovery {
   std::vector<Vector3> points_;          ///< rest positions of the quadrature points [m]
   std::vector<Patch> patches_;
   std::vector<double> coefficients_;  ///< those of one patch after another
-  std::vector<Index> patch_of_;       ///< of the corners of the cells
+  std::vector<Index> patch_of_;       ///< patches of the corners of the cells
   bool has_enough_points_ = false;
 };
 

@@ -51,7 +51,7 @@ struct CellQuantity {
   int sample_components;
   /// From one mean sample to the field's components; null when it is the sample itself.
   void (*derive)(const double* sample, double* values);
-  bool is_symmetric = true;  ///< of tensors
+  bool is_symmetric = true;  ///< for tensors
 };
 std::span<const CellQuantity> cell_quantities();
 

@@ -11,9 +11,9 @@ namespace {
 
 /// The least stiffness that counts as stable, in units of the problem: of a modulus that the data show.
 constexpr double least_stiffness = 1e-7;
-constexpr double difference_step = 1e-5;  ///< of z; stiffness is linear in c
+constexpr double difference_step = 1e-5;  ///< difference step of z; stiffness is linear in c
 constexpr int most_bounded_iterations = 300;
-constexpr double limit_tolerance = 1e-9;  ///< by which a limit may be missed
+constexpr double limit_tolerance = 1e-9;  ///< tolerance of a limit
 
 /// Conditions values >= 0, linearised: values + slopes * change >= 0, by (c, z).
 struct LinearisedLimits {
@@ -191,7 +191,7 @@ bool keeps_limits(const LawProblem& problem, const FitLimits& limits, const FitP
   if ((point.c.array() < problem.linear_lower().array()).any() ||
       (point.c.array() > problem.linear_upper().array()).any())
     return false;
-  // What must be above a limit may not be it.
+  // A number that must be above a limit may not be equal to it.
   const LawInfo& law = *problem.choice().law;
   for (Eigen::Index i = 0; i < point.c.size(); ++i)
     if (!(point.c[i] >

@@ -59,7 +59,7 @@ struct FitDescription {
   /// Poisson's ratio that is written where the tests tell nothing about the volume.
   double poissons_ratio = 0.495;
   std::vector<ConstantSetting> constants;
-  std::vector<std::string> warnings;  ///< of the reader
+  std::vector<std::string> warnings;  ///< warnings of the reader
 };
 
 }  // namespace resilin

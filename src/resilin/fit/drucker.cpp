@@ -12,7 +12,7 @@ namespace {
 
 constexpr double furthest_stretch = 12, furthest_shear = 12;
 constexpr int num_search_states = 240;
-constexpr double bisection_tolerance = 1e-10;  ///< of the load
+constexpr double bisection_tolerance = 1e-10;  ///< bisection tolerance of the load
 
 /// Columns: orthonormal directions of h.
 DenseMatrix strain_directions(bool is_compressible) {

@@ -19,7 +19,7 @@ struct SoughtParameter {
   FoundKey key;
   /// Which of the numbers that are sought each number of the parameter is; -1: none, it stays.
   std::vector<int> which;
-  Eigen::Index count = 0;  ///< of those that are sought
+  Eigen::Index count = 0;  ///< number of parameters that are sought
 };
 
 /// One scene of a fit: what is sought in it and what was measured.
@@ -49,8 +49,8 @@ class ExperimentModel {
   /// Values of a run for all measured quantities.
   struct Outcome {
     VectorX values;
-    std::vector<int> frames;                ///< of each number
-    std::vector<MeasuredNumber> nonlinear;  ///< of those that are not linear in the frame; else empty
+    std::vector<int> frames;                ///< frames of each number
+    std::vector<MeasuredNumber> nonlinear;  ///< numbers that are not linear in the frame; else empty
   };
   Outcome outcome_of(Derivatives& run) const;
 
@@ -62,8 +62,8 @@ class ExperimentModel {
   struct Number {
     const MeasuredTable* table;
     const MeasuredRow* row;
-    Marker marker{};          ///< of markers and probes
-    std::size_t support = 0;  ///< of a reaction
+    Marker marker{};          ///< marker of markers and probes
+    std::size_t support = 0;  ///< boundary condition of a reaction
     Eigen::Index component = 0;
     bool is_linear = false;  ///< in the places and the reactions of supports
   };

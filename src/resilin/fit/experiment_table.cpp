@@ -10,7 +10,7 @@
 namespace resilin {
 namespace {
 
-/// What `read` makes of one value, or of each of a list of them.
+/// Reads one value, or each of a list of them, by `read`.
 template <class Read>
 auto read_one_or_more(const SceneNode& node, const Read& read) {
   std::vector<decltype(read(node))> all;

@@ -11,11 +11,11 @@
 namespace resilin {
 namespace {
 
-constexpr double longest_step = 2.302585092994046;  ///< of what is sought: a factor of 10
+constexpr double longest_step = 2.302585092994046;  ///< longest step of what is sought: a factor of 10
 constexpr double same_strength = 0.2;               ///< a change by less is none
-constexpr double largest_change = 10;               ///< of the weight, from one place to the next
-constexpr int most_choices = 12;                    ///< of the weight
-constexpr double least_share = 1e-3;                ///< of a step
+constexpr double largest_change = 10;  ///< largest change of the weight, from one place to the next
+constexpr int most_choices = 12;       ///< most choices of the weight
+constexpr double least_share = 1e-3;   ///< least share of a step
 /// A step that lowers the objective by this part of a residual's variance moves the field by a hundredth of
 /// its standard errors.
 constexpr double negligible_gain = 1e-4;

@@ -17,12 +17,12 @@ class SoughtScale {
   SoughtScale(const SceneUnknown& unknown, const std::string& place);
   double to(double value) const;
   double from(double z) const;
-  double slope(double z) const;  ///< of the value by z
+  double slope(double z) const;  ///< slope of the value by z
   bool is_logarithm() const { return is_logarithm_; }
 
  private:
   bool is_logarithm_, is_bounded_;
-  double low_ = 0, high_ = 0;  ///< of the value or its logarithm
+  double low_ = 0, high_ = 0;  ///< low and high of the value or its logarithm
 };
 
 /// The search for fields of cells, and what else is sought with them: Gauss-Newton on the sum of squares and
@@ -34,7 +34,7 @@ class FieldSearch {
               const SceneFitOptions& options);
   ~FieldSearch();
 
-  /// What a start has a number of: unknowns that are no cells, and of a field its middle, the mean of what is
+  /// Numbers of a start: the parameters that are no cells, and for a field its middle, the mean of what is
   /// sought. A field starts as the file has it, moved as a whole: its constant is what a smooth prior does
   /// not feel, and local minima are those of how stiff a body is.
   std::vector<SceneUnknown> sought() const;
@@ -76,7 +76,7 @@ class FieldSearch {
   const SceneFitDescription& description_;
   const SceneFitOptions& options_;
   std::vector<SoughtScale> scales_;
-  std::vector<FieldCells> cells_;  ///< of the fields, in their order
+  std::vector<FieldCells> cells_;  ///< cells of the fields, in their order
   FieldPrior prior_;
   VectorX start_, u_, r_, weights_;  ///< u: the way from the start
   SceneModel::Solved solved_;

@@ -117,7 +117,7 @@ FieldCells field_cells(const CellBlock& cells, const std::vector<Vector3>& verti
 struct FieldPrior::Matrices {
   std::vector<Eigen::Triplet<double>> entries;
   std::vector<std::vector<Eigen::Index>> unfelt;  ///< supports of the columns
-  std::vector<bool> is_pinned;                    ///< of all unknowns
+  std::vector<bool> is_pinned;                    ///< for all unknowns
   SparseMatrix R;
   std::vector<Eigen::Index> kept;  ///< those that are not pinned
   Eigen::SimplicialLDLT<SparseMatrix> factors;

@@ -26,9 +26,9 @@ struct FieldCells {
     double weight;  ///< L^2 / V A / d: of the common side's area and the distance of the cells' middles
   };
   int dim = 3;
-  std::vector<double> shares;  ///< of the volume
+  std::vector<double> shares;  ///< shares of the volume
   double volume = 0;           ///< [m^3], in 2D [m^2]
-  std::vector<Pair> pairs;     ///< of cells with a common side
+  std::vector<Pair> pairs;     ///< pairs of cells with a common side
 };
 FieldCells field_cells(const CellBlock& cells, const std::vector<Vector3>& vertices, int dim);
 

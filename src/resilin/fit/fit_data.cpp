@@ -11,10 +11,10 @@
 namespace resilin {
 namespace {
 
-constexpr double usual_modulus = 5e5;    ///< of rubber [Pa]
+constexpr double usual_modulus = 5e5;    ///< usual modulus of rubber [Pa]
 constexpr double softest_usual = 1e3;    ///< less without a unit is taken for a mistake [Pa]
 constexpr double stiffest_usual = 1e10;  ///< [Pa]
-constexpr double doubtful_ratio = 4;     ///< of moduli of two tests of one material
+constexpr double doubtful_ratio = 4;     ///< doubtful ratio of moduli of two tests of one material
 
 double weight_of(const FitDescription& description, const MaterialTest& test, std::size_t i, double scale) {
   const double root = std::sqrt(test.weight);

@@ -11,7 +11,7 @@ namespace resilin {
 struct FitData {
   std::vector<LoadedState> states;
   VectorX measured;          ///< [Pa]
-  VectorX weights;           ///< of residuals in units of stress_scale
+  VectorX weights;           ///< weights of residuals in units of stress_scale
   double stress_scale = 1;   ///< the largest stress [Pa]
   double shear_modulus = 0;  ///< that the tests show, roughly [Pa]
 };

@@ -114,7 +114,7 @@ void make_names_unique(std::vector<MaterialTest>& tests) {
                     std::count(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), names[i]) + 1);
 }
 
-/// What a scene has and a fit has not.
+/// Refuses keys of a scene that a fit has not.
 void refuse_scene(const SceneNode& root) {
   for (const char* key : {"body", "simulation"})
     if (root.has(key))

@@ -8,7 +8,7 @@
 namespace resilin {
 namespace {
 
-/// What is fitted, and what is not although "all" or the usual laws were asked for.
+/// Laws that are fitted, and those that are not although "all" or the usual laws were asked for.
 std::vector<LawChoice> choices_of(const FitDescription& description, bool is_compressible,
                                   std::vector<LawNotFitted>& not_fitted) {
   const std::string place = description.place + ".laws";

@@ -26,7 +26,7 @@ void make_fit_folder(const std::filesystem::path& folder);
 /// fit.json, fit.html and material.toml, each written beside and renamed.
 void write_fit(const FitReport& report, const std::filesystem::path& folder);
 
-/// In what stresses are shown: the unit of most tests.
+/// Unit in which stresses are shown: that of most tests.
 struct ShownUnit {
   std::string name;
   double in_pascal;

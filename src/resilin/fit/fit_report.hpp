@@ -18,7 +18,7 @@ enum class ConstantOrigin {
   fitted,   ///< from the tests
   given,    ///< by the user
   assumed,  ///< from poissons_ratio, where the tests tell nothing about the volume
-  absent,   ///< of a term that is not there
+  absent,   ///< constant of a term that is not there
 };
 constexpr std::array<std::string_view, 4> spellings(ConstantOrigin) {
   return {"fitted", "given", "assumed", "absent"};
@@ -47,7 +47,7 @@ struct Correlation {
 struct TestQuality {
   std::string test;
   double r_squared;
-  double root_mean_square;  ///< of P_model - P_measured [Pa]
+  double root_mean_square;  ///< root mean square of P_model - P_measured [Pa]
   double largest;           ///< difference [Pa]
 };
 
@@ -61,7 +61,7 @@ struct FittedCurve {
 /// Statement of the data about several numbers.
 struct Estimates {
   std::vector<ConstantEstimate> constants;
-  double condition = 1;  ///< of the normal matrix with columns of length 1
+  double condition = 1;  ///< condition of the normal matrix with columns of length 1
   /// (fitted, fitted) between the estimates, row by row, in the order of the fitted constants.
   std::vector<double> correlation_matrix;
   std::vector<Correlation> correlations;  ///< above 0.95, the strongest first
@@ -74,19 +74,21 @@ struct LawFit : Estimates {
   Material material;               ///< ready for a scene
   bool volume_is_assumed = false;  ///< the constant of the volume comes from poissons_ratio
 
-  double sum_of_squares = 0;  ///< of weighted residuals; [Pa^2] where they are absolute
+  double sum_of_squares = 0;  ///< sum of squares of weighted residuals; [Pa^2] where they are absolute
   int num_points = 0, num_fitted = 0;
   double aicc = 0, akaike_weight = 0;
   std::vector<TestQuality> tests;  ///< one for each test
   std::vector<StabilityRange> stability;
   std::vector<FittedCurve> curves;  ///< one for each mode that is shown
 
-  double shear_modulus = 0, bulk_modulus = 0;     ///< at small strain [Pa]; bulk: infinite in the limit
-  double youngs_modulus = 0, poissons_ratio = 0;  ///< of the fit, in the incompressible limit 3 mu and 0.5
-  bool is_usable = true;                          ///< a scene takes the material
-  bool is_bounded = false;                        ///< stability or a range holds it
-  std::optional<double> free_sum_of_squares;      ///< without that
-  std::vector<std::string> remarks;               ///< one line each
+  double shear_modulus = 0, bulk_modulus = 0;  ///< at small strain [Pa]; bulk: infinite in the limit
+  double youngs_modulus = 0,
+         poissons_ratio =
+             0;  ///< Young's modulus and Poisson's ratio of the fit, in the incompressible limit 3 mu and 0.5
+  bool is_usable = true;                      ///< a scene takes the material
+  bool is_bounded = false;                    ///< stability or a range holds it
+  std::optional<double> free_sum_of_squares;  ///< without that
+  std::vector<std::string> remarks;           ///< one line each
 };
 
 struct LawNotFitted {

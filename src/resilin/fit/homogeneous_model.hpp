@@ -54,7 +54,7 @@ class HomogeneousModel : public PredictedValues {
   bool is_compressible_;
   std::vector<LoadedState> states_;
   Numbers gradients_;  ///< displacement gradients at J = 1, (states, 3, 3)
-  Numbers weights_;    ///< of the entries of P in the nominal stress, (states, 9)
+  Numbers weights_;    ///< weights of the entries of P in the nominal stress, (states, 9)
 };
 
 }  // namespace resilin

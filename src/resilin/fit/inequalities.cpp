@@ -66,7 +66,7 @@ bool least_squares_with_inequalities(const DenseMatrix& A, const VectorX& b, con
   const DenseMatrix R = dense::upper_triangle(factors);
   const VectorX free = dense::transposed_times(factors, b).topRows(n);
   step.multipliers = VectorX::Zero(m);
-  VectorX shift = VectorX::Zero(n);  // of R x
+  VectorX shift = VectorX::Zero(n);  // shift of R x
   if (m > 0) {
     // With y = R x - Q^T b: min |y|, G R^-1 y >= h - G R^-1 Q^T b.
     const DenseMatrix GR = dense::solve_upper_transposed(R, G.transpose()).transpose();

@@ -13,13 +13,14 @@ struct LawChoice {
   std::string name;  ///< "ogden2"
   const LawInfo* law;
   bool is_compressible;
-  std::vector<double> constants;  ///< of all places: those that are not fitted have their value [SI]
-  std::vector<int> linear;        ///< fitted, and the energy is linear in them together
-  std::vector<int> nonlinear;     ///< fitted besides
+  std::vector<double>
+      constants;               ///< constants of all places: those that are not fitted have their value [SI]
+  std::vector<int> linear;     ///< fitted, and the energy is linear in them together
+  std::vector<int> nonlinear;  ///< fitted besides
   /// The constant that resists changes of volume alone; -1 when there is none. In the incompressible limit it
   /// is not fitted.
   int volume_constant = -1;
-  std::vector<int> absent = {};  ///< of terms that are not there
+  std::vector<int> absent = {};  ///< constants of terms that are not there
 
   std::vector<int> fitted() const;  ///< in the order of the formula
 };

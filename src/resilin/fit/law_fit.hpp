@@ -16,7 +16,8 @@ struct SearchResult {
   double sum = 0;                 ///< in units of the problem
   DenseMatrix reached;            ///< limits that hold the fitted constants, by these in units of the problem
   bool is_held_by_stability = false, is_held_by_range = false;
-  std::optional<std::vector<double>> free_constants;  ///< of the optimum without limits, when it is another
+  std::optional<std::vector<double>>
+      free_constants;  ///< free constants of the optimum without limits, when it is another
   double free_sum = 0;
   /// Other optima that these data cannot tell from the best, as far as the search has found them.
   std::vector<std::vector<double>> rivals;

@@ -48,7 +48,7 @@ class LawProblem {
   void unknowns(const std::vector<double>& constants, VectorX& c, VectorX& z) const;
   /// dr/d(constants of choice().fitted(), in units of the problem).
   bool slopes_by_constants(const VectorX& c, const VectorX& z, DenseMatrix& slopes) const;
-  /// What a constant in units of the problem is multiplied with in SI.
+  /// Factor from a constant in units of the problem to SI.
   double unit_of(int place) const;
   bool is_logarithm(Eigen::Index i) const { return is_logarithm_[static_cast<std::size_t>(i)]; }
 
@@ -64,7 +64,7 @@ class LawProblem {
   double stress_scale_;
   std::vector<bool> is_logarithm_;
   VectorX lower_, upper_, linear_lower_, linear_upper_;
-  std::vector<double> start_;  ///< of z; not a number where none was given
+  std::vector<double> start_;  ///< start of z; not a number where none was given
 };
 
 }  // namespace resilin

@@ -56,7 +56,8 @@ FitPoint point_at(const LawProblem& problem, const std::vector<double>& constant
   return point;
 }
 
-/// What the incompressible limit says of the same law, where it has one: the points that keep their volume.
+/// Constants of the same law in its incompressible limit, where it has one: the points that keep their
+/// volume.
 std::vector<std::vector<double>> isochoric_constants(const LawChoice& choice, const FitData& data,
                                                      const FitDescription& description) {
   std::vector<std::vector<double>> found;

@@ -35,8 +35,8 @@ struct MaterialTest {
   std::vector<double> load;    ///< stretch l; amount of shear g
   std::vector<double> stress;  ///< nominal, force over rest area: P11; P12 in shear [Pa]
   std::vector<double> sigma;   ///< standard deviation of each [Pa]; empty when it is not known
-  double weight = 1;           ///< of its squared residuals
-  std::string unit = "Pa";     ///< of the file, in which the report shows it
+  double weight = 1;           ///< weight of its squared residuals
+  std::string unit = "Pa";     ///< unit of the file, in which the report shows it
   double unit_in_pascal = 1;
   bool has_unit = false;  ///< whether the unit was said
 

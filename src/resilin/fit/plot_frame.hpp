@@ -11,7 +11,7 @@ namespace resilin {
 struct PlotRange {
   double low = std::numeric_limits<double>::infinity(), high = -low;
 
-  void include(double value);  ///< what is not finite does not count
+  void include(double value);  ///< ignores values that are not finite
   bool is_empty() const { return !(low < high); }
   /// By a part of its length at both ends, so that nothing is drawn on the edge.
   PlotRange widened(double part) const;
@@ -20,7 +20,7 @@ struct PlotRange {
 /// A direction of a picture.
 struct PlotAxis {
   std::string label;
-  PlotRange range;              ///< of the values, also where their logarithms are drawn
+  PlotRange range;              ///< range of the values, also where their logarithms are drawn
   bool is_logarithmic = false;  ///< all values are positive
 };
 

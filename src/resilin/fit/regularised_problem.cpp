@@ -9,9 +9,10 @@
 namespace resilin {
 namespace {
 
-constexpr double least_influence = 1e-8;  ///< of a column of F beside the largest: nothing feels it
+constexpr double least_influence =
+    1e-8;  ///< least influence of a column of F beside the largest: nothing feels it
 constexpr int points_per_decade = 8;
-constexpr double weakest_share = 1e-12;  ///< of the largest of S
+constexpr double weakest_share = 1e-12;  ///< weakest share of the largest of S
 /// Weights with which the fit takes more than this part of the data follow noise, whatever the curve looks
 /// like.
 constexpr double most_freedom = 0.8;

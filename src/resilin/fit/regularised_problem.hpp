@@ -25,7 +25,7 @@ class RegularisedProblem {
     double misfit = 0;     ///< |d - J u|^2
     double roughness = 0;  ///< u^T R u
     double freedom = 0;    ///< combinations of the unknowns that the data determine: the trace of d(J u)/dd
-    double curvature = 0;  ///< of log roughness over log misfit, positive in a corner of an L
+    double curvature = 0;  ///< curvature of log roughness over log misfit, positive in a corner of an L
   };
   Point at(double strength) const;
   VectorX solution(double strength) const;
@@ -49,7 +49,7 @@ class RegularisedProblem {
   DenseMatrix spread_;  ///< G J^T
   VectorX d_;
   Eigen::Index num_values_;
-  double left_ = 0;               ///< of |d|^2: what no u changes
+  double left_ = 0;               ///< part of |d|^2 that no u changes
   DenseMatrix spread_of_values_;  ///< J G J^T
   DenseMatrix slopes_of_unfelt_;  ///< J B
   DenseMatrix basis_;             ///< Z U

@@ -19,8 +19,8 @@ enum class MeasuredKind {
   probe,     ///< the displacement of a probe [m]
   section,   ///< the force through a section [N]
   moment,    ///< its moment about the middle of the cut [N m]
-  energy,    ///< of a body, or of all [J]
-  volume,    ///< of a body [m^3]
+  energy,    ///< energy of a body, or of all [J]
+  volume,    ///< volume of a body [m^3]
   stress,    ///< a component of Cauchy's stress at points of a body [Pa]
 };
 constexpr std::array<std::string_view, 8> spellings(MeasuredKind) {
@@ -35,7 +35,7 @@ constexpr bool is_number(MeasuredKind kind) {
   return kind == MeasuredKind::energy || kind == MeasuredKind::volume || kind == MeasuredKind::stress;
 }
 
-/// In which its numbers are told.
+/// Unit in which its numbers are printed.
 std::string unit_of(MeasuredKind kind);
 
 /// Identity of a number of a table.
@@ -43,13 +43,13 @@ struct MeasuredPlace {
   std::string row;               ///< "markers.csv, row 3"
   int component = 0;             ///< 0: x
   std::optional<double> moment;  ///< load factor at rest, time in motion [s]; none: the end of the run
-  Vector3 at = Vector3::Zero();  ///< of a marker: where it is at rest, in the scene [m]
+  Vector3 at = Vector3::Zero();  ///< place of a marker at rest, in the scene [m]
 };
 
 /// A row of a table: one vector, of which some components may be missing.
 struct MeasuredRow {
   std::string place;             ///< "markers.csv, row 3"
-  Vector3 at = Vector3::Zero();  ///< of a marker: where it is at rest, in the scene [m]
+  Vector3 at = Vector3::Zero();  ///< place of a marker at rest, in the scene [m]
   Vector3 value = Vector3::Zero();
   std::array<bool, 3> is_measured = {false, false, false};
   double sigma = 0;              ///< standard deviation of each component; 0: not known
@@ -103,7 +103,7 @@ struct Regularisation {
   std::string place = "fit.regularise";
   PriorKind kind = PriorKind::smooth;
   StrengthRule rule = StrengthRule::l_curve;
-  std::optional<double> strength;  ///< of the prior beside the sum of squares; none: by the rule
+  std::optional<double> strength;  ///< strength of the prior beside the sum of squares; none: by the rule
 };
 
 /// Input of a fit of whole scenes.
@@ -112,11 +112,11 @@ struct SceneFitDescription {
   std::string title;
   std::vector<SceneExperiment> experiments;
   std::vector<SceneParameter> parameters;
-  double tolerance = 1e-6;            ///< of the last step, relative to the parameters
-  int max_solves = 60;                ///< of each scene, from each start
-  int starts = 1;                     ///< of the search
-  Regularisation regularise;          ///< of fields
-  std::vector<std::string> warnings;  ///< of the reader
+  double tolerance = 1e-6;            ///< tolerance of the last step, relative to the parameters
+  int max_solves = 60;                ///< maximum solves of each scene, from each start
+  int starts = 1;                     ///< starts of the search
+  Regularisation regularise;          ///< regularisation of fields
+  std::vector<std::string> warnings;  ///< warnings of the reader
 };
 
 }  // namespace resilin

@@ -15,7 +15,7 @@
 namespace resilin {
 namespace {
 
-/// In what is sought, so that what the text says of a combination holds: that of logarithms is a product.
+/// Name of an unknown, with "log" where its logarithm is sought: a combination of logarithms is a product.
 std::string sought_name(const SceneUnknown& unknown) {
   return unknown.is_positive ? "log " + unknown.name : unknown.name;
 }
@@ -136,7 +136,7 @@ std::unique_ptr<Search> search_from_many_starts(const SceneModel& model, const S
       end.strength = search->strength();
       end.is_converged = search->is_converged();
     } catch (const InputError& error) {
-      if (!best) throw;  // what the file says
+      if (!best) throw;  // an error in the file
       end.problem = error.what();
     }
     end.solves = search->solves();

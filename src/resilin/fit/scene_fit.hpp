@@ -17,10 +17,11 @@ namespace resilin {
 struct SceneFitStep {
   int solve = 0;  ///< from 1
   std::vector<std::string> names{};
-  VectorX values{};           ///< of the parameters
-  double sum_of_squares = 0;  ///< of weighted residuals; infinite where a scene has no solution
-  bool is_better = true;      ///< than what there was before
-  std::string problem{};      ///< why there is no solution
+  VectorX values{};  ///< values of the parameters
+  double sum_of_squares =
+      0;                  ///< sum of squares of weighted residuals; infinite where a scene has no solution
+  bool is_better = true;  ///< better than the solution before
+  std::string problem{};  ///< why there is no solution
 };
 
 /// A measured number beside what the scenes give.
@@ -34,7 +35,7 @@ struct TableQuality {
   std::string name;
   MeasuredKind kind;
   bool is_dynamic = false;          ///< moments are times, else load factors
-  double root_mean_square = 0;      ///< of model - measured, in the unit of its kind
+  double root_mean_square = 0;      ///< root mean square of model - measured, in the unit of its kind
   double largest = 0;               ///< likewise ...
   std::string worst;                ///< ... in this row
   std::vector<FittedValue> values;  ///< component by component of each row
@@ -45,7 +46,7 @@ struct FittedParameter {
   std::string name, key, unit;
   double start = 0, value = 0;
   double standard_error = 0;          ///< infinite: not determined
-  double lower_95 = 0, upper_95 = 0;  ///< of the interval of 95 %
+  double lower_95 = 0, upper_95 = 0;  ///< ends of the interval of 95 %
   bool is_held = false;               ///< by a bound
 };
 
@@ -53,7 +54,8 @@ struct FittedParameter {
 struct SearchEnd {
   VectorX start, found;  ///< all unknowns; of a field its middle, the mean of what is sought
   double sum_of_squares = std::numeric_limits<double>::infinity();
-  double roughness = 0, strength = 0;  ///< of fields: u^T R u of the prior, and its weight
+  double roughness = 0,
+         strength = 0;  ///< roughness and strength of fields: u^T R u of the prior, and its weight
   /// The sum of squares, and of fields the prior with the weight of the best end.
   double objective = std::numeric_limits<double>::infinity();
   int solves = 0;
@@ -66,9 +68,9 @@ struct FittedField {
   std::string name, key, unit;
   std::string body, constant;
   std::size_t scene = 0;         ///< the number of one that has it
-  std::vector<double> values{};  ///< of the cells
+  std::vector<double> values{};  ///< values of the cells
   std::vector<double> lower_95{},
-      upper_95{};                    ///< of the intervals of 95 %: of noise and of what the prior lets open
+      upper_95{};  ///< ends of the intervals of 95 %: of noise and of what the prior leaves open
   std::vector<double> resolution{};  ///< over about such a length the data tell a mean [m]
   int num_loose = 0;                 ///< cells whose interval is wider than a factor of 2 to both sides
 };
@@ -87,16 +89,17 @@ struct RegularisationReport {
 struct SceneFitReport {
   SceneFitDescription description;
   std::vector<FittedParameter> parameters;  ///< those that are no cells of a field
-  Estimates estimates;  ///< of those that no bound holds: correlations, condition, warnings
+  Estimates estimates;  ///< estimates of parameters that no bound holds: correlations, condition, warnings
   bool has_sigma = false;
-  double sum_of_squares = 0;  ///< of residuals over sigma, where there are sigmas [m^2 or N^2 else]
-  double noise = 0;           ///< standard deviation that the residuals show, without sigmas [m or N]
+  double sum_of_squares =
+      0;             ///< sum of squares of residuals over sigma, where there are sigmas [m^2 or N^2 else]
+  double noise = 0;  ///< standard deviation that the residuals show, without sigmas [m or N]
   int num_values = 0, degrees_of_freedom = 0;
-  int solves = 0;  ///< of each scene, of all starts
+  int solves = 0;  ///< solves of each scene, of all starts
   bool is_converged = false;
   std::string why_not;              ///< converged
-  std::vector<SceneFitStep> steps;  ///< of the search, one start after another
-  std::vector<SearchEnd> ends;      ///< of each start
+  std::vector<SceneFitStep> steps;  ///< steps of the search, one start after another
+  std::vector<SearchEnd> ends;      ///< ends of each start
   std::size_t best_end = 0;         ///< the number of the one that counts
   std::vector<std::string> sought;  ///< names of the numbers of a start
   std::vector<FittedField> fields;

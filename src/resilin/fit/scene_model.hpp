@@ -14,7 +14,7 @@ namespace resilin {
 /// One number that is sought.
 struct SceneUnknown {
   std::string name, unit;
-  std::size_t parameter = 0;  ///< of the description
+  std::size_t parameter = 0;  ///< parameter of the description
   double start = 0;
   double lower = 0, upper = 0;
   bool is_positive = false;  ///< sought by its logarithm
@@ -52,14 +52,14 @@ class SceneModel {
   SceneModel& operator=(const SceneModel&) = delete;
 
   const std::vector<SceneUnknown>& unknowns() const { return unknowns_; }
-  const std::vector<UnknownRange>& ranges() const { return ranges_; }  ///< of the parameters
+  const std::vector<UnknownRange>& ranges() const { return ranges_; }  ///< ranges of the parameters
   bool has_fields() const;
   const SceneData& data() const { return data_; }
   const World& world(std::size_t experiment) const { return experiments_[experiment].world(); }
 
   /// The scenes, solved: values there, and slopes as long as they are asked for.
   struct Solved {
-    std::vector<std::unique_ptr<Derivatives>> runs;  ///< of the experiments
+    std::vector<std::unique_ptr<Derivatives>> runs;  ///< runs of the experiments
     std::vector<ExperimentModel::Outcome> outcomes;
     VectorX values;
   };
@@ -85,7 +85,7 @@ class SceneModel {
   SceneData data_;
 };
 
-/// What a parameter of the description is in the scenes: adds its unknowns, and says in each scene which of
+/// Adds the unknowns of a parameter of the description, and says in each scene which of
 /// them each of its numbers is.
 /// @throws InputError  for what is no number or no constant of cells, and for starts and bounds beyond the
 /// law

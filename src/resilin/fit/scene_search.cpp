@@ -12,7 +12,7 @@ namespace resilin {
 namespace {
 
 constexpr double longest_log_step = 2.302585092994046;  ///< a factor of 10
-constexpr double first_damping = 1e-6;                  ///< of a problem that is nearly linear: Gauss-Newton
+constexpr double first_damping = 1e-6;  ///< suits a problem that is nearly linear: Gauss-Newton
 constexpr double damping_after_failure = 1e-3;
 constexpr double most_damping = 1e10;
 /// A step that lowers the sum by this part of a residual's variance moves the parameters by a
@@ -140,7 +140,7 @@ VectorX SceneSearch::damped_step(double damping) const {
   return longest > longest_log_step ? VectorX(change * (longest_log_step / longest)) : change;
 }
 
-/// By which a step is small beside the parameters.
+/// Size of a step relative to the parameters.
 double SceneSearch::relative_size(const VectorX& change) const {
   double size = 0;
   for (Eigen::Index i = 0; i < z_.size(); ++i) {

@@ -18,7 +18,7 @@ class SceneSearch {
   /// @param start  of the unknowns
   void run(const VectorX& start);
 
-  /// What a start has a number of, and these numbers where the search has ended.
+  /// Unknowns of the search, in order; each start has a number for every one, and so has the end.
   const std::vector<SceneUnknown>& sought() const { return model_.unknowns(); }
   VectorX sought_values() const { return values(); }
   // There is no prior here.
@@ -28,7 +28,9 @@ class SceneSearch {
   VectorX values() const { return values_at(z_); }
   const SceneModel::Solved& solved() const { return solved_; }
   const VectorX& residuals() const { return r_; }
-  const DenseMatrix& slopes() const { return slopes_; }  ///< of weighted residuals by what is sought
+  const DenseMatrix& slopes() const {
+    return slopes_;
+  }  ///< derivatives of weighted residuals by the unknowns
   /// Unit of an unknown by what is sought.
   double unit(Eigen::Index i) const;
   int solves() const { return solves_; }

@@ -60,7 +60,7 @@ SoughtNumbers read_groups(const ExperimentModel& model, const SceneParameter& so
     numbers.names.emplace_back("others");
   }
   numbers.values.assign(numbers.names.size(), 0);
-  for (std::size_t c = which.size(); c-- > 0;)  // of its first cell
+  for (std::size_t c = which.size(); c-- > 0;)  // ends with its first cell
     numbers.values[static_cast<std::size_t>(which[c])] = value[static_cast<Eigen::Index>(c)];
   return numbers;
 }

@@ -27,7 +27,7 @@ struct Heading {
   }
 };
 
-/// What else a column may be called.
+/// Other names of a column.
 std::vector<std::string> other_names(ColumnRole role) {
   switch (role) {
     case ColumnRole::stretch:
@@ -72,7 +72,7 @@ class ColumnFinder {
   struct Found {
     ColumnRole role;
     std::vector<double> values;
-    std::string unit;  ///< of the heading
+    std::string unit;  ///< unit of the heading
   };
 
   Found require(const std::vector<ColumnRole>& roles, std::size_t place_without_names) const {
@@ -188,7 +188,7 @@ std::vector<double> loads_of(const RawTest& raw, const ColumnFinder::Found& colu
   return loads;
 }
 
-/// What turns the numbers of a column of stresses into Pa.
+/// Factor from a column of stresses to Pa.
 double stress_factor(const RawTest& raw, const ColumnFinder::Found& column, const std::string& place,
                      MaterialTest& test) {
   if (column.role == ColumnRole::force) {

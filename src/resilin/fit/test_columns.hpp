@@ -15,10 +15,10 @@ enum class ColumnRole {
   stretch,
   strain,        ///< engineering strain, stretch - 1
   shear,         ///< amount of shear
-  volume_ratio,  ///< of a volumetric test
-  displacement,  ///< of the end, over `length`
+  volume_ratio,  ///< volume ratio of a volumetric test
+  displacement,  ///< displacement of the end, over `length`
   nominal_stress,
-  pressure,  ///< of a volumetric test, positive where it compresses
+  pressure,  ///< pressure of a volumetric test, positive where it compresses
   force,     ///< over `area`
   sigma,     ///< standard deviation of the stress
 };
@@ -32,13 +32,13 @@ struct RawTest {
   std::string name;
   TestMode mode = TestMode::uniaxial;
   std::string file;                                 ///< as it is written, for messages
-  NumberTable table;                                ///< of the file
+  NumberTable table;                                ///< table of the file
   std::map<ColumnRole, std::string> columns;        ///< names that the user gives
   std::map<ColumnRole, std::vector<double>> lists;  ///< columns written in place
   std::optional<std::string> unit;
   std::optional<double> sigma;
   double weight = 1;
-  double length = 0, area = 0;  ///< of the specimen at rest, in length_unit; 0: not given
+  double length = 0, area = 0;  ///< length and area of the specimen at rest, in length_unit; 0: not given
   std::string length_unit = "m", force_unit = "N";
 };
 

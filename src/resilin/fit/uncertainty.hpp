@@ -16,9 +16,9 @@ double chi_square_99(double degrees_of_freedom);
 
 /// Uncertainty of the constants from the residuals around the optimum.
 struct Uncertainty {
-  DenseMatrix covariance;  ///< of the constants in the units of `slopes`
+  DenseMatrix covariance;  ///< covariance of the constants in the units of `slopes`
   std::vector<bool> is_determined;
-  double condition;  ///< of the normal matrix, its columns of length 1
+  double condition;  ///< condition of the normal matrix, its columns of length 1
   /// Combinations w^T p that the data determine where they leave others open: columns.
   DenseMatrix determined;
   int num_free = 0;  ///< directions that no limit holds

@@ -14,7 +14,7 @@ struct History {
   Motion now;
   VectorX previous_positions{};  ///< one step before
   VectorX previous_velocities{};
-  double previous_time_step = 0;  ///< of that step [s]; 0: there was none
+  double previous_time_step = 0;  ///< previous time step of that step [s]; 0: there was none
 };
 
 /// How one motion that is known counts in the start (x_0, v_0) of a stage: x and v times `value`, and v and a

@@ -26,7 +26,7 @@ struct Stage {
   VectorX base_positions;     ///< x_0: where a node would be that had stopped [m]
   VectorX base_velocities{};  ///< v_0: the velocity of a node without forces [m/s]
   double duration = 0;        ///< c [s]
-  double time_fraction = 1;   ///< of the step, where loads and moving supports are taken
+  double time_fraction = 1;   ///< time fraction of the step, where loads and moving supports are taken
   bool is_mean = false;       ///< x is the mean of the start and the end of the step
   double contact_weight = 1;  ///< times which energies of contact count
   VectorX shape{};            ///< about the x that is sought, known before: where damping is formed [m]

@@ -208,7 +208,7 @@ class BdfReader {
   MeshBuilder mesh_;
   BdfEntry entry_{"", {}, LineScanner("", "")};
   std::vector<Element> elements_;
-  std::vector<std::int64_t> nodes_;  ///< of all elements
+  std::vector<std::int64_t> nodes_;  ///< nodes of all elements
   std::size_t num_incomplete_ = 0;
 };
 

@@ -10,7 +10,7 @@ namespace resilin {
 /// How a number is kept in a binary file.
 struct BinaryType {
   std::size_t size;  ///< bytes: 1, 2, 4 or 8
-  bool is_real;      ///< of 4 or 8 bytes
+  bool is_real;      ///< for 4 or 8 bytes
   bool is_signed;
 };
 

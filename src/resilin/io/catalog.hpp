@@ -17,7 +17,7 @@ struct MeshSource {
   Companion companion;  ///< may be empty
 
   std::string extension() const;                                ///< "msh", lower case, without the point
-  std::string name_beside(const std::string& extension) const;  ///< of the companion with this extension
+  std::string name_beside(const std::string& extension) const;  ///< name of the companion with this extension
   /// The bytes of another file that this one names, which lies in its folder or below.
   /// @param place  where it is named, for messages
   /// @param cure   of a mesh whose companions cannot be had

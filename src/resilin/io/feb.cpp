@@ -66,7 +66,7 @@ class FebReader {
  private:
   struct Document {
     std::string name;
-    std::string bytes_of_other;  ///< of a file beside the main one
+    std::string bytes_of_other;  ///< content of a file beside the main one
     std::string_view bytes;
     std::vector<XmlTag> tags;
   };
@@ -244,7 +244,7 @@ class FebReader {
   std::map<std::string, std::string> materials_;
   std::map<std::string, std::vector<Index>> named_nodes_;
   NumberIndex elements_;
-  std::vector<MeshBuilder::Cell> cells_;  ///< of each element
+  std::vector<MeshBuilder::Cell> cells_;  ///< cells of each element
 };
 
 }  // namespace

@@ -29,7 +29,8 @@ namespace {
 using Json = nlohmann::json;
 using Placement = Eigen::Affine3d;
 
-constexpr std::size_t most_corners = 300'000'000;  // of all triangles, however often a mesh is used
+constexpr std::size_t most_corners =
+    300'000'000;  // most corners of all triangles, however often a mesh is used
 constexpr std::string_view binary_start = "glTF";
 constexpr std::size_t header_size = 12, chunk_header_size = 8;
 

@@ -76,7 +76,7 @@ class InpLines {
 
  private:
   struct Open {
-    std::unique_ptr<std::string> bytes;  ///< of an included file
+    std::unique_ptr<std::string> bytes;  ///< bytes of an included file
     LineScanner lines;
   };
 
@@ -206,7 +206,7 @@ class InpReader {
     return lines_.at().real(fields[i], what);
   }
 
-  /// What stands inside *INSTANCE belongs to a part of its own.
+  /// Makes a part of the lines inside *INSTANCE.
   void make_part_of_instance() {
     InpInstance& instance = model_.instances.back();
     if (part_ == 0) {

@@ -272,8 +272,7 @@ class InpAssembler {
     std::vector<Index> vertices;
     for (const int position : positions) vertices.push_back(nodes[static_cast<std::size_t>(position)]);
     const std::set<Index> distinct(vertices.begin(), vertices.end());
-    if (distinct.size() < std::min<std::size_t>(3, vertices.size()))
-      return std::nullopt;  // of a collapsed cell
+    if (distinct.size() < std::min<std::size_t>(3, vertices.size())) return std::nullopt;  // a collapsed cell
     return mesh_->add_cell(kind, number, vertices);
   }
 
@@ -321,9 +320,9 @@ class InpAssembler {
   const InpModel* model_;
   MeshBuilder* mesh_;
   std::vector<InpContent> contents_;
-  std::vector<std::int64_t> offsets_;                  ///< of the numbers of each instance
-  std::vector<Index> first_vertex_;                    ///< of each instance
-  std::vector<std::vector<MeshBuilder::Cell>> cells_;  ///< of each instance
+  std::vector<std::int64_t> offsets_;                  ///< offsets of the numbers of each instance
+  std::vector<Index> first_vertex_;                    ///< first vertex of each instance
+  std::vector<std::vector<MeshBuilder::Cell>> cells_;  ///< cells of each instance
   std::map<InpItem, MeshBuilder::Cell> sides_;
   std::map<std::string, std::set<std::size_t>> scopes_;  ///< instances that have a set of a name
   std::array<std::int64_t, most_nodes_of_element> numbers_{};

@@ -80,7 +80,7 @@ struct InpModel {
   std::map<std::string, std::size_t> passed_over;  ///< types of elements and how often they are given
 };
 
-/// What a type of element says about its cells.
+/// Kind and nodes of the cells of one element type.
 struct InpType {
   CellKind kind;
   std::size_t num_nodes;

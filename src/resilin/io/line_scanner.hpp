@@ -18,7 +18,7 @@ class LineScanner {
   void repeat();  ///< `next` gives the same line once more
 
   std::string_view line() const { return line_; }  ///< without its end
-  std::int64_t number() const { return number_; }  ///< of the line, from 1
+  std::int64_t number() const { return number_; }  ///< number of the line, from 1
   std::size_t remaining() const { return text_.size() - position_; }
   const std::string& file() const { return file_; }
   std::string place() const;  ///< "FILE: line N"

@@ -38,7 +38,7 @@ std::string known_formats(bool for_writing) {
   return join(words);
 }
 
-/// What makes a mesh that can be read of a file that cannot.
+/// Advice on how to convert a file that cannot be read.
 std::string cure_of_unknown(const MeshSource& source) {
   const std::string extension = source.extension();
   constexpr std::array<std::string_view, 5> geometries = {"step", "stp", "iges", "igs", "brep"};

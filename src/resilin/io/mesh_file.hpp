@@ -16,10 +16,10 @@ namespace resilin {
 /// left out.
 struct MeshFile {
   Mesh mesh;
-  Numbering numbering;                ///< what the file calls its vertices and cells
+  Numbering numbering;                ///< numbers of vertices and cells in the file
   std::string format;                 ///< "MSH 4.1", "Medit", ...
   std::vector<std::string> warnings;  ///< one line each
-  bool is_surface = false;            ///< of a format that holds surfaces alone, or triangles in space
+  bool is_surface = false;            ///< for a format that holds surfaces alone, or triangles in space
 };
 
 /// Reads a mesh; the format is told by the first bytes, else by the extension (see io/catalog.hpp).
@@ -54,7 +54,7 @@ void prepare_surface(MeshFile& file);
 /// Reduces second-order cells to their corners, with a warning when there are any.
 void use_corners_only(MeshFile& file);
 
-/// What there is to say about a file of which only the name is known: one of a surface format (OBJ, STL, ...)
+/// Findings about a file of which only the name is known: one of a surface format (OBJ, STL, ...)
 /// is examined as a surface, cells of space as a 3D solid, cells in the plane z = 0 as a 2D one, triangles in
 /// space as a surface.
 MeshReport check_mesh_file(const MeshFile& file);

@@ -35,7 +35,7 @@ class MshInput {
   T binary(std::string_view what);
 };
 
-/// What the sections of an MSH file have in common while it is read.
+/// State that the sections of an MSH file share while it is read.
 struct MshReading {
   MshInput in;
   MeshBuilder mesh;

@@ -137,8 +137,7 @@ void finish_section(TextScanner& text, const std::string& section) {
   const std::string end = end_of(section);
   if (text.peek() == end) {
     text.word(end);
-  } else if (section != "$ElementData" ||
-             !text.skip_past(end)) {  // of data that we pass over, the rest is unread
+  } else if (section != "$ElementData" || !text.skip_past(end)) {  // reads on after data that we pass over
     text.fail("\"" + end + "\"", text.at_end() ? "the end of the file" : text.peek());
   }
 }

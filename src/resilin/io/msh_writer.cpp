@@ -20,7 +20,7 @@ struct Entity {
   int tag;  ///< counts from 1 in each dimension
   CellKind kind;
   std::vector<std::size_t> groups;
-  std::vector<Index> nodes;  ///< of all its cells, one after another
+  std::vector<Index> nodes;  ///< nodes of all its cells, one after another
   std::vector<Index> cells;  ///< their numbers in the block; empty for points made for a group's vertices
   std::size_t block;
 };

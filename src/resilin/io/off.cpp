@@ -53,7 +53,7 @@ MeshFile read_off(const MeshSource& source) {
     corners.resize(text.count("vertices of face " + std::to_string(i), 2));
     for (std::int64_t& corner : corners) corner = text.integer(what);
     text.rest_of_line();                                    // a colour
-    mesh.add_polygon(number, corners, /*is_strip=*/false);  // of points and lines no triangle comes
+    mesh.add_polygon(number, corners, /*is_strip=*/false);  // points and lines give no triangle
   }
   return mesh.finish();
 }

@@ -21,14 +21,14 @@ namespace {
 struct PlyProperty {
   std::string name;
   BinaryType type;
-  std::optional<BinaryType> count_type;  ///< of a list: how its length is kept
+  std::optional<BinaryType> count_type;  ///< count type of a list: how its length is kept
 };
 
 struct PlyElement {
   std::string name;
   std::int64_t count = 0;
   std::vector<PlyProperty> properties;
-  std::int64_t line = 0;  ///< of the header
+  std::int64_t line = 0;  ///< line of the header
 
   /// -1 when there is none of these names.
   int find(std::initializer_list<std::string_view> names) const {
@@ -36,7 +36,7 @@ struct PlyElement {
       if (std::ranges::find(names, properties[i].name) != names.end()) return static_cast<int>(i);
     return -1;
   }
-  /// What each takes of the file at least.
+  /// Least number of bytes that each takes in the file.
   std::size_t least_bytes(bool is_binary) const {
     std::size_t sum = 0;
     for (const PlyProperty& property : properties)
@@ -246,8 +246,8 @@ class PlyReader {
   bool has_vertices_ = false;
   std::vector<PlyElement> elements_;
   std::string what_;             ///< is read, for messages
-  std::vector<double> numbers_;  ///< of the entry read last, one for each property
-  std::vector<double> list_;     ///< of the entry read last
+  std::vector<double> numbers_;  ///< numbers of the entry read last, one for each property
+  std::vector<double> list_;     ///< list of the entry read last
   std::vector<Face> faces_;
 };
 

@@ -44,7 +44,7 @@ class TextScanner {
 
   const std::string& file() const { return file_; }
   std::size_t remaining() const { return text_.size() - position_; }
-  std::int64_t line() const { return line_; }  ///< of the word read last, from 1
+  std::int64_t line() const { return line_; }  ///< line of the word read last, from 1
   std::string place() const;                   ///< "FILE: line N"
   [[noreturn]] void fail(std::string_view expected, std::string_view got, const std::string& cure = {}) const;
 
@@ -67,7 +67,7 @@ std::string printable(std::string_view text);
 bool parse_integer(std::string_view text, std::int64_t& value);
 bool parse_real(std::string_view text, double& value);
 
-/// What is wrong with a word that should be a finite number; empty `expected` when nothing is.
+/// Fault of a word that should be a finite number; empty `expected` when there is none.
 struct NumberFault {
   std::string expected;
   std::string cure = {};
@@ -76,7 +76,7 @@ struct NumberFault {
 NumberFault read_real(std::string_view text, std::string_view what, double& value);
 
 std::string_view trimmed(std::string_view text);  ///< without blanks at its ends
-std::string lower_case(std::string_view text);    ///< of ASCII letters
+std::string lower_case(std::string_view text);    ///< lower case of ASCII letters
 /// The pieces between separators, without blanks at their ends.
 std::vector<std::string_view> split(std::string_view text, char separator);
 /// The words between blanks and commas.

@@ -30,7 +30,7 @@ struct VtuData {
   std::vector<VtuArray> point_data;
   std::vector<VtuArray> cell_data;             ///< over the cells of all blocks, in their order
   std::optional<double> time = {};             ///< [s], shown by ParaView
-  std::map<std::string, double> numbers = {};  ///< of the whole
+  std::map<std::string, double> numbers = {};  ///< numbers of the whole
 };
 
 /// Writes VTK XML (UnstructuredGrid) with raw appended doubles; beside and renamed.
@@ -50,7 +50,7 @@ struct VtuValues {
   std::vector<double> values;
 };
 
-/// What a .vtu file holds; cell data are in the order of the file, block by block when we wrote it.
+/// Content of a .vtu file; cell data are in the order of the file, block by block when we wrote it.
 struct VtuContent {
   MeshFile file;
   std::vector<VtuValues> point_data;
@@ -74,7 +74,7 @@ void write_pvd(const std::filesystem::path& path, std::span<const PvdEntry> entr
 
 /// VTK's number of a kind of cell.
 int vtk_cell_type(CellKind kind);
-/// What a VTK cell type says: the kind of the first nodes, or a polygon, which is cut into triangles.
+/// Meaning of a VTK cell type: the kind of the first nodes, or a polygon, which is cut into triangles.
 struct VtkCell {
   CellKind kind;
   std::size_t num_nodes;

@@ -39,9 +39,10 @@ double number(std::uint64_t bits, const NumberType& type) {
   return static_cast<double>(std::bit_cast<std::int64_t>(bits << shift) >> shift);
 }
 
-constexpr std::uint64_t most_expansion = 1100;  // of zlib, which makes at most about 1032 bytes of one
+constexpr std::uint64_t most_expansion =
+    1100;  // maximum expansion by zlib, which makes at most about 1032 bytes of one
 
-/// What stands behind so many bytes.
+/// Rest of the data behind so many bytes.
 std::string_view behind_first(std::string_view data, std::size_t count, bool is_base64) {
   if (!is_base64) return data.substr(std::min(count, data.size()));
   std::size_t digits = 4 * ((count + 2) / 3), at = 0;

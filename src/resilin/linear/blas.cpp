@@ -70,8 +70,9 @@ std::string wanted_core(std::string_view core) {
   return {};
 }
 
-constexpr std::size_t buffer_bytes = (std::size_t{128} << 20) + 4096;  ///< of OpenBLAS, its page of slack too
-constexpr int most_buffers = 64;                                       ///< it keeps books for some 128
+constexpr std::size_t buffer_bytes =
+    (std::size_t{128} << 20) + 4096;  ///< size of the buffers of OpenBLAS, its page of slack too
+constexpr int most_buffers = 64;      ///< it keeps books for some 128
 
 /// The buffers belong to the process, as OpenBLAS does.
 struct BlasBuffers {

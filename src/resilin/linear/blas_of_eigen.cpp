@@ -17,7 +17,7 @@ using ConstStepMap = Eigen::Map<const Eigen::VectorXd, 0, Eigen::InnerStride<>>;
 
 bool is(const char* option, char letter) { return *option == letter; }
 
-/// What stands in the target need not be a number when beta is zero.
+/// The target may hold NaN when beta is zero.
 template <class Target>
 void scale(Target&& target, double beta) {
   if (beta == 0) {

@@ -53,12 +53,12 @@ class SmoothedAggregation : public Preconditioner {
 
   MergedPattern pattern_;
   PermutedPattern permuted_;
-  ColoredChunks sweeps_;  // of its positions
+  ColoredChunks sweeps_;  // sweeps of its positions
   std::vector<Index> along_layers_;
   VectorX positions_;
   std::vector<std::uint8_t> is_fixed_;  // by unknown, node by node as in A
   std::vector<MultigridLevel> levels_;
-  std::vector<Aggregates> groups_;  // of every level but the last
+  std::vector<Aggregates> groups_;  // groups of every level but the last
   bool modes_are_current_ = false;
   double scale_ = 1;
   Eigen::MatrixXd coarsest_;  // its Cholesky factor

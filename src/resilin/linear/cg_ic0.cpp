@@ -47,9 +47,9 @@ class BlockIncompleteCholesky : public Preconditioner {
   /// The factors tend to the diagonal blocks, which are definite: only numbers that are none get as far.
   static constexpr double largest_shift = 1e3;
   static constexpr double least_pivot =
-      1e-10;  // of the block's diagonal: below, float cannot hold the inverse
+      1e-10;  // relative to the block's diagonal: below, float cannot hold the inverse
   static constexpr Offset least_couplings =
-      12000;  // of a region: below, breakdowns at stiff contacts cost more than a core gains
+      12000;  // rows of a region: below, breakdowns at stiff contacts cost more than a core gains
   static constexpr std::size_t nodes_per_chunk = 4096, numbers_per_chunk = 1 << 15;
 
   void analyze_pattern(int dim);
@@ -71,11 +71,11 @@ class BlockIncompleteCholesky : public Preconditioner {
   int dim_ = 3;
   Index num_nodes_ = 0;
   PermutedPattern upper_pattern_;
-  ColoredChunks chunks_;             // of its positions
+  ColoredChunks chunks_;             // chunks of its positions
   std::vector<Offset> pair_begin_;   // by position: first entry of slot_of_pair_
   std::vector<Index> slot_of_pair_;  // see BlockKernels::eliminate_row
   std::vector<double> work_;
-  std::vector<double> inverse_;  // of the pivot blocks
+  std::vector<double> inverse_;  // inverse of the pivot blocks
   std::vector<float> upper_, inverse_diagonal_;
   std::vector<float> permuted_;
   double scale_ = 1;  // brings the matrix into the range of float

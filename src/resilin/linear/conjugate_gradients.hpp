@@ -49,7 +49,7 @@ class ConjugateGradients : public LinearSolver {
 
  private:
   struct Vectors {
-    VectorX r, p, image;  ///< of r by M^-1, then of p by A
+    VectorX r, p, image;  ///< `image`: r by M^-1, then p by A
     std::vector<double> work;
   };
   void foresee(const BlockMatrix& A);
@@ -61,8 +61,9 @@ class ConjugateGradients : public LinearSolver {
   std::unique_ptr<Preconditioner> preconditioner_;
   void judge_preconditioner(int iterations, double relative_tolerance);
 
-  MatrixSample factorized_;  ///< whose preconditioner is held; nothing where none is, or in another search
-  double iterations_per_digit_ = 0;  ///< of the first solve with it; 0 before
+  MatrixSample factorized_;  ///< matrix of the preconditioner that is held; nothing where none is, or in
+                             ///< another search
+  double iterations_per_digit_ = 0;  ///< iterations per digit of the first solve with it; 0 before
   Vectors vectors_;
 };
 

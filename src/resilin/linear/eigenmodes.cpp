@@ -9,15 +9,16 @@ namespace {
 
 using Eigen::MatrixXd;
 
-constexpr double first_shift = 1e-8;       ///< of the largest diagonal entry of M^-1 K
-constexpr double zero_in_shifts = 1e-3;    ///< a value below this part of the shift is zero
-constexpr double largest_residual = 1e-9;  ///< of a vector, relative; that of its value is its square
+constexpr double first_shift = 1e-8;     ///< first shift, relative to the largest diagonal entry of M^-1 K
+constexpr double zero_in_shifts = 1e-3;  ///< a value below this part of the shift is zero
+constexpr double largest_residual =
+    1e-9;  ///< largest residual of a vector, relative; that of its value is its square
 constexpr double solve_tolerance = 1e-12;
-constexpr Index more_columns = 4;  ///< of a block than values are asked for
+constexpr Index more_columns = 4;  ///< columns of a block beyond the values that are asked for
 constexpr int max_blocks = 8;      ///< in the basis, then it is restarted from the best vectors
 constexpr int max_restarts = 30;
 constexpr Index most_unknowns_dense = 200;
-constexpr double rank_tolerance = 1e-24;  ///< of squared lengths in a block
+constexpr double rank_tolerance = 1e-24;  ///< rank tolerance of squared lengths in a block
 
 class KrylovSearch {
  public:

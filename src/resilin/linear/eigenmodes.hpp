@@ -24,7 +24,7 @@ struct EigenModes {
   Eigen::MatrixXd vectors;  ///< by columns, x^T M x = 1, zero at fixed unknowns
   double zero = 0;          ///< values smaller than this are zero to round-off
   int num_solves = 0;
-  std::string shortage;  ///< of `out_of_memory`, as in LinearReport
+  std::string shortage;  ///< shortage of `out_of_memory`, as in LinearReport
 };
 
 /// The `count` smallest eigenvalues with their vectors.

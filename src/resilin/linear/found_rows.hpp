@@ -10,7 +10,7 @@ namespace resilin {
 /// (parallel_in_order).
 struct FoundRows {
   std::vector<Index> columns;
-  std::vector<Offset> ends;  ///< of each row, in `columns`
+  std::vector<Offset> ends;  ///< ends of each row, in `columns`
 
   void end_row() { ends.push_back(static_cast<Offset>(columns.size())); }
 

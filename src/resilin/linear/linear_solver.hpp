@@ -16,21 +16,21 @@ struct LinearOptions {
   std::string kind = "auto";  ///< a name in the catalogue, or "auto"
   bool is_dynamic = false;    ///< helps "auto": mass makes iterative solvers quick
   bool is_definite = true;    ///< false: negative eigenvalues are solved with and counted, not refused
-  int max_iterations = 2000;  ///< of an iterative solver
+  int max_iterations = 2000;  ///< maximum iterations of an iterative solver
   std::shared_ptr<AnalysisCache> analyses = nullptr;  ///< shared with other solvers, by those that can
-  Share share = {};  ///< whose nodes the matrix couples: its entries are then this process's part of them
+  Share share = {};  ///< process group of the matrix: its entries are then this process's part of them
 };
 
 /// Status of a factorisation or a solve.
 struct LinearReport {
   enum class Status { ok, indefinite, not_converged, out_of_memory };
   Status status = Status::ok;
-  int iterations = 0;            ///< of an iterative solver; 0 for a direct one
+  int iterations = 0;            ///< iterations of an iterative solver; 0 for a direct one
   double relative_residual = 0;  ///< |b - A x| / |b|, where it is known
-  Index negative_pivots = 0;  ///< of a solver for matrices that need not be definite: by Sylvester's law of
-                              ///< inertia the number of negative eigenvalues
+  Index negative_pivots = 0;     ///< negative pivots of a solver for matrices that need not be definite: by
+                                 ///< Sylvester's law of inertia the number of negative eigenvalues
   Index worst_node = -1;  ///< the node whose pivot failed or that bends the curvature most, where it is known
-  std::string shortage;   ///< of `out_of_memory`: who needed how much, how much there is, what to do
+  std::string shortage;   ///< shortage of `out_of_memory`: who needed how much, how much there is, what to do
 };
 
 /// Throws the OutOfMemory of a report that says so: no smaller step would help.

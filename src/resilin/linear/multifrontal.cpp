@@ -133,7 +133,7 @@ void MultifrontalSolver::form_update(const FrontAssembly& front, UpdateStacks& s
   }
 }
 
-/// What the columns of a front take from its update matrix.
+/// Eliminates from the columns of a front the part of its update matrix.
 void MultifrontalSolver::eliminate_from(const UpdateMatrix& update, const FrontAssembly& front) {
   const auto [num_columns, panel] = panel_of(front.front);
   const int block_width = panel.layout.block_width;

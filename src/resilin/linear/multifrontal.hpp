@@ -17,9 +17,11 @@ namespace resilin {
 /// A front whose pivots were chosen one by one.
 struct PivotedFront {
   detail::PivotedColumns pivots;
-  std::vector<Index> unknowns;      ///< its columns: those eliminated, then those delayed; dim * position + d
-  std::unique_ptr<double[]> panel;  ///< of one that took up delayed columns; else where it was foreseen
-  std::unique_ptr<double[]> update;  ///< of one that delays columns; else where it was foreseen
+  std::vector<Index> unknowns;  ///< its columns: those eliminated, then those delayed; dim * position + d
+  std::unique_ptr<double[]>
+      panel;  ///< panel of a front that took up delayed columns; else where it was foreseen
+  std::unique_ptr<double[]>
+      update;  ///< update matrix of a front that delays columns; else where it was foreseen
 
   int num_delayed() const { return static_cast<int>(unknowns.size()) - pivots.num_eliminated; }
 };

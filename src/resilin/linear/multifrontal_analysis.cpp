@@ -208,7 +208,7 @@ std::vector<Columns> order_children(std::vector<Columns> supernodes, std::vector
     columns.first = first;
     result.push_back(std::move(columns));
   }
-  for (Columns& columns : result)  // of ancestors, whose order is as it was
+  for (Columns& columns : result)  // columns of ancestors, whose order is as it was
     for (Index& row : columns.rows) row = position[row];
   node_at = std::move(new_node_at);
   return result;

@@ -27,7 +27,7 @@ struct MultifrontalAnalysis {
 
   /// Position of a matrix block in the panel of its supernode.
   struct Entry {
-    Offset slot;        ///< of the merged pattern
+    Offset slot;        ///< slot of the merged pattern
     Index row, column;  ///< blocks, within the front
     bool is_transposed;
   };
@@ -52,7 +52,7 @@ struct MultifrontalAnalysis {
   struct StackSizes {
     Offset blocks[2] = {0, 0};
   };
-  StackSizes subtree_stacks, top_stacks;  ///< what any one subtree needs; what the top needs
+  StackSizes subtree_stacks, top_stacks;  ///< memory of the largest subtree; memory of the top
   std::vector<Offset>
       root_update_begin;  ///< by supernode: where a subtree's root keeps its update, in blocks; else -1
   Offset root_update_blocks = 0;

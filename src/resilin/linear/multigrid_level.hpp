@@ -58,8 +58,8 @@ struct MultigridLevel {
   Places<std::uint16_t> wide_places;
   bool has_narrow_places() const { return wide_places.coarse.empty(); }
 
-  ColoredChunks sweeps;             ///< of nodes that have no neighbour in common: see two_color_order
-  ColoredChunks transfers;          ///< of nodes that reach no group in common
+  ColoredChunks sweeps;             ///< sweeps of nodes that have no neighbour in common: see two_color_order
+  ColoredChunks transfers;          ///< transfers of nodes that reach no group in common
   std::vector<Index> along_layers;  ///< nodes as they lie beside each other: so they are grouped
 
   std::vector<float> x, r, b, first_x, first_r;  ///< vectors of a cycle, `lanes` numbers for each node

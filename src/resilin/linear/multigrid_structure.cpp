@@ -12,7 +12,7 @@
 #include "resilin/linear/multigrid_level.hpp"
 #include "resilin/linear/ordering.hpp"
 
-/// What of a level and the way to the next depends on its pattern alone.
+/// Data of a level, and of its transfer to the next, that depend on its pattern alone.
 namespace resilin {
 namespace {
 

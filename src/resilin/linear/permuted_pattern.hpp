@@ -10,7 +10,7 @@ namespace resilin {
 /// i is the diagonal of position i, block num_nodes + k stands above the diagonal in column columns[k].
 struct PermutedPattern {
   std::vector<Index> node_at;        ///< by position
-  std::vector<Offset> row_begin;     ///< of the strictly upper part, by position
+  std::vector<Offset> row_begin;     ///< row begin of the strictly upper part, by position
   std::vector<Index> columns;        ///< positions, ascending in a row
   std::vector<Index> block_of_slot;  ///< by slot of the merged pattern; ~block when the transpose is stored
 

@@ -9,8 +9,8 @@ namespace resilin::detail {
 /// Smallest pivot of a matrix with largest entries of about one.
 struct PivotRule {
   double threshold = 0.01;   ///< entries of L stay below its inverse
-  double growth = 100;       ///< what one pivot may add to an entry
-  double round_off = 1e-14;  ///< what is no larger counts as zero
+  double growth = 100;       ///< most that one pivot may add to an entry
+  double round_off = 1e-14;  ///< smaller entries count as zero
 };
 
 /// L D L^T of the fully summed columns of a front, in the order in which pivots of one and two columns were
@@ -18,8 +18,8 @@ struct PivotRule {
 struct PivotedColumns {
   int num_eliminated = 0;
   std::vector<int> order;        ///< by place in the panel: the column that was there before
-  std::vector<double> diagonal;  ///< of D, by eliminated place
-  std::vector<double> lower;     ///< of D, below the first column of a pair; zero elsewhere
+  std::vector<double> diagonal;  ///< diagonal of D, by eliminated place
+  std::vector<double> lower;     ///< lower of D, below the first column of a pair; zero elsewhere
   int null_column = -1;          ///< as before: one that vanishes, so that the matrix is singular
 
   int num_negative() const;  ///< eigenvalues of D

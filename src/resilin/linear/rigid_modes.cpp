@@ -35,7 +35,7 @@ struct Members {
 template <class NodeModes>
 void orthonormalize_group(const NodeModes& modes, std::span<const Index> nodes, Index group,
                           Eigen::MatrixXd& Q, Block& rows, TentativeProlongation& result) {
-  constexpr double least_norm = 1e-8;  // of the column before: what is left is round-off
+  constexpr double least_norm = 1e-8;  // least norm relative to the column before: a smaller one is round-off
   const int size = modes.size, count = modes.count;
   rows.resize(size, count);
   Q.resize(static_cast<Offset>(nodes.size()) * size, count);

@@ -13,7 +13,7 @@ namespace resilin {
 class RigidModes {
  public:
   int size;   ///< rows of a node: dim
-  int count;  ///< of modes
+  int count;  ///< count of modes
 
   /// @param positions, is_fixed  dim for each node; must live as long as this
   /// @param node_at              the node that is meant by each number

@@ -25,7 +25,8 @@ struct WeighedLayers : LayeredOrder {
   std::size_t count() const { return layer_begin.size() - 1; }
 };
 
-constexpr std::size_t layers_at_least = 2;  // of a chunk: else its neighbours would meet in it
+constexpr std::size_t layers_at_least =
+    2;  // least number of layers of a chunk: else its neighbours would meet in it
 
 SweepOrder in_one_chunk(const WeighedLayers& layers) {
   SweepOrder order{.node_at = layers.node_at,

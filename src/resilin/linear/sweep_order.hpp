@@ -11,7 +11,7 @@ namespace resilin {
 /// in common, so that they may add to their neighbours at the same time.
 struct SweepOrder {
   std::vector<Index> node_at;       ///< by position; the chunks of the first colour come first
-  ColoredChunks chunks;             ///< of positions
+  ColoredChunks chunks;             ///< chunks of positions
   std::vector<Index> along_layers;  ///< positions as the nodes lie beside each other
 };
 

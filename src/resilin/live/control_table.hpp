@@ -8,8 +8,8 @@
 
 #include "resilin/live/live_controls.hpp"
 
-/// What can be changed while a scene runs, one entry for each: the panel of the page, the messages that set a
-/// control, the checks of values and the tests walk this table.
+/// Controls that can be changed while a scene runs, one entry for each: the panel of the page, the messages
+/// that set a control, the checks of values and the tests walk this table.
 namespace resilin {
 
 struct Interval {
@@ -20,7 +20,7 @@ struct Interval {
 struct Slider {
   using Value = double;
   double LiveControls::* value;
-  Interval allowed;  ///< what may be set; wider than what the slider shows
+  Interval allowed;  ///< range of values that may be set; wider than the range of the slider
   Interval shown;
   double step = 0;
   bool is_in_extents = false;  ///< `shown` and `step` are shares of the scene's extent, rounded
@@ -40,7 +40,7 @@ struct WholeSlider {
   using Value = double;
   int LiveControls::* value;
   Interval allowed, shown;
-  std::string_view zero = "";  ///< what 0 means, in words; nothing else than 0 when empty
+  std::string_view zero = "";  ///< meaning of 0, in words; 0 is a number like others when empty
 };
 
 struct Switch {
@@ -70,13 +70,13 @@ struct Arrow {
 };
 
 struct LiveControl {
-  std::string_view key;     ///< of messages
-  std::string_view folder;  ///< of the panel
+  std::string_view key;     ///< key of messages
+  std::string_view folder;  ///< folder of the panel
   std::string_view label;
   std::string_view unit;  ///< empty for a pure number
   std::string_view help;  ///< one line
   std::variant<Slider, LogSlider, WholeSlider, Switch, Choice, Arrow> form;
-  bool is_of_contact = false;  ///< of effect, and shown, where bodies meet
+  bool is_of_contact = false;  ///< has an effect, and is shown, where bodies meet
 };
 
 /// In the order of the panel.
@@ -85,7 +85,7 @@ std::span<const LiveControl> live_control_table();
 /// The entry of this key, or nullptr.
 const LiveControl* find_live_control(std::string_view key);
 
-/// What a control is set to; which kind follows from its form.
+/// Value of a control; which kind follows from its form.
 using ControlValue = std::variant<double, bool, std::string, Vector3>;
 
 ControlValue value_of(const LiveControl& control, const LiveControls& controls);

@@ -58,7 +58,7 @@ class FoldBarrier final : public BasicEnergy {
   Points flat_points(const VectorX& x) const;  ///< with J < 0.1; none while it rests
   Points find_flat_points(const VectorX& x) const;
   bool is_upright(const Points& points, const VectorX& x) const;
-  std::size_t lane_place(std::size_t point) const;  ///< of its cell
+  std::size_t lane_place(std::size_t point) const;  ///< lane of its cell
   double stiffness_of(std::size_t point) const;     ///< V k [J]
   template <int dim>
   PointShape<dim> shape_of(std::size_t point, const VectorX& x) const;
@@ -73,8 +73,9 @@ class FoldBarrier final : public BasicEnergy {
   std::vector<double> stiffness_;
   ClampedLogBarrier barrier_{.activation_distance = activation_ratio};
   bool is_resting_ = false;
-  Found known_;                                         ///< where a stage begins
-  mutable std::optional<std::array<Found, 2>> memory_;  ///< of a stage, in which places are asked for again
+  Found known_;  ///< where a stage begins
+  mutable std::optional<std::array<Found, 2>>
+      memory_;  ///< memory of a stage, in which places are asked for again
 };
 
 }  // namespace resilin

@@ -5,7 +5,7 @@
 
 namespace resilin {
 
-/// What a hand takes when it touches a place: the nodes around it, weighed by how near they are at rest, so
+/// Nodes that a hand takes when it touches a place: those around it, weighed by how near they are at rest, so
 /// that a pull draws no thorn out of the body. With d the distance at rest and r the reach,
 ///
 ///   w = (1 - d^2/r^2)^2, in sum 1.

@@ -11,8 +11,8 @@ namespace resilin {
 struct HeldFace {
   int number = 0;               ///< from 1 on, each once
   std::size_t body = 0;         ///< in World::bodies
-  std::vector<Index> vertices;  ///< of the body's mesh, as `where = { vertices = [...] }` names them
-  std::vector<Index> nodes;     ///< of the world: what that `where` selects
+  std::vector<Index> vertices;  ///< vertices of the body's mesh, as `where = { vertices = [...] }` names them
+  std::vector<Index> nodes;     ///< nodes of the world: what that `where` selects
 };
 
 }  // namespace resilin

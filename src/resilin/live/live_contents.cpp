@@ -34,7 +34,7 @@ Vector3 up_of(const Description& scene) {
 Description in_motion(Description description) {
   description.is_dynamic = true;
   description.time_step =
-      std::min(longest_step, 0.05 * description.end_time);  // what turns at once turns in these
+      std::min(longest_step, 0.05 * description.end_time);  // fast rotations need short steps
   description.modes.reset();
   description.adaptive.reset();
   // Floor, gravity and damping by mass can be changed.
@@ -115,7 +115,7 @@ LiveScene::Contents::Contents(const Description& scene, const std::optional<Stat
                         : start_of_history(world.terms, start.positions, long_ago);
     was_run = true;
     goes_on = has_path;
-    // What turns far has gone with the load factor, not at once.
+    // Large rotations have gone with the load factor, not at once.
     for (std::size_t i = 0; !scene.is_dynamic && i < world.supports.size(); ++i)
       world.supports[i].time_function = scene.fixes[i].time_function;
   }
@@ -270,7 +270,7 @@ void LiveScene::Contents::change_world(LiveControls& wanted, bool changes_materi
 void LiveScene::Contents::change_contact(const LiveControls& wanted) {
   ContactDescription changed = description.contact;
   changed.friction = wanted.contact_friction;
-  // What the scene leaves to be chosen follows the bodies until somebody chooses.
+  // Values that the scene leaves open follow the bodies until somebody chooses.
   if (wanted.contact_stiffness != controls.contact_stiffness) changed.stiffness = wanted.contact_stiffness;
   if (wanted.contact_distance != controls.contact_distance)
     changed.activation_distance = wanted.contact_distance;

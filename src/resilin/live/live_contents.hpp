@@ -13,7 +13,7 @@
 #include "resilin/simulation/potential.hpp"
 #include "resilin/simulation/stage_solver.hpp"
 
-/// What a live scene holds. For the sources of this module alone.
+/// Contents of a live scene. For the sources of this module alone.
 namespace resilin {
 
 struct Held {
@@ -45,7 +45,7 @@ struct LiveScene::Contents {
   void change_contact(const LiveControls& wanted);
 
   bool is_seeking() const;
-  /// What loads and supports take for the time: that of a static scene ends with its path.
+  /// Time of loads and boundary conditions: that of a static scene ends with its path.
   double scene_time(double time) const { return std::min(time, path_time); }
   /// Likewise the load factor: that of the start, unless a static run goes on along its path.
   double scene_load(double time) const { return goes_on ? scene_time(time) / path_time : state.load; }
@@ -64,7 +64,7 @@ struct LiveScene::Contents {
   void move_in_time(double dt, const StepBudget& budget);
   void move_to_equilibrium(const StepBudget& budget);
   void count_mending_steps();
-  double mending_factor() const;  ///< by which a step in time is longer than asked for
+  double mending_factor() const;  ///< factor by which a step in time is longer than asked for
   void measure(const NewtonReport& newton_report);
   std::optional<LiveContact> contact() const;
   void note_calm(double dt);
@@ -73,8 +73,8 @@ struct LiveScene::Contents {
   double unloaded_scale() const;
 
   Description description;
-  World world;          ///< of the scene, without gravity, floor and damping by mass, which can be changed
-  Terms terms;          ///< those of the world, and what controls have added
+  World world;  ///< world of the scene, without gravity, floor and damping by mass, which can be changed
+  Terms terms;  ///< those of the world, and what controls have added
   Terms terms_at_rest;  ///< the same for the equilibrium that a static run finds: see make_gravity
   std::vector<std::uint8_t> is_fixed;  ///< by supports, pins and held faces
   Newton newton;
@@ -86,17 +86,17 @@ struct LiveScene::Contents {
   std::vector<std::shared_ptr<FoldBarrier>>
       fold_barriers;  ///< by domain, body after body; null where the law has its own
   std::optional<Obstacle> floor, ball;
-  ObstacleOptions floor_options;  ///< what the scene says of its own
+  ObstacleOptions floor_options;  ///< the scene's own settings
   double ball_radius = 0;
-  Vector3 up = Vector3::UnitZ();  ///< what the floor faces, whatever gravity becomes
+  Vector3 up = Vector3::UnitZ();  ///< normal of the floor, whatever gravity becomes
   std::vector<Index> pinned;
   std::vector<HeldFace> held_faces;
   Calm calm;
-  double overrun = 0;     ///< what steps take after their last iteration should have begun [s]
+  double overrun = 0;     ///< time that steps take after their last iteration should have begun [s]
   int mending_steps = 0;  ///< in a row that are longer, since cells were inside out
   double extent = 1;
   double end_of_changes = 0;  ///< [s]
-  double path_time = 0;       ///< of a static scene: when it has its full load [s]
+  double path_time = 0;       ///< path time of a static scene: when it has its full load [s]
   bool goes_on = false;       ///< a static scene from where a run has left it on such a path
   bool was_run = false;       ///< the start is that of a run
   bool is_as_run = false;     ///< since a run has left it here, nobody has laid hand on it

@@ -8,21 +8,21 @@
 
 namespace resilin {
 
-/// What can be changed while a scene runs. The material is that of all bodies.
+/// Values that can be changed while a scene runs. The material is that of all bodies.
 struct LiveControls {
   std::string law;
   double youngs_modulus = 1e5;  ///< [Pa] of the small-strain solid
   double poissons_ratio = 0.4;
-  double damping = 0;                 ///< of all motion, in proportion to mass [1/s]
+  double damping = 0;                 ///< damping of all motion, in proportion to mass [1/s]
   Vector3 gravity = Vector3::Zero();  ///< [m/s^2]
   double time_step = 1.0 / 60;        ///< [s]
-  double max_force = 0;               ///< of the hand [N]
+  double max_force = 0;               ///< maximum force of the hand [N]
   bool has_ground = false;            ///< a floor
-  double ground_height = 0;           ///< of the floor, against gravity [m]
+  double ground_height = 0;           ///< ground height of the floor, against gravity [m]
   double ground_friction = 0;         ///< Coulomb's coefficient of bodies on it
   double contact_friction = 0;        ///< Coulomb's coefficient of bodies on each other
-  double contact_stiffness = 1e5;     ///< of the layer between bodies [Pa]
-  double contact_distance = 1e-3;     ///< from which on bodies feel each other [m]
+  double contact_stiffness = 1e5;     ///< contact stiffness of the layer between bodies [Pa]
+  double contact_distance = 1e-3;     ///< activation distance between bodies [m]
   int newton_limit = 0;               ///< Newton iterations of a step; 0: as many as its time allows
   double tolerance = 1e-4;            ///< force residual relative to the load at which a step is solved
   double speed = 1;                   ///< simulated over real time, for whoever calls the steps

@@ -15,7 +15,7 @@
 /// A scene that is simulated while someone plays with it.
 namespace resilin {
 
-/// What a step did, for the head-up line.
+/// Summary of a step, for the head-up line.
 struct LiveReport {
   double time = 0;        ///< simulated so far [s]
   bool converged = true;  ///< the step met the tolerance
@@ -29,10 +29,10 @@ struct LiveReport {
   double elastic_energy = 0, kinetic_energy = 0;      ///< [J]
   double step_ms = 0, assembly_ms = 0, solve_ms = 0;  ///< wall time; the rest is searching and measuring
   DiscretisationErrors discretisation_errors{};       ///< estimated now and then, and at rest
-  std::string words;  ///< what is not solved, or that it is at rest; whose cells are too coarse
+  std::string words;  ///< unsolved parts, or that it is at rest; whose cells are too coarse
 };
 
-/// What touches in a live scene.
+/// Contact in a live scene.
 struct LiveContact {
   double smallest_gap = std::numeric_limits<double>::infinity();  ///< [m], of what is felt
   Index active_pairs = 0;  ///< parts of surfaces, and nodes near a floor or a ball, that feel each other
@@ -69,7 +69,7 @@ class LiveScene {
   const State& state() const;
   Conditions conditions() const;  ///< under which the state's forces are taken: where colliders are
   const LiveControls& controls() const;
-  const LiveReport& report() const;  ///< of the last step
+  const LiveReport& report() const;  ///< report of the last step
   /// Searched for at each call; none where nothing can touch.
   std::optional<LiveContact> contact() const;
 
@@ -78,7 +78,7 @@ class LiveScene {
 
   /// The hand takes hold of a place of a body and pulls it towards `target` [m] until `release`.
   void grab(MaterialPoint place, const Vector3& target);
-  void drag(const Vector3& target);  ///< of no effect when nothing is held
+  void drag(const Vector3& target);  ///< has no effect when nothing is held
   void release();
   bool is_grabbed() const;
   Vector3 hand_force() const;  ///< on the body; zero when nothing is held [N]

@@ -14,16 +14,16 @@
 namespace resilin {
 namespace {
 
-constexpr double overrun_weight = 0.1;  ///< of the last step in the mean of what steps take too long
+constexpr double overrun_weight = 0.1;  ///< weight of the last step in the mean of overruns
 constexpr int quiet_steps_before_seeking = 10;
-constexpr int steps_to_first_estimate = 30;  ///< of the error by the size of the cells
+constexpr int steps_to_first_estimate = 30;  ///< steps before the first estimate of the discretisation error
 constexpr int steps_between_estimates = 120;
 constexpr double longest_mending_step = 10;  ///< [s], where bodies are held
-constexpr double fall_while_mending = 0.05;  ///< of the extent, in one step
-constexpr double quiet_speed = 1e-3;         ///< of the body's extent in a second
-constexpr double rest_tolerance = 1e-8;      ///< of the load
+constexpr double fall_while_mending = 0.05;  ///< largest fall in one step, relative to the extent
+constexpr double quiet_speed = 1e-3;         ///< relative to the body's extent in a second
+constexpr double rest_tolerance = 1e-8;      ///< relative to the load
 constexpr double unloaded_force_scale =
-    1e-4;  ///< of E times the body's cross section, where there is no load
+    1e-4;  ///< relative to E times the body's cross section, where there is no load
 
 }  // namespace
 

@@ -5,7 +5,7 @@
 namespace resilin {
 namespace {
 
-constexpr double least_motion = 1e-3;  ///< of the activation distance, to speak of
+constexpr double least_motion = 1e-3;  ///< least motion worth a word, relative to the activation distance
 
 }  // namespace
 

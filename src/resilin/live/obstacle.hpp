@@ -11,8 +11,8 @@ namespace resilin {
 struct ObstacleOptions {
   double friction = 0;
   std::optional<double> activation_distance{};  ///< [m]; default: see default_activation_distance
-  std::optional<double> stiffness{};            ///< of its barrier [Pa]; default: see contact_points
-  double least_gap = 0.1;                       ///< to the bodies where it starts, in activation distances
+  std::optional<double> stiffness{};  ///< stiffness of its barrier [Pa]; default: see contact_points
+  double least_gap = 0.1;             ///< to the bodies where it starts, in activation distances
 };
 
 /// A floor or a ball that goes to its goal as fast as the bodies let it, so that no step begins with a body

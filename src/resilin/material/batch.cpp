@@ -12,17 +12,17 @@
 namespace resilin {
 namespace {
 
-constexpr std::size_t blocks_per_tile = 8;  ///< what a tile holds stays in the nearest caches
+constexpr std::size_t blocks_per_tile = 8;  ///< the data of a tile stay in the nearest caches
 constexpr std::size_t states_per_tile = blocks_per_tile * block_size;
 /// Tile of the loop for most arrays: longer ones push out of the nearest cache what was called
 /// into it for the next one (23 against 13 ns per state, measured).
 constexpr std::size_t states_per_short_tile = 2 * block_size;
-constexpr std::size_t states_per_chunk = 2048;  ///< of a parallel loop
+constexpr std::size_t states_per_chunk = 2048;  ///< states per chunk of a parallel loop
 /// Results from here on go past the caches: written through them, each line would be fetched first and others
 /// put out for it.
 constexpr std::size_t long_result = std::size_t{16} << 20;  // bytes
 
-/// What one tile needs. Uninitialised: each kernel writes what the next one reads.
+/// Memory of one tile. Uninitialised: each kernel writes the data that the next one reads.
 struct Scratch {
   template <std::size_t rows>
   using Rows = std::array<double, rows * states_per_tile>;

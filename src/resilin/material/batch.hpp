@@ -22,7 +22,7 @@ struct StateBatch {
   const Real* deformation_gradients;  ///< (count, dim, dim)
   /// Whether the array above holds H = F - I, which keeps all digits at small strain.
   bool holds_displacement_gradients = false;
-  std::vector<Column> constants;  ///< of the law's formula, in its order
+  std::vector<Column> constants;  ///< constants of the law's formula, in its order
   /// Unit vectors of the fibre families, (count or 1, number of families, 3); null for a law without fibres.
   const double* fibres = nullptr;
   std::size_t num_fibres = 0;    ///< families, 0 to law->max_fibres

@@ -18,9 +18,10 @@ constexpr std::array<std::string_view, 5> load_case_names = {"uniaxial", "equibi
                                                              "volumetric"};
 constexpr std::array<std::string_view, 5> stability_names = {"stable", "stress_drops", "directions_part",
                                                              "not_elliptic", "no_state"};
-constexpr double largest_step = 0.02;   ///< of the load, relative
+constexpr double largest_step = 0.02;   ///< largest step of the load, relative
 constexpr double smallest_step = 1e-7;  ///< where a branch ends or becomes unstable is known to this
-constexpr double largest_change = 0.2;  ///< of a free stretch in one step: more is a jump to another branch
+constexpr double largest_change =
+    0.2;  ///< largest change of a free stretch in one step: more is a jump to another branch
 
 using State = LoadedBlock::State;
 

@@ -118,7 +118,7 @@ LoadedBlock::Derivatives LoadedBlock::derivatives(const State& state) const {
           free_.transpose() * stretch_hessian(tangent(state)) * free_};
 }
 
-/// What the unknowns are compared with: the strain of the state.
+/// Scale of the unknowns: the strain of the state.
 double LoadedBlock::scale(const State& state) const {
   return std::max(state.free.cwiseAbs().maxCoeff(), std::abs(state.load - rest_load()));
 }

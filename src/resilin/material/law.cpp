@@ -23,7 +23,7 @@ bool is_inside(const ConstantText& constant, double value) {
          value <= constant.at_most && !(constant.is_nonzero && value == 0);
 }
 
-/// What a user gave for `count` states, read one state at a time.
+/// Reads the constants that a user gave for `count` states, one state at a time.
 class ConstantReader {
  public:
   using NameOf = std::function<std::string(std::size_t)>;

@@ -22,7 +22,7 @@ struct LawInfo {
   std::string_view title;  ///< the name as it is printed
   std::string_view formula;
   std::string_view source;
-  std::string_view inversion;      ///< what happens at J <= 0, in words
+  std::string_view inversion;      ///< behaviour at J <= 0, in words
   std::string_view end_of_domain;  ///< where the energy is infinite besides; empty for laws without a limit
   bool needs_positive_J;           ///< Psi = +infinity at J <= 0
   bool uses_second_invariant;

@@ -38,7 +38,7 @@ std::string conversion(const LawInfo& law, std::size_t constant) {
   return sum.empty() ? "0" : sum;
 }
 
-/// What a constant is when E and nu are given; exponents and the like do not depend on them.
+/// Value of a constant when E and nu are given; exponents and the like do not depend on them.
 std::string from_hooke(const LawInfo& law, std::size_t i) {
   const ConstantText& constant = law.constants[i];
   if (constant.is_free)
@@ -49,7 +49,7 @@ std::string from_hooke(const LawInfo& law, std::size_t i) {
   return conversion(law, i);
 }
 
-/// What it is when the constants of the formula are given and it is left out.
+/// Value of a constant that is left out when the constants of the formula are given.
 std::string left_out(const ConstantText& constant) {
   return std::isnan(constant.fallback) ? "" : format_number(constant.fallback);
 }

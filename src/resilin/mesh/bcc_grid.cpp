@@ -10,7 +10,7 @@
 namespace resilin {
 namespace {
 
-constexpr double touching = 1e-9;  // of half a spacing: what is so near is met
+constexpr double touching = 1e-9;  // tolerance relative to half a spacing: nearer points are met
 constexpr int padding = 2;         // cubes on every side: what is added around a node is there
 
 /// A tetrahedron beside the corner of its cube: corners, and sides n . x <= c with whole numbers.

@@ -42,7 +42,7 @@ class BccGrid {
   /// The chosen tetrahedra and their nodes, in the order of the lattice.
   struct Chosen {
     Mesh mesh;
-    std::vector<Node> nodes;  ///< of its vertices
+    std::vector<Node> nodes;  ///< nodes of its vertices
   };
   Chosen chosen() const;
 

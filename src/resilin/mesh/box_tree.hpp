@@ -112,7 +112,7 @@ class BoxTree {
  private:
   struct Node {
     Box box;
-    Index first = 0, last = 0;  ///< of a leaf, in items_
+    Index first = 0, last = 0;  ///< first and last of a leaf, in items_
     Index left = -1;            ///< child; the other one follows it
     bool is_leaf() const { return left < 0; }
   };
@@ -124,7 +124,7 @@ class BoxTree {
 
   std::vector<Node> nodes_;
   std::vector<Index> items_;
-  std::vector<Box> boxes_;  ///< of items_
+  std::vector<Box> boxes_;  ///< boxes of items_
 };
 
 }  // namespace resilin

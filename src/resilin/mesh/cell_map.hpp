@@ -58,7 +58,7 @@ class CellMap {
 
   const ElementInfo& element_;
   CellBlock block_;
-  std::vector<Vector3> places_;  ///< of the nodes [m]
+  std::vector<Vector3> places_;  ///< places of the nodes [m]
   std::vector<Affine> affine_;
 };
 

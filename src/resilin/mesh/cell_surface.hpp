@@ -17,7 +17,7 @@ class CellSurface {
   /// The place of the surface that is nearest to a point.
   struct Nearest {
     Index cell;
-    Vector3 xi;       ///< of that place in the cell
+    Vector3 xi;       ///< xi of that place in the cell
     double distance;  ///< [m]
   };
   Nearest nearest(const Vector3& X) const;

@@ -164,8 +164,8 @@ class Cutter {
   Mesh& mesh_;
   Numbering& numbering_;
   int dimension_;
-  std::vector<std::size_t> new_block_;           ///< of each old block
-  std::vector<std::vector<Index>> first_piece_;  ///< of each cell of a block that is cut, and the end
+  std::vector<std::size_t> new_block_;           ///< new block of each old block
+  std::vector<std::vector<Index>> first_piece_;  ///< first piece of each cut cell of a block, and the end
   std::vector<std::int64_t> numbers_;            ///< in the file, of the cell of each piece
 };
 

@@ -133,7 +133,7 @@ Index Delaunay::insert(const Point& p) {
   cavity_ = {start};
   is_in_cavity_[static_cast<std::size_t>(start)] = 1;
   rims_.clear();
-  std::vector<std::pair<Index, int>> sides;  // of the cavity
+  std::vector<std::pair<Index, int>> sides;  // sides of the cavity
   for (std::size_t i = 0; i < cavity_.size(); ++i) {
     const Index t = cavity_[i];
     for (int side = 0; side < 4; ++side) {

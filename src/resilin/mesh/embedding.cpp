@@ -12,8 +12,8 @@ namespace resilin {
 namespace {
 
 constexpr std::size_t searches_per_chunk = 1024;
-constexpr double weight_rounding = 1e-12;  // of a point's largest weight
-constexpr double inside_tolerance = 1e-9;  // of a reference coordinate: a point on a side is inside
+constexpr double weight_rounding = 1e-12;  // rounding relative to a point's largest weight
+constexpr double inside_tolerance = 1e-9;  // tolerance of a reference coordinate: a point on a side is inside
 
 BoxTree tree_of(const CellMap& map, double margin, std::size_t num_searches) {
   std::vector<Box> boxes;

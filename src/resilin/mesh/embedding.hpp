@@ -53,9 +53,9 @@ class Embedding {
 
   /// Distance of the points outside all cells.
   struct Outside {
-    Index count = 0;              ///< of points that are farther off than rounding
+    Index count = 0;              ///< count of points that are farther off than rounding
     Index point = -1;             ///< the worst; -1 when all are inside
-    double distance = 0;          ///< of the worst from the nearest cell [m]
+    double distance = 0;          ///< distance of the worst from the nearest cell [m]
     double relative_to_edge = 0;  ///< the same by the mean edge of that cell
   };
   const Outside& outside() const { return outside_; }
@@ -89,8 +89,8 @@ class Embedding {
   std::vector<double> weights_;             ///< N_a at [point][a]
   std::vector<Index> used_nodes_;           ///< those that some point needs, rising
   std::vector<std::uint32_t> local_;        ///< number in used_nodes_ of each of nodes_
-  std::optional<NodeGradients> gradients_;  ///< of the smooth variant: F_a of used_nodes_
-  std::vector<Vector3> arms_;               ///< of the smooth variant: 1/2 N_a (X - X_a) at [point][a] [m]
+  std::optional<NodeGradients> gradients_;  ///< gradients of the smooth variant: F_a of used_nodes_
+  std::vector<Vector3> arms_;  ///< arms of the smooth variant: 1/2 N_a (X - X_a) at [point][a] [m]
 };
 
 }  // namespace resilin

@@ -1,4 +1,4 @@
-// What an embedding does in every frame.
+// Interpolation by an embedding, in every frame.
 #include <cstring>
 #include <type_traits>
 
@@ -54,7 +54,7 @@ void Embedding::apply_to(const VectorX& x, std::span<Real> out) const {
   std::vector<Quad<Real>> places(used_nodes_.size());
   for (std::size_t i = 0; i < used_nodes_.size(); ++i)
     places[i] = quad_of<Real>(x.data() + Eigen::Index{used_nodes_[i]} * dim_, dim_);
-  std::vector<Quad<Real>> columns;  // of F at each used node
+  std::vector<Quad<Real>> columns;  // columns of F at each used node
   if (gradients_) {
     std::vector<Matrix<3>> F(used_nodes_.size());
     gradients_->evaluate(x, F);

@@ -18,23 +18,24 @@ namespace {
 using Kind = FittedVertex::Kind;
 
 // Lengths by the spacing of the lattice inside (`spacing_`) or the edges on the surface (`edge_`).
-constexpr double edge_share = 0.93;      // edges on the surface, by the spacing
-constexpr double disk_radius = 0.78;     // between points of the surface, by the edge: as many as edges of 1
-constexpr double line_clearance = 0.45;  // of points of the surface from lines: outside the spheres of edges
-constexpr double feature_clearance = 0.7;  // of points of the surface from points of lines
+constexpr double edge_share = 0.93;   // edges on the surface, by the spacing
+constexpr double disk_radius = 0.78;  // between points of the surface, by the edge: as many as edges of 1
+constexpr double line_clearance =
+    0.45;  // line clearance of points of the surface from lines: outside the spheres of edges
+constexpr double feature_clearance = 0.7;  // feature clearance of points of the surface from points of lines
 constexpr double same_feature = 0.15;      // points of lines that are nearer are one
-constexpr double inside_clearance = 0.5;   // of points inside, by the spacing
+constexpr double inside_clearance = 0.5;   // inside clearance of points inside, by the spacing
 constexpr double finest_line = 1.5;        // see find_features
-constexpr double edge_turning = 1.0;       // of the surface along an edge [rad]
-constexpr double finest_size = 0.4;        // of edges where the surface is curved
+constexpr double edge_turning = 1.0;       // largest turning of the surface along an edge [rad]
+constexpr double finest_size = 0.4;        // finest size of edges where the surface is curved
 constexpr double most_tried = 2e7;
 constexpr double disks_tried = 12;                     // points that are tried on the area of a disk
-constexpr double most_turning = std::numbers::pi / 3;  // of a line between two of its points
-constexpr double flat_enough = 0.07;                   // of sides of cells from the surface
+constexpr double most_turning = std::numbers::pi / 3;  // most turning of a line between two of its points
+constexpr double flat_enough = 0.07;                   // tolerance of sides of cells from the surface
 constexpr double thin_enough = 0.2;                    // the same by the thickness of the solid
 constexpr double finest_edge = 0.12;                   // points are not added nearer to others
 constexpr int most_line_splits = 6, most_refinements = 6;
-constexpr std::size_t most_growth = 4;  // of the number of points, by refinement
+constexpr std::size_t most_growth = 4;  // largest growth of the number of points, by refinement
 constexpr std::size_t points_per_chunk = 64;
 
 constexpr std::array<std::array<std::size_t, 3>, 4> side_nodes = {

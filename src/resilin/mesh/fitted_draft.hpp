@@ -16,12 +16,12 @@ struct FittedVertex {
 
   Vector3 X;
   Kind kind = Kind::inside;
-  Index line = -1;                   ///< of the surface's features
+  Index line = -1;                   ///< line of the surface's features
   double s = 0;                      ///< place on that line [m]
-  Vector3 normal = Vector3::Zero();  ///< of the surface there
-  double thickness = 0;              ///< of the solid below; infinity where it is not known [m]
+  Vector3 normal = Vector3::Zero();  ///< normal of the surface there
+  double thickness = 0;              ///< thickness of the solid below; infinity where it is not known [m]
   double size = 0;                   ///< wanted edge length there [m]
-  Index triangle = -1;               ///< of the surface, that it lies on; a hint
+  Index triangle = -1;               ///< triangle of the surface, that it lies on; a hint
 };
 
 /// Points on and in a surface and the Delaunay tetrahedra between them that lie inside.
@@ -47,7 +47,7 @@ class FittedDraft {
     std::array<Index, 3> nodes;  ///< outward
     std::uint8_t* is_fine;       ///< remembers that it is near the surface
   };
-  /// What is known of a tetrahedron of `delaunay_`.
+  /// Known data of a tetrahedron of `delaunay_`.
   struct Known {
     Index birth = -1;  ///< when it was found out
     bool is_inside = false;
@@ -72,7 +72,7 @@ class FittedDraft {
   const SurfacePlaces* places_;
   double spacing_, edge_;
   Vector3 middle_;
-  double unit_;  ///< of the Delaunay grid [m]
+  double unit_;  ///< unit of the Delaunay grid [m]
   SurfaceFeatures features_;
   std::vector<FittedVertex> vertices_;
   std::vector<std::vector<Index>> sequences_;  ///< vertices along each line

@@ -21,7 +21,8 @@ namespace {
 using Kind = FittedVertex::Kind;
 using Nodes = FittedDraft::Nodes;
 
-constexpr double near_at_first = 0.2, near_enough = 0.1;  // of the wanted number: no further attempt
+constexpr double near_at_first = 0.2,
+                 near_enough = 0.1;  // tolerances relative to the wanted number: no further attempt
 constexpr int most_attempts = 4;
 constexpr int fewest_cells = 60;  // fewer follow no surface
 constexpr int relaxations = 3;
@@ -31,7 +32,7 @@ constexpr double least_sine_allowed = 1e-3;
 // While cells are improved, by the spacing: movement along the surface, distance of sides from it.
 constexpr double most_slide = 0.8, most_gap = 0.08;
 constexpr int fitting_rounds = 2;
-constexpr double most_fit = 0.1;   // of the spacing: movement of a vertex to fit the sides
+constexpr double most_fit = 0.1;   // largest movement of a vertex to fit the sides, relative to the spacing
 constexpr double good_sine = 0.2;  // that is not given up for it: 11.5 degrees
 
 class FittedMaker {

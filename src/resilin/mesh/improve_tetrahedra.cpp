@@ -116,7 +116,7 @@ class TetrahedronImprover {
       return q;
     };
     const auto attempt = [&](Vector3 place) {
-      // What is no better before it is moved to the surface is rarely better then.
+      // A candidate that is no better before it is moved to the surface is rarely better then.
       if (quality_at(place) <= best_quality || !guide_.project(v, place)) return false;
       const double q = quality_at(place);
       if (q <= best_quality + better) return false;

@@ -19,7 +19,7 @@ struct VertexGuide {
 };
 
 struct TetrahedronSet {
-  std::vector<Vector3> positions;           ///< of the vertices [m]
+  std::vector<Vector3> positions;           ///< positions of the vertices [m]
   std::vector<std::array<Index, 4>> cells;  ///< in positive orientation, but for flat ones
 };
 

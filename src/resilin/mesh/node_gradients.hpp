@@ -32,7 +32,7 @@ class NodeGradients {
 
  private:
   int dim_;
-  std::vector<std::size_t> first_;  ///< of the neighbours of each node
+  std::vector<std::size_t> first_;  ///< first neighbour of each node
   std::vector<Index> neighbors_;
   std::vector<Vector3> gradients_;  ///< g_ab [1/m]
 };

@@ -10,7 +10,7 @@
 namespace resilin {
 namespace {
 
-constexpr double touching_share = 1e-3;  ///< of a cell's size
+constexpr double touching_share = 1e-3;  ///< tolerance relative to a cell's size
 
 /// A tetrahedron, in 2D a triangle.
 struct Simplex {

@@ -13,7 +13,7 @@ namespace resilin {
 struct PlacedCells {
   CellKind kind;
   std::span<const Index> nodes;       ///< num_nodes(kind) for each cell
-  std::span<const double> positions;  ///< of all nodes, dimension(kind) numbers each [m]
+  std::span<const double> positions;  ///< positions of all nodes, dimension(kind) numbers each [m]
 };
 
 /// Two cells that share space.
@@ -31,7 +31,7 @@ std::optional<Overlap> find_overlap(const PlacedCells& cells, const PlacedCells&
 /// Components of one body that share space.
 struct ComponentOverlap {
   std::array<Index, 2> components;
-  std::array<Index, 2> cells;  ///< of these, in the block
+  std::array<Index, 2> cells;  ///< cells of these, in the block
 };
 /// At most so many of them.
 std::vector<ComponentOverlap> overlapping_components(const Mesh& mesh, const CellBlock& block,

@@ -294,7 +294,7 @@ std::vector<double> smallest_dihedral_angles(const Mesh& mesh, const CellBlock& 
     const auto at = [&](int i) -> const Vector3& {
       return mesh.vertices[static_cast<std::size_t>(nodes[static_cast<std::size_t>(i)])];
     };
-    std::array<Vector3, 4> normals;  // of the sides, outward
+    std::array<Vector3, 4> normals;  // normals of the sides, outward
     for (std::size_t s = 0; s < 4; ++s) {
       const auto corners = cell_sides(CellKind::tetrahedron)[s].corners();
       normals[s] = (at(corners[1]) - at(corners[0])).cross(at(corners[2]) - at(corners[0]));

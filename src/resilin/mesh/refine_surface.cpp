@@ -28,7 +28,7 @@ void cut_edges(Mesh& surface, const std::vector<Index>& nodes, double longest, M
 
 /// The pieces of a triangle between its corners and the middles of its cut edges, turned as it is.
 std::vector<Corners> pieces_of(const Corners& corners, const Middles& middles) {
-  std::array<Index, 3> middle{};  // of the edge behind each corner; -1 where it is whole
+  std::array<Index, 3> middle{};  // middle of the edge behind each corner; -1 where it is whole
   int count = 0;
   for (std::size_t i = 0; i < 3; ++i) {
     const auto found = middles.find(std::minmax({corners[i], corners[(i + 1) % 3]}));

@@ -10,7 +10,7 @@ namespace resilin {
 /// A mesh of second order and where its new nodes come from.
 struct SecondOrderMesh {
   Mesh mesh;
-  std::vector<std::array<Index, 2>> ends;  ///< of the edge of each node that was added, in their order
+  std::vector<std::array<Index, 2>> ends;  ///< ends of the edge of each node that was added, in their order
 };
 
 /// Gives every edge of lines, triangles and tetrahedra a node in its middle, after the mesh's own vertices,

@@ -14,7 +14,7 @@ namespace resilin {
 namespace {
 
 constexpr double sheet_share =
-    1.0 / 3;                       // of lids to the surface, beyond which it is a sheet: half a ball has 1/2
+    1.0 / 3;  // share of lids in the surface, beyond which it is a sheet: half a ball has 1/2
 constexpr double thinnest = 1e-9;  // volume by area^(3/2): below it is nothing but rounding
 
 /// A directed side of a triangle, its ends in rising order.
@@ -103,7 +103,7 @@ void drop_collapsed(CellBlock& triangles) {
   triangles.nodes = std::move(kept);
 }
 
-/// What lids on the holes must have at least: the area vectors of a closed surface sum to zero.
+/// Least area of lids on the holes: the area vectors of a closed surface sum to zero.
 double area_of_lids(const Mesh& mesh, const CellBlock& triangles) {
   Vector3 sum = Vector3::Zero();
   for (const Vector3& vector : triangle_area_vectors(mesh, triangles)) sum += vector;

@@ -17,7 +17,7 @@
 namespace resilin {
 namespace {
 
-constexpr double near_enough = 0.1;  // of the wanted number: no further attempt
+constexpr double near_enough = 0.1;  // tolerance relative to the wanted number: no further attempt
 constexpr int most_attempts = 8;
 constexpr std::size_t tests_per_chunk = 256;
 constexpr double tetrahedra_per_cube = 12;

@@ -16,8 +16,9 @@ struct LatticeOptions {
 /// Tetrahedra around a surface, which lies in them with every point.
 struct SurfaceLattice {
   Mesh mesh;
-  double spacing = 0;       ///< side of the lattice's cubes [m]
-  double volume_ratio = 0;  ///< of all cells to what the surface encloses; 0 when it encloses nothing
+  double spacing = 0;  ///< side of the lattice's cubes [m]
+  double volume_ratio =
+      0;  ///< volume ratio of all cells to what the surface encloses; 0 when it encloses nothing
   std::vector<std::string> remarks;  ///< about the surface, one line each: holes, turned triangles
 };
 

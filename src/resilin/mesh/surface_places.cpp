@@ -17,8 +17,9 @@ namespace {
 
 constexpr std::size_t places_per_chunk = 128;
 constexpr std::size_t overlap_samples = 4000;
-constexpr double overlap_share = 0.002;  // of samples that lie inside: more tell of shells that overlap
-constexpr double step_off = 1e-4;        // of the extent: from the surface to where a side is asked for
+constexpr double overlap_share =
+    0.002;  // largest share of samples that lie inside: more tell of shells that overlap
+constexpr double step_off = 1e-4;  // relative to the extent: from the surface to where a side is asked for
 
 std::vector<Box> boxes_of(const Mesh& mesh, const CellBlock& triangles) {
   std::vector<Box> boxes(static_cast<std::size_t>(triangles.num_cells()));

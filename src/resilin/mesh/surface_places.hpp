@@ -13,7 +13,7 @@ namespace resilin {
 /// A point of a surface.
 struct SurfacePlace {
   Vector3 X;
-  Vector3 normal;       ///< of length 1; outward where all parts of the surface are wound alike
+  Vector3 normal;       ///< normal of length 1; outward where all parts of the surface are wound alike
   Index triangle = -1;  ///< that it lies on
 };
 
@@ -56,7 +56,7 @@ class SurfacePlaces {
   std::vector<Vector3> areas_;  ///< as vectors [m^2]
   BoxTree tree_;
   WindingNumber winding_;
-  double extent_ = 0;  ///< of the box [m]
+  double extent_ = 0;  ///< extent of the box [m]
   bool has_overlaps_ = false;
   double volume_ = 0;
 };

@@ -26,7 +26,7 @@ class WindingNumber {
   struct Node {
     Vector3 center = Vector3::Zero();  ///< mean of its triangles by area
     Vector3 dipole = Vector3::Zero();  ///< sum of their area vectors [m^2]
-    double radius = 0;                 ///< of the ball about `center` that holds them [m]
+    double radius = 0;                 ///< radius of the ball about `center` that holds them [m]
     Index first = 0, last = 0;         ///< triangles, in `corners_`
     Index left = -1;                   ///< children are left and left + 1; -1 for a leaf
   };
@@ -37,7 +37,7 @@ class WindingNumber {
   void build(Index node, std::vector<Index>& order, const Triangles& triangles);
 
   std::vector<Node> nodes_;
-  std::vector<std::array<Vector3, 3>> corners_;  ///< of triangles, in the order of the leaves
+  std::vector<std::array<Vector3, 3>> corners_;  ///< corners of triangles, in the order of the leaves
 };
 
 }  // namespace resilin

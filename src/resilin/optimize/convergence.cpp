@@ -11,8 +11,9 @@ namespace resilin {
 namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
-constexpr double surely_small = 1e-6;      ///< of the load: rounding is then looked at
-constexpr double largest_rounding = 1e-4;  ///< of the load: what more is left is no balance, rounding or not
+constexpr double surely_small = 1e-6;  ///< relative to the load: rounding is then looked at
+constexpr double largest_rounding =
+    1e-4;  ///< relative to the load: a larger residual is no balance, rounding or not
 
 }  // namespace
 

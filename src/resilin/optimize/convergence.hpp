@@ -39,11 +39,11 @@ class Convergence {
   ///                  as long as it is unknown
   /// @param look_closer  at rounding, even where it is not expected to matter
   Verdict verdict(const VectorX& diagonal, bool look_closer = false);
-  /// What rounding may leave of each force, where `verdict` looked at it; else empty [N].
+  /// Bound of the rounding of each force, where `verdict` looked at it; else empty [N].
   const VectorX& rounding() const { return rounding_; }
   bool is_finite() const { return residuals_.allFinite() && scales_.allFinite(); }
 
-  /// What is out of balance in the part where it is largest beside what acts there [N]. Of a part of which
+  /// Largest residual of a part relative to the forces that act there [N]. For a part of which
   /// only rounding is left, `verdict` leaves here what exceeds it: zero.
   double residual() const { return residuals_[worst_]; }
   double force_scale() const { return scales_[worst_]; }

@@ -61,8 +61,8 @@ class Lag {
   double first_residual_ = 0;
 };
 
-/// What lags and the shape as one system, which has no potential, by Newton's method with the true tangent:
-/// where rounds are slow to settle, from a place near enough to where they would.
+/// Solves lagged friction and the shape as one system, which has no potential, by Newton's method with the
+/// true tangent where rounds are slow to settle, from a place near enough to where they would.
 class CoupledLag {
  public:
   bool is_on() const { return is_on_; }

@@ -17,7 +17,7 @@ constexpr double short_boundary_step = 0.5;
 constexpr int iterations_to_give_way = 3;
 /// So many steps may be cut to less than a twentieth in one search.
 constexpr int most_blocked_steps = 20;
-/// With which what lags may be formed anew.
+/// Iterations after which lagged quantities may be updated.
 constexpr int iterations_of_round = 8;
 
 /// Throws OutOfMemory where a search with this pattern and solver does not fit.
@@ -147,7 +147,7 @@ Newton::Search::Outcome Newton::Search::move(const VectorX& gap, bool boundary_m
   }
 }
 
-/// What lags becomes that of x, where it is time. @return whether the search has to go on with it
+/// Updates lagged quantities to x, where it is time. @return whether the search has to go on with it
 bool Newton::Search::renew_lag(bool is_balanced) {
   if (coupling.is_on()) return false;
   const double relative = weighted_residual / convergence.weighted_scale();

@@ -16,13 +16,13 @@
 namespace resilin {
 
 struct NewtonSettings {
-  double tolerance = 1e-8;  ///< of the force residual relative to the objective's force scale
+  double tolerance = 1e-8;  ///< tolerance of the force residual relative to the objective's force scale
   /// Further iterations for each lagged update, unless the limit is smaller than this.
   int max_iterations = 100;
   ProjectionPolicy projection = ProjectionPolicy::adaptive;
   bool is_quadratic = false;  ///< the objective is: one step, whose linear system is solved to the end
   double armijo = 1e-4;       ///< share of the predicted decrease that a step must reach
-  int max_halvings = 40;      ///< of one line search
+  int max_halvings = 40;      ///< maximum halvings of one line search
   int lag_rounds = 0;         ///< limit of lagged updates
   /// With carried internal values: so many steps in a row may leave the energy above its lowest value, before
   /// the search goes back there. 0: every step lowers the energy.
@@ -43,16 +43,16 @@ struct NewtonReport {
   std::string reason;  ///< in words
   int iterations = 0;  ///< Newton steps taken
   int linear_solves = 0;
-  int linear_iterations = 0;  ///< of iterative solvers, summed
+  int linear_iterations = 0;  ///< linear iterations of iterative solvers, summed
   int line_search_halvings = 0;
-  int tangent_iterations = 0;        ///< of GMRES on a tangent that is not symmetric
+  int tangent_iterations = 0;        ///< tangent iterations of GMRES on a tangent that is not symmetric
   int projected_solves = 0;          ///< solves with projected elements
   bool last_step_was_exact = false;  ///< whole, by the exact Hessian, which the solver found definite
   /// In the part of the scene (the nodes that hang together) where they are largest beside one another:
   double residual = 0;  ///< |gradient on its free unknowns| [N]; beyond rounding where that is all there is
   double force_scale = 0;    ///< [N]; converged means residual <= tolerance * force_scale
   Index worst_unknown = -1;  ///< its free unknown with the largest residual
-  VectorX rounding{};  ///< what rounding may leave of each force, where that was asked for; else empty [N]
+  VectorX rounding{};  ///< bound of the rounding of each force, where that was asked for; else empty [N]
   int lag_rounds = 0;  ///< number of lagged updates
   /// After a converged search: `relative_residual` with lagged quantities of the final positions, if
   /// unbalanced; else 0.
@@ -93,7 +93,7 @@ class Newton {
   /// turns out not to be definite.
   std::optional<VectorX> response_near(const BlockMatrix& A, VectorX forces,
                                        std::span<const std::uint8_t> is_fixed, double tolerance);
-  /// What a matrix is solved with: factors of its own, or those of the latest search, which it is near to.
+  /// Factors that solve with a matrix: its own, or those of the latest search, which it is near to.
   enum class Factors { anew, of_search };
   /// Makes the Hessian of an objective at x, its elements projected, the last matrix. It depends on x alone,
   /// that of a search on the way that has led there.
@@ -108,7 +108,7 @@ class Newton {
 
  private:
   struct Search;
-  /// In what measure the matrix that the solver holds sees the parts; of one part, nothing.
+  /// Measure of the parts in the matrix that the solver holds; empty for one part.
   struct Measure {
     std::optional<Parts> parts;
     VectorX weights;
@@ -121,7 +121,7 @@ class Newton {
   BlockMatrix hessian_;
   Parts parts_;
   std::unique_ptr<LinearSolver> solver_;
-  std::optional<Measure> last_measure_;  ///< of the last matrix; none: the search has none
+  std::optional<Measure> last_measure_;  ///< measure of the last matrix; none: the search has none
   bool has_near_factors_ = false;        ///< the factors are of a matrix that is near to the last one
 };
 

@@ -37,7 +37,7 @@ struct Newton::Search {
   VectorX& x;
 
   const Parts& parts{newton.parts_};
-  Parts coupled{newton.parts_};  ///< by what touches: those that do are one, and stay one for this search
+  Parts coupled{newton.parts_};  ///< parts in contact are one, and stay one for this search
   const Share share{parts.share()};
   Convergence convergence{objective, is_fixed, parts, settings.tolerance};
   NewtonReport report{};
@@ -55,12 +55,14 @@ struct Newton::Search {
   } watchdog{};
   bool internal_is_old = false;  ///< ... carried along to first order, not of x itself
   VectorX diagonal{};            ///< |diagonal of the last Hessian| [N/m]
-  VectorX coupled_weights{};     ///< of `coupled`, in the last Hessian
-  VectorX scaled_right_side{};   ///< of several parts: so that an iterative solver sees all alike
+  VectorX coupled_weights{};     ///< coupled weights of `coupled`, in the last Hessian
+  VectorX scaled_right_side{};   ///< right side of several parts, scaled so that an iterative solver sees all
+                                 ///< alike
   double weighted_residual = 0;
   double last_residual = 0;  ///< the one before
   double last_forcing = 0;
-  double last_shift = 0;      ///< of a matrix that stayed indefinite though projected: the next one will, too
+  double last_shift =
+      0;  ///< last shift of a matrix that stayed indefinite though projected: the next one will, too
   bool has_potential = true;  ///< unless slow convergence asked and the objective said no
   bool potential_is_known = false;
 
@@ -73,7 +75,8 @@ struct Newton::Search {
     return share.all(step.lpNorm<Eigen::Infinity>() <= most * x.lpNorm<Eigen::Infinity>());
   }
 
-  /// What is still missing at the fixed unknowns, zero at the free ones; empty where nothing is.
+  /// Rest of the prescribed displacements at the fixed DOFs, zero at the free ones; empty where nothing is
+  /// left.
   VectorX boundary_gap() const {
     VectorX gap = VectorX::Zero(x.size());
     for (Eigen::Index i = 0; i < x.size(); ++i)

@@ -10,8 +10,8 @@ namespace resilin {
 class Objective {
  public:
   virtual ~Objective() = default;
-  /// What the objective keeps of a shape that is known, such as the normal forces of friction, becomes what
-  /// it is at x: by that it becomes another function. @return whether that may have changed the gradient
+  /// Updates quantities that the objective keeps of a known shape, such as the normal forces of friction, to
+  /// x: by that it becomes another function. @return whether that may have changed the gradient
   virtual bool form_lag(const VectorX& /*x*/) { return false; }
   /// Takes as much of what was formed the last time as makes rounds of forming and minimising settle
   /// (Relaxation); the rest is what was in use before. @return whether that may have changed the gradient

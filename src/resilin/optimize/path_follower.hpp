@@ -22,8 +22,8 @@ struct PathPoint {
 };
 
 struct PathSettings {
-  double tolerance = 1e-8;  ///< of the force residual, as in NewtonSettings
-  int max_iterations = 20;  ///< of the search for one point
+  double tolerance = 1e-8;  ///< tolerance of the force residual, as in NewtonSettings
+  int max_iterations = 20;  ///< maximum iterations of the search for one point
   double arc_length = 0;    ///< [m]: sqrt(|du|^2 + load_weight^2 dt^2) from point to point ...
   double load_weight = 0;   ///< ... [m], over the free unknowns
 };

@@ -38,7 +38,8 @@ class ProjectionChooser {
     return adaptive_;
   }
 
-  /// What to try after `failed` gave no direction; the same projection when there is nothing more to try.
+  /// Projection to try after `failed` gave no direction; the same projection when there is nothing more to
+  /// try.
   Projection next_choice(Projection failed) const {
     if (policy_ == ProjectionPolicy::none) return Projection::none;
     if (policy_ == ProjectionPolicy::clamp) return Projection::clamp;

@@ -5,7 +5,7 @@
 
 #include "resilin/optimize/objective.hpp"
 
-/// What the searches for an equilibrium share.
+/// Functions that the searches for an equilibrium share.
 namespace resilin {
 
 void set_fixed_to_zero(std::span<const std::uint8_t> is_fixed, VectorX& values);

@@ -2,7 +2,7 @@
 #include "resilin/optimize/newton.hpp"
 #include "resilin/optimize/residual.hpp"
 
-// What Newton's method knows of a scene beside a search: where forces lead by its last matrix.
+// Response of a scene to forces by the last matrix of Newton's method.
 
 namespace resilin {
 

@@ -114,7 +114,7 @@ class PetscGamg final : public LinearSolver {
     report.relative_residual = size > 0 ? residual / size : 0;
     report.status = status_of(reason);
     get_all(dim, x);
-    // What is fixed does not move, by no rounding either.
+    // Fixed DOFs do not move, by no rounding either.
     for (Eigen::Index i = 0; i < x.size(); ++i)
       if (is_free_[i] == 0 && b[i] == 0) x[i] = 0;
     return report;
@@ -293,7 +293,7 @@ class PetscGamg final : public LinearSolver {
   Owned<KSP, KSPDestroy> solver_;
   bool is_worn_ = true;              ///< the next matrix gets its own preconditioner
   bool is_kept_ = false;             ///< it was made for a matrix before this one
-  double iterations_per_digit_ = 0;  ///< of the first solve with it
+  double iterations_per_digit_ = 0;  ///< iterations per digit of the first solve with it
 };
 
 std::unique_ptr<LinearSolver> make_petsc_gamg(const LinearOptions& options) {

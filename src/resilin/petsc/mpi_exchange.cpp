@@ -9,7 +9,8 @@
 namespace resilin {
 namespace {
 
-constexpr std::size_t most_bytes = std::size_t{1} << 30;  ///< of one message: MPI counts with 32 bits
+constexpr std::size_t most_bytes = std::size_t{1}
+                                   << 30;  ///< most bytes of one message: MPI counts with 32 bits
 constexpr int tag_of_bytes = 1, tag_of_copies = 2;
 
 /// Calls `transfer(first, count)` for pieces of `size` bytes.

@@ -75,7 +75,7 @@ struct SharedResults::Contents {
   const SharedScene& scene;
   std::optional<FolderLock> lock;  ///< the first process has it
   Json frames = Json::array();     ///< likewise
-  int last_step = -1;              ///< of the last frame
+  int last_step = -1;              ///< last step of the last frame
   std::size_t num_frames = 0;
   FieldEvaluator evaluator;
   Clock::time_point start = Clock::now(), next_save = Clock::now();

@@ -112,7 +112,7 @@ SharedScene share_scene(const std::function<Description()>& read) {
       send_bytes(everyone, rank, serialize(cut->parts.part(rank)));
     part = cut->parts.part(0);
     cut.reset();
-    malloc_trim(0);  // what the whole scene took, which else stays with this process
+    malloc_trim(0);  // returns the memory of the whole scene, which else stays with this process
   } else {
     part = deserialize_scene_part(receive_bytes(everyone, 0));
   }

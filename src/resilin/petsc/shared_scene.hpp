@@ -32,7 +32,7 @@ void on_all_processes(const std::function<void()>& function);
 /// Facts of a whole scene that its first process keeps; elsewhere empty.
 struct WholeScene {
   std::string bodies_json;            ///< "bodies" of the report
-  std::vector<Index> first_nodes;     ///< of each body
+  std::vector<Index> first_nodes;     ///< first nodes of each body
   std::vector<std::string> warnings;  ///< one line each
   std::vector<std::string> notes;
   Index num_nodes = 0, num_free_unknowns = 0, num_cells = 0;

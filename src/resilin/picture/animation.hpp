@@ -32,8 +32,8 @@ class ApngWriter {
 
   std::filesystem::path path_, partial_;
   int num_frames_, num_added_ = 0, width_ = 0, height_ = 0;
-  std::uint32_t sequence_ = 0;  ///< of fcTL and fdAT
-  std::uint16_t delay_;         ///< of a frame [1/1000 s]
+  std::uint32_t sequence_ = 0;  ///< sequence of fcTL and fdAT
+  std::uint16_t delay_;         ///< delay of a frame [1/1000 s]
   std::unique_ptr<OutputFile> file_;
 };
 

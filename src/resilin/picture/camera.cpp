@@ -35,7 +35,7 @@ Vector3 parse_direction(const std::string& text) {
 }
 
 struct GroundAxes {
-  Vector3 up, right, front;  ///< of length 1, at right angles
+  Vector3 up, right, front;  ///< up, right and front of length 1, at right angles
 };
 
 GroundAxes ground_axes(const Vector3& vertical) {

@@ -18,7 +18,7 @@ struct Camera {
 
 std::vector<std::string> view_names();  ///< without "auto", which is `telling_direction`
 
-/// What "x", "y" and "z" mean; any other word is refused. @throws InputError
+/// Direction of "x", "y" or "z"; any other word is refused. @throws InputError
 Vector3 axis_of(const std::string& letter);
 
 /// @param view  one of the names, or "x,y,z", a direction from the body to the eye

@@ -13,11 +13,11 @@ namespace resilin {
 /// A corner of a triangle on the canvas.
 struct CanvasVertex {
   Vector3 place;  ///< x to the right, y down [pixels]; z towards the eye [pixels]
-  double value;   ///< what is coloured
+  double value;   ///< value of the colour
   double light;   ///< 0 to 1
 };
 
-/// What a line looks like over what lies behind it.
+/// Look of a line over the picture behind it.
 struct Ink {
   Color color;
   double opacity;
@@ -73,8 +73,9 @@ class Canvas {
   void mix_in(std::size_t sample, Color color, double opacity);
   Image image_of(const std::vector<Color>& colors) const;
 
-  int columns_, rows_;                  ///< of samples
-  std::vector<Color> colors_, others_;  ///< of the samples; over the other background, where there is one
+  int columns_, rows_;  ///< columns and rows of samples
+  std::vector<Color> colors_,
+      others_;  ///< colors and others of the samples; over the other background, where there is one
   std::vector<float> depths_;
   std::vector<std::uint32_t> last_line_;  ///< which line touched the sample last: each inks it once
   std::uint32_t num_lines_ = 0;

@@ -14,7 +14,7 @@ namespace resilin {
 struct ColorScale {
   double low = 0, high = 1;
   std::string map = "viridis";
-  double least = 0, greatest = 0;  ///< of the values themselves
+  double least = 0, greatest = 0;  ///< least and greatest of the values themselves
 
   /// Values outside the range take the colours of its ends.
   double place(double value) const { return (value - low) / (high - low); }
@@ -27,7 +27,7 @@ struct ColorScale {
 ColorScale choose_scale(std::span<const double> values, const std::optional<std::array<double, 2>>& range,
                         const std::string& map, double smallest = 0);
 
-/// What is written at a colour bar.
+/// Text at a colour bar.
 struct ScaleText {
   struct Tick {
     double place;  ///< from 0 at the lower end of the bar to 1

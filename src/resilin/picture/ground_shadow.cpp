@@ -9,7 +9,7 @@
 namespace resilin {
 namespace {
 
-constexpr int longer_side = 256;                 // of the map, in places
+constexpr int longer_side = 256;                 // longer side of the map, in places
 constexpr int num_looks = 24;                    // around a place, for a soft edge
 constexpr double softness = 0.06 * longer_side;  // how far around, in places of the map
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -85,7 +85,7 @@ double GroundShadow::at(const Vector3& place) const {
     const auto at =
         static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column);
     const double above = static_cast<double>(lowest_[at]) - height;
-    // What has sunk in a little, as contact lets it, throws its shadow too.
+    // Parts that have sunk in a little, as contact lets them, throw their shadows too.
     if (above > -0.1 * fading_ && std::isfinite(above)) sum += std::exp2(-std::max(above, 0.0) / fading_);
   }
   return sum / num_looks;

@@ -24,7 +24,7 @@ class GroundShadow {
 
   Vector3 up_, right_, front_;
   double low_right_ = 0, low_front_ = 0;  ///< corner of the map [m]
-  double step_ = 1;                       ///< of the map [m]
+  double step_ = 1;                       ///< step of the map [m]
   double fading_ = 1;                     ///< height at which a shadow is half as dark [m]
   int columns_ = 1, rows_ = 1;
   std::vector<float> lowest_;  ///< height of the lowest part of a body above each place of the map [m]

@@ -22,15 +22,16 @@ Color mix(Color a, Color b, double t);
 struct Image {
   int width = 0, height = 0;
   std::vector<Color> pixels;
-  std::vector<std::uint8_t> opacity = {};  ///< of each pixel, 0 to 255; empty: nothing is seen through
+  std::vector<std::uint8_t> opacity =
+      {};  ///< opacity of each pixel, 0 to 255; empty: nothing is seen through
   /// From where what was drawn, for pictures that are to match.
   struct View {
     Vector3 toward = Vector3::UnitZ(), up = Vector3::UnitY();
     Vector3 low = Vector3::Zero(), high = Vector3::Zero();  ///< corners of the box of what is seen [m]
-    std::array<double, 2> extremes{};                       ///< of the field
+    std::array<double, 2> extremes{};                       ///< extremes of the field
   };
   View view = {};
-  std::string legend = {};  ///< what the colours mean: "von Mises stress, averaged [kPa]: min 0.6   max 8.6"
+  std::string legend = {};  ///< text about the colours: "von Mises stress, averaged [kPa]: min 0.6   max 8.6"
 
   Color& at(int x, int y) { return pixels[offset(x, y)]; }
   const Color& at(int x, int y) const { return pixels[offset(x, y)]; }

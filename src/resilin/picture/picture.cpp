@@ -26,8 +26,10 @@ constexpr std::array<Color, 6> body_colors = {
 constexpr Color plain_body = {176, 186, 198};
 constexpr Color plain_collider = {128, 136, 146};
 constexpr double veil_opacity = 0.3, shadow_opacity = 0.55;
-constexpr std::array views_around = {0.12, 0.25};  ///< of the extent of the bodies: floors; what is farther
-constexpr double hollow_size = 0.05;               ///< of the shorter side of the picture
+constexpr std::array views_around = {
+    0.12,
+    0.25};  ///< distance that is seen around the bodies, relative to their extent: floors; what is farther
+constexpr double hollow_size = 0.05;  ///< size of hollow marks, relative to the shorter side of the picture
 constexpr Color not_a_number = {214, 64, 200};
 
 /// Points of the shape at `factor` times the displacement, 0 for the rest shape.
@@ -58,7 +60,7 @@ class Picture {
         pen_(std::clamp(0.024 * options.height, 11.0, 40.0)),
         points_(shape(frame, options.scale, "scale")),
         surface_(find_surface(frame.file.mesh.blocks, points_, options.has_skins)),
-        // What is seen through is found by the two that differ most.
+        // The background is found by the two pictures that differ most.
         canvas_(options.width, options.height,
                 options.is_transparent ? black
                 : options.is_dark      ? dusk
@@ -211,7 +213,7 @@ class Picture {
     return make_camera(telling_direction(corners, moved, up), up);
   }
 
-  /// What of the colliders is seen around the bodies.
+  /// Adds the part of the colliders that is seen around the bodies.
   void add_near_colliders(std::vector<Vector3>& shown) const {
     Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity()), high = -low;
     for (const Vector3& point : shown) {

@@ -9,7 +9,7 @@ namespace resilin {
 
 /// One number for each point or each cell of a frame.
 struct PictureField {
-  std::string name;       ///< of the array
+  std::string name;       ///< name of the array
   std::string component;  ///< "x", "yz", "1"; empty for a scalar and for the length of a vector
   bool is_on_points = true;
   std::vector<double> values;

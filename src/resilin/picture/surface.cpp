@@ -19,7 +19,7 @@ struct Facet {
   CellKind kind;
   std::span<const Index> nodes;
   Index cell;
-  Vector3 normal;  ///< of the corners, of length 1
+  Vector3 normal;  ///< normal of the corners, of length 1
 };
 
 Vector3 normal_of(std::span<const Index> corners, const std::vector<Vector3>& points) {

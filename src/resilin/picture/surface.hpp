@@ -8,17 +8,17 @@
 
 namespace resilin {
 
-/// What is seen of a body: the boundary of its cells, in 2D the cells themselves, cut into flat triangles
+/// Visible surface of a body: the boundary of its cells, in 2D the cells themselves, cut into flat triangles
 /// that follow curved facets.
 struct DrawnSurface {
   struct Corner {
-    Index cell;                                    ///< of the frame
-    std::array<Index, max_facet_nodes> nodes{};    ///< of the frame; `num_nodes` of them
+    Index cell;                                    ///< cell of the frame
+    std::array<Index, max_facet_nodes> nodes{};    ///< nodes of the frame; `num_nodes` of them
     std::array<double, max_facet_nodes> shares{};  ///< values of the facet's shape functions
     /// The same, of functions that are linear on the parts that nodes cut the sides into: never negative.
     std::array<double, max_facet_nodes> part_shares{};
     int num_nodes = 0;
-    Vector3 normal = Vector3::Zero();  ///< of length 1, smooth across facets but not across creases
+    Vector3 normal = Vector3::Zero();  ///< normal of length 1, smooth across facets but not across creases
   };
   struct Line {
     std::vector<Corner> points;
@@ -26,7 +26,7 @@ struct DrawnSurface {
   };
   int dimension = 3;
   std::vector<std::array<Corner, 3>> triangles;
-  std::vector<Line> edges;  ///< of the cells' facets, each once
+  std::vector<Line> edges;  ///< edges of the cells' facets, each once
 
   /// Weighs what `values` has at the nodes, by the facet's shape functions or linearly on its parts.
   template <class Values>

@@ -13,8 +13,8 @@ namespace resilin {
 
 /// Data for a bitwise-identical restart with the same verdict.
 struct Checkpoint {
-  std::string version;      ///< of the program that wrote it
-  Fingerprint fingerprint;  ///< of the scene
+  std::string version;      ///< version of the program that wrote it
+  Fingerprint fingerprint;  ///< fingerprint of the scene
   FailedSteps failed_steps;
   MostStrained most_strained{};
   State state;

@@ -30,7 +30,7 @@ std::string own_words() {
   return "process " + std::to_string(::getpid()) + " on " + host_name() + " since " + local_time();
 }
 
-/// What the file says of its holder; empty when it says nothing.
+/// Words of the file about its holder; empty when it has none.
 std::string words_in(int descriptor) {
   std::array<char, 400> text{};
   const ssize_t size = ::pread(descriptor, text.data(), text.size(), 0);
@@ -81,7 +81,7 @@ FolderLock::FolderLock(const std::filesystem::path& folder) : path_(folder / loc
   }
   previous_holder_ = words_in(descriptor_);
   const std::string words = own_words() + "\n";
-  // What cannot be said here is missing from a message at worst; what cannot be written shows at once
+  // A fact that cannot be found here is missing from a message at worst; a failed write shows at once
   // elsewhere.
   if (::ftruncate(descriptor_, 0) == 0)
     static_cast<void>(::pwrite(descriptor_, words.data(), words.size(), 0) == 0);

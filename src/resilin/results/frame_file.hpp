@@ -19,7 +19,7 @@ constexpr const char* delay_name = "collider_delay";
 /// "0007.vtu".
 std::string numbered_vtu(std::size_t number);
 
-/// What ParaView shows as the time of a state: seconds, in statics the load factor, of vibrations their
+/// Time of a state in ParaView: seconds, in statics the load factor, of vibrations their
 /// number.
 double shown_time(const World& world, const State& state);
 /// Gives a state the time and the load factor, or the number, that it is shown with.

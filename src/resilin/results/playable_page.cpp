@@ -16,7 +16,7 @@ std::string script(std::string_view id, std::string_view type, std::string_view 
          "</script>";
 }
 
-/// What the module contains besides Resilin.
+/// Notice of the other software in the module.
 constexpr std::string_view notice =
     "\n<!-- The module \"engine\" contains Eigen (MPL-2.0), JSON for Modern C++ (MIT, Niels Lohmann), "
     "libc++, libc++abi "

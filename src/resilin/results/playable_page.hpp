@@ -17,7 +17,7 @@ namespace resilin {
 std::string playable_page(std::string_view engine, const Description& scene,
                           std::span<const std::string> warnings);
 
-/// What such a page has beside its source: the module, the scene and its warnings, each in a script.
+/// Scripts of such a page beside its source: the module, the scene and its warnings, each in a script.
 std::string solver_scripts(std::string_view engine, const Description& scene,
                            std::span<const std::string> warnings);
 

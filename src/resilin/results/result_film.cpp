@@ -19,7 +19,7 @@ namespace resilin {
 namespace {
 
 constexpr std::size_t most_scouted = 40;  ///< frames looked at for the range and the framing
-constexpr int swing_shots = 30;           ///< of one period of a vibration
+constexpr int swing_shots = 30;           ///< pictures of one period of a vibration
 constexpr double degree = std::numbers::pi / 180;
 
 void check(const FilmOptions& options) {
@@ -132,7 +132,7 @@ FilmPlan plan_film(const std::filesystem::path& folder, const FilmOptions& optio
   plan.toward = all.toward;
   plan.picture.vertical = all.up;
   plan.picture.reach = {all.low, all.high};
-  if (options.turn != 0) {  // what the box sweeps while it is gone around
+  if (options.turn != 0) {  // the box sweeps this while the camera goes around it
     const Vector3 middle = 0.5 * (all.low + all.high);
     const Vector3 half = Vector3::Constant(0.5 * (all.high - all.low).norm());
     plan.picture.reach = {middle - half, middle + half};

@@ -13,8 +13,8 @@ namespace resilin {
 /// A film of what a run has left: all its pictures from one place, with one range of colours.
 struct FilmOptions {
   PictureOptions picture;
-  int every = 1;                            ///< takes each n-th frame
-  int mode = 0;                             ///< of vibrations: which swings; 0: the first that is not rigid
+  int every = 1;  ///< takes each n-th frame
+  int mode = 0;   ///< number of the vibration that swings; 0: the first that is not rigid
   std::optional<double> frames_per_second;  ///< default: of motion as time passes, else 10; vibrations 30
   double speed = 1;                         ///< simulated over shown time, of motion
   double turn = 0;                          ///< how far the camera goes around the scene meanwhile [degrees]
@@ -22,7 +22,7 @@ struct FilmOptions {
 
 struct FilmPlan {
   struct Shot {
-    int frame;                ///< of the run
+    int frame;                ///< frame of the run
     double swing = 1;         ///< factor on its displacements
     double turned = 0;        ///< about up, from the first [rad]
     std::string moment = {};  ///< in words

@@ -72,12 +72,13 @@ struct ResultFolder::Contents {
   Json frames = Json::array();
   Clock::time_point start = Clock::now();
   Clock::time_point next_save = Clock::now();
-  std::optional<FieldEvaluator> evaluator;  ///< of the world whose states are recorded
-  std::optional<ShownResults> shown;        ///< of the same
+  std::optional<FieldEvaluator> evaluator;  ///< evaluator of the world whose states are recorded
+  std::optional<ShownResults> shown;        ///< shown surface of the same world
   std::vector<std::pair<std::string, std::uintmax_t>> shown_files;
   double output_seconds = 0;  ///< that the run has waited for
   double seconds_before;      ///< until the folder was made, and of the run that this one resumes
-  int resumed_step = -1;  ///< whose frame was measured anew, without the numbers of the step that led to it
+  int resumed_step =
+      -1;  ///< step whose frame was measured again, without the numbers of the step that led to it
 
   /// Waits for what is written beside a step; throws what went wrong with it.
   void settle() {
@@ -129,7 +130,7 @@ struct ResultFolder::Contents {
     std::vector<std::string> names = fields_of_report(world);
     const auto num_asked = static_cast<std::ptrdiff_t>(world.output.fields.size());
     const auto num_reported = static_cast<std::ptrdiff_t>(names.size());
-    // What other fields are computed from, beside the places (`state_of_frame`).
+    // Data from which other fields are computed, beside the places (`state_of_frame`).
     const auto keep = [&names](const char* name) {
       if (std::ranges::find(names, name) == names.end()) names.emplace_back(name);
     };
@@ -149,7 +150,7 @@ struct ResultFolder::Contents {
     return fields;
   }
 
-  /// What an earlier run has left of colliders that there are no more goes.
+  /// Removes files of an earlier run for colliders that do not exist any more.
   void begin_colliders(const World& world) const {
     std::error_code error;
     if (writes_vtu(world) && has_colliders(world)) {
@@ -207,7 +208,7 @@ struct ResultFolder::Contents {
 
   static bool writes_vtu(const World& world) { return world.output.writes(OutputFormat::vtu); }
 
-  /// What it touches is read by nobody before `settle`. The last member, so that it ends before others go.
+  /// Nobody reads its data before `settle`. The last member, so that it ends before others go.
   std::future<void> writing;
 };
 
@@ -217,7 +218,7 @@ ResultFolder::ResultFolder(std::filesystem::path folder, double seconds_before) 
   if (error)
     throw FileError(folder.string(), "the folder for the results cannot be made (" + error.message() + ")");
   contents_ = std::make_unique<Contents>(std::move(folder), seconds_before);
-  // What a run that was killed has left; the lock keeps others out.
+  // Removes files that a killed run has left; the lock keeps others out.
   for (const char* part : {".", "frames", "colliders"}) remove_partial_files(contents_->folder / part);
   write_text(contents_->folder / "frames" / ".probe", "");
   std::filesystem::remove(contents_->folder / "frames" / ".probe", error);

@@ -13,7 +13,7 @@
 
 namespace resilin {
 
-/// What the scene asks for, and then what the page shows of it: the report has the ranges of both.
+/// Fields of the scene, and then those that the page shows: the report has the ranges of both.
 std::vector<std::string> fields_of_report(const World& world);
 
 /// The folder that a run leaves: report.json, frames/NNNN.vtu, frames.pvd, where there are colliders

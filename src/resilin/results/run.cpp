@@ -18,7 +18,7 @@ std::string reached(const Simulation& simulation) {
 
 namespace {
 
-/// What is to be known beside how far a run got, and how it went. What no real body does has its own lines
+/// Remarks on how far a run got and how it went. Unphysical results have their own lines
 /// (oddities.hpp); of that only the number of cells inside out is named.
 std::string remarks(const Simulation& simulation) {
   std::string text;
@@ -40,7 +40,7 @@ std::string remarks(const Simulation& simulation) {
   return text;
 }
 
-/// What was done lest steps add energy.
+/// Remark on corrections that keep steps from adding energy.
 std::string guarding_remark(const State& state) {
   if (state.guarded_steps == 0) return "";
   return "; " + std::to_string(state.guarded_steps) + (state.guarded_steps == 1 ? " step" : " steps") +
@@ -50,7 +50,7 @@ std::string guarding_remark(const State& state) {
          " J in all were removed from the velocities; a shorter time_step is more accurate";
 }
 
-/// What was done where no step of the whole length was found.
+/// Remark on steps that were divided because no whole one was found.
 std::string division_remark(const State& state) {
   if (state.divided_steps == 0) return "";
   return "; " + std::to_string(state.divided_steps) +
@@ -58,7 +58,7 @@ std::string division_remark(const State& state) {
          " divided into shorter ones (time-step cutback)";
 }
 
-/// What friction left open.
+/// Remark on friction that did not converge.
 std::string friction_remark(const State& state) {
   if (state.unsettled_steps == 0) return "";
   return "; friction did not converge in " + std::to_string(state.unsettled_steps) +

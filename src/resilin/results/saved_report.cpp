@@ -10,7 +10,7 @@
 namespace resilin {
 namespace {
 
-constexpr int deepest_nesting = 64;  ///< of a report: 6
+constexpr int deepest_nesting = 64;  ///< deepest nesting of a report: 6
 
 [[noreturn]] void refuse(const std::filesystem::path& path, const std::string& got) {
   throw InputError(path.string(), "the report of a run", got, "run the scene again, without --resume");

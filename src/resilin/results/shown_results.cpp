@@ -17,7 +17,8 @@ namespace {
 
 constexpr const char* page_name = "result.html";
 constexpr const char* stage_name = "result.usda";
-constexpr const char* points_name = "result.usda.points";  ///< of the stage, while there is more to come
+constexpr const char* points_name =
+    "result.usda.points";  ///< points name of the stage, while there is more to come
 
 Vector3 up_of(const World& world) {
   if (world.dimension == 2) return Vector3::UnitY();
@@ -26,7 +27,7 @@ Vector3 up_of(const World& world) {
 
 /// A ground that stands still and lies flat.
 struct Ground {
-  std::size_t number;  ///< of the collider
+  std::size_t number;  ///< number of the collider
   double height;       ///< along up [m]
 };
 std::optional<Ground> ground_of(const World& world) {
@@ -148,7 +149,7 @@ ShownResults::ShownResults(std::filesystem::path folder, const World& world)
   }
 }
 
-/// What the files hold agrees with a report of so many frames, as far as they go.
+/// Keeps as much of the files as agrees with a report of so many frames.
 void ShownResults::keep(std::size_t num_frames) {
   const auto end = static_cast<std::uint32_t>(num_frames);
   if (recorder_ && (end == 0 || recorder_->next_number() != end)) recorder_->keep(end);

@@ -50,7 +50,7 @@ class ShownResults {
   std::string title_;
   std::unique_ptr<Recorder> recorder_;  ///< null: no page is wanted
   std::unique_ptr<UsdaWriter> usda_;    ///< null: no stage is wanted
-  double codes_per_second_ = 24;        ///< of the stage
+  double codes_per_second_ = 24;        ///< codes per second of the stage
   bool counts_frames_ = false;          ///< statics: the stage counts frames, not seconds
 };
 

@@ -21,7 +21,7 @@ namespace {
 
 constexpr const char* cure = "run the scene again with formats = [\"vtu\", \"html\"] in [output]";
 
-/// What a record says of its frame before its numbers (docs/view_protocol.md, "Recording").
+/// Head of a frame's record before its numbers (docs/view_protocol.md, "Recording").
 struct RecordedMoment {
   std::uint32_t number, step;
   double time, load;
@@ -48,7 +48,7 @@ RecordedFiles::RecordedFiles(const std::filesystem::path& folder)
     if (!std::filesystem::is_regular_file(file))
       throw InputError(folder.string(), "a folder of results with " + file.filename().string(), "one without",
                        cure);
-  read_report(report);  // what is damaged is said here, not in the browser
+  read_report(report);  // reports damage here, not in the browser
 }
 
 std::shared_ptr<const World> world_to_take_up(const std::filesystem::path& folder) {

@@ -46,7 +46,7 @@ std::string_view unquoted(std::string_view cell) {
   return cell;
 }
 
-/// What to do about a cell that holds no number: text that reads as one is nan, inf or has no end.
+/// Advice on a cell that holds no number: text that reads as one is nan, inf or has no end.
 std::string cure_of(std::string_view cell) {
   double value = 0;
   const bool is_no_value = std::from_chars(cell.data(), cell.data() + cell.size(), value).ec == std::errc{} &&

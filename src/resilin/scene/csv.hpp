@@ -11,7 +11,7 @@ namespace resilin {
 struct NumberTable {
   std::size_t num_columns = 0;
   std::vector<double> values;                  ///< row by row
-  std::vector<std::string> column_names = {};  ///< of a first line of names; empty without one
+  std::vector<std::string> column_names = {};  ///< column names of a first line of names; empty without one
 
   std::size_t num_rows() const { return num_columns == 0 ? 0 : values.size() / num_columns; }
 };

@@ -9,7 +9,7 @@ namespace resilin {
 namespace {
 
 struct BoxDescription {
-  std::string kind;  ///< of its cells; empty: tetrahedra or, in 2D, triangles
+  std::string kind;  ///< kind of its cells; empty: tetrahedra or, in 2D, triangles
   Vector3 size = Vector3::Ones();
   std::array<int, 3> cells = {1, 1, 1};
   Vector3 origin = Vector3::Zero();
@@ -71,7 +71,7 @@ Mesh read_box(const SceneNode& node) {
   return make_rectangle(box.size.head<2>(), squares, box.origin.head<2>());
 }
 
-/// What a table says of a body's mesh.
+/// Keys of a table about a body's mesh.
 struct MeshTable {
   std::optional<Mesh> box;
   std::optional<MeshFile> surface;

@@ -29,7 +29,7 @@ struct SceneContext {
   int dimension = 3;
   bool is_dynamic = false;
   std::int64_t max_box_cells = 0;
-  MeshCache* meshes = nullptr;  ///< of scenes that share meshes; may be null
+  MeshCache* meshes = nullptr;  ///< cache for scenes that share meshes; may be null
   bool is_for_real_time = false;
   std::vector<std::string> warnings;
 };
@@ -41,8 +41,8 @@ struct SceneNode {
   SceneContext* context;
 
   std::string place() const;                    ///< "beam.toml:12: body[0].material"
-  SceneNode child(std::string_view key) const;  ///< of a table that has the key
-  SceneNode element(std::size_t i) const;       ///< of an array
+  SceneNode child(std::string_view key) const;  ///< value of a key that the table has
+  SceneNode element(std::size_t i) const;       ///< element of an array
   bool has(std::string_view key) const { return value->find(key) != nullptr; }
 
   [[noreturn]] void fail(const std::string& expected, const std::string& cure = {}) const;

@@ -74,7 +74,7 @@ Json of_number(const std::string& type, const char* name) {
   return schema;
 }
 
-/// What a type of the reference means. One that is not known here allows anything, so that no scene is called
+/// Schema of a type of the reference. One that is not known here allows anything, so that no scene is called
 /// wrong which the program takes.
 Json of_type(const std::string& type) {
   const auto begins = [&type](const char* words) { return type.starts_with(words); };
@@ -137,7 +137,7 @@ Json of_table(const TableDoc& table) {
   return schema;
 }
 
-/// What may stand in place of a table: a short form that the table's text tells of.
+/// Adds the short form that may stand in place of a table, which the table's text tells of.
 Json with_short_form(const std::string& name, Json table) {
   if (name == "rotate") return {{"anyOf", {std::move(table), number_list()}}};
   if (name == "where" || name == "time_function" || name == "mesh")

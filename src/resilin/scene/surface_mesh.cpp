@@ -13,13 +13,13 @@ namespace {
 constexpr double largest_usual = 10;           // [m]
 constexpr double largest_usual_of_cells = 30;  // [m]; meshes are also made by programs that mean metres
 constexpr double smallest_usual = 1e-3;        // [m]
-constexpr double worth_telling = 0.02;         // of the volume
+constexpr double worth_telling = 0.02;         // difference of volume that is worth telling
 
-/// What either mesher makes.
+/// Result of either mesher.
 struct FilledSurface {
   Mesh mesh;
   double cell_size = 0;     ///< [m]
-  double volume_ratio = 0;  ///< of the cells to the surface; 0 when it is not known
+  double volume_ratio = 0;  ///< volume ratio of the cells to the surface; 0 when it is not known
   bool is_fitted = false;
 };
 

@@ -56,7 +56,7 @@ class DepthScanner {
   }
 
  private:
-  /// What is open around a place: the depth outside the bracket and that of the key before it.
+  /// Open brackets around a place: the depth outside the bracket and that of the key before it.
   struct Bracket {
     int depth = 0, key_depth = 0;
   };
@@ -133,8 +133,8 @@ class DepthScanner {
   const std::string& name_;
   std::size_t at_ = 0;
   int line_ = 1;
-  int depth_ = 0;      ///< of the place, without the key that is being read
-  int key_depth_ = 0;  ///< of the keys before "=" on this level
+  int depth_ = 0;      ///< depth of the place, without the key that is being read
+  int key_depth_ = 0;  ///< key depth of the keys before "=" on this level
   int dots_ = 0;       ///< in the key or value that is being read
   bool is_header_ = false;
   int header_dots_ = 0;

@@ -15,7 +15,7 @@ class BarrierLinks {
   /// A collider's barrier, or what keeps bodies apart.
   struct Barrier {
     std::size_t term;           ///< its number
-    std::vector<Index> bodies;  ///< of each number of the parameter "barrier_stiffness"; -1: of none
+    std::vector<Index> bodies;  ///< bodies of each number of the parameter "barrier_stiffness"; -1: of none
     VectorX stiffness;          ///< these numbers
   };
 
@@ -31,8 +31,9 @@ class BarrierLinks {
  private:
   const World& world_;
   std::vector<Barrier> barriers_;
-  std::vector<std::size_t> softest_;     ///< of each body: the domain that it follows
-  std::vector<VectorX> modulus_slopes_;  ///< of this domain: d(log E)/d(means of its constants)
+  std::vector<std::size_t> softest_;  ///< softest domain of each body, which it follows
+  std::vector<VectorX>
+      modulus_slopes_;  ///< modulus slopes of this domain: d(log E)/d(means of its constants)
 };
 
 /// One line on the first two bodies that are equally stiff, if `change` is one of a material of theirs: the

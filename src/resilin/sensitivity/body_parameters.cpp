@@ -187,7 +187,7 @@ Parameter constant_of_domain(const World& world, std::size_t body, std::size_t n
 
 /// A selection by place, and the vertices that it has in the scene as it is.
 struct Selection {
-  std::size_t number;  ///< of the fix or of the load
+  std::size_t number;  ///< number of the fix or of the load
   std::vector<Index> vertices;
 };
 
@@ -306,7 +306,7 @@ Parameter start_of_body(const World& world, std::size_t body, const std::string&
 
 namespace {
 
-/// What follows "body.NAME." in the names of a domain's parameters, before the key.
+/// Prefix of a domain's parameters after "body.NAME.", before the key.
 std::string prefix_of(const Domain& domain) { return domain.region < 0 ? "" : "region." + domain.name + "."; }
 
 }  // namespace

@@ -28,7 +28,7 @@ double step_of(const std::string& name, double value, double largest) {
   return relative_step * (value != 0 ? std::abs(value) : largest);
 }
 
-/// What the law makes of numbers that were checked before: the neighbours of one at the end of its range need
+/// Evaluates the law for numbers that were checked before: the neighbours of one at the end of its range need
 /// not lie in it.
 Eigen::VectorXd converted(const LawInfo& law, const std::map<std::string, double>& given) {
   std::vector<double> constants;

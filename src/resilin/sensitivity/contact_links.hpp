@@ -8,7 +8,7 @@
 
 namespace resilin {
 
-/// What the terms of a world hold of a change of it, each under the names of its own parameters; or slopes by
+/// Changes of the terms of a world, each under the names of its own parameters; or derivatives by
 /// these. Terms that do not change have none.
 using TermChanges = std::vector<std::map<std::string, VectorX, std::less<>>>;
 

@@ -13,9 +13,9 @@ namespace resilin {
 
 /// Numbers of one frame: what they change by, or slopes of a result by them. What is empty does not count.
 struct FrameChange {
-  VectorX positions{};               ///< of all nodes, dim each [m]
+  VectorX positions{};               ///< positions of all nodes, dim each [m]
   VectorX velocities{};              ///< in motion [m/s]
-  std::vector<Vector3> reactions{};  ///< of the supports, in their order [N]
+  std::vector<Vector3> reactions{};  ///< reactions of the supports, in their order [N]
 };
 
 struct DerivativeOptions {
@@ -61,7 +61,7 @@ class Derivatives {
   virtual VectorX positions(int frame) = 0;
   /// Likewise [m/s]; empty at rest.
   virtual VectorX velocities(int /*frame*/) { return {}; }
-  /// What is odd about the gradients so far, one line each: from the start, bodies that are equally stiff
+  /// Warnings about the gradients so far, one line each: from the start, bodies that are equally stiff
   /// (kink_of_barrier); estimates of their error where forces do not balance well.
   const std::vector<std::string>& warnings() const { return warnings_; }
   const Frame& frame(int frame) const { return frames_[static_cast<std::size_t>(frame)]; }

@@ -17,10 +17,10 @@ struct DifferenceLimit {
   double error = std::numeric_limits<double>::infinity();
 };
 
-/// What samples prove of a derivative, which need not be one: where there is a kink both sides have their
-/// own. Extrapolated from each step and the next shorter one (Richardson 1911), central quotients by the
-/// square of the step, those of one side by the step itself. Of the extrapolations the one is taken that is
-/// nearest to its neighbour: the longer steps bend, the shorter ones have noise.
+/// Limits that samples give for a derivative, which need not exist: where there is a kink both sides have
+/// their own. Extrapolated from each step and the next shorter one (Richardson 1911), central quotients by
+/// the square of the step, those of one side by the step itself. Of the extrapolations the one is taken that
+/// is nearest to its neighbour: the longer steps bend, the shorter ones have noise.
 struct DifferenceLimits {
   DifferenceLimit central, before, after;
 

@@ -14,19 +14,19 @@ namespace resilin {
 struct GradientCheck {
   std::string parameter;
   Eigen::Index size = 1;  ///< how many numbers it has; of an array the slope is that along one change of all
-  double slope = 0;       ///< of the result, from the transposed run
-  std::array<double, 3> steps{};        ///< of the differences, relative to the size of the parameter
+  double slope = 0;       ///< slope of the result, from the transposed run
+  std::array<double, 3> steps{};        ///< steps of the differences, relative to the size of the parameter
   std::array<double, 3> differences{};  ///< central ones
   double digits = 0;  ///< to which the best of them agrees, or what both shorter steps lead to
-  /// What a difference may be off by, times the length of its step: because forces of its two runs balance to
+  /// Error bound of a difference, times the length of its step: because forces of its two runs balance to
   /// a tolerance, and because places are rounded.
   double noise = 0, rounding = 0;
-  /// What these and more differences, over other steps, lead to; nowhere: the three sufficed.
+  /// Limits of these and more differences, over other steps; empty: the three sufficed.
   DifferenceLimits limits{};
 
   enum class Verdict {
     agrees,
-    is_within,  ///< what differences lead to has fewer digits, and within its error it is the derivative
+    is_within,  ///< the limit of differences has fewer digits, and within its error it is the derivative
     no_digits,  ///< the derivative is so small that differences hold none of its digits: they say nothing
     kink,    ///< differences to both sides lead to different slopes, no farther from it than these are apart
     open,    ///< differences lead nowhere: they say nothing

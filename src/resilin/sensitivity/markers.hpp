@@ -10,7 +10,7 @@ namespace resilin {
 
 /// A point of a body at rest, carried by the nodes of its cell: x = sum_k weights_k x_(nodes_k).
 struct Marker {
-  std::vector<Index> nodes;  ///< of the world
+  std::vector<Index> nodes;  ///< nodes of the world
   std::vector<double> weights;
 };
 

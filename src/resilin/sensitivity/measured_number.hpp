@@ -11,8 +11,9 @@ namespace resilin {
 /// A number and its slopes by all that it depends on.
 struct MeasuredNumber {
   double value = 0;
-  VectorX by_positions{}, by_velocities{};  ///< of all nodes; empty: by none
-  std::vector<VectorX> by_parameters{};     ///< with places and velocities held
+  VectorX by_positions{},
+      by_velocities{};  ///< derivatives by positions and velocities of all nodes; empty: by none
+  std::vector<VectorX> by_parameters{};  ///< with places and velocities held
 
   /// First-order change with the frame and the parameters.
   double change(const FrameChange& frame, const std::vector<VectorX>& parameters) const;

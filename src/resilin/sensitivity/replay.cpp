@@ -48,7 +48,7 @@ VectorX impulses_apart(const World& world, const Integrator& scheme, const Stage
   return impulses.isZero(0) ? VectorX() : accelerations_by(world, -impulses);
 }
 
-/// What a step started from as it looks after an impulse in one of its stages.
+/// Follows the state at the start of a step after an impulse in one of its stages.
 void follow_impulse(const Integrator& scheme, const StageReplay& stage, double time_step, VectorX& positions,
                     VectorX& velocities) {
   if (!scheme.looks_back() || stage.by_impulses.size() == 0) return;

@@ -77,7 +77,7 @@ class RestBalance {
   std::unique_ptr<Tangent> untouched_tangent_;
   std::vector<Parameter> parameters_;
   World other_areas_;          ///< the same, measured on other rest places
-  std::vector<bool> is_free_;  ///< of each body along each axis
+  std::vector<bool> is_free_;  ///< for each body along each axis
 };
 
 }  // namespace resilin

@@ -18,11 +18,11 @@
 namespace resilin {
 namespace {
 
-constexpr double force_tolerance = 1e-10;  ///< of the run that judges, at most
+constexpr double force_tolerance = 1e-10;  ///< tolerance of forces in the run that judges, at most
 constexpr double shortest_step = 1.0 / 64, creeping_step = 1.0 / 32;
 constexpr int most_creeping_steps = 3;  ///< running: smaller parts of the loads are nearer
 constexpr const char* no_change_comes_nearer = "no change of the stress-free shape reduces the imbalance";
-constexpr double least_accuracy = 1e-3;  ///< of GMRES: less is no step of Newton's
+constexpr double least_accuracy = 1e-3;  ///< least accuracy of GMRES: less is no step of Newton's
 /// Asked of GMRES: the loosest, the tightest and beside the square of what the last step has left (Eisenstat
 /// & Walker 1996, choice 2).
 constexpr double loosest = 1e-4, tightest = 1e-8, beside_square = 0.1;
@@ -362,9 +362,9 @@ class Search {
   double size_ = 0;
   std::vector<std::string> warnings_;
   std::vector<std::pair<std::string, double>> kept_off_;
-  double part_ = 0;  ///< of the loads, for which there is a shape
+  double part_ = 0;  ///< part of the loads for which there is a shape
   int iterations_ = 0;
-  Index unstable_modes_ = 0;  ///< of the shape found
+  Index unstable_modes_ = 0;  ///< unstable modes of the shape found
   std::string failure_ = "nothing was tried";
 };
 

@@ -11,19 +11,19 @@ namespace resilin {
 /// Progress of an inverse-design search.
 struct RestShapeProgress {
   bool is_judging = false;  ///< a run from the shape that was found goes on
-  double share = 0;         ///< of the loads: for which a shape is found, or that the run has raised
-  double towards = 0;       ///< of the loads, at which a shape is sought
-  int iterations = 0;       ///< of Newton's method, of the search or of the run
+  double share = 0;         ///< share of the loads for which a shape is found, or that the run has raised
+  double towards = 0;       ///< share of the loads at which a shape is sought
+  int iterations = 0;       ///< iterations of Newton's method, of the search or of the run
 
   std::string text() const;  ///< "a shape for 50 % of the loads, towards 75 %, iteration 34"
 };
 
 struct RestShapeOptions {
-  double meets = 1e-8;          ///< of the size: how near to the target a run from the shape found must end
-  double step = 1e-10;          ///< of the size: Newton's method ends with a step below
-  int max_iterations = 30;      ///< of Newton's method, for each part of the loads
-  int max_products = 150;       ///< of GMRES
-  double smallest_part = 0.01;  ///< of the loads, by which they are raised
+  double meets = 1e-8;  ///< relative to the size: how near to the target a run from the shape found must end
+  double step = 1e-10;  ///< relative to the size: Newton's method ends with a step below
+  int max_iterations = 30;      ///< maximum iterations of Newton's method, for each part of the loads
+  int max_products = 150;       ///< maximum products of GMRES
+  double smallest_part = 0.01;  ///< smallest part of the loads, by which they are raised
   /// Asked between iterations; false: the search is given up (Interrupted).
   std::function<bool(const RestShapeProgress&)> goes_on{};
 };
@@ -32,18 +32,18 @@ struct RestShapeOptions {
 struct RestShape {
   struct OfBody {
     std::string name;
-    VectorX rest, deformed;  ///< of its vertices, in the scene [m]
+    VectorX rest, deformed;  ///< rest and deformed of its vertices, in the scene [m]
   };
   std::vector<OfBody> bodies;
-  /// What was given, from that rest shape: meshes in the bodies' own coordinates, what was selected by place
-  /// as drawn by the numbers of its vertices, and where no run begins in the rest shape the one drawn as its
-  /// start.
+  /// The given scene from that reference shape: meshes in the bodies' own coordinates, what was selected by
+  /// place as drawn by the numbers of its vertices, and where no run begins in the rest shape the one drawn
+  /// as its start.
   Description scene;
   /// Largest of a deformed vertex, by a run of its own, from where it was drawn, or from where a body that is
   /// only borne by what it lies on stands in the shape that was drawn [m].
   double distance = 0;
-  double size = 0;     ///< of the bodies as drawn, along the axes [m]
-  int iterations = 0;  ///< of Newton's method
+  double size = 0;     ///< size of the bodies as drawn, along the axes [m]
+  int iterations = 0;  ///< iterations of Newton's method
   /// Colliders that leave no stress-free shape with the default activation distance: names, and activation
   /// distances at which they do not press on what is drawn, which `scene` has [m].
   std::vector<std::pair<std::string, double>> kept_off;

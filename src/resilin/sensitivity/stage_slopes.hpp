@@ -11,7 +11,7 @@ namespace resilin {
 struct StageTerms {
   const Potential& potential;
   std::vector<std::size_t> numbers;
-  bool are_impulses = false;  ///< of contact and friction alone
+  bool are_impulses = false;  ///< for contact and friction alone
 
   /// All terms of the world.
   StageTerms(const World& world, const Potential& of);

@@ -56,7 +56,7 @@ class StaticDerivatives final : public Derivatives {
   std::vector<VectorX> slopes_at_places(const std::vector<FrameChange>& slopes);
   void estimate_error(const std::vector<FrameChange>& slopes, const std::vector<VectorX>& found);
 
-  std::vector<VectorX> places_;  ///< of the frames
+  std::vector<VectorX> places_;  ///< places of the frames
   Tangent tangent_;
   std::size_t formed_ = 0;            ///< the frame of `tangent_`; 0: none
   bool last_matrix_is_near_ = false;  ///< Newton's last step was one by the exact Hessian, which was definite
@@ -133,7 +133,7 @@ std::vector<VectorX> StaticDerivatives::transposed(const std::vector<FrameChange
   return found;
 }
 
-/// What is left of the forces moves each equilibrium by one more Newton step, and the gradient with it.
+/// The rest of the forces moves each equilibrium by one more Newton step, and the gradient with it.
 void StaticDerivatives::estimate_error(const std::vector<FrameChange>& slopes,
                                        const std::vector<VectorX>& found) {
   const std::vector<VectorX> kept = places_;

@@ -37,10 +37,10 @@ class StressAtPlace {
   const Body& body_;
   std::size_t body_number_ = 0;
   Index cell_ = 0;
-  std::vector<Index> nodes_;           ///< of the cell, in the world
+  std::vector<Index> nodes_;           ///< nodes of the cell, in the world
   std::vector<double> rest_;           ///< their rest positions, dim each [m]
   std::vector<double> gradients_;      ///< at [a * dim + k] [1/m]
-  std::vector<PointGeometry> points_;  ///< of the quadrature, for elements with a mean volume
+  std::vector<PointGeometry> points_;  ///< points of the quadrature, for elements with a mean volume
   Material material_;
 };
 

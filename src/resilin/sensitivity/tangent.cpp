@@ -13,15 +13,16 @@
 namespace resilin {
 namespace {
 
-constexpr double tight_tolerance = 1e-13;     ///< asked of solvers
-constexpr double iterative_tolerance = 1e-8;  ///< of those that iterate, at rest, as of equilibria themselves
+constexpr double tight_tolerance = 1e-13;  ///< asked of solvers
+constexpr double iterative_tolerance =
+    1e-8;  ///< tolerance of iterative solvers, at rest, as of equilibria themselves
 /// In motion beside newton.tolerance, to which the steps are right themselves; and at most.
 constexpr double beside_newton = 1e-2, loosest_in_motion = 1e-8;
 /// When a solution takes more, the next matrix gets factors of its own.
 constexpr int most_solves_with_old_factors = 10;
-constexpr double largest_residual = 1e-7;  ///< with which a solution is still taken
-constexpr int most_skew_iterations = 200;  ///< of GMRES
-constexpr double refinement = 1e-4;        ///< of what it left
+constexpr double largest_residual = 1e-7;  ///< residual with which a solution is still taken
+constexpr int most_skew_iterations = 200;  ///< most skew iterations of GMRES
+constexpr double refinement = 1e-4;        ///< refinement of a solution of GMRES
 
 LinearOptions options(const World& world, const std::string& kind, bool is_definite,
                       const std::shared_ptr<AnalysisCache>& analyses) {
@@ -116,7 +117,7 @@ void Tangent::factorize() {
   LinearReport report = solver_->factorize(free_);
   require_memory(report);
   if (report.status == LinearReport::Status::ok && !solver_->is_direct() && !is_sequence_) {
-    // What a solver that iterates has not refused it may still find indefinite.
+    // A matrix that an iterative solver has not refused may still be indefinite.
     VectorX probe = VectorX::Zero(x_.size()), b(x_.size());
     for (Eigen::Index i = 0; i < b.size(); ++i) b[i] = std::sin(1.0 + 12.9898 * static_cast<double>(i));
     set_fixed_to_zero(world_.is_fixed, b);

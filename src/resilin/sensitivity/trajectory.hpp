@@ -31,12 +31,12 @@ class Trajectory {
   const StepReplay& step(int number);
 
  private:
-  /// What a step starts from, as far as the scheme looks at it; positions that are the last place before are
-  /// left out at the start of a chunk.
+  /// State at the start of a step, as far as the scheme looks at it; positions that are the last place before
+  /// are left out at the start of a chunk.
   struct Start {
     double time = 0;
     History history{};
-    std::vector<VectorX> by_impulses{};  ///< of the stages of the step
+    std::vector<VectorX> by_impulses{};  ///< impulses of the stages of the step
   };
   void leave_out_unneeded(History& history) const;
   void make_room(int num_steps);
@@ -50,17 +50,17 @@ class Trajectory {
   const Integrator& scheme_;
   TakeStep take_step_;
   int num_steps_ = 0;
-  int length_;                  ///< of a chunk, whose steps are there at the same time
+  int length_;                  ///< length of a chunk, whose steps are there at the same time
   int chunks_per_segment_ = 1;  ///< between checkpoints
   bool keeps_places_;
-  Motion begin_, end_;              ///< of the run, without accelerations
+  Motion begin_, end_;              ///< begin and end of the run, without accelerations
   std::vector<State> checkpoints_;  ///< at the starts of the segments, where there are such
   // All chunks, or with checkpoints those of the segment that was made again last, the others being empty:
   std::vector<Start> chunk_starts_;
-  std::vector<std::vector<VectorX>> places_;  ///< of the stages, by step
+  std::vector<std::vector<VectorX>> places_;  ///< places of the stages, by step
   int segment_ = -1;
   int loaded_ = -1;            ///< the chunk of `starts_`
-  std::vector<Start> starts_;  ///< of its steps, and of the one after
+  std::vector<Start> starts_;  ///< starts of its steps, and of the one after
   int replayed_ = 0;           ///< the number of `step_`; 0: none
   StepReplay step_;
 };

@@ -39,8 +39,8 @@ struct WorldChange {
   /// Changes of bodies on each other.
   struct OfContact {
     bool has_friction = false;
-    double friction = 0;        ///< of all that no pair has
-    std::vector<double> pairs;  ///< of each pair of the description
+    double friction = 0;        ///< friction of all contact without a pair of its own
+    std::vector<double> pairs;  ///< friction of each pair of the description
   };
 
   explicit WorldChange(const World& world)
@@ -59,7 +59,7 @@ struct WorldChange {
   std::vector<OfSupport> supports;
   std::vector<OfCollider> colliders;
   OfContact contact;
-  VectorX rest_positions{};  ///< of all nodes, as the following [m]
+  VectorX rest_positions{};  ///< rest positions of all nodes, as the following [m]
   VectorX start_positions{};
   VectorX start_velocities{};  ///< [m/s]
 

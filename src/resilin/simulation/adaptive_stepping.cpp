@@ -94,12 +94,12 @@ double TimeStepper::step_error(const World& world, Newton& newton, const State& 
                                double time_step) const {
   History start = start_of_step(world, state, time_step);
   const bool is_new = world.share.any(start.now.accelerations != state.accelerations);
-  if (is_new) start.previous_time_step = 0;  // what was before an event says nothing about what follows
+  if (is_new) start.previous_time_step = 0;  // the step before an event says nothing about the next one
   VectorX by_contact = contact_accelerations(world, state) / 3;
   if (found.contact_accelerations.size() > 0) by_contact += found.contact_accelerations / 6;
   const VectorX error =
       found.scheme->local_error(start, found.end, time_step) - time_step * time_step * by_contact;
-  // What touches may let go within the step: contact holds no error back.
+  // Bodies in contact may part within the step: contact holds no error back.
   const bool touches = world.share.any(!by_contact.isZero(0));
   const Conditions end = conditions_after(state, time_step);
   const Terms terms = terms_without(EnergyCategory::contact, world.terms);

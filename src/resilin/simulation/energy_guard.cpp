@@ -74,7 +74,7 @@ double num_owned_nodes(const World& world, const Body& body) {
   return world.share.sum(count);
 }
 
-/// What is left of velocities without the rigid motion that has the momenta of each body. Bodies with
+/// Velocities without the rigid motion that has the momenta of each body. Bodies with
 /// supports keep all.
 VectorX without_rigid_motion(const World& world, const VectorX& positions, VectorX velocities) {
   for (const Body& body : world.bodies) {

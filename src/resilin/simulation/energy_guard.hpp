@@ -7,7 +7,7 @@
 namespace resilin {
 
 struct EnergyChange {
-  double kinetic_before = 0, kinetic_after = 0;  ///< of the free unknowns [J]
+  double kinetic_before = 0, kinetic_after = 0;  ///< kinetic energy before and after, of the free DOFs [J]
   double added = 0;        ///< beyond the work done on the bodies [J]; infinite outside the energies' domain
   bool is_driven = false;  ///< work was done; where there is a choice, `added` is the least that it may be
 };
@@ -18,7 +18,7 @@ struct EnergyChange {
 EnergyChange energy_change(const World& world, const State& start, const Motion& end,
                            const Conditions& after);
 
-/// What round-off may do to the energy of bodies [J]: a strain of 1e-10 everywhere, and what digits of the
+/// Bound of the round-off in the energy of bodies [J]: a strain of 1e-10 everywhere, and what digits of the
 /// places make of velocities.
 double round_off_energy(const World& world, double strain_stiffness, const VectorX& positions,
                         double time_step);

@@ -104,7 +104,7 @@ double norm_of_body(const World& world, const Body& body, const Eigen::Ref<const
   return std::sqrt(world.share.sum(owned.squaredNorm()));
 }
 
-/// What rounding leaves of the sum of the forces on a body [N].
+/// Bound of the rounding of the sum of the forces on a body [N].
 /// @param rounding  of each force; empty: none
 double rounding_of(const World& world, const Body& body, const VectorX& rounding) {
   if (world.share.all(rounding.size() == 0)) return 0;
@@ -231,7 +231,7 @@ std::string describe_imbalance(const World& world, const Potential& potential, c
 
 namespace {
 
-/// What rounding of sums and of positions leaves of each force in an equilibrium (docs/theory/stopping.md,
+/// Bound of the rounding of sums and of positions for each force in an equilibrium (docs/theory/stopping.md,
 /// S.2); empty where nothing is left [N].
 VectorX rounding_of_forces(const World& world, const Potential& potential, const Parts& parts,
                            const VectorX& x, const VectorX& gradient) {
@@ -260,7 +260,7 @@ std::vector<std::string> describe_lost_digits(const World& world, const State& s
       measure_balance(world, gradient, potential.gradients_without(EnergyCategory::elastic, x));
   for (std::size_t b = 0; b < forces.size(); ++b) {
     const Body& body = world.bodies[b];
-    double load = 0;  // what supports exert may be rounding itself
+    double load = 0;  // reactions may be rounding themselves
     for (Index node = body.first_node; node < body.first_node + body.num_nodes; ++node)
       load = std::max(load, scales[parts.of_node(node)]);
     load = world.share.largest(load);

@@ -15,11 +15,11 @@ namespace resilin {
 /// formed: what the supports exert against loads, contact, damping and inertia, in which the stresses do not
 /// appear.
 struct ForceBalance {
-  Vector3 reaction = Vector3::Zero();  ///< of all supports on the body [N]
-  Vector3 load = Vector3::Zero();      ///< of everything else that acts on it, inertia included [N]
+  Vector3 reaction = Vector3::Zero();  ///< reaction of all supports on the body [N]
+  Vector3 load = Vector3::Zero();      ///< load of everything else that acts on it, inertia included [N]
   double scale = 0;                    ///< the largest force that takes part [N]
 
-  double gap() const { return (reaction + load).norm(); }  ///< what is missing [N]
+  double gap() const { return (reaction + load).norm(); }  ///< missing force [N]
 };
 
 /// Balances of each body of the world in one state.
@@ -33,11 +33,11 @@ std::vector<ForceBalance> measure_balance(const World& world, const VectorX& gra
 /// balanced do not appear.
 struct WorkBalance {
   double strain_energy = 0;  ///< its change, for the whole displacement at the rate at x [J]
-  double work = 0;           ///< of supports and of everything else that acts, inertia included [J]
+  double work = 0;           ///< work of supports and of everything else that acts, inertia included [J]
   double scale = 0;          ///< the largest of them, or of what they are made of [J]
-  double rounding = 0;       ///< of the forces, times the way [J]
+  double rounding = 0;       ///< rounding of the forces, times the way [J]
 
-  double gap() const { return std::abs(strain_energy - work); }  ///< what is missing [J]
+  double gap() const { return std::abs(strain_energy - work); }  ///< missing energy [J]
 };
 
 /// For each body of the world at x along `displacement` [m], which begins or ends there; `gradient` and

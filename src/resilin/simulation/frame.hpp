@@ -12,7 +12,7 @@
 
 namespace resilin {
 
-/// What the report says about one instant.
+/// Entry of the report for one instant.
 struct Frame {
   struct ProbeValue {
     std::string name;
@@ -31,13 +31,13 @@ struct Frame {
     double frequency = 0;  ///< [Hz]; zero for a rigid or unstable mode
     bool is_rigid = false;
     bool is_unstable = false;
-    double growth_rate = 0;                    ///< of an unstable mode [1/s]
+    double growth_rate = 0;                    ///< growth rate of an unstable mode [1/s]
     Vector3 effective_mass = Vector3::Zero();  ///< that a shaken wall moves in it [kg]
   };
 
   int step = 0;
   double time = 0;
-  std::optional<ModeValues> mode;  ///< of a free vibration
+  std::optional<ModeValues> mode;  ///< mode of a free vibration
   double load = 0;
   int newton_iterations = 0;
   int linear_iterations = 0;
@@ -54,23 +54,24 @@ struct Frame {
   Index worst_cell = -1;                ///< where the volume ratio is least, in its body ...
   int worst_body = 0;                   ///< ... this one
   double elastic_energy = 0, kinetic_energy = 0, external_energy = 0, contact_energy = 0;  ///< [J]
-  /// By damping, friction and viscoelasticity, since the start; no part of the total [J].
+  /// Loss by damping, friction and viscoelasticity since the start; no part of the total [J].
   double dissipated_energy = 0;
-  double friction_work = 0;                    ///< of it, by friction [J]
+  double friction_work = 0;                    ///< part of it that is friction [J]
   Vector3 linear_momentum = Vector3::Zero();   ///< [kg m/s]
   Vector3 angular_momentum = Vector3::Zero();  ///< about the origin [kg m^2/s]
   std::vector<ProbeValue> probes;
   std::vector<std::pair<std::string, Vector3>>
       reactions;  ///< forces that supports, then colliders, exert on the bodies [N]
 
-  std::vector<Vector3> reaction_torques;  ///< of the same about the origin, on the moved nodes [N m]
+  std::vector<Vector3>
+      reaction_torques;  ///< reaction torques of the same about the origin, on the moved nodes [N m]
 
   /// Bodies that touch.
   std::vector<SurfaceContact::BodyContact> contacts;
 
-  std::vector<RegionEnergy> regions;  ///< of bodies that have regions
+  std::vector<RegionEnergy> regions;  ///< regions of bodies that have regions
 
-  std::vector<SectionForce> sections;  ///< what bodies carry through the cuts that the scene asks for
+  std::vector<SectionForce> sections;  ///< section forces of the cuts that the scene asks for
 
   double total_energy() const { return elastic_energy + kinetic_energy + external_energy + contact_energy; }
 };

@@ -23,7 +23,8 @@ VectorX accelerations_from(const World& world, State state, double time_step);
 /// When "from now on" is: later by what times are told apart by [s].
 double time_after(double time, double time_step);
 
-// What these accelerations balance: the gradient of all terms but inertia and those that act as impulses, ...
+// Terms that these accelerations balance: the gradient of all terms but inertia and those that act as
+// impulses, ...
 Terms smooth_terms(const World& world);
 /// ... in a stage that has these velocities, v = (x - x_0) / c for any c.
 Stage stage_at_once(const VectorX& positions, const VectorX& velocities);

@@ -6,8 +6,9 @@
 namespace resilin {
 namespace {
 
-constexpr double notable_share = 0.1;  ///< of the strain energy: less is what a long step leaves
-constexpr double lasting_share = 0.3;  ///< of what was lost in the step: so much is lost in a part of it, too
+constexpr double notable_share = 0.1;  ///< relative to the strain energy: a long step leaves less
+constexpr double lasting_share =
+    0.3;  ///< relative to the loss in the step: so much is lost in a part of it, too
 constexpr int most_bisections = 5, least_bisections = 2;  ///< where one finds no equilibrium
 
 double strain_energy(const World& world, const Equilibrium& at) {

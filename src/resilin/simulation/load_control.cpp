@@ -22,12 +22,13 @@ constexpr int most_iterations_of_a_shortened_step = 40;
 /// Up to this number of unknowns a factorisation for each equilibrium costs a fraction of a second.
 constexpr Index most_unknowns_counted = 10000;
 
-/// With which a load is tried again that seems to have no equilibrium: of forces that large ones elsewhere in
+/// Tighter tolerance for a load that seems to have no equilibrium: of forces that large ones elsewhere in
 /// the body hide, less is then left.
 constexpr double tight_tolerance = 1e-12;
-constexpr double smallest_share_of_path = 1.0 / 64;  ///< of a load step: shorter ones jump where these do
+constexpr double smallest_share_of_path =
+    1.0 / 64;  ///< least part of the path in a load step: shorter ones jump where these do
 constexpr int most_attempts_without_digits = 4;
-constexpr double smallest_tight_share = 0.25;  ///< of a load step
+constexpr double smallest_tight_share = 0.25;  ///< least load step at the tight tolerance
 
 double turn_between(const World& world, double load, double next) {
   return largest_turn(world, world.at_load(load), world.at_load(next));
@@ -216,7 +217,7 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
     // Smaller steps give no digits, unless surfaces that came too near on the way have taken them.
     const bool is_out_of_digits = search.status == NewtonReport::Status::out_of_digits &&
                                   report.failed_attempts > most_attempts_without_digits;
-    const bool has_path = !world.friction && world.path_time == 0;  // what arc length can follow
+    const bool has_path = !world.friction && world.path_time == 0;  // arc length can follow it
     if (state.load_increment < smallest_load_increment && !is_tight && !is_out_of_digits &&
         settings.tolerance > tight_tolerance) {
       is_tight = true;

@@ -16,7 +16,7 @@ class LoadControl {
  public:
   explicit LoadControl(const World& world);
 
-  /// What the first step needs to know.
+  /// Prepares the data that the first step needs.
   void prepare(const World& world, State& state) const;
 
   /// One step from `state`, as large as converges. Moves the state there; leaves it alone when the report
@@ -41,7 +41,7 @@ class LoadControl {
 
   std::optional<PathFollower> follower_;
   std::optional<ExactStiffness> stiffness_;
-  std::optional<Index> last_count_;  ///< of unstable modes: a warning comes when it changes
+  std::optional<Index> last_count_;  ///< last count of unstable modes: a warning comes when it changes
   bool has_warned_of_memory_ = false;
 };
 

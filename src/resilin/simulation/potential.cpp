@@ -14,7 +14,7 @@ namespace {
 
 /// So often may terms disagree about how far they go, until they stay where they are.
 constexpr int most_rounds_of_delay = 50;
-constexpr double round_off_of_delay = 1e-12;  ///< of it
+constexpr double round_off_of_delay = 1e-12;  ///< rounding of a delay, relative to it
 
 /// Share of the sum of |parts| of a force: what is smaller cannot be told from rounding.
 constexpr double forces_round_off = 10 * std::numeric_limits<double>::epsilon();
@@ -242,7 +242,7 @@ VectorX Potential::distinct_acting_scales(const VectorX& x, const VectorX& round
     share_.add_copies(magnitude);
     VectorX rounding = forces_round_off * parts.norms(magnitude, is_fixed_, Unknowns::all);
     VectorX sizes = parts.norms(force, is_fixed_, Unknowns::all);
-    // What moves evenly has no inertial force, but momentum; over the step that is a force, too.
+    // Even motion has no inertial force, but momentum; over the step that is a force, too.
     if (category == EnergyCategory::inertia) {
       at_base.setZero(x.size());
       term->add_gradient(base_positions_, conditions_, at_base);
@@ -333,8 +333,8 @@ bool Potential::is_in_domain(const VectorX& x) const {
   return share_.all(std::isfinite(sum));
 }
 
-// What turns or swings may be clear of bodies now and later, but not between: all are asked again about the
-// time that they have agreed on.
+// Turning or swinging colliders may be clear of bodies now and later, but not between: all are asked again
+// about the time that they have agreed on.
 double Potential::least_delay(const VectorX& x) const {
   const double behind = conditions_.collider_delay;
   double delay = 0;

@@ -39,7 +39,7 @@ class Potential final : public Objective {
   /// Within the stage: what lags stays where it is.
   void set_conditions(const Conditions& conditions) { conditions_ = conditions; }
 
-  /// What terms keep of a shape that is known, the normal forces of friction, becomes what it is at x. Before
+  /// Updates quantities that terms keep of a known shape, the normal forces of friction, to x. Before
   /// the first time there is none of it. @return whether that may have changed forces
   bool form_lag(const VectorX& x) override;
   bool relax_lag() override;
@@ -74,7 +74,7 @@ class Potential final : public Objective {
   double difference_without(EnergyCategory category, const VectorX& from, const VectorX& to) const;
   VectorX gradient_of(EnergyCategory category, const VectorX& x) const;
   VectorX impulses(const VectorX& x) const;  ///< gradients of what acts as an impulse
-  /// What friction turns into heat in the stage, whose forces are those of its end [J].
+  /// Heat of friction in the stage, whose forces are those of its end [J].
   /// @param from      where the stage before ended
   /// @param duration  since then [s]
   double heat_of_friction(const VectorX& from, const VectorX& x, double duration) const;
@@ -96,7 +96,7 @@ class Potential final : public Objective {
   Share share_;
   std::span<const std::uint8_t> is_fixed_;
   Conditions conditions_;
-  VectorX base_positions_;                    ///< of the stage; empty in statics
+  VectorX base_positions_;                    ///< base positions of the stage; empty in statics
   std::vector<std::unique_ptr<Energy>> own_;  ///< made for this stage
   std::vector<const Energy*> terms_;          ///< in order, `own_` in place of those they were made of
   std::vector<const HistoryTerm*>

@@ -35,7 +35,7 @@ class Simulation {
 
   const World& world() const { return world_; }
   const State& state() const { return state_; }
-  const Frame& frame() const { return frame_; }  ///< of the present state
+  const Frame& frame() const { return frame_; }  ///< report of the present state
   const Timing& timing() const { return timing_; }
   /// Linear solver with the factors of the last step, for solves with a similar matrix. Changes no later
   /// step.

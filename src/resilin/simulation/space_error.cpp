@@ -21,10 +21,10 @@ namespace resilin {
 namespace {
 
 constexpr std::size_t cells_per_chunk = 64, cells_per_batch = 2048;
-constexpr double most_bytes = 512e6;      ///< for the element matrices of all bodies
-constexpr int most_iterations = 30;       ///< of conjugate gradients
-constexpr double least_gain = 0.01;       ///< of the energy, by which an iteration has to add to it
-constexpr double solve_tolerance = 1e-3;  ///< of the element's own unknowns
+constexpr double most_bytes = 512e6;  ///< for the element matrices of all bodies
+constexpr int most_iterations = 30;   ///< most iterations of conjugate gradients
+constexpr double least_gain = 0.01;   ///< least gain of the energy, by which an iteration has to add to it
+constexpr double solve_tolerance = 1e-3;  ///< solve tolerance of the element's own unknowns
 
 /// Corners of an edge or a facet in rising order, -1 after the last one; for an odd function of an edge,
 /// `odd` at the end.
@@ -326,14 +326,14 @@ class BodySpace {
   const World& world_;
   const Body& body_;
   RicherSpace space_;
-  std::vector<Key> keys_;            ///< of the functions, rising
+  std::vector<Key> keys_;            ///< keys of the functions, rising
   std::vector<std::size_t> locals_;  ///< their numbers in one of the cells that have them
   std::vector<Index> numbers_;       ///< [cell, function of the cell]
   std::vector<double> signs_;        ///< likewise
   std::vector<char> is_fixed_;       ///< per unknown
   std::size_t rows_ = 0, columns_ = 0;
   std::vector<double> matrices_;  ///< [cell][row][K_bb, then K_bh]
-  std::vector<Square> inverses_;  ///< of the diagonal blocks
+  std::vector<Square> inverses_;  ///< inverses of the diagonal blocks
   VectorX residual_;
 };
 
@@ -347,7 +347,7 @@ void BodySpace<dim>::form_cells(const Domain& domain, std::size_t first, std::si
   const std::vector<QuadraturePoint>& points = space_.rule().points;
   const std::vector<Index>& nodes = body_.cells;
   const std::size_t n = columns_ / dim, count = rows_ / dim, num_points = points.size();
-  std::vector<double> values;   // of the functions on the reference cell, [point][function]
+  std::vector<double> values;   // values of the functions on the reference cell, [point][function]
   std::vector<Vector3> slopes;  // likewise
   for (const QuadraturePoint& point : points)
     for (std::size_t f = 0; f < count; ++f) {

@@ -43,7 +43,7 @@ bool fit_to_flight(Potential& potential, std::span<const std::uint8_t> is_fixed,
   const Share& share = flight.world->share;
   if (share.all(fitted == x)) return false;  // no body is free
   if (choose_lower_start(potential, is_fixed, held, fitted, x)) return true;
-  // What one body touches is no reason against the flight of others.
+  // Contact of one body is no reason against the flight of others.
   if (flight.world->bodies.size() == 1) return false;
   const VectorX touched = potential.gradient_of(EnergyCategory::contact, x).cwiseAbs() +
                           potential.gradient_of(EnergyCategory::contact, fitted).cwiseAbs();

@@ -18,7 +18,7 @@ struct StageBudget {
 /// Where a stage would end if nothing held the bodies back.
 struct Flight {
   VectorX places{};              ///< [m]; empty where the search is to begin where it is told
-  const World* world = nullptr;  ///< whose bodies fly; null in statics, where none does
+  const World* world = nullptr;  ///< world of the flying bodies; null in statics, where none does
 };
 
 /// Where the stage would end without forces; bodies that fly, held by no support and about as heavy as their

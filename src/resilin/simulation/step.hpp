@@ -9,7 +9,7 @@
 #include "resilin/world/linear_problem.hpp"
 #include "resilin/world/world.hpp"
 
-/// What steps in time and in load have in common.
+/// Data that steps in time and in load have in common.
 namespace resilin {
 
 struct StageReport;
@@ -17,14 +17,14 @@ struct StageReport;
 /// How friction settled in the stages of a step.
 struct FrictionReport {
   int rounds = 0;            ///< searches that went on with normal forces formed anew
-  int unsettled_stages = 0;  ///< whose forces are not in balance with the friction of where they ended
+  int unsettled_stages = 0;  ///< stages whose forces do not balance the friction of where they ended
   double mismatch = 0;       ///< the most that is out of balance, beside the forces that act
 
   void add(const StageReport& stage);
   void add(const FrictionReport& part);
 };
 
-/// What became of one time step or load step.
+/// Outcome of one time step or load step.
 struct StepReport {
   enum class Status {
     converged,
@@ -54,7 +54,7 @@ void add_counts(NewtonReport& sum, const NewtonReport& part);
 /// The same; everything else `sum` takes from `part`.
 void add_to(NewtonReport& sum, const NewtonReport& part);
 
-/// What the scene asks of Newton's method.
+/// Settings of Newton's method in the scene.
 NewtonSettings newton_settings(const World& world);
 
 /// Makes x the one of two starts with the lower objective, so that a step cut short never has pumped energy
@@ -76,7 +76,7 @@ std::string describe_limit(const Body& body);
 /// Steps of a run that did not converge and were gone on from, those before a restart included.
 struct FailedSteps {
   int count = 0;
-  int in_a_row = 0;  ///< of them, those up to now for which there seems to be no solution
+  int in_a_row = 0;  ///< number of the last ones in a row for which there seems to be no solution
   int first_step = 0;
   double first_time = 0;     ///< at its end [s]
   std::string first_reason;  ///< in words

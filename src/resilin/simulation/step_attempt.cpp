@@ -9,7 +9,7 @@
 namespace resilin {
 namespace {
 
-/// What damping takes on the way to `end` [J].
+/// Energy that damping takes on the way to `end` [J].
 double dissipation(const World& world, const State& state, const Motion& end, double time_step) {
   double sum = 0;
   for (const auto& term : world.terms) sum += term->dissipation(state.positions, end.positions, time_step);
@@ -36,10 +36,10 @@ bool TimeStepper::Attempt::keeps_energy(const World& world, const State& start, 
   const Conditions after = conditions_after(start, time_step, collider_delay);
   const EnergyChange change = energy_change(world, start, end, after);
   const double before = std::max(start.largest_kinetic_energy, change.kinetic_before);
-  // What a scheme loses where nothing disturbs it, it may find again.
+  // A scheme may regain the energy that it lost where nothing disturbed it.
   const double least = converged() && !touches && !change.is_driven ? -infinity : 0;
   const double found = std::max(least, start.energy_excess) + change.added;
-  // What Newton's method leaves of the forces does work, too.
+  // The residual of Newton's method does work, too.
   const double left =
       converged() ? report.newton.residual * world.share.norm(end.positions - start.positions) : 0;
   const double kinetic_without = std::max(before, change.kinetic_after - std::max(0.0, found));

@@ -22,9 +22,9 @@ struct TimeStepper::Attempt {
   bool may_be_turned = false;
   bool touches = false;             ///< contact acts, or would if the step had been found
   VectorX contact_accelerations{};  ///< at the end, where they are wanted; empty: none [m/s^2]
-  VectorX jump{};                   ///< of the velocities by contact in the last stage, the same
+  VectorX jump{};                   ///< jump of the velocities by contact in the last stage, the same
   double jump_effect = 0;           ///< see follow_jump [s]
-  VectorX slowing{};                ///< of the velocities, lest the step add energy; empty: none
+  VectorX slowing{};                ///< slowing of the velocities, lest the step add energy; empty: none
   double energy_excess = 0, largest_kinetic_energy = 0;  ///< as in State
 
   bool converged() const { return report.status == StepReport::Status::converged; }
@@ -39,7 +39,7 @@ struct TimeStepper::Attempt {
   void move(const World& world, State& state, double time_step, double time) &&;
 };
 
-/// What a step starts from.
+/// State at the start of a step.
 History history_of(const State& state);
 
 }  // namespace resilin

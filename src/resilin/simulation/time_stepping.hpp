@@ -43,8 +43,8 @@ class TimeStepper {
   /// About how far the step, the latest that `newton` was asked for, misplaces a vertex [m].
   double step_error(const World& world, Newton& newton, const State& state, const Attempt& found,
                     double time_step) const;
-  /// What a step starts from; where loads or prescribed motions begin or end, with the accelerations of what
-  /// follows.
+  /// State at the start of a step; where loads or prescribed motions begin or end, with the accelerations of
+  /// what follows.
   History start_of_step(const World& world, const State& state, double time_step) const;
 
   std::unique_ptr<Integrator> integrator_;

@@ -12,7 +12,7 @@
 namespace resilin {
 namespace {
 
-constexpr double drawn_size = 0.1;  ///< of the largest extent
+constexpr double drawn_size = 0.1;  ///< drawn size, relative to the largest extent
 
 /// (shape^T M 1_k)^2 for each axis k.
 Vector3 effective_mass(const World& world, const VectorX& shape) {

@@ -12,7 +12,7 @@
 namespace resilin {
 namespace {
 
-constexpr std::uint64_t most_values = 1000000000000;  // of one parameter
+constexpr std::uint64_t most_values = 1000000000000;  // most values of one parameter
 
 const std::vector<std::string>& form_names() {
   static const std::vector<std::string> names = {"values", "linspace", "logspace",

@@ -16,8 +16,8 @@ struct SweepParameter {
   enum class Kind { list, spaced, interval };
 
   std::vector<std::string> keys;  ///< as after --set
-  std::string name;               ///< of its column in the table
-  std::string place;              ///< of messages
+  std::string name;               ///< name of its column in the table
+  std::string place;              ///< place of messages
   SceneValue origin;              ///< where it stands: an empty table with its source and line
   Kind kind = Kind::list;
   std::vector<SceneValue> values;  ///< list

@@ -15,7 +15,7 @@ namespace resilin {
 namespace {
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
-constexpr std::string_view smallest = "min.", largest = "max.";  // of a field
+constexpr std::string_view smallest = "min.", largest = "max.";  // smallest and largest of a field
 
 using NumberOfFrame = std::pair<const char*, std::optional<double> (*)(const Frame&)>;
 

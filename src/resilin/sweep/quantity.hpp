@@ -21,10 +21,10 @@ constexpr std::array<std::string_view, 7> spellings(OverSteps) {
 
 /// A column of the table of a sweep.
 struct Quantity {
-  std::string name;  ///< of its column
+  std::string name;  ///< name of its column
   std::string of;    ///< "probe.tip.displacement.z", "max.von_mises"
   OverSteps over = OverSteps::last;
-  std::string place;  ///< of messages
+  std::string place;  ///< place of messages
 };
 
 /// Reads `quantities`: texts, or tables with name, of and over. Names are those of one column each.
@@ -58,7 +58,7 @@ class QuantityRecorder {
   const std::vector<Quantity>& quantities_;
   const World& world_;
   std::unique_ptr<FieldEvaluator> evaluator_;  ///< made when a field is asked for
-  int step_ = -1;                              ///< whose fields `fields_` are
+  int step_ = -1;                              ///< step of the fields in `fields_`
   std::vector<FieldValues> fields_;
   struct Taken {
     std::vector<double> values;

@@ -145,7 +145,7 @@ void RowStore::append(const std::string& line) {
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) {
       const int reason = count == 0 ? ENOSPC : errno;
-      // What came through is taken back, so that the next line does not go on from it.
+      // The part that came through is taken back, so that the next line does not go on from it.
       if (written > 0 && ::ftruncate(own_, static_cast<off_t>(file.consumed)) != 0) {
         ::close(own_);
         own_ = -1;

@@ -66,7 +66,7 @@ class RowStore {
   std::vector<Entry> sorted_;  ///< most of them, by hash
   std::unordered_map<SceneHash, Entry, HashOfHash> recent_;
   bool is_opening_ = true;
-  mutable std::ifstream reader_;  ///< of the file that a line was read from last
+  mutable std::ifstream reader_;  ///< reader of the file that a line was read from last
   mutable std::uint32_t reader_file_ = 0;
   int own_ = -1;  ///< descriptor of the file that this process appends to
   std::uint32_t own_number_ = 0;

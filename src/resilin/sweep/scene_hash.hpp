@@ -14,7 +14,7 @@
 
 namespace resilin {
 
-/// By what a scene of a sweep is known again: 128 bits of all that its results follow from.
+/// Key of a scene of a sweep: 128 bits of all that its results follow from.
 struct SceneHash {
   std::uint64_t high = 0, low = 0;
 

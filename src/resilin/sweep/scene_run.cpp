@@ -15,7 +15,7 @@
 namespace resilin {
 namespace {
 
-/// What is to be told of a scene in which no file was written: everything but that.
+/// Failure to write files of a scene; all else of the scene is told.
 struct WriteFailed {
   FileError error;
 };
@@ -26,7 +26,7 @@ class GrowingFolder {
   explicit GrowingFolder(std::filesystem::path path) : path_(std::move(path)), partial_(path_) {
     partial_ += ".partial";
     try {
-      std::filesystem::remove_all(partial_);  // of a process that was killed
+      std::filesystem::remove_all(partial_);  // files of a process that was killed
       results_.emplace(partial_);
     } catch (const FileError& error) {
       throw WriteFailed{error};

@@ -162,7 +162,7 @@ SceneHash Sweep::hash(std::uint64_t i) const {
   std::string text = "sweep row 1\n" + std::string(version()) + '\n';
   try {
     text += canonical_text(scene_values(i), *files_);
-  } catch (const UnknownKeyError&) {  // of this scene alone, which will be told so
+  } catch (const UnknownKeyError&) {  // concerns this scene alone, which will be told so
     text += canonical_text(description_.base, *files_);
     for (const SceneValue& value : values(i)) text += canonical_text(value, *files_);
   }
@@ -248,7 +248,7 @@ std::optional<Description> Sweep::readable_scene() const {
     std::string message;
     if (!is_known(p, message)) throw InputError(description_.parameters[p].place, message);
   }
-  if (!readable && unknown && is_unknown_everywhere) throw *unknown;  // of the base scene
+  if (!readable && unknown && is_unknown_everywhere) throw *unknown;  // error of the base scene
   return readable;
 }
 

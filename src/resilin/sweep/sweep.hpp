@@ -42,8 +42,8 @@ struct SweepDescription {
   std::filesystem::path folder;  ///< that the paths in the scene start at
   std::vector<SweepParameter> parameters;
   SweepMethod method = SweepMethod::grid;
-  std::int64_t samples = 0;  ///< of latin_hypercube and sobol
-  std::int64_t seed = 0;     ///< of the same
+  std::int64_t samples = 0;  ///< samples of latin_hypercube and sobol
+  std::int64_t seed = 0;     ///< seed of the same
   std::vector<Quantity> quantities;
   KeptScenes keep;
 };
@@ -79,7 +79,7 @@ class Sweep {
   /// "scene 12 (body.beam.scale = 2)", for messages.
   std::string name_of(std::uint64_t i) const;
 
-  /// By what another sweep is told from this one: version, base scene, parameters, quantities.
+  /// Identity of a sweep: version, base scene, parameters, quantities.
   Fingerprint identity() const;
 
  private:

@@ -52,7 +52,7 @@ class Run {
     }
     if (options_.writes_table) write_table();
     progress_.others = queue_.num_others();
-    progress_.count = folder_.count(options_.queue.shard);  // with what other processes have ended
+    progress_.count = folder_.count(options_.queue.shard);  // includes scenes that other processes have ended
     tell();
     return progress_;
   }

@@ -62,11 +62,11 @@ struct SweepRunOptions {
 
 /// Progress of a run of a sweep, while it goes on.
 struct SweepProgress {
-  SweepCount count;  ///< of the shard, those of earlier runs and of other processes included
+  SweepCount count;  ///< count of the shard, those of earlier runs and of other processes included
   std::uint64_t run = 0, run_failed = 0;  ///< by this one
   std::uint64_t others = 0;               ///< that other processes are at work on
   double seconds = 0;                     ///< since this run began
-  double scene_seconds = 0;               ///< of all scenes that it has run together
+  double scene_seconds = 0;               ///< scene seconds of all scenes that it has run together
   int jobs = 1;
   std::string first_failure;  ///< "scene 3 (...): refused: ..."; empty when none has failed
   bool is_stopped = false;

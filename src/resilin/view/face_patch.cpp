@@ -212,7 +212,7 @@ FacePatch face_patch(const ShownSurface& surface, Index vertex, const Vector3& p
 }
 
 std::vector<Index> nodes_of_patch(const ShownSurface& surface, const FacePatch& patch) {
-  constexpr double round_off = 1e-9;  // of weights, which sum to one
+  constexpr double round_off = 1e-9;  // rounding of weights, which sum to one
   std::vector<Index> nodes;
   for (const Index vertex : patch.vertices) {
     const MaterialPoint point = surface.material_point(vertex);

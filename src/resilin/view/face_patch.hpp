@@ -14,15 +14,15 @@ struct FaceReach {
   double radius = 0;  ///< from there, to the middle of a side, at rest [m]; 0: no limit
 };
 
-/// What is meant by "this face" of a body: the facets around one of them that hang together over their edges,
+/// Face of a body at a facet: the facets around it that hang together over their edges,
 /// face as it does and lie within reach, all at rest. Corners at exactly the same place count as one.
 ///
 /// Facets are triangles, in 2D the edges of the rim.
 struct FacePatch {
-  std::size_t part = 0;             ///< of the shown surface
+  std::size_t part = 0;             ///< part of the shown surface
   std::size_t touched = 0;          ///< the facet around which it lies
   std::vector<std::size_t> facets;  ///< triangles of the shown surface, in 2D of the rim; ascending
-  std::vector<Index> vertices;      ///< of the shown surface, ascending
+  std::vector<Index> vertices;      ///< vertices of the shown surface, ascending
 };
 
 /// The face around a touched place.

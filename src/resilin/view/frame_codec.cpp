@@ -17,7 +17,7 @@ constexpr std::uint32_t frame_mark = 0x31465352;     // "RSF1"
 constexpr std::uint32_t topology_mark = 0x31545352;  // "RST1"
 constexpr std::size_t header_size = 64;
 constexpr std::uint32_t has_normals = 1, has_field = 2, has_colliders = 4;
-constexpr float steps = 65535;  // of a place in its box
+constexpr float steps = 65535;  // steps of a place in its box
 
 /// The fixed part of a frame, in the order of docs/view_protocol.md.
 struct Header {

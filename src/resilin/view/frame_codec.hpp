@@ -52,8 +52,8 @@ struct DecodedFrame {
   double time = 0;
   std::uint32_t answers = 0;
   std::uint32_t field_number = 0;
-  std::array<float, 3> corner{}, size{};  ///< of the box of all vertices [m]
-  FieldRange range;                       ///< of the field
+  std::array<float, 3> corner{}, size{};  ///< corner and size of the box of all vertices [m]
+  FieldRange range;                       ///< range of the field
   std::vector<float> positions{}, normals{};
   std::vector<float> field{};  ///< nan where there was no number
   std::vector<float> colliders{};

@@ -11,10 +11,10 @@
 
 namespace resilin {
 
-/// What a page is told before the first frame, besides the world and its surface.
+/// Data that a page receives before the first frame, besides the world and its surface.
 struct ViewHeader {
   std::string title;
-  std::string version;                     ///< of the program
+  std::string version;                     ///< version of the program
   Vector3 up = Vector3::UnitZ();           ///< in 2D always y
   Vector3 gravity = Vector3::Zero();       ///< [m/s^2]
   std::optional<double> ground{};          ///< height of a ground plane along `up`, to be drawn [m]

@@ -42,7 +42,7 @@ std::string encoded(ViewHeader header, const World& world, const ShownSurface& s
   return encode_header(header, world, surface);
 }
 
-/// What is asked for by cell is recorded as averages.
+/// Fields by cell are recorded as averages.
 bool is_recorded(const FieldInfo& field, const std::vector<std::string>& asked) {
   const auto is_asked = [&asked](std::string_view name) {
     return std::ranges::find(asked, name) != asked.end();

@@ -57,11 +57,11 @@ struct Recording {
   std::string header;    ///< JSON
   std::string topology;  ///< see decode_topology in the page
   struct Record {
-    std::size_t begin;         ///< of its payload, in the file
+    std::size_t begin;         ///< begin of its payload, in the file
     std::string_view payload;  ///< into the bytes that were read
   };
   std::vector<Record> records;  ///< whole ones with the right check sum, up to the first that is not
-  std::size_t end = 0;          ///< of the last whole record, in the file
+  std::size_t end = 0;          ///< end of the last whole record, in the file
 };
 
 /// Takes the bytes of a file apart; `bytes` must outlive the result.

@@ -12,8 +12,9 @@
 namespace resilin {
 namespace {
 
-constexpr std::size_t head_size = 32;           ///< of a payload, before the ranges of the fields
-constexpr std::int32_t largest_step = 1 << 28;  ///< of a place in one frame; what is left follows in the next
+constexpr std::size_t head_size = 32;  ///< head size of a payload, before the ranges of the fields
+constexpr std::int32_t largest_step =
+    1 << 28;  ///< largest step of a place in one frame; what is left follows in the next
 
 /// For each vertex the highest of its neighbours with lower numbers.
 std::vector<std::uint32_t> lower_neighbours(const ShownSurface& surface) {

@@ -15,12 +15,12 @@ std::string deflated(std::string_view stream);
 
 /// One recorded state of what is drawn.
 struct RecordedFrame {
-  std::uint32_t number = 0;  ///< of the frame in report.json
+  std::uint32_t number = 0;  ///< number of the frame in report.json
   std::uint32_t step = 0;
   double time = 0;                           ///< [s]
   double load = 0;                           ///< load factor
   std::vector<float> displacements{};        ///< 3 per vertex, from the rest places [m]
-  std::vector<std::vector<float>> fields{};  ///< of each field 1 per vertex; nan where there is none
+  std::vector<std::vector<float>> fields{};  ///< values of each field, 1 per vertex; nan where there is none
   std::vector<float> colliders{};            ///< where they are: see collider_places
 };
 
@@ -53,7 +53,7 @@ class RecordingCodec {
 
   std::size_t num_fields_, num_colliders_;
   double smallest_quantum_, largest_quantum_;
-  double quantum_;                      ///< of the last frame [m]
+  double quantum_;                      ///< quantum of the last frame [m]
   std::vector<std::uint32_t> parents_;  ///< a neighbour with a lower number; itself where there is none
   std::vector<double>
       displacements_;  ///< as a reader of the records so far has them, [component][vertex] [m]

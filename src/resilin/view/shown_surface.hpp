@@ -28,14 +28,14 @@ class ShownSurface {
   static constexpr std::size_t most_inside_vertices = 200'000;
 
   struct Part {
-    std::string name;      ///< of the body
+    std::string name;      ///< name of the body
     std::size_t body = 0;  ///< number in World::bodies
     Kind kind = Kind::cells;
     Index first_vertex = 0, num_vertices = 0;
     Index first_triangle = 0, num_triangles = 0;
     Index first_edge = 0, num_edges = 0;
     Index first_tetrahedron = 0, num_tetrahedra = 0;
-    Index num_inside = 0;  ///< of the vertices the last ones, which no triangle has
+    Index num_inside = 0;  ///< number of the last vertices, inside, which no triangle has
   };
   using Triangle = VertexNormals::Triangle;
   using Edge = std::array<std::uint32_t, 2>;
@@ -50,7 +50,7 @@ class ShownSurface {
   std::span<const Part> parts() const { return parts_; }
   Index num_vertices() const { return num_vertices_; }
   std::span<const Triangle> triangles() const { return triangles_; }  ///< outward; in 2D towards +z
-  std::span<const Edge> edges() const { return edges_; }              ///< of the cells' facets, each once
+  std::span<const Edge> edges() const { return edges_; }  ///< edges of the cells' facets, each once
   std::span<const Tetrahedron> tetrahedra() const { return tetrahedra_; }    ///< empty in 2D
   std::span<const float> rest_positions() const { return rest_positions_; }  ///< 3 per vertex [m]
 
@@ -78,8 +78,8 @@ class ShownSurface {
   /// Where a place lies on the triangles around a vertex.
   struct Touch {
     std::optional<std::size_t> triangle;        ///< none where the vertex itself is nearest
-    std::array<std::uint32_t, 3> corners = {};  ///< of it, else the vertex
-    std::array<double, 3> shares = {1, 0, 0};   ///< of the corners, in sum 1
+    std::array<std::uint32_t, 3> corners = {};  ///< corners of it, else the vertex
+    std::array<double, 3> shares = {1, 0, 0};   ///< shares of the corners, in sum 1
   };
   /// The point of the surface near a vertex that is nearest to a place.
   /// @param positions  3 num_vertices() numbers, as `positions` gives them
@@ -101,7 +101,7 @@ class ShownSurface {
   /// Where the vertices of a part come from.
   struct Source {
     std::shared_ptr<const Skin> skin;  ///< null for cells
-    std::vector<Index> nodes;          ///< of cells: the world's node of each vertex
+    std::vector<Index> nodes;          ///< nodes of cells: the world's node of each vertex
   };
 
   int dim_ = 3;

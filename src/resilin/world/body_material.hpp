@@ -10,10 +10,10 @@ namespace resilin {
 /// The material of a domain before its body is in the world.
 struct DomainMaterial {
   int region = -1;                                      ///< see Domain
-  std::shared_ptr<const std::vector<Index>> numbers{};  ///< of its cells in the body; null: all
+  std::shared_ptr<const std::vector<Index>> numbers{};  ///< numbers of its cells in the body; null: all
   const LawInfo* law = nullptr;
   std::vector<double>
-      constants{};  ///< of the law's formula: once, or for one cell of the domain after another
+      constants{};  ///< constants of the law's formula: once, or for one cell of the domain after another
 };
 
 /// The domains of a body: its own material where a cell belongs to no region, then one for each region.

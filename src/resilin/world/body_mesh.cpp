@@ -28,7 +28,7 @@ const ElementInfo& without_pressure(const ElementInfo& element) {
   return *find_element(element.dim, is_simplex(element.shape), element.degree, false);
 }
 
-/// What does not lock on these cells: with one pressure where the law can have it, else of degree 2 where
+/// Element that does not lock on these cells: mixed where the law allows it, else of degree 2 where
 /// there is such an element. Null where there is none.
 const ElementInfo* without_locking(const ElementCase& c) {
   const int dim = dimension(c.cells);

@@ -28,9 +28,9 @@ class Placement {
 
 /// Input of the choice of an element.
 struct ElementCase {
-  CellKind cells;  ///< of the mesh
+  CellKind cells;  ///< cells of the mesh
   const LawInfo& law;
-  double poissons_ratio;  ///< of the small-strain solid; the largest of all cells
+  double poissons_ratio;  ///< Poisson's ratio of the small-strain solid; the largest of all cells
 };
 
 /// An element and why it was chosen.
@@ -39,7 +39,7 @@ struct ChosenElement {
   std::string reason;  ///< "nu = 0.49 is above 0.45, where displacement elements lock"
 };
 
-/// What element = "auto" means, at rest, in motion and under a hand alike: an element with one pressure per
+/// Element of "auto", the same for statics, dynamics and live scenes: a mixed element with one pressure per
 /// cell for nearly incompressible solids, else P2; Q1 on quadrilaterals and hexahedra.
 ChosenElement choose_element(const ElementCase& c);
 
@@ -52,7 +52,7 @@ struct BodyMesh {
   std::string reason;  ///< why the element was chosen; empty when the user chose it
   /// Cells with all nodes of the element and positive volumes; the vertices of the given mesh come first.
   Mesh mesh;
-  std::vector<std::array<Index, 2>> ends;  ///< of the edge in whose middle each further node stands
+  std::vector<std::array<Index, 2>> ends;  ///< ends of the edge in whose middle each further node stands
 
   const CellBlock& cells() const { return *mesh.find_solid(element->dim); }
 };

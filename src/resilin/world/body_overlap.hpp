@@ -10,7 +10,7 @@ namespace resilin {
 /// Two bodies that share space, and cells of them that do.
 struct BodyOverlap {
   std::size_t body, other;           ///< in the world
-  Index cell = -1, other_cell = -1;  ///< of these; -1: their surfaces alone decide
+  Index cell = -1, other_cell = -1;  ///< cell and other cell of these; -1: their surfaces alone decide
   Vector3 place;                     ///< about where [m]
 };
 

@@ -117,7 +117,7 @@ std::string both(const World& world, Index body, Index other) {
   return body == other ? "parts of " + name(body) : name(body) + " and " + name(other);
 }
 
-/// What bodies do at the start that meet.
+/// Checks of bodies that meet at the start.
 class StartCheck {
  public:
   StartCheck(const SurfaceContact& contact, const World& world, std::string place)

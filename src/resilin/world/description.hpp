@@ -140,7 +140,7 @@ struct BodyDescription {
   std::string mesh_name;         ///< the file, or "box", for messages
   std::string element = "auto";  ///< a name of element/catalog.hpp, or auto: see choose_element
   std::string quadrature;        ///< a rule's name; empty: the element's own
-  MaterialDescription material;  ///< of the cells that belong to no region
+  MaterialDescription material;  ///< material of the cells that belong to no region
   std::vector<RegionDescription> regions;
   double scale = 1;
   std::optional<Rotation> rotate;                               ///< about the origin, after scale
@@ -208,8 +208,9 @@ struct ColliderDescription {
   TimeFunction time_function;                 ///< on displacement, in place of the load factor
   std::optional<ColliderTurn> rotate;         ///< until the same time
   std::optional<double> activation_distance;  ///< [m]; default: see default_activation_distance
-  std::optional<double> stiffness;  ///< of the barrier [Pa]; default 0.1 of each body's Young's modulus
-  double friction = 0;              ///< Coulomb friction coefficient
+  std::optional<double>
+      stiffness;        ///< stiffness of the barrier [Pa]; default 0.1 of each body's Young's modulus
+  double friction = 0;  ///< Coulomb friction coefficient
 };
 
 /// A contact pair (two bodies, or one and itself) with its own settings.
@@ -226,7 +227,8 @@ struct ContactDescription {
   bool is_enabled = true;                     ///< false: bodies pass through each other
   bool with_themselves = false;               ///< self-contact of each body
   std::optional<double> activation_distance;  ///< [m]; default: see default_activation_distance
-  std::optional<double> stiffness;  ///< of the barrier [Pa]; default 0.1 of each body's Young's modulus
+  std::optional<double>
+      stiffness;        ///< stiffness of the barrier [Pa]; default 0.1 of each body's Young's modulus
   double friction = 0;  ///< Coulomb friction coefficient of bodies on each other and on themselves
   std::optional<double> friction_speed;  ///< [m/s]; default: see default_friction_speed
   int friction_iterations = 50;          ///< limit of lagged friction iterations per stage
@@ -259,7 +261,7 @@ struct NewtonOptions {
 
 struct SolverOptions {
   std::string kind = "auto";  ///< a name of linear/catalog.cpp
-  int max_iterations = 2000;  ///< of an iterative solver, per solve
+  int max_iterations = 2000;  ///< maximum iterations of an iterative solver, per solve
 };
 
 struct OutputOptions {

@@ -4,7 +4,7 @@
 #include "resilin/mesh/mesh_members.hpp"
 #include "resilin/world/description.hpp"
 
-/// What a description consists of. Its image keeps all of it; which of it the steps depend on is said in
+/// Members of a description. Its image keeps all of it; which of it the steps depend on is said in
 /// fingerprint.cpp.
 namespace resilin {
 

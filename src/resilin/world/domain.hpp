@@ -17,11 +17,14 @@ struct Domain {
   std::string name;  ///< that of the [[body.region]]; empty for the body's own material
   int region = -1;   ///< its number among the regions of the body's description; -1: the body's own material
   std::string law;   ///< name of the constitutive model
-  std::vector<std::pair<std::string, double>> constants{};  ///< of its formula; per-cell ones by their mean
-  double density = 0;                                       ///< [kg/m^3]
-  std::shared_ptr<const std::vector<Index>> numbers{};      ///< of its cells in the body, rising; null: all
-  SharedIndices cells{};                                    ///< nodes of its cells, in the world's numbering
-  std::shared_ptr<const ElasticEnergy> energy{};  ///< of a viscoelastic material: the instantaneous one
+  /// Constants of its formula; per-cell ones by their mean
+  std::vector<std::pair<std::string, double>> constants{};
+  double density = 0;  ///< [kg/m^3]
+  /// Numbers of its cells in the body, rising; null: all
+  std::shared_ptr<const std::vector<Index>> numbers{};
+  SharedIndices cells{};  ///< nodes of its cells, in the world's numbering
+  /// Strain energy; of a viscoelastic material the instantaneous one
+  std::shared_ptr<const ElasticEnergy> energy{};
   std::shared_ptr<const ViscoelasticEnergy> viscoelastic{};  ///< null for an elastic material
 
   const LawInfo& law_info() const { return energy->law(); }
@@ -61,7 +64,9 @@ class Domains {
 
   const ElementInfo& element() const { return front().energy->element(); }
   const QuadratureRule& quadrature() const { return front().energy->quadrature(); }
-  Index num_points() const { return front().energy->num_points(); }  ///< of a cell
+  Index num_points() const {
+    return front().energy->num_points();
+  }  ///< number of quadrature points of a cell
   Index num_cells() const { return num_cells_; }
   double total_rest_volume() const;
 

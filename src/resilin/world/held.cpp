@@ -24,7 +24,8 @@ namespace {
 constexpr const char* about_contact =
     "; contact (with a collider or a constrained body) constrains a body only within the activation distance "
     "at the start, and tangentially only by friction";
-constexpr double round_off = 1e-6;  ///< of a direction: the square root of what the Gram matrix leaves
+constexpr double round_off =
+    1e-6;  ///< round off of a direction: the square root of what the Gram matrix leaves
 
 struct Part {
   Vector3 center = Vector3::Zero();
@@ -226,7 +227,7 @@ std::vector<Part> parts_of(const World& world, const Body& body, const std::vect
     bool is_of_one_part = true;
     for (const auto& [node, weight] : held->nodes) {
       const Index v = node - body.first_node;
-      if (v < 0 || v >= body.num_nodes) continue;  // of another body, which is held
+      if (v < 0 || v >= body.num_nodes) continue;  // belongs to another body, which is held
       const Index own = components.of_vertex[static_cast<std::size_t>(v)];
       if (own < 0) continue;  // a vertex that no cell uses
       is_of_one_part = is_of_one_part && (number < 0 || own == number);

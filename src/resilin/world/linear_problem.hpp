@@ -15,7 +15,7 @@ bool is_linear(const World& world);
 struct Inversion {
   double load = 0;  ///< the load factor at which the volume ratio reaches zero
   int body = 0;
-  Index cell = 0;  ///< of the body
+  Index cell = 0;  ///< cell of the body
 };
 
 /// On the straight path from the rest shape through `positions`, the equilibrium at load factor `load` > 0,

@@ -19,7 +19,7 @@ struct LoadSite {
   std::vector<Index> nodes;     ///< selected, in the world's numbering
   std::vector<Index> vertices;  ///< the same in the body's mesh
   ActiveTime active;
-  const SelectionPart* part = nullptr;  ///< of a scene that several processes share; else null
+  const SelectionPart* part = nullptr;  ///< part of a scene that several processes share; else null
 };
 
 /// A kind of [[load]]: what it is called, which keys it has and the term that it adds.

@@ -38,10 +38,10 @@ double youngs_modulus(const LawInfo& law, const std::vector<double>& constants) 
 namespace {
 
 constexpr double stiffness_share = 0.1;    ///< kappa / E: notes on "Convergent IPC", the authors' toolkit
-constexpr double activation_share = 5e-3;  ///< of the smallest body's extent
+constexpr double activation_share = 5e-3;  ///< activation distance, relative to the smallest body's extent
 /// Share of the square of a facet's longest side: a smaller area is none.
 constexpr double flat_share = 1e-12;
-constexpr double thickness_share = 0.1;  ///< of the thinnest body's thickness
+constexpr double thickness_share = 0.1;  ///< activation distance, relative to the thinnest body's thickness
 
 double barrier_stiffness(const Body& body, std::optional<double> asked) {
   return asked ? *asked : stiffness_share * youngs_modulus(body);

@@ -11,8 +11,9 @@ namespace resilin {
 namespace {
 
 constexpr double crushing_strain = 0.5;  ///< rho g L / E beyond which a body folds under its weight
-constexpr double many_periods = 10;      ///< of the slowest wave through the body, in one time step
-constexpr double odd_size = 1e3;         ///< [m]: longer or (inverse) shorter bodies are rarely meant
+constexpr double many_periods =
+    10;  ///< number of periods of the slowest wave through the body, in one time step
+constexpr double odd_size = 1e3;  ///< [m]: longer or (inverse) shorter bodies are rarely meant
 
 /// Two digits, in any locale.
 std::string rounded(double value) {

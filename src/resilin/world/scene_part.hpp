@@ -22,16 +22,16 @@ struct ContactPart {
 
 struct BodyPart {
   std::vector<Index> cells;   ///< their numbers in the whole body
-  double mass = 0;            ///< of the whole body [kg]
+  double mass = 0;            ///< mass of the whole body [kg]
   bool has_own_cells = true;  ///< some cells of the whole body belong to no region
 };
 
-/// What one process gets of a scene that several share: its cells with all their nodes, and what has been
+/// Part of a distributed scene for one process: its cells with all their nodes, and what has been
 /// read off the whole scene. Plain data, to be sent.
 struct ScenePart {
   Description description;  ///< in the world's coordinates; its bodies are the parts, with all nodes
   Vector3 origin = Vector3::Zero();
-  Fingerprint fingerprint;  ///< of the whole scene
+  Fingerprint fingerprint;  ///< fingerprint of the whole scene
   std::vector<BodyPart> bodies;
   std::vector<SelectionPart> fixes;  ///< by [[fix]]
   std::vector<SelectionPart> loads;  ///< by [[load]]; of forces on nodes, those that the part owns

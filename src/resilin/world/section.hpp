@@ -16,9 +16,9 @@ class World;
 /// Force and moment of one side of a body on the other through a plane cut.
 struct SectionForce {
   std::string name;
-  Vector3 force = Vector3::Zero();   ///< of the side beyond the plane on the side below it [N]
+  Vector3 force = Vector3::Zero();   ///< force of the side beyond the plane on the side below it [N]
   Vector3 moment = Vector3::Zero();  ///< about `center` [N m]
-  Vector3 center = Vector3::Zero();  ///< of the cut's area, deformed [m]
+  Vector3 center = Vector3::Zero();  ///< center of the cut's area, deformed [m]
 };
 
 /// A cut through a body between the cells whose centroids lie below a plane of the rest shape and the others.
@@ -44,8 +44,8 @@ class Section {
 
   /// Slopes of a number by what a force depends on. What is empty is not asked for.
   struct Slopes {
-    VectorX positions{}, rest_positions{};  ///< of the world
-    std::vector<VectorX> constants{};       ///< of each domain, as the parameter of its energy
+    VectorX positions{}, rest_positions{};  ///< positions and rest positions of the world
+    std::vector<VectorX> constants{};       ///< constants of each domain, as the parameter of its energy
   };
   /// Adds those of by . force, as long as no cell changes sides.
   void add_slopes(const Vector3& by, const VectorX& x, Slopes& slopes) const;
@@ -54,17 +54,17 @@ class Section {
 
  private:
   struct Node {
-    Index node;     ///< of the world
+    Index node;     ///< node of the world
     double share;   ///< s
-    double volume;  ///< of the cells at the node, at rest [m^3]
+    double volume;  ///< volume of the cells at the node, at rest [m^3]
   };
   /// The cells at the cut on one side that are of one domain.
   struct Cells {
     bool is_lower = false;
     std::size_t domain = 0;
     bool is_uniform = false;   ///< one set of constants for the whole domain
-    std::vector<Index> cells;  ///< of the domain
-    std::vector<Index> nodes;  ///< of these, in the world
+    std::vector<Index> cells;  ///< cells of the domain
+    std::vector<Index> nodes;  ///< nodes of these, in the world
     std::shared_ptr<const ElasticEnergy> energy;
   };
   void add_cells(const Body& body, const std::vector<Index>& cells, bool is_lower,

@@ -11,7 +11,7 @@
 namespace resilin {
 namespace {
 
-constexpr double worth_a_warning = 0.05;  // of the body's extent
+constexpr double worth_a_warning = 0.05;  // distance worth a warning, relative to the body's extent
 constexpr double wrong = 1;
 
 double extent_of(const Body& body, const VectorX& X, int dim) {

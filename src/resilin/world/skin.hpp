@@ -16,7 +16,7 @@ struct Skin {
   std::string name;        ///< the file, for messages
   CellBlock facets;        ///< triangles; in 2D also lines
   VectorX rest_positions;  ///< 3 per vertex, in 2D the third zero [m]
-  Embedding embedding;     ///< of its vertices; nodes are the world's
+  Embedding embedding;     ///< embedding of its vertices; nodes are the world's
 
   Index num_vertices() const { return embedding.num_points(); }
 };

@@ -14,7 +14,7 @@ namespace resilin {
 /// and the parts of a distributed state.
 struct State {
   int step = 0;
-  int mode = 0;        ///< of free vibrations: which one is shown, from 1; 0: none yet
+  int mode = 0;        ///< mode of free vibrations: which one is shown, from 1; 0: none yet
   double time = 0;     ///< [s]
   double load = 0;     ///< load factor of a static run; 1 in motion
   VectorX positions;   ///< [m]
@@ -33,7 +33,7 @@ struct State {
   double largest_jump_load = 0;  ///< ... before this load factor
 
   double friction_work = 0;      ///< heat by friction, since the start [J]
-  int unsettled_steps = 0;       ///< whose forces were not in balance with the friction of their end ...
+  int unsettled_steps = 0;       ///< steps whose forces did not balance the friction of their end ...
   double friction_mismatch = 0;  ///< ... by so much at most, beside the forces that act
 
   // Motion: what integrators need besides.

@@ -39,7 +39,7 @@ Vector3 Support::target(const Vector3& X, const Conditions& c) const {
 
 double Support::turn_between(const Conditions& from, const Conditions& to) const {
   if (!rotate) return 0;
-  constexpr int num_samples = 16;  // of a function that goes up and down
+  constexpr int num_samples = 16;  // number of samples of a function that goes up and down
   double least = std::numeric_limits<double>::infinity(), largest = -least;
   const auto look_at = [&](double part) {
     const double factor = time_function.factor(from.time + part * (to.time - from.time),

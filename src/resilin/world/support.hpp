@@ -17,14 +17,15 @@ namespace resilin {
 struct Support {
   std::string place;
   std::string name;          ///< reactions are reported under it
-  std::vector<Index> nodes;  ///< of the world
+  std::vector<Index> nodes;  ///< nodes of the world
   std::array<bool, 3> components = {true, true, true};
   Vector3 displacement = Vector3::Zero();
   Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();
   std::optional<Rotation> rotate;
   Vector3 velocity = Vector3::Zero();
   std::optional<double> until;
-  TimeFunction time_function;  ///< of displacement, gradient and rotate; in place of the load factor
+  TimeFunction
+      time_function;  ///< time function of displacement, gradient and rotate; in place of the load factor
 
   /// Prescribed position of a node with reference position X [m].
   Vector3 target(const Vector3& X, const Conditions& c) const;

@@ -120,7 +120,7 @@ class Builder {
   World& world_;
   const ScenePart* part_;
   std::vector<BodyMesh> meshes_;
-  std::vector<std::vector<DomainMaterial>> materials_;  ///< of each body
+  std::vector<std::vector<DomainMaterial>> materials_;  ///< materials of each body
   std::vector<std::shared_ptr<Energy>> coupling_;       ///< terms whose couplings make up the pattern
 };
 
@@ -178,7 +178,7 @@ void Builder::build() {
   find_oddities();
 }
 
-/// What does not keep a complete world from running.
+/// Finds problems that do not keep a complete world from running.
 void Builder::find_oddities() {
   for (const BodyOverlap& overlap : overlapping_bodies(world_, world_.start_positions, world_.contact.get()))
     world_.warnings.push_back(world_.place + ": " + describe(world_, overlap) +

@@ -32,7 +32,7 @@ struct Body {
   MassKind mass_kind = MassKind::lumped;
   Index first_node = 0;
   Index num_nodes = 0;     ///< those of the mesh, then those that the element adds
-  Index num_vertices = 0;  ///< of the mesh
+  Index num_vertices = 0;  ///< number of vertices of the mesh
   /// For each further node, also such as no cell uses: the vertices, from the body's first, between which it
   /// was added.
   std::vector<std::array<Index, 2>> ends_of_added;
@@ -48,7 +48,7 @@ struct Body {
   Index num_cells() const { return static_cast<Index>(cells.size()) / resilin::num_nodes(cell_kind); }
 };
 
-/// What made a term of a world.
+/// Origin of a term of a world.
 struct TermOrigin {
   enum class Kind {
     domain,
@@ -58,11 +58,11 @@ struct TermOrigin {
     contact,
     friction,
     inertia,
-    viscous_damping,  ///< of a domain
+    viscous_damping,  ///< viscous damping of a domain
     mass_damping
   };
   Kind kind;
-  std::size_t number = 0;  ///< of the load or the collider in the description, or of the body
+  std::size_t number = 0;  ///< number of the load or the collider in the description, or of the body
   std::size_t domain = 0;  ///< its number in the body
 
   bool operator==(const TermOrigin&) const = default;
@@ -108,14 +108,15 @@ class World {
   std::optional<AdaptiveSteps> adaptive;
   std::optional<ModesOptions> modes;  ///< set for a modal analysis
   std::vector<double> event_times;    ///< where loads and prescribed motions are not smooth, rising [s]
-  int friction_iterations = 0;        ///< of ContactDescription
+  int friction_iterations = 0;        ///< friction iterations of ContactDescription
   NewtonOptions newton;
   SolverOptions solver;
   OutputOptions output;
-  Fingerprint fingerprint;  ///< of the description; a caller's own terms are not in it
+  Fingerprint fingerprint;  ///< fingerprint of the description; a caller's own terms are not in it
 
-  Share share;                                   ///< the whole scene, unless other processes have parts of it
-  std::vector<std::vector<Index>> cell_numbers;  ///< of a part, by body: numbers of its cells in the whole
+  Share share;  ///< the whole scene, unless other processes have parts of it
+  std::vector<std::vector<Index>>
+      cell_numbers;  ///< cell numbers of a part, by body: numbers of its cells in the whole
 
   /// Where the coordinates of positions begin, in those of the scene: zero, but for scenes far from there
   /// (find_scene_origin). Whatever goes out to the user as a place adds it [m].
@@ -130,15 +131,15 @@ class World {
   std::vector<Section> sections;
   std::vector<std::string> warnings;      ///< one line each
   std::vector<std::string> run_warnings;  ///< likewise, of a run to which no hand adds: see all_warnings
-  std::vector<std::string> notes;         ///< what was chosen for the user, one line each
+  std::vector<std::string> notes;         ///< choices made for the user, one line each
 
   /// All energy terms: strain energies domain by domain, loads and gravity, colliders, inertia, damping. A
   /// caller may add terms of its own.
   Terms terms;
-  std::vector<TermOrigin> origins;         ///< of `terms`, but for those that a caller has added
+  std::vector<TermOrigin> origins;         ///< origins of `terms`, but for those that a caller has added
   std::shared_ptr<const MassMatrix> mass;  ///< lumped in statics, however bodies in motion would have it
   // Colliders are among the terms; here they are for who draws them.
-  std::vector<std::shared_ptr<const ColliderBarrier>> colliders;       ///< whose distance is exact
+  std::vector<std::shared_ptr<const ColliderBarrier>> colliders;       ///< colliders with an exact distance
   std::vector<std::shared_ptr<const ObstacleContact>> mesh_colliders;  ///< those of facets
   std::shared_ptr<const SurfaceContact> contact;  ///< one of `terms`; null without contact between bodies
   std::shared_ptr<const Friction> friction;       ///< likewise; null without friction
@@ -170,7 +171,7 @@ class World {
   /// Words for a node, or for a vertex of a surface, the places being those of its vertices.
   std::string place_text(Index vertex, const VectorX& places) const;
   Index num_free_unknowns() const;
-  double largest_extent() const;                  ///< of the rest shapes of all bodies, along the axes [m]
+  double largest_extent() const;  ///< largest extent of the rest shapes of all bodies, along the axes [m]
   double largest_extent(const Body& body) const;  ///< likewise, of a body
   /// Number of a cell in the whole body.
   Index cell_number(std::size_t body, Index cell) const {

@@ -30,7 +30,7 @@ export function writeAddress(view: SharedView): string {
   return `#${parts.join("&")}`;
 }
 
-/** What an address says; what it says wrongly is left out. */
+/** Reads a view from an address; malformed entries are left out. */
 export function readAddress(hash: string): SharedView {
   const words = new URLSearchParams(hash.replace(/^#/, ""));
   const view: SharedView = {};

@@ -9,7 +9,7 @@ export function sceneUniforms() {
     colorMap: { value: colorTexture() },
     fieldRange: { value: new THREE.Vector2(0, 1) }, // values that 1 and 65535 stand for
     barRange: { value: new THREE.Vector2(0, 1) }, // values at the ends of the colours
-    cut: { value: new THREE.Vector4(0, 0, 0, 1e30) }, // what has dot(xyz, place) > w is cut away
+    cut: { value: new THREE.Vector4(0, 0, 0, 1e30) }, // points with dot(xyz, place) > w are cut away
     cutOn: { value: false },
     up: { value: new THREE.Vector3(0, 1, 0) }, // in the eye's frame
     dark: { value: false },
@@ -17,7 +17,7 @@ export function sceneUniforms() {
     hatch: { value: 0.02 }, // distance of the lines on a cut [m]
     section: { value: null as THREE.Texture | null }, // the field on the plane of the cut: section.ts
     sectionOn: { value: false },
-    windowSize: { value: new THREE.Vector2(1, 1) }, // of that image [pixels]
+    windowSize: { value: new THREE.Vector2(1, 1) }, // size of that image [pixels]
   };
 }
 

@@ -20,7 +20,7 @@ export interface ChartOptions {
   series: Series[];
   height: number;
   legend: boolean;
-  axis: string; // what lies along: "time [s]"
+  axis: string; // label of the axis: "time [s]"
   points?: boolean; // single values, not a curve
   clicked?: (index: number) => void; // a place on the time axis
 }

@@ -14,7 +14,7 @@ const POINT = 5; // [pixels]
 /** Numbers that say where a collider is: the rows of (A b) in x = A X + b. */
 export const NUMBERS = 12;
 
-/** What its facets are, by how many different corners they have. */
+/** Facets of a collider, by how many different corners they have. */
 interface Facets {
   triangles: number[];
   lines: number[];
@@ -40,7 +40,7 @@ function loopOf(lines: number[]): number[] {
   return loop.length === lines.length / 2 && next.get(loop[loop.length - 1]) === lines[0] ? loop : [];
 }
 
-/** What a closed line encloses, as triangles. */
+/** Fills a closed line with triangles. */
 function filled(loop: number[], vertices: Float32Array): number[] {
   const contour = loop.map((v) => new THREE.Vector2(vertices[3 * v], vertices[3 * v + 1]));
   return THREE.ShapeUtils.triangulateShape(contour, []).flatMap((corners) => corners.map((i) => loop[i]));

@@ -15,7 +15,7 @@ export class ColorBar {
   private readonly middles = [0.75, 0.5, 0.25].map(() => element("span", {}));
   private readonly automatic: HTMLButtonElement;
   private range: [number, number] = [0, 1];
-  private factor = 1; // of the unit that the numbers are shown in
+  private factor = 1; // factor of the unit that the numbers are shown in
 
   /** `edited`: the user typed a range, or null for the range of the values. */
   constructor(private readonly edited: (range: [number, number] | null) => void) {

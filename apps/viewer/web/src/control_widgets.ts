@@ -13,7 +13,7 @@ import {
   type Vector,
 } from "./protocol";
 
-/** What a widget knows of the scene. */
+/** Surroundings of a widget in the scene. */
 export interface WidgetPlace {
   folder: GUI;
   up: Vector;

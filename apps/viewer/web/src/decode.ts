@@ -5,7 +5,7 @@
 
 export type Reader<T> = (value: unknown, place: string) => T;
 
-/** What a reader returns. */
+/** Result type of a reader. */
 export type Read<R> = R extends Reader<infer T> ? T : never;
 
 function refuse(place: string, expected: string, value: unknown): never {

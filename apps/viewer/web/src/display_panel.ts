@@ -20,7 +20,7 @@ export interface DisplayEvents {
   look(): void;
   drawing(choice: DrawingChoice): void;
   complain(words: string): void;
-  rangeOver?(choice: "all frames" | "this frame"): void; // of recordings
+  rangeOver?(choice: "all frames" | "this frame"): void; // sets the range of a recording
 }
 
 interface FieldGroup {

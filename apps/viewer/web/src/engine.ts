@@ -1,6 +1,6 @@
 /** Loads and calls the WebAssembly module of apps/play: a live scene in the page itself. */
 
-/** What a page that carries its scene has with it. */
+/** Data that a self-contained page carries. */
 export interface Game {
   engine: Uint8Array; // the module
   scene: Uint8Array; // its image
@@ -109,7 +109,7 @@ export class Engine {
     this.check(this.exports.resilin_turn());
   }
 
-  /** What to tell the page next; null: nothing. */
+  /** Returns the next message for the page; null: none. */
   next(): string | ArrayBuffer | null {
     const kind = this.exports.resilin_next();
     if (kind === 0) return null;

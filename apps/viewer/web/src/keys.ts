@@ -1,4 +1,4 @@
-/** What all pages make of keys, and which keys belong to the control that has the focus. */
+/** Keys that all pages share, and which keys belong to the control that has the focus. */
 
 import type { Orbit } from "./orbit";
 
@@ -44,5 +44,5 @@ export function movesCamera(event: KeyboardEvent, orbit: Orbit): boolean {
   return true;
 }
 
-/** What the help says of it. */
+/** Entries of the help for these keys. */
 export const CAMERA_KEYS: [string, string][] = [["Shift and arrows, + −", "rotate the camera, zoom"]];

@@ -206,7 +206,7 @@ export class LiveApp {
     this.shell.subtitle.append(` · ${[heading, ...notes].join(" · ")}`);
   }
 
-  /** What the address says of the view, as after the page was loaded again. */
+  /** Applies the view of the address, as after the page was loaded again. */
   private applyAddress(viewport: Viewport): void {
     const view = readAddress(location.hash);
     const { choices } = this.shell;

@@ -5,7 +5,7 @@ import { NumberSlider, type NumberRange } from "./number_slider";
 import { makeWidget, type Widget } from "./control_widgets";
 import type { ControlOf, ControlValue, Hello, PageMessage, State } from "./protocol";
 
-/** What the tools of the page reach. */
+/** Sizes that the tools of the page use. */
 export interface ToolSizes {
   pokeRadius: number; // [m]
   faceAngle: number; // [degrees]

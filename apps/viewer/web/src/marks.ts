@@ -1,4 +1,4 @@
-/** What shows the user's doing: the hand and its line, pins, the ball that pokes, the probed place. */
+/** Marks of the user's actions: the hand and its line, pins, the ball that pokes, the probed place. */
 
 import * as THREE from "three";
 import type { Orbit } from "./orbit";

@@ -4,7 +4,7 @@ import { Controller, type GUI } from "lil-gui";
 import { element } from "./dom";
 import { plain, withUnit } from "./numbers";
 
-const STEPS = 1000; // of a logarithmic slider
+const STEPS = 1000; // steps of a logarithmic slider
 const PREFIXES: Record<string, number> = { n: 1e-9, µ: 1e-6, u: 1e-6, m: 1e-3, k: 1e3, M: 1e6, G: 1e9 };
 
 /** The number in "20 kPa", "2e4" or "20k"; NaN when there is none. */
@@ -27,7 +27,7 @@ export interface NumberRange {
   greatest: number;
   step: number | "logarithmic";
   unit: string;
-  zero?: string; // what 0 means, in words
+  zero?: string; // meaning of 0, in words
   allowed?: [number, number]; // where the page itself refuses; else the program does
   /** One line when the field holds no number. */
   complain(words: string): void;

@@ -50,7 +50,7 @@ export function raised(unit: string): string {
   return unit.replace("^2", "²").replace("^3", "³");
 }
 
-const ROUNDING = 1e-9; // of the scale of a field in its scene
+const ROUNDING = 1e-9; // rounding of the scale of a field in its scene
 
 /** A range that is not finer than rounding: what is nearly the same everywhere has one colour, that of the middle. */
 export function withoutRounding([low, high]: [number, number], scale: number): [number, number] {

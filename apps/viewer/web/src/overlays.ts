@@ -1,4 +1,4 @@
-/** What lies over the scene: the keyboard help, the lost connection, one line that passes. */
+/** Overlays of the scene: the keyboard help, the lost connection, one line that passes. */
 
 import { element, setText } from "./dom";
 
@@ -41,7 +41,7 @@ export class Overlays {
     this.root.append(this.lost, this.help, this.invitation, this.busy, this.toast);
   }
 
-  /** What the help lists: a key or a gesture, and what it does. */
+  /** Sets the entries of the help: a key or a gesture, and its effect. */
   setKeys(keys: [string, string][]): void {
     this.keys.replaceChildren(
       ...keys.map(([key, what]) =>
@@ -55,7 +55,7 @@ export class Overlays {
     this.invitation.hidden = !isInvited;
   }
 
-  /** What is under way beside the scene; null: nothing. */
+  /** Shows work that is under way beside the scene; null: nothing. */
   showBusy(words: string | null): void {
     this.busy.hidden = words === null;
     setText(this.busyWords, words ?? "");

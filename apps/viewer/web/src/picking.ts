@@ -6,7 +6,7 @@ export interface Hit {
   part: number; // place in the header's list
   vertex: number; // nearest corner of the triangle met
   corners: [number, number, number];
-  weights: [number, number, number]; // of the corners, at the place met
+  weights: [number, number, number]; // weights of the corners, at the place met
   point: THREE.Vector3;
   distance: number;
 }

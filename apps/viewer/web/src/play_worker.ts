@@ -2,7 +2,7 @@
 
 import { Engine, type Game } from "./engine";
 
-/** What the worker tells the page beside the messages of docs/view_protocol.md. */
+/** Messages of the worker to the page beside those of docs/view_protocol.md. */
 export interface Fault {
   fault: string;
 }

@@ -23,7 +23,7 @@ import {
 
 export type { Vector };
 
-// What the program says: headers, and the messages of a live scene.
+// Messages of the program: headers, and the messages of a live scene.
 
 const part = object({
   name: text,
@@ -33,7 +33,7 @@ const part = object({
   num_vertices: number,
   num_triangles: number,
   num_edges: number,
-  num_tetrahedra: optional(number), // of its inside, for a cut
+  num_tetrahedra: optional(number), // number of tetrahedra of its inside, for a cut
 });
 export type Part = Read<typeof part>;
 
@@ -42,7 +42,7 @@ export const readField = object({
   label: text,
   unit: text,
   group: optional(text),
-  scale: optional(number), // of its values in the scene: what is far below is rounding
+  scale: optional(number), // scale of its values in the scene: what is far below is rounding
 });
 export type Field = Read<typeof readField>;
 
@@ -55,17 +55,17 @@ const collider = object({
 });
 export type Collider = Read<typeof collider>;
 
-/** What a scene holds, pulls or watches, at vertices. */
+/** Mark of a boundary condition, load or probe, at vertices. */
 const mark = object({
   kind: word("support", "load", "probe"),
   name: text,
   vertices: list(number),
-  directions: optional(list(vector)), // of a load: its force at each vertex over the greatest
+  directions: optional(list(vector)), // directions of a load: its force at each vertex over the greatest
   greatest: optional(number), // that force [N]
 });
 export type Mark = Read<typeof mark>;
 
-/** What is drawn: of a live scene and of a recording. */
+/** Header of a live scene and of a recording. */
 const headerShape = {
   title: text,
   version: text,
@@ -94,7 +94,7 @@ const control = tagged("kind", {
     least: number,
     greatest: number,
     step: number,
-    zero: optional(text), // what 0 means, in words
+    zero: optional(text), // meaning of 0, in words
   }),
   log_slider: object({ ...controlShape, unit: text, least: number, greatest: number }),
   switch: object({ ...controlShape, hotkey: text }), // "": none
@@ -104,7 +104,7 @@ const control = tagged("kind", {
 export type Control = Read<typeof control>;
 export type ControlOf<K extends Control["kind"]> = Extract<Control, { kind: K }>;
 
-/** What a control of each kind holds. */
+/** Value of a control of each kind. */
 export const valueReaders = { slider: number, log_slider: number, switch: flag, choice: text, arrow: vector };
 const controlValue = either(number, flag, text, vector);
 export type ControlValue = Read<typeof controlValue>;
@@ -153,7 +153,7 @@ const serverMessage = tagged("type", {
   state,
   status,
   error: object({ message: text }),
-  note: object({ message: text }), // what was asked for is done
+  note: object({ message: text }), // confirms that a request is done
 });
 export type ServerMessage = Read<typeof serverMessage>;
 export type Hello = Extract<ServerMessage, { type: "hello" }>;
@@ -167,7 +167,7 @@ export function decodeMessage(json: string): ServerMessage {
 export interface Topology {
   triangles: Uint32Array[]; // by part, vertices numbered over all parts
   edges: Uint32Array[];
-  tetrahedra: Uint32Array[]; // of the inside; vertices without a triangle stand behind those of the surface
+  tetrahedra: Uint32Array[]; // tetrahedra of the inside; vertices without a triangle stand behind those of the surface
   restPositions: Float32Array;
   colliders: ColliderShape[];
 }
@@ -276,7 +276,7 @@ export function decodeFrame(buffer: ArrayBuffer, positions: Float32Array): Frame
   };
 }
 
-// What the page says.
+// Messages of the page.
 
 export interface Point {
   x: number; // [m]

@@ -8,7 +8,7 @@ import { decodeTopology, type Header, readHeader, type Topology, vertexCount } f
 
 /** A recorded state. */
 export interface RecordedFrame {
-  number: number; // of the frame in report.json
+  number: number; // number of the frame in report.json
   step: number;
   time: number; // [s]
   load: number;
@@ -78,7 +78,7 @@ function recordsFrom(view: DataView, first: number): { begin: number; length: nu
   return records;
 }
 
-const LEVELS = 4095; // of a recorded field
+const LEVELS = 4095; // levels of a recorded field
 
 /** For each vertex the highest of its neighbours with lower numbers; -1 without any. */
 export function lowerNeighbours(topology: Topology, numVertices: number): Int32Array {
@@ -101,10 +101,10 @@ export function lowerNeighbours(topology: Topology, numVertices: number): Int32A
 }
 
 class Decoder {
-  private readonly displacements: Float64Array; // of the last frame, x of all vertices, then y, then z [m]
+  private readonly displacements: Float64Array; // displacements of the last frame, x of all vertices, then y, then z [m]
   private readonly neighbours: Int32Array;
   private readonly numFields: number;
-  private readonly numNumbers: number; // of colliders
+  private readonly numNumbers: number; // count of the numbers of colliders
 
   constructor(
     header: Header,

@@ -44,7 +44,7 @@ export class ResultsApp {
   private field = -1;
   private chosen = ""; // name of the field that is shown, or will be once it is there
   private wanted: number | null = 0; // frame to be drawn next
-  private swing = 1; // of a mode
+  private swing = 1; // swing of a mode
   private readonly crosshair = new Crosshair();
   private probed: number | null = null;
   private rangeOverAll = true;
@@ -175,7 +175,7 @@ export class ResultsApp {
     this.shell.inspected.probed = vertex;
   }
 
-  /** What has to be computed first is shown when it is there, unless something else was chosen meanwhile. */
+  /** Chooses a field; one that has to be computed is shown when it is there, unless another was chosen meanwhile. */
   private chooseField(name: string, range: [number, number] | null = null): void {
     const { values, shell } = this;
     const field = values.fields.findIndex((entry) => entry.name === name);

@@ -1,4 +1,4 @@
-/** What holds a scene, pulls at it or is watched: supports, loads and probes at the vertices that the header names. */
+/** Marks of boundary conditions, loads and probes at the vertices that the header names. */
 
 import * as THREE from "three";
 import type { SceneUniforms } from "./body_shader";
@@ -10,8 +10,8 @@ const SUPPORT = 0x2a7f9e;
 const LOAD = 0xc2410c;
 const PROBE = 0x8250df;
 const SUPPORT_SIZE = 6; // [pixels]
-const ARROW = 0.13; // of the extent: the greatest force of a load
-const LIFT = 0.02; // of the extent, towards the eye: what lies at a surface is seen
+const ARROW = 0.13; // length of the arrow of the greatest force, relative to the extent
+const LIFT = 0.02; // offset towards the eye, relative to the extent, so that a mark at a surface is seen
 
 /** Points of one size in the window, a little before the surface that they lie on. */
 function points(count: number, color: number, size: number, lift: number, shared: SceneUniforms): THREE.Points {
@@ -48,7 +48,7 @@ function points(count: number, color: number, size: number, lift: number, shared
   return made;
 }
 
-/** What is held while one plays, drawn as the supports of the scene are. */
+/** Marks of parts that the user holds, drawn as the boundary conditions of the scene are. */
 export class HeldMarks {
   readonly group = new THREE.Group();
   private vertices: number[] = [];

@@ -8,7 +8,7 @@ import type { Frame } from "./protocol";
 export interface SectionTriangles {
   places: Float32Array; // 3 per corner [m]
   values: Float32Array; // 1 per corner, 0 to 1 from the least to the greatest value; -1: not a number
-  count: number; // of corners
+  count: number; // count of corners
 }
 
 /** A plane as dot(xyz, place) = w. */
@@ -81,7 +81,7 @@ export class Section {
   private readonly scene = new THREE.Scene();
   private readonly mesh = new THREE.Mesh(new THREE.BufferGeometry(), material());
   private readonly size = new THREE.Vector2();
-  triangles: SectionTriangles | null = null; // of the last cut
+  triangles: SectionTriangles | null = null; // triangles of the last cut
 
   constructor(
     private readonly tetrahedra: Uint32Array,
@@ -91,7 +91,7 @@ export class Section {
     this.scene.add(this.mesh);
   }
 
-  /** What the plane meets of this frame; null: there is no cut. */
+  /** Cuts this frame by the plane; null: there is no cut. */
   update(frame: Frame | null, plane: Plane): void {
     const isWanted = frame !== null && frame.fieldValues !== null && this.tetrahedra.length > 0;
     this.shared.sectionOn.value = isWanted;

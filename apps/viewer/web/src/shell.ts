@@ -1,4 +1,4 @@
-/** What the live page and the results page share: canvas, camera, panel, theme, colours of the shown field. */
+/** Parts that the live page and the results page share: canvas, camera, panel, theme, colours of the shown field. */
 
 import GUI from "lil-gui";
 import { ColorBar } from "./color_bar";
@@ -163,7 +163,7 @@ export class Shell {
     return middle;
   }
 
-  /** What cards lie over of the window, from each side. Those at the left are low on telephones. */
+  /** Margins of the window that cards cover, from each side. Those at the left are low on telephones. */
   covered(): Covered {
     const { clientWidth: width, clientHeight: height } = this.canvas;
     const boxes = (parent: HTMLElement) =>
@@ -190,7 +190,7 @@ export class Shell {
     });
   }
 
-  /** What makes films and pictures, for a bar of buttons. */
+  /** Buttons for films and pictures, for a bar of buttons. */
   get cameraButtons(): HTMLElement[] {
     const picture = iconButton("picture", "Picture without a background (p)", () => this.takePicture());
     return [this.recorder.button, this.recorder.counter, picture];

@@ -2,10 +2,10 @@
 
 import { list, number, object, text, type Read } from "./decode";
 
-/** What the page says of them; the state of each stands in a script of its own. */
+/** Frames that the page can go on from; the state of each stands in a script of its own. */
 export const readTakingUp = object({
   frames: list(object({ number, words: text })), // `words`: what the clock or the load is there
-  notes: list(text), // what is played otherwise than it was recorded
+  notes: list(text), // differences between the played and the recorded scene
 });
 export type TakingUp = Read<typeof readTakingUp>;
 

@@ -4,7 +4,7 @@ import type { Game } from "./engine";
 import type { SendFile } from "./opener";
 import type { Fault } from "./play_worker";
 
-/** What of a WebSocket a live page needs. */
+/** Subset of a WebSocket that a live page needs. */
 export interface Transport {
   onmessage: ((event: MessageEvent<string | ArrayBuffer>) => void) | null;
   onclose: (() => void) | null;
@@ -18,7 +18,7 @@ export interface Scenery {
   open(): Transport;
   /** Null when the scene can be opened again, else why not yet. */
   isAway(): Promise<string | null>;
-  lost: string; // what to say when the connection ends
+  lost: string; // message when the connection ends
   send: SendFile; // takes a file and shows it in place of the scene
 }
 
@@ -61,7 +61,7 @@ export function served(token: string): Scenery {
   };
 }
 
-/** What a page in a notebook hears of who hosts it, beside the messages of docs/view_protocol.md. */
+/** Messages of the host of a page in a notebook, beside those of docs/view_protocol.md. */
 interface Ending {
   end: string; // the words of who ends
 }

@@ -40,7 +40,7 @@ export const defaultLook = (): Look => ({
   cutFlip: false,
 });
 
-/** What something lies over of the window, from each side [pixels]. */
+/** Margins of the window that are covered, from each side [pixels]. */
 export interface Covered {
   left: number;
   right: number;
@@ -81,7 +81,7 @@ export class Viewport {
   readonly labels = new Labels();
   readonly sceneMarks: SceneMarks;
   private readonly heldMarks: HeldMarks;
-  /** What a run goes through, for the camera: null where only the shown frame is known. */
+  /** Bounding box of a whole run, for the camera: null where only the shown frame is known. */
   reach: THREE.Box3 | null = null;
   private covered: Covered = { left: 0, right: 0, top: 0, bottom: 0 };
   private finest = 2; // pixels for each of the window's, at most
@@ -91,7 +91,7 @@ export class Viewport {
     readonly header: Header,
     topology: Topology,
     normals: (part: number) => Normals,
-    renderer: THREE.WebGLRenderer | null = null, // of the scene before, which goes
+    renderer: THREE.WebGLRenderer | null = null, // renderer of the scene before, which goes
   ) {
     this.flat = header.dimension === 2;
     this.restBox.setFromArray(topology.restPositions);

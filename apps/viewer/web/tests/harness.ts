@@ -127,7 +127,7 @@ type TouchType = "touchStart" | "touchMove" | "touchEnd";
 
 export interface Picture {
   covered: number; // share of pixels that something is drawn on
-  mean: number[]; // of the covered pixels, 0 to 255
+  mean: number[]; // mean of the covered pixels, 0 to 255
   colors: number; // different colours in steps of 32
   pixels: number[]; // every pixel of a small copy, for comparison
 }
@@ -146,7 +146,7 @@ export class Watched {
     page.on("request", (request) => this.requests.push(request.url()));
   }
 
-  /** What was asked of others than whose addresses begin so, beside what the page holds itself. */
+  /** Requests to addresses that begin otherwise, beside data that the page holds itself. */
   requestsBeyond(own: string): string[] {
     return this.requests.filter((url) => ![own, "data:", "blob:"].some((begin) => url.startsWith(begin)));
   }

@@ -60,7 +60,7 @@ test("a click on a face of a surface holds it, a second one frees it, and the sa
     await watched.until("resilin.heldDots() === 0");
     await page.mouse.click(x, y);
     await watched.until("resilin.state.held.length === 1");
-    // What is held stays where it is, whoever pulls.
+    // Held nodes stay where they are, whoever pulls.
     const vertex = await watched.value<number>("resilin.state.held[0].vertices[0]");
     const place = await watched.value<number[]>(`resilin.position(${vertex})`);
     await page.keyboard.press("1");

@@ -1,4 +1,4 @@
-/** What the page shows of a scene, found by content: shade, stresses, modes, the inside, marks. */
+/** Appearance of a scene, found by content: shade, stresses, modes, the inside, marks. */
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";

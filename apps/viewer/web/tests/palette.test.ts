@@ -28,7 +28,7 @@ function oklab([r, g, b]: number[]): number[] {
   ].map((row) => row.reduce((sum, share, i) => sum + share * cones[i], 0));
 }
 
-/** What is left of colours without one kind of cones. Source: Machado, Oliveira & Fernandes 2009, severity 1. */
+/** Colours as seen without one kind of cones. Source: Machado, Oliveira & Fernandes 2009, severity 1. */
 const BLINDNESS: Record<string, number[][]> = {
   none: [
     [1, 0, 0],

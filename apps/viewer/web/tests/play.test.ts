@@ -33,7 +33,7 @@ function exported(scene: string, ...more: string[]): string {
   return page;
 }
 
-/** What a page carries under this name. */
+/** Data that a page carries under this name. */
 function carried(page: string, id: string): Uint8Array {
   const text = new RegExp(`<script id="${id}" type="text/plain">([^<]*)</script>`).exec(readFileSync(page, "utf8"));
   return new Uint8Array(inflateSync(Buffer.from(text![1], "base64")));

@@ -112,7 +112,7 @@ for (const [what, scene, settings] of SCENES)
       const engine = await Engine.load(module);
       engine.open(carried(page, "scene"), [], carried(page, `state-${frames[index].number}`));
       const played = new Played(engine);
-      const places = 3e-5 * header.extent; // in which frames and recordings are sent
+      const places = 3e-5 * header.extent; // resolution of frames and recordings
       assert.ok(farthest(played.shown!.positions, now) < places);
       assert.equal(played.shown!.time, frames[index].time);
       played.say({ type: "step" });

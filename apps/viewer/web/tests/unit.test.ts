@@ -192,7 +192,7 @@ test("a collider is drawn where its numbers put it, solid where it has an inside
   );
 });
 
-/** What `hello` must hold, of a scene with one control of each kind. */
+/** A valid `hello` of a scene with one control of each kind. */
 function hello(): Record<string, unknown> {
   const shared = { folder: "Material", help: "What it does" };
   const slider = { ...shared, unit: "Pa", least: 1, greatest: 10 };

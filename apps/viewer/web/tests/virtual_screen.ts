@@ -7,7 +7,7 @@ import type { Readable } from "node:stream";
 export const FIREFOX = "/usr/bin/firefox-esr";
 const SERVER = "/usr/bin/Xvfb";
 
-/** What is missing to run Firefox, in words; null when nothing is. */
+/** Names in words what is missing to run Firefox; null when nothing is. */
 export function lackOfFirefox(): string | null {
   const missing = [FIREFOX, SERVER].filter((place) => !existsSync(place));
   return missing.length === 0 ? null : `no ${missing.join(", no ")}: apt-get install firefox-esr xvfb`;

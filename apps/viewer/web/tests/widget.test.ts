@@ -27,7 +27,7 @@ after(async () => {
   await program?.stop();
 });
 
-/** What a notebook is to the widget: a model that stands for the Python side, here the sockets of `resilin view`. */
+/** Model of a notebook for the widget: it stands for the Python side, here the sockets of `resilin view`. */
 const NOTEBOOK = `async ({ widget, html, live }) => {
   const listeners = [], sockets = new Map();
   const notebook = { said: [], live: 0 };
@@ -111,7 +111,7 @@ test("a widget shows the scene, carries a pull to it, and says when it is gone",
   await frame.getByText("The scene has ended.").waitFor();
   await page.evaluate("notebook.leave()");
   assert.equal(await page.evaluate("notebook.said.at(-1)"), "close");
-  const faults = watched.faults.filter((fault) => !fault.includes("status of 403")); // of that address
+  const faults = watched.faults.filter((fault) => !fault.includes("status of 403")); // without faults of that address
   assert.deepEqual(faults, []);
   await watched.close();
 });

@@ -47,7 +47,8 @@ std::size_t enclose_vertices(const MovingPoint* points, std::size_t begin, std::
       const double x = points[v].x[i], y = x + points[v].p[i];
       const double low = x < y ? x : y, high = x < y ? y : x;
       const double size = __builtin_fabs(low) + __builtin_fabs(high);
-      const double out = margin + 1e-15 * (size + __builtin_fabs(origin[i]));  // what rounds in these sums
+      const double out =
+          margin + 1e-15 * (size + __builtin_fabs(origin[i]));  // bounds the rounding of these sums
       sum += size;
       rows[v].bounds[i] = not_above(low - origin[i] - out);
       rows[v].bounds[4 + i] = not_above(origin[i] - high - out);

@@ -25,11 +25,11 @@ struct alignas(64) BoxBlock {
 /// A tree of blocks: those of level 0 hold parts of the surface, each box of a block of level l + 1 is around
 /// a block of level l. The one block of the last level is the root.
 struct BlockTreeView {
-  const BoxBlock* blocks;            ///< of all levels
+  const BoxBlock* blocks;            ///< blocks of all levels
   const std::size_t* level_begin;    ///< number of the first block of each level
   int num_levels;                    ///< at least 2
   const std::int32_t* child_bodies;  ///< [block][box]: the body of all that is in the box, -1 of several
-  const std::int32_t* vertices;      ///< of the parts in level 0: [block][vertex of the part][box]
+  const std::int32_t* vertices;      ///< vertices of the parts in level 0: [block][vertex of the part][box]
   int vertices_per_part;
 };
 

@@ -71,7 +71,7 @@ RESILIN_INLINE Slab separate(const Triple<Lanes> D[num_differences<kind>]) {
   }
 }
 
-/// What round-off may make of a width: of the sums for D, n and n . D, and of x + t p as a caller forms it.
+/// Bound of the round-off of a width: of the sums for D, n and n . D, and of x + t p as a caller forms it.
 /// Each is a few units of 1.1e-16 of some coordinate, all together 42.
 template <PairKind kind>
 RESILIN_INLINE Lanes round_off(const PairGroup<kind>& pair) {
@@ -89,8 +89,8 @@ RESILIN_INLINE Lanes first_root(const Lanes& a, const Lanes& b, const Lanes& c) 
   return select(is_one, t, 1.0);
 }
 
-/// What share of the way by V[k] the differences stay above a plane that turns on it at even speed from one
-/// normal to the other: (n + t (m - n)) . (D + t V) >= kept, where the normal is no longer than 1.
+/// Fraction of the way by V[k] for which the differences stay above a plane that turns on it at even speed
+/// from one normal to the other: (n + t (m - n)) . (D + t V) >= kept, where the normal is no longer than 1.
 template <int count>
 RESILIN_INLINE Lanes free_share_of_turning(const Triple<Lanes>& n, const Triple<Lanes>& m,
                                            const Triple<Lanes> D[count], const Triple<Lanes> V[count],

@@ -15,8 +15,8 @@ namespace resilin {
 /// volume.
 struct ElementBlocks {
   int dim = 3;
-  int num_nodes = 4;           ///< of an element
-  std::size_t num_points = 1;  ///< of an element
+  int num_nodes = 4;           ///< number of nodes of an element
+  std::size_t num_points = 1;  ///< number of points of an element
   Index num_cells = 0;
   std::size_t num_blocks = 0;
 

@@ -196,7 +196,7 @@ RESILIN_INLINE void stretch_hessian3(const HessianForm& form, const Lanes frame[
                                      const Lanes g[dim][dim], Lanes w, ElementHessian<dim>& K) {
   PrincipalTangent t = principal_tangent(law);
   if (form.removed > 0) t.project(form.removed);
-  const auto* columns = reinterpret_cast<const Column3*>(frame);  // of U, then of V
+  const auto* columns = reinterpret_cast<const Column3*>(frame);  // columns of U, then of V
   principal_hessian3(t, columns, columns + 3, g, w, K);
 }
 

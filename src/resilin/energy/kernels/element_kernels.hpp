@@ -15,12 +15,12 @@ namespace resilin {
 struct ElementTile {
   const std::int32_t* blocks;  ///< numbers of the blocks, `num_blocks` of them
   std::size_t num_blocks;
-  std::size_t total_blocks;   ///< of the body: `nodes` and the arrays below hold so many
-  const std::int32_t* nodes;  ///< of all blocks: [block][node][lane], local numbers
+  std::size_t total_blocks;   ///< total blocks of the body: `nodes` and the arrays below hold so many
+  const std::int32_t* nodes;  ///< nodes of all blocks: [block][node][lane], local numbers
   /// [block][node - 1][component][lane], dN/dX of nodes 1, 2, ...: of all blocks, or of those of the tile.
   const double* gradients;
   bool gradients_are_of_tile;
-  const double* weights;  ///< of all blocks: [block][lane], rest volumes
+  const double* weights;  ///< weights of all blocks: [block][lane], rest volumes
   /// For all blocks: [block][fibre_rows][lane], rest directions of the fibres; null for a law without.
   const double* directions;
 };
@@ -41,7 +41,7 @@ struct OwnedNodes {
 /// of the pair with the smaller world number. In one byte each where no row is too long for that.
 struct MatrixPlaces {
   const std::uint32_t* row_begin;  ///< by local node: the first slot of its row
-  const std::uint8_t* narrow;      ///< of all blocks: [block][pair][lane]; one of the two is there
+  const std::uint8_t* narrow;      ///< narrow of all blocks: [block][pair][lane]; one of the two is there
   const std::uint32_t* wide;
 };
 

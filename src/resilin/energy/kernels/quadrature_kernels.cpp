@@ -85,7 +85,7 @@ void add_forces(const QuadratureTile& tile, const double* P_rows, bool is_magnit
   });
 }
 
-/// What the tangents of some points of one group give for one node b: y_ik,j = w sum_l A_ik,jl g_b,l.
+/// Products of the tangents of some points of one group for one node b: y_ik,j = w sum_l A_ik,jl g_b,l.
 template <int dim>
 using TangentTimesGradient = Lanes[dim * dim][dim];
 

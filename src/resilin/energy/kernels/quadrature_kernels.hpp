@@ -16,14 +16,15 @@ namespace resilin {
 struct QuadratureTile {
   const std::int32_t* blocks;  ///< numbers of the blocks, `num_blocks` of them
   std::size_t num_blocks;
-  std::size_t num_points;             ///< of an element
-  const std::int32_t* nodes;          ///< of all blocks: [block][node][lane], local numbers
-  const double* inverse_jacobians;    ///< of all blocks: [block][point][dim * dim][lane], dxi/dX by rows
-  const double* weights;              ///< of all blocks: [block][point][lane], rest volumes
+  std::size_t num_points;             ///< number of points of an element
+  const std::int32_t* nodes;          ///< nodes of all blocks: [block][node][lane], local numbers
+  const double* inverse_jacobians;    ///< inverse jacobians of all blocks: [block][point][dim * dim][lane],
+                                      ///< dxi/dX by rows
+  const double* weights;              ///< weights of all blocks: [block][point][lane], rest volumes
   const double* reference_gradients;  ///< dN/dxi, the same for all elements: [point][node][dim]
   const std::uint8_t*
-      transposed_lanes;  ///< of all blocks: [block][pair], the lanes whose second node has the
-                         ///< smaller world number: their matrix block is stored transposed
+      transposed_lanes;  ///< transposed lanes of all blocks: [block][pair], the lanes whose second node has
+                         ///< the smaller world number: their matrix block is stored transposed
 
   std::size_t num_entries() const { return num_blocks * num_points; }
 };

@@ -68,7 +68,7 @@ RESILIN_INLINE float sum_of(Lane<lanes_of(size)> value) {
 /// The largest number becomes the largest that two bytes hold.
 RESILIN_INLINE float shorten(const float* numbers, int64_t count, int16_t* to) {
   constexpr int lanes = 8;
-  constexpr float most = 32767, tiny = 1e-30F;  // whose inverse is a number
+  constexpr float most = 32767, tiny = 1e-30F;  // bounds of numbers whose inverse is a number
   Lane<lanes> sizes = {}, rest = {};            // `rest` stays zero unless some are no numbers
   const int64_t whole = count / lanes * lanes;
   for (int64_t k = 0; k < whole; k += lanes) {

@@ -239,7 +239,8 @@ template <class Place, int fine, int coarse>
 void galerkin_product(const LevelView& level, const TransferView& transfer, NodeRange nodes, float* row_work,
                       int32_t* place_of, CoarseView to) {
   constexpr int lanes = lanes_of(coarse), block_size = fine * coarse, work_size = fine * lanes;
-  int32_t first_place = 0;  // of the row's columns, counted through all rows: places of rows before are less
+  int32_t first_place =
+      0;  // first place of the row's columns, counted through all rows: places of rows before are less
   for (int64_t i = nodes.first; i < nodes.last; ++i) {
     const Place* target = places_in<Place>(transfer.coarse_places) + transfer.target_begin[i];
     int32_t width = 0;

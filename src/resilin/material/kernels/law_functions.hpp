@@ -106,7 +106,7 @@ RESILIN_INLINE Mask is_outside([[maybe_unused]] const Law& law, const double* ro
   return outside;
 }
 
-/// What takes `x` out of the numbers in the lanes that lie outside the domain, by adding it.
+/// Addend that takes `x` out of the numbers in the lanes that lie outside the domain.
 template <class Law>
 RESILIN_INLINE Lanes undefined_outside(const Law& law, const double* rows) {
   if constexpr (has_domain<Law>)

@@ -18,7 +18,7 @@ constexpr int num_curvature_rows(LawKind kind) {
   const int n = num_slopes(kind);
   return n + n * (n + 1) / 2 + (kind == LawKind::stretches ? 6 : 0);
 }
-/// What loops over states have room for; a law with more does not compile.
+/// Capacity of loops over states; a law with more does not compile.
 constexpr std::size_t max_constants = 8;
 /// Where `gradient` has dPsi/dj, and `curvature` d2Psi/dj2 (for laws whose variables have a j).
 constexpr int volume_slope_row = 2;

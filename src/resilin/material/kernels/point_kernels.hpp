@@ -18,8 +18,8 @@ struct StateTile {
   std::size_t num_blocks;
   LawForm law;
   const double* H;               ///< F - I by rows, [block][dim * dim][lane]
-  const double* frames;          ///< of a law of stretches: [block][frame rows][lane], see `variables`
-  const double* directions;      ///< of the fibres, [block][fibre_rows][lane]; null without
+  const double* frames;          ///< frames of a law of stretches: [block][frame rows][lane], see `variables`
+  const double* directions;      ///< directions of the fibres, [block][fibre_rows][lane]; null without
   std::size_t direction_stride;  ///< numbers from block to block; 0 when all blocks share one
 };
 

@@ -36,7 +36,7 @@ struct ArrudaBoyce {
                    .fallback = 26.5},
       bulk_modulus_text};
 
-  Real mu;     // of the chains [Pa]
+  Real mu;     // mu of the chains [Pa]
   Real N;      // segments of a chain
   Real kappa;  // bulk modulus [Pa]
 

@@ -38,7 +38,7 @@ struct HolzapfelGasserOgden {
                    .is_free = true,
                    .fallback = 0}};
 
-  Real mu;     // of the ground substance [Pa]
+  Real mu;     // mu of the ground substance [Pa]
   Real kappa;  // bulk modulus [Pa]
   Real k1;     // [Pa]
   Real k2;     // pure number

@@ -63,7 +63,7 @@ function isSound(watched: Watched, root: string): void {
   assert.deepEqual(watched.requestsBeyond(root), []);
 }
 
-/** What a reader would complain of. */
+/** Faults of the layout that a reader would notice. */
 const faultsOfLayout = (watched: Watched) =>
   watched.page.evaluate(`(async () => {
     const faults = [];
