@@ -18,7 +18,17 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
 
 from files import ROOT, project_version, relative, repository_files  # noqa: E402
 from website import command_reference, cpp_reference, gallery, notebooks, python_reference  # noqa: E402
-from website.pages import Links, Stage, code_block, listing, listing_name, page_names, staged_name  # noqa: E402
+from website.pages import (  # noqa: E402
+    Links,
+    Stage,
+    code_block,
+    glossary_entries,
+    listing,
+    listing_name,
+    page_names,
+    staged_name,
+    with_index_entries,
+)
 
 HERE = pathlib.Path(__file__).resolve().parent
 BUILD = ROOT / "build" / "site"
@@ -55,12 +65,17 @@ def toctrees(pages):
 
 
 def first_page(text, scenes, pages):
-    """README with the gallery's strip after its first picture."""
+    """README with its first lines beside its first picture, buttons below them, then the gallery's strip."""
+    title, first, picture, install, rest = re.fullmatch(
+        r"(# .*?\n)(.*?)^(!\[.*?\]\(.*?\)\n)(.*?)(^## .*)", text, re.MULTILINE | re.DOTALL
+    ).groups()
+    sentence, code = first.split("\n```", 1)
+    column = [sentence, gallery.buttons(scenes), "```" + code, install]
+    parts = ["---\nhide-toc: true\n---\n" + title, '<div class="hero"><div>\n', *column, "</div><div>\n", picture]
+    parts.append("</div></div>\n")
     if any("picture" in scene.shown for scene in scenes):
-        first_picture = re.search(r"^!\[.*\]\(.*\)\n", text, re.MULTILINE)
-        at = first_picture.end()
-        text = text[:at] + "\n" + gallery.buttons(scenes) + "\n" + gallery.strip(scenes) + "\n" + text[at:]
-    return text + "\n" + toctrees(pages)
+        parts.append(gallery.strip(scenes))
+    return "\n".join([*parts, rest, toctrees(pages)])
 
 
 def write_pages(stage, scenes, files, runs_notebooks, modules):
@@ -69,6 +84,7 @@ def write_pages(stage, scenes, files, runs_notebooks, modules):
     examples = {relative(scene.source): f"examples/{scene.name}.md" for scene in scenes}
     examples |= {relative(book): relative(book).removesuffix(".ipynb") + ".md" for book in books}
     links = Links(names, examples)
+    entries = glossary_entries((ROOT / "docs" / "glossary.md").read_text(encoding="utf-8"))
     for name in names:
         text = links.rewrite(name, (ROOT / name).read_text(encoding="utf-8"))
         if name == "README.md":
@@ -79,6 +95,8 @@ def write_pages(stage, scenes, files, runs_notebooks, modules):
                 examples[relative(book)].removeprefix("examples/").removesuffix(".md") for book in books
             ]
             text += "\n```{toctree}\n:hidden:\n\n" + "\n".join(pages) + "\n```\n"
+        own = {anchor: words for (page, anchor), words in entries.items() if "docs/" + page == name}
+        text = with_index_entries(text, own) if own else text
         stage.write(staged_name(name), text)
     for scene in scenes:
         stage.write(examples[relative(scene.source)], gallery.scene_page(scene))

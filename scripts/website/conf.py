@@ -1,4 +1,4 @@
-# What Sphinx is told; scripts/website/build.py makes the pages.
+# Settings of Sphinx; scripts/website/build.py makes the pages.
 import os
 import pathlib
 import sys
@@ -25,6 +25,7 @@ html_short_title = "Resilin"
 html_static_path = ["static"]
 html_favicon = "static/icon.svg"
 html_css_files = ["site.css"]
+html_search_scorer = str(pathlib.Path(__file__).with_name("scorer.js"))
 html_js_files = ["site.js"]
 html_extra_path = [os.environ.get("RESILIN_SITE_FILES", "extra")]
 html_copy_source = False

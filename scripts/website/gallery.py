@@ -27,10 +27,10 @@ FIRST_LINES = re.compile(r"\A((?:# .*\n)+)")
 @dataclasses.dataclass
 class Scene:
     name: str  # "heap"
-    caption: str  # of the table in examples/README.md, Markdown
+    caption: str  # caption of the table in examples/README.md, Markdown
     plays: bool = False
     still: float = 1.0  # the share of the film at which its picture is taken
-    options: list = dataclasses.field(default_factory=list)  # of `resilin film` and `resilin picture`
+    options: list = dataclasses.field(default_factory=list)  # options of `resilin film` and `resilin picture`
     shown: dict = dataclasses.field(default_factory=dict)  # kind -> name of a file: "picture", "film", "play"
 
     @property
@@ -71,7 +71,7 @@ def scenes():
 
 
 def fingerprint(scene, program):
-    """Of all that a picture depends on: program, scene, meshes, look."""
+    """Hash of all that a picture depends on: program, scene, meshes, look."""
     digest = hashlib.sha256()
     meshes = repository_files(".msh", ".obj", ".mesh", ".veg", ".csv")
     for path in [program, scene.source, *(mesh for mesh in meshes if mesh.parent in (EXAMPLES, ROOT / "data"))]:
@@ -138,7 +138,7 @@ def make_pictures(found, program, kept, files):
 
 
 def make_pages_to_play(found, program, kept, files, module):
-    """Of these scenes, into the same folders."""
+    """Makes pages of these scenes, into the same folders."""
     for scene in found:
         page = kept / scene.name / f"{scene.name}.html"
         page.parent.mkdir(parents=True, exist_ok=True)
@@ -210,13 +210,20 @@ def with_cards(text, found):
 
 
 def buttons(found):
-    """Where to go from the first page."""
-    places = [("docs/tutorials/from_stl.html", "From an STL to a result"), ("examples/index.html", "Gallery")]
-    playable = [scene for scene in found if "play" in scene.shown]
-    places[1:1] = [
-        (scene.shown["play"], "Play with " + scene.title[0].lower() + scene.title[1:]) for scene in playable[:1]
+    """Where to go from the first page; the first place stands out."""
+    places = [
+        ("docs/tutorials/index.html", "Get started"),
+        ("examples/index.html", "Gallery"),
+        ("docs/scene.html", "Scene reference"),
+        ("reference/python.html", "Python API"),
     ]
-    links = "".join(f'<a class="button" href="{place}">{html.escape(words)}</a>' for place, words in places)
+    playable = [scene for scene in found if "play" in scene.shown]
+    places[1:1] = [(scene.shown["play"], "Play in the browser") for scene in playable[:1]]
+    kinds = ["button"] + ["button quiet"] * (len(places) - 1)
+    links = "".join(
+        f'<a class="{kind}" href="{place}">{html.escape(words)}</a>'
+        for kind, (place, words) in zip(kinds, places, strict=True)
+    )
     return f'<p class="actions">{links}</p>\n'
 
 

@@ -11,7 +11,7 @@ import re
 
 from files import ROOT, relative, repository_files
 
-LINK = re.compile(r"(?P<code>`+).+?(?P=code)|(?<=\]\()(?P<link>[^)\s]+)(?=\))")  # what is in code is none
+LINK = re.compile(r"(?P<code>`+).+?(?P=code)|(?<=\]\()(?P<link>[^)\s]+)(?=\))")  # links, and code, which holds none
 FENCE = re.compile(r"^(```|~~~)")
 PICTURES = (".png", ".gif", ".jpg", ".svg", ".webp")
 LANGUAGES = {
@@ -23,7 +23,7 @@ LANGUAGES = {
     ".sh": "sh",
     "CMakeLists.txt": "cmake",
 }
-LISTED_BYTES = 16_000  # of a file whose text is shown
+LISTED_BYTES = 16_000  # listed bytes of a file whose text is shown
 NOT_PAGES = ("tests/", "shared/")  # folders whose Markdown is data
 
 
@@ -111,6 +111,37 @@ class Links:
                 is_code = not is_code
             lines.append(line if is_code else LINK.sub(led, line))
         return "\n".join(lines) + "\n"
+
+
+def glossary_entries(text):
+    """(page relative to docs/, anchor or "") -> words, from the second table of docs/glossary.md.
+
+    The page is the first link of a row. Raises ValueError for a row without one.
+    """
+    entries = {}
+    for line in text.partition("\n## From a word to the place")[2].splitlines()[3:]:
+        words, place = re.fullmatch(r"\| (.*) \| (.*) \|", line).groups()
+        link = re.search(r"\]\(([^)#]+)#?([^)]*)\)", place)
+        if link is None:
+            raise ValueError(f"docs/glossary.md: {words}: no link to a page")
+        entries.setdefault(link.groups(), []).extend(word.strip(" `") for word in words.split(", "))
+    return entries
+
+
+def with_index_entries(text, entries):
+    """The text of a page whose search index has `entries`, anchor -> words, at their headings."""
+    left, lines, is_code = dict(entries), [], False
+    for line in text.splitlines():
+        is_code ^= bool(FENCE.match(line))
+        lines.append(line)
+        if is_code or not line.startswith("#"):
+            continue
+        title = re.sub(r"[^\w\- ]", "", line.lstrip("# ").lower()).strip().replace(" ", "-")
+        for anchor in {title, "" if line.startswith("# ") else title} & set(left):
+            lines += ["", "```{index} " + ", ".join("!" + word for word in left.pop(anchor)), "```", ""]
+    if left:
+        raise ValueError(f"docs/glossary.md: no headings {', '.join(left)}")
+    return "\n".join(lines) + "\n"
 
 
 def listing_name(path):

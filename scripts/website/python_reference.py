@@ -7,6 +7,15 @@ from files import ROOT
 
 PACKAGE = ROOT / "python" / "resilin"
 FURTHER = ("torch",)  # modules that are imported by name
+# Chapters of the page with their modules; modules that no chapter names are in the last.
+CHAPTERS = {
+    "Scenes and results": ("simulation", "result", "picture", "live"),
+    "Gradients and inverse design": ("gradient", "differentiated", "differentiated_batch", "rest_shape"),
+    "Calibration and parameter identification": ("fit", "scene_fit"),
+    "Parameter sweeps": ("sweeps", "sweep_table"),
+    "Meshes, materials, energies": ("mesh", "material", "catalog", "embedding", "elastic"),
+    "Threads": (),
+}
 
 
 def parsed(module):
@@ -139,18 +148,52 @@ def entry_lines(node, module, tree):
     return class_lines(node, module, tree) if isinstance(node, ast.ClassDef) else function_lines(node)
 
 
+def by_chapter(names):
+    """Chapter -> its (name, module), functions before classes."""
+    home = {module: chapter for chapter, modules in CHAPTERS.items() for module in modules}
+    chapters = {chapter: [] for chapter in CHAPTERS}
+    for name, module in names:
+        chapters[home.get(module, list(CHAPTERS)[-1])].append((name, module))
+
+    def place(chapter, name, module):
+        order = CHAPTERS[chapter].index(module) if module in CHAPTERS[chapter] else len(CHAPTERS[chapter])
+        return (not name[0].islower(), order)
+
+    return {chapter: sorted(found, key=lambda entry: place(chapter, *entry)) for chapter, found in chapters.items()}
+
+
+def overview(chapters):
+    """A table of all names with the first line of their docstrings."""
+    lines = [".. list-table::", "   :widths: 30 70", ""]
+    for chapter, names in chapters.items():
+        lines += [f"   * - **{chapter}**", "     -"]
+        for name, module in names:
+            kind = "func" if name[0].islower() else "class"
+            first = (ast.get_docstring(definitions(parsed(module))[name]) or "").split("\n\n")[0].replace("\n", " ")
+            lines += [f"   * - :py:{kind}:`~resilin.{name}`", f"     - {first}"]
+    return [*lines, ""]
+
+
+def underlined(title, mark):
+    return [title, mark * len(title), ""]
+
+
 def page():
     """The page in reStructuredText."""
-    title = "Python reference"
-    lines = [title, "=" * len(title), "", "What ``import resilin`` offers, by its docstrings;"]
-    lines += [":doc:`the guide </docs/python>` shows it at work.", "", ".. py:module:: resilin", ""]
-    for name, module in public_names():
-        tree = parsed(module)
-        lines += [name, "-" * len(name), "", *entry_lines(definitions(tree)[name], module, tree)]
+    lines = [*underlined("Python reference", "="), "Functions and classes of ``import resilin``. Units are SI;"]
+    lines += ["``N`` counts nodes, ``M`` cells, ``T`` frames, ``d`` is the dimension, 2 or 3."]
+    lines += [":doc:`The guide </docs/python>` shows them at work.", "", ".. py:module:: resilin", ""]
+    chapters = by_chapter(public_names())
+    lines += overview(chapters)
+    for chapter, names in chapters.items():
+        lines += underlined(chapter, "-")
+        for name, module in names:
+            tree = parsed(module)
+            lines += [*underlined(name, "~"), *entry_lines(definitions(tree)[name], module, tree)]
     for module in FURTHER:
         tree = parsed(module)
         head = f"resilin.{module}"
-        lines += [head, "-" * len(head), "", f".. py:module:: {head}", "", ast.get_docstring(tree), ""]
+        lines += [*underlined(head, "-"), f".. py:module:: {head}", "", ast.get_docstring(tree), ""]
         for name, node in definitions(tree).items():
             if not name.startswith("_"):
                 lines += entry_lines(node, module, tree)

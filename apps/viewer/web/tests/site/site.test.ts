@@ -124,6 +124,24 @@ for (const where of ["a server", "disk"])
     await watched.close();
   });
 
+test("site: the search finds each word of the glossary at its place", async () => {
+  const glossary = await readFile("../../../docs/glossary.md", "utf8"); // from apps/viewer/web
+  const rows = glossary.split("## From a word to the place")[1]!.matchAll(/^\| (.*) \| (.*) \|$/gm);
+  const wanted: [string, string][] = [...rows].slice(2).flatMap(([, words, place]) => {
+    const link = /\]\(([^)#]+)\.md/.exec(place!)![1]!;
+    return words!.split(", ").map((word): [string, string] => [word.replaceAll("`", ""), `docs/${link}`]);
+  });
+  assert.ok(wanted.length > 80);
+  const watched = await browser.open(`${served}search.html?q=x`);
+  await watched.page.waitForFunction("Search.hasIndex()");
+  const found = (word: string) =>
+    watched.page.evaluate(
+      `Search._performSearch(...Search._parseQuery(${JSON.stringify(word)})).slice(-3).map((hit) => hit[0])`,
+    ) as Promise<string[]>;
+  for (const [word, page] of wanted) assert.ok((await found(word)).includes(page), `${word}: ${page}`);
+  await watched.close();
+});
+
 test("site: a scene of the gallery is pulled at", { skip: withoutModule }, async () => {
   const watched = await browser.open(`${served}examples/jelly_cube.html`);
   const { page } = watched;
