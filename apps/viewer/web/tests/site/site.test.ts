@@ -17,6 +17,7 @@ const TYPES: Record<string, string> = {
   ".js": "text/javascript",
   ".svg": "image/svg+xml",
   ".png": "image/png",
+  ".webp": "image/webp",
   ".mp4": "video/mp4",
 };
 const PAGES = [
