@@ -46,7 +46,7 @@ class ArrayRun:
 
     @property
     def num_steps_beside_way(self) -> int:
-        """Load steps that were halved where the way matters, with friction."""
+        """Number of load increments after cutbacks, where friction makes the load history matter."""
         return sum(item.num_steps_beside_way for item in self._items)
 
     def slopes(self, by_positions: NDArray[Any], shapes: Iterable[tuple[int, ...]]) -> list[Floats]:

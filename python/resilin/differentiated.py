@@ -111,11 +111,12 @@ class Differentiated:
 
     @property
     def positions(self) -> Floats:
+        """Positions of all frames of the run (T, N, d) [m], load increments after cutbacks included."""
         return np.array([self._run.positions(frame) for frame in range(self._run.num_frames)])
 
     @property
     def asked_positions(self) -> Floats:
-        """`positions` at the frames of the scene: the load factors k / load_steps, or all time steps."""
+        """Positions at the frames of the scene [m]: the load factors k / load_steps, or all time steps."""
         return np.array([self._run.positions(frame) for frame in self._run.asked_frames])
 
     @property
@@ -124,7 +125,7 @@ class Differentiated:
         return self._run.num_steps_beside_way
 
     def seed_of_asked(self, by_positions: NDArray[Any]) -> Floats:
-        """Slopes by `positions` from those by `asked_positions`."""
+        """Derivatives by `positions` from derivatives by `asked_positions`, as the argument of `vjp`."""
         frames = self._run.asked_frames
         seed = np.zeros((self._run.num_frames, *by_positions.shape[1:]))
         seed[frames] = by_positions
@@ -208,7 +209,7 @@ class Differentiated:
         return self._objective
 
     def _slopes(self) -> list[FrameSlopes]:
-        """Parameter names of the objective."""
+        """Derivatives of the objective by the positions of its frames."""
         return [] if self._objective is None else self._objective.slopes()
 
     def _shaped(self, name: str, values: Floats) -> Numbers:

@@ -64,10 +64,18 @@ class DifferentiatedBatch:
 
     @property
     def parameters(self) -> dict[str, Floats]:
+        """Parameter values by name, with the B sets along the first axis."""
         return _stacked([item.parameters for item in self._items])
 
     @property
     def positions(self) -> Floats:
+        """Positions of all frames (B, T, N, d) [m].
+
+        Raises
+        ------
+        ValueError
+            When runs differ in their number of frames, because of cutbacks.
+        """
         counts = {run.num_frames for run in self._runs}
         if len(counts) > 1:
             refuse(

@@ -34,6 +34,7 @@ class Picture:
 
     @property
     def pixels(self) -> NDArray[np.uint8]:
+        """Colours (height, width, 3 or 4) of the picture, 0 to 255; the fourth is the opacity."""
         return self._image.pixels()
 
     def save(self, path: AnyPath) -> None:

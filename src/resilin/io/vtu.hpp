@@ -63,6 +63,7 @@ struct VtuContent {
 /// compressed by zlib.
 /// Scalars per cell are also in `file.mesh.cell_fields`. @throws InputError
 VtuContent read_vtu(const std::filesystem::path& path);
+/// The same from bytes in memory; `name` is for messages. @throws InputError  for a malformed file
 VtuContent read_vtu_from_memory(const std::string& name, std::string_view bytes);
 
 /// One frame of a series; `file` is relative to the .pvd file.
@@ -70,6 +71,7 @@ struct PvdEntry {
   double time;
   std::string file;
 };
+/// Writes the list of frames that ParaView opens, in one step. @throws FileError
 void write_pvd(const std::filesystem::path& path, std::span<const PvdEntry> entries);
 
 /// VTK's number of a kind of cell.

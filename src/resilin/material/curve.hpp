@@ -21,12 +21,14 @@ enum class LoadCase {
 
 /// "uniaxial", "equibiaxial" ...; the reverse throws InputError(place, ...) for any other word.
 std::string_view name(LoadCase load_case);
+/// Load case of a name. @throws InputError at `place`  for an unknown name, with the known ones
 LoadCase require_load_case(std::string_view name, const std::string& place);
 
 /// The loads that a curve shows when none are asked for: stretches 0.5 to 2, amounts of shear 0 to 1.5.
 struct LoadRange {
   double from, to;
 };
+/// Default range of stretches, or of the amount of shear, of a curve.
 LoadRange usual_range(LoadCase load_case);
 
 /// First kind of instability at a state of the curve.

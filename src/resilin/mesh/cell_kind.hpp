@@ -29,8 +29,11 @@ enum class CellKind {
 /// has as many. A larger kind does not compile.
 inline constexpr std::size_t max_cell_nodes = 10, max_facet_nodes = 6;
 
+/// Nodes of a cell, its corners first.
 int num_nodes(CellKind kind);
+/// Corners of a cell, without the nodes on its edges.
 int num_corners(CellKind kind);
+/// Dimension of a cell itself, 1 to 3: 2 for a triangle in space.
 int dimension(CellKind kind);
 std::string_view name(CellKind kind);      ///< "tetrahedra", plural, for messages
 std::string_view singular(CellKind kind);  ///< "tetrahedron"

@@ -32,6 +32,7 @@ struct Surface {
   Mesh mesh;
   std::vector<Index> volume_vertices;  ///< number in the given mesh of each vertex
 };
+/// Boundary facets of all cells, seen from outside anticlockwise, with the vertices that they use.
 Surface extract_surface(const Mesh& mesh);
 
 /// X -> A X + b for every vertex. A reflection (det A < 0) inverts the cells.
@@ -46,6 +47,7 @@ struct BoundingBox {
   Vector3 min = Vector3::Zero();
   Vector3 max = Vector3::Zero();
 };
+/// Box of all vertices along the axes [m], those without a cell included.
 BoundingBox bounding_box(const Mesh& mesh);
 
 }  // namespace resilin

@@ -38,6 +38,7 @@ struct CellSigns {
   /// (element/jacobian_bound.hpp).
   std::vector<FoldedCell> folded;
 };
+/// Finds the cells of a block whose volume is not positive, or whose Jacobian is not positive everywhere.
 CellSigns cell_signs(const Mesh& mesh, const CellBlock& block);
 
 /// Pairs (first, later) of cells with the same set of nodes.

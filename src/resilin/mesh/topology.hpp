@@ -55,6 +55,7 @@ struct Pinches {
   std::vector<Index> vertices;              ///< rising
   std::vector<std::array<Index, 2>> edges;  ///< smaller vertex first, rising
 };
+/// Vertices, and in 3D edges, at which parts of a body hang together alone.
 Pinches find_pinches(const CellBlock& block, Index num_vertices);
 
 /// vertex_is_used[v] is true when a cell of the block has node v.

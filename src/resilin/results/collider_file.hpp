@@ -13,6 +13,7 @@ namespace resilin {
 /// The name of a frame's file in the folder of a run.
 std::string collider_file_name(const World& world, std::size_t frame);
 
+/// Whether the world has a collider that can be drawn.
 bool has_colliders(const World& world);
 
 /// Triangles, lines and points with the number of the collider.

@@ -45,6 +45,7 @@ std::array<double, 2> film_range(std::vector<std::array<double, 2>> extremes);
 FilmPlan plan_film(const std::filesystem::path& folder, const FilmOptions& options,
                    const std::function<void(std::size_t done, std::size_t all)>& progress = {});
 
+/// Draws one picture of the film, `shot` from 0.
 Image draw_shot(const FilmPlan& plan, std::size_t shot);
 
 }  // namespace resilin

@@ -17,6 +17,7 @@ enum class RunStatus {
   failed,         ///< an error ended it, such as a full disk
   budget          ///< stopped before its end: by the user, or after --steps
 };
+/// Word of a status in report.json.
 std::string_view name(RunStatus status);
 
 /// Final status of a run, with the reason in words.

@@ -17,6 +17,7 @@ namespace resilin {
 /// it comes from, and an end that the steps before it do not see.
 using Fingerprint = std::vector<std::pair<std::string, std::string>>;
 
+/// Hash of all that the steps of a run depend on; outputs are not in it.
 Fingerprint fingerprint_of(const Description& description);
 
 /// A value that two fingerprints do not share; empty where one of them does not have it.
