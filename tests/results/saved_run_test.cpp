@@ -239,6 +239,51 @@ TEST(CollidersOfARun, PressInTheFieldsOfFramesAtRest) {
   EXPECT_THAT(found[1].values, ::testing::Pointwise(::testing::NanSensitiveDoubleEq(), expected[1].values));
 }
 
+/// Several materials with different numbers of internal variables; bodies of one kind of cell stand together
+/// in a frame, but not in the scene.
+TEST(FramesOfViscoelasticBodies, HoldTheirInternalVariables) {
+  const TemporaryFolder folder;
+  Description scene = scene_of({2, true, 0});
+  scene.end_time = 0.04;
+  BodyDescription elastic = scene.bodies[0];
+  elastic.mesh = make_quadrilateral_rectangle({1, 0.25}, {3, 1});
+  elastic.element = "Q1";
+  elastic.name = "elastic";
+  elastic.translate = {0, 1, 0};
+  scene.bodies[0].material.law = "yeoh";
+  scene.bodies[0].material.viscoelastic = {.g = {0.4}, .tau = {0.01}};
+  RegionDescription region;
+  region.name = "far";
+  region.where.kind = Where::Kind::box;
+  region.where.min = {0.5, -1, -1};
+  region.where.max = {2, 2, 2};
+  scene.bodies[0].regions.push_back(region);
+  BodyDescription other = scene.bodies[0];
+  other.name = "other";
+  other.translate = {0, 2, 0};
+  other.regions.clear();
+  other.material.viscoelastic = {.g = {0.2, 0.3}, .tau = {0.01, 1}};
+  scene.fixes[0].body = scene.probes[0].body = scene.bodies[0].name;
+  scene.bodies.push_back(elastic);
+  scene.bodies.push_back(other);
+  Simulation simulation(scene);
+  {
+    ResultFolder results(folder / "out");
+    const RunOutcome outcome = run_to_end(simulation, {});
+    ASSERT_EQ(outcome.status, RunStatus::done) << outcome.reason;
+    results.record(simulation, true);
+    results.finish(simulation, outcome);
+  }
+  const std::shared_ptr<const World> world = saved_world(folder / "out");
+  const std::filesystem::path file = frame_files(folder / "out").back();
+  const State state = state_of_frame(*world, read_vtu(file), file);
+  EXPECT_GT(state.history.norm(), 0);
+  EXPECT_EQ(state.history, simulation.state().history);
+  const std::vector<std::string> names = {"cauchy_stress"};
+  EXPECT_EQ(FieldEvaluator(*world).evaluate(state, names)[0].values,
+            FieldEvaluator(simulation.world()).evaluate(simulation.state(), names)[0].values);
+}
+
 /// The last picture of a run somewhere.
 Image picture_at(double distance, const std::filesystem::path& folder) {
   const SavedRun run({3, false, distance}, folder);

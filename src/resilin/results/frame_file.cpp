@@ -6,6 +6,7 @@
 #include "resilin/core/error.hpp"
 #include "resilin/core/output_file.hpp"
 #include "resilin/io/atomic_file.hpp"
+#include "resilin/results/frame_history.hpp"
 
 namespace resilin {
 namespace {
@@ -34,7 +35,34 @@ std::vector<double> reordered(const std::vector<double>& values, int components,
   return result;
 }
 
+/// The inverse.
+std::vector<double> in_order_of_bodies(const std::vector<double>& values, int components, const World& world,
+                                       const std::vector<std::size_t>& order) {
+  std::vector<std::ptrdiff_t> begin = {0};
+  for (const Body& body : world.bodies)
+    begin.push_back(begin.back() + std::ptrdiff_t{components} * body.num_cells());
+  std::vector<double> result(values.size());
+  auto from = values.begin();
+  for (const std::size_t b : order) {
+    const std::ptrdiff_t count = begin[b + 1] - begin[b];
+    std::copy_n(from, count, result.begin() + begin[b]);
+    from += count;
+  }
+  return result;
+}
+
 }  // namespace
+
+VectorX frame_history(const World& world, const VtuContent& frame) {
+  const int width = history_width(world);
+  const auto found = std::ranges::find(frame.cell_data, history_name, &VtuValues::name);
+  std::size_t num_cells = 0;
+  for (const Body& body : world.bodies) num_cells += static_cast<std::size_t>(body.num_cells());
+  if (width == 0 || found == frame.cell_data.end() || found->components != width ||
+      found->values.size() != num_cells * static_cast<std::size_t>(width))
+    return {};
+  return history_of_cells(world, in_order_of_bodies(found->values, width, world, bodies_by_kind(world)));
+}
 
 VtuContent frame_content(const World& world, const State& state, std::span<const FieldValues> fields) {
   VtuContent content;
@@ -58,6 +86,11 @@ VtuContent frame_content(const World& world, const State& state, std::span<const
     else
       content.cell_data.push_back(
           {field->name, field->components(), reordered(values, field->components(), world, order)});
+  }
+  if (state.history.size() > 0) {
+    const int width = history_width(world);
+    content.cell_data.push_back(
+        {history_name, width, reordered(history_by_cell(world, state.history), width, world, order)});
   }
   content.time = shown_time(world, state);
   if (state.collider_delay > 0) content.numbers[delay_name] = state.collider_delay;

@@ -10,8 +10,12 @@
 namespace resilin {
 
 /// A state as a frame of a file: the points at their deformed places, the fields on points and cells, and the
-/// number of the body on each cell. Bodies of one kind of cell stand together, else in their order.
+/// number of the body on each cell, and its internal variables. Bodies of one kind of cell stand together,
+/// else in their order.
 VtuContent frame_content(const World& world, const State& state, std::span<const FieldValues> fields);
+
+/// Internal variables of the state of a frame (State::history); empty where the frame has none.
+VectorX frame_history(const World& world, const VtuContent& frame);
 
 /// How far moving colliders are behind [s], among the numbers of a frame where they are.
 constexpr const char* delay_name = "collider_delay";

@@ -84,6 +84,7 @@ State state_of_frame(const World& world, const VtuContent& frame, const std::fil
   }
   if (const std::optional<VectorX> velocities = nodal_vector(frame, "velocity", world.dimension))
     state.velocities = *velocities;
+  state.history = frame_history(world, frame);
   set_shown_time(frame.time.value_or(0), world, state);
   if (const auto delay = frame.numbers.find(delay_name); delay != frame.numbers.end())
     state.collider_delay = delay->second;
