@@ -149,7 +149,8 @@ def build_alone(out, work, drawn, played, runs_notebooks, modules):
     write_pages(stage, scenes, files, runs_notebooks, modules)
     stage.remove_what_is_old()
     environment = {**os.environ, "RESILIN_VERSION": project_version(), "RESILIN_SITE_FILES": str(files)}
-    command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-j", "auto", "-b", "html"]
+    # -a: Sphinx keeps the index entries of a search from no earlier build, so all pages are written.
+    command = [sys.executable, "-m", "sphinx", "-q", "-a", "-W", "--keep-going", "-j", "auto", "-b", "html"]
     command += ["-c", HERE, "-d", work / "doctrees", stage.folder, out]
     run = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
     if run.returncode != 0:
