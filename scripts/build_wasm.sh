@@ -5,8 +5,5 @@ set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
 source "$root/scripts/setup.sh"
 
-install_packages "${wasm_packages[@]}"
-install_wasm_compiler || die "The compiler of WebAssembly could not be fetched; see $root/build/wasm-tools/install.log"
-configure wasm
-build wasm resilin_play
+build_engine
 du -h "$root/build/wasm/apps/play/resilin_play.wasm"

@@ -205,6 +205,14 @@ install_wasm_compiler() {
   export RESILIN_ZIG
 }
 
+# Builds what `resilin export` puts into pages: the solver and the live scene, in WebAssembly (preset wasm).
+build_engine() {
+  install_packages "${wasm_packages[@]}"
+  install_wasm_compiler || die "The compiler of WebAssembly could not be fetched; see $root/build/wasm-tools/install.log"
+  configure wasm
+  build wasm resilin_play
+}
+
 # Fetches what builds and tests the page, in the versions of its lock file. Where that fails, what needs them is counted as
 # skipped.
 install_page_tools() {

@@ -3,6 +3,7 @@
 #include <array>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,8 @@
 #include "resilin/results/playable_page.hpp"
 #include "resilin/results/taking_up.hpp"
 #include "resilin/scene/scene.hpp"
+#include "subprocess.hpp"
+#include "temporary_place.hpp"
 #include "terminal.hpp"
 
 namespace resilin::cli {
@@ -27,8 +30,29 @@ struct ExportOptions {
   std::vector<std::string> overrides;
 };
 
-/// Path of the WebAssembly solver: named, installed beside this program's other files, or built in the
-/// checkout that this program was built in.
+/// Builds the module in the checkout that this program was built in; false where there is none, or it fails.
+bool build_engine(const std::filesystem::path& engine) {
+  constexpr int levels = 5;  // build/wasm/apps/play/resilin_play.wasm
+  constexpr double longest = 4 * 3600;
+  std::filesystem::path root = engine;
+  for (int level = 0; level < levels; ++level) root = root.parent_path();
+  const std::filesystem::path script = root / "scripts/build_wasm.sh";
+  const std::optional<std::filesystem::path> shell = find_program("bash");
+  std::error_code failure;
+  if (!shell || !engine.is_absolute() || !std::filesystem::is_regular_file(script, failure)) return false;
+  const TemporaryPlace place("resilin-export");
+  print_line("The WebAssembly module is built, once; this takes some minutes ...");
+  flush_output();
+  const Subprocess built = run_subprocess(*shell, {script.string()}, place.path(), longest);
+  if (built.end == Subprocess::End::interrupted) throw Interrupted();
+  if (built.end == Subprocess::End::exited && built.exit_code == 0)
+    return std::filesystem::is_regular_file(engine, failure);
+  throw InputError("export", "a build of the WebAssembly module that succeeds", one_line(built.log_end),
+                   "run " + one_line(script.string()) + " to see why, or name a module by --engine");
+}
+
+/// What simulates in the page: named, installed beside this program's other files, or built in the checkout
+/// that this program was built in.
 std::filesystem::path engine_file(const ExportOptions& options) {
   if (!options.engine.empty()) return options.engine;
   std::error_code failure;
@@ -37,6 +61,7 @@ std::filesystem::path engine_file(const ExportOptions& options) {
       program.parent_path().parent_path() / "share/resilin/resilin_play.wasm", RESILIN_PLAY_ENGINE};
   for (const std::filesystem::path& place : places)
     if (std::filesystem::is_regular_file(place, failure)) return place;
+  if (build_engine(places[1])) return places[1];
   throw InputError(
       "export", "the WebAssembly module resilin_play.wasm, which a build makes once", "none",
       "build it with scripts/build_wasm.sh in the checkout (a few minutes), or name it by --engine");

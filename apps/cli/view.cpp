@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "resilin/core/parallel.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/core/thread_count.hpp"
+#include "resilin/io/atomic_file.hpp"
 #include "resilin/io/catalog.hpp"
 #include "terminal.hpp"
 #include "viewer/browser.hpp"
@@ -27,6 +29,7 @@ struct ViewOptions {
   std::string shown;  ///< scene or folder
   std::vector<std::string> overrides;
   int port = 0;
+  std::string address_file;  ///< empty: each start has an address of its own
   int threads = 0;
   bool has_no_browser = false;
 };
@@ -34,11 +37,29 @@ struct ViewOptions {
 viewer::ServerOptions server_options(const ViewOptions& options) {
   viewer::ServerOptions server;
   server.port = static_cast<std::uint16_t>(options.port);
+  if (options.address_file.empty() || !std::filesystem::exists(options.address_file)) return server;
+  // "http://127.0.0.1:PORT/?token=TOKEN", as an earlier start has written it.
+  const std::string text = read_file(options.address_file);
+  const std::regex form(R"(http://127\.0\.0\.1:(\d{1,5})/\?token=([0-9a-f]{32})\s*)");
+  std::smatch found;
+  if (!std::regex_match(text, found, form) || std::stoi(found[1]) > 65535)
+    throw InputError(one_line(options.address_file), "an address that an earlier start has written",
+                     "something else", "remove the file, and the next start writes one");
+  if (options.port == 0) server.port = static_cast<std::uint16_t>(std::stoi(found[1]));
+  server.token = found[2];
   return server;
+}
+
+/// Keeps the address for the next start, where only this user can read it.
+void keep_address(const viewer::PageServer& server, const std::string& file) {
+  if (file.empty() || std::filesystem::exists(file)) return;
+  if (!viewer::write_private_file(file, server.address() + "\n"))
+    throw FileError(one_line(file), "cannot be written");
 }
 
 /// Says where the page is, and waits for Ctrl-C.
 int serve(const viewer::PageServer& server, const ViewOptions& options) {
+  keep_address(server, options.address_file);
   catch_interrupts();
   print_line("Listening on " + server.address());
   print_line("Open this address in a browser on this machine; Ctrl-C ends.");
@@ -110,6 +131,10 @@ void add_view(CommandLine& line, Action& action) {
       .type_name("SCENE.toml|MESH|DIR")
       .is_file_or_folder(scene_and_mesh_extensions());
   command.option("--port", options->port, "Port on 127.0.0.1; default 0, any free one").between(0, 65535);
+  command
+      .option("--address-file", options->address_file,
+              "Keep the address in this file: after a restart open pages find the program again")
+      .type_name("FILE");
   command.option("--set", options->overrides, "Change a value of the scene; repeatable")
       .type_name("KEY=VALUE")
       .repeatable()

@@ -40,13 +40,6 @@ std::filesystem::path make_private_folder() {
   return {};
 }
 
-bool write_private_file(const std::filesystem::path& path, const std::string& text) {
-  const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-  if (file < 0) return false;
-  const bool is_whole = write(file, text.data(), text.size()) == static_cast<ssize_t>(text.size());
-  return close(file) == 0 && is_whole;
-}
-
 /// Starts the command of the desktop and does not wait for it.
 void show(const std::string& file) {
   const std::string command = browser_command() + " \"$0\"";
@@ -67,6 +60,13 @@ void show(const std::string& file) {
 }
 
 }  // namespace
+
+bool write_private_file(const std::filesystem::path& path, const std::string& text) {
+  const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  if (file < 0) return false;
+  const bool is_whole = write(file, text.data(), text.size()) == static_cast<ssize_t>(text.size());
+  return close(file) == 0 && is_whole;
+}
 
 bool has_display() { return !variable("DISPLAY").empty() || !variable("WAYLAND_DISPLAY").empty(); }
 

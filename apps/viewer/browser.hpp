@@ -29,4 +29,7 @@ class OpenedBrowser {
   std::filesystem::path folder_;  ///< empty: none was made
 };
 
+/// A new file that this user alone may read; false when it is there already or cannot be written.
+bool write_private_file(const std::filesystem::path& path, const std::string& text);
+
 }  // namespace resilin::viewer

@@ -70,9 +70,17 @@ Json control_entries(const LiveControls& initial, double extent, bool has_contac
     entry["label"] = control.label;
     entry["unit"] = control.unit;
     entry["help"] = control.help;
+    if (control.is_of_body) entry["of_body"] = true;
     entries.push_back(std::move(entry));
   }
   return entries;
+}
+
+Json body_values(const LiveControls& controls) {
+  Json values;
+  for (const LiveControl& control : live_control_table())
+    if (control.is_of_body) values[std::string(control.key)] = value_json(control, controls);
+  return values;
 }
 
 Json control_values(const LiveControls& controls, bool has_contact) {

@@ -15,4 +15,7 @@ nlohmann::json control_entries(const LiveControls& initial, double extent, bool 
 /// The value of each of these controls, by its key.
 nlohmann::json control_values(const LiveControls& controls, bool has_contact);
 
+/// Likewise of those that each body has of its own.
+nlohmann::json body_values(const LiveControls& controls);
+
 }  // namespace resilin::viewer

@@ -37,14 +37,21 @@ class Fields {
     return value.get<double>();
   }
 
-  std::uint32_t vertex() {
+  std::uint32_t whole_number(const char* key) {
     constexpr const char* expected = "a whole number from 0";
-    const Json& value = take("vertex", expected);
+    const Json& value = take(key, expected);
     if (!value.is_number_unsigned() ||
         value.get<std::uint64_t>() > std::numeric_limits<std::uint32_t>::max()) {
-      refuse("vertex", expected, value);
+      refuse(key, expected, value);
     }
     return value.get<std::uint32_t>();
+  }
+
+  std::uint32_t vertex() { return whole_number("vertex"); }
+
+  std::optional<std::size_t> optional_number(const char* key) {
+    if (!json_.contains(key)) return std::nullopt;
+    return whole_number(key);
   }
 
   std::string text(const char* key) {
@@ -108,13 +115,24 @@ PageMessage read_poke(Fields& fields) {
   return poke;
 }
 
-PageMessage read_hold(Fields& fields) {
+HoldFace read_face(Fields& fields, const std::string& type) {
   HoldFace hold{fields.vertex(), fields.vector("point"), {fields.number("angle"), fields.number("radius")}};
   if (!(hold.reach.angle >= 0 && hold.reach.angle <= 180))
-    throw InputError("message \"hold\": angle", "degrees from 0 to 180", format_short(hold.reach.angle));
+    throw InputError("message \"" + type + "\": angle", "degrees from 0 to 180",
+                     format_short(hold.reach.angle));
   if (!(hold.reach.radius >= 0))
-    throw InputError("message \"hold\": radius", "a number >= 0", format_short(hold.reach.radius));
+    throw InputError("message \"" + type + "\": radius", "a number >= 0", format_short(hold.reach.radius));
   return hold;
+}
+
+PageMessage read_load(Fields& fields) {
+  using enum FaceLoadChoice::Kind;
+  LoadFace load{read_face(fields, "load"), {}};
+  const std::string kind = fields.text("kind");
+  if (kind != "force" && kind != "pressure")
+    throw InputError("message \"load\": kind", "\"force\" or \"pressure\"", shown(kind));
+  load.choice = {kind == "force" ? force : pressure, fields.number("value")};
+  return load;
 }
 
 /// A word of a page, which may be of any length, in place of `refuse_word`.
@@ -136,7 +154,11 @@ ControlValue read_value(const LiveControl& control, Fields& fields) {
 PageMessage read_set(Fields& fields) {
   const std::string key = fields.text("key");
   const LiveControl* control = find_live_control(key);
-  if (control != nullptr) return SetControl{control, read_value(*control, fields)};
+  if (control != nullptr) {
+    SetControl set{control, read_value(*control, fields)};
+    if (control->is_of_body) set.body = fields.optional_number("body");
+    return set;
+  }
   std::vector<std::string> known;
   for (const LiveControl& entry : live_control_table()) known.emplace_back(entry.key);
   refuse_sent_word("message \"set\": key", key, known);
@@ -156,8 +178,11 @@ const std::map<std::string, ReadMessage, std::less<>>& message_types() {
       {"pin", [](Fields& f) -> PageMessage { return Pin{f.vertex()}; }},
       {"unpin", [](Fields& f) -> PageMessage { return Unpin{f.vertex()}; }},
       {"unpin_all", plain<UnpinAll>},
-      {"hold", read_hold},
+      {"hold", [](Fields& f) -> PageMessage { return read_face(f, "hold"); }},
       {"free_faces", plain<FreeFaces>},
+      {"load", read_load},
+      {"remove_loads", plain<RemoveLoads>},
+      {"settle", plain<Settle>},
       {"poke", read_poke},
       {"poke_end", plain<PokeEnd>},
       {"set", read_set},

@@ -2,12 +2,14 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
 
 #include "resilin/core/types.hpp"
 #include "resilin/live/control_table.hpp"
+#include "resilin/live/face_load.hpp"
 #include "resilin/view/face_patch.hpp"
 
 /// Messages of the page: docs/view_protocol.md, "Messages of the page".
@@ -36,6 +38,14 @@ struct HoldFace {
   FaceReach reach;
 };
 struct FreeFaces {};
+/// A load is put on the face around a place, or removed when the place lies on one that has one.
+struct LoadFace {
+  HoldFace face;
+  FaceLoadChoice choice;
+};
+struct RemoveLoads {};
+/// Steps lead to the equilibrium.
+struct Settle {};
 struct Poke {
   Vector3 center = Vector3::Zero();  ///< [m]
   double radius = 0;                 ///< [m], positive
@@ -43,7 +53,8 @@ struct Poke {
 struct PokeEnd {};
 struct SetControl {
   const LiveControl* control = nullptr;  ///< an entry of the table
-  ControlValue value;                    ///< value, of the kind that its form has
+  ControlValue value;                    ///< of the kind that its form has
+  std::optional<std::size_t> body = {};  ///< whose it is; none: of all bodies
 };
 struct ChooseField {
   std::string name;  ///< empty: none
@@ -77,10 +88,10 @@ struct Extended<std::variant<Kind...>, More...> {
   using type = std::variant<Kind..., More...>;
 };
 
-/// Messages that change the scene.
-using SceneMessage = std::variant<Grab, Drag, Release, Pin, Unpin, UnpinAll, HoldFace, FreeFaces, Poke,
-                                  PokeEnd, SetControl, Reset, Reload>;
-/// Messages to the simulation.
+/// What changes the scene.
+using SceneMessage = std::variant<Grab, Drag, Release, Pin, Unpin, UnpinAll, HoldFace, FreeFaces, LoadFace,
+                                  RemoveLoads, Settle, Poke, PokeEnd, SetControl, Reset, Reload>;
+/// What is said to the simulation.
 using LoopMessage = Extended<SceneMessage, Pause, Play, SingleStep, SaveScene, OpenScene, SceneTouched>::type;
 /// All that a page can say; the rest is for the server.
 using PageMessage = Extended<LoopMessage, ChooseField, Acknowledge>::type;

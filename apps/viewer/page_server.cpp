@@ -111,7 +111,7 @@ PageServer::PageServer(const ServerOptions& options, std::map<std::string, Resou
   contents_->shared.options = options;
   contents_->shared.resources = std::move(resources);
   contents_->shared.service = service;
-  contents_->shared.token = make_token();
+  contents_->shared.token = options.token.empty() ? make_token() : options.token;
   contents_->listen();
   contents_->accept();
   contents_->thread = std::thread([contents = contents_.get()] { contents->run(); });

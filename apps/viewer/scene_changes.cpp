@@ -70,12 +70,37 @@ void place_ground(SceneValue& scene, const SceneChanges& changes) {
     std::erase_if(scene.table(), [](const SceneMember& member) { return member.key == "collider"; });
 }
 
+/// Faces with loads, by vertices of their meshes.
+void put_loads(SceneValue& scene, const SceneChanges& changes) {
+  if (changes.loads.empty()) return;
+  SceneValue::Array& loads = list_of(scene, "load");
+  std::set<std::string> names;
+  for (const LoadDescription& load : changes.before->loads) names.insert(load.name);
+  int number = 0;
+  for (const FaceLoad& face : changes.loads) {
+    std::string name;
+    do name = "load_" + std::to_string(++number);
+    while (names.contains(name));
+    SceneValue::Array vertices;
+    for (const Index v : face.description.where.vertices) vertices.push_back(value_of(std::int64_t{v}));
+    SceneValue::Table load = {{"name", value_of(name)}};
+    if (changes.before->bodies.size() > 1) load.push_back({"body", value_of(face.description.body)});
+    load.push_back({"kind", value_of(face.description.kind)});
+    load.push_back({"where", value_of(SceneValue::Table{{"vertices", value_of(std::move(vertices))}})});
+    load.push_back({"value", face.description.kind == "pressure"
+                                 ? value_of(face.description.pressure)
+                                 : vector_value(face.description.value, changes.before->dimension)});
+    loads.push_back(value_of(std::move(load)));
+  }
+}
+
 }  // namespace
 
-void write_material(SceneValue& scene, const SceneChanges& changes) {
+void write_material(SceneValue& scene, const SceneChanges& changes, bool writes_all) {
   for (std::size_t b = 0; b < changes.before->bodies.size(); ++b) {
+    if (!writes_all && changes.materials[b] == changes.first_materials[b]) continue;
     const MaterialDescription& before = changes.before->bodies[b].material;
-    const MaterialDescription after = material_of(changes.now, before);
+    const MaterialDescription after = material_of(changes.materials[b], before);
     set_value(scene, body_key(b) + ".material.law", value_of(after.law), place);
     SceneValue::Table& table = scene.find("body")->array()[b].find("material")->table();
     std::erase_if(table, [&](const SceneMember& member) {
@@ -95,11 +120,10 @@ void apply_changes(SceneValue& scene, const SceneChanges& changes) {
     set_value(scene, key, std::move(value), place);
   };
   hold(scene, changes);
+  put_loads(scene, changes);
   if (now.gravity != first.gravity)
     set("simulation.gravity", vector_value(now.gravity, changes.before->dimension));
-  if (now.law != first.law || now.youngs_modulus != first.youngs_modulus ||
-      now.poissons_ratio != first.poissons_ratio)
-    write_material(scene, changes);
+  write_material(scene, changes);
   if (now.damping != first.damping)
     for (std::size_t b = 0; b < changes.before->bodies.size(); ++b)
       set(body_key(b) + ".damping.mass", value_of(now.damping));
@@ -108,10 +132,11 @@ void apply_changes(SceneValue& scene, const SceneChanges& changes) {
        (now.ground_height != first.ground_height || now.ground_friction != first.ground_friction)))
     place_ground(scene, changes);
   if (now.contact_friction != first.contact_friction) set("contact.friction", value_of(now.contact_friction));
-  if (now.contact_stiffness != first.contact_stiffness)
-    set("contact.stiffness", value_of(now.contact_stiffness));
-  if (now.contact_distance != first.contact_distance)
-    set("contact.activation_distance", value_of(now.contact_distance));
+  // What nobody has chosen follows the bodies in the new scene, too.
+  const ContactDescription &was = changes.before->contact, &is = changes.contact;
+  if (is.stiffness && is.stiffness != was.stiffness) set("contact.stiffness", value_of(*is.stiffness));
+  if (is.activation_distance && is.activation_distance != was.activation_distance)
+    set("contact.activation_distance", value_of(*is.activation_distance));
 }
 
 }  // namespace resilin::viewer

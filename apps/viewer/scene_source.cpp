@@ -79,7 +79,7 @@ void come_to_rest(SceneValue& scene) {
 
 std::string save(const SceneSource& source, SceneValue scene, const SceneChanges& changes) {
   apply_changes(scene, changes);
-  if (source.is_bare_mesh) write_material(scene, changes);
+  if (source.is_bare_mesh) write_material(scene, changes, /*writes_all=*/true);
   if (source.is_bare_mesh && !changes.held.empty()) come_to_rest(scene);
   read_scene_from_values(scene, source.stem + ".toml", source.folder);  // before anything is written
   if (source.sent) {

@@ -23,6 +23,12 @@ std::string title_of(const World& world) {
   return world.title.empty() ? std::filesystem::path(world.place).filename().string() : world.title;
 }
 
+constexpr std::size_t most_arrows = 60;  ///< of a load on a face
+
+bool is_same_face(const FacePatch& there, const FacePatch& touched) {
+  return there.part == touched.part && std::ranges::binary_search(there.facets, touched.touched);
+}
+
 }  // namespace
 
 ServedLiveScene::Loaded::Loaded(Scene scene, const std::optional<State>& start)
@@ -36,6 +42,7 @@ ServedLiveScene::Loaded::Loaded(std::shared_ptr<LiveScene> played, std::vector<s
     : live(std::move(played)),
       warnings(std::move(words)),
       first_controls(live->controls()),
+      first_materials(live->materials()),
       surface(live->world()),
       colliders(shown_colliders(live->world())),
       fields(live->world(), surface),
@@ -89,10 +96,21 @@ Json ServedLiveScene::state() const {
   Json held = Json::array();
   for (const ShownFace& face : loaded_->faces)
     held.push_back({{"vertices", shown_support(face.patch.vertices)}});
+  Json bodies = Json::array();
+  for (const BodyControls& material : loaded_->live->materials())
+    bodies.push_back(body_values(with_material(controls, material)));
+  Json loads = Json::array();
+  for (const LoadedFace& load : loaded_->loads) {
+    Json directions = Json::array();
+    for (const Vector3& d : load.directions) directions.push_back({d.x(), d.y(), d.z()});
+    loads.push_back({{"vertices", load.vertices}, {"directions", std::move(directions)}});
+  }
   return {{"values", control_values(controls, world().contact != nullptr)},
           {"ground", controls.has_ground ? Json(controls.ground_height) : Json()},
           {"pinned", std::move(pinned)},
           {"held", std::move(held)},
+          {"bodies", std::move(bodies)},
+          {"loads", std::move(loads)},
           {"poking", is_poking()},
           {"warnings", loaded_->warnings}};
 }
@@ -118,7 +136,8 @@ Json ServedLiveScene::status() const {
           {"elastic_energy", report.elastic_energy},
           {"kinetic_energy", report.kinetic_energy},
           {"hand_force", is_grabbed() ? Json(loaded_->live->hand_force().norm()) : Json()},
-          {"words", report.words}};
+          {"words", report.state},
+          {"warnings", report.warnings}};
 }
 
 void ServedLiveScene::step(double seconds) {
@@ -158,11 +177,10 @@ void ServedLiveScene::apply(const SceneMessage& message) {
                    loaded.live->poke(checked_place(poke.center, "poke: center"), poke.radius);
                  },
                  [&](const PokeEnd&) { loaded.live->stop_poking(); },
-                 [&](const SetControl& set) {
-                   LiveControls controls = loaded.live->controls();
-                   set_value(*set.control, set.value, controls);
-                   loaded.live->set_controls(controls);
-                 },
+                 [this](const SetControl& control) { set(control); },
+                 [this](const LoadFace& face) { load(face); },
+                 [this](const RemoveLoads&) { remove_loads(); },
+                 [&](const Settle&) { loaded.live->settle(); },
                  [&](const Reset&) {
                    loaded.live->reset();
                    forget_previous_state();
@@ -186,26 +204,82 @@ std::optional<std::uint32_t> ServedLiveScene::shown_vertex(Index node) const {
 /// A second time on the same face lets it go.
 void ServedLiveScene::hold(const HoldFace& hold) {
   Loaded& loaded = *loaded_;
-  const Vector3 point = checked_place(hold.point, "hold: point");
-  const Index vertex = checked_vertex(hold.vertex, "hold");
-  loaded.surface.positions(loaded.live->state().positions, loaded.positions);
-  loaded.shown_frame = 0;
-  FacePatch patch = face_patch(loaded.surface, vertex, point, loaded.positions, hold.reach);
-  const auto is_touched = [&patch](const ShownFace& face) {
-    return face.patch.part == patch.part && std::ranges::binary_search(face.patch.facets, patch.touched);
-  };
+  FacePatch patch = patch_at(hold, "hold");
+  const auto is_touched = [&patch](const ShownFace& face) { return is_same_face(face.patch, patch); };
   const auto last = std::find_if(loaded.faces.rbegin(), loaded.faces.rend(), is_touched);
   if (last != loaded.faces.rend()) {
     loaded.live->let_go(last->number);
     loaded.faces.erase(std::next(last).base());
     return;
   }
-  const std::size_t number = loaded.surface.parts()[patch.part].body;
-  const Body& body = world().bodies[number];
+  const int number = loaded.live->hold(body_of(patch), mesh_vertices(patch));
+  loaded.faces.push_back({number, std::move(patch)});
+}
+
+FacePatch ServedLiveScene::patch_at(const HoldFace& hold, const char* what) {
+  Loaded& loaded = *loaded_;
+  const Vector3 point = checked_place(hold.point, what);
+  const Index vertex = checked_vertex(hold.vertex, what);
+  loaded.surface.positions(loaded.live->state().positions, loaded.positions);
+  loaded.shown_frame = 0;
+  return face_patch(loaded.surface, vertex, point, loaded.positions, hold.reach);
+}
+
+std::vector<Index> ServedLiveScene::mesh_vertices(const FacePatch& patch) const {
+  const Body& body = world().bodies[body_of(patch)];
   std::vector<Index> vertices;
-  for (const Index node : nodes_of_patch(loaded.surface, patch))
+  for (const Index node : nodes_of_patch(loaded_->surface, patch))
     if (node - body.first_node < body.num_vertices) vertices.push_back(node - body.first_node);
-  loaded.faces.push_back({loaded.live->hold(number, std::move(vertices)), std::move(patch)});
+  return vertices;
+}
+
+/// A second time on the same face takes the load away.
+void ServedLiveScene::load(const LoadFace& load) {
+  Loaded& loaded = *loaded_;
+  FacePatch patch = patch_at(load.face, "load");
+  const auto is_touched = [&patch](const LoadedFace& face) { return is_same_face(face.patch, patch); };
+  const auto last = std::find_if(loaded.loads.rbegin(), loaded.loads.rend(), is_touched);
+  if (last != loaded.loads.rend()) {
+    loaded.live->remove_load(last->number);
+    loaded.loads.erase(std::next(last).base());
+    return;
+  }
+  LoadedFace made{loaded.live->put_load(body_of(patch), mesh_vertices(patch), load.choice), std::move(patch)};
+  VectorX gradient = VectorX::Zero(world().rest_positions.size());
+  loaded.live->face_loads().back().term->add_gradient(world().rest_positions, world().at_load(1), gradient);
+  const auto force = [&](Index vertex) -> Vector3 {
+    return -node_position(world().dimension, loaded.surface.nearest_node(vertex), gradient);
+  };
+  double greatest = 0;
+  const std::vector<Index> shown = thinned(made.patch.vertices, most_arrows);
+  for (const Index vertex : shown) greatest = std::max(greatest, force(vertex).norm());
+  for (const Index vertex : shown) {
+    if (!(force(vertex).norm() > 1e-3 * greatest)) continue;
+    made.vertices.push_back(vertex);
+    made.directions.emplace_back(force(vertex) / greatest);
+  }
+  loaded.loads.push_back(std::move(made));
+}
+
+void ServedLiveScene::remove_loads() {
+  for (const LoadedFace& face : loaded_->loads) loaded_->live->remove_load(face.number);
+  loaded_->loads.clear();
+}
+
+void ServedLiveScene::set(const SetControl& set) {
+  LiveScene& live = *loaded_->live;
+  LiveControls controls = live.controls();
+  if (!set.body) {
+    set_value(*set.control, set.value, controls);
+    live.set_controls(controls);
+    return;
+  }
+  if (*set.body >= live.materials().size())
+    throw InputError("set: body", "a number from 0 to " + std::to_string(live.materials().size() - 1),
+                     std::to_string(*set.body));
+  controls = with_material(controls, live.materials()[*set.body]);
+  set_value(*set.control, set.value, controls);
+  live.set_material(*set.body, {controls.law, controls.youngs_modulus, controls.poissons_ratio});
 }
 
 void ServedLiveScene::free_faces() {
@@ -221,7 +295,11 @@ std::string ServedLiveScene::save() {
                 .up = loaded_->live->up(),
                 .first = loaded_->first_controls,
                 .now = loaded_->live->controls(),
-                .held = loaded_->live->held_faces()});
+                .first_materials = loaded_->first_materials,
+                .materials = loaded_->live->materials(),
+                .contact = loaded_->live->contact_choices(),
+                .held = loaded_->live->held_faces(),
+                .loads = loaded_->live->face_loads()});
 }
 
 /// Everything anew but the speed, which is not the scene's.
@@ -231,7 +309,10 @@ void ServedLiveScene::reload() {
     loaded_ = std::make_unique<Loaded>(read_(), start_);
   } else {
     free_faces();
+    remove_loads();
     loaded_->live->set_controls(loaded_->first_controls);
+    for (std::size_t b = 0; b < loaded_->first_materials.size(); ++b)
+      loaded_->live->set_material(b, loaded_->first_materials[b]);
     loaded_->live->reset();
     forget_previous_state();
   }

@@ -19,10 +19,13 @@ namespace resilin::viewer {
 
 /// Changes that a user has made to a scene on its page.
 struct SceneChanges {
-  const Description* before = nullptr;  ///< as it was read
-  Vector3 up = Vector3::UnitZ();        ///< normal of the ground
-  LiveControls first, now;              ///< controls at the start, and now
+  const Description* before = nullptr;                   ///< as it was read
+  Vector3 up = Vector3::UnitZ();                         ///< what the ground faces
+  LiveControls first, now;                               ///< with which it began, and as they are
+  std::vector<BodyControls> first_materials, materials;  ///< likewise, of each body
+  ContactDescription contact{};                          ///< what was chosen of it
   std::vector<HeldFace> held;
+  std::vector<FaceLoad> loads;
 };
 
 /// Writes a scene with its changes into a new file; one line that says where. Throws InputError.
@@ -69,6 +72,13 @@ class ServedLiveScene : public ServedScene {
     int number = 0;  ///< number of the HeldFace
     FacePatch patch;
   };
+  /// Likewise one with a load.
+  struct LoadedFace {
+    int number = 0;  ///< of the FaceLoad
+    FacePatch patch;
+    std::vector<Index> vertices{};      ///< where arrows are drawn ...
+    std::vector<Vector3> directions{};  ///< ... and along which, the longest of length 1
+  };
   /// All that a reload replaces.
   struct Loaded {
     Loaded(Scene scene, const std::optional<State>& start);
@@ -78,7 +88,9 @@ class ServedLiveScene : public ServedScene {
     Description description{};  ///< as it was read
     std::vector<std::string> warnings;
     LiveControls first_controls;
+    std::vector<BodyControls> first_materials;
     std::vector<ShownFace> faces;
+    std::vector<LoadedFace> loads;
     ShownSurface surface;
     std::vector<ShownCollider> colliders;
     SurfaceFields fields;
@@ -97,6 +109,13 @@ class ServedLiveScene : public ServedScene {
   void grab(const Grab& grab);
   void hold(const HoldFace& hold);
   void free_faces();
+  void load(const LoadFace& load);
+  void remove_loads();
+  void set(const SetControl& set);
+  FacePatch patch_at(const HoldFace& hold, const char* what);
+  /// Vertices of the body's mesh that carry a patch.
+  std::vector<Index> mesh_vertices(const FacePatch& patch) const;
+  std::size_t body_of(const FacePatch& patch) const { return loaded_->surface.parts()[patch.part].body; }
   void reload();
   Index checked_vertex(std::uint32_t vertex, const char* what) const;
   Vector3 checked_place(const Vector3& place, const char* what) const;

@@ -97,6 +97,26 @@ TEST_F(View, ServesASceneUntilItIsInterrupted) {
   }
 }
 
+TEST_F(View, KeepsItsAddressInAFileOverARestart) {
+  const std::vector<std::string> words = {"view", "jelly.toml", "--no-browser", "--address-file", "address"};
+  const auto start_and_end = [&] {
+    RunningProgram program(folder.path(), words);
+    const Address address = address_of(program);
+    program.kill(SIGINT);
+    EXPECT_EQ(program.finish().exit_code, 0);
+    return address;
+  };
+  const Address first = start_and_end();
+  const Address second = start_and_end();
+  EXPECT_EQ(first.port, second.port);
+  EXPECT_EQ(first.token, second.token);
+  EXPECT_EQ(std::filesystem::status(folder.path() / "address").permissions(),
+            std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+  std::filesystem::remove(folder.path() / "address");
+  folder.write("address", "http://example.org");
+  EXPECT_THAT(run(words).err, HasSubstr("address: expected an address that an earlier start has written"));
+}
+
 TEST_F(View, ReadsTheSceneAgainAndSurvivesABrokenOne) {
   RunningProgram program(folder.path(), {"view", "jelly.toml", "--no-browser"});
   const Address address = address_of(program);

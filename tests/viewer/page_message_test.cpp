@@ -59,6 +59,16 @@ TEST(PageMessage, OfEachTypeIsRead) {
   EXPECT_EQ(hold.point, Vector3(1, 2, 3));
   EXPECT_EQ(hold.reach.angle, 30);
   read_as<FreeFaces>(R"({"type": "free_faces"})");
+  const auto load = read_as<LoadFace>(
+      R"({"type": "load", "vertex": 3, "point": [1, 2, 3], "angle": 30, "radius": 0, "kind": "pressure", "value": -5})");
+  EXPECT_EQ(load.face.vertex, 3U);
+  EXPECT_EQ(load.choice.kind, FaceLoadChoice::Kind::pressure);
+  EXPECT_EQ(load.choice.value, -5);
+  read_as<RemoveLoads>(R"({"type": "remove_loads"})");
+  read_as<Settle>(R"({"type": "settle"})");
+  EXPECT_EQ(read_as<SetControl>(R"({"type": "set", "key": "youngs_modulus", "value": 1e5, "body": 2})").body,
+            2U);
+  EXPECT_FALSE(read_as<SetControl>(R"({"type": "set", "key": "youngs_modulus", "value": 1e5})").body);
   read_as<SaveScene>(R"({"type": "save"})");
   read_as<PokeEnd>(R"({"type": "poke_end"})");
   EXPECT_EQ(read_as<ChooseField>(R"({"type": "field", "name": ""})").name, "");

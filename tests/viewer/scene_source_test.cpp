@@ -77,6 +77,79 @@ TEST(SceneSource, SavesHeldFacesAndChangesOfAScene) {
   EXPECT_THAT(scene->save(), HasSubstr("jelly-3.toml"));
 }
 
+constexpr const char* two_blocks = R"([simulation]
+kind = "static"
+gravity = [0, 0, -9.81]
+[[body]]
+name = "soft"
+mesh = { box = { size = [1, 1, 1], cells = [2, 2, 2] } }
+element = "P1"
+material = { law = "neo_hookean", youngs_modulus = 1e5, poissons_ratio = 0.4, density = 100 }
+[[body]]
+name = "stiff"
+mesh = { box = { size = [1, 1, 1], cells = [2, 2, 2], origin = [2, 0, 0] } }
+element = "P1"
+material = { law = "stable_neo_hookean", youngs_modulus = 3e5, poissons_ratio = 0.3, density = 100 }
+[[fix]]
+body = "soft"
+where = { plane = { axis = "z", at = 0 } }
+[[fix]]
+body = "stiff"
+where = { plane = { axis = "z", at = 0 } }
+)";
+
+TEST(SceneSource, AControlOfABodyChangesThatBodyAloneAndOnlyThatIsSaved) {
+  const TemporaryFolder folder;
+  const std::unique_ptr<ServedLiveScene> scene =
+      served_scene(scene_file(folder.write("two.toml", two_blocks), {}));
+  EXPECT_EQ(scene->state()["bodies"][1]["youngs_modulus"], 3e5);
+  scene->apply(SetControl{find_live_control("youngs_modulus"), 5e5, 1});
+  EXPECT_EQ(scene->state()["bodies"][0]["youngs_modulus"], 1e5);
+  EXPECT_EQ(scene->state()["bodies"][1]["youngs_modulus"], 5e5);
+  EXPECT_EQ(scene->state()["bodies"][1]["law"], "stable_neo_hookean");
+  EXPECT_THROW(scene->apply(SetControl{find_live_control("youngs_modulus"), 5e5, 2}), InputError);
+  scene->save();
+  const Description saved = read_scene(folder / "two-2.toml").description;
+  EXPECT_EQ(saved.bodies[0].material.constants.at("youngs_modulus"), 1e5);
+  EXPECT_EQ(saved.bodies[0].material.law, "neo_hookean");
+  EXPECT_EQ(saved.bodies[1].material.constants.at("youngs_modulus"), 5e5);
+  EXPECT_FALSE(saved.contact.stiffness) << "nobody has chosen it";
+  // One for all bodies changes nothing else of them.
+  scene->apply(SetControl{find_live_control("poissons_ratio"), 0.2});
+  EXPECT_EQ(scene->state()["bodies"][0]["poissons_ratio"], 0.2);
+  EXPECT_EQ(scene->state()["bodies"][1]["youngs_modulus"], 5e5);
+  EXPECT_EQ(scene->state()["bodies"][1]["law"], "stable_neo_hookean");
+}
+
+TEST(SceneSource, AForceOnAFaceIsThatForceInTheLiveSceneAndInTheSavedOne) {
+  const TemporaryFolder folder;
+  const std::unique_ptr<ServedLiveScene> scene =
+      served_scene(scene_file(folder.write("two.toml", two_blocks), {}));
+  const ShownSurface surface(scene->world());
+  std::uint32_t top = 0;  // the corner of the first body that is not at an edge
+  for (std::uint32_t v = 0; v < static_cast<std::uint32_t>(surface.num_vertices()); ++v) {
+    const float* place = surface.rest_positions().data() + 3 * std::size_t{v};
+    if (place[0] == 0.5F && place[1] == 0.5F && place[2] == 1.0F) top = v;
+  }
+  const HoldFace face{top, Vector3(0.45, 0.45, 1), {}};
+  EXPECT_THROW(scene->apply(LoadFace{face, {FaceLoadChoice::Kind::force, 0}}), InputError);
+  scene->apply(LoadFace{face, {FaceLoadChoice::Kind::force, 60}});
+  ASSERT_EQ(scene->state()["loads"].size(), 1U);
+  scene->apply(Settle{});
+  for (int step = 0; step < 200 && !scene->is_at_rest(); ++step) scene->step(1);
+  EXPECT_TRUE(scene->is_at_rest());
+  scene->save();
+  Simulation simulation(read_scene(folder / "two-2.toml").description);
+  const World& world = simulation.world();
+  VectorX gradient = VectorX::Zero(world.rest_positions.size());
+  world.terms[world.term_of_load(0)]->add_gradient(world.rest_positions, world.at_load(1), gradient);
+  Vector3 sum = Vector3::Zero();
+  for (Index node = 0; node < world.num_nodes(); ++node) sum -= node_position(3, node, gradient);
+  EXPECT_NEAR((sum - Vector3(0, 0, -60)).norm(), 0, 1e-9 * 60);
+  scene->apply(LoadFace{face, {FaceLoadChoice::Kind::force, 60}});
+  EXPECT_EQ(scene->state()["loads"].size(), 0U) << "a second time takes it away";
+}
+
 TEST(SceneSource, ASecondClickFreesAFaceAndAllAreFreedAtOnce) {
   const TemporaryFolder folder;
   const auto path = folder.write("jelly.toml", jelly);

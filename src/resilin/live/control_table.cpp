@@ -21,14 +21,17 @@ std::vector<Option> laws_to_choose() {
 void check_law(const std::string& name) { require_law(name, "law"); }
 
 constexpr std::array table = {
-    LiveControl{"law", "Material", "Law", "", "Constitutive model of all bodies",
-                Choice{&LiveControls::law, laws_to_choose, check_law}},
+    LiveControl{"law", "Material", "Law", "", "Constitutive model",
+                Choice{&LiveControls::law, laws_to_choose, check_law},
+                /*is_of_contact=*/false, /*is_of_body=*/true},
     LiveControl{"youngs_modulus", "Material", "Young's modulus", "Pa", "Stiffness at small strain",
-                LogSlider{&LiveControls::youngs_modulus, {1, 1e12}, {1e2, 1e8}}},
+                LogSlider{&LiveControls::youngs_modulus, {1, 1e12}, {1e2, 1e8}}, /*is_of_contact=*/false,
+                /*is_of_body=*/true},
     LiveControl{"poissons_ratio", "Material", "Poisson's ratio", "",
                 "Lateral contraction over axial stretch; near 0.5 the body is incompressible",
-                Slider{&LiveControls::poissons_ratio, {-0.9, 0.4999}, {0, 0.495}, 0.005}},
-    LiveControl{"damping", "Material", "Damping", "1/s", "Mass-proportional damping",
+                Slider{&LiveControls::poissons_ratio, {-0.9, 0.4999}, {0, 0.495}, 0.005},
+                /*is_of_contact=*/false, /*is_of_body=*/true},
+    LiveControl{"damping", "Material", "Damping", "1/s", "Mass-proportional damping of all bodies",
                 Slider{&LiveControls::damping, {0, 1e4}, {0, 10}, 0.01}},
     LiveControl{"gravity", "World", "Gravity", "m/s^2", "Gravitational acceleration",
                 Arrow{&LiveControls::gravity, 1e5, 30, 0.01}},

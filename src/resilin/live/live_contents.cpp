@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <variant>
 
 #include "resilin/contact/half_space.hpp"
@@ -85,6 +86,8 @@ LiveScene::Contents::Contents(const Description& scene, const std::optional<Stat
       world(description),
       newton(world.dimension, world.pattern, live_solver(world)),
       controls(starting_controls(scene, world, up_of(scene))) {
+  for (std::size_t b = 0; b < world.bodies.size(); ++b)
+    materials.push_back(starting_material(scene.bodies[b], world.bodies[b]));
   extent = world.largest_extent();
   const bool has_path = !scene.is_dynamic && follows_time(scene);
   path_time = has_path ? scene.end_time : std::numeric_limits<double>::infinity();
@@ -156,6 +159,7 @@ void LiveScene::Contents::renew_terms() {
       sum.push_back(make_gravity(controls.gravity, world, is_in_motion));
     for (const auto& barrier : fold_barriers)
       if (barrier) sum.push_back(barrier);
+    for (const FaceLoad& load : face_loads) sum.push_back(load.term);
     if (floor) sum.push_back(floor->barrier());
     if (ball) sum.push_back(ball->barrier());
     if (floor && controls.ground_friction > 0) {
@@ -233,17 +237,18 @@ void LiveScene::Contents::renew_fixed() {
     }
 }
 
-void LiveScene::Contents::change_materials(const LiveControls& wanted) {
+void LiveScene::Contents::change_materials(const std::vector<BodyControls>& wanted) {
   World changed = world;
   std::vector<BodyDescription> bodies = description.bodies;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    bodies[b].material = material_of(wanted, bodies[b].material);
+    if (wanted[b] == materials[b]) continue;
+    bodies[b].material = material_of(wanted[b], bodies[b].material);
     bodies[b].material.place = "material";
     change_material(changed, b, bodies[b]);
     const double energy = changed.bodies[b].domains.value(state.positions);
     if (std::isfinite(energy)) continue;
     throw InputError("law", "a law that is finite for inverted elements, because there are some",
-                     "\"" + wanted.law + "\", which needs J > 0 everywhere",
+                     "\"" + wanted[b].law + "\", which needs J > 0 everywhere",
                      "reset the scene, or wait until no cell is inverted");
   }
   world = std::move(changed);
@@ -251,11 +256,12 @@ void LiveScene::Contents::change_materials(const LiveControls& wanted) {
 }
 
 /// Materials, and with them the contact of bodies; all or nothing.
-void LiveScene::Contents::change_world(LiveControls& wanted, bool changes_material) {
+void LiveScene::Contents::change_world(LiveControls& wanted,
+                                       const std::vector<BodyControls>& wanted_materials) {
   const World world_before = world;
   const Description description_before = description;
   try {
-    if (changes_material) change_materials(wanted);
+    if (wanted_materials != materials) change_materials(wanted_materials);
     if (!world.contact) return;
     change_contact(wanted);
   } catch (...) {
@@ -283,18 +289,29 @@ void LiveScene::Contents::set_controls(const LiveControls& asked) {
   // The hand grows with the stiffness, unless both are set.
   if (wanted.max_force == controls.max_force)
     wanted.max_force *= wanted.youngs_modulus / controls.youngs_modulus;
+  std::vector<BodyControls> wanted_materials = materials;
+  for (BodyControls& material : wanted_materials) {
+    if (wanted.law != controls.law) material.law = wanted.law;
+    if (wanted.youngs_modulus != controls.youngs_modulus) material.youngs_modulus = wanted.youngs_modulus;
+    if (wanted.poissons_ratio != controls.poissons_ratio) material.poissons_ratio = wanted.poissons_ratio;
+  }
+  take_over(std::move(wanted), std::move(wanted_materials));
+}
+
+void LiveScene::Contents::take_over(LiveControls wanted, std::vector<BodyControls> wanted_materials) {
   check_controls(wanted);
-  const bool changes_material = wanted.law != controls.law ||
-                                wanted.youngs_modulus != controls.youngs_modulus ||
-                                wanted.poissons_ratio != controls.poissons_ratio;
+  for (std::size_t b = 0; b < materials.size(); ++b)
+    if (wanted_materials[b] != materials[b]) check_controls(with_material(wanted, wanted_materials[b]));
+  const bool changes_material = wanted_materials != materials;
   const bool changes_contact = wanted.contact_friction != controls.contact_friction ||
                                wanted.contact_stiffness != controls.contact_stiffness ||
                                wanted.contact_distance != controls.contact_distance;
-  if (changes_material || changes_contact) change_world(wanted, changes_material);
-  const bool changes_floor =
-      wanted.has_ground != controls.has_ground || wanted.ground_height != controls.ground_height ||
-      wanted.ground_friction != controls.ground_friction || wanted.youngs_modulus != controls.youngs_modulus;
-  controls = wanted;
+  if (changes_material || changes_contact) change_world(wanted, wanted_materials);
+  const bool changes_floor = wanted.has_ground != controls.has_ground ||
+                             wanted.ground_height != controls.ground_height ||
+                             wanted.ground_friction != controls.ground_friction || changes_material;
+  controls = std::move(wanted);
+  materials = std::move(wanted_materials);
   if (changes_floor) renew_floor();
   if (changes_material) renew_fold_barriers();
   renew_terms();

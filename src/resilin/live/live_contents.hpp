@@ -21,6 +21,8 @@ struct Held {
   Vector3 target;
 };
 
+constexpr int quiet_steps_before_seeking = 10;
+
 /// Nothing moves any more: from here on steps lead straight to the equilibrium.
 struct Calm {
   int quiet_steps = 0;    ///< in a row in which nothing moved to speak of
@@ -40,8 +42,11 @@ struct LiveScene::Contents {
   void look_at_cells();
   void advance_obstacles();
   void set_controls(const LiveControls& asked);
-  void change_world(LiveControls& wanted, bool changes_material);  ///< the terms are then to be renewed
-  void change_materials(const LiveControls& wanted);
+  /// Takes over controls and the materials of all bodies.
+  void take_over(LiveControls wanted, std::vector<BodyControls> wanted_materials);
+  /// The terms are then to be renewed.
+  void change_world(LiveControls& wanted, const std::vector<BodyControls>& wanted_materials);
+  void change_materials(const std::vector<BodyControls>& wanted);
   void change_contact(const LiveControls& wanted);
 
   bool is_seeking() const;
@@ -69,7 +74,7 @@ struct LiveScene::Contents {
   std::optional<LiveContact> contact() const;
   void note_calm(double dt);
   void estimate_now_and_then();
-  std::string words() const;
+  void say();  ///< the words of the report
   double unloaded_scale() const;
 
   Description description;
@@ -78,8 +83,9 @@ struct LiveScene::Contents {
   Terms terms_at_rest;  ///< the same for the equilibrium that a static run finds: see make_gravity
   std::vector<std::uint8_t> is_fixed;  ///< by supports, pins and held faces
   Newton newton;
-  LiveControls controls;
-  State start;  ///< to which a reset comes back
+  LiveControls controls;                ///< whose material is that of the first body
+  std::vector<BodyControls> materials;  ///< of the bodies
+  State start;                          ///< to which a reset comes back
   State state;
   LiveReport report;
   std::optional<Held> held;
@@ -91,6 +97,7 @@ struct LiveScene::Contents {
   Vector3 up = Vector3::UnitZ();  ///< normal of the floor, whatever gravity becomes
   std::vector<Index> pinned;
   std::vector<HeldFace> held_faces;
+  std::vector<FaceLoad> face_loads;
   Calm calm;
   double overrun = 0;     ///< time that steps take after their last iteration should have begun [s]
   int mending_steps = 0;  ///< in a row that are longer, since cells were inside out

@@ -38,13 +38,12 @@ bool is_floor(const ColliderDescription& collider, const Vector3& up) {
          collider.shape.normal.normalized().dot(up) > 1 - 1e-12;
 }
 
-LiveControls starting_controls(const Description& description, const World& world, const Vector3& up) {
-  const BodyDescription& first = description.bodies.front();
-  LiveControls controls;
-  controls.law = first.material.law;
-  const LawInfo& law = require_law(first.material.law, first.material.place + ".law");
-  const std::vector<double> constants =
-      constants_of_cells(law, first.material, world.bodies.front().num_cells());
+BodyControls starting_material(const BodyDescription& description, const Body& body) {
+  const MaterialDescription& material = description.material;
+  BodyControls controls;
+  controls.law = material.law;
+  const LawInfo& law = require_law(material.law, material.place + ".law");
+  const std::vector<double> constants = constants_of_cells(law, material, body.num_cells());
   double mu = 0, lambda = 0, count = 0;
   for_each_rest_tangent(law, constants, [&](std::size_t, const double* A) {
     lambda += A[4];  // dP_00/dF_11
@@ -54,10 +53,23 @@ LiveControls starting_controls(const Description& description, const World& worl
   const Hooke hooke{mu / count, lambda / count};
   controls.youngs_modulus = hooke.youngs_modulus();
   controls.poissons_ratio = hooke.poissons_ratio();
-  if (first.material.constants.contains("youngs_modulus")) {  // as written, without rounding
-    controls.youngs_modulus = first.material.constants.at("youngs_modulus");
-    controls.poissons_ratio = first.material.constants.at("poissons_ratio");
+  if (material.constants.contains("youngs_modulus")) {  // as written, without rounding
+    controls.youngs_modulus = material.constants.at("youngs_modulus");
+    controls.poissons_ratio = material.constants.at("poissons_ratio");
   }
+  return controls;
+}
+
+LiveControls with_material(LiveControls controls, const BodyControls& material) {
+  controls.law = material.law;
+  controls.youngs_modulus = material.youngs_modulus;
+  controls.poissons_ratio = material.poissons_ratio;
+  return controls;
+}
+
+LiveControls starting_controls(const Description& description, const World& world, const Vector3& up) {
+  const BodyDescription& first = description.bodies.front();
+  LiveControls controls = with_material({}, starting_material(first, world.bodies.front()));
   controls.damping = first.damping.mass;
   controls.gravity = description.gravity;
   controls.time_step = description.is_dynamic ? description.time_step : LiveControls{}.time_step;
@@ -79,7 +91,7 @@ LiveControls starting_controls(const Description& description, const World& worl
   return controls;
 }
 
-MaterialDescription material_of(const LiveControls& controls, const MaterialDescription& description) {
+MaterialDescription material_of(const BodyControls& controls, const MaterialDescription& description) {
   const LawInfo& law = require_law(controls.law, "law");
   MaterialDescription material = description;
   material.law = controls.law;

@@ -8,7 +8,16 @@
 
 namespace resilin {
 
-/// Values that can be changed while a scene runs. The material is that of all bodies.
+/// The material of one body as it can be changed while a scene runs.
+struct BodyControls {
+  std::string law;
+  double youngs_modulus = 1e5;  ///< [Pa] of the small-strain solid
+  double poissons_ratio = 0.4;
+  bool operator==(const BodyControls&) const = default;
+};
+
+/// What can be changed while a scene runs. The material is that of the first body; where it is changed here,
+/// it changes in all.
 struct LiveControls {
   std::string law;
   double youngs_modulus = 1e5;  ///< [Pa] of the small-strain solid
@@ -33,15 +42,21 @@ struct LiveControls {
 /// `up`. Contact is that of the world, where its bodies meet.
 LiveControls starting_controls(const Description& description, const World& world, const Vector3& up);
 
+/// The material that a body begins with; the mean over its cells where it varies.
+BodyControls starting_material(const BodyDescription& description, const Body& body);
+
+/// The controls with the material of another body.
+LiveControls with_material(LiveControls controls, const BodyControls& material);
+
 /// Whether a collider is a floor, which becomes the ground of the controls: level, facing up and at rest.
 bool is_floor(const ColliderDescription& collider, const Vector3& up);
 
 /// Throws InputError for the first value that cannot be.
 void check_controls(const LiveControls& controls);
 
-/// The material of `description` with the law and the stiffness of the controls; as long as the law is its
+/// The material of `description` with this law and this stiffness; as long as the law is its
 /// own it keeps its fibres and free constants (ConstantText::is_free).
-MaterialDescription material_of(const LiveControls& controls, const MaterialDescription& description);
+MaterialDescription material_of(const BodyControls& controls, const MaterialDescription& description);
 
 /// Laws that a scene can change to: those that Young's modulus and Poisson's ratio alone make.
 std::vector<const LawInfo*> live_laws();

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "resilin/core/text.hpp"
 #include "resilin/live/live_contents.hpp"
@@ -38,7 +39,7 @@ void LiveScene::Contents::measure(const NewtonReport& newton_report) {
       report.elastic_energy += barrier->value(state.positions, {});
     }
   }
-  report.words = words();
+  say();
 }
 
 std::optional<LiveContact> LiveScene::Contents::contact() const {
@@ -69,26 +70,30 @@ std::optional<LiveContact> LiveScene::Contents::contact() const {
   return can_touch ? std::optional(sum) : std::nullopt;
 }
 
-std::string LiveScene::Contents::words() const {
-  std::string text;
-  const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
+void LiveScene::Contents::say() {
+  std::string& text = report.state;
+  text.clear();
+  report.warnings.clear();
   const std::string share = format_short(report.relative_residual) + " of the load";
   if (report.at_rest) {
-    add("at rest: equilibrium of this mesh, the force residual is " + share);
+    text = "at rest: equilibrium of this mesh, the force residual is " + share;
   } else if (is_seeking()) {
-    add("nearly at rest: converging to the equilibrium, the force residual is " + share);
+    text = "nearly at rest: converging to the equilibrium, the force residual is " + share;
   } else if (!report.converged) {
-    add("not converged: after " + std::to_string(report.newton_iterations) +
-        (report.newton_iterations == 1 ? " Newton iteration" : " Newton iterations") +
-        " the force residual is " + share + "; the next step continues from there");
+    text = "not converged: after " + std::to_string(report.newton_iterations) +
+           (report.newton_iterations == 1 ? " Newton iteration" : " Newton iterations") +
+           " the force residual is " + share + "; the next step continues from there";
   }
   if (report.inverted_cells > 0) {
-    add(std::to_string(report.inverted_cells) + (report.inverted_cells == 1 ? " cell is" : " cells are") +
-        " inverted");
+    report.warnings.push_back(std::to_string(report.inverted_cells) +
+                              (report.inverted_cells == 1 ? " cell is" : " cells are") + " inverted");
   }
-  if (mending_factor() > 1) add("motion is damped, because elements were inverted");
-  for (const std::string& coarse : coarseness_texts(world, report.discretisation_errors)) add(coarse);
-  return text;
+  if (mending_factor() > 1) report.warnings.emplace_back("motion is damped, because elements were inverted");
+  for (std::string& coarse : coarseness_texts(world, report.discretisation_errors))
+    report.warnings.push_back(std::move(coarse));
+  report.words = text;
+  for (const std::string& warning : report.warnings)
+    report.words += (report.words.empty() ? "" : "; ") + warning;
 }
 
 }  // namespace resilin

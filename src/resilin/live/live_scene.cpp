@@ -1,6 +1,7 @@
 #include "resilin/live/live_scene.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "resilin/contact/sphere.hpp"
 #include "resilin/core/error.hpp"
@@ -22,6 +23,19 @@ std::optional<LiveContact> LiveScene::contact() const { return contents_->contac
 const LiveControls& LiveScene::controls() const { return contents_->controls; }
 const LiveReport& LiveScene::report() const { return contents_->report; }
 void LiveScene::set_controls(const LiveControls& controls) { contents_->set_controls(controls); }
+const std::vector<BodyControls>& LiveScene::materials() const { return contents_->materials; }
+const ContactDescription& LiveScene::contact_choices() const { return contents_->description.contact; }
+
+void LiveScene::set_material(std::size_t body, const BodyControls& material) {
+  std::vector<BodyControls> materials = contents_->materials;
+  if (body >= materials.size())
+    throw InputError("body", "a number from 0 to " + std::to_string(materials.size() - 1),
+                     std::to_string(body));
+  materials[body] = material;
+  LiveControls controls = with_material(contents_->controls, materials.front());
+  contents_->take_over(std::move(controls), std::move(materials));
+}
+
 void LiveScene::reset() { contents_->reset(); }
 
 void LiveScene::grab(MaterialPoint place, const Vector3& target) {

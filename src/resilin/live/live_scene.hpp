@@ -8,6 +8,7 @@
 
 #include "resilin/energy/material_point.hpp"
 #include "resilin/fields/discretisation_error.hpp"
+#include "resilin/live/face_load.hpp"
 #include "resilin/live/held_face.hpp"
 #include "resilin/live/live_controls.hpp"
 #include "resilin/simulation/simulation.hpp"
@@ -29,7 +30,9 @@ struct LiveReport {
   double elastic_energy = 0, kinetic_energy = 0;      ///< [J]
   double step_ms = 0, assembly_ms = 0, solve_ms = 0;  ///< wall time; the rest is searching and measuring
   DiscretisationErrors discretisation_errors{};       ///< estimated now and then, and at rest
-  std::string words;  ///< unsolved parts, or that it is at rest; whose cells are too coarse
+  std::string state;                                  ///< what is not solved, or that it is at rest
+  std::vector<std::string> warnings;  ///< inverted cells, damping because of them; whose cells are too coarse
+  std::string words;                  ///< both in one line
 };
 
 /// Contact in a live scene.
@@ -76,6 +79,13 @@ class LiveScene {
   /// Takes over all controls that differ from the present ones.
   void set_controls(const LiveControls& controls);
 
+  /// Materials of the bodies, in their order.
+  const std::vector<BodyControls>& materials() const;
+  /// Gives one body another material; those of the others stay.
+  void set_material(std::size_t body, const BodyControls& material);
+  /// Contact as it was read or chosen since: what is left open follows the bodies.
+  const ContactDescription& contact_choices() const;
+
   /// The hand takes hold of a place of a body and pulls it towards `target` [m] until `release`.
   void grab(MaterialPoint place, const Vector3& target);
   void drag(const Vector3& target);  ///< has no effect when nothing is held
@@ -95,6 +105,16 @@ class LiveScene {
   int hold(std::size_t body, std::vector<Index> vertices);
   void let_go(int number);
   const std::vector<HeldFace>& held_faces() const;  ///< in the order in which they were taken
+
+  /// Puts a load on the facets of a body's mesh between these vertices; it stays after a reset.
+  /// @return the number by which it is removed
+  int put_load(std::size_t body, std::vector<Index> vertices, const FaceLoadChoice& choice);
+  void remove_load(int number);
+  const std::vector<FaceLoad>& face_loads() const;  ///< in the order in which they were put there
+
+  /// Stops all motion: the steps that follow lead to the equilibrium. Refused where that depends on the way,
+  /// as with friction, and while loads or supports change.
+  void settle();
 
   /// A ball that pushes bodies away; it goes towards `center` as fast as they let it.
   void poke(const Vector3& center, double radius);

@@ -14,9 +14,8 @@
 namespace resilin {
 namespace {
 
-constexpr double overrun_weight = 0.1;  ///< weight of the last step in the mean of overruns
-constexpr int quiet_steps_before_seeking = 10;
-constexpr int steps_to_first_estimate = 30;  ///< steps before the first estimate of the discretisation error
+constexpr double overrun_weight = 0.1;       ///< of the last step in the mean of what steps take too long
+constexpr int steps_to_first_estimate = 30;  ///< of the error by the size of the cells
 constexpr int steps_between_estimates = 120;
 constexpr double longest_mending_step = 10;  ///< [s], where bodies are held
 constexpr double fall_while_mending = 0.05;  ///< largest fall in one step, relative to the extent
@@ -178,7 +177,7 @@ void LiveScene::Contents::move_to_equilibrium(const StepBudget& budget) {
   measure(newton_report);
   report.at_rest = report.converged = is_at_rest;
   if (is_at_rest) report.discretisation_errors = discretisation_errors(world, state.positions);
-  report.words = words();
+  say();
 }
 
 double LiveScene::Contents::unloaded_scale() const {
@@ -190,7 +189,7 @@ void LiveScene::Contents::estimate_now_and_then() {
   if (state.step % steps_between_estimates != steps_to_first_estimate) return;
   if (report.elastic_energy < least_share_of_strain_energy * report.kinetic_energy) return;
   report.discretisation_errors = discretisation_errors(world, state.positions);
-  report.words = words();
+  say();
 }
 
 /// Whether anything moved in the last step.

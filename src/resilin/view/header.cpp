@@ -43,6 +43,10 @@ Json mark_json(const ShownMark& mark) {
                {"vertices", mark.vertices}};
   if (mark.kind != load) return json;
   json["greatest"] = mark.greatest;
+  if (!mark.course.at.empty())
+    json["course"] = {{"over", mark.course.is_over_load ? "load" : "time"},
+                      {"at", mark.course.at},
+                      {"factors", mark.course.factors}};
   json["directions"] = Json::array();
   for (const Vector3& direction : mark.directions) json["directions"].push_back(numbers(direction));
   return json;

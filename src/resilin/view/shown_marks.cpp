@@ -1,19 +1,12 @@
 #include "resilin/view/shown_marks.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace resilin {
 namespace {
 
 constexpr std::size_t most_support_vertices = 400, most_load_vertices = 80;
-
-/// At most `most` of the numbers, evenly.
-std::vector<Index> thinned(const std::vector<Index>& all, std::size_t most) {
-  if (all.size() <= most) return all;
-  std::vector<Index> some;
-  for (std::size_t i = 0; i < most; ++i) some.push_back(all[i * all.size() / most]);
-  return some;
-}
 
 ShownMark mark_at(ShownMark::Kind kind, std::string name, const std::vector<Index>& nodes, std::size_t most,
                   const ShownSurface& surface) {
@@ -39,6 +32,44 @@ VectorX strongest_forces(const World& world, const Energy& term) {
   return strongest;
 }
 
+/// What a load is of its strongest forces while the run goes on.
+ShownMark::Course course_of(const World& world, const Energy& term, const VectorX& strongest) {
+  const double square = strongest.squaredNorm();
+  if (!(square > 0)) return {};
+  const auto factor = [&](double share) {
+    const Conditions conditions =
+        world.is_dynamic ? Conditions{.time = world.end_time * share, .load = 1} : world.at_load(share);
+    VectorX gradient = VectorX::Zero(world.rest_positions.size());
+    term.add_gradient(world.rest_positions, conditions, gradient);
+    return -gradient.dot(strongest) / square;
+  };
+  ShownMark::Course course{.is_over_load = !world.is_dynamic, .at = {}, .factors = {}};
+  const auto sample = [&](int count) {
+    course.at.clear();
+    course.factors.clear();
+    for (int k = 0; k <= count; ++k) {
+      const double share = static_cast<double>(k) / count;
+      course.at.push_back(world.is_dynamic ? world.end_time * share : share);
+      course.factors.push_back(factor(share));
+    }
+  };
+  constexpr int few = 5, many = 120;
+  constexpr double rounding = 1e-9;
+  sample(few);
+  const double first = course.factors.front(), last = course.factors.back();
+  bool is_straight = true;
+  for (int k = 0; k <= few; ++k)
+    is_straight = is_straight && std::abs(course.factors[static_cast<std::size_t>(k)] -
+                                          (first + (last - first) * k / few)) < rounding;
+  if (!is_straight)
+    sample(many);
+  else if (std::abs(last - first) < rounding)
+    return {};
+  else
+    course = {course.is_over_load, {course.at.front(), course.at.back()}, {first, last}};
+  return course;
+}
+
 ShownMark mark_of_load(const World& world, const Energy& term, const ShownSurface& surface) {
   const VectorX forces = strongest_forces(world, term);
   std::vector<Index> nodes;
@@ -56,6 +87,7 @@ ShownMark mark_of_load(const World& world, const Energy& term, const ShownSurfac
   ShownMark made{
       .kind = ShownMark::Kind::load, .name = std::string(term.name()), .vertices = {}, .directions = {}};
   made.greatest = greatest;
+  made.course = course_of(world, term, forces);
   for (const Index node : thinned(nodes, most_load_vertices)) {
     const std::optional<Index> vertex = surface.vertex_of(node);
     if (!vertex) continue;
@@ -66,6 +98,13 @@ ShownMark mark_of_load(const World& world, const Energy& term, const ShownSurfac
 }
 
 }  // namespace
+
+std::vector<Index> thinned(const std::vector<Index>& all, std::size_t most) {
+  if (all.size() <= most) return all;
+  std::vector<Index> some;
+  for (std::size_t i = 0; i < most; ++i) some.push_back(all[i * all.size() / most]);
+  return some;
+}
 
 std::vector<Index> shown_support(const std::vector<Index>& vertices) {
   return thinned(vertices, most_support_vertices);

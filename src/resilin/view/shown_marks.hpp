@@ -13,14 +13,24 @@ struct ShownMark {
   enum class Kind { support, load, probe };
   Kind kind = Kind::support;
   std::string name;
-  std::vector<Index> vertices;      ///< vertices of the shown surface
-  std::vector<Vector3> directions;  ///< directions of a load: its force at each vertex over the greatest one
-  double greatest = 0;              ///< that force [N]; at load factor 1, or when it is greatest in time
+  std::vector<Index> vertices;      ///< of the shown surface
+  std::vector<Vector3> directions;  ///< of a load: its force at each vertex over the greatest one
+  /// How strong a load is over its strongest, at times or load factors between which it is straight; empty:
+  /// it does not change.
+  struct Course {
+    bool is_over_load = false;  ///< else over time [s]
+    std::vector<double> at, factors;
+  };
+  Course course{};
+  double greatest = 0;  ///< that force [N]; at load factor 1, or when it is greatest in time
 };
 
 /// The supports, loads (but for gravity) and probes of a world. Of many vertices some hundred are taken
 /// evenly.
 std::vector<ShownMark> shown_marks(const World& world, const ShownSurface& surface);
+
+/// At most `most` of the numbers, evenly.
+std::vector<Index> thinned(const std::vector<Index>& all, std::size_t most);
 
 /// The vertices of something that is held at which it is drawn.
 std::vector<Index> shown_support(const std::vector<Index>& vertices);

@@ -1,5 +1,6 @@
 /** The view in the address: #frame=12&field=von_mises&camera=..., so that a link shows the same. */
 
+import { COLOR_MAPS, type ColorMap } from "./color_map";
 import type { Pose } from "./orbit";
 import type { Look } from "./viewport";
 
@@ -12,7 +13,7 @@ export interface SharedView {
   range?: [number, number];
 }
 
-const SWITCHES = ["wireframe", "cells", "cut", "cutFlip"] as const;
+const SWITCHES = ["wireframe", "cells", "cut", "cutFlip", "parallel", "vectors"] as const;
 
 export function writeAddress(view: SharedView): string {
   const parts: string[] = [];
@@ -26,6 +27,7 @@ export function writeAddress(view: SharedView): string {
   const on = SWITCHES.filter((name) => view.look?.[name]);
   if (on.length > 0) parts.push(`show=${on.join(",")}`);
   if (view.look?.cut) parts.push(`cut=${view.look.cutAxis}${view.look.cutAt}`);
+  if (view.look?.colorMap && view.look.colorMap !== "viridis") parts.push(`colors=${view.look.colorMap}`);
   if (view.range) parts.push(`range=${view.range.join(",")}`);
   return `#${parts.join("&")}`;
 }
@@ -50,6 +52,8 @@ export function readAddress(hash: string): SharedView {
   view.look = Object.fromEntries(SWITCHES.map((name) => [name, on.includes(name)]));
   const cut = /^([xyz])([\d.]+)$/.exec(words.get("cut") ?? "");
   if (cut && Number(cut[2]) <= 1) Object.assign(view.look, { cutAxis: cut[1], cutAt: Number(cut[2]) });
+  const colors = words.get("colors");
+  if (colors !== null && colors in COLOR_MAPS) view.look.colorMap = colors as ColorMap;
   const range = numbers("range");
   if (range.length === 2 && range.every(Number.isFinite) && range[0] < range[1]) view.range = [range[0], range[1]];
   return view;

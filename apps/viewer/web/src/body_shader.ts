@@ -17,7 +17,8 @@ export function sceneUniforms() {
     hatch: { value: 0.02 }, // distance of the lines on a cut [m]
     section: { value: null as THREE.Texture | null }, // the field on the plane of the cut: section.ts
     sectionOn: { value: false },
-    windowSize: { value: new THREE.Vector2(1, 1) }, // size of that image [pixels]
+    windowSize: { value: new THREE.Vector2(1, 1) }, // of that image [pixels]
+    pixels: { value: 1 }, // drawn for each of the window's, along each side
   };
 }
 
@@ -96,10 +97,10 @@ vec3 studio(vec3 base, vec3 n, vec3 eye, float own) {
 }
 
 /** How far along the line of sight the cut is, from the eye; negative: not before this place, which is an inside seen elsewhere. */
-float wayToCut(vec3 ray) {
+float wayToCut(vec3 origin, vec3 ray) {
   float along = dot(cut.xyz, ray);
-  float way = (cut.w - dot(cut.xyz, cameraPosition)) / (abs(along) < 1e-6 ? 1e-6 : along);
-  return way <= 1.0001 * distance(place, cameraPosition) ? way : -1.0;
+  float way = (cut.w - dot(cut.xyz, origin)) / (abs(along) < 1e-6 ? 1e-6 : along);
+  return way <= 1.0001 * distance(place, origin) ? way : -1.0;
 }
 
 /** The field on the plane at this pixel, or at one beside it. */
@@ -128,11 +129,12 @@ vec3 face(vec3 eye, vec3 hit) {
 void main() {
   if (cutOn && dot(cut.xyz, place) > cut.w) discard;
   vec3 eye = isOrthographic ? vec3(0, 0, 1) : normalize(-eyePlace);
-  vec3 ray = normalize(place - cameraPosition);
-  float way = cutOn && !gl_FrontFacing ? wayToCut(ray) : -1.0;
+  vec3 ray = isOrthographic ? -vec3(viewMatrix[0][2], viewMatrix[1][2], viewMatrix[2][2]) : normalize(place - cameraPosition);
+  vec3 origin = isOrthographic ? place - dot(place - cameraPosition, ray) * ray : cameraPosition;
+  float way = cutOn && !gl_FrontFacing ? wayToCut(origin, ray) : -1.0;
   vec3 rgb;
   if (!lit) rgb = albedo();
-  else if (way > 0.0) rgb = face(eye, cameraPosition + way * ray);
+  else if (way > 0.0) rgb = face(eye, origin + way * ray);
   else {
     vec3 n = normalize(eyeNormal) * (gl_FrontFacing ? 1.0 : -1.0);
     rgb = studio(albedo(), n, eye, 1.0 - fieldOn);

@@ -1,8 +1,9 @@
 /** Small uPlot charts in the colours of the page. */
 
 import uPlot from "uplot";
-import { element, setText } from "./dom";
-import { plain, withUnit } from "./numbers";
+import { element, iconButton, setText } from "./dom";
+import { savePicture, saveTable } from "./export_chart";
+import { plain, scaledUnit, withUnit } from "./numbers";
 import { styleValue } from "./theme";
 
 export interface Series {
@@ -13,6 +14,8 @@ export interface Series {
 /** Colours that stay apart under colour blindness (style.css), and dashes besides. */
 export const STROKES = ["--series-1", "--series-2", "--series-3", "--series-4", "--series-5", "--series-6"];
 const DASHES: number[][] = [[], [7, 3], [2, 2.5], [9, 3, 2, 3], [4, 4], [12, 4]];
+const ROUNDING = 1e-9; // of what the values are measured by
+const FLAT = 1e-6; // of a value: what varies less is drawn as one line
 const DIGIT = 6.6; // width of a digit in the axes' font [pixels]
 
 export interface ChartOptions {
@@ -20,7 +23,9 @@ export interface ChartOptions {
   series: Series[];
   height: number;
   legend: boolean;
-  axis: string; // label of the axis: "time [s]"
+  axis: string; // what lies along: "time [s]"
+  quantity: string; // what lies upwards: "force"
+  scale?: number; // of the values in the scene: what is far below is rounding
   points?: boolean; // single values, not a curve
   clicked?: (index: number) => void; // a place on the time axis
 }
@@ -35,7 +40,14 @@ export class Chart {
 
   constructor(private readonly options: ChartOptions) {
     this.place = element("div", { class: "chart-plot", role: "img", "aria-label": options.title });
-    this.root = element("section", { class: "chart" }, element("h3", {}, options.title), this.place);
+    const buttons = element(
+      "span",
+      { class: "chart-buttons" },
+      iconButton("table", "Save these values as CSV", () => this.saveTable()),
+      iconButton("picture", "Save this plot as PNG", () => this.savePicture()),
+    );
+    const head = element("div", { class: "chart-head" }, element("h3", {}, options.title), buttons);
+    this.root = element("section", { class: "chart" }, head, this.place);
     if (options.legend) this.root.append(this.legend());
     this.data = [[], ...options.series.map(() => [])];
     this.plot = new uPlot(this.plotOptions(), this.data, this.place);
@@ -73,7 +85,7 @@ export class Chart {
       padding: [6, 14, 0, 0],
       legend: { show: false },
       cursor: { y: false, drag: { x: false, y: false }, points: { size: 6 } },
-      scales: { x: { time: false } },
+      scales: { x: { time: false }, y: { range: (_, low, high) => rangeOf(low, high) } },
       axes: [
         {
           ...axis(18),
@@ -88,7 +100,11 @@ export class Chart {
           // As wide as its longest number.
           ...axis((_, ticks) => 10 + DIGIT * Math.max(3, ...(ticks ?? []).map((t) => t.length))),
           space: 26,
-          values: (_, ticks) => ticks.map((t) => plain(t, 4)),
+          label: () => this.quantityWords,
+          labelSize: 15,
+          labelGap: 0,
+          labelFont: "11px system-ui, sans-serif",
+          values: (_, ticks) => ticks.map((t) => plain(t / this.unit.factor, 4)),
         },
       ],
       series: [
@@ -112,10 +128,36 @@ export class Chart {
 
   /** Times, then the values of each series; what is not finite leaves a gap. */
   set(times: ArrayLike<number>, values: ArrayLike<number>[]): void {
-    const finite = (list: ArrayLike<number>) => Array.from(list, (v) => (Number.isFinite(v) ? v : null));
+    const size = Math.max(0, ...values.flatMap((list) => Array.from(list, Math.abs).filter(Number.isFinite)));
+    // Components that are nothing beside the others, or beside what the scene has, are nothing.
+    const least = ROUNDING * Math.max(size, this.options.scale ?? 0);
+    const finite = (list: ArrayLike<number>) =>
+      Array.from(list, (v) => (!Number.isFinite(v) ? null : Math.abs(v) <= least ? 0 : v));
+    this.unit = scaledUnit(size > least ? size : 0, this.options.series[0]?.unit ?? "");
     this.data = [Array.from(times), ...values.map(finite)] as uPlot.AlignedData;
     this.plot.setData(this.data);
     this.showValues(this.plot.cursor.idx ?? this.markedIndex());
+  }
+
+  private unit = { factor: 1, name: "" };
+
+  private get quantityWords(): string {
+    return this.unit.name ? `${this.options.quantity} [${this.unit.name}]` : this.options.quantity;
+  }
+
+  private saveTable(): void {
+    const { axis, series, title } = this.options;
+    const names = series.map(({ label, unit }) => (unit ? `${label} [${unit}]` : label));
+    saveTable(title, [axis, ...names], this.data as ArrayLike<number | null>[]);
+  }
+
+  private savePicture(): void {
+    const entries = this.options.series.map(({ label }, i) => ({
+      label,
+      color: styleValue(STROKES[i % STROKES.length]),
+      dash: DASHES[i % DASHES.length],
+    }));
+    savePicture(this.options.title, this.plot.ctx.canvas, entries);
   }
 
   /** A line at the time that is shown. */
@@ -123,6 +165,10 @@ export class Chart {
     this.marker = time;
     this.plot.redraw(false, false);
     this.showValues(this.plot.cursor.idx ?? this.markedIndex());
+  }
+
+  get title(): string {
+    return this.options.title;
   }
 
   redraw(): void {
@@ -171,4 +217,14 @@ export class Chart {
     const width = this.place.clientWidth;
     if (width > 0 && width !== this.plot.width) this.plot.setSize({ width, height: this.options.height });
   }
+}
+
+/** What varies by rounding alone is a flat line in the middle, not a mountain. */
+function rangeOf(low: number | null, high: number | null): [number, number] {
+  if (low === null || high === null || !Number.isFinite(low + high)) return [0, 1];
+  const size = Math.max(Math.abs(low), Math.abs(high));
+  if (size === 0) return [-1, 1];
+  const span = high - low;
+  if (span > FLAT * size) return [low - 0.06 * span, high + 0.06 * span];
+  return [Math.min(low - 0.5 * size, 0), Math.max(high + 0.5 * size, 0)];
 }

@@ -1,8 +1,8 @@
 /** The colour bar with its range, which may be typed in, and unit. */
 
-import { cssGradient } from "./color_map";
+import { cssGradient, type ColorMap } from "./color_map";
 import { element, setText } from "./dom";
-import { plain, scaledUnit } from "./numbers";
+import { plain, roundTicks, scaledUnit } from "./numbers";
 import type { Field } from "./protocol";
 
 export class ColorBar {
@@ -12,7 +12,10 @@ export class ColorBar {
   private readonly name = element("span", {});
   private readonly top: HTMLInputElement;
   private readonly bottom: HTMLInputElement;
-  private readonly middles = [0.75, 0.5, 0.25].map(() => element("span", {}));
+  private readonly ticks = element("div", { class: "bar-ticks" });
+  private readonly ramp = element("div", { class: "bar-ramp" });
+  private readonly note = element("div", { class: "bar-note", data: "bar-note", hidden: true });
+  private ticksOf = "";
   private readonly automatic: HTMLButtonElement;
   private range: [number, number] = [0, 1];
   private factor = 1; // factor of the unit that the numbers are shown in
@@ -41,8 +44,7 @@ export class ColorBar {
       },
       "auto",
     );
-    const ramp = element("div", { class: "bar-ramp" });
-    ramp.style.background = cssGradient("to top");
+    this.setMap("viridis");
     this.title.append(this.name, " ", this.unit);
     this.root = element(
       "div",
@@ -51,11 +53,29 @@ export class ColorBar {
       element(
         "div",
         { class: "bar-body" },
-        ramp,
-        element("div", { class: "bar-marks" }, this.top, ...this.middles, this.bottom),
+        this.ramp,
+        element("div", { class: "bar-marks" }, this.top, this.ticks, this.bottom),
       ),
       this.automatic,
+      this.note,
     );
+  }
+
+  setMap(map: ColorMap): void {
+    this.ramp.style.background = cssGradient("to top", map);
+  }
+
+  /** One line below: how the picture differs from what is computed; empty: it does not. */
+  setNote(words: string): void {
+    setText(this.note, words);
+    this.note.hidden = words === "";
+  }
+
+  /** What a film shows of it: null where there are no colours. */
+  get shown(): { title: string; ends: [number, number]; ticks: number[] } | null {
+    if (this.root.hidden) return null;
+    const [low, high] = this.range.map((value) => value / this.factor);
+    return { title: this.title.textContent ?? "", ends: [low, high], ticks: innerTicks(low, high) };
   }
 
   private readInputs(): void {
@@ -86,6 +106,24 @@ export class ColorBar {
     };
     edit(this.top, high);
     edit(this.bottom, low);
-    [0.75, 0.5, 0.25].forEach((t, i) => setText(this.middles[i], plain(low + t * (high - low))));
+    const ticks = innerTicks(low, high);
+    const key = ticks.map((t) => `${t}@${((t - low) / (high - low)).toFixed(3)}`).join();
+    if (key === this.ticksOf) return;
+    this.ticksOf = key;
+    this.ticks.replaceChildren(
+      ...ticks.map((tick) => {
+        const made = element("span", {}, plain(tick));
+        made.style.bottom = `${((100 * (tick - low)) / (high - low)).toFixed(2)}%`;
+        return made;
+      }),
+    );
   }
+}
+
+const CLEAR = 0.1; // of the bar, between an end and the round number beside it
+
+/** Round numbers that do not meet those at the ends. */
+function innerTicks(low: number, high: number): number[] {
+  const clear = CLEAR * (high - low);
+  return roundTicks(low, high, 5).filter((tick) => tick > low + clear && tick < high - clear);
 }

@@ -13,10 +13,41 @@ export const viridis = [
   [216, 226, 25], [236, 229, 27], [253, 231, 37],
 ];
 
+/** A fraction of 1 in linear light as a number of sRGB, 0 to 255. */
+function srgb(linear: number): number {
+  const inside = Math.min(Math.max(linear, 0), 1);
+  return Math.round(255 * (inside <= 0.0031308 ? 12.92 * inside : 1.055 * inside ** (1 / 2.4) - 0.055));
+}
+
+/** Blue through light grey to red, as dark on both sides: in Oklab (Ottosson 2020), as resilin picture has it. */
+function diverging(t: number): number[] {
+  const s = Math.abs(2 * t - 1);
+  const [lightness, chroma] = [0.94 - 0.49 * s, 0.165 * s ** 0.75 * (1 - 0.12 * s)];
+  const hue = ((t < 0.5 ? 262 : 25) * Math.PI) / 180;
+  const [a, b] = [chroma * Math.cos(hue), chroma * Math.sin(hue)];
+  const l = (lightness + 0.3963377774 * a + 0.2158037573 * b) ** 3;
+  const m = (lightness - 0.1055613458 * a - 0.0638541728 * b) ** 3;
+  const n = (lightness - 0.0894841775 * a - 1.291485548 * b) ** 3;
+  return [
+    srgb(4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * n),
+    srgb(-1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * n),
+    srgb(-0.0041960863 * l - 0.7034186147 * m + 1.707614701 * n),
+  ];
+}
+
+const grey = (t: number): number[] => [0, 1, 2].map(() => Math.round(40 + 205 * t));
+
+/** Viridis for what goes from less to more, diverging for what has two signs, grey for print. */
+export const COLOR_MAPS = { viridis: color, diverging, grey } as const;
+export type ColorMap = keyof typeof COLOR_MAPS;
+
+/** The colour at `t` in [0, 1] of a map, 0 to 255. */
+export const mapColor = (map: ColorMap, t: number): number[] => COLOR_MAPS[map](Math.min(Math.max(t, 0), 1));
+
 /** 256 colours, sRGB, as a texture of one row. */
-export function colorTexture(): THREE.DataTexture {
+export function colorTexture(map: ColorMap = "viridis"): THREE.DataTexture {
   const data = new Uint8Array(4 * 256);
-  for (let i = 0; i < 256; ++i) data.set([...color(i / 255), 255], 4 * i);
+  for (let i = 0; i < 256; ++i) data.set([...mapColor(map, i / 255), 255], 4 * i);
   const texture = new THREE.DataTexture(data, 256, 1, THREE.RGBAFormat);
   texture.colorSpace = THREE.SRGBColorSpace;
   texture.minFilter = texture.magFilter = THREE.LinearFilter;
@@ -24,7 +55,7 @@ export function colorTexture(): THREE.DataTexture {
   return texture;
 }
 
-/** The colour at `t` in [0, 1], 0 to 255. */
+/** The colour at `t` in [0, 1] of viridis, 0 to 255. */
 export function color(t: number): number[] {
   const place = Math.min(Math.max(t, 0), 1) * (viridis.length - 1);
   const i = Math.min(Math.floor(place), viridis.length - 2);
@@ -32,6 +63,7 @@ export function color(t: number): number[] {
 }
 
 /** A CSS gradient from the least to the greatest value. */
-export function cssGradient(direction: string): string {
-  return `linear-gradient(${direction}, ${viridis.map((c) => `rgb(${c})`).join(", ")})`;
+export function cssGradient(direction: string, map: ColorMap = "viridis"): string {
+  const stops = viridis.map((_, i) => mapColor(map, i / (viridis.length - 1)));
+  return `linear-gradient(${direction}, ${stops.map((c) => `rgb(${c})`).join(", ")})`;
 }

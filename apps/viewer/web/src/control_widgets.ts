@@ -3,7 +3,7 @@
 import type { Controller, GUI } from "lil-gui";
 import type { Reader } from "./decode";
 import { NumberSlider, type NumberRange } from "./number_slider";
-import { raised } from "./numbers";
+import { perDepth, raised } from "./numbers";
 import {
   valueReaders,
   type Control,
@@ -45,7 +45,8 @@ function build(control: Control, place: WidgetPlace, values: ControlValues): Wid
   switch (kind) {
     case "slider":
     case "log_slider": {
-      const { least, greatest, unit } = control;
+      const { least, greatest } = control;
+      const unit = perDepth(control.unit, place.dimension);
       const zero = kind === "slider" ? control.zero : undefined;
       const step: NumberRange["step"] = kind === "slider" ? control.step : "logarithmic";
       const range: NumberRange = { least, greatest, step, unit, zero, complain: place.complain };

@@ -110,3 +110,40 @@ export function uniqueEdges(triangles: Uint32Array): Uint32Array {
   }
   return Uint32Array.from(edges);
 }
+
+/** Edges of a surface that are seen as edges: borders, and where triangles meet at more than `angle` [rad]. */
+export interface SharpEdges {
+  edges: Uint32Array; // pairs of vertices
+  share: number; // of the length of all edges
+  creased: number; // the same without the borders
+}
+
+export function sharpEdges(triangles: Uint32Array, places: Float32Array, angle: number): SharpEdges {
+  const normals = faceNormals(triangles, places);
+  const leastCosine = Math.cos(angle);
+  const length = (corner: number) => {
+    const [a, b] = [3 * triangles[corner], 3 * triangles[next(corner)]];
+    return Math.hypot(places[b] - places[a], places[b + 1] - places[a + 1], places[b + 2] - places[a + 2]);
+  };
+  const isInside = new Uint8Array(triangles.length); // by corner: another triangle has this edge
+  const sharp: number[] = [];
+  let [all, found, creased] = [0, 0, 0];
+  for (const [first, second] of sharedEdges(triangles)) {
+    isInside[first] = isInside[second] = 1;
+    all += length(first);
+    const a = 3 * Math.floor(first / 3);
+    const b = 3 * Math.floor(second / 3);
+    const cosine = normals[a] * normals[b] + normals[a + 1] * normals[b + 1] + normals[a + 2] * normals[b + 2];
+    if (cosine >= leastCosine) continue;
+    found += length(first);
+    creased += length(first);
+    sharp.push(triangles[first], triangles[next(first)]);
+  }
+  for (let corner = 0; corner < triangles.length; ++corner) {
+    if (isInside[corner]) continue;
+    all += length(corner);
+    found += length(corner);
+    sharp.push(triangles[corner], triangles[next(corner)]);
+  }
+  return { edges: Uint32Array.from(sharp), share: found / (all || 1), creased: creased / (all || 1) };
+}

@@ -2,6 +2,7 @@
 
 import type { Controller, GUI } from "lil-gui";
 
+import { COLOR_MAPS } from "./color_map";
 import { element } from "./dom";
 import { NumberSlider } from "./number_slider";
 import type { DrawingChoice } from "./pace";
@@ -20,7 +21,9 @@ export interface DisplayEvents {
   look(): void;
   drawing(choice: DrawingChoice): void;
   complain(words: string): void;
-  rangeOver?(choice: "all frames" | "this frame"): void; // sets the range of a recording
+  mostDeformed?: number; // at the end of the slider
+  deform?(scale: number): void; // of recordings: how many times the displacement is drawn
+  rangeOver?(choice: "all frames" | "this frame"): void; // of recordings
 }
 
 interface FieldGroup {
@@ -77,10 +80,27 @@ export class DisplayPanel {
       const range = folder.add({ over: "all frames" }, "over", ["all frames", "this frame"]);
       named(range, "range", "Range over").onChange(events.rangeOver);
     }
+    named(folder.add(choices, "colorMap", Object.keys(COLOR_MAPS)), "colorMap", "Colour map");
+    if (events.deform) {
+      const range = {
+        least: 0,
+        greatest: events.mostDeformed ?? 10,
+        step: 0.1,
+        unit: "",
+        allowed: [0, 1e9] as [number, number],
+        complain: events.complain,
+      };
+      named(new NumberSlider(folder, { scale: 1 }, "scale", range), "deformation", "Displacement ×").onChange(
+        events.deform,
+      );
+    }
+    named(folder.add(choices, "vectors"), "vectors", "Displacement arrows");
     named(folder.add(choices, "wireframe"), "wireframe", "Wireframe (w)");
+    if (!viewport.flat) named(folder.add(choices, "edges"), "edges", "Edges (e)");
     if (parts.some((_, i) => !viewport.isShown(i))) named(folder.add(choices, "cells"), "cells", "Coarse cells (c)");
     if (!viewport.flat) {
       named(folder.add(choices, "ground"), "ground", "Show ground");
+      named(folder.add(choices, "parallel"), "parallel", "Parallel view (o)");
     }
     if (colliders.length > 0) named(folder.add(choices, "colliders"), "colliders", "Show colliders");
     if (marks.length > 0) named(folder.add(choices, "marks"), "marks", "Boundary conditions, loads (m)");

@@ -1,8 +1,9 @@
 /** The head-up line of a live scene: how fast, how far from the exact solution, and in words. */
 
 import { element, setText } from "./dom";
-import { fixed, power, withUnit } from "./numbers";
+import { fixed, perDepth, power, withUnit } from "./numbers";
 import type { Status } from "./protocol";
+import { grouped } from "./warnings";
 
 const PHASES: [keyof Status, string][] = [
   ["assembly_ms", "assembly"],
@@ -17,6 +18,9 @@ export class HeadUp {
   private readonly phases: HTMLElement[] = [];
   private readonly contact: HTMLElement;
   private readonly words = element("div", { class: "words", data: "words", role: "status" });
+  private readonly stateWords = element("span", { class: "state-words" });
+  private readonly warning = element("span", { class: "warning-words", data: "warning" });
+  private dimension: 2 | 3 = 3;
 
   constructor() {
     this.add("real_time_ratio", "real time", "simulated over real time", 6);
@@ -39,16 +43,26 @@ export class HeadUp {
       15,
     );
     this.contact.hidden = true;
+    this.words.append(this.stateWords, this.warning);
     this.root.prepend(this.words);
   }
 
   private add(name: string, label: string, title: string, width: number, extra = ""): HTMLElement {
     const value = element("b", { data: name }, "–");
     value.style.minWidth = `${width}ch`;
-    const item = element("div", { class: `item ${extra}`, title }, element("small", {}, label), value);
+    const item = element(
+      "div",
+      { class: `item ${extra}`, title, "data-item": name },
+      element("small", {}, label),
+      value,
+    );
     this.values.set(name, value);
     this.root.append(item);
     return item;
+  }
+
+  setDimension(dimension: 2 | 3): void {
+    this.dimension = dimension;
   }
 
   set(status: Status): void {
@@ -58,7 +72,10 @@ export class HeadUp {
     text("phases", PHASES.map(([key]) => fixed(status[key] as number, 2)).join(" + "));
     text("iterations", `${status.newton_iterations} · ${status.linear_iterations}`);
     const share = status.relative_residual;
-    text("residual", `${power(status.residual)} N (${share < 1e-4 ? power(100 * share) : fixed(100 * share, 2)} %)`);
+    text(
+      "residual",
+      `${power(status.residual)} ${perDepth("N", this.dimension)} (${share < 1e-4 ? power(100 * share) : fixed(100 * share, 2)} %)`,
+    );
     text("volume", fixed(status.min_volume_ratio, 3));
     text("inverted", String(status.inverted_cells));
     this.contact.hidden = status.active_pairs === null;
@@ -70,7 +87,12 @@ export class HeadUp {
     PHASES.forEach(
       ([key], i) => (this.phases[i].style.width = `${Math.min((100 * (status[key] as number)) / whole, 100)}%`),
     );
-    setText(this.words, status.words || (status.converged ? "solved" : "not converged in the time of a frame"));
-    this.words.dataset.mood = status.at_rest ? "rest" : status.converged ? "fine" : "behind";
+    const warnings = grouped(status.warnings ?? []);
+    const said = status.words || (status.converged ? "solved" : "not converged in the time of a frame");
+    setText(this.stateWords, said);
+    setText(this.warning, warnings.join("; "));
+    if (this.stateWords.parentElement === null) this.words.replaceChildren(this.stateWords, this.warning);
+    const isFine = status.converged && warnings.length === 0;
+    this.words.dataset.mood = !isFine ? "behind" : status.at_rest ? "rest" : "fine";
   }
 }

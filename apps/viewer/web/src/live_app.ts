@@ -5,6 +5,7 @@ import { element, icon, iconButton } from "./dom";
 import { Crosshair } from "./crosshair";
 import { Gestures, type Place } from "./gestures";
 import { HeadUp } from "./head_up";
+import { History } from "./history";
 import { arrowOf, belongsToControl, CAMERA_KEYS, keyOf, movesCamera } from "./keys";
 import { LiveConnection } from "./live";
 import { LivePanel, type LiveActions } from "./live_panel";
@@ -19,13 +20,15 @@ import { Tools, type Tool } from "./tools";
 import type { Scenery } from "./transport";
 
 const KEYS: [string, string][] = [
-  ["left button on the body", "the current tool: drag, pin, poke or fix a face"],
+  ["left button on the body", "the current tool: drag, pin, poke, fix or load a face"],
   ["left button beside it, right button", "rotate the camera"],
   ["middle button, Shift and left button", "pan the camera"],
   ["wheel, two fingers", "zoom"],
   ...CAMERA_KEYS,
   ["arrows, Enter", "move the pointer on the body; apply the tool, release"],
-  ["1 2 3 4", "hand, pin, poke, fix a face (again: free it)"],
+  ["1 2 3 4 5", "hand, pin, poke, fix a face, put a load on one (again: free it)"],
+  ["Ctrl z", "undo"],
+  ["q", "go to the equilibrium"],
   ["Ctrl s", "save the scene with its fixed faces"],
   ["Ctrl o, a file dropped", "open a mesh or a surface"],
   ["v p", "start and stop a film; a picture without a background"],
@@ -33,10 +36,12 @@ const KEYS: [string, string][] = [
   ["s", "single step"],
   ["r", "reset to the start"],
   ["f", "show the whole scene"],
-  ["w c x m", "wireframe, coarse cells, cut, boundary conditions and loads"],
+  ["w e c x m o", "wireframe, edges, coarse cells, cut, boundary conditions and loads, parallel view"],
   ["?", "this help"],
 ];
 
+const ONE_CHANGE = 1500; // [ms] within which changes of a control are one
+const ofBody = (body: number | undefined) => (body === undefined ? {} : { body });
 const KEY_STEP = 14; // pixels that an arrow leads what is held
 const HOVER_LIMIT = 40_000; // triangles up to which the pointer's look follows what is below it
 
@@ -53,12 +58,13 @@ export class LiveApp {
     this.connection.send({ type: "save" }),
   );
   private readonly opener: Opener;
+  private readonly history = new History();
   private panel: LivePanel | null = null;
   private tools: Tools | null = null;
   private tool: Tool = "hand";
   private state: State | null = null;
   private client = 0; // how the program calls this page
-  private readonly unsent = new Map<string, ControlValue>(); // by the key of the control
+  private readonly unsent = new Map<string, { key: string; value: ControlValue; body?: number }>(); // by key and body
   private hovered: Place | null = null;
   private isFirstScene = true;
   private restarts = 0; // how often time went back
@@ -92,6 +98,7 @@ export class LiveApp {
     this.shell = new Shell("live", this.overlays, {
       fieldChosen: (name) => this.chooseField(name),
       themeChanged: () => this.strip.redraw(),
+      cameraMoved: () => this.addressBar.changed(),
       rangeChanged: (range) => range === null && this.shell.forgetRange(),
       tick: () => this.tick(),
       drawn: (frame) => this.connection.acknowledge(frame),
@@ -109,7 +116,10 @@ export class LiveApp {
       drag: (at) => this.tools?.drag(at),
       release: () => this.tools?.release(),
       click: (at) => this.tools?.click(at),
-      hover: (at) => (this.hovered = at),
+      hover: (at) => {
+        this.hovered = at;
+        if (at === null) this.shell.pointAt(null);
+      },
       cameraMoved: () => {
         this.shell.viewport?.touch();
         this.addressBar.changed();
@@ -146,6 +156,7 @@ export class LiveApp {
       ["pin", "Pin: fix a point where it is (2)"],
       ["poke", "Poke: push with a ball (3)"],
       ["hold", "Fix: a click on a face fixes it, a second one frees it (4)"],
+      ["load", "Load: a click puts a force or a pressure on a face, a second one takes it away (5)"],
     ];
     for (const [tool, label] of names) {
       const button = iconButton(tool, label, () => this.chooseTool(tool));
@@ -156,7 +167,9 @@ export class LiveApp {
     group(
       this.pauseButton,
       iconButton("step", "Single step (s)", () => this.connection.send({ type: "step" })),
+      iconButton("settle", "Go to the equilibrium (q)", () => this.connection.send({ type: "settle" })),
       iconButton("reset", "Reset (r)", () => this.connection.send({ type: "reset" })),
+      iconButton("undo", "Undo (Ctrl z)", () => this.undo()),
     );
     group(
       this.start
@@ -176,16 +189,31 @@ export class LiveApp {
     );
     this.client = hello.client;
     this.saveButton.hidden = !hello.saves;
-    this.tools = new Tools(viewport, this.connection);
+    this.history.clear();
+    this.tools = new Tools(viewport, this.connection, this.history, Number(hello.state.values.max_force) || 1);
     this.tools.tool = this.tool;
     const actions: LiveActions = {
-      set: (key, value) => this.unsent.set(key, value),
-      send: (message) => this.connection.send(message),
+      set: (key, value, body, before) => {
+        const label = hello.controls.find((control) => control.key === key)?.label ?? key;
+        this.noteChange(`${key} ${body ?? ""}`, label, { type: "set", key, value: before, ...ofBody(body) });
+        this.unsent.set(`${key} ${body ?? ""}`, { key, value, ...ofBody(body) });
+      },
+      send: (message) => {
+        this.noteRemoval(message);
+        this.connection.send(message);
+      },
       complain: (words) => this.overlays.say(words),
     };
     this.panel = new LivePanel(this.shell.gui!, hello, actions, this.tools);
     const back: [string, string][] = this.start ? [["b", "back to the recording"]] : [];
     this.overlays.setKeys([...KEYS, ...this.panel.hotkeys, ...back]);
+    this.panel.setState(hello.state);
+    this.shell.warnings.set(hello.state.warnings);
+    this.headUp.setDimension(hello.dimension);
+    this.shell.addBodies(
+      (body) => this.panel?.chooseBody(body),
+      () => {},
+    );
     const { choices } = this.shell;
     viewport.setGround(hello.state.ground);
     if (!this.shell.cameraWasKept) this.shell.seeAll();
@@ -200,6 +228,30 @@ export class LiveApp {
       .onChange((visible: boolean) => (this.strip.root.hidden = !visible));
     this.chooseField(choices.field);
     this.shell.inspected.header = hello;
+  }
+
+  /** A slider that is drawn gives one entry, not one for each of its places. */
+  private noteChange(place: string, label: string, back: PageMessage): void {
+    const now = performance.now();
+    const goesOn = this.lastChange.place === place && now - this.lastChange.at < ONE_CHANGE;
+    this.lastChange = { place, at: now };
+    if (!goesOn) this.history.add(label, back);
+  }
+
+  private lastChange = { place: "", at: 0 };
+
+  /** What a button of the panel takes away can be put back. */
+  private noteRemoval({ type }: PageMessage): void {
+    if (type === "unpin_all" && this.state)
+      this.history.add("all pins", ...this.state.pinned.map((vertex): PageMessage => ({ type: "pin", vertex })));
+  }
+
+  private undo(): void {
+    const deed = this.history.take();
+    this.lastChange.place = "";
+    if (!deed) return this.overlays.say("There is nothing to undo.", "fine");
+    deed.messages.forEach((message) => this.connection.send(message));
+    this.overlays.say(`Undone: ${deed.what}.`, "fine");
   }
 
   private describe({ heading, notes }: WordsOfStart): void {
@@ -248,7 +300,7 @@ export class LiveApp {
   }
 
   private tick(): Frame | null {
-    for (const [key, value] of this.unsent) this.connection.send({ type: "set", key, value });
+    for (const change of this.unsent.values()) this.connection.send({ type: "set", ...change });
     this.unsent.clear();
     const frame = this.connection.takeFrame();
     if (frame) {
@@ -266,6 +318,7 @@ export class LiveApp {
   private showHover(): void {
     if (!this.hovered || !this.shell.viewport || this.shell.viewport.triangleCount() > HOVER_LIMIT) return;
     const { x, y } = this.hovered;
+    this.shell.pointAt(this.hovered);
     this.hovered = null;
     this.shell.canvas.dataset.over = this.shell.viewport.pickAt(x, y) ? this.tool : "";
   }
@@ -279,6 +332,8 @@ export class LiveApp {
       "2": () => this.chooseTool("pin"),
       "3": () => this.chooseTool("poke"),
       "4": () => this.chooseTool("hold"),
+      "5": () => this.chooseTool("load"),
+      q: () => this.connection.send({ type: "settle" }),
       " ": () => this.togglePause(),
       s: () => this.connection.send({ type: "step" }),
       r: () => this.connection.send({ type: "reset" }),
@@ -287,6 +342,8 @@ export class LiveApp {
       c: () => shell.toggle("cells"),
       x: () => shell.toggle("cut"),
       m: () => shell.toggle("marks"),
+      e: () => shell.toggle("edges"),
+      o: () => shell.toggle("parallel"),
       v: () => shell.recorder.toggle(),
       p: () => shell.takePicture(),
       ...(this.start ? { b: () => this.goBack() } : {}),
@@ -313,6 +370,7 @@ export class LiveApp {
   private readonly commands: Record<string, () => void> = {
     s: () => this.connection.send({ type: "save" }),
     o: () => this.opener.choose(),
+    z: () => this.undo(),
   };
 
   /** Arrows lead what is held, else they move the crosshair, which begins on the body. */

@@ -2,18 +2,23 @@
 
 import type { GUI } from "lil-gui";
 import { NumberSlider, type NumberRange } from "./number_slider";
+import { perDepth } from "./numbers";
 import { makeWidget, type Widget } from "./control_widgets";
-import type { ControlOf, ControlValue, Hello, PageMessage, State } from "./protocol";
+import type { ControlOf, ControlValue, ControlValues, Hello, PageMessage, State } from "./protocol";
 
 /** Sizes that the tools of the page use. */
 export interface ToolSizes {
   pokeRadius: number; // [m]
   faceAngle: number; // [degrees]
   faceRadius: number; // [m]; 0: no limit
+  loadKind: "force" | "pressure";
+  loadForce: number; // [N], in 2D [N/m]
+  loadPressure: number; // [Pa]
 }
 
 export interface LiveActions {
-  set(key: string, value: ControlValue): void;
+  /** `body`: whose material it is; undefined: of all, or of none. `before`: what it was. */
+  set(key: string, value: ControlValue, body: number | undefined, before: ControlValue): void;
   send(message: PageMessage): void;
   complain(words: string): void;
 }
@@ -26,6 +31,9 @@ export class LivePanel {
   private readonly switches: ControlOf<"switch">[];
   private busy: string | null = null; // a control under the user's hand does not follow the program
   private state: State;
+  private readonly ofBody: Set<string>; // keys of controls that each body has of its own
+  private body: number | null = null; // the one that they are for; null: all
+  private before: ControlValue = 0; // of the control under the user's hand
 
   constructor(
     private readonly gui: GUI,
@@ -34,12 +42,13 @@ export class LivePanel {
     private readonly tools: ToolSizes,
   ) {
     this.state = state;
+    this.ofBody = new Set(controls.filter((control) => control.of_body).map(({ key }) => key));
     this.switches = controls.filter((control) => control.kind === "switch");
     for (const control of controls) {
       const place = { folder: this.folder(control.folder), up, dimension, complain: actions.complain };
       this.follow(control.key, makeWidget(control, place, state.values));
     }
-    this.addTools(extent, saves);
+    this.addTools(extent, saves, dimension);
   }
 
   private folder(name: string): GUI {
@@ -51,19 +60,26 @@ export class LivePanel {
   private follow(key: string, widget: Widget): void {
     for (const controller of widget.controllers) {
       controller.onChange(() => {
+        if (this.busy !== key) this.before = this.valuesShown()[key];
         this.busy = key;
-        this.actions.set(key, widget.value());
+        const body = this.ofBody.has(key) ? (this.body ?? undefined) : undefined;
+        this.actions.set(key, widget.value(), body, this.before);
       });
       controller.onFinishChange(() => (this.busy = null));
     }
     this.widgets.set(key, widget);
   }
 
-  private addTools(extent: number, saves: boolean): void {
+  private addTools(extent: number, saves: boolean, dimension: 2 | 3): void {
     const folder = this.folder(TOOLS);
     const { complain } = this.actions;
     const length = { least: 0, greatest: 0.5 * extent, step: 0.001 * extent, unit: "m", complain };
-    const slider = (property: keyof ToolSizes, name: string, help: string, range: NumberRange) => {
+    const slider = (
+      property: "pokeRadius" | "faceAngle" | "faceRadius",
+      name: string,
+      help: string,
+      range: NumberRange,
+    ) => {
       const made = new NumberSlider(folder, this.tools, property, range).name(name);
       made.domElement.dataset.testid = `set-${property.replace(/[A-Z]/g, (letter) => `_${letter.toLowerCase()}`)}`;
       made.domElement.title = help;
@@ -91,12 +107,38 @@ export class LivePanel {
       zero: "no limit",
       allowed: [0, 10 * extent],
     });
+    const kind = folder.add(this.tools, "loadKind", { force: "force", pressure: "pressure" }).name("Load on a face");
+    kind.domElement.dataset.testid = "set-load_kind";
+    kind.domElement.title = "A click with the load tool puts this on the face; a second one takes it away";
+    const least = 1e-3;
+    const amount = (property: "loadForce" | "loadPressure", name: string, unit: string, help: string) => {
+      const range: NumberRange = { least, greatest: 1e8, step: "logarithmic", unit, allowed: [-1e15, 1e15], complain };
+      const made = new NumberSlider(folder, this.tools, property, range).name(name);
+      made.domElement.dataset.testid = `set-${property === "loadForce" ? "load_force" : "load_pressure"}`;
+      made.domElement.title = help;
+    };
+    const force = perDepth("N", dimension);
+    amount("loadForce", "Force", force, "Total force on the face, against its normal; less than 0 pulls");
+    amount("loadPressure", "Pressure", "Pa", "Pressure on the face, which turns with it; less than 0 sucks");
     const button = (name: string, message: PageMessage) =>
       folder.add({ press: () => this.actions.send(message) }, "press").name(name);
     button("Remove all pins", { type: "unpin_all" });
     button("Free all fixed faces", { type: "free_faces" });
+    button("Remove all loads put on faces", { type: "remove_loads" });
     if (saves) button("Save the scene (Ctrl s)", { type: "save" });
     button("Read the scene again", { type: "reload" });
+  }
+
+  /** Whose material the controls show and change; null: that of all bodies. */
+  chooseBody(body: number | null): void {
+    this.body = body;
+    this.busy = null;
+    this.setState(this.state);
+  }
+
+  private valuesShown(): ControlValues {
+    const own = this.body === null ? undefined : this.state.bodies?.[this.body];
+    return own ? { ...this.state.values, ...own } : this.state.values;
   }
 
   /** The keys of switches, and what they do. */
@@ -107,15 +149,18 @@ export class LivePanel {
   }
 
   /** Turns the switch of this key; null: there is none. */
-  hotkeyAction(key: string): (() => void) | null {
-    const control = this.switches.find(({ hotkey }) => hotkey === key);
-    return control ? () => this.actions.set(control.key, !this.state.values[control.key]) : null;
+  hotkeyAction(hit: string): (() => void) | null {
+    const control = this.switches.find(({ hotkey }) => hotkey === hit);
+    if (!control) return null;
+    const { key } = control;
+    return () => this.actions.set(key, !this.state.values[key], undefined, this.state.values[key]);
   }
 
   /** Follows the program. */
   setState(state: State): void {
     this.state = state;
-    for (const [key, widget] of this.widgets) if (key !== this.busy) widget.show(state.values);
+    const values = this.valuesShown();
+    for (const [key, widget] of this.widgets) if (key !== this.busy) widget.show(values);
   }
 
   /** After a refusal: every control back to what the program has. */

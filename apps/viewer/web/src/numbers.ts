@@ -36,6 +36,24 @@ export function plain(value: number, digits = 3): string {
   return withMinus(String(Number(value.toFixed(decimals))));
 }
 
+/** Round numbers between the ends, about `count` of them: 1, 2 or 5 times a power of ten apart. */
+export function roundTicks(low: number, high: number, count: number): number[] {
+  const span = high - low;
+  if (!(span > 0) || !Number.isFinite(span)) return [];
+  const rough = span / count;
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const step = power * ([1, 2, 5, 10].find((m) => m * power >= rough * (1 - 1e-9)) ?? 10);
+  const ticks: number[] = [];
+  for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * span; ++k)
+    ticks.push(Number((k * step).toPrecision(12)));
+  return ticks;
+}
+
+/** What a force, an energy or a stiffness of a scene in 2D is: that of one metre of its depth. */
+export function perDepth(unit: string, dimension: 2 | 3): string {
+  return dimension === 2 && ["N", "J", "N m"].includes(unit) ? `${unit}/m` : unit;
+}
+
 /** A fixed number of decimals, so that a changing number keeps its width. */
 export function fixed(value: number, decimals: number): string {
   return Number.isFinite(value) ? withMinus(value.toFixed(decimals)) : "–";

@@ -10,11 +10,11 @@ export interface Pose {
 }
 
 const FIELD_OF_VIEW = 32; // [degrees], a portrait lens
-const LARGEST_ELEVATION = 1.55;
+const LARGEST_ELEVATION = Math.PI / 2 - 1e-5; // straight down, up to rounding
 const MARGIN = 1.1; // around what is to be seen
 
 export class Orbit {
-  readonly camera: THREE.PerspectiveCamera | THREE.OrthographicCamera;
+  camera: THREE.PerspectiveCamera | THREE.OrthographicCamera;
   pose: Pose = { azimuth: 0.6, elevation: 0.3, distance: 3, target: [0, 0, 0] };
   private readonly east = new THREE.Vector3();
   private readonly north = new THREE.Vector3();
@@ -64,10 +64,24 @@ export class Orbit {
         (corner & 4 ? 0.5 : -0.5) * size.z,
       );
       const [x, y, z] = [out.dot(this.axis(0)), out.dot(this.axis(1)), out.dot(this.axis(2))];
-      distance = Math.max(distance, z + (MARGIN * Math.abs(x)) / across, z + (MARGIN * Math.abs(y)) / along);
+      const near = this.isParallel ? 0 : z;
+      distance = Math.max(distance, near + (MARGIN * Math.abs(x)) / across, near + (MARGIN * Math.abs(y)) / along);
     }
     this.pose.distance = Math.max(distance, 1e-9);
     this.apply();
+  }
+
+  /** Parallel lines of sight instead of those of an eye; what is at the target keeps its size. */
+  setParallel(isParallel: boolean): void {
+    if (this.flat || isParallel === this.isParallel) return;
+    const { layers } = this.camera;
+    this.camera = isParallel ? new THREE.OrthographicCamera() : new THREE.PerspectiveCamera(FIELD_OF_VIEW);
+    this.camera.layers.mask = layers.mask;
+    this.resize(this.width, this.height, this.covered);
+  }
+
+  get isParallel(): boolean {
+    return this.camera instanceof THREE.OrthographicCamera;
   }
 
   /** `covered`: what panels take of the window; the scene is in the middle of the rest. */
@@ -144,19 +158,19 @@ export class Orbit {
     const { azimuth, elevation, distance, target } = this.pose;
     const { camera } = this;
     const center = new THREE.Vector3(...target);
+    const out = this.north
+      .clone()
+      .multiplyScalar(Math.cos(azimuth) * Math.cos(elevation))
+      .addScaledVector(this.east, Math.sin(azimuth) * Math.cos(elevation))
+      .addScaledVector(this.up, Math.sin(elevation));
     if (camera instanceof THREE.OrthographicCamera) {
-      const halfHeight = distance / 2;
+      const halfHeight = (this.height * this.pixelSize()) / 2;
       const halfWidth = (halfHeight * this.width) / this.height;
       Object.assign(camera, { left: -halfWidth, right: halfWidth, top: halfHeight, bottom: -halfHeight });
       Object.assign(camera, { near: 0.1 * this.extent, far: 30 * this.extent });
-      camera.position.copy(center).add(new THREE.Vector3(0, 0, 10 * this.extent));
+      camera.position.copy(center).addScaledVector(this.flat ? new THREE.Vector3(0, 0, 1) : out, 10 * this.extent);
     } else {
       camera.aspect = this.width / this.height;
-      const out = this.north
-        .clone()
-        .multiplyScalar(Math.cos(azimuth) * Math.cos(elevation))
-        .addScaledVector(this.east, Math.sin(azimuth) * Math.cos(elevation))
-        .addScaledVector(this.up, Math.sin(elevation));
       camera.position.copy(center).addScaledVector(out, distance);
       camera.near = 0.02 * distance;
       camera.far = distance + 30 * this.extent;

@@ -2,6 +2,7 @@
 
 import { Chart, type Series } from "./charts";
 import { element } from "./dom";
+import type { LineValues } from "./line_probe";
 import type { RecordedValues } from "./recorded_values";
 import { axisWords, curvesOf, type Report, timeAxis, type TimeAxis } from "./report";
 
@@ -15,6 +16,8 @@ export class Plots {
     { class: "hint" },
     "Click the body, or press Enter, to plot the values of that point over the frames.",
   );
+  private readonly linePlace = element("div", { data: "line-plot" });
+  private lineChart: Chart | null = null;
   private probeCharts: Chart[] = [];
   private readonly reportCharts: Chart[] = [];
   private readonly axis: TimeAxis;
@@ -27,7 +30,7 @@ export class Plots {
   ) {
     const { frames } = values.recording;
     this.axis = report?.frames.some((frame) => frame.mode) ? timeAxis(report.frames) : timeAxis(frames);
-    this.root.append(this.probePlace);
+    this.root.append(this.linePlace, this.probePlace);
     this.probePlace.append(this.hint);
     if (!report) return;
     const times = report.frames.map((frame, i) => this.axis.of(frame, i));
@@ -35,16 +38,28 @@ export class Plots {
       const later = frames.findIndex((frame) => frame.number >= index);
       seek(later < 0 ? frames.length - 1 : later);
     };
-    for (const { title, series, values: rows, points = false } of curvesOf(report)) {
-      const chart = this.chart(title, series, jump, points);
+    for (const { title, quantity, scale, series, values: rows, points = false } of curvesOf(report, this.dimension)) {
+      const chart = this.chart(title, quantity, series, jump, points, scale);
       chart.set(times, rows);
       this.reportCharts.push(chart);
       this.root.append(chart.root);
     }
   }
 
-  private chart(title: string, series: Series[], clicked: (index: number) => void, points = false): Chart {
-    return new Chart({ title, series, height: HEIGHT, legend: true, axis: axisWords(this.axis), points, clicked });
+  private get dimension(): 2 | 3 {
+    return this.values.recording.header.dimension;
+  }
+
+  private chart(
+    title: string,
+    quantity: string,
+    series: Series[],
+    clicked: (index: number) => void,
+    points = false,
+    scale = 0,
+  ): Chart {
+    const axis = axisWords(this.axis);
+    return new Chart({ title, quantity, series, height: HEIGHT, legend: true, axis, points, scale, clicked });
   }
 
   get isEmpty(): boolean {
@@ -66,24 +81,59 @@ export class Plots {
     const moved = frames.map((_, i) => this.values.displacement(i, vertex));
     const labels = flat ? ["x", "y", "length"] : ["x", "y", "z", "length"];
     const rows = labels.map((label) => moved.map((u) => u["xyz".indexOf(label) < 0 ? 3 : "xyz".indexOf(label)]));
-    const add = (title: string, series: { label: string; unit: string }[], values: number[][]) => {
-      const chart = this.chart(title, series, this.seek);
+    const add = (title: string, quantity: string, series: Series[], values: number[][], scale: number) => {
+      const chart = this.chart(title, quantity, series, this.seek, false, scale);
       chart.set(times, values);
       this.probeCharts.push(chart);
       this.probePlace.append(chart.root);
     };
     add(
-      `Displacement of vertex ${vertex} [m]`,
+      `Displacement of vertex ${vertex}`,
+      "displacement",
       labels.map((label) => ({ label, unit: "m" })),
       rows,
+      this.values.largestDisplacement,
     );
     if (field >= 0 && this.values.fields[field].group !== "displacement") {
       const { label, unit } = this.values.fields[field];
-      const title = `${label} of vertex ${vertex}${unit ? ` [${unit}]` : ""}`;
+      const title = `${label} of vertex ${vertex}`;
+      const [low, high] = this.values.range(field);
       const curve = frames.map((_, i) => this.values.value(i, field, vertex));
-      add(title[0].toUpperCase() + title.slice(1), [{ label, unit }], [curve]);
+      add(
+        title[0].toUpperCase() + title.slice(1),
+        label,
+        [{ label, unit }],
+        [curve],
+        Math.max(Math.abs(low), Math.abs(high)),
+      );
     }
     this.mark(this.marked);
+  }
+
+  /** The field along a line, at the frame that is shown; null: there is no line. */
+  showLine(line: LineValues | null, field: number): void {
+    if (line === null || field < 0) {
+      this.lineChart?.destroy();
+      this.lineChart = null;
+      return;
+    }
+    const { label, unit } = this.values.fields[field];
+    const title = `${label[0].toUpperCase()}${label.slice(1)} along the line`;
+    if (this.lineChart?.title !== title) {
+      this.lineChart?.destroy();
+      const [low, high] = this.values.range(field);
+      this.lineChart = new Chart({
+        title,
+        quantity: label,
+        series: [{ label, unit }],
+        height: HEIGHT,
+        legend: true,
+        axis: "distance [m]",
+        scale: Math.max(Math.abs(low), Math.abs(high)),
+      });
+      this.linePlace.append(this.lineChart.root);
+    }
+    this.lineChart.set(line.distances, [line.values]);
   }
 
   /** The time that is shown. */
@@ -94,6 +144,7 @@ export class Plots {
   }
 
   redraw(): void {
+    this.lineChart?.redraw();
     [...this.probeCharts, ...this.reportCharts].forEach((chart) => chart.redraw());
   }
 }

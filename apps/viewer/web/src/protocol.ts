@@ -62,6 +62,7 @@ const mark = object({
   vertices: list(number),
   directions: optional(list(vector)), // directions of a load: its force at each vertex over the greatest
   greatest: optional(number), // that force [N]
+  course: optional(object({ over: word("time", "load"), at: list(number), factors: list(number) })),
 });
 export type Mark = Read<typeof mark>;
 
@@ -86,7 +87,7 @@ export const readHeader = object({
 });
 export type Header = Read<typeof readHeader>;
 
-const controlShape = { key: text, folder: text, label: text, help: text };
+const controlShape = { key: text, folder: text, label: text, help: text, of_body: optional(flag) };
 const control = tagged("kind", {
   slider: object({
     ...controlShape,
@@ -118,6 +119,8 @@ const stateShape = {
   held: list(object({ vertices: list(number) })), // faces that somebody holds, at some of their vertices
   grabbed_by: nullable(number),
   poking: flag,
+  bodies: optional(list(record(controlValue))), // what the controls of a body are in each, in the order of the parts
+  loads: optional(list(object({ vertices: list(number), directions: list(vector) }))), // what was put on faces on the page
   warnings: list(text),
 };
 const state = object(stateShape);
@@ -145,6 +148,7 @@ const status = object({
   kinetic_energy: measurement, // [J]
   hand_force: optional(nullable(measurement)), // [N]; null: nothing is held
   words: text,
+  warnings: optional(list(text)), // what stands beside the state: cells too coarse or inverted
 });
 export type Status = Read<typeof status>;
 
@@ -190,6 +194,7 @@ export interface Frame {
   normals: Int8Array | null; // octahedral
   fieldValues: Uint16Array | null;
   colliders: Float32Array | null; // where they are, 12 numbers each
+  load?: number; // factor, of recordings
 }
 
 const TOPOLOGY = 0x31545352; // "RST1"
@@ -294,8 +299,19 @@ export type PageMessage =
   | { type: "hold"; vertex: number; point: Vector; angle: number; radius: number }
   | { type: "poke"; center: Vector; radius: number }
   | { type: "poke_end" }
-  | { type: "set"; key: string; value: ControlValue }
+  | { type: "set"; key: string; value: ControlValue; body?: number }
   | { type: "field"; name: string } // "": none
+  | { type: "settle" } // to the equilibrium
+  | {
+      type: "load";
+      vertex: number;
+      point: Vector;
+      angle: number;
+      radius: number;
+      kind: "force" | "pressure";
+      value: number;
+    }
+  | { type: "remove_loads" }
   | { type: "pause" | "play" | "step" | "reset" | "reload" };
 
 /** Acknowledgements and drags, which are many, as bytes; the others as JSON. */

@@ -143,15 +143,16 @@ export class RecordedValues {
 
   /**
    * `field`: place in `fields`; -1: none. `swing`: how much of what the frame has moved beyond the first one is seen;
-   * values stay those of the whole.
+   * values stay those of the whole. `scale`: how many times the displacement is drawn.
    */
-  frame(index: number, field: number, swing = 1): Frame {
+  frame(index: number, field: number, swing = 1, scale = 1): Frame {
     const { frames, topology } = this.recording;
     const recorded = frames[index];
     const first = frames[0].displacements;
     for (let i = 0; i < this.positions.length; ++i) {
       const moved = recorded.displacements[i];
-      this.positions[i] = topology.restPositions[i] + (swing === 1 ? moved : first[i] + swing * (moved - first[i]));
+      const shown = swing === 1 ? moved : first[i] + swing * (moved - first[i]);
+      this.positions[i] = topology.restPositions[i] + scale * shown;
     }
     const [least, greatest] = field < 0 ? [0, 1] : this.of(field).ranges[index];
     return {
@@ -165,6 +166,7 @@ export class RecordedValues {
       normals: null,
       fieldValues: field < 0 ? null : this.of(field).codes[index],
       colliders: recorded.colliders,
+      load: recorded.load,
     };
   }
 
@@ -193,6 +195,12 @@ export class RecordedValues {
     const { ranges, shown = ranges } = this.of(field);
     const known = shown.filter((range) => range.every(Number.isFinite));
     return [Math.min(...known.map((range) => range[0])), Math.max(...known.map((range) => range[1]))];
+  }
+
+  /** The length of the largest displacement in all frames [m]. */
+  get largestDisplacement(): number {
+    const [low, high] = this.range(0);
+    return Math.max(Math.abs(low), Math.abs(high));
   }
 
   /** Components and length [m]. */

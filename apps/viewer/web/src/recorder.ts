@@ -24,6 +24,7 @@ export class Recorder {
     private readonly scene: HTMLCanvasElement,
     private readonly name: () => string,
     private readonly say: (words: string, mood?: "refused" | "fine") => void,
+    private readonly paintOver: (pen: CanvasRenderingContext2D, scale: number) => void = () => {},
   ) {
     this.button.setAttribute("aria-pressed", "false");
   }
@@ -97,5 +98,6 @@ export class Recorder {
     const scale = Math.min(width / this.scene.width, height / this.scene.height);
     const [w, h] = [scale * this.scene.width, scale * this.scene.height];
     pen.drawImage(this.scene, (width - w) / 2, (height - h) / 2, w, h);
+    this.paintOver(pen, width / Math.max(this.scene.clientWidth, 1));
   }
 }

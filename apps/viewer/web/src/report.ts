@@ -1,6 +1,7 @@
 /** report.json as far as the page draws it, and the curves that it makes of it. */
 
 import type { Series } from "./charts";
+import { perDepth } from "./numbers";
 import { flag, list, measurement, object, optional, record, text, type Read } from "./decode";
 
 const reportFrame = object({
@@ -27,8 +28,9 @@ export type Report = Read<typeof readReport>;
 
 export interface Curves {
   title: string;
+  quantity: string; // what lies upwards
+  scale?: number; // of the values of the scene
   points?: boolean; // single values
-
   series: Series[];
   values: number[][]; // one row for each series, one number for each frame of the report
 }
@@ -57,40 +59,58 @@ const AXES = "xyz";
 /** The frequencies over the numbers of the modes; what a run at rest does besides is nothing. */
 function curvesOfModes(frames: ReportFrame[]): Curves[] {
   const values = [frames.map(({ mode }) => (mode && !mode.rigid && !mode.unstable ? mode.frequency : NaN))];
-  return [{ title: "Frequency [Hz]", points: true, series: [{ label: "frequency", unit: "Hz" }], values }];
+  return [
+    { title: "Frequency", quantity: "frequency", points: true, series: [{ label: "frequency", unit: "Hz" }], values },
+  ];
 }
 
-export function curvesOf(report: Report): Curves[] {
+/** `dimension`: forces and energies in 2D are those of a metre of depth. */
+export function curvesOf(report: Report, dimension: 2 | 3 = 3): Curves[] {
   const { frames } = report;
   if (frames.some((frame) => frame.mode)) return curvesOfModes(frames);
   const curves: Curves[] = [];
   const keysOf = (pick: (frame: ReportFrame) => object | undefined) => [
     ...new Set(frames.flatMap((frame) => Object.keys(pick(frame) ?? {}))),
   ];
-  const add = (title: string, series: Series[], value: (frame: ReportFrame, series: number) => number | undefined) => {
+  const [force, energy] = [perDepth("N", dimension), perDepth("J", dimension)];
+  const add = (
+    title: string,
+    quantity: string,
+    series: Series[],
+    value: (frame: ReportFrame, series: number) => number | undefined,
+  ) => {
     const values = series.map((_, s) => frames.map((frame) => value(frame, s) ?? NaN));
-    if (values.some((row) => row.some(Number.isFinite))) curves.push({ title, series, values });
+    if (values.some((row) => row.some(Number.isFinite))) curves.push({ title, quantity, series, values });
   };
   const components = (unit: string, count: number, letter: string): Series[] =>
     [...AXES.slice(0, count)].map((axis) => ({ label: letter + axis, unit }));
-  const dimension = (pick: (frame: ReportFrame) => number[] | undefined) =>
+  const count = (pick: (frame: ReportFrame) => number[] | undefined) =>
     Math.max(0, ...frames.map((frame) => pick(frame)?.length ?? 0));
 
   const energies = keysOf((frame) => frame.energy).filter((name) => frames.some((frame) => frame.energy?.[name]));
   add(
-    "Energy [J]",
-    energies.map((label) => ({ label, unit: "J" })),
+    "Energy",
+    "energy",
+    energies.map((label) => ({ label, unit: energy })),
     (frame, s) => frame.energy?.[energies[s]],
   );
   for (const name of keysOf((frame) => frame.reactions)) {
     const of = (frame: ReportFrame) => frame.reactions?.[name];
-    add(`Reaction of “${name}” [N]`, components("N", dimension(of), "F"), (frame, s) => of(frame)?.[s]);
+    add(`Reaction of “${name}”`, "force", components(force, count(of), "F"), (frame, s) => of(frame)?.[s]);
   }
   for (const name of keysOf((frame) => frame.probes)) {
     const of = (frame: ReportFrame) => frame.probes?.[name]?.displacement;
-    add(`Displacement of “${name}” [m]`, components("m", dimension(of), "u"), (frame, s) => of(frame)?.[s]);
+    add(`Displacement of “${name}”`, "displacement", components("m", count(of), "u"), (frame, s) => of(frame)?.[s]);
   }
-  add("Smallest volume ratio", [{ label: "J", unit: "" }], (frame) => frame.min_volume_ratio);
-  add("Newton iterations", [{ label: "iterations", unit: "" }], (frame) => frame.newton_iterations);
-  return curves;
+  add("Smallest volume ratio", "J", [{ label: "J", unit: "" }], (frame) => frame.min_volume_ratio);
+  add("Newton iterations", "iterations", [{ label: "iterations", unit: "" }], (frame) => frame.newton_iterations);
+  // A reaction that is nothing beside the others of the scene is rounding.
+  const largest = (quantity: string) =>
+    Math.max(
+      0,
+      ...curves
+        .filter((curve) => curve.quantity === quantity)
+        .flatMap(({ values }) => values.flat().map(Math.abs).filter(Number.isFinite)),
+    );
+  return curves.map((curve) => ({ ...curve, scale: largest(curve.quantity) }));
 }

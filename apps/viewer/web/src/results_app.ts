@@ -6,7 +6,10 @@ import { element, iconButton } from "./dom";
 import { Gestures, type Place } from "./gestures";
 import { arrowOf, belongsToControl, CAMERA_KEYS, keyOf, movesCamera } from "./keys";
 import { modesOf } from "./modes";
+import { plain } from "./numbers";
 import { Overlays } from "./overlays";
+import { valuesAlong } from "./line_probe";
+import { placeOf, type Hit } from "./picking";
 import { Plots } from "./plots";
 import type { Frame } from "./protocol";
 import type { RecordedValues } from "./recorded_values";
@@ -15,7 +18,7 @@ import type { Report } from "./report";
 import { Shell } from "./shell";
 import { goTo, type TakingUp } from "./taking_up";
 import { Timeline } from "./timeline";
-import type { Viewport } from "./viewport";
+import { joined, type Viewport } from "./viewport";
 import * as THREE from "three";
 
 const KEYS: [string, string][] = [
@@ -28,7 +31,8 @@ const KEYS: [string, string][] = [
   ["Enter", "probe the body: arrows move the cross, Escape ends it"],
   ["Home End", "first frame, last frame"],
   ["f", "show the whole scene"],
-  ["w c x m", "wireframe, coarse cells, cut, boundary conditions and loads"],
+  ["w e c x m o", "wireframe, edges, coarse cells, cut, boundary conditions and loads, parallel view"],
+  ["l", "plot the field along a line between two clicks"],
   ["v p", "start and stop a film; a picture without a background"],
   ["Escape", "remove the probe"],
   ["?", "this help"],
@@ -44,7 +48,13 @@ export class ResultsApp {
   private field = -1;
   private chosen = ""; // name of the field that is shown, or will be once it is there
   private wanted: number | null = 0; // frame to be drawn next
-  private swing = 1; // swing of a mode
+  private swing = 1; // of a mode
+  private scale = 1; // how many times the displacement is drawn
+  private hovered: Place | null = null;
+  private hasMoved = false; // the pointer, since its value was shown
+  private lineCells: Uint32Array | null = null; // of all parts, once there was a line
+  private line: Hit[] | null = null; // ends of the line along which the field is plotted; null: none is asked for
+  private lineButton = iconButton("line", "Plot the field along a line (l)", () => this.toggleLine());
   private readonly crosshair = new Crosshair();
   private probed: number | null = null;
   private rangeOverAll = true;
@@ -59,6 +69,7 @@ export class ResultsApp {
     this.shell = new Shell("recorded", this.overlays, {
       fieldChosen: (name) => this.chooseField(name),
       themeChanged: () => this.plots?.redraw(),
+      cameraMoved: () => this.addressBar.changed(),
       rangeChanged: () => this.showRange(),
       tick: () => this.tick(),
       drawn: () => {},
@@ -72,7 +83,14 @@ export class ResultsApp {
     viewport.reach = this.reach(viewport, modes.length > 0);
     this.overlays.root.append(this.crosshair.root);
     this.shell.seeAll();
+    this.shell.addBodies(null, () => {});
     this.shell.addDisplay({
+      deform: (scale) => {
+        this.scale = scale;
+        this.shell.bar.setNote(scale === 1 ? "" : `displacement drawn ${plain(scale)}×`);
+        this.wanted ??= this.timeline.index;
+      },
+      mostDeformed: this.mostDeformed,
       look: () => this.addressBar.changed(),
       rangeOver: (choice) => {
         this.rangeOverAll = choice === "all frames";
@@ -98,11 +116,12 @@ export class ResultsApp {
         "nav",
         { class: "card toolbar small" },
         iconButton("plots", "Plots", () => (this.plots.root.hidden = !this.plots.root.hidden)),
+        this.lineButton,
         ...this.shell.cameraButtons,
         iconButton("help", "Mouse and keys (?)", () => this.overlays.showHelp(true)),
       ),
     );
-    if (matchMedia("(max-width: 720px)").matches) this.plots.root.hidden = true;
+    if (matchMedia("(max-width: 720px), (max-height: 520px)").matches) this.plots.root.hidden = true;
     this.describe(recording, report);
     this.listen();
     this.applyAddress();
@@ -136,11 +155,9 @@ export class ResultsApp {
     if (skipped > 0) words.push(`every ${skipped + 1}th recorded frame, because all would not fit`);
     if (report && report.status !== "done") words.push(report.reason || report.status);
     if (damage) words.push(damage);
-    const warnings = report?.warnings ?? [];
-    words.push(...warnings);
+    this.shell.warnings.set(report?.warnings ?? []);
     this.shell.subtitle.append(` · ${words.join(" · ")}`);
-    if (damage || warnings.length > 0 || (report && report.status !== "done"))
-      this.shell.subtitle.classList.add("warn");
+    if (damage || (report && report.status !== "done")) this.shell.subtitle.classList.add("warn");
   }
 
   private listen(): void {
@@ -150,7 +167,10 @@ export class ResultsApp {
       drag: () => {},
       release: () => {},
       click: (at) => this.click(at),
-      hover: () => {},
+      hover: (at) => {
+        this.hovered = at;
+        this.hasMoved = true;
+      },
       cameraMoved: () => {
         this.shell.viewport!.touch();
         this.addressBar.changed();
@@ -164,7 +184,44 @@ export class ResultsApp {
 
   private click(at: Place): void {
     const hit = this.shell.viewport!.pickAt(at.x, at.y);
-    if (hit) this.probe(hit.vertex);
+    if (!hit) return;
+    if (this.line === null) return this.probe(hit.vertex);
+    if (this.line.length === 2) this.line = [];
+    this.line.push(hit);
+    this.plots.root.hidden = false;
+    this.wanted ??= this.timeline.index;
+    if (this.line.length === 1) this.overlays.say("Now click where the line ends.", "fine");
+  }
+
+  /** The next two clicks are the ends of a line. */
+  private toggleLine(): void {
+    this.line = this.line === null ? [] : null;
+    this.lineButton.setAttribute("aria-pressed", String(this.line !== null));
+    if (this.line !== null) this.overlays.say("Click where the line begins.", "fine");
+    this.wanted ??= this.timeline.index;
+  }
+
+  /** The ends of the line as the frame has them, and the field between them. */
+  private showLine(frame: Frame): THREE.Vector3[] {
+    const ends = (this.line ?? []).map((hit) => placeOf(hit, frame.positions, new THREE.Vector3()));
+    if (ends.length < 2 || this.field < 0) this.plots.showLine(null, this.field);
+    else {
+      const { topology, header } = this.values.recording;
+      const flat = header.dimension === 2;
+      this.lineCells ??= joined(flat ? topology.triangles : topology.tetrahedra);
+      const line = valuesAlong(this.lineCells, flat ? 3 : 4, frame, ends[0].toArray(), ends[1].toArray());
+      this.plots.showLine(line, this.field);
+      this.shell.inspected.line = line;
+    }
+    return ends;
+  }
+
+  /** At the end of the slider the largest displacement is about a fifth of the extent. */
+  private get mostDeformed(): number {
+    const { largestDisplacement, recording } = this.values;
+    const wanted = largestDisplacement > 0 ? (0.2 * recording.header.extent) / largestDisplacement : 10;
+    const power = 10 ** Math.floor(Math.log10(wanted));
+    return Math.min(Math.max(10, power * Math.ceil(wanted / power)), 1e9);
   }
 
   private probe(vertex: number | null): void {
@@ -214,15 +271,17 @@ export class ResultsApp {
   private tick(): Frame | null {
     if (!this.timeline) return null;
     this.timeline.tick();
+    if (this.hasMoved && this.wanted === null) this.shell.pointAt(this.hovered);
+    this.hasMoved = false;
     if (this.wanted === null) return null;
-    const frame = this.values.frame(this.wanted, this.field, this.swing);
+    const frame = this.values.frame(this.wanted, this.field, this.swing, this.scale);
     const viewport = this.shell.viewport!;
     viewport.setFrame(frame);
     if (this.field < 0) this.shell.bar.set(null, [0, 1], false);
     else this.showRange();
-    viewport.marks.setProbes(
-      this.probed === null ? [] : [new THREE.Vector3().fromArray(frame.positions, 3 * this.probed)],
-    );
+    const probes = this.probed === null ? [] : [new THREE.Vector3().fromArray(frame.positions, 3 * this.probed)];
+    viewport.marks.setProbes([...probes, ...this.showLine(frame)]);
+    this.shell.pointAt(this.hovered);
     this.plots.mark(this.wanted);
     this.shell.inspected.frame = this.wanted;
     this.shell.inspected.swing = this.swing;
@@ -300,6 +359,9 @@ export class ResultsApp {
       c: () => shell.toggle("cells"),
       x: () => shell.toggle("cut"),
       m: () => shell.toggle("marks"),
+      e: () => shell.toggle("edges"),
+      o: () => shell.toggle("parallel"),
+      l: () => this.toggleLine(),
       v: () => shell.recorder.toggle(),
       p: () => shell.takePicture(),
       ...(this.takingUp ? { t: () => this.takeUp() } : {}),

@@ -4,14 +4,14 @@ import * as THREE from "three";
 import type { SceneUniforms } from "./body_shader";
 import type { Labels } from "./labels";
 import type { Orbit } from "./orbit";
-import type { Frame, Mark } from "./protocol";
+import type { Frame, Mark, Part, Vector } from "./protocol";
 
 const SUPPORT = 0x2a7f9e;
 const LOAD = 0xc2410c;
 const PROBE = 0x8250df;
 const SUPPORT_SIZE = 6; // [pixels]
-const ARROW = 0.13; // length of the arrow of the greatest force, relative to the extent
-const LIFT = 0.02; // offset towards the eye, relative to the extent, so that a mark at a surface is seen
+const ARROW = 0.13; // of the extent: the greatest force of a load
+const LIFT = 0.02; // of the extent, towards the eye, in depth alone: what lies at a surface is seen
 
 /** Points of one size in the window, a little before the surface that they lie on. */
 function points(count: number, color: number, size: number, lift: number, shared: SceneUniforms): THREE.Points {
@@ -19,14 +19,15 @@ function points(count: number, color: number, size: number, lift: number, shared
   geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(3 * count), 3));
   const material = new THREE.ShaderMaterial({
     vertexShader: /* glsl */ `
-      uniform float size, lift;
+      uniform float size, lift, pixels;
       varying vec3 place;
       void main() {
         place = position;
         vec4 seen = viewMatrix * vec4(position, 1.0);
-        seen.z += lift;
+        vec4 lifted = projectionMatrix * (seen + vec4(0.0, 0.0, lift, 0.0));
         gl_Position = projectionMatrix * seen;
-        gl_PointSize = size;
+        gl_Position.z = lifted.z / lifted.w * gl_Position.w;
+        gl_PointSize = size * pixels;
       }`,
     fragmentShader: /* glsl */ `
       uniform vec3 color;
@@ -66,7 +67,7 @@ export class HeldMarks {
     this.dispose();
     this.vertices = vertices;
     if (vertices.length === 0) return true;
-    this.dots = points(vertices.length, SUPPORT, SUPPORT_SIZE * devicePixelRatio, LIFT * this.extent, this.shared);
+    this.dots = points(vertices.length, SUPPORT, SUPPORT_SIZE, LIFT * this.extent, this.shared);
     this.group.add(this.dots);
     return true;
   }
@@ -98,7 +99,7 @@ function moveTo(dots: THREE.Points, vertices: number[], positions: Float32Array)
 }
 
 /** An arrow of length 1 along y. */
-function arrowGeometry(): THREE.BufferGeometry {
+export function arrowGeometry(): THREE.BufferGeometry {
   const profile = [
     [0, 0],
     [0.028, 0],
@@ -137,22 +138,116 @@ class Arrows {
     this.mesh.renderOrder = 3;
   }
 
-  update(vertices: number[], positions: Float32Array): void {
+  /** `factor`: of the strongest force, less than 0 the other way. */
+  update(vertices: number[], positions: Float32Array, factor: number): void {
+    this.mesh.visible = Math.abs(factor) > 1e-6;
+    const back = new THREE.Quaternion();
+    if (factor < 0) back.setFromAxisAngle(new THREE.Vector3(1, 0, 0), Math.PI);
     const matrix = new THREE.Matrix4();
     const place = new THREE.Vector3();
     vertices.forEach((vertex, i) => {
-      const length = this.lengths[i];
+      const length = this.lengths[i] * Math.max(Math.min(Math.abs(factor), 1), 0.12);
+      const turn = this.turns[i].clone().multiply(back);
       place.fromArray(positions, 3 * vertex);
-      const along = new THREE.Vector3(0, length, 0).applyQuaternion(this.turns[i]);
-      if (this.pressing[i]) place.sub(along);
-      this.mesh.setMatrixAt(i, matrix.compose(place, this.turns[i], new THREE.Vector3(length, length, length)));
+      const along = new THREE.Vector3(0, length, 0).applyQuaternion(turn);
+      if (this.pressing[i] === factor > 0) place.sub(along);
+      this.mesh.setMatrixAt(i, matrix.compose(place, turn, new THREE.Vector3(length, length, length)));
     });
     this.mesh.instanceMatrix.needsUpdate = true;
   }
 }
 
+/** How strong a load is at this time or load factor, over its strongest. */
+function factorAt({ course }: Mark, time: number, load: number | undefined): number {
+  if (!course || course.at.length === 0) return 1;
+  const { at, factors } = course;
+  const place = course.over === "load" ? (load ?? 1) : time;
+  const after = at.findIndex((t) => t >= place);
+  if (after < 0) return factors[factors.length - 1];
+  if (after === 0) return factors[0];
+  const share = (place - at[after - 1]) / (at[after] - at[after - 1]);
+  return factors[after - 1] + share * (factors[after] - factors[after - 1]);
+}
+
+const NEAR = 0.12; // of the extent: so far from a node its mark is put onto the skin
+
+/** Marks of cells under a skin stand on the skin: what is in the air or inside would belong to nothing that is seen. */
+function onSkins(mark: Mark, parts: Part[], rest: Float32Array, extent: number): Mark {
+  const vertices: number[] = [];
+  const directions: Vector[] = [];
+  const taken = new Set<number>();
+  mark.vertices.forEach((vertex, i) => {
+    const part = parts.find(({ first_vertex: first, num_vertices: n }) => vertex >= first && vertex < first + n);
+    const skin =
+      part?.kind === "cells" ? parts.find((other) => other.kind === "skin" && other.body === part.body) : null;
+    let at = vertex;
+    if (skin && mark.kind !== "probe") {
+      let least = (NEAR * extent) ** 2;
+      at = -1;
+      const [x, y, z] = rest.subarray(3 * vertex, 3 * vertex + 3);
+      for (let v = skin.first_vertex; v < skin.first_vertex + skin.num_vertices; ++v) {
+        const away = (rest[3 * v] - x) ** 2 + (rest[3 * v + 1] - y) ** 2 + (rest[3 * v + 2] - z) ** 2;
+        if (away < least) [least, at] = [away, v];
+      }
+      if (at < 0 || taken.has(at)) return;
+      taken.add(at);
+    }
+    vertices.push(at);
+    if (mark.directions) directions.push(mark.directions[i]);
+  });
+  if (vertices.length === 0) return mark;
+  return { ...mark, vertices, directions: mark.directions && directions };
+}
+
+/** What was put on faces while one plays, drawn as the loads of the scene are. */
+export class FaceLoads {
+  readonly group = new THREE.Group();
+  private shown: { vertices: number[]; arrows: Arrows }[] = [];
+  private key = "";
+
+  constructor(
+    private readonly rest: Float32Array,
+    private readonly extent: number,
+  ) {}
+
+  /** True when they are others than before. */
+  set(loads: { vertices: number[]; directions: Vector[] }[]): boolean {
+    const key = JSON.stringify(loads);
+    if (key === this.key) return false;
+    this.dispose();
+    this.key = key;
+    const middle = new THREE.Box3().setFromArray(this.rest).getCenter(new THREE.Vector3());
+    this.shown = loads.map(({ vertices, directions }) => ({
+      vertices,
+      arrows: new Arrows({ kind: "load", name: "", vertices, directions }, this.rest, middle, this.extent),
+    }));
+    for (const { arrows } of this.shown) this.group.add(arrows.mesh);
+    return true;
+  }
+
+  update(positions: Float32Array): void {
+    for (const { vertices, arrows } of this.shown) arrows.update(vertices, positions, 1);
+  }
+
+  /** How many faces have one, for tests. */
+  get count(): number {
+    return this.shown.length;
+  }
+
+  dispose(): void {
+    for (const { arrows } of this.shown) {
+      this.group.remove(arrows.mesh);
+      arrows.mesh.geometry.dispose();
+      (arrows.mesh.material as THREE.Material).dispose();
+    }
+    this.shown = [];
+    this.key = "";
+  }
+}
+
 export class SceneMarks {
   readonly group = new THREE.Group();
+  factors: number[] = []; // of the loads, as they are drawn
   private readonly shown: { mark: Mark; points: THREE.Points | null; arrows: Arrows | null }[];
 
   constructor(
@@ -161,24 +256,32 @@ export class SceneMarks {
     extent: number,
     shared: SceneUniforms,
     private readonly labels: Labels,
+    parts: Part[],
   ) {
     const box = new THREE.Box3().setFromArray(rest);
     const middle = box.getCenter(new THREE.Vector3());
-    this.shown = marks.map((mark) => {
+    this.shown = marks.map((given) => {
+      const mark = onSkins(given, parts, rest, extent);
       const color = mark.kind === "support" ? SUPPORT : PROBE;
       const size = mark.kind === "support" ? SUPPORT_SIZE : 10;
       const arrows = mark.directions ? new Arrows(mark, rest, middle, extent) : null;
       const lift = (mark.kind === "probe" ? 4 : 1) * LIFT * extent; // it may stand under a skin
-      const dots = arrows ? null : points(mark.vertices.length, color, size * devicePixelRatio, lift, shared);
+      const dots = arrows ? null : points(mark.vertices.length, color, size, lift, shared);
       this.group.add(arrows?.mesh ?? dots!);
       return { mark, points: dots, arrows };
     });
   }
 
-  update({ positions }: Pick<Frame, "positions">): void {
+  /** `load`: the load factor of the frame; none: that of the course's time alone. */
+  update({ positions, time, load }: Pick<Frame, "positions" | "time" | "load">): void {
     if (!this.group.visible) return;
+    this.factors = [];
     for (const { mark, points: dots, arrows } of this.shown) {
-      arrows?.update(mark.vertices, positions);
+      if (arrows) {
+        const factor = factorAt(mark, time, load);
+        this.factors.push(factor);
+        arrows.update(mark.vertices, positions, factor);
+      }
       if (dots) moveTo(dots, mark.vertices, positions);
       if (mark.kind === "probe") {
         const place = new THREE.Vector3().fromArray(positions, 3 * mark.vertices[0]);
@@ -192,6 +295,11 @@ export class SceneMarks {
     if (visible) return;
     for (const { mark } of this.shown)
       if (mark.kind === "probe") this.labels.set(`probe-${mark.name}`, "", null, "probe");
+  }
+
+  /** The vertices at which dots and arrows stand, for tests. */
+  get dotVertices(): number[] {
+    return this.shown.flatMap(({ mark }) => mark.vertices);
   }
 
   /** Where each mark's first place is seen, for tests. */

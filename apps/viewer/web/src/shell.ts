@@ -10,6 +10,13 @@ import type { Overlays } from "./overlays";
 import type { Pose } from "./orbit";
 import { FULL_PIXELS, Pace, type DrawingChoice } from "./pace";
 import type { Frame, Header, Topology } from "./protocol";
+import { mapColor } from "./color_map";
+import { Triad } from "./triad";
+import { Warnings } from "./warnings";
+import { BodyList, type BodyLook } from "./bodies";
+import { plain, withUnit } from "./numbers";
+import { styleValue } from "./theme";
+import type { Place } from "./gestures";
 import { Recorder } from "./recorder";
 import { withoutRounding } from "./numbers";
 import { type Covered, defaultLook, Viewport } from "./viewport";
@@ -19,12 +26,15 @@ import { Theme } from "./theme";
 export interface ShellEvents {
   fieldChosen(name: string): void;
   themeChanged(): void;
+  cameraMoved(): void;
   rangeChanged(range: [number, number] | null): void; // null: the user wants that of the values
   /** Before each drawn frame; returns the frame that is drawn when it is new. */
   tick(): Frame | null;
   drawn(frame: Frame): void;
 }
 
+const TALL = 110; // [pixels] from which on the heading is not just a strip at the top
+const MOST_COVERED = 0.5; // of the height, by cards above the body
 const NARROW = 720; // [pixels] of a telephone, as in small.css
 
 export class Shell {
@@ -35,6 +45,15 @@ export class Shell {
   readonly bottom = element("div", { class: "bottom" });
   readonly panelPlace = element("div", { class: "panel", data: "panel" });
   readonly labels = element("div", {});
+  readonly warnings = new Warnings();
+  readonly triad = new Triad({
+    seeAll: () => this.seeAll(),
+    parallel: () => this.toggle("parallel"),
+    moved: () => this.events.cameraMoved(),
+  });
+  private readonly pointed = element("span", { class: "label pointed", data: "pointed", hidden: true });
+  private bodiesFolder: GUI | null = null; // null: there is one body
+  private readonly bodyLooks = new Map<string, BodyLook>();
   readonly theme: Theme;
   readonly bar: ColorBar;
   readonly inspected: Inspected;
@@ -52,6 +71,7 @@ export class Shell {
     this.canvas,
     () => fileName(document.title.replace(/ · Resilin$/, "")),
     (words, mood) => this.overlays.say(words, mood),
+    (pen, scale) => this.paintBar(pen, scale),
   );
   readonly pace = new Pace((isLight, pixels) => {
     this.viewport?.setFinest(pixels);
@@ -66,11 +86,11 @@ export class Shell {
   ) {
     this.inspected = startInspection(kind);
     this.bar = new ColorBar((range) => this.setRange(range));
-    const heading = element("header", { class: "card heading" }, this.title, this.subtitle);
-    this.left.append(heading, this.bar.root);
+    const heading = element("header", { class: "card heading" }, this.title, this.subtitle, this.warnings.root);
+    this.left.append(heading, this.bar.root, this.triad.root);
     document
       .getElementById("app")!
-      .append(this.canvas, this.labels, this.left, this.bottom, this.panelPlace, overlays.root);
+      .append(this.canvas, this.labels, this.pointed, this.left, this.bottom, this.panelPlace, overlays.root);
     this.theme = new Theme((dark) => {
       this.viewport?.setDark(dark);
       this.events.themeChanged();
@@ -95,12 +115,18 @@ export class Shell {
         Array.from(this.viewport?.frame?.positions.subarray(3 * vertex, 3 * vertex + 3) ?? []),
       restPosition: (vertex: number) => Array.from(this.restPositions.subarray(3 * vertex, 3 * vertex + 3)),
       pickAt: (x: number, y: number) => this.viewport?.pickAt(x, y),
+      numCreases: () => this.viewport?.numCreases ?? 0,
+      isParallel: () => this.viewport?.orbit.isParallel ?? false,
+      pose: () => this.viewport?.orbit.pose,
+      loadFactors: () => this.viewport?.sceneMarks.factors ?? [],
+      dotPlaces: () => this.viewport?.sceneMarks.dotVertices ?? [],
       colliderPlaces: () => this.viewport?.colliders.firstPlaces ?? [],
       seenAt: (vertex: number) => this.seenAt(vertex),
       project: (x: number, y: number, z: number) => this.project(x, y, z),
       covered: () => this.covered(),
       middleOfBody: () => this.middleOfBody(),
       marksSeen: () => this.viewport?.sceneMarks.seen(this.viewport.orbit, this.viewport.frame!.positions) ?? [],
+      loadedFaces: () => this.viewport?.loadedFaces ?? 0,
       heldDots: () => this.viewport?.heldDots ?? 0,
       section: () => this.viewport?.sectionTriangles ?? null,
       fieldRange: () => [this.viewport?.frame?.least, this.viewport?.frame?.greatest],
@@ -123,6 +149,7 @@ export class Shell {
     viewport.setFinest(this.pace.pixels);
     viewport.setDark(this.theme.dark);
     viewport.setLook(this.choices);
+    this.triad.setScene(viewport);
     document.title = header.title ? `${header.title} · Resilin` : "Resilin";
     setText(this.title, header.title || "Resilin");
     const shown = header.parts.filter((_, i) => viewport.isShown(i));
@@ -131,6 +158,7 @@ export class Shell {
     this.gui?.destroy();
     this.gui = new GUI({ container: this.panelPlace, title: "Controls", width: 288 });
     if (matchMedia("(max-width: 720px), (max-height: 520px)").matches) this.gui.close();
+    this.bodiesFolder = viewport.bodyNames.length > 1 ? this.gui.addFolder("Bodies") : null; // first in the panel
     viewport.resize(this.covered());
     return viewport;
   }
@@ -171,20 +199,69 @@ export class Shell {
     const gap = 8;
     const below = Math.min(height, ...boxes(this.bottom).map((box) => box.top));
     const covered: Covered = { left: 0, right: 0, top: 0, bottom: height - below + gap };
-    const [heading, ...others] = boxes(this.left);
-    if (width <= NARROW) covered.top = (heading?.bottom ?? 0) + gap;
-    else {
-      covered.left = Math.max(0, ...others.map((box) => box.right)) + gap;
+    const inColumn = [...this.left.children].filter((card) => getComputedStyle(card).position !== "fixed");
+    const [heading, ...others] = inColumn
+      .map((card) => card.getBoundingClientRect())
+      .filter((box) => box.width * box.height > 0);
+    if (width <= NARROW) {
+      const low = Math.max(...[heading, ...others].map((box) => box?.bottom ?? 0));
+      covered.top = (low < MOST_COVERED * height ? low : (heading?.bottom ?? 0)) + gap;
+    } else {
+      const tall = heading && heading.height > TALL ? [heading, ...others] : others;
+      covered.left = Math.max(0, ...tall.map((box) => box.right)) + gap;
       const panel = this.panelPlace.getBoundingClientRect();
       if (panel.height > 0.3 * height) covered.right = width - panel.left + gap;
     }
     return covered;
   }
 
+  /** A list of the bodies where there are several; `chosen`: what the choice of one changes. */
+  addBodies(chosen: ((body: number | null) => void) | null, look: () => void): BodyList | null {
+    const { viewport } = this;
+    if (!viewport || !this.bodiesFolder) return null;
+    return new BodyList(this.bodiesFolder, viewport, this.bodyLooks, { look, chosen });
+  }
+
+  /** The value of the field under the pointer, beside it; null: the pointer is not over the scene. */
+  pointAt(at: Place | null): void {
+    const { viewport } = this;
+    const hit = at && viewport ? viewport.pickAt(at.x, at.y) : null;
+    const value = hit && viewport!.valueAt(hit);
+    const field = viewport?.frame ? viewport.header.fields[viewport.frame.field] : undefined;
+    this.pointed.hidden = value === null || value === undefined || !field;
+    if (this.pointed.hidden) return;
+    setText(this.pointed, field!.unit ? withUnit(value!, field!.unit) : plain(value!));
+    this.pointed.style.transform = `translate(${at!.x.toFixed(0)}px, ${at!.y.toFixed(0)}px)`;
+  }
+
+  /** The bar of colours as films have it. */
+  private paintBar(pen: CanvasRenderingContext2D, scale: number): void {
+    const shown = this.bar.shown;
+    if (!shown) return;
+    const { title, ends, ticks } = shown;
+    const [x, y, width, height] = [24 * scale, 48 * scale, 14 * scale, 180 * scale];
+    for (let i = 0; i < 128; ++i) {
+      pen.fillStyle = `rgb(${mapColor(this.choices.colorMap, (i + 0.5) / 128)})`;
+      pen.fillRect(x, y + height * (1 - (i + 1) / 128), width, height / 128 + 0.5);
+    }
+    pen.fillStyle = styleValue("--text");
+    pen.textBaseline = "middle";
+    pen.font = `600 ${12 * scale}px system-ui, sans-serif`;
+    pen.fillText(title, x, y - 18 * scale);
+    pen.font = `${12 * scale}px system-ui, sans-serif`;
+    const [low, high] = ends;
+    for (const tick of [low, ...ticks, high])
+      pen.fillText(plain(tick), x + width + 7 * scale, y + height * (1 - (tick - low) / (high - low)));
+  }
+
   addDisplay(events: Omit<DisplayEvents, "field" | "drawing" | "complain">): void {
     const all = { ...events, field: (name: string) => this.events.fieldChosen(name) };
     this.display = new DisplayPanel(this.gui!, this.choices, this.viewport!, this.theme, {
       ...all,
+      look: () => {
+        this.bar.setMap(this.choices.colorMap);
+        events.look();
+      },
       drawing: (choice: DrawingChoice) => this.pace.choose(choice),
       complain: (words: string) => this.overlays.say(words),
     });
@@ -276,13 +353,14 @@ export class Shell {
     if (this.fitIsWanted && this.viewport?.frame) this.seeAll();
     if (force) this.viewport?.touch();
     const drawn = this.viewport?.draw() ?? false;
+    if (drawn) this.triad.follow(this.viewport!.orbit);
     if (drawn && this.viewport?.frame) ++this.inspected.framesDrawn;
     if (frame) this.events.drawn(frame);
     return drawn;
   }
 
   /** Turns a switch of the display on and off, as its key does. */
-  toggle(name: "wireframe" | "cells" | "cut" | "marks"): void {
+  toggle(name: "wireframe" | "cells" | "cut" | "marks" | "edges" | "parallel"): void {
     this.choices[name] = !this.choices[name];
     this.viewport?.setLook(this.choices);
     this.display?.refresh();

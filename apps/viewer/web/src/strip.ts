@@ -13,10 +13,10 @@ export class Strip {
   private readonly history: Status[] = [];
 
   constructor() {
-    const chart = (title: string, series: { label: string; unit: string }[]) =>
-      new Chart({ title, series, height: 96, legend: true, axis: "time [s]" });
-    this.steps = chart("Time of a step [ms]", [{ label: "step", unit: "" }]);
-    this.energies = chart("Energy [J]", [
+    const chart = (title: string, quantity: string, series: { label: string; unit: string }[]) =>
+      new Chart({ title, series, height: 96, legend: true, axis: "time [s]", quantity });
+    this.steps = chart("Time of a step", "step", [{ label: "step", unit: "s" }]);
+    this.energies = chart("Energy", "energy", [
       { label: "elastic", unit: "J" },
       { label: "kinetic", unit: "J" },
     ]);
@@ -31,7 +31,7 @@ export class Strip {
     if (this.history.length > KEPT) this.history.shift();
     if (this.root.hidden || this.root.offsetParent === null) return;
     const times = this.history.map((s) => s.time);
-    this.steps.set(times, [this.history.map((s) => s.step_ms)]);
+    this.steps.set(times, [this.history.map((s) => 1e-3 * s.step_ms)]);
     this.energies.set(times, [this.history.map((s) => s.elastic_energy), this.history.map((s) => s.kinetic_energy)]);
   }
 

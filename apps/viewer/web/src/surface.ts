@@ -2,7 +2,7 @@
 
 import * as THREE from "three";
 import { lineMaterial, surfaceMaterial, type SceneUniforms } from "./body_shader";
-import { splitAtCreases, uniqueEdges, vertexNormals, type Corners } from "./creases";
+import { sharpEdges, splitAtCreases, uniqueEdges, vertexNormals, type Corners, type SharpEdges } from "./creases";
 import type { Frame, Part } from "./protocol";
 
 /** The layer of lines: they cast no shade. */
@@ -12,6 +12,18 @@ export const LINES = 1;
 export type Normals = "given" | "smooth" | "creased";
 
 const CREASE = (48 * Math.PI) / 180;
+const EDGE = (40 * Math.PI) / 180; // from which on an edge is drawn
+/** Edges that make more of a surface than this are the roughness of a scan, not those of a part. */
+const MOST_EDGES = 0.3;
+const LEAST_EDGES = 0.006;
+const MOST_SPLIT = 200_000; // triangles of a skin whose normals are formed here
+
+/** Whether a skin is that of a part with edges, which stay sharp; scans and animals are smooth. */
+export function hasSharpEdges(triangles: Uint32Array, places: Float32Array): boolean {
+  if (triangles.length > 3 * MOST_SPLIT) return false;
+  const { creased } = sharpEdges(triangles, places, CREASE);
+  return creased >= LEAST_EDGES && creased <= MOST_EDGES;
+}
 
 export class Surface {
   readonly mesh: THREE.Mesh<THREE.BufferGeometry, THREE.ShaderMaterial>;
@@ -20,19 +32,23 @@ export class Surface {
   private readonly normals: THREE.BufferAttribute;
   private readonly field: THREE.BufferAttribute;
   private readonly drawnTriangles: Uint32Array;
+  private readonly isCreased: boolean;
   private lines: THREE.LineSegments[] = [];
+  private creases: THREE.LineSegments | null = null;
+  private sharp: SharpEdges | null = null; // found when they are first drawn
   private veil: THREE.Mesh<THREE.BufferGeometry, THREE.ShaderMaterial> | null = null; // its depth, without colour
 
   constructor(
     readonly part: Part,
     readonly triangles: Uint32Array, // vertices numbered over all parts
     private readonly edges: Uint32Array,
-    restPositions: Float32Array,
+    private readonly restPositions: Float32Array,
     private readonly shared: SceneUniforms,
     color: THREE.Color,
     normals: Normals,
     private readonly lineColor: THREE.Color,
   ) {
+    this.isCreased = normals === "creased";
     const given = normals === "given";
     this.corners = given ? null : splitAtCreases(triangles, restPositions, normals === "smooth" ? Math.PI : CREASE);
     const count = this.corners?.source.length ?? part.num_vertices;
@@ -125,27 +141,53 @@ export class Surface {
     if (through) add(true, 0.45 * opacity);
   }
 
+  /** Lines along edges of the body, which the colours of a field would hide. */
+  showCreases(visible: boolean): void {
+    if (visible && this.isCreased && !this.creases) {
+      this.sharp ??= sharpEdges(this.triangles, this.restPositions, EDGE);
+      if (this.sharp.edges.length === 0 || this.sharp.share > MOST_EDGES) return;
+      const geometry = this.geometryAlong(this.sharp.edges);
+      this.creases = new THREE.LineSegments(geometry, lineMaterial(this.shared, new THREE.Color(0x15181d), 0.55));
+      this.creases.frustumCulled = false;
+      this.creases.renderOrder = 2;
+      this.creases.layers.set(LINES);
+    }
+    if (!this.creases) return;
+    if (visible) this.mesh.parent?.add(this.creases);
+    else this.creases.removeFromParent();
+  }
+
+  /** How many edges are drawn as such, for tests. */
+  get numCreases(): number {
+    return this.creases?.parent ? (this.sharp?.edges.length ?? 0) / 2 : 0;
+  }
+
   private edgeGeometry: THREE.BufferGeometry | null = null;
 
   private lineGeometry(): THREE.BufferGeometry {
     if (this.edgeGeometry) return this.edgeGeometry;
-    const wanted = this.edges.length > 0 ? this.edges : uniqueEdges(this.triangles);
+    return (this.edgeGeometry = this.geometryAlong(this.edges.length > 0 ? this.edges : uniqueEdges(this.triangles)));
+  }
+
+  private geometryAlong(wanted: Uint32Array): THREE.BufferGeometry {
     const drawn = new Uint32Array(this.part.num_vertices);
     if (this.corners) this.corners.source.forEach((vertex, i) => (drawn[vertex - this.part.first_vertex] = i));
     else drawn.forEach((_, i) => (drawn[i] = i));
-    this.edgeGeometry = new THREE.BufferGeometry();
-    this.edgeGeometry.setAttribute("position", this.positions);
-    this.edgeGeometry.setIndex(
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute("position", this.positions);
+    geometry.setIndex(
       new THREE.BufferAttribute(
         wanted.map((vertex) => drawn[vertex - this.part.first_vertex]),
         1,
       ),
     );
-    return this.edgeGeometry;
+    return geometry;
   }
 
   dispose(): void {
     this.showLines(false, false, 0);
+    this.showCreases(false);
+    (this.creases?.material as THREE.Material | undefined)?.dispose();
     this.veil?.removeFromParent();
     this.veil?.material.dispose();
     this.mesh.geometry.dispose();

@@ -4,11 +4,12 @@ import * as THREE from "three";
 import type { Place } from "./gestures";
 import type { LiveConnection } from "./live";
 import { placeOf, type Hit } from "./picking";
-import { withUnit } from "./numbers";
-import type { State } from "./protocol";
+import { perDepth, withUnit } from "./numbers";
+import type { History } from "./history";
+import type { PageMessage, State } from "./protocol";
 import type { Viewport } from "./viewport";
 
-export type Tool = "hand" | "pin" | "poke" | "hold";
+export type Tool = "hand" | "pin" | "poke" | "hold" | "load";
 
 const PIN_REACH = 14; // pixels within which a click means a pin that is there
 
@@ -17,6 +18,9 @@ export class Tools {
   pokeRadius: number;
   faceAngle = 30; // [degrees] largest angle of a fixed face to the clicked point
   faceRadius = 0; // [m] that it reaches from there; 0: as far as it goes
+  loadKind: "force" | "pressure" = "force";
+  loadForce: number; // [N], in 2D [N/m]
+  loadPressure = 1000; // [Pa]
   private grab: Hit | null = null;
   private poking = false;
   private readonly target = new THREE.Vector3();
@@ -28,7 +32,10 @@ export class Tools {
   constructor(
     readonly viewport: Viewport,
     private readonly connection: LiveConnection,
+    private readonly history: History,
+    handForce: number, // [N] that is much for these bodies
   ) {
+    this.loadForce = Number((0.2 * handForce).toPrecision(2)) || 1;
     this.pokeRadius = Number((0.1 * viewport.extent).toPrecision(2));
   }
 
@@ -38,7 +45,7 @@ export class Tools {
 
   /** Whether the tool works by clicks, not by pulling. */
   get clicks(): boolean {
-    return this.tool === "pin" || this.tool === "hold";
+    return this.tool === "pin" || this.tool === "hold" || this.tool === "load";
   }
 
   press(at: Place): boolean {
@@ -105,13 +112,19 @@ export class Tools {
   click(at: Place): void {
     if (!this.clicks || !this.viewport.frame) return;
     if (this.tool === "hold") return this.holdFace(at);
+    if (this.tool === "load") return this.loadFace(at);
     const near = this.pinned.find((vertex) => {
       const seen = this.viewport.orbit.project(this.vertexPlace(vertex));
       return Math.hypot(seen.x - at.x, seen.y - at.y) < PIN_REACH;
     });
-    if (near !== undefined) return this.connection.send({ type: "unpin", vertex: near });
+    if (near !== undefined) {
+      this.history.add("a pin was taken away", { type: "pin", vertex: near });
+      return this.connection.send({ type: "unpin", vertex: near });
+    }
     const hit = this.viewport.pickAt(at.x, at.y);
-    if (hit) this.connection.send({ type: "pin", vertex: hit.vertex });
+    if (!hit) return;
+    this.history.add("a pin", { type: "unpin", vertex: hit.vertex });
+    this.connection.send({ type: "pin", vertex: hit.vertex });
   }
 
   /** The program holds the face around the place, or frees it where it is held. */
@@ -119,12 +132,34 @@ export class Tools {
     const hit = this.viewport.pickAt(at.x, at.y);
     if (!hit) return;
     const { faceAngle: angle, faceRadius: radius } = this;
-    this.connection.send({ type: "hold", vertex: hit.vertex, point: hit.point.toArray(), angle, radius });
+    const message: PageMessage = { type: "hold", vertex: hit.vertex, point: hit.point.toArray(), angle, radius };
+    this.history.add("a fixed face", message); // a second time frees it
+    this.connection.send(message);
+  }
+
+  /** A force or a pressure on the face around the place; a second one there takes it away. */
+  private loadFace(at: Place): void {
+    const hit = this.viewport.pickAt(at.x, at.y);
+    if (!hit) return;
+    const { faceAngle: angle, faceRadius: radius, loadKind: kind } = this;
+    const value = kind === "force" ? this.loadForce : this.loadPressure;
+    const message: PageMessage = {
+      type: "load",
+      vertex: hit.vertex,
+      point: hit.point.toArray(),
+      angle,
+      radius,
+      kind,
+      value,
+    };
+    this.history.add("a load on a face", message);
+    this.connection.send(message);
   }
 
   setState(state: State, client: number): void {
     this.pinned = state.pinned;
     this.viewport.setHeld(state.held.flatMap(({ vertices }) => vertices));
+    this.viewport.setLoads(state.loads ?? []);
     const takenAway = this.grab && state.grabbed_by !== null && state.grabbed_by !== client;
     if (takenAway) this.letGo();
     this.viewport.touch();
@@ -141,7 +176,7 @@ export class Tools {
     if (!frame) return;
     if (this.grab) {
       marks.setHand(this.target, placeOf(this.grab, frame.positions, this.grabbed));
-      const words = this.force === null ? "" : withUnit(this.force, "N");
+      const words = this.force === null ? "" : withUnit(this.force, perDepth("N", this.viewport.header.dimension));
       this.viewport.labels.set("hand", words, words ? this.target : null, "hand");
     }
     if (this.poking) marks.setPoke(this.target, this.pokeRadius);

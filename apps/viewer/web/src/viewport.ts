@@ -8,16 +8,23 @@ import { Marks } from "./marks";
 import { Orbit } from "./orbit";
 import { pick, type Hit } from "./picking";
 import { Labels } from "./labels";
-import type { Frame, Header, Topology } from "./protocol";
-import { HeldMarks, SceneMarks } from "./scene_marks";
+import type { Frame, Header, Topology, Vector } from "./protocol";
+import { FaceLoads, HeldMarks, SceneMarks } from "./scene_marks";
 import { Section } from "./section";
-import { LINES, Surface, type Normals } from "./surface";
+import { hasSharpEdges, LINES, Surface, type Normals } from "./surface";
+import { colorTexture, type ColorMap } from "./color_map";
+import type { BodyLook } from "./bodies";
+import { Vectors } from "./vectors";
 
 /** Body colours, sRGB: flesh, then calm companions. */
-const BODY_COLORS = [0xe39a80, 0x7fa8c9, 0xd9b36c, 0x86b39a, 0xb79ac8, 0xc98d8d];
+export const BODY_COLORS = [0xe39a80, 0x7fa8c9, 0xd9b36c, 0x86b39a, 0xb79ac8, 0xc98d8d];
 
 export interface Look {
   wireframe: boolean;
+  edges: boolean; // those of the body's shape
+  parallel: boolean; // lines of sight
+  vectors: boolean; // arrows along the displacement
+  colorMap: ColorMap;
   cells: boolean;
   ground: boolean;
   colliders: boolean;
@@ -30,6 +37,10 @@ export interface Look {
 
 export const defaultLook = (): Look => ({
   wireframe: false,
+  edges: true,
+  parallel: false,
+  vectors: false,
+  colorMap: "viridis",
   cells: false,
   ground: true,
   colliders: true,
@@ -40,7 +51,9 @@ export const defaultLook = (): Look => ({
   cutFlip: false,
 });
 
-/** Margins of the window that are covered, from each side [pixels]. */
+const MOST_TRIANGLES_WITH_EDGES = 400_000;
+
+/** What something lies over of the window, from each side [pixels]. */
 export interface Covered {
   left: number;
   right: number;
@@ -48,7 +61,7 @@ export interface Covered {
   bottom: number;
 }
 
-function joined(lists: Uint32Array[]): Uint32Array {
+export function joined(lists: Uint32Array[]): Uint32Array {
   const all = new Uint32Array(lists.reduce((sum, list) => sum + list.length, 0));
   let end = 0;
   for (const list of lists) {
@@ -78,11 +91,15 @@ export class Viewport {
   private groundHeight: number | null = null;
   private readonly section: Section;
   private sectionIsOld = true;
+  private shownMap: ColorMap = "viridis";
   readonly labels = new Labels();
   readonly sceneMarks: SceneMarks;
   private readonly heldMarks: HeldMarks;
-  /** Bounding box of a whole run, for the camera: null where only the shown frame is known. */
+  private readonly faceLoads: FaceLoads;
+  /** What a run goes through, for the camera: null where only the shown frame is known. */
   reach: THREE.Box3 | null = null;
+  private bodyLooks: ReadonlyMap<string, BodyLook> = new Map();
+  private readonly vectors: Vectors;
   private covered: Covered = { left: 0, right: 0, top: 0, bottom: 0 };
   private finest = 2; // pixels for each of the window's, at most
 
@@ -112,9 +129,13 @@ export class Viewport {
       this.extent,
       this.uniforms,
       this.labels,
+      header.parts,
     );
     this.heldMarks = new HeldMarks(this.extent, this.uniforms);
-    this.extras.add(this.sceneMarks.group, this.heldMarks.group);
+    this.faceLoads = new FaceLoads(topology.restPositions, this.extent);
+    this.extras.add(this.sceneMarks.group, this.heldMarks.group, this.faceLoads.group);
+    this.vectors = new Vectors(topology.restPositions, this.extent);
+    this.extras.add(this.vectors.mesh);
     this.buildSurfaces(topology, normals);
     this.colliders = new Colliders(header.colliders ?? [], topology.colliders, this.uniforms, this.flat);
     this.bodies.add(this.colliders.solids);
@@ -125,7 +146,7 @@ export class Viewport {
   }
 
   private buildSurfaces(topology: Topology, normals: (part: number) => Normals): void {
-    const bodyNames = [...new Set(this.header.parts.map((part) => part.body))];
+    const { bodyNames } = this;
     this.header.parts.forEach((part, i) => {
       const color = new THREE.Color(BODY_COLORS[bodyNames.indexOf(part.body) % BODY_COLORS.length]);
       const lines = new THREE.Color(part.kind === "cells" && this.hasSkin(part.body) ? 0x2b6cb0 : 0x1c1a1d);
@@ -136,7 +157,7 @@ export class Viewport {
         topology.restPositions,
         this.uniforms,
         color,
-        normals(i),
+        part.kind === "skin" && hasSharpEdges(topology.triangles[i], topology.restPositions) ? "creased" : normals(i),
         lines,
       );
       this.surfaces.push(surface);
@@ -148,10 +169,35 @@ export class Viewport {
     return this.header.parts.some((part) => part.kind === "skin" && part.body === body);
   }
 
-  /** Whether the surface of this part is drawn; cells under a skin are only lines. */
-  isShown(part: number): boolean {
+  get bodyNames(): string[] {
+    return [...new Set(this.header.parts.map((part) => part.body))];
+  }
+
+  /** Which bodies are seen, and how transparent. */
+  setBodies(looks: ReadonlyMap<string, BodyLook>): void {
+    this.bodyLooks = looks;
+    this.applyLook();
+    this.shadeIsOld = true;
+  }
+
+  private lookOf(body: string): BodyLook {
+    return this.bodyLooks.get(body) ?? { visible: true, opacity: 1 };
+  }
+
+  /** Whether this part is the surface of its body; cells under a skin are only lines. */
+  isSurface(part: number): boolean {
     const { kind, body } = this.header.parts[part];
     return kind === "skin" || !this.hasSkin(body);
+  }
+
+  /** Whether the surface of this part is drawn. */
+  isShown(part: number): boolean {
+    return this.isSurface(part) && this.lookOf(this.header.parts[part].body).visible;
+  }
+
+  /** Edges that are drawn as such, for tests. */
+  get numCreases(): number {
+    return this.surfaces.reduce((sum, surface) => sum + surface.numCreases, 0);
   }
 
   setFrame(frame: Frame): void {
@@ -159,9 +205,14 @@ export class Viewport {
     this.surfaces.forEach((surface, i) => {
       if (this.isShown(i) || this.look.cells) surface.update(frame);
     });
+    this.vectors.update(
+      frame,
+      this.header.parts.filter((_, i) => this.isShown(i)),
+    );
     if (frame.colliders) this.colliders.move(frame.colliders);
     this.sceneMarks.update(frame);
     this.heldMarks.update(frame.positions);
+    this.faceLoads.update(frame.positions);
     this.sectionIsOld = true;
     if (frame.fieldValues) this.uniforms.fieldRange.value.set(frame.least, frame.greatest);
     this.changed = this.shadeIsOld = true;
@@ -172,6 +223,17 @@ export class Viewport {
     if (!this.heldMarks.set(vertices)) return;
     if (this.frame) this.heldMarks.update(this.frame.positions);
     this.changed = true;
+  }
+
+  /** Loads that were put on faces. */
+  setLoads(loads: { vertices: number[]; directions: Vector[] }[]): void {
+    if (!this.faceLoads.set(loads)) return;
+    if (this.frame) this.faceLoads.update(this.frame.positions);
+    this.changed = true;
+  }
+
+  get loadedFaces(): number {
+    return this.faceLoads.count;
   }
 
   get heldDots(): number {
@@ -187,13 +249,23 @@ export class Viewport {
     const { look } = this;
     this.surfaces.forEach((surface, i) => {
       const shown = this.isShown(i);
+      const body = this.lookOf(surface.part.body);
       const carried = surface.part.kind === "cells" && this.hasSkin(surface.part.body);
       surface.mesh.visible = shown;
-      surface.setOpacity(shown && look.cells && surface.part.kind === "skin" ? 0.42 : 1, true);
-      if (carried) surface.showLines(look.cells, true, 0.85);
+      const overCells = shown && look.cells && surface.part.kind === "skin";
+      surface.setOpacity(Math.min(body.opacity, overCells ? 0.42 : 1), true);
+      surface.showCreases(shown && look.edges && !this.flat && surface.part.num_triangles <= MOST_TRIANGLES_WITH_EDGES);
+      if (carried) surface.showLines(look.cells && body.visible, true, 0.85);
       else surface.showLines(shown && (look.wireframe || this.flat), false, look.wireframe ? 0.55 : 0.22);
     });
     this.sceneMarks.setVisible(look.marks);
+    this.vectors.mesh.visible = look.vectors;
+    this.orbit.setParallel(look.parallel);
+    if (look.colorMap !== this.shownMap) {
+      this.shownMap = look.colorMap;
+      this.uniforms.colorMap.value.dispose();
+      this.uniforms.colorMap.value = colorTexture(look.colorMap);
+    }
     if (this.frame) this.setFrame(this.frame);
     this.colliders.setVisible(look.colliders);
     this.applyCut();
@@ -238,6 +310,7 @@ export class Viewport {
 
   setDark(dark: boolean): void {
     this.uniforms.dark.value = dark;
+    this.vectors.setDark(dark);
     this.changed = true;
   }
 
@@ -292,6 +365,14 @@ export class Viewport {
     return this.section.triangles;
   }
 
+  /** The value of the shown field where a line of sight has met the surface; null: there is none. */
+  valueAt({ corners, weights }: Hit): number | null {
+    const { frame } = this;
+    if (!frame?.fieldValues || corners.some((vertex) => frame.fieldValues![vertex] === 0)) return null;
+    const share = corners.reduce((sum, vertex, i) => sum + weights[i] * (frame.fieldValues![vertex] - 1), 0) / 65534;
+    return frame.least + share * (frame.greatest - frame.least);
+  }
+
   triangleCount(): number {
     return this.surfaces.reduce((sum, s, i) => sum + (this.isShown(i) ? s.triangles.length / 3 : 0), 0);
   }
@@ -319,6 +400,7 @@ export class Viewport {
     if (!this.changed) return false;
     this.changed = false;
     const { camera } = this.orbit;
+    this.uniforms.pixels.value = this.renderer.getPixelRatio();
     this.marks.follow(this.orbit);
     this.labels.follow(this.orbit);
     if (this.sectionIsOld)
@@ -339,7 +421,9 @@ export class Viewport {
     this.colliders.dispose();
     this.sceneMarks.dispose();
     this.heldMarks.dispose();
+    this.faceLoads.dispose();
     this.section.dispose();
+    this.vectors.dispose();
     this.labels.clear();
   }
 }

@@ -9,14 +9,17 @@ import { nameOfField, readAddress, writeAddress } from "../src/address";
 import type { SceneUniforms } from "../src/body_shader";
 import { color, viridis } from "../src/color_map";
 import { Colliders } from "../src/colliders";
-import { splitAtCreases, uniqueEdges, vertexNormals } from "../src/creases";
+import { sharpEdges, splitAtCreases, uniqueEdges, vertexNormals } from "../src/creases";
+import { tableText } from "../src/export_chart";
+import { valuesAlong } from "../src/line_probe";
 import { readNumber } from "../src/number_slider";
 import { modeWords, swingAt } from "../src/modes";
-import { fixed, plain, scaledUnit, withoutRounding, withUnit } from "../src/numbers";
+import { fixed, perDepth, plain, roundTicks, scaledUnit, withoutRounding, withUnit } from "../src/numbers";
 import { pick } from "../src/picking";
-import { decodeFrame, decodeMessage, decodeTopology, encodeMessage } from "../src/protocol";
+import { decodeFrame, decodeMessage, decodeTopology, encodeMessage, type Frame } from "../src/protocol";
 import { curvesOf, timeAxis } from "../src/report";
 import { cutTetrahedra } from "../src/section";
+import { grouped } from "../src/warnings";
 import { repository } from "./harness";
 
 /** A box with corners at 0 and 1, two triangles on each side, seen from outside counter-clockwise. */
@@ -278,12 +281,23 @@ test("an address holds the whole view, and what is wrong in it is left out", () 
     from: 0,
     field: "von_mises",
     camera: { azimuth: 0.5, elevation: 0.25, distance: 3, target: [0, 1, -2] as [number, number, number] },
-    look: { wireframe: true, cells: false, cut: true, cutFlip: false, cutAxis: "y" as const, cutAt: 0.3 },
+    look: {
+      wireframe: true,
+      cells: false,
+      cut: true,
+      cutFlip: false,
+      parallel: true,
+      vectors: false,
+      cutAxis: "y" as const,
+      cutAt: 0.3,
+    },
     range: [1, 2e5] as [number, number],
   };
   assert.deepEqual(readAddress(writeAddress(view)), view);
   const wrong = readAddress("#frame=-3&from=x&camera=1,2&cut=q9&range=5,1&show=nothing");
-  assert.deepEqual(wrong, { look: { wireframe: false, cells: false, cut: false, cutFlip: false } });
+  assert.deepEqual(wrong, {
+    look: { wireframe: false, cells: false, cut: false, cutFlip: false, parallel: false, vectors: false },
+  });
 });
 
 test("curves come from what the report holds", () => {
@@ -297,7 +311,7 @@ test("curves come from what the report holds", () => {
   const curves = curvesOf({ status: "done", frames });
   assert.deepEqual(
     curves.map((c) => c.title),
-    ["Energy [J]", "Reaction of “left” [N]"],
+    ["Energy", "Reaction of “left”"],
   );
   assert.deepEqual(
     curves[0].series.map((s) => s.label),
@@ -322,7 +336,7 @@ test("curves of vibrations are their frequencies, without those of rigid modes",
   });
   const frames = [{ time: 0, load: 1, newton_iterations: 3 }, mode(1, 0, true), mode(2, 440, false)];
   const [only, ...others] = curvesOf({ status: "done", frames });
-  assert.equal(only.title, "Frequency [Hz]");
+  assert.equal(only.title, "Frequency");
   assert.deepEqual(only.values, [[NaN, NaN, 440]]);
   assert.deepEqual(others, []);
   assert.equal(timeAxis(frames).label, "mode");
@@ -367,4 +381,52 @@ test("an old link finds the field by its new name", () => {
   assert.equal(nameOfField(fields, "von_mises"), "averaged_von_mises");
   assert.equal(nameOfField(fields, "displacement"), "displacement");
   assert.equal(nameOfField(fields, "pressure"), "");
+});
+
+test("warnings that differ in a name and a number alone are one line", () => {
+  const text = (name: string, share: string) =>
+    `/home/me/a.toml: "${name}" has an estimated error of ${share} %: take finer cells`;
+  assert.deepEqual(grouped([text("a", "5.7"), text("b", "23"), "something else"]), [
+    'a.toml: "a", "b" have an estimated error of 5.7 to 23 %: take finer cells',
+    "something else",
+  ]);
+});
+
+test("numbers on the bar of colours are round", () => {
+  assert.deepEqual(roundTicks(0, 116, 5), [0, 50, 100]);
+  assert.deepEqual(roundTicks(-1, 1, 5), [-1, -0.5, 0, 0.5, 1]);
+  assert.deepEqual(roundTicks(1, 1, 5), []);
+});
+
+test("in 2D forces and energies are those of a metre of depth", () => {
+  assert.equal(perDepth("N", 2), "N/m");
+  assert.equal(perDepth("N", 3), "N");
+  assert.equal(perDepth("Pa", 2), "Pa");
+});
+
+test("a line through cells has the values that are linear in each", () => {
+  const cells = Uint32Array.of(0, 1, 2, 1, 3, 2);
+  const positions = Float32Array.of(0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0);
+  const fieldValues = Uint16Array.of(1, 65535, 1, 65535); // x from 0 to 1
+  const frame = { positions, fieldValues, least: 0, greatest: 1 } as Frame;
+  const { distances, values } = valuesAlong(cells, 3, frame, [-1, 0.25, 0], [2, 0.25, 0]);
+  assert.equal(distances.length, 4);
+  distances.forEach((d, i) => assert.ok(Math.abs(values[i] - (d - 1)) < 1e-6, `${values[i]} at ${d}`));
+});
+
+test("edges are where triangles meet at an angle, and borders", () => {
+  const places = Float32Array.of(0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1);
+  const { edges, creased } = sharpEdges(Uint32Array.of(0, 1, 2, 1, 0, 3), places, 0.7);
+  assert.equal(edges.length, 10);
+  assert.ok(creased > 0.1 && creased < 0.5);
+  assert.equal(
+    tableText(
+      ["a", "b,c"],
+      [
+        [1, 2],
+        [3, null],
+      ],
+    ),
+    'a,"b,c"\n1,3\n2,\n',
+  );
 });

@@ -1,0 +1,27 @@
+/** What was done on the page, to be undone: the messages that lead back, the last deed first. */
+
+import type { PageMessage } from "./protocol";
+
+const MOST = 100; // deeds
+
+export class History {
+  private readonly back: { what: string; messages: PageMessage[] }[] = [];
+
+  /** `what`: in words, after "Undid: ". */
+  add(what: string, ...messages: PageMessage[]): void {
+    this.back.push({ what, messages });
+    if (this.back.length > MOST) this.back.shift();
+  }
+
+  take(): { what: string; messages: PageMessage[] } | null {
+    return this.back.pop() ?? null;
+  }
+
+  clear(): void {
+    this.back.length = 0;
+  }
+
+  get length(): number {
+    return this.back.length;
+  }
+}
