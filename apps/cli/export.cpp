@@ -51,8 +51,8 @@ bool build_engine(const std::filesystem::path& engine) {
                    "run " + one_line(script.string()) + " to see why, or name a module by --engine");
 }
 
-/// What simulates in the page: named, installed beside this program's other files, or built in the checkout
-/// that this program was built in.
+/// Path of the WebAssembly solver: named, installed beside this program's other files, or built in the
+/// checkout that this program was built in.
 std::filesystem::path engine_file(const ExportOptions& options) {
   if (!options.engine.empty()) return options.engine;
   std::error_code failure;

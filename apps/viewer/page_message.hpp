@@ -53,8 +53,8 @@ struct Poke {
 struct PokeEnd {};
 struct SetControl {
   const LiveControl* control = nullptr;  ///< an entry of the table
-  ControlValue value;                    ///< of the kind that its form has
-  std::optional<std::size_t> body = {};  ///< whose it is; none: of all bodies
+  ControlValue value;                    ///< value, of the kind that its form has
+  std::optional<std::size_t> body = {};  ///< its body; none: all bodies
 };
 struct ChooseField {
   std::string name;  ///< empty: none
@@ -88,10 +88,10 @@ struct Extended<std::variant<Kind...>, More...> {
   using type = std::variant<Kind..., More...>;
 };
 
-/// What changes the scene.
+/// Messages that change the scene.
 using SceneMessage = std::variant<Grab, Drag, Release, Pin, Unpin, UnpinAll, HoldFace, FreeFaces, LoadFace,
                                   RemoveLoads, Settle, Poke, PokeEnd, SetControl, Reset, Reload>;
-/// What is said to the simulation.
+/// Messages to the simulation.
 using LoopMessage = Extended<SceneMessage, Pause, Play, SingleStep, SaveScene, OpenScene, SceneTouched>::type;
 /// All that a page can say; the rest is for the server.
 using PageMessage = Extended<LoopMessage, ChooseField, Acknowledge>::type;

@@ -57,8 +57,8 @@ struct Resource {
 
 struct ServerOptions {
   std::uint16_t port = 0;    ///< 0: any free one
-  std::string token;         ///< of the address; empty: a new one
-  int max_connections = 32;  ///< of pages; of those that ask for nothing the oldest makes room
+  std::string token;         ///< secret in the address; empty: a new one
+  int max_connections = 32;  ///< most pages at once; the oldest idle one makes room
   std::size_t max_header_bytes = 8192;
   std::size_t max_message_bytes =
       4096;  ///< maximum message bytes of a page; a longer one ends its connection

@@ -132,7 +132,7 @@ void apply_changes(SceneValue& scene, const SceneChanges& changes) {
        (now.ground_height != first.ground_height || now.ground_friction != first.ground_friction)))
     place_ground(scene, changes);
   if (now.contact_friction != first.contact_friction) set("contact.friction", value_of(now.contact_friction));
-  // What nobody has chosen follows the bodies in the new scene, too.
+  // Settings that nobody has chosen follow the bodies in the new scene, too.
   const ContactDescription &was = changes.before->contact, &is = changes.contact;
   if (is.stiffness && is.stiffness != was.stiffness) set("contact.stiffness", value_of(*is.stiffness));
   if (is.activation_distance && is.activation_distance != was.activation_distance)

@@ -23,7 +23,7 @@ std::string title_of(const World& world) {
   return world.title.empty() ? std::filesystem::path(world.place).filename().string() : world.title;
 }
 
-constexpr std::size_t most_arrows = 60;  ///< of a load on a face
+constexpr std::size_t most_arrows = 60;  ///< arrows of a load on a face
 
 bool is_same_face(const FacePatch& there, const FacePatch& touched) {
   return there.part == touched.part && std::ranges::binary_search(there.facets, touched.touched);

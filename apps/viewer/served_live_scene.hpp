@@ -20,10 +20,10 @@ namespace resilin::viewer {
 /// Changes that a user has made to a scene on its page.
 struct SceneChanges {
   const Description* before = nullptr;                   ///< as it was read
-  Vector3 up = Vector3::UnitZ();                         ///< what the ground faces
-  LiveControls first, now;                               ///< with which it began, and as they are
+  Vector3 up = Vector3::UnitZ();                         ///< normal of the ground
+  LiveControls first, now;                               ///< controls at the start, and now
   std::vector<BodyControls> first_materials, materials;  ///< likewise, of each body
-  ContactDescription contact{};                          ///< what was chosen of it
+  ContactDescription contact{};                          ///< settings of contact that were chosen
   std::vector<HeldFace> held;
   std::vector<FaceLoad> loads;
 };
@@ -74,7 +74,7 @@ class ServedLiveScene : public ServedScene {
   };
   /// Likewise one with a load.
   struct LoadedFace {
-    int number = 0;  ///< of the FaceLoad
+    int number = 0;  ///< number of the FaceLoad
     FacePatch patch;
     std::vector<Index> vertices{};      ///< where arrows are drawn ...
     std::vector<Vector3> directions{};  ///< ... and along which, the longest of length 1

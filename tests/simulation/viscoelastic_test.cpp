@@ -281,7 +281,7 @@ TEST(Viscoelasticity, GivesTheSameBitsForAnyNumberOfThreads) {
   set_num_threads(threads_before);
 }
 
-/// What is undone leaves no trace: a step that is cut in two by its observer begins with the same history.
+/// An undone step leaves no trace: a step that is cut in two by its observer begins with the same history.
 TEST(Viscoelasticity, DoesNotAdvanceInAStepThatIsInterrupted) {
   for (const bool is_dynamic : {false, true}) {
     Simulation simulation(creeping_bar(2, is_dynamic));

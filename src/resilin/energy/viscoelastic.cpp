@@ -80,7 +80,7 @@ struct LaneHistory {
   }
 };
 
-/// What the derivatives of s C:H / 2 by F consist of.
+/// Terms of the derivatives of s C:H / 2 by F.
 template <int dim>
 struct OverstressAt {
   LaneMatrix<dim> G;  ///< F^-T

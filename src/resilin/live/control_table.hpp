@@ -76,7 +76,7 @@ struct LiveControl {
   std::string_view unit;  ///< empty for a pure number
   std::string_view help;  ///< one line
   std::variant<Slider, LogSlider, WholeSlider, Switch, Choice, Arrow> form;
-  bool is_of_contact = false;  ///< of effect, and shown, where bodies meet
+  bool is_of_contact = false;  ///< has an effect, and is shown, where bodies meet
   bool is_of_body = false;     ///< each body has its own
 };
 

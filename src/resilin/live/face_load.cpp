@@ -13,7 +13,7 @@ namespace resilin {
 namespace {
 
 constexpr const char* place_of_face_load = "load";  ///< begins messages
-constexpr double least_direction = 0.05;  ///< of a face's area, that its normals have in sum
+constexpr double least_direction = 0.05;  ///< smallest sum of a face's normals, relative to its area
 
 /// The sum of the nodal forces of a load at rest [N].
 Vector3 resultant(const Energy& load, const World& world) {

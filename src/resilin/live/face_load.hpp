@@ -15,7 +15,7 @@ struct FaceLoad {
   int number = 0;                      ///< from 1 on, each once
   std::size_t body = 0;                ///< in World::bodies
   LoadDescription description{};       ///< as a scene file has it
-  std::shared_ptr<const Energy> term;  ///< of the scene's energy
+  std::shared_ptr<const Energy> term;  ///< term of the scene's energy
 };
 
 /// How strong it is, in the words of a user.

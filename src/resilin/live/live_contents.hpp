@@ -83,8 +83,8 @@ struct LiveScene::Contents {
   Terms terms_at_rest;  ///< the same for the equilibrium that a static run finds: see make_gravity
   std::vector<std::uint8_t> is_fixed;  ///< by supports, pins and held faces
   Newton newton;
-  LiveControls controls;                ///< whose material is that of the first body
-  std::vector<BodyControls> materials;  ///< of the bodies
+  LiveControls controls;                ///< with the material of the first body
+  std::vector<BodyControls> materials;  ///< one for each body
   State start;                          ///< to which a reset comes back
   State state;
   LiveReport report;

@@ -16,7 +16,7 @@ struct BodyControls {
   bool operator==(const BodyControls&) const = default;
 };
 
-/// What can be changed while a scene runs. The material is that of the first body; where it is changed here,
+/// Values that can be changed while a scene runs. The material is that of the first body; changed here,
 /// it changes in all.
 struct LiveControls {
   std::string law;

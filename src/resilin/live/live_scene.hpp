@@ -30,7 +30,7 @@ struct LiveReport {
   double elastic_energy = 0, kinetic_energy = 0;      ///< [J]
   double step_ms = 0, assembly_ms = 0, solve_ms = 0;  ///< wall time; the rest is searching and measuring
   DiscretisationErrors discretisation_errors{};       ///< estimated now and then, and at rest
-  std::string state;                                  ///< what is not solved, or that it is at rest
+  std::string state;                                  ///< unsolved parts, or that it is at rest
   std::vector<std::string> warnings;  ///< inverted cells, damping because of them; whose cells are too coarse
   std::string words;                  ///< both in one line
 };

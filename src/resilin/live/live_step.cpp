@@ -14,8 +14,8 @@
 namespace resilin {
 namespace {
 
-constexpr double overrun_weight = 0.1;       ///< of the last step in the mean of what steps take too long
-constexpr int steps_to_first_estimate = 30;  ///< of the error by the size of the cells
+constexpr double overrun_weight = 0.1;       ///< weight of the last step in the mean of overruns
+constexpr int steps_to_first_estimate = 30;  ///< steps before the first estimate of the discretisation error
 constexpr int steps_between_estimates = 120;
 constexpr double longest_mending_step = 10;  ///< [s], where bodies are held
 constexpr double fall_while_mending = 0.05;  ///< largest fall in one step, relative to the extent

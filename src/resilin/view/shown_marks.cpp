@@ -32,7 +32,7 @@ VectorX strongest_forces(const World& world, const Energy& term) {
   return strongest;
 }
 
-/// What a load is of its strongest forces while the run goes on.
+/// Course of a load during a run, relative to its strongest forces.
 ShownMark::Course course_of(const World& world, const Energy& term, const VectorX& strongest) {
   const double square = strongest.squaredNorm();
   if (!(square > 0)) return {};

@@ -13,8 +13,8 @@ struct ShownMark {
   enum class Kind { support, load, probe };
   Kind kind = Kind::support;
   std::string name;
-  std::vector<Index> vertices;      ///< of the shown surface
-  std::vector<Vector3> directions;  ///< of a load: its force at each vertex over the greatest one
+  std::vector<Index> vertices;      ///< vertices of the shown surface
+  std::vector<Vector3> directions;  ///< directions of a load: its force at each vertex over the greatest one
   /// How strong a load is over its strongest, at times or load factors between which it is straight; empty:
   /// it does not change.
   struct Course {

@@ -17,7 +17,7 @@ export function sceneUniforms() {
     hatch: { value: 0.02 }, // distance of the lines on a cut [m]
     section: { value: null as THREE.Texture | null }, // the field on the plane of the cut: section.ts
     sectionOn: { value: false },
-    windowSize: { value: new THREE.Vector2(1, 1) }, // of that image [pixels]
+    windowSize: { value: new THREE.Vector2(1, 1) }, // size of that image [pixels]
     pixels: { value: 1 }, // drawn for each of the window's, along each side
   };
 }

@@ -14,8 +14,8 @@ export interface Series {
 /** Colours that stay apart under colour blindness (style.css), and dashes besides. */
 export const STROKES = ["--series-1", "--series-2", "--series-3", "--series-4", "--series-5", "--series-6"];
 const DASHES: number[][] = [[], [7, 3], [2, 2.5], [9, 3, 2, 3], [4, 4], [12, 4]];
-const ROUNDING = 1e-9; // of what the values are measured by
-const FLAT = 1e-6; // of a value: what varies less is drawn as one line
+const ROUNDING = 1e-9; // round-off, relative to the scale of the values
+const FLAT = 1e-6; // smallest variation, relative to the value, that is drawn as a curve
 const DIGIT = 6.6; // width of a digit in the axes' font [pixels]
 
 export interface ChartOptions {
@@ -23,9 +23,9 @@ export interface ChartOptions {
   series: Series[];
   height: number;
   legend: boolean;
-  axis: string; // what lies along: "time [s]"
-  quantity: string; // what lies upwards: "force"
-  scale?: number; // of the values in the scene: what is far below is rounding
+  axis: string; // label of the horizontal axis: "time [s]"
+  quantity: string; // label of the vertical axis: "force"
+  scale?: number; // scale of the values in the scene; far smaller ones are round-off
   points?: boolean; // single values, not a curve
   clicked?: (index: number) => void; // a place on the time axis
 }
@@ -219,7 +219,7 @@ export class Chart {
   }
 }
 
-/** What varies by rounding alone is a flat line in the middle, not a mountain. */
+/** A range for values that vary by round-off alone: they are drawn as a flat line in the middle. */
 function rangeOf(low: number | null, high: number | null): [number, number] {
   if (low === null || high === null || !Number.isFinite(low + high)) return [0, 1];
   const size = Math.max(Math.abs(low), Math.abs(high));

@@ -71,7 +71,7 @@ export class ColorBar {
     this.note.hidden = words === "";
   }
 
-  /** What a film shows of it: null where there are no colours. */
+  /** The colour bar as a film shows it: null where there are no colours. */
   get shown(): { title: string; ends: [number, number]; ticks: number[] } | null {
     if (this.root.hidden) return null;
     const [low, high] = this.range.map((value) => value / this.factor);
@@ -120,7 +120,7 @@ export class ColorBar {
   }
 }
 
-const CLEAR = 0.1; // of the bar, between an end and the round number beside it
+const CLEAR = 0.1; // distance, relative to the bar, between an end and the round number beside it
 
 /** Round numbers that do not meet those at the ends. */
 function innerTicks(low: number, high: number): number[] {

@@ -114,7 +114,7 @@ export function uniqueEdges(triangles: Uint32Array): Uint32Array {
 /** Edges of a surface that are seen as edges: borders, and where triangles meet at more than `angle` [rad]. */
 export interface SharpEdges {
   edges: Uint32Array; // pairs of vertices
-  share: number; // of the length of all edges
+  share: number; // share of the length of all edges
   creased: number; // the same without the borders
 }
 

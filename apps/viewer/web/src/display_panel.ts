@@ -22,8 +22,8 @@ export interface DisplayEvents {
   drawing(choice: DrawingChoice): void;
   complain(words: string): void;
   mostDeformed?: number; // at the end of the slider
-  deform?(scale: number): void; // of recordings: how many times the displacement is drawn
-  rangeOver?(choice: "all frames" | "this frame"): void; // of recordings
+  deform?(scale: number): void; // scales the displacement of a recording
+  rangeOver?(choice: "all frames" | "this frame"): void; // sets the range of a recording
 }
 
 interface FieldGroup {

@@ -1,4 +1,4 @@
-/** What was done on the page, to be undone: the messages that lead back, the last deed first. */
+/** Undo: the messages that take back actions on the page, the last action first. */
 
 import type { PageMessage } from "./protocol";
 

@@ -86,7 +86,7 @@ function determinant(columns: number[][]): number {
   return a[0] * (b[1] * c[2] - b[2] * c[1]) - b[0] * (a[1] * c[2] - a[2] * c[1]) + c[0] * (a[1] * b[2] - a[2] * b[1]);
 }
 
-/** What a plot shows of a frame between two places; nothing where the line meets no cell. */
+/** Plot of a frame's field between two places; empty where the line meets no cell. */
 export function valuesAlong(cells: Uint32Array, width: 3 | 4, frame: Frame, start: Place3, end: Place3): LineValues {
   const found: LineValues = { distances: [], values: [] };
   if (!frame.fieldValues) return found;

@@ -240,7 +240,7 @@ export class LiveApp {
 
   private lastChange = { place: "", at: 0 };
 
-  /** What a button of the panel takes away can be put back. */
+  /** Actions of the panel's buttons can be undone. */
   private noteRemoval({ type }: PageMessage): void {
     if (type === "unpin_all" && this.state)
       this.history.add("all pins", ...this.state.pinned.map((vertex): PageMessage => ({ type: "pin", vertex })));

@@ -33,7 +33,7 @@ export class LivePanel {
   private state: State;
   private readonly ofBody: Set<string>; // keys of controls that each body has of its own
   private body: number | null = null; // the one that they are for; null: all
-  private before: ControlValue = 0; // of the control under the user's hand
+  private before: ControlValue = 0; // value of the control under the user's hand, before
 
   constructor(
     private readonly gui: GUI,
@@ -129,7 +129,7 @@ export class LivePanel {
     button("Read the scene again", { type: "reload" });
   }
 
-  /** Whose material the controls show and change; null: that of all bodies. */
+  /** The body with the material that the controls show and change; null: all bodies. */
   chooseBody(body: number | null): void {
     this.body = body;
     this.busy = null;

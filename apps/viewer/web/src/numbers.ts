@@ -49,7 +49,7 @@ export function roundTicks(low: number, high: number, count: number): number[] {
   return ticks;
 }
 
-/** What a force, an energy or a stiffness of a scene in 2D is: that of one metre of its depth. */
+/** Unit of a force, an energy or a stiffness of a scene in 2D: per metre of depth. */
 export function perDepth(unit: string, dimension: 2 | 3): string {
   return dimension === 2 && ["N", "J", "N m"].includes(unit) ? `${unit}/m` : unit;
 }

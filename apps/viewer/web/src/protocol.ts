@@ -119,8 +119,8 @@ const stateShape = {
   held: list(object({ vertices: list(number) })), // faces that somebody holds, at some of their vertices
   grabbed_by: nullable(number),
   poking: flag,
-  bodies: optional(list(record(controlValue))), // what the controls of a body are in each, in the order of the parts
-  loads: optional(list(object({ vertices: list(number), directions: list(vector) }))), // what was put on faces on the page
+  bodies: optional(list(record(controlValue))), // controls of each body, in the order of the parts
+  loads: optional(list(object({ vertices: list(number), directions: list(vector) }))), // loads that were put on faces on the page
   warnings: list(text),
 };
 const state = object(stateShape);
@@ -148,7 +148,7 @@ const status = object({
   kinetic_energy: measurement, // [J]
   hand_force: optional(nullable(measurement)), // [N]; null: nothing is held
   words: text,
-  warnings: optional(list(text)), // what stands beside the state: cells too coarse or inverted
+  warnings: optional(list(text)), // warnings beside the state: cells too coarse or inverted
 });
 export type Status = Read<typeof status>;
 

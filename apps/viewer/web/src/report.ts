@@ -28,8 +28,8 @@ export type Report = Read<typeof readReport>;
 
 export interface Curves {
   title: string;
-  quantity: string; // what lies upwards
-  scale?: number; // of the values of the scene
+  quantity: string; // label of the vertical axis
+  scale?: number; // scale of the values in the scene
   points?: boolean; // single values
   series: Series[];
   values: number[][]; // one row for each series, one number for each frame of the report

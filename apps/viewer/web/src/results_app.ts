@@ -48,11 +48,11 @@ export class ResultsApp {
   private field = -1;
   private chosen = ""; // name of the field that is shown, or will be once it is there
   private wanted: number | null = 0; // frame to be drawn next
-  private swing = 1; // of a mode
+  private swing = 1; // swing of a mode
   private scale = 1; // how many times the displacement is drawn
   private hovered: Place | null = null;
   private hasMoved = false; // the pointer, since its value was shown
-  private lineCells: Uint32Array | null = null; // of all parts, once there was a line
+  private lineCells: Uint32Array | null = null; // cells of all parts, once there was a line
   private line: Hit[] | null = null; // ends of the line along which the field is plotted; null: none is asked for
   private lineButton = iconButton("line", "Plot the field along a line (l)", () => this.toggleLine());
   private readonly crosshair = new Crosshair();

@@ -10,8 +10,8 @@ const SUPPORT = 0x2a7f9e;
 const LOAD = 0xc2410c;
 const PROBE = 0x8250df;
 const SUPPORT_SIZE = 6; // [pixels]
-const ARROW = 0.13; // of the extent: the greatest force of a load
-const LIFT = 0.02; // of the extent, towards the eye, in depth alone: what lies at a surface is seen
+const ARROW = 0.13; // length of the arrow of the greatest force, relative to the extent
+const LIFT = 0.02; // offset towards the eye in depth, relative to the extent, so that marks at a surface are seen
 
 /** Points of one size in the window, a little before the surface that they lie on. */
 function points(count: number, color: number, size: number, lift: number, shared: SceneUniforms): THREE.Points {
@@ -169,7 +169,7 @@ function factorAt({ course }: Mark, time: number, load: number | undefined): num
   return factors[after - 1] + share * (factors[after] - factors[after - 1]);
 }
 
-const NEAR = 0.12; // of the extent: so far from a node its mark is put onto the skin
+const NEAR = 0.12; // largest distance of a mark on the skin from its node, relative to the extent
 
 /** Marks of cells under a skin stand on the skin: what is in the air or inside would belong to nothing that is seen. */
 function onSkins(mark: Mark, parts: Part[], rest: Float32Array, extent: number): Mark {
@@ -199,7 +199,7 @@ function onSkins(mark: Mark, parts: Part[], rest: Float32Array, extent: number):
   return { ...mark, vertices, directions: mark.directions && directions };
 }
 
-/** What was put on faces while one plays, drawn as the loads of the scene are. */
+/** Loads that were put on faces of the live scene, drawn as the loads of the scene are. */
 export class FaceLoads {
   readonly group = new THREE.Group();
   private shown: { vertices: number[]; arrows: Arrows }[] = [];
@@ -247,7 +247,7 @@ export class FaceLoads {
 
 export class SceneMarks {
   readonly group = new THREE.Group();
-  factors: number[] = []; // of the loads, as they are drawn
+  factors: number[] = []; // factors of the loads, as they are drawn
   private readonly shown: { mark: Mark; points: THREE.Points | null; arrows: Arrows | null }[];
 
   constructor(

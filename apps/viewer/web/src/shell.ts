@@ -34,7 +34,7 @@ export interface ShellEvents {
 }
 
 const TALL = 110; // [pixels] from which on the heading is not just a strip at the top
-const MOST_COVERED = 0.5; // of the height, by cards above the body
+const MOST_COVERED = 0.5; // largest share of the height for cards above the body
 const NARROW = 720; // [pixels] of a telephone, as in small.css
 
 export class Shell {

@@ -12,7 +12,7 @@ export const LINES = 1;
 export type Normals = "given" | "smooth" | "creased";
 
 const CREASE = (48 * Math.PI) / 180;
-const EDGE = (40 * Math.PI) / 180; // from which on an edge is drawn
+const EDGE = (40 * Math.PI) / 180; // smallest angle of an edge that is drawn
 /** Edges that make more of a surface than this are the roughness of a scan, not those of a part. */
 const MOST_EDGES = 0.3;
 const LEAST_EDGES = 0.006;

@@ -6,13 +6,13 @@ import type { Orbit } from "./orbit";
 import type { Viewport } from "./viewport";
 
 const SIZE = 84; // [pixels]
-const REACH = 30; // of an axis [pixels]
+const REACH = 30; // length of an axis [pixels]
 const SVG = "http://www.w3.org/2000/svg";
 
 interface Axis {
   way: THREE.Vector3;
   end: HTMLElement;
-  line: SVGLineElement | null; // of the positive half
+  line: SVGLineElement | null; // line of the positive half
 }
 
 /** Which face is seen from the end of an axis, in words. */

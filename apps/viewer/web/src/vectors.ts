@@ -5,7 +5,7 @@ import { arrowGeometry } from "./scene_marks";
 import type { Frame, Part } from "./protocol";
 
 const MOST = 400; // arrows
-const LONGEST = 0.14; // of the extent
+const LONGEST = 0.14; // length relative to the extent
 const COLOR = 0x20262e;
 const COLOR_IN_THE_DARK = 0xe8ecf2;
 

@@ -53,7 +53,7 @@ export const defaultLook = (): Look => ({
 
 const MOST_TRIANGLES_WITH_EDGES = 400_000;
 
-/** What something lies over of the window, from each side [pixels]. */
+/** Margins of the window that are covered, from each side [pixels]. */
 export interface Covered {
   left: number;
   right: number;
@@ -96,7 +96,7 @@ export class Viewport {
   readonly sceneMarks: SceneMarks;
   private readonly heldMarks: HeldMarks;
   private readonly faceLoads: FaceLoads;
-  /** What a run goes through, for the camera: null where only the shown frame is known. */
+  /** Bounding box of a whole run, for the camera: null where only the shown frame is known. */
   reach: THREE.Box3 | null = null;
   private bodyLooks: ReadonlyMap<string, BodyLook> = new Map();
   private readonly vectors: Vectors;

@@ -1,4 +1,4 @@
-/** What a scene is warned of: short, and what several bodies share said once. */
+/** Warnings of a scene: short; one that several bodies share is shown once. */
 
 import { element } from "./dom";
 
