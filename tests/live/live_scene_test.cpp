@@ -403,6 +403,29 @@ TEST(LiveScene, ChangesTheStiffnessOfALawWithFibres) {
   EXPECT_EQ(after.constants[2], 2e4);
 }
 
+/// Internal variables follow the steps, a change of stiffness and a reset.
+TEST(LiveScene, LetsViscoelasticBodiesRelax) {
+  Description description = standing_block(2, 0);
+  description.bodies[0].material.law = "neo_hookean_simo";
+  description.bodies[0].material.viscoelastic = {.g = {0.5}, .tau = {0.05}};
+  LiveScene scene(std::move(description));
+  EXPECT_EQ(scene.state().history.norm(), 0);
+  const Index corner = top_corner(scene.world());
+  scene.grab(at_node(corner), position(scene, corner));
+  scene.drag(position(scene, corner) + Vector3(0.1, 0.05, 0));
+  for (int i = 0; i < 10; ++i) scene.step(unhurried);
+  EXPECT_GT(scene.state().history.norm(), 0);
+  LiveControls controls = scene.controls();
+  controls.youngs_modulus *= 2;
+  scene.set_controls(controls);
+  scene.step(unhurried);
+  EXPECT_TRUE(scene.report().converged);
+  controls.law = "neo_hookean";  // without an isochoric part of its own
+  EXPECT_THROW(scene.set_controls(controls), InputError);
+  scene.reset();
+  EXPECT_EQ(scene.state().history.norm(), 0);
+}
+
 TEST(LiveScene, HasTheSameBitsForAnyNumberOfThreadsAndAfterReset) {
   const int threads = num_threads();
   const auto played = [](LiveScene& scene) {

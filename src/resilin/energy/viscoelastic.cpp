@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <mutex>
+#include <optional>
 #include <utility>
 
 #include "resilin/core/parallel.hpp"
@@ -62,6 +64,18 @@ LaneRow isochoric_scale(const LaneRow& J) {
   return s;
 }
 
+/// J = det F, of F and its cofactors.
+template <int dim>
+LaneRow determinant(const LaneMatrix<dim>& F, const LaneMatrix<dim>& cofactors) {
+  LaneRow J = F(0, 0) * cofactors(0, 0);
+  for (int k = 1; k < dim; ++k) J += F(0, k) * cofactors(0, k);
+  return J;
+}
+template <int dim>
+LaneRow determinant(const LaneMatrix<dim>& F) {
+  return determinant(F, cofactor(F));
+}
+
 /// H of one block of cells at a quadrature point; zz is its part out of a plane.
 template <int dim>
 struct LaneHistory {
@@ -89,8 +103,7 @@ struct OverstressAt {
 
   OverstressAt(const LaneMatrix<dim>& F, const LaneHistory<dim>& history) : Q(F * history.H) {
     const LaneMatrix<dim> cofactors = cofactor(F);
-    LaneRow J = F(0, 0) * cofactors(0, 0);
-    for (int k = 1; k < dim; ++k) J += F(0, k) * cofactors(0, k);
+    const LaneRow J = determinant(F, cofactors);
     G = LaneRow(1 / J) * cofactors;
     s = isochoric_scale(J);
     t = contracted(F, Q) + history.zz;
@@ -98,14 +111,6 @@ struct OverstressAt {
   /// P = s (F H - t/3 F^-T)
   LaneMatrix<dim> stress() const { return s * (Q - LaneRow(t / 3) * G); }
 };
-
-template <int dim>
-LaneRow determinant(const LaneMatrix<dim>& F) {
-  const LaneMatrix<dim> cofactors = cofactor(F);
-  LaneRow J = F(0, 0) * cofactors(0, 0);
-  for (int k = 1; k < dim; ++k) J += F(0, k) * cofactors(0, k);
-  return J;
-}
 
 /// The part J^(-2/3) C:H / 2 of a stage's energy.
 class Overstress {
@@ -295,65 +300,117 @@ class OverstressMatrices final : public CellMatrices {
   Projection projection_;
 };
 
+/// H of a stage that begins with `history`, by row of lanes: [block][point][tensor_size][lane].
+std::vector<double> overstress_rows(const ElementBlocks& blocks, const std::vector<PronyBranch>& branches,
+                                    const VectorX& history, double elapsed) {
+  const auto rows_per_entry = static_cast<std::size_t>(tensor_size) * block_size;
+  const auto values_per_point = tensor_size * static_cast<Eigen::Index>(1 + branches.size());
+  std::vector<double> decays, mean_decays;
+  for (const PronyBranch& branch : branches) {
+    decays.push_back(decay(branch, elapsed));
+    mean_decays.push_back(mean_decay(branch, elapsed));
+  }
+  std::vector<double> rows(blocks.num_blocks * blocks.num_points * rows_per_entry, 0.0);
+  parallel_for(blocks.num_blocks, blocks_per_chunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin * block_size; i < end * block_size; ++i) {
+      if (blocks.cells[i] < 0) continue;
+      for (std::size_t q = 0; q < blocks.num_points; ++q) {
+        const Eigen::Index point =
+            Eigen::Index{blocks.cells[i]} * static_cast<Eigen::Index>(blocks.num_points) +
+            static_cast<Eigen::Index>(q);
+        const auto values = history.segment(point * values_per_point, values_per_point);
+        Tensor H = Tensor::Zero();
+        for (std::size_t k = 0; k < branches.size(); ++k)
+          H += branches[k].share *
+               (decays[k] * values.segment<tensor_size>(tensor_size * static_cast<Eigen::Index>(k + 1)) -
+                mean_decays[k] * values.head<tensor_size>());
+        double* entry = rows.data() + ((i / block_size) * blocks.num_points + q) * rows_per_entry;
+        for (std::size_t k = 0; k < tensor_places.size(); ++k)
+          entry[k * block_size + i % block_size] = H[static_cast<Eigen::Index>(k)];
+      }
+    }
+  });
+  return rows;
+}
+
 /// The incremental potential of one stage.
 class StageViscoelastic final : public BasicEnergy {
  public:
   /// @param body     whose cells other terms refer to
   /// @param elastic  the same with its isochoric part scaled
-  /// @param rows     H, see Overstress
-  StageViscoelastic(const ElasticEnergy& body, ElasticEnergy elastic, std::vector<double> rows)
-      : body_(body), elastic_(std::move(elastic)), overstress_(elastic_, std::move(rows)) {}
+  StageViscoelastic(const ElasticEnergy& body, std::shared_ptr<const ElasticEnergy> elastic,
+                    const std::vector<PronyBranch>& branches, VectorX history, double elapsed)
+      : body_(body),
+        elastic_(std::move(elastic)),
+        branches_(branches),
+        history_(std::move(history)),
+        elapsed_(elapsed) {}
 
-  std::string_view name() const override { return elastic_.name(); }
-  EnergyProperties properties() const override { return elastic_.properties(); }
+  std::string_view name() const override { return elastic_->name(); }
+  EnergyProperties properties() const override { return elastic_->properties(); }
   double value(const VectorX& x, const Conditions& c) const override {
-    const double elastic = elastic_.value(x, c);
+    const double elastic = elastic_->value(x, c);
     if (!std::isfinite(elastic)) return elastic;
     const std::vector<double> u = local(x);
-    return elastic + overstress_.difference(std::vector<double>(u.size(), 0.0), u);
+    return elastic + overstress().difference(std::vector<double>(u.size(), 0.0), u);
   }
   double difference(const VectorX& from, const VectorX& to, const Conditions& c) const override {
-    const double elastic = elastic_.difference(from, to, c);
-    return std::isfinite(elastic) ? elastic + overstress_.difference(local(from), local(to)) : elastic;
+    const double elastic = elastic_->difference(from, to, c);
+    return std::isfinite(elastic) ? elastic + overstress().difference(local(from), local(to)) : elastic;
   }
   double magnitude(const VectorX& x, const Conditions& c) const override {
-    return elastic_.magnitude(x, c) + overstress_.magnitude(local(x));
+    return elastic_->magnitude(x, c) + overstress().magnitude(local(x));
   }
   void add_gradient(const VectorX& x, const Conditions& c, VectorX& gradient) const override {
-    elastic_.add_gradient(x, c, gradient);
-    overstress_.add_forces(local(x), false, gradient);
+    elastic_->add_gradient(x, c, gradient);
+    overstress().add_forces(local(x), false, gradient);
   }
   void add_gradient_magnitude(const VectorX& x, const Conditions& c, VectorX& magnitude) const override {
-    elastic_.add_gradient_magnitude(x, c, magnitude);
-    overstress_.add_forces(local(x), true, magnitude);
+    elastic_->add_gradient_magnitude(x, c, magnitude);
+    overstress().add_forces(local(x), true, magnitude);
   }
   void add_hessian(const VectorX& x, const Conditions& c, Projection projection,
                    BlockMatrix& hessian) const override {
     add_hessian_at({}, x, c, projection, hessian);
   }
   double max_step(const VectorX& x, const VectorX& p, const Conditions& c) const override {
-    return elastic_.max_step(x, p, c);
+    return elastic_->max_step(x, p, c);
   }
-  VectorX internal_values(const VectorX& x) const override { return elastic_.internal_values(x); }
-  Eigen::Index num_internal_values() const override { return elastic_.num_internal_values(); }
+  VectorX internal_values(const VectorX& x) const override { return elastic_->internal_values(x); }
+  Eigen::Index num_internal_values() const override { return elastic_->num_internal_values(); }
   VectorX predicted_internal_values(const VectorX& x, const VectorX& p, double t) const override {
-    return elastic_.predicted_internal_values(x, p, t);
+    return elastic_->predicted_internal_values(x, p, t);
   }
   void add_hessian_at(const VectorX& internal, const VectorX& x, const Conditions& c, Projection projection,
                       BlockMatrix& hessian, std::span<const CellMatrices* const> along = {}) const override {
-    const OverstressMatrices matrices(overstress_, local(x), projection);
+    const OverstressMatrices matrices(overstress(), local(x), projection);
     std::vector<const CellMatrices*> all(along.begin(), along.end());
     all.push_back(&matrices);
-    elastic_.add_hessian_at(internal, x, c, projection, hessian, all);
+    elastic_->add_hessian_at(internal, x, c, projection, hessian, all);
   }
   bool takes(const CellMatrices& matrices) const override { return &matrices.body() == &body_; }
 
  private:
-  std::vector<double> local(const VectorX& x) const { return elastic_.tiles().blocks.local_displacements(x); }
+  std::vector<double> local(const VectorX& x) const {
+    return elastic_->tiles().blocks.local_displacements(x);
+  }
+
+  /// Made when it is first asked for: reports of energies do without.
+  const Overstress& overstress() const {
+    std::call_once(is_made_, [this] {
+      overstress_.emplace(*elastic_,
+                          overstress_rows(elastic_->tiles().blocks, branches_, history_, elapsed_));
+    });
+    return *overstress_;
+  }
 
   const ElasticEnergy& body_;
-  ElasticEnergy elastic_;
-  Overstress overstress_;
+  std::shared_ptr<const ElasticEnergy> elastic_;
+  const std::vector<PronyBranch>& branches_;
+  VectorX history_;
+  double elapsed_;
+  mutable std::once_flag is_made_{};
+  mutable std::optional<Overstress> overstress_{};
 };
 
 }  // namespace
@@ -392,33 +449,14 @@ ElasticEnergy ViscoelasticEnergy::with_isochoric_share(double share) const {
 
 std::unique_ptr<Energy> ViscoelasticEnergy::begin_stage_after(const VectorX& history,
                                                               const Stage& stage) const {
-  double share = long_term_share_;
-  for (const PronyBranch& branch : branches_) share += branch.share * mean_decay(branch, stage.elapsed);
-  const ElementBlocks& blocks = instantaneous_->tiles().blocks;
-  const auto rows_per_entry = static_cast<std::size_t>(tensor_size) * block_size;
-  std::vector<double> rows(blocks.num_blocks * blocks.num_points * rows_per_entry, 0.0);
-  parallel_for(blocks.num_blocks, blocks_per_chunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin * block_size; i < end * block_size; ++i) {
-      if (blocks.cells[i] < 0) continue;
-      for (std::size_t q = 0; q < blocks.num_points; ++q) {
-        const Eigen::Index point =
-            Eigen::Index{blocks.cells[i]} * static_cast<Eigen::Index>(blocks.num_points) +
-            static_cast<Eigen::Index>(q);
-        const auto values = history.segment(point * values_per_point(), values_per_point());
-        Tensor H = Tensor::Zero();
-        for (std::size_t k = 0; k < branches_.size(); ++k) {
-          const PronyBranch& branch = branches_[k];
-          const auto h = values.segment<tensor_size>(tensor_size * static_cast<Eigen::Index>(k + 1));
-          H += branch.share * (decay(branch, stage.elapsed) * h -
-                               mean_decay(branch, stage.elapsed) * values.head<tensor_size>());
-        }
-        double* entry = rows.data() + ((i / block_size) * blocks.num_points + q) * rows_per_entry;
-        for (std::size_t k = 0; k < tensor_places.size(); ++k)
-          entry[k * block_size + i % block_size] = H[static_cast<Eigen::Index>(k)];
-      }
-    }
-  });
-  return std::make_unique<StageViscoelastic>(*instantaneous_, with_isochoric_share(share), std::move(rows));
+  std::shared_ptr<const ElasticEnergy> elastic = instantaneous_;  // where no time has passed
+  if (stage.elapsed > 0) {
+    double share = long_term_share_;
+    for (const PronyBranch& branch : branches_) share += branch.share * mean_decay(branch, stage.elapsed);
+    elastic = std::make_shared<const ElasticEnergy>(with_isochoric_share(share));
+  }
+  return std::make_unique<StageViscoelastic>(*instantaneous_, std::move(elastic), branches_, history,
+                                             stage.elapsed);
 }
 
 HistoryTerm::Advance ViscoelasticEnergy::advance(const VectorX& history, const VectorX& from,

@@ -113,7 +113,7 @@ void LiveScene::Contents::move_in_time(double dt, const StepBudget& budget) {
     const double gain = potential.difference_without(EnergyCategory::inertia, state.positions, x);
     limit_kinetic_energy(*world.mass, state.velocities, gain, velocities);
   }
-  advance_history(world.terms, x, step, state);
+  advance_history(world.terms, state.positions, x, step, state.history);
   state.previous_positions = std::move(state.positions);
   state.positions = std::move(x);
   state.velocities = std::move(velocities);

@@ -204,7 +204,8 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
       const double heat = potential.heat_of_friction(state.positions, x, load_time);
       state.friction_work += heat;
       state.dissipated_energy += heat;
-      state.dissipated_energy += world.share.sum(advance_history(world.terms, x, load_time, state));
+      state.dissipated_energy +=
+          world.share.sum(advance_history(world.terms, state.positions, x, load_time, state.history));
       report.friction.add(searched);
       move_to(state, std::move(x), load);
       state.time = conditions.time;

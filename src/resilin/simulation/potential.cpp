@@ -309,13 +309,10 @@ std::vector<VectorX> Potential::gradients_without(EnergyCategory category, const
 
 Potential::Gain Potential::gain(const VectorX& from, const Conditions& before, const VectorX& to) const {
   Gain gain;
-  Eigen::Index first = 0;
   for (std::size_t i = 0; i < terms_.size(); ++i) {
     const Energy* term = terms_[i];
     if (const HistoryTerm* of = history_terms_[i]) {
-      const VectorX history = next_of(history_, *of, first);
-      const double heat = of->advance(history, from, to, conditions_.time - before.time).heat;
-      gain.beyond_work += of->stored_difference(from, to) + heat;
+      gain.beyond_work += of->stored_difference(from, to);
       continue;
     }
     const std::optional<double> work = term->driven_work(from, before, to, conditions_);
@@ -353,23 +350,21 @@ double Potential::least_delay(const VectorX& x) const {
 }
 
 VectorX start_of_history(const Terms& terms, const VectorX& positions, double duration) {
-  State state;
-  state.positions = positions;
-  state.history.setZero(count_history(terms));
-  advance_history(terms, positions, duration, state);
-  return state.history;
+  VectorX history = VectorX::Zero(count_history(terms));
+  advance_history(terms, positions, positions, duration, history);
+  return history;
 }
 
-double advance_history(const Terms& terms, const VectorX& positions, double duration, State& state) {
+double advance_history(const Terms& terms, const VectorX& from, const VectorX& to, double duration,
+                       VectorX& history) {
   double heat = 0;
   Eigen::Index first = 0;
   for (const auto& term : terms) {
     const HistoryTerm* of = term->history_term();
     if (of == nullptr) continue;
     const Eigen::Index at = first;
-    HistoryTerm::Advance done =
-        of->advance(next_of(state.history, *of, first), state.positions, positions, duration);
-    state.history.segment(at, done.history.size()) = done.history;
+    const HistoryTerm::Advance done = of->advance(next_of(history, *of, first), from, to, duration);
+    history.segment(at, done.history.size()) = done.history;
     heat += done.heat;
   }
   return heat;

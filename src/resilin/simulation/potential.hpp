@@ -84,7 +84,7 @@ class Potential final : public Objective {
     bool is_driven = false;  ///< something did work by itself
   };
   /// E(to) at the present conditions less E(from) at those before, less the work of what drives terms by
-  /// itself.
+  /// itself; of terms with internal variables the stored energy, without their heat.
   Gain gain(const VectorX& from, const Conditions& before, const VectorX& to) const;
   /// The energy at x is finite.
   bool is_in_domain(const VectorX& x) const;
@@ -110,9 +110,10 @@ class Potential final : public Objective {
 /// even rate, in no time or in `duration` [s].
 VectorX start_of_history(const Terms& terms, const VectorX& positions, double duration = 0);
 
-/// Moves the internal variables of a state to the end of a step to `positions`, `duration` [s] later; before
-/// its positions move. @return heat of the terms [J], of this process
-double advance_history(const Terms& terms, const VectorX& positions, double duration, State& state);
+/// Moves internal variables to the end of a step of `duration` [s] between two shapes.
+/// @return heat of the terms [J], of this process
+double advance_history(const Terms& terms, const VectorX& from, const VectorX& to, double duration,
+                       VectorX& history);
 
 /// The terms that are no part of a category.
 Terms terms_without(EnergyCategory category, const Terms& terms);

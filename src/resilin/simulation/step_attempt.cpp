@@ -34,7 +34,8 @@ History history_of(const State& state) {
 bool TimeStepper::Attempt::keeps_energy(const World& world, const State& start, double time_step,
                                         double round_off, bool is_last_resort) {
   const Conditions after = conditions_after(start, time_step, collider_delay);
-  const EnergyChange change = energy_change(world, start, end, after);
+  EnergyChange change = energy_change(world, start, end, after);
+  change.added += history_heat;
   const double before = std::max(start.largest_kinetic_energy, change.kinetic_before);
   // A scheme may regain the energy that it lost where nothing disturbed it.
   const double least = converged() && !touches && !change.is_driven ? -infinity : 0;
@@ -62,7 +63,8 @@ bool TimeStepper::Attempt::keeps_energy(const World& world, const State& start, 
 
 void TimeStepper::Attempt::move(const World& world, State& state, double time_step, double time) && {
   state.dissipated_energy += dissipation(world, state, end, time_step);
-  state.dissipated_energy += world.share.sum(advance_history(world.terms, end.positions, time_step, state));
+  state.history = std::move(history);
+  state.dissipated_energy += history_heat;
   state.previous_positions = std::move(state.positions);
   state.previous_velocities = std::move(state.velocities);
   state.previous_time_step = time_step;

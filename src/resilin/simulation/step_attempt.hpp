@@ -17,6 +17,8 @@ struct TimeStepper::Attempt {
   double collider_delay = 0;  ///< [s]
   Stage last_stage{};
   double friction_work = 0;  ///< [J]
+  VectorX history{};         ///< internal variables at the end, as in State
+  double history_heat = 0;   ///< of the terms that have them [J]
   /// Not found on a way that began in flight: near contact, other schemes than backward Euler then turn
   /// velocities around far from any collider.
   bool may_be_turned = false;

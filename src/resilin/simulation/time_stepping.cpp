@@ -160,6 +160,9 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
   // Supports whose motion was in the way of something stay where the search has led them: beyond, surfaces
   // may go through each other and cells be inside out. The next step leads them on from there.
   if (supports_are_reached) prescribe_motion_at(world, state.time + time_step, attempt.end);
+  attempt.history = state.history;
+  attempt.history_heat = world.share.sum(
+      advance_history(world.terms, state.positions, attempt.end.positions, time_step, attempt.history));
   return attempt;
 }
 
