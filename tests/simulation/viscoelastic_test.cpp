@@ -349,6 +349,20 @@ TEST(Viscoelasticity, CreepsToTheEquilibriumOfItsLongTermModuli) {
   EXPECT_LT((crept - elastic).norm(), 1e-3 * elastic.norm());
 }
 
+TEST(Viscoelasticity, DoesNotGoOnFromAStateOfOtherMaterials) {
+  Description scene = creeping_bar(2, false);
+  Simulation simulation(scene);
+  scene.bodies[0].material.viscoelastic.reset();
+  const Simulation elastic(scene);
+  try {
+    simulation.resume_from(elastic.state(), "checkpoint.bin");
+    ADD_FAILURE() << "resumed";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("checkpoint.bin: expected a checkpoint with history of 768 internal "
+                                        "variables, got 0, as of other materials"));
+  }
+}
+
 TEST(Viscoelasticity, OfBadInputIsRefusedInOneLine) {
   const auto with = [](const ViscoelasticDescription& viscoelastic) {
     Description scene = creeping_bar(2, false);
