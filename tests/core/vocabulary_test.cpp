@@ -49,10 +49,10 @@ TEST(Vocabulary, LeavesOtherWordsToTheNearestOne) {
   EXPECT_EQ(cure_of_word("xylophone", std::vector<std::string>{"density", "law"}), "");
 }
 
-TEST(Vocabulary, HasEveryWordOnceAndInSmallLetters) {
-  std::set<std::string_view> all;
+TEST(Vocabulary, HasEveryWordOfARowOnceAndInSmallLetters) {
   for (const ForeignWord& foreign : vocabulary()) {
     EXPECT_NE(foreign.called.empty(), foreign.limit.empty());
+    std::set<std::string_view> all;
     for (const std::string_view word : foreign.words) {
       EXPECT_TRUE(all.insert(word).second) << word;
       EXPECT_TRUE(std::ranges::all_of(word, [](unsigned char c) {
@@ -60,6 +60,18 @@ TEST(Vocabulary, HasEveryWordOnceAndInSmallLetters) {
       })) << word;
     }
   }
+}
+
+TEST(Vocabulary, MeansTheKeyThatTheTableAtHandHas) {
+  EXPECT_EQ(cure_of_word("E", std::vector<std::string>{"law", "youngs_modulus"}),
+            "it is called \"youngs_modulus\" here");
+  EXPECT_EQ(cure_of_word("mu", std::vector<std::string>{"friction"}), "it is called \"friction\" here");
+  EXPECT_EQ(cure_of_word("mu", std::vector<std::string>{"shear_modulus"}),
+            "it is called \"shear_modulus\" here");
+  EXPECT_EQ(cure_of_word("torque", std::vector<std::string>{"force", "moment"}),
+            "it is called \"moment\" here");
+  EXPECT_EQ(cure_of_word("shell", std::vector<std::string>{"ball", "spherical_shell"}),
+            "it is called \"spherical_shell\" here");
 }
 
 /// Text in small letters, blanks and line ends as one blank, without marks of emphasis.

@@ -75,7 +75,7 @@ TEST(SceneFile, KnowsTheWordsOfOtherPrograms) {
       {"fix.0.value=[0, 0, 1]", "displacement"},
   };
   for (const auto& [words, key] : cases)
-    EXPECT_THAT(error_with({words}), HasSubstr(std::string("did you mean \"") + key + "\"?")) << words;
+    EXPECT_THAT(error_with({words}), HasSubstr(std::string("it is called \"") + key + "\" here")) << words;
 }
 
 TEST(SceneFile, TellsFileLineAndKeyOfAWrongValue) {

@@ -7,15 +7,15 @@
 
 namespace resilin {
 
-/// A word of other programs for a value, and what stands for it here. Words for keys: scene/synonyms.hpp.
+/// Words of other programs and of the literature for a key or a value, and what stands for it here.
 struct ForeignWord {
   std::vector<std::string_view> words;   ///< small letters, "_" for blanks and hyphens
-  std::vector<std::string_view> called;  ///< values that mean it here; empty where nothing does
-  std::string_view home;                 ///< where to find it, for a place that has none of `called`
+  std::vector<std::string_view> called;  ///< keys or values that mean it here; empty where nothing does
+  std::string_view home;                 ///< where to find a value, for a place that has none of `called`
   std::string_view limit = {};           ///< words of docs/limits.md about a feature that is not available
 };
 
-/// Values by their names in other programs, and everything that is asked for and not available.
+/// Keys and values by their names in other programs, and everything that is asked for and not available.
 std::span<const ForeignWord> vocabulary();
 
 /// The cure of a word that is none of `known`: "it is called "half_space" here", or "not available

@@ -6,6 +6,7 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/core/vocabulary.hpp"
 #include "resilin/material/kernels/law_kernels.hpp"
 #include "resilin/material/rest_tangents.hpp"
 
@@ -70,7 +71,9 @@ class ConstantReader {
     for (const ConstantText& constant : law_.constants) known.emplace_back(constant.name);
     for (const auto& [name, column] : given_) {
       if (std::ranges::find(known, name) != known.end()) continue;
-      throw InputError(place_ + "." + name, expected(), "an unknown constant", did_you_mean(name, known));
+      const std::string near = did_you_mean(name, known);
+      throw InputError(place_ + "." + name, expected(), "an unknown constant",
+                       near.empty() ? foreign_word_cure(name, known) : near);
     }
   }
 

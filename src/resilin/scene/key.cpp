@@ -1,11 +1,11 @@
 #include "resilin/scene/key.hpp"
 
 #include <algorithm>
+#include <array>
 #include <regex>
 
 #include "resilin/core/vocabulary.hpp"
 #include "resilin/io/text_scanner.hpp"
-#include "resilin/scene/synonyms.hpp"
 
 namespace resilin {
 namespace {
@@ -36,9 +36,13 @@ std::string reference_text(const TableDoc& section) {
 void refuse_unknown_keys(const SceneNode& table, const std::vector<std::string>& known) {
   for (const SceneMember& member : table.value->table()) {
     if (std::ranges::find(known, member.key) != known.end()) continue;
-    const std::string meant = key_for_synonym(member.key, known);
-    const std::string cure =
-        meant.empty() ? cure_of_word(member.key, known) : "did you mean \"" + meant + "\"?";
+    std::string cure = cure_of_word(member.key, known);
+    // What its value asks for says more: kind = "shell".
+    const std::array choices = {"kind", "type", "mode", "model", "formulation", "analysis", "section"};
+    const auto* value = std::get_if<std::string>(&member.value.data);
+    if (value != nullptr && std::ranges::find(choices, member.key) != choices.end())
+      if (const std::string other = foreign_word_cure(*value); !other.empty())
+        cure = "\"" + printable(*value) + "\": " + other;
     SceneNode node{&member.value, table.path, table.context};
     if (!node.path.empty()) node.path += '.';
     node.path += printable(member.key);

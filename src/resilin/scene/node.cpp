@@ -97,7 +97,10 @@ void expect_coordinates(const SceneNode& node, const std::string& of_what) {
       std::to_string(dim) + " " + of_what + " since simulation.dimension is " + std::to_string(dim);
   if (!node.value->is_array()) node.fail(expected);
   const std::size_t size = node.value->array().size();
-  if (size != static_cast<std::size_t>(dim)) throw InputError(node.place(), expected, std::to_string(size));
+  if (size == static_cast<std::size_t>(dim)) return;
+  const bool may_have_commas = size > 3 && size <= static_cast<std::size_t>(2 * dim);  // [0,5, 1,2]
+  throw InputError(node.place(), expected, std::to_string(size),
+                   may_have_commas ? "decimals need a point, not a comma" : "");
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include <toml++/toml.h>
 
+#include <regex>
 #include <string>
 #include <utility>
 
@@ -64,6 +65,10 @@ bool has_decimal_comma(std::string_view text, const toml::source_position& at) {
     text.remove_prefix(end + 1);
   }
   text = text.substr(0, text.find('\n'));
+  // In an inline table it goes on to what it takes for the next key: "{ radius = 1,5, height = 2 }".
+  static const std::regex number_of_table(R"(=\s*[-+]?[0-9]+,[0-9]+([eE][-+]?[0-9]+)?\s*[,}]?$)");
+  const std::string_view before = text.substr(0, at.column);
+  if (std::regex_search(before.begin(), before.end(), number_of_table)) return true;
   const auto is_digit = [&](std::size_t i) { return i < text.size() && text[i] >= '0' && text[i] <= '9'; };
   const std::size_t comma = text.find(',', at.column >= 2 ? at.column - 2 : 0);
   return comma != text.npos && comma <= at.column && comma > 0 && is_digit(comma - 1) && is_digit(comma + 1);
