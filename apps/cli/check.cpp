@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "command.hpp"
+#include "conditions.hpp"
+#include "mesh_box.hpp"
 #include "offered_words.hpp"
 #include "resilin/io/mesh_file.hpp"
 #include "resilin/mesh/edit.hpp"
@@ -40,10 +42,6 @@ const CellBlock* solid_cells(const Mesh& mesh) {
   return is_plane ? mesh.find_solid(2) : nullptr;
 }
 
-std::string box_text(const BoundingBox& box) {
-  return format_point(box.min) + " to " + format_point(box.max);
-}
-
 /// @param box  row about where the mesh is
 std::vector<std::vector<std::string>> mesh_rows(const Mesh& mesh, const std::vector<std::string>& box) {
   const CellBlock* solid = solid_cells(mesh);
@@ -62,14 +60,6 @@ std::vector<std::vector<std::string>> mesh_rows(const Mesh& mesh, const std::vec
     rows.push_back({"  cell field " + one_line(field.name), std::to_string(field.values.size()) + " values"});
   }
   return rows;
-}
-
-/// The row of a mesh file, which has no unit.
-std::vector<std::string> box_of_file(const Mesh& mesh) {
-  constexpr double largest_usual = 30;  // [m]
-  const BoundingBox box = bounding_box(mesh);
-  const bool is_large = (box.max - box.min).maxCoeff() > largest_usual;
-  return {"  box", box_text(box) + " m" + (is_large ? " (millimetres? scale = 0.001 in the scene)" : "")};
 }
 
 /// The row of a body, in the frame of `where`: after scale, rotate and translate.
@@ -100,7 +90,7 @@ int check_mesh_path(const CheckOptions& options) {
   print_warnings(warnings);
   print_line(one_line(options.input) + ": " + file.format + ", no errors, " +
              count_of_warnings(warnings.size()));
-  print_text(format_table(mesh_rows(file.mesh, box_of_file(file.mesh))));
+  print_text(format_table(mesh_rows(file.mesh, {"  box", file_box_text(file.mesh)})));
   return done;
 }
 
@@ -146,11 +136,7 @@ void print_scene(const Scene& scene, const World& world) {
                          (body.meets_with_skin() ? "; it is the contact surface of the body" : "")});
     print_text(format_table(rows));
   }
-  for (const Support& support : world.supports) {
-    print_line("fix " + one_line(support.name) + ": " + std::to_string(support.nodes.size()) + " vertices");
-  }
-  for (const std::string& name : names_of_terms(world, EnergyCategory::external))
-    print_line("load " + one_line(name));
+  print_conditions(world);
   for (const auto& collider : world.colliders) {
     print_line("collider " + one_line(collider->name()) + ": " + std::string(collider->shape().kind()) +
                ", activation distance " + format_short(collider->activation_distance()) + " m");

@@ -14,6 +14,7 @@
 #include "resilin/mesh/embedding.hpp"
 #include "resilin/mesh/fitted_mesh.hpp"
 #include "resilin/mesh/quality.hpp"
+#include "resilin/mesh/surface_groups.hpp"
 #include "resilin/mesh/surface_lattice.hpp"
 #include "temporary_place.hpp"
 #include "terminal.hpp"
@@ -58,8 +59,13 @@ Mesh cleaned(const MeshFile& file) {
     throw InputError("mesh --tets: " + file.numbering.file, "a surface of triangles", "none",
                      "`resilin mesh IN OUT.obj --surface` makes one of a solid mesh");
   }
+  const auto block = static_cast<std::size_t>(triangles - surface.blocks.data());
+  for (Group& group : surface.groups) {
+    std::vector<Index> own;
+    if (group.cells.size() > block) own = group.cells[block];
+    group.cells = {std::move(own)};
+  }
   surface.blocks = {CellBlock(*triangles)};
-  surface.groups.clear();
   surface.cell_fields.clear();
   const MeshReport report = check_surface(surface, file.numbering);
   report.require_no_errors();
@@ -180,6 +186,7 @@ Mesh fill_by_itself(const Mesh& surface, const MeshFile& file, const FillOptions
     ratio = fitted.volume_ratio;
     mesh = std::move(fitted.mesh);
   }
+  carry_groups(surface, mesh);
   print_volume_ratio(ratio);
   print_quality(mesh, surface);
   return mesh;
@@ -222,6 +229,7 @@ Mesh fill_surface(const MeshFile& file, const FillOptions& options) {
     print_warnings({"the nearest to " + std::to_string(options.tetrahedra) + " tetrahedra that " +
                     found.mesher->name + " makes of this surface is " +
                     std::to_string(num_tetrahedra(best))});
+  carry_groups(surface, best);
   print_quality(best, surface);
   return best;
 }

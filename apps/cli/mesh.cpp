@@ -4,6 +4,7 @@
 
 #include "command.hpp"
 #include "fill.hpp"
+#include "mesh_box.hpp"
 #include "offered_words.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
@@ -113,7 +114,7 @@ int convert(const MeshOptions& options) {
   for (const CellBlock& block : mesh.blocks) {
     summary += ", " + std::to_string(block.num_cells()) + " " + std::string(name(block.kind));
   }
-  print_line(out + ": " + summary);
+  print_line(out + ": " + summary + ", from " + file_box_text(mesh));
   return done;
 }
 

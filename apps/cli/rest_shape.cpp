@@ -30,11 +30,6 @@ struct RestShapeCommand {
   bool quiet = false;
 };
 
-bool is_by_place(const Where& where) {
-  return where.kind == Where::Kind::box || where.kind == Where::Kind::plane ||
-         where.kind == Where::Kind::sphere;
-}
-
 /// A name for a file or a group that no other has.
 std::string own_name(const std::string& wanted, const std::string& otherwise, std::set<std::string>& taken) {
   std::string plain = wanted.empty() ? otherwise : wanted;
@@ -59,7 +54,7 @@ void keep_selections(const std::string& key, const std::vector<Table>& drawn, co
                      const BodyDescription& body, Mesh& mesh, std::set<std::string>& groups, Lines& lines) {
   for (std::size_t i = 0; i < drawn.size(); ++i) {
     const bool is_own = drawn[i].body.empty() || drawn[i].body == body.name;
-    if (!is_own || !is_by_place(drawn[i].where)) continue;
+    if (!is_own || !drawn[i].where.is_by_place()) continue;
     const std::string what = "[[" + key + "]] " + quoted_text(one_line(drawn[i].name)) + ": ";
     if (found[i].where.kind != Where::Kind::vertices) {
       lines.push_back(what + "where = ... for the same selection in the stress-free shape");

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "command.hpp"
+#include "conditions.hpp"
 #include "interrupt.hpp"
 #include "log_file.hpp"
 #include "offered_words.hpp"
@@ -64,6 +65,8 @@ void print_start(const RunOptions& options, const Simulation& simulation) {
              std::to_string(cells) + " cells, " + std::to_string(world.num_free_unknowns()) + " DOFs, " +
              std::string(simulation.solver_name()) + ", " + std::to_string(num_threads()) +
              (num_threads() == 1 ? " thread" : " threads"));
+  constexpr std::size_t most_conditions = 10;  // of each kind
+  print_conditions(world, most_conditions);
 }
 
 void print_modes(const std::vector<VibrationMode>& modes) {

@@ -23,7 +23,9 @@ if TYPE_CHECKING:
     from resilin.typing import (
         AnyPath,
         BodyReport,
+        FixReport,
         FrameReport,
+        LoadReport,
         Overrides,
         Scene,
     )
@@ -198,6 +200,22 @@ class Simulation(PresentState[_core.Simulation]):
         """Entries of the bodies in report.json."""
         bodies: list[BodyReport] = json.loads(self._core.bodies())
         return bodies
+
+    @property
+    def fixes(self) -> list[FixReport]:
+        """What each [[fix]] selects, as in report.json: nodes, facets, area [m^2], centre [m]."""
+        fixes: list[FixReport] = json.loads(self._core.fixes())
+        return fixes
+
+    @property
+    def loads(self) -> list[LoadReport]:
+        """What each [[load]] and gravity act on, as in report.json.
+
+        `force` [N] and `moment` about `center` [N m] are those at load factor 1 on the reference configuration. Look at
+        them before a run: a selection may have caught more than was meant.
+        """
+        loads: list[LoadReport] = json.loads(self._core.loads())
+        return loads
 
     def skin_positions(self, body: str) -> Floats:
         """Present positions of the embedded surface (skin) of a body (V, 3) [m]; in 2D the third column is zero.

@@ -223,6 +223,24 @@ class ReportedBody(BodyReport):
     mesh_volume_ratio: float | None
 
 
+class FixReport(TypedDict):
+    """What a boundary condition selects: its area [m^2], and its centre in the frame of `where` [m]."""
+
+    name: str
+    nodes: int
+    facets: int
+    area: float
+    center: list[float]
+
+
+class LoadReport(FixReport):
+    """A load; at load factor 1 its force [N] and its moment about the centre [N m], None of a spring."""
+
+    kind: str
+    force: list[float] | None
+    moment: list[float] | None
+
+
 class TimingReport(TypedDict):
     """Durations [s]."""
 
@@ -254,6 +272,8 @@ class _Report(TypedDict):
     is_linear: bool
     frames: list[FrameReport]
     bodies: list[ReportedBody]
+    fixes: list[FixReport]
+    loads: list[LoadReport]
     solver: str
     timing: TimingReport
     peak_memory_MiB: float

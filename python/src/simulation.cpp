@@ -348,6 +348,8 @@ void bind_simulation(nb::module_& module) {
           },
           nb::arg("options"))
       .def("bodies", look(+[](const Simulation& s) { return bodies_json(s.world()).dump(); }))
+      .def("fixes", look(+[](const Simulation& s) { return fixes_json(s.world()).dump(); }))
+      .def("loads", look(+[](const Simulation& s) { return loads_json(s.world()).dump(); }))
       .def("reached", look(&reached))
       .def("positions",
            look(+[](const Simulation& s) { return place_array(s.world(), s.state().positions); }))

@@ -188,6 +188,8 @@ def test_a_report_has_the_keys_and_types_that_are_promised(name):
     simulation = resilin.Simulation(REPORTED[name])
     assert fits(simulation.frame, resilin.typing.FrameReport)
     assert fits(simulation.bodies, list[resilin.typing.BodyReport])
+    assert fits(simulation.fixes, list[resilin.typing.FixReport])
+    assert fits(simulation.loads, list[resilin.typing.LoadReport])
     result = simulation.run()
     assert fits(result.report, resilin.typing.Report)
     assert fits(result.status, resilin.typing.RunStatus)

@@ -88,6 +88,15 @@ TEST_F(Commands, CheckTellsBoxesInTheFrameOfSelections) {
   EXPECT_THAT(moved.out, ContainsRegex("box of `where` +\\(10, 0, 0\\) to \\(14, 2, 2\\) m"));
 }
 
+TEST_F(Commands, CheckTellsWhatLoadsAmountTo) {
+  folder.write("box.toml", box_scene +
+                               "[[load]]\nname = \"push\"\nkind = \"force\"\nwhere = { group = \"x_max\" }\n"
+                               "value = [0, 0, -50]\n");
+  EXPECT_THAT(run({"check", "box.toml"}).out,
+              ContainsRegex("load push: force on [0-9]+ facets \\([0-9]+ nodes, 4 m\\^2\\) about \\(4, 1, "
+                            "1\\) m: force \\(0, 0, -50\\) N"));
+}
+
 TEST_F(Commands, CheckAsksForTheUnitOfALongMesh) {
   folder.write("long.obj", "v 0 0 0\nv 60 0 0\nv 0 60 0\nv 0 0 60\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
   EXPECT_THAT(run({"check", "long.obj"}).out, HasSubstr("m (millimetres? scale = 0.001 in the scene)"));

@@ -11,6 +11,7 @@
 #include "resilin/energy/handle_spring.hpp"
 #include "resilin/energy/inertia.hpp"
 #include "resilin/energy/pressure.hpp"
+#include "resilin/energy/spread_force.hpp"
 #include "resilin/mesh/topology.hpp"
 
 namespace resilin {
@@ -223,6 +224,85 @@ TEST(Traction, OnASecondOrderTriangleIsCarriedByTheMiddlesOfItsEdges) {
   VectorX forces = VectorX::Zero(18);
   LoadedFacets(3, {CellKind::triangle6, {0, 1, 2, 3, 4, 5}}).add_forces({0, 0, -5}, rest, forces);
   for (int i = 0; i < 6; ++i) EXPECT_NEAR(forces[3 * i + 2], i < 3 ? 0 : -5, 1e-14);
+}
+
+/// A part of each surface: one facet, and all but one of them.
+std::vector<Shape> parts_of_surfaces() {
+  std::vector<Shape> parts;
+  for (const Shape& shape : surfaces())
+    for (const bool is_one : {true, false}) {
+      Shape part = shape;
+      const auto n = static_cast<std::size_t>(resilin::num_nodes(shape.facets.kind));
+      part.facets.nodes.resize(is_one ? n : part.facets.nodes.size() - n);
+      parts.push_back(part);
+    }
+  return parts;
+}
+
+/// A force at the centroid, one that attacks elsewhere, and a moment.
+std::vector<SpreadForce> spread_forces(const Shape& on) {
+  using Kind = SpreadForce::Kind;
+  const Vector3 point(0.7, -0.4, on.dim == 3 ? 1.9 : 0);
+  return {{Kind::force, on.dim, on.facets},
+          {Kind::force, on.dim, on.facets, point},
+          {Kind::moment, on.dim, on.facets}};
+}
+
+TEST(SpreadForce, IsStaticallyEquivalentToTheForceAndTheMoment) {
+  for (const Shape& shape : parts_of_surfaces()) {
+    SCOPED_TRACE(name(shape.facets.kind));
+    const std::vector<SpreadForce> loads = spread_forces(shape);
+    const Vector3 F(1, -2, shape.dim == 3 ? 3 : 0), M(shape.dim == 3 ? 2 : 0, 0, -1);
+    const Vector3 center = loads[0].traction(F, shape.rest).center,
+                  point(0.7, -0.4, shape.dim == 3 ? 1.9 : 0);
+    for (std::size_t i = 0; i < loads.size(); ++i) {
+      const Vector3& value = i == 2 ? M : F;
+      VectorX forces = VectorX::Zero(shape.rest.size());
+      loads[i].add_forces(value, shape.rest, forces);
+      Vector3 sum = Vector3::Zero(), moment = Vector3::Zero();
+      for (Index node = 0; node < num_nodes(shape); ++node) {
+        sum += node_position(shape.dim, node, forces);
+        moment += (node_position(shape.dim, node, shape.rest) - center)
+                      .cross(node_position(shape.dim, node, forces));
+      }
+      const Vector3 expected = i == 0   ? Vector3(Vector3::Zero())
+                               : i == 1 ? Vector3((point - center).cross(F))
+                                        : M;
+      EXPECT_LT((sum - (i == 2 ? Vector3(Vector3::Zero()) : F)).norm(), 1e-11) << i;
+      EXPECT_LT((moment - expected).norm(), 1e-11) << i;
+    }
+  }
+}
+
+TEST(SpreadForce, WithoutAPointIsTheTractionOfTheForceOverTheArea) {
+  for (const Shape& shape : parts_of_surfaces()) {
+    VectorX spread = VectorX::Zero(shape.rest.size()), uniform = spread;
+    const SpreadForce load(SpreadForce::Kind::force, shape.dim, shape.facets);
+    load.add_forces({1, -2, 0}, shape.rest, spread);
+    LoadedFacets(shape.dim, shape.facets)
+        .add_forces(load.traction({1, -2, 0}, shape.rest).uniform, shape.rest, uniform);
+    const double rounding = 1e-12, quadrature = 0.02;  // other points on curved facets
+    const CellKind kind = shape.facets.kind;
+    const bool is_flat = kind == CellKind::line || kind == CellKind::triangle;
+    EXPECT_LT((spread - uniform).norm(), (is_flat ? rounding : quadrature) * uniform.norm()) << name(kind);
+  }
+}
+
+TEST(SpreadForce, ChangesWithTheRestShapeAsItsDifferences) {
+  for (const Shape& shape : parts_of_surfaces())
+    for (const SpreadForce& load : spread_forces(shape)) {
+      SCOPED_TRACE(name(shape.facets.kind));
+      const Vector3 value(0.3, -1, shape.dim == 3 ? 2 : -0.7);
+      const VectorX p = moved(VectorX::Zero(shape.rest.size()), 1), w = moved(p, 0.5);
+      const double h = 1e-6;
+      VectorX before = VectorX::Zero(p.size()), after = before, change = before, slopes = before;
+      load.add_forces(value, shape.rest - h * p, before);
+      load.add_forces(value, shape.rest + h * p, after);
+      load.add_force_change(value, shape.rest, p, change);
+      EXPECT_LT(((after - before) / (2 * h) - change).norm(), 1e-7 * (1 + change.norm()));
+      load.add_rest_slopes(value, shape.rest, w, slopes);
+      EXPECT_NEAR(slopes.dot(p), change.dot(w), 1e-11 * (1 + slopes.norm() * p.norm()));
+    }
 }
 
 TEST(DeadLoad, ActsOnlyInItsTime) {

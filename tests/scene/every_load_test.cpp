@@ -13,12 +13,10 @@ namespace {
 
 /// A value that a key of a load may have.
 std::string sample_value(const LoadKind& kind, const std::string& key) {
-  if (key == "value" && kind.value_is_number) return "1";
-  const std::map<std::string, std::string> values = {{"value", "[0, 0, 1]"},
-                                                     {"where", "\"all\""},
-                                                     {"stiffness", "1"},
-                                                     {"displacement", "[0, 0, 1]"},
-                                                     {"velocity", "[0, 0, 1]"}};
+  if (key == "value" && kind.has_number(3)) return "1";
+  const std::map<std::string, std::string> values = {
+      {"value", "[0, 0, 1]"}, {"where", "\"all\""},          {"point", "[0, 0, 1]"},
+      {"stiffness", "1"},     {"displacement", "[0, 0, 1]"}, {"velocity", "[0, 0, 1]"}};
   return values.at(key);
 }
 

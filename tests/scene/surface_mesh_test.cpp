@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <fstream>
 #include <numeric>
+#include <sstream>
 
 #include "resilin/io/mesh_file.hpp"
 #include "resilin/mesh/edit.hpp"
@@ -162,14 +163,77 @@ TEST_F(SurfaceMesh, WhatIsNoBodyIsRefusedInOneLine) {
   EXPECT_THAT(message("\"cut.stl\""), HasSubstr("the file is cut"));
   EXPECT_THAT(message("{ surface = \"ball.stl\", cells = 0 }"), HasSubstr("body[0].mesh.cells"));
   EXPECT_THAT(message("{ surface = \"ball.stl\", cells = 2000001 }"), HasSubstr("body[0].mesh.cells"));
-  EXPECT_THAT(message("{ surface = \"ball.stl\", box = {} }"), HasSubstr("either"));
-  EXPECT_THAT(message("{ cells = 10 }"), HasSubstr("either"));
+  EXPECT_THAT(message("{ surface = \"ball.stl\", box = {} }"), HasSubstr("one of { surface = FILE"));
+  EXPECT_THAT(message("{ cells = 10 }"), HasSubstr("one of { surface = FILE"));
   EXPECT_THAT(message("{ surface = \"ball.stl\", mesher = \"gmsh\" }"),
               AllOf(HasSubstr("body[0].mesh.mesher"), HasSubstr("fitted")));
   EXPECT_THAT(message("{ box = { size = [1, 1, 1], cells = [1, 1, 1] }, mesher = \"fitted\" }"),
               HasSubstr("is for a surface"));
   EXPECT_THAT(message("{ surface = \"ball.stl\" }", "[simulation]\ndimension = 2\n"),
               HasSubstr("dimension 2"));
+}
+
+/// A cube [0, 1]^3 that is moved along x, its lid a group of its own.
+std::string cube_of_obj(double x, const std::string& sides, const std::string& lid, int first) {
+  std::ostringstream text;
+  for (int c = 0; c < 8; ++c) text << "v " << x + c % 2 << ' ' << c / 2 % 2 << ' ' << c / 4 << '\n';
+  const auto quad = [&](int a, int b, int c, int d) {
+    text << "f " << first + a << ' ' << first + b << ' ' << first + c << ' ' << first + d << '\n';
+  };
+  text << "g " << sides << '\n';
+  quad(0, 2, 3, 1);
+  quad(0, 1, 5, 4);
+  quad(1, 3, 7, 5);
+  quad(3, 2, 6, 7);
+  quad(2, 0, 4, 6);
+  text << "g " << lid << '\n';
+  quad(4, 5, 7, 6);
+  return text.str();
+}
+
+TEST(GroupsOfASurface, SelectVerticesAndCellsOfItsBody) {
+  const TemporaryFolder folder;
+  folder.write("lid.obj", cube_of_obj(0, "sides", "lid", 1));
+  folder.write("two.obj", cube_of_obj(0, "left", "left", 1) + cube_of_obj(4, "right", "right", 9));
+  const auto mesh_of = [&](const std::string& file, const std::string& mesher) {
+    return read_scene_from_text("[[body]]\nmesh = { surface = \"" + file + "\", cells = 500, mesher = \"" +
+                                    mesher + "\" }\n[[fix]]\nwhere = \"all\"\n",
+                                "a.toml", folder.path(), {})
+        .description.bodies[0]
+        .mesh;
+  };
+  const Mesh lid = mesh_of("lid.obj", "fitted");
+  ASSERT_NE(lid.find_group("lid"), nullptr);
+  for (const Index v : lid.find_group("lid")->vertices)
+    EXPECT_NEAR(lid.vertices[static_cast<std::size_t>(v)].z(), 1, 1e-9);
+  EXPECT_TRUE(lid.find_group("lid")->cells.empty());
+  for (const std::string mesher : {"fitted", "lattice"}) {
+    const Mesh two = mesh_of("two.obj", mesher);
+    const Group *left = two.find_group("left"), *right = two.find_group("right");
+    ASSERT_TRUE(left != nullptr && right != nullptr);
+    ASSERT_TRUE(left->cells.size() == 1 && right->cells.size() == 1);
+    if (mesher == "fitted") {
+      EXPECT_EQ(left->cells[0].size() + right->cells[0].size(),
+                static_cast<std::size_t>(two.blocks[0].num_cells()));
+    }
+    for (const Index v : left->vertices) EXPECT_LT(two.vertices[static_cast<std::size_t>(v)].x(), 2.5);
+  }
+}
+
+TEST(SizeOfCells, TakesThePlaceOfTheirNumber) {
+  const TemporaryFolder folder;
+  folder.write("cube.obj", cube_of_obj(0, "sides", "lid", 1));
+  const auto count = [&](const std::string& keys) {
+    return read_scene_from_text(
+               "[[body]]\nmesh = { surface = \"cube.obj\", " + keys + " }\n[[fix]]\nwhere = \"all\"\n",
+               "a.toml", folder.path(), {})
+        .description.bodies[0]
+        .mesh.blocks[0]
+        .num_cells();
+  };
+  EXPECT_GT(count("size = 0.1"), 4 * count("size = 0.2"));
+  EXPECT_THAT(input_error([&] { count("size = 0.1, cells = 10"); }), HasSubstr("replaces cells"));
+  EXPECT_THAT(input_error([&] { count("size = 1e-5"); }), HasSubstr("a size of cells"));
 }
 
 /// Surfaces of other projects, as they are or as the rim of a mesh.

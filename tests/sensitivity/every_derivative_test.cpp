@@ -152,6 +152,14 @@ TEST(StaticDerivatives, ByRestPositionsKeepWhatWasSelectedByPlace) {
     pull.value = {500, 0, 100};
     scene.loads.push_back(pull);
     expect_right_derivatives(scene, {"body.body.rest_positions", "load.pull.value"});
+    scene.loads[0].kind = "force";
+    expect_right_derivatives(scene, {"body.body.rest_positions", "load.pull.value"});
+    scene.loads[0].point = Vector3(0.7, 0.1, 0.3);
+    expect_right_derivatives(scene, {"body.body.rest_positions", "load.pull.value"});
+    scene.loads[0].point.reset();
+    scene.loads[0].where = {};
+    scene.loads[0].where.normal = Vector3(1, 0, 0);
+    expect_right_derivatives(scene, {"body.body.rest_positions", "load.pull.value"});
   }
 }
 

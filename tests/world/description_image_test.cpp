@@ -54,7 +54,7 @@ class Dice {
     return mesh;
   }
   Where where() {
-    return {static_cast<Where::Kind>(whole(6)),
+    return {static_cast<Where::Kind>(whole(7)),
             text(),
             vector(),
             vector(),
@@ -63,7 +63,10 @@ class Dice {
             maybe([this] { return number(); }),
             vector(),
             number(),
-            {whole(9), whole(9)}};
+            {whole(9), whole(9)},
+            vector(),
+            maybe([this] { return vector(); }),
+            number()};
   }
   Rotation rotation() { return {vector(), vector(), number()}; }
   TimeFunction time_function() {
@@ -135,6 +138,7 @@ class Dice {
     d.loads = list([this] {
       LoadDescription load;
       load.value = vector();
+      load.point = maybe([this] { return vector(); });
       load.until = maybe([this] { return number(); });
       load.time_function = time_function();
       return load;

@@ -6,13 +6,16 @@
 #include <functional>
 
 #include "resilin/core/error.hpp"
+#include "resilin/world/resultants.hpp"
 #include "small_scenes.hpp"
 
 namespace resilin::testing {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 std::string message_of(const std::function<void()>& function) {
   try {
@@ -232,6 +235,92 @@ TEST(CellConstants, MakeOnePartOfABodyStiffer) {
 
   young.pop_back();
   EXPECT_THAT(refusal_of(scene), HasSubstr("a value for each of"));
+}
+
+/// The same total whatever the area, and the traction of that force over the area.
+TEST(AForce, IsSpreadOverItsArea) {
+  for (const int dim : {2, 3}) {
+    Description scene = small_bar(dim, false);
+    scene.gravity.setZero();
+    LoadDescription pull;
+    pull.where.kind = Where::Kind::plane;
+    pull.where.at = 1;
+    pull.kind = "force";
+    pull.value = {7, -2, 0};
+    scene.loads.push_back(pull);
+    const Simulation simulation = run_all(scene);
+    const Vector3 reaction = simulation.frame().reactions[0].second;
+    EXPECT_LT((reaction + pull.value).norm(), 1e-6 * pull.value.norm()) << dim;  // Newton's tolerance
+  }
+}
+
+TEST(AForce, HasTheMomentOfItsPointOfAttack) {
+  for (const int dim : {2, 3}) {
+    Description scene = small_bar(dim, false);
+    LoadDescription pull;
+    pull.name = "pull";
+    pull.where.normal = Vector3(1, 0, 0);
+    pull.kind = "force";
+    pull.value = {0, -2, 0};
+    pull.point = Vector3(1.5, 0, 0);
+    LoadDescription twist = pull;
+    twist.name = "twist";
+    twist.kind = "moment";
+    twist.point.reset();
+    twist.value = {0, 0, 4};
+    twist.pressure = 4;
+    scene.loads = {pull, twist};
+    const std::vector<Resultant> loads = load_resultants(World(scene));
+    ASSERT_GE(loads.size(), 2U);
+    EXPECT_GT(loads[0].num_facets, 0);
+    EXPECT_NEAR(loads[0].center.x(), 1, 1e-12);
+    EXPECT_LT((loads[0].force.value() - pull.value).norm(), 1e-12);
+    EXPECT_LT((loads[0].moment - (*pull.point - loads[0].center).cross(pull.value)).norm(), 1e-12);
+    EXPECT_LT(loads[1].force.value().norm(), 1e-12);
+    EXPECT_LT((loads[1].moment - Vector3(0, 0, 4)).norm(), 1e-12);
+  }
+}
+
+TEST(AFaceAtAPoint, EndsAtSharpEdges) {
+  for (const int dim : {2, 3}) {
+    Description scene = small_bar(dim, false);
+    LoadDescription push;
+    push.name = "push";
+    push.kind = "traction";
+    push.value = {-1, 0, 0};
+    push.where.kind = Where::Kind::face;
+    push.where.face_at = {1, 0.1, dim == 3 ? 0.1 : 0};
+    LoadDescription by_group = push;
+    by_group.name = "by group";
+    by_group.where = {};
+    by_group.where.kind = Where::Kind::group;
+    by_group.where.group = "x_max";
+    scene.loads = {push, by_group};
+    const std::vector<Resultant> loads = load_resultants(World(scene));
+    EXPECT_EQ(loads[0].num_facets, loads[1].num_facets);
+    EXPECT_EQ(loads[0].num_nodes, loads[1].num_nodes);
+    EXPECT_NEAR(loads[0].area, loads[1].area, 1e-12);
+    scene.loads[0].where.angle = 100;  // over every edge of the bar
+    EXPECT_GT(load_resultants(World(scene))[0].num_facets, loads[1].num_facets);
+    scene.loads[0].where.face_at.x() = 3;
+    EXPECT_THAT(refusal_of(scene),
+                HasSubstr("face_at: expected a point on the surface of the body, got a point 2"));
+  }
+}
+
+TEST(ALoadOnOppositeSides, IsTold) {
+  Description scene = small_bar(3, false);
+  LoadDescription push;
+  push.name = "push";
+  push.kind = "traction";
+  push.value = {0, 0, -1};
+  scene.loads = {push};
+  EXPECT_THAT(World(scene).warnings, Contains(HasSubstr("load push: where selects opposite sides")));
+  scene.loads[0].where.normal = Vector3(0, 0, 1);
+  EXPECT_THAT(World(scene).warnings, IsEmpty());
+  scene.loads[0].where.normal.reset();
+  scene.loads[0].kind = "pressure";
+  EXPECT_THAT(World(scene).warnings, IsEmpty());
 }
 
 TEST(LoadSteps, AreHalvedUntilTheyConvergeAndTheLoadReachedIsNamed) {

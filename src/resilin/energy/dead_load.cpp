@@ -117,7 +117,7 @@ DeadLoad::DeadLoad(std::string name, int dim, std::shared_ptr<const LoadedRegion
 
 std::vector<EnergyParameter> DeadLoad::parameters() const {
   if (!region_) return {{"forces", forces_.size()}};
-  return {{"value", dim_}, {"rest_positions", forces_.size()}};
+  return {{"value", region_->value_size(dim_)}, {"rest_positions", forces_.size()}};
 }
 
 void DeadLoad::add_parameter_slopes(std::string_view name, const VectorX&, const VectorX& w,
@@ -128,9 +128,9 @@ void DeadLoad::add_parameter_slopes(std::string_view name, const VectorX&, const
   } else if (name == "rest_positions") {
     region_->add_rest_slopes(-t * value_, rest_positions_, w, slopes);
   } else {
-    VectorX shares = VectorX::Zero(w.size());
-    region_->add_forces(Vector3::Ones(), rest_positions_, shares);
-    slopes -= t * power_by_axis(shares, w, dim_).head(dim_);
+    const Vector3 by_value = region_->value_slopes(dim_, rest_positions_, w);
+    const int size = region_->value_size(dim_);
+    slopes -= t * (size == 1 ? by_value.tail(1) : by_value.head(size));
   }
 }
 
@@ -143,9 +143,19 @@ void DeadLoad::add_parameter_forces(std::string_view name, const VectorX&, const
     region_->add_force_change(-t * value_, rest_positions_, change, gradient);
   } else {
     Vector3 value = Vector3::Zero();
-    value.head(dim_) = -t * change;
+    if (change.size() == 1) {
+      value.z() = -t * change[0];
+    } else {
+      value.head(dim_) = -t * change;
+    }
     region_->add_forces(value, rest_positions_, gradient);
   }
+}
+
+Vector3 LoadedRegion::value_slopes(int dim, const VectorX& X, const VectorX& w) const {
+  VectorX shares = VectorX::Zero(w.size());
+  add_forces(Vector3::Ones(), X, shares);
+  return power_by_axis(shares, w, dim);
 }
 
 void LoadedFacets::add_forces(const Vector3& value, const VectorX& X, VectorX& forces) const {

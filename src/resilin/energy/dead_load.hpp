@@ -37,8 +37,7 @@ double larger_work(const Energy& term, const VectorX& from, const Conditions& be
 /// The sums of forces times w over the nodes, one for each axis.
 Vector3 power_by_axis(const VectorX& forces, const VectorX& w, int dim);
 
-/// Distribution of a dead load: nodal forces [N] on the rest shape X, each a number of its node times one
-/// vector, the value.
+/// Distribution of a dead load: nodal forces [N] on the rest shape X, linear in a vector, the value.
 class LoadedRegion {
  public:
   virtual ~LoadedRegion() = default;
@@ -49,6 +48,11 @@ class LoadedRegion {
   /// Adds the slopes of w . forces by X.
   virtual void add_rest_slopes(const Vector3& value, const VectorX& X, const VectorX& w,
                                VectorX& slopes) const = 0;
+  /// How many numbers the value has: its first components, or the third alone where it is one number.
+  virtual int value_size(int dim) const { return dim; }
+  /// Slopes of w . forces by the components of the value. By default each nodal force is a number of its node
+  /// times the value.
+  virtual Vector3 value_slopes(int dim, const VectorX& X, const VectorX& w) const;
 };
 
 /// A force per rest volume [N/m^3] on cells: f_a = value integral N_a dV.
@@ -91,6 +95,7 @@ class LoadedFacets final : public LoadedRegion {
 class LoadedNodes final : public LoadedRegion {
  public:
   LoadedNodes(int dim, std::vector<Index> nodes) : dim_(dim), nodes_(std::move(nodes)) {}
+  const std::vector<Index>& nodes() const { return nodes_; }
   void add_forces(const Vector3& value, const VectorX& X, VectorX& forces) const override;
   void add_force_change(const Vector3&, const VectorX&, const VectorX&, VectorX&) const override {}
   void add_rest_slopes(const Vector3&, const VectorX&, const VectorX&, VectorX&) const override {}
@@ -131,6 +136,8 @@ class DeadLoad final : public BasicEnergy {
 
   /// The region on which it acts; null where nodal forces alone are known.
   const LoadedRegion* region() const { return region_.get(); }
+  /// The value at factor 1.
+  const Vector3& full_value() const { return value_; }
   /// Force per rest volume or area of the region under these conditions [N/m^3 or N/m^2].
   Vector3 density(const Conditions& c) const { return factor(c) * value_; }
 

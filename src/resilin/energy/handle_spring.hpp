@@ -39,6 +39,8 @@ class HandleSpring final : public BasicEnergy {
   std::optional<double> driven_work(const VectorX& from, const Conditions& before, const VectorX& to,
                                     const Conditions& after) const override;
 
+  const std::vector<Index>& nodes() const { return nodes_; }
+
  private:
   /// Vector from the far end to the node.
   Vector3 stretch(Index node, const VectorX& x, const Conditions& c) const;

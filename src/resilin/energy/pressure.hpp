@@ -37,6 +37,7 @@ class Pressure final : public BasicEnergy {
   const CellBlock& facets() const { return facets_; }
   /// Under these conditions [Pa].
   double pressure(const Conditions& c) const { return factor(c); }
+  double full_pressure() const { return pressure_; }  ///< at factor 1 [Pa]
 
  private:
   double factor(const Conditions& c) const { return active_.factor(c) * pressure_; }

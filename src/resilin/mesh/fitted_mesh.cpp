@@ -40,12 +40,18 @@ class FittedMaker {
   FittedMaker(const Mesh& surface, const std::string& name)
       : name_(name), surface_(make_solid_surface(without_copies(surface), name)), places_(surface_) {}
 
+  FittedMesh make_by_size(double size) const {
+    require_volume(surface_, name_);
+    const double count = count_at(size);
+    if (count > FittedMeshOptions::most_cells || count < 1)
+      throw InputError(name_,
+                       "a size of cells that makes 1 to " + std::to_string(FittedMeshOptions::most_cells),
+                       format_short(size) + ", which makes about " + format_short(count),
+                       "sizes are lengths of the file, before scale");
+    return finish(draft_of(size));
+  }
+
   FittedMesh make(int wanted) const {
-    const auto draft_of = [&](double spacing) {
-      FittedDraft draft(places_, spacing);
-      for (int i = 0; i < relaxations; ++i) draft.relax();
-      return draft;
-    };
     require_volume(surface_, name_);
     double spacing = first_spacing(wanted);
     // Drafts whose points do not move yet bring the spacing near; of those that do, some more cells come.
@@ -94,14 +100,23 @@ class FittedMaker {
     return std::max(static_cast<double>(draft.cells().size()), 0.1);  // its logarithm is taken
   }
 
+  FittedDraft draft_of(double spacing) const {
+    FittedDraft draft(places_, spacing);
+    for (int i = 0; i < relaxations; ++i) draft.relax();
+    return draft;
+  }
+
+  /// About how many cells there will be.
+  double count_at(double spacing) const {
+    return 12 * places_.volume() / (spacing * spacing * spacing) + surface_.area / (spacing * spacing);
+  }
+
   double first_spacing(int wanted) const {
     const double extent = std::sqrt(surface_.area);
     double low = 0, high = 4 * extent;
     for (int i = 0; i < 60; ++i) {
       const double spacing = 0.5 * (low + high);
-      const double count =
-          12 * places_.volume() / (spacing * spacing * spacing) + surface_.area / (spacing * spacing);
-      (count > wanted ? low : high) = spacing;
+      (count_at(spacing) > wanted ? low : high) = spacing;
     }
     return 0.5 * (low + high);
   }
@@ -327,6 +342,7 @@ FittedMesh make_fitted_mesh(const Mesh& surface, const std::string& name, const 
   if (options.cells < 1 || options.cells > FittedMeshOptions::most_cells)
     throw InputError(name, "a number of cells from 1 to " + std::to_string(FittedMeshOptions::most_cells),
                      std::to_string(options.cells));
+  if (options.size > 0) return FittedMaker(surface, name).make_by_size(options.size);
   return FittedMaker(surface, name).make(std::max(options.cells, fewest_cells));
 }
 

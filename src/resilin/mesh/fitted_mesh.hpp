@@ -11,6 +11,7 @@ struct FittedMeshOptions {
   static constexpr int most_cells = 2000000;
 
   int cells = 4000;  ///< tetrahedra that are wanted; as a rule what comes is within a tenth of it
+  double size = 0;   ///< edge length of the cells, in place of their number [m]; 0 where that is given
 };
 
 /// Tetrahedra whose boundary follows a surface.

@@ -6,6 +6,7 @@
 #include "resilin/fields/extremes.hpp"
 #include "resilin/results/build_info.hpp"
 #include "resilin/results/mesh_volume_ratio.hpp"
+#include "resilin/world/resultants.hpp"
 
 namespace resilin {
 namespace {
@@ -186,6 +187,31 @@ Json bodies_json(const World& world) {
   return list;
 }
 
+namespace {
+
+/// What loads and boundary conditions act on, and what loads amount to.
+Json resultants_json(const std::vector<Resultant>& resultants, int dim) {
+  Json list = Json::array();
+  for (const Resultant& on : resultants) {
+    list.push_back({{"name", on.name},
+                    {"nodes", on.num_nodes},
+                    {"facets", on.num_facets},
+                    {"area", on.area},
+                    {"center", vector_json(on.center, dim)}});
+    if (on.kind == "fix") continue;
+    list.back()["kind"] = on.kind;
+    list.back()["force"] = on.force ? vector_json(*on.force, dim) : Json(nullptr);
+    list.back()["moment"] = on.force ? moment_json(on.moment, dim) : Json(nullptr);
+  }
+  return list;
+}
+
+}  // namespace
+
+Json fixes_json(const World& world) { return resultants_json(fixed_selections(world), world.dimension); }
+
+Json loads_json(const World& world) { return resultants_json(load_resultants(world), world.dimension); }
+
 Json report_json(const World& world, Json frames, const RunSummary& summary) {
   Json report;
   report["status"] = name(summary.outcome.status);
@@ -204,6 +230,9 @@ Json report_json(const World& world, Json frames, const RunSummary& summary) {
   report["frames"] = std::move(frames);
   report["bodies"] = bodies_json(world);
   const bool has_ended = summary.outcome.status != RunStatus::running;
+  const bool tells_conditions = has_ended && world.share.is_whole();
+  report["fixes"] = tells_conditions ? fixes_json(world) : Json::array();
+  report["loads"] = tells_conditions ? loads_json(world) : Json::array();
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     const DiscretisationErrors& errors = summary.outcome.discretisation_errors;
     const std::optional<double> error = b < errors.size() ? errors[b] : std::nullopt;

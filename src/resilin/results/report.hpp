@@ -22,6 +22,9 @@ Json frame_json(const Frame& frame, const World& world, const State& state,
 
 /// "bodies".
 Json bodies_json(const World& world);
+/// "fixes" and "loads": what each acts on, and what a load amounts to.
+Json fixes_json(const World& world);
+Json loads_json(const World& world);
 
 /// The whole report; `frames` is a list of frame_json.
 Json report_json(const World& world, Json frames, const RunSummary& summary);

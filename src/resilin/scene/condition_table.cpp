@@ -108,15 +108,19 @@ Keys<LoadDescription> load_keys() {
       key<L>({"where", "[where](#where)", "", "required but for a body_force: all",
               "Loaded vertices or surface."},
              [](const SceneNode& node, L& l) { read_where(node, l.where); }),
-      key<L>({"value", "vector; number for a pressure", "N/m^3, N/m^2, N or Pa", "required but for a spring",
-              "The load at load factor 1; a positive pressure acts inwards."},
+      key<L>({"value", "vector; number for a pressure and for a moment in 2D", "N/m^3, N/m^2, N, N m or Pa",
+              "required but for a spring", "The load at load factor 1; a positive pressure acts inwards."},
              [](const SceneNode& node, L& l) {
-               if (require_load_kind(l.kind, "").value_is_number) {
+               if (require_load_kind(l.kind, "").has_number(node.context->dimension)) {
                  l.pressure = read_number(node);
                } else {
                  l.value = read_vector(node);
                }
              }),
+      key<L>({"point", "vector", "m", "the centroid of the area",
+              "Force: its point of attack, on the body or off it; adds the moment of the force about the "
+              "centroid."},
+             [](const SceneNode& node, L& l) { l.point = read_vector(node); }),
       number_key("stiffness", &L::stiffness, "N/m", positive, "Spring: stiffness at each vertex."),
       vector_key("displacement", &L::displacement, "m",
                  "Spring: its far end is at the reference position + this ..."),

@@ -1,6 +1,7 @@
 #include "resilin/element/catalog.hpp"
 #include "resilin/io/mesh_file.hpp"
 #include "resilin/mesh/generators.hpp"
+#include "resilin/mesh/round_generators.hpp"
 #include "resilin/mesh/surface_lattice.hpp"
 #include "resilin/scene/mesh_cache.hpp"
 #include "resilin/scene/tables.hpp"
@@ -71,8 +72,119 @@ Mesh read_box(const SceneNode& node) {
   return make_rectangle(box.size.head<2>(), squares, box.origin.head<2>());
 }
 
-/// Keys of a table about a body's mesh.
+/// A round body as a scene gives it.
+struct RoundTable {
+  RoundShape shape;
+  std::string kind;  ///< of its cells; empty: what suits the element
+  std::vector<int> cells;
+  Vector3 center = Vector3::Zero();
+};
+
+void read_radii(const SceneNode& node, RoundTable& round) {
+  expect_list(node, "two lengths [inner, outer]", 2);
+  round.shape.inner_radius = read_number(node.element(0), positive);
+  round.shape.radius = read_number(node.element(1), positive);
+  if (round.shape.inner_radius >= round.shape.radius)
+    node.fail_with("expected [inner, outer] with inner < outer");
+}
+
+void read_counts(const SceneNode& node, RoundTable& round) {
+  if (!node.value->is_array()) {
+    round.cells = {read_integer(node, at_least_one)};
+    return;
+  }
+  expect_list(node, "whole numbers");
+  for (std::size_t i = 0; i < node.value->array().size(); ++i)
+    round.cells.push_back(read_integer(node.element(i), at_least_one));
+}
+
+Keys<RoundTable> round_keys() {
+  using R = RoundTable;
+  return {
+      key<R>({"kind", one_of(box_kinds(3)) + ", in 2D " + one_of(box_kinds(2)), "", "the first",
+              "Kind of cells; with element Q1 or Q1P0 the second."},
+             [](const SceneNode& node, R& r) {
+               r.kind = read_choice(node, box_kinds(node.context->dimension));
+             }),
+      key<R>({"radius", "number > 0", "m", "", "disc, cylinder, ball: the radius."},
+             [](const SceneNode& node, R& r) { r.shape.radius = read_number(node, positive); }),
+      key<R>({"radii", "[inner, outer]", "m", "", "ring, tube, spherical_shell: both radii."}, read_radii),
+      key<R>({"height", "number > 0", "m", "", "cylinder, tube: along z, from the plane z = 0 on."},
+             [](const SceneNode& node, R& r) { r.shape.height = read_number(node, positive); }),
+      key<R>({"cells", "one or more whole numbers", "", "required",
+              "disc, ball: number along the radius. cylinder: [radius, height]. ring: [wall, circle]. tube: "
+              "[wall, "
+              "circle, height]. spherical_shell: [wall, circle], the latter rounded up to a multiple of 4."},
+             read_counts),
+      key<R>({"degrees", "number > 0", "degrees", "360",
+              "ring, tube: how much of the circle there is, from x on."},
+             [](const SceneNode& node, R& r) { r.shape.degrees = read_number(node, positive); }),
+      key<R>({"grading", "number > 0", "", "1",
+              "Thickness of the outermost cell by that of the innermost one; of a disc, cylinder and ball "
+              "outside of "
+              "their cores."},
+             [](const SceneNode& node, R& r) { r.shape.grading = read_number(node, positive); }),
+      vector_key("center", &R::center, "m", "Its centre; of a cylinder and tube that of the bottom."),
+  };
+}
+
+/// @param element  of the body; null for auto
+Mesh read_round(const SceneNode& node, RoundKind kind, const ElementInfo* element) {
+  if (dimension(kind) != node.context->dimension)
+    node.fail_with("a " + spelling(kind) + " belongs to a scene of dimension " +
+                   std::to_string(dimension(kind)));
+  RoundTable round;
+  round.shape.kind = kind;
+  read_table(node, round_keys(), round);
+  const auto require = [&](const std::string& name, bool is_needed) {
+    if (node.has(name) == is_needed) return;
+    const std::string text =
+        "a " + spelling(kind) + (is_needed ? " needs the key \"" : " has no key \"") + name + "\"";
+    if (is_needed) node.fail_with(text);
+    node.child(name).fail_with(text);
+  };
+  RoundShape& shape = round.shape;
+  require("radii", has_hole(kind));
+  require("radius", !has_hole(kind));
+  require("height", has_height(kind));
+  if (node.has("degrees") && (!has_hole(kind) || kind == RoundKind::spherical_shell))
+    require("degrees", false);
+  const std::size_t count = 1 + (has_hole(kind) ? 1 : 0) + (has_height(kind) ? 1 : 0);
+  if (!node.has("cells") || round.cells.size() != count) {
+    const SceneNode& place = node.has("cells") ? node.child("cells") : node;
+    place.fail_with("a " + spelling(kind) + " needs " + std::to_string(count) +
+                    (count == 1 ? " number" : " numbers") + " of cells: cells = " +
+                    (count == 1   ? "4"
+                     : count == 2 ? (has_hole(kind) ? "[2, 32]" : "[4, 8]")
+                                  : "[2, 32, 8]"));
+  }
+  shape.radial_cells = round.cells[0];
+  if (has_hole(kind)) shape.around_cells = round.cells[1];
+  if (has_height(kind)) shape.axial_cells = round.cells.back();
+  if (shape.degrees > 360) node.child("degrees").fail("a number up to 360");
+  if (has_hole(kind) && shape.around_cells < 3 && shape.degrees > 180)
+    node.child("cells").fail_with("expected at least 3 cells along the circle");
+  const double whole =
+      kind == RoundKind::ball ? 14.0 * std::pow(shape.radial_cells, 3)
+      : kind == RoundKind::spherical_shell
+          ? 6.0 * std::pow(shape.around_cells / 4 + 1.0, 2) * shape.radial_cells
+      : has_hole(kind)
+          ? 1.0 * shape.radial_cells * shape.around_cells * (has_height(kind) ? shape.axial_cells : 1)
+          : 4.0 * shape.radial_cells * shape.radial_cells * (has_height(kind) ? shape.axial_cells : 1);
+  if (6 * whole > static_cast<double>(node.context->max_box_cells))
+    node.fail_with("expected at most " + std::to_string(node.context->max_box_cells) +
+                   " cells, got more; use fewer cells");
+  const bool wants_cubes = element != nullptr && !is_simplex(element->shape);
+  shape.is_cut = round.kind.empty() ? !wants_cubes : round.kind == simplices(node.context->dimension);
+  shape.is_quadratic = element == nullptr || element->degree == 2;
+  Mesh mesh = make_round(shape);
+  for (Vector3& vertex : mesh.vertices) vertex += round.center;
+  return mesh;
+}
+
+/// What a table says of a body's mesh.
 struct MeshTable {
+  const ElementInfo* element = nullptr;  ///< of the body; null for auto
   std::optional<Mesh> box;
   std::optional<MeshFile> surface;
   SurfaceCells cells;
@@ -87,7 +199,7 @@ MeshFile read_file_of(const SceneNode& node) {
 
 Keys<MeshTable> mesh_keys() {
   using M = MeshTable;
-  return {
+  Keys<M> keys = {
       key<M>({"box", "table", "", "",
               "A box (a rectangle in 2D) with the groups `x_min`, `x_max`, `y_min`, ..."},
              [](const SceneNode& node, M& m) { m.box = read_box(node); }),
@@ -102,24 +214,52 @@ Keys<MeshTable> mesh_keys() {
              [](const SceneNode& node, M& m) {
                m.cells.cells = read_integer(node, {.min = 1, .max = LatticeOptions::most_cells});
              }),
+      key<M>({"size", "number > 0", "the file's", "by cells",
+              "In place of cells: the length of their edges, in the lengths of the file, before scale."},
+             [](const SceneNode& node, M& m) { m.cells.size = read_number(node, positive); }),
       key<M>({"mesher", one_of(surface_meshers()), "", default_text(M{}.cells.mesher),
               "How tetrahedra fill a surface: `fitted` ones end at it and keep its sharp edges; those of a "
               "`lattice` are congruent and stand out of it. `auto`: `fitted`, a lattice in `resilin view`."},
              [](const SceneNode& node, M& m) { m.cells.mesher = read_choice(node, surface_meshers()); }),
   };
+  for (std::size_t i = 0; i < spellings(RoundKind{}).size(); ++i) {
+    const auto kind = static_cast<RoundKind>(i);
+    keys.push_back(
+        key<M>({spelling(kind), "table", "", "",
+                std::string(dimension(kind) == 2 ? "2D" : "3D") + ", likewise, with the groups `outer`" +
+                    (has_hole(kind) ? ", `inner`" : "") + (has_height(kind) ? ", `bottom`, `top`" : "") +
+                    ". Quadratic elements lie on the true circle."},
+               [kind](const SceneNode& node, M& m) { m.box = read_round(node, kind, m.element); }));
+  }
+  return keys;
 }
 
 void read_mesh_table(const SceneNode& node, BodyDescription& body) {
-  if (node.has("box") == node.has("surface"))
-    node.fail(
-        "either { box = { size, cells } } or { surface = FILE, cells = NUMBER }, or the name of a mesh file");
-  if (node.has("box") && node.has("cells"))
-    node.child("cells").fail_with("is for a surface; a box has its own, box.cells");
-  if (node.has("box") && node.has("mesher")) node.child("mesher").fail_with("is for a surface");
+  std::vector<std::string> shapes = all_spellings<RoundKind>();
+  shapes.insert(shapes.begin(), "box");
+  std::string shape;
+  std::size_t count = node.has("surface") ? 1 : 0;
+  for (const std::string& name : shapes)
+    if (node.has(name)) {
+      shape = name;
+      ++count;
+    }
+  if (count > 1 || (count == 0 && node.value->table().empty()))
+    node.fail("one of { surface = FILE, cells = NUMBER } and { " + join(shapes) +
+              " = { ... } }, or the name of a mesh file");
+  if (!shape.empty() && node.has("cells"))
+    node.child("cells").fail_with("is for a surface; a " + shape + " has its own, " + shape + ".cells");
+  if (node.has("size") && (node.has("cells") || !shape.empty()))
+    node.child("size").fail_with(shape.empty() ? "replaces cells; give one of them" : "is for a surface");
+  if (!shape.empty() && node.has("mesher")) node.child("mesher").fail_with("is for a surface");
   MeshTable table;
+  table.element = find_element(body.element, node.context->dimension);
   read_table(node, mesh_keys(), table);
+  if (count == 0)
+    node.fail("one of { surface = FILE, cells = NUMBER } and { " + join(shapes) +
+              " = { ... } }, or the name of a mesh file");
   if (table.box) {
-    body.mesh_name = "box";
+    body.mesh_name = shape;
     body.mesh = std::move(*table.box);
     return;
   }
@@ -163,6 +303,10 @@ TableDoc mesh_doc() {
   for (const Key<BoxDescription>& key : box_keys()) {
     doc.keys.push_back(key.doc);
     doc.keys.back().name = "box." + key.doc.name;
+  }
+  for (const Key<RoundTable>& key : round_keys()) {
+    doc.keys.push_back(key.doc);
+    doc.keys.back().name = "disc." + key.doc.name;
   }
   return doc;
 }

@@ -92,7 +92,7 @@ Json of_type(const std::string& type) {
   if (begins("\"")) return {{"enum", quoted_words(type)}};
   if (begins("number")) return of_number(type, "number");
   if (begins("whole number")) return of_number(type, "integer");
-  if (type == "vector; number for a pressure") return {{"anyOf", {number_list(), {{"type", "number"}}}}};
+  if (begins("vector; number for ")) return {{"anyOf", {number_list(), {{"type", "number"}}}}};
   if (begins("vector")) return number_list();
   if (type == "matrix") return {{"type", "array"}, {"items", number_list()}};
   if (begins("text or ")) return {{"anyOf", {{{"type", "string"}}, {{"type", "array"}}}}};

@@ -4,6 +4,7 @@
 #include "resilin/mesh/edit.hpp"
 #include "resilin/mesh/fitted_mesh.hpp"
 #include "resilin/mesh/refine_surface.hpp"
+#include "resilin/mesh/surface_groups.hpp"
 #include "resilin/mesh/surface_lattice.hpp"
 #include "resilin/scene/tables.hpp"
 
@@ -31,8 +32,8 @@ FilledSurface fill_by_lattice(const SceneNode& node, const Mesh& surface, const 
 }
 
 FilledSurface fill_by_fitting(const SceneNode& node, const Mesh& surface, const std::string& name,
-                              int cells) {
-  FittedMesh fitted = make_fitted_mesh(surface, name, {.cells = cells});
+                              const SurfaceCells& wanted) {
+  FittedMesh fitted = make_fitted_mesh(surface, name, {.cells = wanted.cells, .size = wanted.size});
   for (const std::string& remark : fitted.remarks) node.context->warnings.push_back(remark);
   return {std::move(fitted.mesh), fitted.cell_size, fitted.volume_ratio, true};
 }
@@ -43,11 +44,14 @@ FilledSurface fill(const SceneNode& node, const Mesh& surface, const std::string
                    const SurfaceCells& wanted) {
   const bool is_lattice =
       wanted.mesher == "lattice" || (wanted.mesher == "auto" && node.context->is_for_real_time);
+  if (is_lattice && wanted.size > 0 && wanted.mesher == "lattice")
+    node.child("size").fail_with("is for fitted cells; a lattice has cells");
   if (is_lattice) return fill_by_lattice(node, surface, name, wanted.cells);
-  if (wanted.mesher == "fitted") return fill_by_fitting(node, surface, name, wanted.cells);
+  if (wanted.mesher == "fitted") return fill_by_fitting(node, surface, name, wanted);
   try {
-    return fill_by_fitting(node, surface, name, wanted.cells);
+    return fill_by_fitting(node, surface, name, wanted);
   } catch (const InputError& error) {
+    if (wanted.size > 0) throw;
     FilledSurface filled = fill_by_lattice(node, surface, name, wanted.cells);
     node.context->warnings.push_back(std::string(error.what()) + "; a lattice fills it");
     return filled;
@@ -76,6 +80,7 @@ void fill_surface(const SceneNode& node, const MeshFile& file, const SurfaceCell
         (filled.is_fitted ? "more cells come nearer" : "mesher = \"fitted\" follows the surface") +
         " (docs/skin.md)");
   body.mesh = std::move(filled.mesh);
+  carry_groups(surface, body.mesh);
   body.skin.emplace();
   body.skin->place = node.place();
   refine_surface(surface, filled.cell_size);  // so that it bends with the cells

@@ -35,6 +35,7 @@ TableDoc mesh_doc();
 /// How a surface gets its cells.
 struct SurfaceCells {
   int cells = 4000;             ///< about how many
+  double size = 0;              ///< in place of `cells`: length of their edges in the file; 0: not given
   std::string mesher = "auto";  ///< a name of surface_meshers()
 };
 std::vector<std::string> surface_meshers();

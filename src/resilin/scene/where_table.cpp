@@ -78,6 +78,22 @@ Keys<Where> where_keys() {
                  }),
       key<Where>({"vertices", "list of whole numbers", "", "", "Vertex numbers of the mesh, from 0."},
                  read_vertices),
+      key<Where>({"face_at", "vector", "m", "",
+                  "The face of the surface at this point: all that is reached without a sharp edge."},
+                 [](const SceneNode& node, Where& w) {
+                   w.kind = Where::Kind::face;
+                   w.face_at = read_vector(node);
+                 }),
+      key<Where>({"normal", "vector", "", "",
+                  "Facets with this outward normal alone; alone or beside one of the others."},
+                 [](const SceneNode& node, Where& w) {
+                   w.normal = read_vector(node);
+                   if (w.normal->norm() == 0) node.fail("a direction", "it has no length");
+                 }),
+      key<Where>(
+          {"angle", "number from 0 to 180", "degrees", "35",
+           "With face_at: the sharp edge at which the face ends. With normal: how far others may differ."},
+          [](const SceneNode& node, Where& w) { w.angle = read_number(node, not_negative); }),
   };
 }
 
@@ -104,11 +120,19 @@ void read_where(const SceneNode& node, Where& where) {
     where.kind = Where::Kind::all;
     return;
   }
-  if (!node.value->is_table() || node.value->table().size() != 1) {
-    node.fail("\"all\" or a table with one of all, group, box, plane, sphere, vertices",
-              "such as where = { plane = { axis = \"x\", at = 0 } }");
-  }
+  const auto fail = [&] {
+    node.fail(
+        "\"all\" or a table with one of all, group, box, plane, sphere, vertices, face_at, and maybe normal",
+        "such as where = { plane = { axis = \"x\", at = 0 } }");
+  };
+  if (!node.value->is_table()) fail();
+  const std::size_t num_beside = (node.has("normal") ? 1 : 0) + (node.has("angle") ? 1 : 0);
+  const std::size_t num_kinds = node.value->table().size() - num_beside;
+  if (num_kinds > 1 || (num_kinds == 0 && !node.has("normal"))) fail();
   read_table(node, where_keys(), where);
+  if (node.has("angle") && !where.means_facets())
+    node.child("angle").fail_with("belongs to face_at or normal");
+  if (where.angle > 180) node.child("angle").fail("a number from 0 to 180");
 }
 
 TableDoc where_doc() {

@@ -206,9 +206,7 @@ std::vector<Selection> selections_by_place(const World& world, std::size_t body_
   for (std::size_t i = 0; i < tables.size(); ++i) {
     const Table& table = tables[i];
     const bool is_own = table.body == body.name || (table.body.empty() && world.bodies.size() == 1);
-    const bool is_by_place = table.where.kind == Where::Kind::box || table.where.kind == Where::Kind::plane ||
-                             table.where.kind == Where::Kind::sphere;
-    if (!is_own || !is_by_place) continue;
+    if (!is_own || !table.where.is_by_place()) continue;
     const std::vector<Index> nodes = select(table.where, table.place);
     Where listed;
     listed.kind = Where::Kind::vertices;

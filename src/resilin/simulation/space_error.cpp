@@ -11,6 +11,7 @@
 #include "resilin/core/parallel.hpp"
 #include "resilin/energy/dead_load.hpp"
 #include "resilin/energy/pressure.hpp"
+#include "resilin/energy/spread_force.hpp"
 #include "resilin/material/batch.hpp"
 #include "resilin/mesh/topology.hpp"
 #include "resilin/simulation/potential.hpp"
@@ -86,6 +87,20 @@ DistributedLoads distributed_loads(const World& world, const VectorX& x, const C
           [&](std::span<const Index> corners) {
             return Vector3(area_vector(world.dimension, kind, corners, world.rest_positions).norm() *
                            density);
+          },
+          loads);
+    } else if (const auto* spread = dynamic_cast<const SpreadForce*>(dead->region())) {
+      const CellKind kind = first_order(spread->facets().kind);
+      const SpreadForce::Traction traction = spread->traction(density, world.rest_positions);
+      add_facets(
+          spread->facets(),
+          [&](std::span<const Index> corners) {
+            Vector3 middle = Vector3::Zero();
+            for (const Index corner : corners)
+              middle += node_position(world.dimension, corner, world.rest_positions) /
+                        static_cast<double>(corners.size());
+            return Vector3(area_vector(world.dimension, kind, corners, world.rest_positions).norm() *
+                           traction.at(middle));
           },
           loads);
     } else if (const auto* cells = dynamic_cast<const LoadedCells*>(dead->region())) {

@@ -62,7 +62,7 @@ constexpr std::array<std::string_view, 2> spellings(Moduli) { return {"instantan
 
 /// Selection of vertices of a body, in its reference configuration after scale, rotate and translate.
 struct Where {
-  enum class Kind { all, group, box, plane, sphere, vertices };
+  enum class Kind { all, group, box, plane, sphere, vertices, face };
   Kind kind = Kind::all;
   std::string group;              ///< group: physical group of the mesh
   Vector3 min = Vector3::Zero();  ///< box: corners, inclusive [m]
@@ -73,6 +73,17 @@ struct Where {
   Vector3 center = Vector3::Zero();  ///< sphere [m]
   double radius = 0;                 ///< sphere [m]
   std::vector<Index> vertices;       ///< vertices: numbers in the body's mesh, from 0
+  Vector3 face_at = Vector3::Zero();  ///< face: a point on the surface; its face is meant [m]
+  /// Restricts the selection to facets whose outward normals differ from this one by `angle` at most.
+  std::optional<Vector3> normal;
+  double angle = 35;  ///< face: between the normals of neighbours; normal: from it [degrees]
+
+  /// Whether it means facets of the surface, and vertices as theirs.
+  bool means_facets() const { return kind == Kind::face || normal.has_value(); }
+  /// Whether other vertices may be meant once these move.
+  bool is_by_place() const {
+    return means_facets() || kind == Kind::box || kind == Kind::plane || kind == Kind::sphere;
+  }
 };
 
 /// Finite-strain viscoelasticity by a Prony series (docs/theory/viscoelasticity.md).
@@ -183,11 +194,12 @@ struct LoadDescription {
   std::string body;
   std::string kind = "body_force";  ///< a name of world/load_catalog.cpp
   Where where;
-  /// body_force [N/m^3], traction [N/m^2] (dead load on the reference surface), nodal_force [N] on each
-  /// vertex.
+  /// body_force [N/m^3], traction [N/m^2] (dead load on the reference surface), force [N] in total, moment
+  /// [N m], nodal_force [N] on each vertex.
   Vector3 value = Vector3::Zero();
-  double pressure = 0;   ///< follower pressure [Pa], positive inwards
-  double stiffness = 0;  ///< spring [N/m] on each vertex
+  double pressure = 0;           ///< follower pressure [Pa], positive inwards; in 2D also a moment [N m]
+  std::optional<Vector3> point;  ///< where a force attacks [m]; without one at the centroid of its area
+  double stiffness = 0;          ///< spring [N/m] on each vertex
   Vector3 displacement =
       Vector3::Zero();                 ///< spring: its far end stands at rest position + displacement [m] ...
   Vector3 velocity = Vector3::Zero();  ///< ... and moves on at this speed [m/s]

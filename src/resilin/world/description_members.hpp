@@ -10,7 +10,8 @@ namespace resilin {
 
 inline Members<> members(const TimeFunction::Constant&) { return {}; }
 
-RESILIN_MEMBERS(Where, kind, group, min, max, axis, at, tolerance, center, radius, vertices)
+RESILIN_MEMBERS(Where, kind, group, min, max, axis, at, tolerance, center, radius, vertices, face_at, normal,
+                angle)
 RESILIN_MEMBERS(ViscoelasticDescription, place, g, tau, moduli)
 RESILIN_MEMBERS(MaterialDescription, place, law, constants, cell_constants, fibres, density, viscoelastic)
 RESILIN_MEMBERS(Rotation, axis, center, degrees)
@@ -26,8 +27,8 @@ RESILIN_MEMBERS(TimeFunction::Ramp, from, until)
 RESILIN_MEMBERS(TimeFunction, form)
 RESILIN_MEMBERS(FixDescription, place, name, body, where, components, displacement, gradient, rotate,
                 velocity, until, time_function)
-RESILIN_MEMBERS(LoadDescription, place, name, body, kind, where, value, pressure, stiffness, displacement,
-                velocity, from, until, time_function)
+RESILIN_MEMBERS(LoadDescription, place, name, body, kind, where, value, pressure, point, stiffness,
+                displacement, velocity, from, until, time_function)
 RESILIN_MEMBERS(ShapeDescription, point, normal, center, radius, size, start, end, mesh, mesh_name, scale,
                 translate)
 RESILIN_MEMBERS(ColliderTurn, axis, center, degrees, degrees_per_second)

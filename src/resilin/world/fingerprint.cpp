@@ -119,7 +119,13 @@ std::string text(const TimeFunction& function) {
 }
 
 std::string text(const Where& where) {
-  const auto& [kind, group, min, max, axis, at, tolerance, center, radius, vertices] = where;
+  const auto& [kind, group, min, max, axis, at, tolerance, center, radius, vertices, face_at, normal, angle] =
+      where;
+  if (normal) {
+    Where rest = where;
+    rest.normal.reset();
+    return text(rest) + ", normals within " + text(angle) + " degrees of " + text(*normal);
+  }
   switch (kind) {
     case Where::Kind::all:
       return "all";
@@ -134,6 +140,8 @@ std::string text(const Where& where) {
       return "sphere of radius " + text(radius) + " about " + text(center);
     case Where::Kind::vertices:
       return "vertices " + text(vertices);
+    case Where::Kind::face:
+      return "face at " + text(face_at) + ", angles up to " + text(angle) + " degrees";
   }
   return "";
 }
@@ -175,6 +183,7 @@ bool is_seen(const NewtonOptions&, std::string_view member) {
 }
 
 bool is_seen(const LoadDescription& load, std::string_view member) {
+  if (load.kind == "moment") return !is_one_of(member, {"place", "name"});  // a vector, in 2D a number
   return !is_one_of(member, {"place", "name", load.kind == "pressure" ? "value" : "pressure"});
 }
 

@@ -7,6 +7,7 @@
 #include "resilin/core/vocabulary.hpp"
 #include "resilin/energy/handle_spring.hpp"
 #include "resilin/energy/pressure.hpp"
+#include "resilin/energy/spread_force.hpp"
 #include "resilin/world/selection.hpp"
 
 namespace resilin {
@@ -30,19 +31,41 @@ std::shared_ptr<Energy> make_body_force(const LoadDescription& load, const LoadS
                    load, site);
 }
 
-CellBlock facets_of(const LoadSite& site) {
-  if (site.part == nullptr) return select_facets(site.vertices, site.body, site.where);
+CellBlock facets_of(const LoadDescription& load, const LoadSite& site) {
+  if (site.part == nullptr)
+    return select_facets(load.where, site.vertices, site.body, site.world.rest_positions,
+                         site.world.dimension, site.where);
   CellBlock facets{.kind = cell_sides(site.body.cell_kind)[0].kind, .nodes = site.part->facets};
   for (Index& node : facets.nodes) node += site.body.first_node;
   return facets;
 }
 
 std::shared_ptr<Energy> make_traction(const LoadDescription& load, const LoadSite& site) {
-  return dead_load(std::make_shared<LoadedFacets>(site.world.dimension, facets_of(site)), load, site);
+  return dead_load(std::make_shared<LoadedFacets>(site.world.dimension, facets_of(load, site)), load, site);
+}
+
+/// Each process knows its own facets alone, not the whole area.
+std::shared_ptr<Energy> spread(SpreadForce::Kind kind, const LoadDescription& load, const LoadSite& site) {
+  if (site.part != nullptr)
+    throw InputError(load.place, "a scene in one process for a load of kind \"" + load.kind + "\"", "several",
+                     "give a traction: the force over the area");
+  const bool is_number = kind == SpreadForce::Kind::moment && site.world.dimension == 2;
+  return std::make_shared<DeadLoad>(
+      site.name, site.world.dimension,
+      std::make_shared<SpreadForce>(kind, site.world.dimension, facets_of(load, site), load.point),
+      is_number ? Vector3(0, 0, load.pressure) : load.value, site.world.rest_positions, site.active);
+}
+
+std::shared_ptr<Energy> make_force(const LoadDescription& load, const LoadSite& site) {
+  return spread(SpreadForce::Kind::force, load, site);
+}
+
+std::shared_ptr<Energy> make_moment(const LoadDescription& load, const LoadSite& site) {
+  return spread(SpreadForce::Kind::moment, load, site);
 }
 
 std::shared_ptr<Energy> make_pressure(const LoadDescription& load, const LoadSite& site) {
-  return std::make_shared<Pressure>(site.name, site.world.dimension, facets_of(site), load.pressure,
+  return std::make_shared<Pressure>(site.name, site.world.dimension, facets_of(load, site), load.pressure,
                                     site.world.rest_positions, site.active);
 }
 
@@ -60,16 +83,24 @@ std::shared_ptr<Energy> make_spring(const LoadDescription& load, const LoadSite&
 }  // namespace
 
 const std::vector<LoadKind>& load_kinds() {
+  using enum LoadKind::ValueIsNumber;
   static const std::vector<LoadKind> kinds = {
-      {"body_force", "per reference volume", {"value"}, {"where"}, false, make_body_force},
-      {"traction", "per reference area", {"value", "where"}, {}, false, make_traction},
-      {"pressure", "follower load", {"value", "where"}, {}, true, make_pressure},
-      {"nodal_force", "on each vertex", {"value", "where"}, {}, false, make_nodal_force, true},
+      {"body_force", "per reference volume", {"value"}, {"where"}, never, make_body_force},
+      {"force", "in total, spread over the reference area", {"value", "where"}, {"point"}, never, make_force},
+      {"moment",
+       "in total, as a traction that is linear over the area",
+       {"value", "where"},
+       {},
+       in_2D,
+       make_moment},
+      {"traction", "per reference area", {"value", "where"}, {}, never, make_traction},
+      {"pressure", "follower load", {"value", "where"}, {}, always, make_pressure},
+      {"nodal_force", "on each vertex", {"value", "where"}, {}, never, make_nodal_force, true},
       {"spring",
        "pulls each vertex to its reference position + displacement",
        {"stiffness", "where"},
        {"displacement", "velocity"},
-       false,
+       never,
        make_spring,
        true},
   };

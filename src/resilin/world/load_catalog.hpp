@@ -24,13 +24,19 @@ struct LoadSite {
 
 /// A kind of [[load]]: what it is called, which keys it has and the term that it adds.
 struct LoadKind {
+  enum class ValueIsNumber { never, in_2D, always };
+
   std::string name;
-  std::string text;                ///< for the reference: "per reference volume"
-  std::vector<std::string> needs;  ///< keys that it must have
-  std::vector<std::string> has;    ///< keys that it may have besides
-  bool value_is_number = false;    ///< its `value` is a number, not a vector
+  std::string text;                                      ///< for the reference: "per reference volume"
+  std::vector<std::string> needs;                        ///< keys that it must have
+  std::vector<std::string> has;                          ///< keys that it may have besides
+  ValueIsNumber value_is_number = ValueIsNumber::never;  ///< else `value` is a vector
   std::shared_ptr<Energy> (*make)(const LoadDescription& load, const LoadSite& site);
   bool is_on_each_node = false;  ///< acts on nodes, not on cells or their sides
+
+  bool has_number(int dim) const {
+    return value_is_number == ValueIsNumber::always || (value_is_number == ValueIsNumber::in_2D && dim == 2);
+  }
 };
 
 /// Every kind of load. The scene reader, the reference and the property tests walk this list.

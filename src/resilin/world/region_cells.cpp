@@ -78,6 +78,9 @@ std::vector<Index> cells_of_region(const BodyDescription& body, int dim, const R
                          "cell numbers from 0 to " + std::to_string(cells.count() - 1), std::to_string(cell));
     return *region.cells;
   }
+  if (region.where.means_facets())
+    throw InputError(region.place + ".where", "a selection of cells",
+                     "facets of the surface (face_at, normal)", "use group, box, sphere or plane");
   if (region.where.kind == Where::Kind::group) return cells_of_group(body, dim, region);
   std::vector<Index> found;
   if (region.where.kind == Where::Kind::vertices) {

@@ -139,16 +139,14 @@ void SceneCut::find_load_sites() {
     const LoadKind& kind = require_load_kind(load.kind, load.place);
     LoadSites& sites = loads_.emplace_back();
     sites.is_on_each_node = kind.is_on_each_node;
-    std::vector<bool> is_selected(at(body.num_nodes), false);
-    for (const Index node : selected) {
-      sites.nodes.push_back(body.first_node + node);
-      is_selected[at(node)] = true;
-    }
+    for (const Index node : selected) sites.nodes.push_back(body.first_node + node);
+    const std::vector<bool> is_meant =
+        meant_facets(load.where, selected, body, world_.rest_positions, dim, load.place + ".where");
     const Boundary surface = boundary(own_cells(body));
     sites.nodes_per_facet = at(num_nodes(surface.facets.kind));
     for (Index facet = 0; facet < surface.facets.num_cells(); ++facet) {
       const std::span<const Index> nodes = surface.facets.cell(facet);
-      if (!std::ranges::all_of(nodes, [&](Index node) { return is_selected[at(node)]; })) continue;
+      if (!is_meant[at(facet)]) continue;
       for (const Index node : nodes) sites.facets.push_back(body.first_node + node);
       sites.facet_ranks.push_back(cell_ranks_[b][at(surface.owners[at(facet)].cell)]);
     }

@@ -35,6 +35,9 @@ void move(Where& where, const Vector3& by) {
     case Where::Kind::sphere:
       where.center += by;
       break;
+    case Where::Kind::face:
+      where.face_at += by;
+      break;
     case Where::Kind::all:
     case Where::Kind::group:
     case Where::Kind::vertices:
@@ -80,7 +83,10 @@ Description with_origin(const Description& description, const Vector3& origin) {
   Description moved = description;
   for (BodyDescription& body : moved.bodies) move(body, description.dimension, by);
   for (FixDescription& fix : moved.fixes) move(fix, by);
-  for (LoadDescription& load : moved.loads) move(load.where, by);
+  for (LoadDescription& load : moved.loads) {
+    move(load.where, by);
+    if (load.point) *load.point += by;
+  }
   for (ColliderDescription& collider : moved.colliders) {
     ShapeDescription& shape = collider.shape;
     for (Vector3* place : {&shape.point, &shape.center, &shape.start, &shape.end, &shape.translate})

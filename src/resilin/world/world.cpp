@@ -23,6 +23,7 @@
 #include "resilin/world/loads.hpp"
 #include "resilin/world/meeting_surface.hpp"
 #include "resilin/world/plausibility.hpp"
+#include "resilin/world/resultants.hpp"
 #include "resilin/world/scene_origin.hpp"
 #include "resilin/world/selection.hpp"
 #include "resilin/world/start_check.hpp"
@@ -185,6 +186,7 @@ void Builder::find_oddities() {
                               ": contact between them is disabled ([contact]), and they pass through each "
                               "other; move one of them (translate), or enable contact");
   for (std::string& line : supports_in_colliders(world_)) world_.warnings.push_back(std::move(line));
+  for (std::string& line : opposite_side_warnings(world_)) world_.warnings.push_back(std::move(line));
   world_.run_warnings = implausible_numbers(description_);
   if (world_.modes || !is_idle(world_)) return;
   const std::string nothing = "no gravity, load, velocity or prescribed motion acts on a free vertex";
