@@ -65,7 +65,7 @@ void print_start(const RunOptions& options, const Simulation& simulation) {
              std::to_string(cells) + " cells, " + std::to_string(world.num_free_unknowns()) + " DOFs, " +
              std::string(simulation.solver_name()) + ", " + std::to_string(num_threads()) +
              (num_threads() == 1 ? " thread" : " threads"));
-  constexpr std::size_t most_conditions = 10;  // of each kind
+  constexpr std::size_t most_conditions = 10;  // lines of each kind
   print_conditions(world, most_conditions);
 }
 

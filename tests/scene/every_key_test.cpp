@@ -45,10 +45,10 @@ TEST(EveryKey, OfThePageIsInTheScene) {
     if (!line.starts_with("| `") || line.find("Not in this version") != line.npos) continue;
     std::string key = line.substr(3, line.find('`', 3) - 3);
     key = key.substr(key.rfind('.') + 1);
-    if (is_constant_of_a_law(key)) continue;                           // of the test below
-    if (key == "modes" || key == "count" || key == "about") continue;  // of scenes without motion
-    if (key == "mesher") continue;                                     // of a surface; surface_mesh_test.cpp
-    if (key == "disc" || key == "ring") continue;                      // of the plane; round_mesh_test.cpp
+    if (is_constant_of_a_law(key)) continue;                           // see the test below
+    if (key == "modes" || key == "count" || key == "about") continue;  // only for modal analysis
+    if (key == "mesher") continue;                 // only for a surface; see surface_mesh_test.cpp
+    if (key == "disc" || key == "ring") continue;  // only in 2D; see round_mesh_test.cpp
     EXPECT_NE(scene.find(key), scene.npos) << key;
   }
 }

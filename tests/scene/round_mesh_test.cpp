@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 struct RoundCase {
   std::string mesh;
   int dim;
-  double volume;                   ///< of the true body; in 2D its area
+  double volume;                   ///< volume of the true body; in 2D its area
   std::vector<std::string> sides;  ///< groups, and the areas of these
   std::vector<double> areas;
 };

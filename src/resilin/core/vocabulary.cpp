@@ -113,7 +113,7 @@ constexpr std::array rows = {
     Row{"tube", "pipe hollow_cylinder", "mesh = { tube = ... }"},
     Row{"spherical_shell", "hollow_sphere", "mesh = { spherical_shell = ... }"},
 
-    // what is asked for and not available
+    // features that are not available
     Row{"", "axisymmetric axisymmetry axi cax", "", "no axisymmetry"},
     Row{"", "plane_stress cps", "", "no plane stress"},
     Row{"", "tie ties tied glue bonded bond", "", "no ties"},

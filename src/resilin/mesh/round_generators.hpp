@@ -16,11 +16,11 @@ constexpr std::array<std::string_view, 6> spellings(RoundKind) {
 struct RoundShape {
   RoundKind kind = RoundKind::disc;
   double radius = 1;          ///< the outer one [m]
-  double inner_radius = 0;    ///< of a ring, a tube and a spherical shell [m]
-  double height = 1;          ///< of a cylinder and a tube [m]
+  double inner_radius = 0;    ///< inner radius of a ring, a tube and a spherical shell [m]
+  double height = 1;          ///< height of a cylinder and a tube [m]
   double degrees = 360;       ///< how much of a ring or tube there is, from the x axis on
   int radial_cells = 4;       ///< through the wall; of a disc, cylinder and ball along the radius
-  int around_cells = 16;      ///< of a ring, tube and spherical shell, along a circle
+  int around_cells = 16;      ///< cells along a circle of a ring, tube and spherical shell
   int axial_cells = 4;        ///< along the height
   double grading = 1;         ///< thickness of the outermost cell by that of the innermost one
   bool is_cut = true;         ///< into tetrahedra or triangles, in place of hexahedra or quadrilaterals

@@ -189,7 +189,7 @@ Json bodies_json(const World& world) {
 
 namespace {
 
-/// What loads and boundary conditions act on, and what loads amount to.
+/// Selections of loads and boundary conditions, and the resultants of loads.
 Json resultants_json(const std::vector<Resultant>& resultants, int dim) {
   Json list = Json::array();
   for (const Resultant& on : resultants) {

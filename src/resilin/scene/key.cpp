@@ -37,7 +37,7 @@ void refuse_unknown_keys(const SceneNode& table, const std::vector<std::string>&
   for (const SceneMember& member : table.value->table()) {
     if (std::ranges::find(known, member.key) != known.end()) continue;
     std::string cure = cure_of_word(member.key, known);
-    // What its value asks for says more: kind = "shell".
+    // Its value says more: kind = "shell".
     const std::array choices = {"kind", "type", "mode", "model", "formulation", "analysis", "section"};
     const auto* value = std::get_if<std::string>(&member.value.data);
     if (value != nullptr && std::ranges::find(choices, member.key) != choices.end())

@@ -75,7 +75,7 @@ Mesh read_box(const SceneNode& node) {
 /// A round body as a scene gives it.
 struct RoundTable {
   RoundShape shape;
-  std::string kind;  ///< of its cells; empty: what suits the element
+  std::string kind;  ///< kind of its cells; empty: the one that suits the element
   std::vector<int> cells;
   Vector3 center = Vector3::Zero();
 };
@@ -182,9 +182,9 @@ Mesh read_round(const SceneNode& node, RoundKind kind, const ElementInfo* elemen
   return mesh;
 }
 
-/// What a table says of a body's mesh.
+/// Keys of a table about a body's mesh.
 struct MeshTable {
-  const ElementInfo* element = nullptr;  ///< of the body; null for auto
+  const ElementInfo* element = nullptr;  ///< element of the body; null for auto
   std::optional<Mesh> box;
   std::optional<MeshFile> surface;
   SurfaceCells cells;

@@ -18,7 +18,7 @@ struct TimeStepper::Attempt {
   Stage last_stage{};
   double friction_work = 0;  ///< [J]
   VectorX history{};         ///< internal variables at the end, as in State
-  double history_heat = 0;   ///< of the terms that have them [J]
+  double history_heat = 0;   ///< heat of the terms with internal variables [J]
   /// Not found on a way that began in flight: near contact, other schemes than backward Euler then turn
   /// velocities around far from any collider.
   bool may_be_turned = false;

@@ -130,7 +130,7 @@ std::vector<Index> FacetFaces::number_faces(const std::vector<bool>& among, doub
 
 OppositeSides opposite_sides(const FacetFaces& surface) {
   constexpr double worth_telling = 0.05;
-  constexpr std::size_t most_faces = 200;  // of a rough surface; the largest are looked at
+  constexpr std::size_t most_faces = 200;  // faces of a rough surface; the largest are looked at
   const std::vector<bool> all(static_cast<std::size_t>(surface.count()), true);
   const std::vector<Index> numbers = surface.number_faces(all, angle_of_faces);
   std::vector<Vector3> sums;

@@ -16,7 +16,7 @@
 namespace resilin {
 namespace {
 
-/// What a load acts on: facets, or else nodes.
+/// Selection of a load: facets, or else nodes.
 struct Site {
   const CellBlock* facets = nullptr;
   std::vector<Index> nodes;  ///< rising

@@ -8,23 +8,23 @@
 
 namespace resilin {
 
-/// What a load or a boundary condition acts on, and what a load amounts to.
+/// Selection of a load or a boundary condition, and the resultant of a load.
 struct Resultant {
   std::string name;
   std::string kind;     ///< "fix", or the kind of the load: "traction", "gravity", ...
   Index num_nodes = 0;  ///< that it selects
   Index num_facets = 0;
-  double area = 0;  ///< of the facets at rest [m^2]; in 2D on unit thickness
+  double area = 0;  ///< area of the facets at rest [m^2]; in 2D on unit thickness
   Vector3 center =
       Vector3::Zero();             ///< centroid of the area, or the mean of the nodes; the scene's frame [m]
-  std::optional<Vector3> force{};  ///< of a load at factor 1 on the rest shape [N]; none of a spring
+  std::optional<Vector3> force{};  ///< force of a load at factor 1 on the rest shape [N]; none of a spring
   Vector3 moment = Vector3::Zero();  ///< about the centre [N m]
 };
 
 /// Resultants of all loads and of gravity, in the order of the terms.
 std::vector<Resultant> load_resultants(const World& world);
 
-/// What each boundary condition acts on.
+/// Selection of each boundary condition.
 std::vector<Resultant> fixed_selections(const World& world);
 
 /// "traction on 12 facets (20 nodes, 0.0002 m^2) about (0, 0, 0.1): force (0, 0, -50) N, moment ..."

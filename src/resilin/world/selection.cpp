@@ -89,7 +89,7 @@ std::vector<bool> flags_of(const std::vector<Index>& vertices, const Body& body)
 /// out of the skin. A facet is then of the face of the skin's triangle that is nearest to its centroid.
 std::vector<bool> facets_of_face(const Where& where, const FacetFaces& surface, const Body& body,
                                  double extent, const std::string& place) {
-  constexpr double far_off = 0.05;  // of the extent
+  constexpr double far_off = 0.05;  // distance relative to the extent
   const auto require_near = [&](double distance) {
     if (distance > far_off * extent)
       throw InputError(place + ".face_at", "a point on the surface of the body",
