@@ -203,13 +203,13 @@ class Simulation(PresentState[_core.Simulation]):
 
     @property
     def fixes(self) -> list[FixReport]:
-        """What each [[fix]] selects, as in report.json: nodes, facets, area [m^2], centre [m]."""
+        """Selection of each [[fix]], as in report.json: nodes, facets, area [m^2], centre [m]."""
         fixes: list[FixReport] = json.loads(self._core.fixes())
         return fixes
 
     @property
     def loads(self) -> list[LoadReport]:
-        """What each [[load]] and gravity act on, as in report.json.
+        """Selection of each [[load]] and of gravity, as in report.json.
 
         `force` [N] and `moment` about `center` [N m] are those at load factor 1 on the reference configuration. Look at
         them before a run: a selection may have caught more than was meant.

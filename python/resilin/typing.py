@@ -224,7 +224,7 @@ class ReportedBody(BodyReport):
 
 
 class FixReport(TypedDict):
-    """What a boundary condition selects: its area [m^2], and its centre in the frame of `where` [m]."""
+    """Selection of a boundary condition: its area [m^2], and its centre in the frame of `where` [m]."""
 
     name: str
     nodes: int
