@@ -6,8 +6,8 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <memory>
 #include <mutex>
-#include <optional>
 #include <utility>
 
 #include "resilin/core/parallel.hpp"
@@ -398,8 +398,8 @@ class StageViscoelastic final : public BasicEnergy {
   /// Made when it is first asked for: reports of energies do without.
   const Overstress& overstress() const {
     std::call_once(is_made_, [this] {
-      overstress_.emplace(*elastic_,
-                          overstress_rows(elastic_->tiles().blocks, branches_, history_, elapsed_));
+      overstress_ = std::make_unique<const Overstress>(
+          *elastic_, overstress_rows(elastic_->tiles().blocks, branches_, history_, elapsed_));
     });
     return *overstress_;
   }
@@ -410,7 +410,7 @@ class StageViscoelastic final : public BasicEnergy {
   VectorX history_;
   double elapsed_;
   mutable std::once_flag is_made_{};
-  mutable std::optional<Overstress> overstress_{};
+  mutable std::unique_ptr<const Overstress> overstress_{};
 };
 
 }  // namespace

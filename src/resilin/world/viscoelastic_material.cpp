@@ -16,6 +16,11 @@ std::string laws_with_split() {
   return join(names);
 }
 
+/// "material.viscoelastic.tau[1]"
+std::string entry_of(const std::string& list, std::size_t number) {
+  return list + "[" + std::to_string(number) + "]";
+}
+
 const ViscoelasticDescription* find_viscoelasticity(const BodyDescription& body) {
   if (body.material.viscoelastic) return &*body.material.viscoelastic;
   for (const RegionDescription& region : body.regions)
@@ -36,13 +41,13 @@ PronySeries prony_series(const ViscoelasticDescription& description, const LawIn
                      std::to_string(g.size()) + " relaxation time" + (g.size() == 1 ? "" : "s") +
                          ", one for each share in g",
                      std::to_string(tau.size()));
+  const std::string shares = place + ".g", times = place + ".tau";
   double sum = 0;
   for (std::size_t i = 0; i < g.size(); ++i) {
-    const std::string number = "[" + std::to_string(i) + "]";
     if (!(g[i] > 0 && std::isfinite(g[i])))
-      throw InputError(place + ".g" + number, "a number > 0", format_number(g[i]));
+      throw InputError(entry_of(shares, i), "a number > 0", format_number(g[i]));
     if (!(tau[i] > 0 && std::isfinite(tau[i])))
-      throw InputError(place + ".tau" + number, "a relaxation time > 0 s", format_number(tau[i]));
+      throw InputError(entry_of(times, i), "a relaxation time > 0 s", format_number(tau[i]));
     sum += g[i];
   }
   PronySeries series;
