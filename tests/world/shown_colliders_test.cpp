@@ -103,6 +103,23 @@ TEST(ColliderFacets, AreTrianglesLinesAndPointsWithTheNumbersOfTheirColliders) {
   }
 }
 
+/// However the world keeps them: those with an exact distance come first there.
+TEST(ColliderFacets, HaveTheNumbersOfTheScene) {
+  Description scene = small_bar(3, true);
+  ColliderDescription box, floor;
+  box.name = "box";
+  box.kind = "box";
+  box.shape.center = {0, 10, 0};
+  box.shape.size = {1, 1, 1};
+  floor.name = "floor";
+  floor.shape.point = {0, 0, -5};
+  floor.shape.normal = Vector3::UnitZ();
+  scene.colliders = {box, floor};
+  const ColliderFacets facets = collider_facets(World(scene), {});
+  EXPECT_EQ(std::ranges::count(facets.numbers, 0.0), 12);  // triangles of a box
+  EXPECT_EQ(std::ranges::count(facets.numbers, 1.0), 2);
+}
+
 /// Seen from outside, triangles of exact shapes turn as those of bodies do.
 TEST(ColliderFacets, OfABallFaceOutwards) {
   Description scene = small_bar(3, true);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -7,6 +8,16 @@
 #include "resilin/energy/energy.hpp"
 
 namespace resilin {
+
+/// Adds to the weight of a node, each of which is listed once.
+inline void add_weight(Index node, double weight, std::vector<WeightedNode>& nodes) {
+  const auto found = std::ranges::find(nodes, node, &WeightedNode::node);
+  if (found == nodes.end()) {
+    nodes.push_back({node, weight});
+  } else {
+    found->weight += weight;
+  }
+}
 
 /// Points that follow nodes by a fixed linear map:
 ///

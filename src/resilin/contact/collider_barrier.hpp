@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "resilin/contact/ball_facets.hpp"
 #include "resilin/contact/barrier.hpp"
 #include "resilin/contact/collider_motion.hpp"
 #include "resilin/contact/collider_shape.hpp"
@@ -15,7 +16,7 @@
 namespace resilin {
 
 /// Keeps points of the bodies' surfaces out of a collider: E = sum_i kappa A_i b(d(x_i)). `Friction` adds
-/// friction.
+/// friction. A ball also keeps out facets that are large beside it (ball_facets.hpp).
 ///
 /// Only positions with d > 0 are in its domain, and `max_step` never lets a point lose more than nine
 /// tenths of its distance: nothing passes through. Between the steps of a simulation the caller may move the
@@ -24,6 +25,11 @@ class ColliderBarrier final : public BasicEnergy, public FrictionSource {
  public:
   ColliderBarrier(std::string name, int dim, std::shared_ptr<const ColliderShape> shape, ContactPoints points,
                   double activation_distance, ColliderMotion motion = {}, double friction = 0);
+
+  /// Facets that it meets besides the points: for a ball, with its activation distance.
+  void meet_facets(std::shared_ptr<const BallFacets> facets) { facets_ = std::move(facets); }
+  /// None: it meets points alone.
+  const BallFacets* facets() const { return facets_.get(); }
 
   std::string_view name() const override { return name_; }
   EnergyProperties properties() const override { return {.category = EnergyCategory::contact}; }
@@ -35,7 +41,8 @@ class ColliderBarrier final : public BasicEnergy, public FrictionSource {
                    BlockMatrix& hessian) const override;
   double max_step(const VectorX& x, const VectorX& p, const Conditions& c) const override;
 
-  /// "barrier_stiffness": kappa A of each point [N], in 2D [N/m]; and those of its motion.
+  /// "barrier_stiffness": kappa A of each point [N], in 2D [N/m], then kappa of each surface of its facets
+  /// [Pa]; and those of its motion.
   std::vector<EnergyParameter> parameters() const override;
   void add_parameter_slopes(std::string_view name, const VectorX& x, const VectorX& w, const Conditions& c,
                             VectorX& slopes) const override;
@@ -47,12 +54,14 @@ class ColliderBarrier final : public BasicEnergy, public FrictionSource {
 
   const FrictionSource* friction_source() const override { return this; }
   std::string_view name_in_reports() const override { return name_; }
-  /// Each point within the activation distance.
+  /// Each point and feature within the activation distance.
   void add_friction_contacts(const VectorX& x, const VectorX& start, const Conditions& c,
                              FrictionContacts& contacts) const override;
   void add_friction_slopes(const VectorX& x, const VectorX& start, const Conditions& c,
                            std::vector<FrictionContactSlopes>& slopes) const override;
-  Eigen::Index num_stiffnesses() const override { return points_.size(); }
+  Eigen::Index num_stiffnesses() const override {
+    return points_.size() + (facets_ ? static_cast<Eigen::Index>(facets_->surface().stiffness.size()) : 0);
+  }
   const ColliderMotion* motion_of_its_own() const override { return &motion_; }
   double friction() const { return friction_; }
 
@@ -64,6 +73,8 @@ class ColliderBarrier final : public BasicEnergy, public FrictionSource {
     Index point = -1;
   };
   Nearest nearest(const VectorX& x, const Conditions& c) const;
+  /// The smallest distance from points and facets [m].
+  double gap(const VectorX& x, const Conditions& c) const;
   /// Distance of a point from the collider [m].
   double distance(const Vector3& point, const Conditions& c) const {
     return shape_->distance(rigid_place(c).inverse(point));
@@ -83,6 +94,8 @@ class ColliderBarrier final : public BasicEnergy, public FrictionSource {
   std::optional<double> driven_work(const VectorX& from, const Conditions& before, const VectorX& to,
                                     const Conditions& after) const override;
 
+  /// Ball at some time, for one that is a ball.
+  Ball ball(const Conditions& c) const { return {place(c), shape_->radius()}; }
   /// Reference point of the shape [m].
   Vector3 place(const Conditions& c) const { return rigid_place(c)(shape_->reference_point()); }
   void move_to(const Vector3& point) { offset_ = point - shape_->reference_point(); }
@@ -114,6 +127,15 @@ class ColliderBarrier final : public BasicEnergy, public FrictionSource {
   /// Calls `visit(point, y, d)` for points nearer than the activation distance; y is relative to the shape.
   template <class Visit>
   void for_each_near(const VectorX& x, const Conditions& c, const Visit& visit) const;
+  /// Calls `visit(contact, set)` where facets are within the activation distance.
+  template <class Visit>
+  void for_near_facets(const VectorX& x, const Conditions& c, const Visit& visit) const;
+  /// Facets leave the ball's own motion as much as points do.
+  double free_share_of_facets(const VectorX& x, const Vector3& motion, const Conditions& c,
+                              double share) const;
+  void add_facet_friction(const VectorX& x, const Conditions& c, FrictionContacts& contacts) const;
+  void add_facet_friction_slopes(const VectorX& x, const Conditions& c,
+                                 std::vector<FrictionContactSlopes>& slopes) const;
   /// d2/dx2 of a point's energy that is as far away, y being relative to the shape.
   Eigen::Matrix3d curvature_at(Index point, const Vector3& y, double d, const RigidPlace& place,
                                Projection projection) const;
@@ -125,6 +147,7 @@ class ColliderBarrier final : public BasicEnergy, public FrictionSource {
   ClampedLogBarrier barrier_;
   ColliderMotion motion_;
   double friction_;  ///< its coefficient
+  std::shared_ptr<const BallFacets> facets_;
   Vector3 offset_ = Vector3::Zero();
   bool is_active_ = true;
 };

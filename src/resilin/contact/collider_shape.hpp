@@ -22,6 +22,9 @@ class ColliderShape {
   /// The point that a motion of the shape is told by [m].
   virtual Vector3 reference_point() const = 0;
 
+  /// Radius of a ball about that point [m]; 0: the shape is no ball.
+  virtual double radius() const { return 0; }
+
   /// Its surface for whoever draws it. Of one without end a square, in 2D a line, that reaches so far around
   /// the place below `middle` [m].
   virtual ColliderMesh facets(int dim, const Vector3& middle, double reach) const = 0;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "resilin/collision/edge_mollifier.hpp"
+#include "resilin/contact/barrier.hpp"
 #include "resilin/contact/contact_surface.hpp"
 
 namespace resilin {
@@ -21,11 +22,13 @@ struct ContactTerm {
   PairKind kind;
   std::array<Index, most_pair_vertices> vertices;  ///< vertices of the surface, those of the first part first
   double stiffness;                                ///< [Pa m^2], in 2D [Pa m] on unit thickness
-  double mollifier_threshold;  ///< mollifier threshold of EdgeMollifier [m^4]; 0 for pairs that have none
-  double activation_distance;  ///< [m]
+  double mollifier_threshold;                      ///< of EdgeMollifier [m^4]; 0 for pairs that have none
+  double activation_distance;                      ///< [m]
+  double radius = 0;  ///< of the ball around the first vertex, from which the distance counts [m]
 
   bool operator==(const ContactTerm&) const = default;
 
+  ClampedLogBarrier barrier() const { return {activation_distance, radius}; }
   std::optional<EdgeMollifier> mollifier() const {
     if (mollifier_threshold > 0) return EdgeMollifier{mollifier_threshold};
     return std::nullopt;

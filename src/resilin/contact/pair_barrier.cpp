@@ -106,8 +106,8 @@ double pair_barrier_difference(const ClampedLogBarrier& barrier, PairKind kind,
                                double stiffness, const std::optional<EdgeMollifier>& mollifier) {
   const double d = std::sqrt(squared_distance<dim>(kind, from)),
                change = distance_change<dim>(kind, from, to);
-  if (!(d + change > 0)) return std::numeric_limits<double>::infinity();
-  if (d >= barrier.activation_distance && d + change >= barrier.activation_distance) return 0;
+  if (!(d + change > barrier.radius)) return std::numeric_limits<double>::infinity();
+  if (d >= barrier.reach() && d + change >= barrier.reach()) return 0;
   double difference = barrier.difference(d, change);
   if constexpr (dim == 3) {
     if (mollifier && kind == PairKind::edge_edge) {

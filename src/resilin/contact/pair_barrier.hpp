@@ -26,7 +26,7 @@ class PairBarrier {
               double stiffness, const std::optional<EdgeMollifier>& mollifier = std::nullopt);
 
   const PairDistance<dim>& distance() const { return pair_; }
-  bool is_active() const { return !(pair_.distance >= barrier_.activation_distance); }
+  bool is_active() const { return !(pair_.distance >= barrier_.reach()); }
 
   double value() const;              ///< E [J]; infinite where the parts touch
   PairVector<dim> gradient() const;  ///< dE/dx [N], for d > 0

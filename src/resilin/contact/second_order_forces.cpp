@@ -65,7 +65,7 @@ void add_force(const CutTerm& cut, const VectorX& places, const VectorX& displac
   const auto used = [&](const Corners<dim>& all) {
     return std::span<const Vector<dim>>(all).first(vertices.size());
   };
-  const ClampedLogBarrier barrier{term.activation_distance};
+  const ClampedLogBarrier barrier = term.barrier();
   const PairBarrier<dim> pair(barrier, term.kind, used(corners), term.stiffness, term.mollifier());
   if (!pair.is_active()) return;
   const double distance = pair.distance().distance;

@@ -13,7 +13,7 @@ class Sphere final : public ColliderShape {
 
   std::string_view kind() const override { return "sphere"; }
   Vector3 reference_point() const override { return center_; }
-  double radius() const { return radius_; }
+  double radius() const override { return radius_; }
   ColliderMesh facets(int dim, const Vector3&, double) const override {
     return ball_mesh(center_, radius_, dim);
   }

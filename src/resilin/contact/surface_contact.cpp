@@ -17,16 +17,6 @@ namespace {
 /// Share of the activation distance: what is nearer counts as touching.
 constexpr double touching = 1e-6;
 
-/// Nodes may have a part in several vertices of a pair.
-void add_weight(Index node, double weight, std::vector<WeightedNode>& nodes) {
-  const auto found = std::ranges::find(nodes, node, &WeightedNode::node);
-  if (found == nodes.end()) {
-    nodes.push_back({node, weight});
-  } else {
-    found->weight += weight;
-  }
-}
-
 std::span<const double> numbers(const VectorX& values) {
   return {values.data(), static_cast<std::size_t>(values.size())};
 }

@@ -33,8 +33,7 @@ class TermPlaces {
 
 template <int dim>
 PairBarrier<dim> barrier_of(const ContactTerm& term, const VectorX& places) {
-  return {ClampedLogBarrier{term.activation_distance}, term.kind, TermPlaces<dim>(term, places),
-          term.stiffness, term.mollifier()};
+  return {term.barrier(), term.kind, TermPlaces<dim>(term, places), term.stiffness, term.mollifier()};
 }
 
 template <class Visit>
@@ -66,7 +65,8 @@ void add_merged(Feature feature, const ContactTerm& term, std::size_t first,
       merged[k].stiffness += term.stiffness;
       return;
     }
-  merged.push_back({feature.kind, feature.vertices, term.stiffness, 0, term.activation_distance});
+  merged.push_back(
+      {feature.kind, feature.vertices, term.stiffness, 0, term.activation_distance, term.radius});
 }
 
 template <int dim>
@@ -79,7 +79,7 @@ ContactTerms merged_in(const ContactTerms& all, const VectorX& places) {
       [&](const ContactTerm& term, std::optional<Feature>& feature) {
         const PairDistance<dim> pair = pair_distance<dim>(term.kind, TermPlaces<dim>(term, places));
         feature.reset();
-        if (!(pair.distance >= term.activation_distance))
+        if (!(pair.distance >= term.barrier().reach()))
           feature = closest_feature(term.kind, term.used_vertices(), pair.weights);
       },
       [&](const ContactTerm& term, const std::optional<Feature>& feature) {
@@ -134,9 +134,8 @@ double sum_of_differences(const TermSet& set, const VectorX& from, const VectorX
       double sum = 0;
       for (std::size_t k = begin; k < end; ++k) {
         const ContactTerm& term = set.terms[k];
-        sum += pair_barrier_difference<dim>(ClampedLogBarrier{term.activation_distance}, term.kind,
-                                            TermPlaces<dim>(term, from), TermPlaces<dim>(term, to),
-                                            term.stiffness, term.mollifier());
+        sum += pair_barrier_difference<dim>(term.barrier(), term.kind, TermPlaces<dim>(term, from),
+                                            TermPlaces<dim>(term, to), term.stiffness, term.mollifier());
       }
       return sum;
     });

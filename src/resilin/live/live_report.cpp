@@ -45,12 +45,15 @@ void LiveScene::Contents::measure(const NewtonReport& newton_report) {
 std::optional<LiveContact> LiveScene::Contents::contact() const {
   LiveContact sum;
   bool can_touch = false;
-  const auto add_surfaces = [&](const SurfaceContact& contact) {
-    can_touch = true;
-    for (const PartForce& part : contact.part_forces(state.positions, conditions())) {
+  const auto add_parts = [&](const std::vector<PartForce>& parts) {
+    for (const PartForce& part : parts) {
       sum.smallest_gap = std::min(sum.smallest_gap, part.distance);
       ++sum.active_pairs;
     }
+  };
+  const auto add_surfaces = [&](const SurfaceContact& contact) {
+    can_touch = true;
+    add_parts(contact.part_forces(state.positions, conditions()));
   };
   const auto add_nodes = [&](const ColliderBarrier& collider) {
     can_touch = true;
@@ -61,6 +64,8 @@ std::optional<LiveContact> LiveScene::Contents::contact() const {
       sum.smallest_gap = std::min(sum.smallest_gap, gap);
       ++sum.active_pairs;
     }
+    if (const BallFacets* facets = collider.facets(); facets != nullptr)
+      add_parts(facets->part_forces(state.positions, collider.ball(conditions())));
   };
   if (world.contact) add_surfaces(*world.contact);
   for (const auto& collider : world.mesh_colliders) add_surfaces(*collider);

@@ -1,5 +1,6 @@
 #include "resilin/live/obstacle.hpp"
 
+#include "resilin/world/colliders.hpp"
 #include "resilin/world/meeting_surface.hpp"
 
 namespace resilin {
@@ -16,10 +17,12 @@ Obstacle::Obstacle(const std::string& name, const World& world, const VectorX& p
   barrier_ = std::make_shared<ColliderBarrier>(name, world.dimension, shape,
                                                contact_points(world, options.stiffness), reach,
                                                ColliderMotion{}, options.friction);
+  if (shape->radius() > 0)  // which may change
+    barrier_->meet_facets(ball_facets(world, 0, options.stiffness, reach));
   goal_ = shape->reference_point();
   // A node that is d inside comes out by moving at least -d along the way.
   for (int attempt = 0; attempt < 1000; ++attempt) {
-    const double distance = barrier_->nearest(positions, {}).distance;
+    const double distance = barrier_->gap(positions, {});
     if (distance > options.least_gap * reach) break;
     barrier_->move_by((reach - distance + 1e-3 * reach) * way_out);
   }

@@ -9,17 +9,6 @@
 namespace resilin {
 namespace {
 
-BarrierLinks::Barrier of_collider(std::size_t term, const ColliderBarrier& collider, const World& world) {
-  const ContactPoints& points = collider.points();
-  BarrierLinks::Barrier barrier{
-      term, {}, Eigen::Map<const VectorX>(points.stiffness.data(), Eigen::Index{points.size()})};
-  for (Index point = 0; point < points.size(); ++point) {
-    const Body& body = world.body_of(points.places.nodes_of(point)[0]);
-    barrier.bodies.push_back(static_cast<Index>(&body - world.bodies.data()));
-  }
-  return barrier;
-}
-
 BarrierLinks::Barrier of_surface(std::size_t term, const ContactSurface& surface) {
   BarrierLinks::Barrier barrier{term, {}, VectorX::Zero(static_cast<Eigen::Index>(surface.stiffness.size()))};
   const std::size_t num_bodies = surface.stiffness.size() - (surface.obstacle ? 1 : 0);
@@ -28,6 +17,23 @@ BarrierLinks::Barrier of_surface(std::size_t term, const ContactSurface& surface
     barrier.stiffness[static_cast<Eigen::Index>(body)] = surface.stiffness[body];
   }
   if (surface.obstacle) barrier.bodies.push_back(-1);
+  return barrier;
+}
+
+BarrierLinks::Barrier of_collider(std::size_t term, const ColliderBarrier& collider, const World& world) {
+  const ContactPoints& points = collider.points();
+  BarrierLinks::Barrier barrier{term, {}, VectorX::Zero(collider.num_stiffnesses())};
+  barrier.stiffness.head(points.size()) =
+      Eigen::Map<const VectorX>(points.stiffness.data(), Eigen::Index{points.size()});
+  for (Index point = 0; point < points.size(); ++point) {
+    const Body& body = world.body_of(points.places.nodes_of(point)[0]);
+    barrier.bodies.push_back(static_cast<Index>(&body - world.bodies.data()));
+  }
+  if (collider.facets() != nullptr) {
+    const BarrierLinks::Barrier of_facets = of_surface(term, collider.facets()->surface());
+    barrier.bodies.insert(barrier.bodies.end(), of_facets.bodies.begin(), of_facets.bodies.end());
+    barrier.stiffness.tail(of_facets.stiffness.size()) = of_facets.stiffness;
+  }
   return barrier;
 }
 

@@ -22,7 +22,7 @@ std::vector<PressingCollider> pressing_colliders(const World& world, const Vecto
       found.push_back({std::string(collider.name()), reaction->force.norm(), gap, activation_distance});
   };
   for (const auto& collider : world.colliders)
-    add(*collider, collider->nearest(positions, full).distance, collider->activation_distance());
+    add(*collider, collider->gap(positions, full), collider->activation_distance());
   for (const auto& collider : world.mesh_colliders)
     add(*collider, collider->smallest_gap(positions, full).distance, collider->activation_distance());
   return found;
@@ -38,7 +38,7 @@ std::string in_words(const PressingCollider& collider, const World& world) {
 
 std::string collider_around(const World& world, const VectorX& positions) {
   for (const auto& collider : world.colliders) {
-    const double distance = collider->nearest(positions, {}).distance;
+    const double distance = collider->gap(positions, {});
     if (distance <= 0)
       return format_short(-distance) + " m inside of the collider \"" + std::string(collider->name()) + '"';
   }

@@ -18,7 +18,36 @@ ContactPoints points_of(const ContactPart& part) {
   return points;
 }
 
+/// Between its vertices a facet may reach into a ball.
+void check_facets_are_outside(const ColliderBarrier& collider, const World& world, const std::string& place) {
+  if (collider.facets() == nullptr) return;
+  const BallFacets::Nearest nearest = collider.facets()->nearest(world.start_positions, collider.ball({}));
+  if (nearest.distance > 0) return;
+  const ContactSurface& surface = collider.facets()->surface();
+  const auto body =
+      static_cast<std::size_t>(surface.parts.bodies[static_cast<std::size_t>(nearest.vertices[0])]);
+  throw InputError(
+      place, "bodies that start outside, with a gap",
+      "a facet of \"" + world.bodies[body].name + "\" " +
+          (nearest.distance == 0 ? "on its surface" : format_short(-nearest.distance) + " m inside"),
+      "move the body (translate) or the collider by " +
+          format_short(0.5 * collider.activation_distance() - nearest.distance) + " m or more");
+}
+
 }  // namespace
+
+std::shared_ptr<const BallFacets> ball_facets(const World& world, double least_radius,
+                                              std::optional<double> stiffness, double activation_distance) {
+  ContactSurface surface = make_contact_surface(
+      world.dimension, contact_bodies(world, stiffness), world.contact_shape(),
+      ContactObstacle{.mesh = {.vertices = {Vector3::Zero()},
+                               .facets = std::vector<Index>(static_cast<std::size_t>(world.dimension), 0)},
+                      .motion = {}});
+  leave_held_out(surface, held_nodes(world));
+  auto facets = std::make_shared<const BallFacets>(std::move(surface), world.contact_shape(), least_radius,
+                                                   activation_distance);
+  return facets->empty() ? nullptr : facets;
+}
 
 ColliderMotion motion_of(const ColliderDescription& description, double end_time) {
   ColliderMotion motion{.velocity = description.velocity,
@@ -57,10 +86,14 @@ void add_collider(const ColliderDescription& description, World& world, const Co
     world.terms.push_back(world.mesh_colliders.back());
     return;
   }
-  world.colliders.push_back(std::make_shared<ColliderBarrier>(
+  const auto barrier = std::make_shared<ColliderBarrier>(
       description.name, world.dimension, kind->make(description.shape),
       part != nullptr ? points_of(*part) : contact_points(world, description.stiffness), activation_distance,
-      motion_of(description, world.end_time), description.friction));
+      motion_of(description, world.end_time), description.friction);
+  if (part == nullptr && barrier->shape().radius() > 0)
+    barrier->meet_facets(
+        ball_facets(world, barrier->shape().radius(), description.stiffness, activation_distance));
+  world.colliders.push_back(barrier);
   world.terms.push_back(world.colliders.back());
   if (part != nullptr) return;  // the whole has been checked
   const ColliderBarrier& collider = *world.colliders.back();
@@ -69,6 +102,7 @@ void add_collider(const ColliderDescription& description, World& world, const Co
   if (!shape.is_flat())
     check_is_beside(shape.facets(world.dimension, shape.reference_point(), 0), description,
                     activation_distance, world);
+  check_facets_are_outside(collider, world, description.place);
 }
 
 void check_is_outside(const ColliderBarrier& collider, const World& world, const VectorX& positions,

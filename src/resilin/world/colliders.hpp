@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+#include <optional>
 #include <string>
 
 #include "resilin/contact/collider_barrier.hpp"
@@ -9,6 +11,12 @@ namespace resilin {
 
 /// @param end_time  when a displacement without a function of time is reached [s]
 ColliderMotion motion_of(const ColliderDescription& description, double end_time);
+
+/// The facets of all bodies that a ball meets besides their nodes: null where they are small beside it.
+/// @param least_radius  that the ball ever has [m]
+/// @param stiffness     as for contact_points
+std::shared_ptr<const BallFacets> ball_facets(const World& world, double least_radius,
+                                              std::optional<double> stiffness, double activation_distance);
 
 /// Adds it to the world, which is complete but for colliders and what moves; throws InputError for a collider
 /// that cannot be, and for a body that starts through it.

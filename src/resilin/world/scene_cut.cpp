@@ -58,6 +58,11 @@ void require_distributable(const World& world) {
     refuse(scene + ": contact", "contact between bodies or self-contact",
            "run it on one process; without contact set [contact] enabled = false");
   if (!world.mesh_colliders.empty()) refuse(scene + ": collider", "a collider of facets");
+  for (const auto& collider : world.colliders)
+    if (collider->facets() != nullptr)
+      refuse(scene + ": collider \"" + std::string(collider->name()) + '"',
+             "a sphere that is small beside the facets of a body",
+             "refine the mesh or run it on one process");
   if (world.friction) refuse(scene + ": friction", "friction");
   if (!world.sections.empty()) refuse(scene + ": section", "a section force");
   for (const Body& body : world.bodies)

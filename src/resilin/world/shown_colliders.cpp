@@ -34,6 +34,12 @@ std::vector<Index> different_corners(std::span<const Index> facet) {
   return corners;
 }
 
+/// Number of a collider in the scene file, from 0.
+double number_in_scene(const World& world, const std::string& name) {
+  const std::vector<ColliderDescription>& all = world.made_from->colliders;
+  return static_cast<double>(std::ranges::find(all, name, &ColliderDescription::name) - all.begin());
+}
+
 }  // namespace
 
 std::vector<ShownCollider> shown_colliders(const World& world) {
@@ -71,9 +77,9 @@ ColliderFacets collider_facets(const World& world, const Conditions& c) {
   constexpr std::array kinds = {CellKind::point, CellKind::line, CellKind::triangle};
   ColliderFacets all;
   std::map<CellKind, std::vector<double>> numbers;
-  double number = 0;
   const auto dim = static_cast<std::size_t>(world.dimension);
   for (const ShownCollider& collider : shown_colliders(world)) {
+    const double number = number_in_scene(world, collider.name);
     const auto first = static_cast<Index>(all.mesh.vertices.size());
     const RigidPlace place = collider.place(c);
     for (const Vector3& X : collider.mesh.vertices) all.mesh.vertices.push_back(world.origin + place(X));
@@ -84,7 +90,6 @@ ColliderFacets collider_facets(const World& world, const Conditions& c) {
       for (const Index corner : corners) all.mesh.block(kind).nodes.push_back(first + corner);
       numbers[kind].push_back(number);
     }
-    ++number;
   }
   for (const CellBlock& block : all.mesh.blocks)
     all.numbers.insert(all.numbers.end(), numbers[block.kind].begin(), numbers[block.kind].end());
