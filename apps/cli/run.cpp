@@ -77,13 +77,13 @@ void print_modes(const std::vector<VibrationMode>& modes) {
   }
 }
 
-/// One line, of all bodies.
+/// One line, of all bodies. In motion there is but the estimate by recovered stress.
 void print_discretisation_errors(const World& world, const DiscretisationErrors& errors) {
   std::vector<std::string> parts;
   for (std::size_t b = 0; b < errors.size(); ++b)
     if (const std::optional<double>& error = errors[b])
       parts.push_back(share_text(*error) + " (" + world.bodies[b].name + ", " + world.bodies[b].element +
-                      ")");
+                      (world.is_dynamic && *error != cannot_tell ? ", by recovered stress)" : ")"));
   if (!parts.empty()) print_line("estimated discretisation error: " + join(parts));
 }
 
@@ -110,7 +110,8 @@ void print_end(const Simulation& simulation, const ResultFolder& results, const 
   print_line(std::string(name(outcome.status)) + ": " + outcome.reason);
   print_line("took " + format_seconds(total) + " (reading and setting up " + format_seconds(setup_seconds) +
              ", assembly " + format_seconds(timing.assembly) + ", solving " + format_seconds(timing.solve) +
-             ", output " + format_seconds(results.output_seconds()) + ")");
+             ", error estimate " + format_seconds(outcome.estimate_seconds) + ", output " +
+             format_seconds(results.output_seconds()) + ")");
   std::string files = "results: " + (results.path() / "report.json").string();
   const std::filesystem::path list = results.path() / "frames.pvd";
   if (simulation.world().output.writes(OutputFormat::vtu))

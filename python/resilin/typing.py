@@ -247,6 +247,7 @@ class TimingReport(TypedDict):
     total: float
     assembly: float
     solve: float
+    estimate: float
     output: float
 
 

@@ -67,7 +67,7 @@ TEST_F(RunCommand, ReportsWhatTheContractNames) {
   for (const char* key : {"reason", "version", "frames", "bodies", "timing", "peak_memory_MiB"}) {
     EXPECT_TRUE(report.contains(key)) << key;
   }
-  for (const char* key : {"total", "assembly", "solve", "output"})
+  for (const char* key : {"total", "assembly", "solve", "estimate", "output"})
     EXPECT_TRUE(report["timing"].contains(key)) << key;
   const nlohmann::json& body = report["bodies"][0];
   EXPECT_EQ(body["law"], "neo_hookean");

@@ -164,7 +164,7 @@ TEST(DiscretisationError, IsFreeOfUnits) {
 }
 
 TEST(DiscretisationError, IsToldInOneLineWithACure) {
-  Description scene = cantilever(3, 10, 1, "P1");
+  Description scene = cantilever(3, 5, 2, "P1");
   scene.bodies[0].name = "arm";
   const auto line_of = [&scene] {
     const Simulation simulation = run_all(scene);
@@ -178,10 +178,24 @@ TEST(DiscretisationError, IsToldInOneLineWithACure) {
   scene.bodies[0].material.law = "neo_hookean_simo";
   scene.gravity *= 1e-3;
   EXPECT_THAT(line_of(), HasSubstr("element = \"P2P0\""));
-  scene = cantilever(3, 10, 1, "Q1");
+  scene = cantilever(3, 5, 2, "Q1");
   EXPECT_THAT(line_of(), HasSubstr("finer cells or tetrahedra"));
-  scene.bodies[0] = cantilever(3, 10, 1, "P2").bodies[0];
+  scene.bodies[0] = cantilever(3, 5, 2, "P2").bodies[0];
   EXPECT_EQ(line_of(), "");
+  scene.bodies[0] = cantilever(3, 5, 1, "P2").bodies[0];
+  EXPECT_THAT(line_of(), HasSubstr("\"body\" is one cell across"));
+}
+
+TEST(DiscretisationError, KnowsBodiesThatAreOneCellAcross) {
+  for (const int dim : {2, 3})
+    for (const std::string element : {"P1", "P2", "Q1"})
+      for (const int layers : {1, 2, 3}) {
+        const World world(cantilever(dim, 6, layers, element));
+        EXPECT_EQ(is_one_cell_across(world.bodies[0]), layers == 1) << dim << " " << element << " " << layers;
+        // At rest there is nothing to tell.
+        EXPECT_FALSE(error_by_recovered_stress(world, world.bodies[0], world.rest_positions).has_value());
+      }
+  EXPECT_EQ(share_text(cannot_tell), "unknown: one cell across");
 }
 
 TEST(DiscretisationError, OfBodiesAtRestIsNotKnown) {

@@ -13,6 +13,7 @@
 #include "resilin/element/catalog.hpp"
 #include "resilin/fields/patch_recovery.hpp"
 #include "resilin/material/rest_tangents.hpp"
+#include "resilin/mesh/topology.hpp"
 #include "resilin/world/body_mesh.hpp"
 
 namespace resilin {
@@ -21,6 +22,8 @@ namespace {
 constexpr std::size_t cells_per_chunk = 256;
 /// Strain below which stresses are what rounding and stopping rules leave.
 constexpr double least_strain = 1e-12;
+/// The least share of the squared norm that is left in a richer space: one step cannot tell of less.
+constexpr double least_share_of_norm = 0.1;
 constexpr double most_lambda_to_mu = 9;  ///< that of Poisson's ratio 0.45
 /// With more materials than this in a body they count as one that varies in space.
 constexpr std::size_t most_materials = 64;
@@ -302,6 +305,8 @@ std::optional<double> discretisation_error(const World& world, const Body& body,
 std::optional<double> squared_solution_norm(const Body& body, const VectorX& positions) {
   const Domains& elastic = body.domains;
   if (elastic.num_cells() == 0) return std::nullopt;
+  // With one pressure in each cell the stress does not tell of the volumes that vary within it.
+  const bool is_mixed = elastic.element().has_mean_volume;
   const std::vector<SymmetricTensor> stresses =
       elastic.by_cell([&](const Domain& domain) { return turned_back_stresses(*domain.energy, positions); });
   const CellMaterials materials = cell_materials(elastic);
@@ -312,13 +317,40 @@ std::optional<double> squared_solution_norm(const Body& body, const VectorX& pos
     add_norms(std::span(stresses).subspan(cell * num_points, num_points),
               std::span(volumes).subspan(cell * num_points, num_points),
               materials.moduli[static_cast<std::size_t>(materials.of_cells[cell])], sums);
+  if (is_mixed) sums.norm = 2 * elastic.value(positions);
   if (!is_strained(sums) || !std::isfinite(sums.norm)) return std::nullopt;
   return sums.norm;
 }
 
+bool is_one_cell_across(const Body& body) {
+  const CellBlock facets = boundary({.kind = body.cell_kind, .nodes = body.cells}).facets;
+  std::vector<char> is_outside(static_cast<std::size_t>(body.num_nodes), 0);
+  for (const Index node : facets.nodes) is_outside[static_cast<std::size_t>(node - body.first_node)] = 1;
+  const auto num_nodes = static_cast<std::size_t>(resilin::num_nodes(body.cell_kind)),
+             num_corners = static_cast<std::size_t>(resilin::num_corners(body.cell_kind));
+  const std::vector<double> volumes = body.domains.rest_volumes();
+  double all = 0, outside = 0;
+  for (std::size_t cell = 0; cell < volumes.size(); ++cell) {
+    const Index* const nodes = body.cells.data() + cell * num_nodes;
+    all += volumes[cell];
+    if (std::all_of(nodes, nodes + num_corners, [&](Index node) {
+          return is_outside[static_cast<std::size_t>(node - body.first_node)] != 0;
+        }))
+      outside += volumes[cell];
+  }
+  return 2 * outside > all;
+}
+
+std::optional<double> error_by_recovered_stress(const World& world, const Body& body,
+                                                const VectorX& positions) {
+  if (body.num_cells() > 0 && is_one_cell_across(body))
+    return squared_solution_norm(body, positions) ? std::optional(cannot_tell) : std::nullopt;
+  return discretisation_error(world, body, positions);
+}
+
 DiscretisationErrors discretisation_errors(const World& world, const VectorX& positions) {
   DiscretisationErrors errors;
-  for (const Body& body : world.bodies) errors.push_back(discretisation_error(world, body, positions));
+  for (const Body& body : world.bodies) errors.push_back(error_by_recovered_stress(world, body, positions));
   return errors;
 }
 
@@ -328,6 +360,12 @@ std::vector<std::string> coarseness_texts(const World& world, const Discretisati
     const double error = errors[b].value_or(0);
     if (error <= large_discretisation_error) continue;
     const Body& body = world.bodies[b];
+    if (error == cannot_tell) {
+      texts.push_back("\"" + body.name +
+                      "\" is one cell across: its discretisation error cannot be estimated " +
+                      "from its stresses; compare with " + finer_choice(body));
+      continue;
+    }
     texts.push_back("\"" + body.name + "\" has an estimated discretisation error of " + share_text(error) +
                     " (displacements, or forces where displacements are prescribed): " + body.element +
                     " on these cells is too coarse; take " + finer_choice(body));
@@ -336,10 +374,12 @@ std::vector<std::string> coarseness_texts(const World& world, const Discretisati
 }
 
 double share_missing(double gain, bool is_driven_by_displacements) {
-  return is_driven_by_displacements ? std::min(gain, 1.0) : gain / (1 + gain);
+  if (is_driven_by_displacements) return std::min(std::abs(gain), 1.0);
+  return std::abs(gain) / std::max(1 + gain, least_share_of_norm);
 }
 
 std::string share_text(double error) {
+  if (error == cannot_tell) return "unknown: one cell across";
   const double percent = 100 * error;
   if (percent < 0.01) return "less than 0.01 %";
   const double digit = std::pow(10.0, std::floor(std::log10(percent)) - 1);

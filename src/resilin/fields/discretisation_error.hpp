@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,17 +21,29 @@ namespace resilin {
 /// @return           nothing for a body that is not strained, or of too few cells to tell
 std::optional<double> discretisation_error(const World& world, const Body& body, const VectorX& positions);
 
+/// In place of an estimate that would be wrong with confidence.
+constexpr double cannot_tell = std::numeric_limits<double>::infinity();
+
+/// Most of the body's volume is in cells without a vertex inside the body: a strip, a plate or a bar of one
+/// layer.
+bool is_one_cell_across(const Body& body);
+
+/// The estimate by recovered stress, but `cannot_tell` for a strained body that is one cell across: recovered
+/// stress does not see what such cells cannot represent.
+std::optional<double> error_by_recovered_stress(const World& world, const Body& body,
+                                                const VectorX& positions);
+
 /// The same for each body of the world.
 using DiscretisationErrors = std::vector<std::optional<double>>;
 DiscretisationErrors discretisation_errors(const World& world, const VectorX& positions);
 
-/// int |T|^2 dV [J], the norm above of the solution: twice the strain energy where strains are small. Nothing
-/// for a body that is not strained.
+/// int |T|^2 dV [J], the norm above of the solution: twice the strain energy where strains are small, and for
+/// mixed elements in general. Nothing for a body that is not strained.
 std::optional<double> squared_solution_norm(const Body& body, const VectorX& positions);
 
-/// The share by which a solution is off whose squared norm a richer space changes by `gain` of itself. Loads
-/// find displacements too small, by a share of the exact ones. Prescribed displacements find forces too
-/// large, by a share of those found.
+/// The share by which a solution is off whose squared norm a richer space changes by `gain` of itself; a
+/// mixed element may be too soft, and `gain` negative. Loads find displacements that are off by a share of
+/// the exact ones. Prescribed displacements find forces that are off by a share of those found.
 double share_missing(double gain, bool is_driven_by_displacements);
 
 /// The estimate above which a body's cells are called too coarse: what is told as 3 % may be 5 % or more.
@@ -39,7 +52,7 @@ constexpr double large_discretisation_error = 0.03;
 /// One line for each body whose cells are too coarse: how far off it may be, and what to choose.
 std::vector<std::string> coarseness_texts(const World& world, const DiscretisationErrors& errors);
 
-/// "13 %", "0.3 %".
+/// "13 %", "0.3 %"; "unknown: one cell across".
 std::string share_text(double error);
 
 }  // namespace resilin

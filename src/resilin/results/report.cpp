@@ -236,7 +236,8 @@ Json report_json(const World& world, Json frames, const RunSummary& summary) {
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     const DiscretisationErrors& errors = summary.outcome.discretisation_errors;
     const std::optional<double> error = b < errors.size() ? errors[b] : std::nullopt;
-    report["bodies"][b]["discretisation_error"] = error ? Json(*error) : Json(nullptr);
+    report["bodies"][b]["discretisation_error"] =
+        error && *error != cannot_tell ? Json(*error) : Json(nullptr);
     const std::optional<double> ratio = has_ended ? mesh_volume_ratio(world, world.bodies[b]) : std::nullopt;
     report["bodies"][b]["mesh_volume_ratio"] = ratio ? Json(*ratio) : Json(nullptr);
   }
@@ -248,6 +249,7 @@ Json report_json(const World& world, Json frames, const RunSummary& summary) {
   report["timing"] = {{"total", summary.total_seconds},
                       {"assembly", summary.timing.assembly},
                       {"solve", summary.timing.solve},
+                      {"estimate", summary.outcome.estimate_seconds},
                       {"output", summary.output_seconds}};
   report["peak_memory_MiB"] = peak_memory_MiB();
   report["threads"] = num_threads();

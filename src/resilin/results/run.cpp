@@ -1,5 +1,7 @@
 #include "resilin/results/run.hpp"
 
+#include <chrono>
+
 #include "resilin/core/log.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/simulation/oddities.hpp"
@@ -111,17 +113,31 @@ DiscretisationErrors estimated_errors(const Simulation& simulation, const std::o
   DiscretisationErrors errors;
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     const Body& body = world.bodies[b];
-    const std::optional<double> more = space ? space->squared_norms[b] : std::nullopt;
+    const std::optional<SpaceError::Change> more = space ? space->changes[b] : std::nullopt;
     const std::optional<double> norm = more ? squared_solution_norm(body, x) : std::nullopt;
-    errors.push_back(!more  ? discretisation_error(world, body, x)
-                     : norm ? std::optional(share_missing(*more / *norm, space->is_driven_by_displacements))
-                            : std::nullopt);
+    errors.push_back(
+        !more  ? error_by_recovered_stress(world, body, x)
+        : norm ? std::optional(share_missing(more->total() / *norm, space->is_driven_by_displacements))
+               : std::nullopt);
   }
   return errors;
 }
 
-/// @param space  set where a static run reaches its end
-RunOutcome step_to_end(Simulation& simulation, const RunHooks& hooks, std::optional<SpaceError>& space) {
+/// Estimate of a run and the time that it took.
+struct TimedEstimate {
+  std::optional<SpaceError> space{};
+  double seconds = 0;
+
+  /// Calls `estimate` and adds its time.
+  void measure(const auto& estimate) {
+    const auto start = std::chrono::steady_clock::now();
+    estimate();
+    seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  }
+};
+
+/// @param timed  made where a static run reaches its end
+RunOutcome step_to_end(Simulation& simulation, const RunHooks& hooks, TimedEstimate& timed) {
   const auto is_stopped = [&hooks] { return hooks.is_stopped && hooks.is_stopped(); };
   const auto stopped = [&]() -> RunOutcome {
     return {RunStatus::budget, "stopped by " + (hooks.stopper ? hooks.stopper() : std::string("the user")) +
@@ -146,7 +162,7 @@ RunOutcome step_to_end(Simulation& simulation, const RunHooks& hooks, std::optio
       if (!simulation.world().is_dynamic) return {RunStatus::not_converged, report.reason};
     }
     if (simulation.is_finished()) {
-      space = space_error(simulation);
+      timed.measure([&] { timed.space = space_error(simulation); });
       simulation.release_solver();  // fields of the frame take as much memory
     }
     if (hooks.after_step) hooks.after_step(report);
@@ -155,7 +171,7 @@ RunOutcome step_to_end(Simulation& simulation, const RunHooks& hooks, std::optio
   RunOutcome outcome = verdict(simulation);
   if (had_ended) {
     outcome.reason += "; the run had ended before";
-    space = space_error(simulation);
+    timed.measure([&] { timed.space = space_error(simulation); });
   }
   return outcome;
 }
@@ -191,8 +207,8 @@ std::string inversion_on_the_way(const Simulation& simulation) {
 
 RunOutcome run_to_end(Simulation& simulation, const RunHooks& hooks) {
   const World& world = simulation.world();
-  std::optional<SpaceError> space;
-  RunOutcome outcome = step_to_end(simulation, hooks, space);
+  TimedEstimate timed;
+  RunOutcome outcome = step_to_end(simulation, hooks, timed);
   outcome.warnings = oddities(world, simulation.state());
   if (std::string text = jumps_on_the_way(simulation.state()); !text.empty())
     outcome.warnings.push_back(world.place + ": " + std::move(text));
@@ -200,7 +216,8 @@ RunOutcome run_to_end(Simulation& simulation, const RunHooks& hooks) {
     outcome.warnings.push_back(world.place + ": " + std::move(text));
   if (world.modes || !world.share.is_whole()) return outcome;  // the estimate needs whole bodies
   simulation.release_solver();                                 // so does the estimate below
-  outcome.discretisation_errors = estimated_errors(simulation, space);
+  timed.measure([&] { outcome.discretisation_errors = estimated_errors(simulation, timed.space); });
+  outcome.estimate_seconds = timed.seconds;
   for (const std::string& text : coarseness_texts(world, outcome.discretisation_errors))
     outcome.warnings.push_back(world.place + ": " + text);
   return outcome;

@@ -1,19 +1,20 @@
 #include "resilin/simulation/space_error.hpp"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
+#include <functional>
 #include <span>
 #include <utility>
 
 #include "resilin/core/parallel.hpp"
-#include "resilin/energy/dead_load.hpp"
-#include "resilin/energy/pressure.hpp"
-#include "resilin/energy/spread_force.hpp"
+#include "resilin/linear/minres.hpp"
 #include "resilin/material/batch.hpp"
+#include "resilin/material/volume_energy.hpp"
 #include "resilin/mesh/topology.hpp"
+#include "resilin/simulation/distributed_loads.hpp"
 #include "resilin/simulation/potential.hpp"
 #include "resilin/simulation/richer_space.hpp"
 #include "resilin/simulation/time_stepping.hpp"
@@ -22,15 +23,24 @@ namespace resilin {
 namespace {
 
 constexpr std::size_t cells_per_chunk = 64, cells_per_batch = 2048;
-constexpr double most_bytes = 512e6;  ///< for the element matrices of all bodies
-constexpr int most_iterations = 30;   ///< most iterations of conjugate gradients
-constexpr double least_gain = 0.01;   ///< least gain of the energy, by which an iteration has to add to it
-constexpr double solve_tolerance = 1e-3;  ///< solve tolerance of the element's own unknowns
+constexpr double most_bytes = 512e6;      ///< for the element matrices of all bodies
+constexpr int most_iterations = 30;       ///< of conjugate gradients
+constexpr double least_gain = 0.03;       ///< of the energy, by which an iteration has to add to it
+constexpr double solve_tolerance = 1e-2;  ///< of the element's own unknowns
+/// Where they hold pressures, which a nearly incompressible solid makes large.
+constexpr double mixed_solve_tolerance = 1e-6;
+constexpr int most_saddle_iterations = 100;  ///< of the minimum residual method
+constexpr double saddle_tolerance = 0.1;     ///< what is told is off by its square
+/// The least share of the sizes of both changes that is told where they cancel (measured on random bars and
+/// blocks).
+constexpr double least_share_left = 0.25;
 
 /// Corners of an edge or a facet in rising order, -1 after the last one; for an odd function of an edge,
 /// `odd` at the end.
 using Key = std::array<Index, 4>;
 constexpr Index odd = -2;
+/// In place of the corners: functions of the inside of a cell, whose number follows.
+constexpr Index inside = -2, pressures = -3;
 
 Key key_of(std::span<const Index> corners) {
   Key key{-1, -1, -1, -1};
@@ -40,84 +50,45 @@ Key key_of(std::span<const Index> corners) {
   return key;
 }
 
-/// A force that acts on a flat facet in sum [N].
-struct FacetForce {
-  std::vector<Index> corners;
-  Vector3 force;
-};
-
-/// Loads of a static scene that do work on functions which vanish at the nodes.
-struct DistributedLoads {
-  std::vector<FacetForce> facets;
-  std::map<std::vector<Index>, Vector3> cells;  ///< by the nodes of a cell [N/m^3]
-  std::vector<Vector3> bodies;                  ///< on all cells of a body [N/m^3]
-  Vector3 acceleration = Vector3::Zero();       ///< gravity [m/s^2]
-};
-
-void add_facets(const CellBlock& block, const auto& force_of, DistributedLoads& loads) {
-  const auto num_corners = static_cast<std::size_t>(resilin::num_corners(block.kind));
-  for (Index facet = 0; facet < block.num_cells(); ++facet) {
-    const std::span<const Index> corners = block.cell(facet).first(num_corners);
-    loads.facets.push_back({{corners.begin(), corners.end()}, force_of(corners)});
-  }
+/// dJ/dF.
+template <int dim>
+Eigen::Matrix<double, dim, dim> cofactor(const Eigen::Matrix<double, dim, dim>& F) {
+  Eigen::Matrix<double, dim, dim> cof;
+  if constexpr (dim == 2)
+    cof << F(1, 1), -F(1, 0), -F(0, 1), F(0, 0);
+  else
+    for (int i = 0; i < 3; ++i) cof.row(i) = F.row((i + 1) % 3).cross(F.row((i + 2) % 3));
+  return cof;
 }
 
-DistributedLoads distributed_loads(const World& world, const VectorX& x, const Conditions& c) {
-  DistributedLoads loads;
-  loads.acceleration = c.load * world.gravity;
-  loads.bodies.assign(world.bodies.size(), Vector3::Zero());
-  for (const auto& term : world.terms) {
-    if (const auto* pressure = dynamic_cast<const Pressure*>(term.get())) {
-      const CellKind kind = first_order(pressure->facets().kind);
-      add_facets(
-          pressure->facets(),
-          [&](std::span<const Index> corners) {
-            return Vector3(-pressure->pressure(c) * area_vector(world.dimension, kind, corners, x));
-          },
-          loads);
-      continue;
-    }
-    const auto* dead = dynamic_cast<const DeadLoad*>(term.get());
-    if (dead == nullptr) continue;
-    const Vector3 density = dead->density(c);
-    if (const auto* on = dynamic_cast<const LoadedFacets*>(dead->region())) {
-      const CellKind kind = first_order(on->facets().kind);
-      add_facets(
-          on->facets(),
-          [&](std::span<const Index> corners) {
-            return Vector3(area_vector(world.dimension, kind, corners, world.rest_positions).norm() *
-                           density);
-          },
-          loads);
-    } else if (const auto* spread = dynamic_cast<const SpreadForce*>(dead->region())) {
-      const CellKind kind = first_order(spread->facets().kind);
-      const SpreadForce::Traction traction = spread->traction(density, world.rest_positions);
-      add_facets(
-          spread->facets(),
-          [&](std::span<const Index> corners) {
-            Vector3 middle = Vector3::Zero();
-            for (const Index corner : corners)
-              middle += node_position(world.dimension, corner, world.rest_positions) /
-                        static_cast<double>(corners.size());
-            return Vector3(area_vector(world.dimension, kind, corners, world.rest_positions).norm() *
-                           traction.at(middle));
-          },
-          loads);
-    } else if (const auto* cells = dynamic_cast<const LoadedCells*>(dead->region())) {
-      const auto whole = std::ranges::find_if(
-          world.bodies, [&](const Body& body) { return std::ranges::equal(body.cells, cells->cells()); });
-      if (whole != world.bodies.end()) {
-        loads.bodies[static_cast<std::size_t>(whole - world.bodies.begin())] += density;
-        continue;
+/// J - 1 of F = 1 + H, without cancellation.
+template <int dim>
+double volume_change(const Eigen::Matrix<double, dim, dim>& H) {
+  double change = H.trace() + H.determinant();
+  if constexpr (dim == 3) change += cofactor<3>(H).trace();
+  return change;
+}
+
+/// Adds factor d2J/dF_ij dF_kl at [i * dim + j, k * dim + l].
+template <int dim>
+void add_second_derivative(const Eigen::Matrix<double, dim, dim>& F, double factor, double* A) {
+  constexpr int square = dim * dim;
+  const auto add = [&](int i, int j, int k, int l, double value) {
+    A[(i * dim + j) * square + k * dim + l] += factor * value;
+  };
+  if constexpr (dim == 2) {
+    for (const int i : {0, 1})
+      for (const int j : {0, 1}) add(i, j, 1 - i, 1 - j, i == j ? 1 : -1);
+  } else {
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) {  // cof_ij = F_kl F_mn - F_kn F_ml
+        const int k = (i + 1) % 3, m = (i + 2) % 3, l = (j + 1) % 3, n = (j + 2) % 3;
+        add(i, j, k, l, F(m, n));
+        add(i, j, m, n, F(k, l));
+        add(i, j, k, n, -F(m, l));
+        add(i, j, m, l, -F(k, n));
       }
-      const Body& body = world.body_of(cells->cells().front());
-      const auto n = static_cast<std::size_t>(num_nodes(body.cell_kind));
-      for (std::size_t i = 0; i < cells->cells().size(); i += n)
-        loads.cells.try_emplace({cells->cells().begin() + i, cells->cells().begin() + i + n}, Vector3::Zero())
-            .first->second += density;
-    }
   }
-  return loads;
 }
 
 /// The richer space on a body of one domain: which functions there are, their residual, and the stiffness
@@ -128,15 +99,18 @@ class BodySpace {
   BodySpace(const World& world, const Body& body)
       : world_(world), body_(body), space_(body.domains.element()) {
     const std::vector<Index>& nodes = body.cells;
-    const auto n = static_cast<std::size_t>(body_.domains.element().num_nodes),
-               count = space_.functions().size();
+    const auto n = static_cast<std::size_t>(body_.domains.element().num_nodes), count = num_local();
     std::vector<std::pair<Key, std::size_t>> keys;
     for (Index cell = 0; cell < num_cells(); ++cell)
       for (std::size_t f = 0; f < count; ++f) {
+        if (f == space_.functions().size()) {
+          keys.emplace_back(Key{pressures, cell, -1, -1}, keys.size());
+          continue;
+        }
         std::vector<Index> corners;
         for (const int corner : space_.functions()[f].corners)
           corners.push_back(nodes[static_cast<std::size_t>(cell) * n + static_cast<std::size_t>(corner)]);
-        Key key = corners.size() > 4 ? Key{-2, cell, -1, -1} : key_of(corners);
+        Key key = corners.size() > 4 ? Key{inside, cell, -1, -1} : key_of(corners);
         if (space_.functions()[f].is_odd) key[3] = odd;
         keys.emplace_back(key, keys.size());
       }
@@ -151,6 +125,7 @@ class BodySpace {
     }
     signs_.assign(keys.size(), 1);
     for (std::size_t place = 0; place < signs_.size(); ++place) {
+      if (place % count == space_.functions().size()) continue;
       const HierarchicalFunction& function = space_.functions()[place % count];
       const Index* const corners = nodes.data() + place / count * n;
       if (function.is_odd && corners[function.corners[0]] > corners[function.corners[1]]) signs_[place] = -1;
@@ -159,9 +134,10 @@ class BodySpace {
 
   Index num_cells() const { return body_.domains.num_cells(); }
   Eigen::Index num_unknowns() const { return static_cast<Eigen::Index>(keys_.size()) * dim; }
-  const Body& body() const { return body_; }
+  /// The element keeps a pressure. The richer one has `dim` more in each cell, linear ones with no mean.
+  bool is_mixed() const { return body_.domains.element().has_mean_volume; }
   double bytes() const {
-    const double rows = static_cast<double>(space_.functions().size()) * dim;
+    const double rows = static_cast<double>(num_local()) * dim;
     return 8 * rows * (rows + dim * body_.domains.element().num_nodes) * num_cells();
   }
 
@@ -191,13 +167,16 @@ class BodySpace {
     }
   }
 
-  /// Makes the matrices and the residual at positions x. False where the law is outside its domain.
+  /// Makes the matrices and the residual at positions x. False where the law is outside its domain, or its
+  /// volumetric energy is not convex and pressures have no compliance.
   bool form(const VectorX& x, const DistributedLoads& loads, const Vector3& body_force) {
     residual_.setZero(num_unknowns());
-    rows_ = space_.functions().size() * dim;
+    is_convex_ = true;
+    rows_ = num_local() * dim;
     columns_ = static_cast<std::size_t>(body_.domains.element().num_nodes) * dim;
     matrices_.assign(static_cast<std::size_t>(num_cells()) * rows_ * (rows_ + columns_), 0.0);
     std::vector<double> cell_residuals(static_cast<std::size_t>(num_cells()) * rows_, 0.0);
+    inverses_.assign(keys_.size(), Square::Zero());
     for (const Domain& domain : body_.domains) {
       const auto count = static_cast<std::size_t>(domain.energy->num_cells());
       for (std::size_t first = 0; first < count; first += cells_per_batch)
@@ -208,9 +187,17 @@ class BodySpace {
     for (const FacetForce& facet : loads.facets) add_facet(facet);
     set_fixed_to_zero(residual_);
     form_preconditioner();
-    return residual_.allFinite();
+    return is_convex_ && residual_.allFinite();
   }
 
+  /// The energies that stresses and pressures of a step give, of which the entries are `by_unknown`.
+  SpaceError::Change change(const Eigen::Ref<const VectorX>& by_unknown) const {
+    SpaceError::Change sums;
+    for (std::size_t i = 0; i < keys_.size(); ++i)
+      (keys_[i][0] == pressures ? sums.by_pressures : sums.by_displacements) +=
+          by_unknown.segment<dim>(static_cast<Eigen::Index>(i) * dim).sum();
+    return sums;
+  }
   const VectorX& residual() const { return residual_; }
 
   void set_fixed_to_zero(Eigen::Ref<VectorX> values) const {
@@ -327,16 +314,47 @@ class BodySpace {
                   const DistributedLoads& loads, const Vector3& body_force,
                   std::vector<double>& cell_residuals);
 
-  void form_preconditioner() {
-    inverses_.assign(keys_.size(), Square::Zero());
+  /// Adds the diagonal blocks of the functions of a cell.
+  void add_diagonal(std::size_t cell) {
     const std::size_t count = rows_ / dim;
-    for (std::size_t place = 0; place < numbers_.size(); ++place) {
-      const auto f = static_cast<Eigen::Index>(place % count) * dim;
-      inverses_[static_cast<std::size_t>(numbers_[place])] +=
-          matrix(place / count).template block<dim, dim>(f, f);
+    for (std::size_t f = 0; f < space_.functions().size(); ++f) {
+      const auto row = static_cast<Eigen::Index>(f) * dim;
+      inverses_[static_cast<std::size_t>(numbers_[cell * count + f])] +=
+          matrix(cell).template block<dim, dim>(row, row);
     }
-    for (Square& block : inverses_) block = block.inverse().eval();
   }
+
+  /// Pressures get their compliance, and what the functions of their cell alone would give them of it.
+  void form_preconditioner() {
+    const auto invert = [](Square& block) { block = block.inverse().eval(); };
+    const std::size_t count = rows_ / dim, p = space_.functions().size();
+    for (std::size_t i = 0; i < keys_.size(); ++i)
+      if (keys_[i][0] != pressures) invert(inverses_[i]);
+    if (!is_mixed()) return;
+    for (std::size_t cell = 0; cell < static_cast<std::size_t>(num_cells()); ++cell) {
+      const auto row = static_cast<Eigen::Index>(p) * dim;
+      Square block = -matrix(cell).template block<dim, dim>(row, row);
+      for (std::size_t f = 0; f < p; ++f) {
+        const auto number = static_cast<std::size_t>(numbers_[cell * count + f]);
+        Square coupling = matrix(cell).template block<dim, dim>(row, static_cast<Eigen::Index>(f) * dim);
+        for (int k = 0; k < dim; ++k)
+          if (is_fixed_[number * dim + static_cast<std::size_t>(k)] != 0) coupling.col(k).setZero();
+        block += coupling * inverses_[number] * coupling.transpose();
+      }
+      invert(block);
+      inverses_[static_cast<std::size_t>(numbers_[cell * count + p])] = block;
+    }
+  }
+
+  std::size_t num_local() const { return space_.functions().size() + (is_mixed() ? 1 : 0); }
+
+  void add_pressures(std::size_t cell, std::span<const PointGeometry> geometries,
+                     std::span<const Vector3> slopes, const double* H, double stiffness, double* residuals);
+  /// Gives stresses and tangents of these cells the pressure of the cell in place of that of the point.
+  /// @return  d2U/dJ2 of the mean volume, by cell [Pa]
+  std::vector<double> replace_pressures(const Domain& domain, std::size_t first, std::size_t last,
+                                        const VectorX& x, const StateBatch<double>& states,
+                                        std::span<double> P, std::span<double> A) const;
 
   const World& world_;
   const Body& body_;
@@ -350,7 +368,55 @@ class BodySpace {
   std::vector<double> matrices_;  ///< [cell][row][K_bb, then K_bh]
   std::vector<Square> inverses_;  ///< inverses of the diagonal blocks
   VectorX residual_;
+  bool is_convex_ = true;  ///< the volumetric energy is, in each cell
 };
+
+template <int dim>
+std::vector<double> BodySpace<dim>::replace_pressures(const Domain& domain, std::size_t first,
+                                                      std::size_t last, const VectorX& x,
+                                                      const StateBatch<double>& states, std::span<double> P,
+                                                      std::span<double> A) const {
+  constexpr std::size_t square = dim * dim;
+  const ElasticEnergy& elastic = *domain.energy;
+  const std::size_t per_cell = states.count / (last - first);
+  const auto own_points = static_cast<std::size_t>(elastic.num_points());
+  using Gradient = Eigen::Map<const Eigen::Matrix<double, dim, dim, Eigen::RowMajor>>;
+
+  std::vector<double> j(states.count);
+  for (std::size_t i = 0; i < states.count; ++i)
+    j[i] = volume_change<dim>(Gradient(states.deformation_gradients + i * square));
+  std::vector<double> means(last - first, 0.0);
+  const std::vector<double> ratios = elastic.volume_ratios(x), volumes = elastic.point_volumes();
+  for (std::size_t i = 0; i < means.size(); ++i) {
+    double volume = 0;
+    for (std::size_t q = (first + i) * own_points; q < (first + i + 1) * own_points; ++q) {
+      means[i] += volumes[q] * (ratios[q] - 1);
+      volume += volumes[q];
+    }
+    means[i] /= volume;
+  }
+  std::vector<Column> of_cells = states.constants;
+  for (Column& column : of_cells) column.stride *= per_cell;
+  const LawInfo& law = *states.law;
+  const std::vector<VolumeSlopes> at_points = volume_slopes(law, j, states.constants, states.instruction_set),
+                                  of_means = volume_slopes(law, means, of_cells, states.instruction_set);
+
+  std::vector<double> stiffnesses;
+  for (const VolumeSlopes& mean : of_means) stiffnesses.push_back(mean.stiffness);
+  for (std::size_t i = 0; i < states.count; ++i) {
+    const Eigen::Matrix<double, dim, dim> F =
+        Eigen::Matrix<double, dim, dim>::Identity() + Gradient(states.deformation_gradients + i * square);
+    const Eigen::Matrix<double, dim, dim, Eigen::RowMajor> cof = cofactor<dim>(F);
+    const double added = of_means[i / per_cell].pressure - at_points[i].pressure;
+    for (std::size_t a = 0; a < square; ++a) {
+      P[i * square + a] += added * cof.data()[a];
+      for (std::size_t b = 0; b < square; ++b)
+        A[(i * square + a) * square + b] -= at_points[i].stiffness * cof.data()[a] * cof.data()[b];
+    }
+    add_second_derivative<dim>(F, added, &A[i * square * square]);
+  }
+  return stiffnesses;
+}
 
 template <int dim>
 void BodySpace<dim>::form_cells(const Domain& domain, std::size_t first, std::size_t last, const VectorX& x,
@@ -362,10 +428,11 @@ void BodySpace<dim>::form_cells(const Domain& domain, std::size_t first, std::si
   const std::vector<QuadraturePoint>& points = space_.rule().points;
   const std::vector<Index>& nodes = body_.cells;
   const std::size_t n = columns_ / dim, count = rows_ / dim, num_points = points.size();
-  std::vector<double> values;   // values of the functions on the reference cell, [point][function]
+  const std::size_t num_functions = space_.functions().size();
+  std::vector<double> values;   // of the functions on the reference cell, [point][function]
   std::vector<Vector3> slopes;  // likewise
   for (const QuadraturePoint& point : points)
-    for (std::size_t f = 0; f < count; ++f) {
+    for (std::size_t f = 0; f < num_functions; ++f) {
       values.push_back(space_.value(f, point.xi));
       slopes.push_back(space_.gradient(f, point.xi));
     }
@@ -420,11 +487,14 @@ void BodySpace<dim>::form_cells(const Domain& domain, std::size_t first, std::si
     states.constants.push_back({constants.data() + k, num_constants});
   first_piola_kirchhoff_stresses(states, P.data());
   stress_tangents(states, Projection::none, A.data());
+  std::vector<double> stiffnesses;
+  if (is_mixed()) stiffnesses = replace_pressures(domain, first, last, x, states, P, A);
 
   parallel_for(last - first, cells_per_chunk, [&](std::size_t begin, std::size_t end) {
     std::vector<Eigen::Matrix<double, dim, 1>> gradients(count + n);
     Eigen::Matrix<double, dim, Eigen::Dynamic, Eigen::RowMajor> products(
         dim, static_cast<Eigen::Index>(rows_ + columns_));
+    products.setZero();
     for (std::size_t i = begin; i < end; ++i) {
       const auto cell = static_cast<std::size_t>(domain.number_of(static_cast<Index>(first + i)));
       Vector3 density = body_force;
@@ -437,18 +507,18 @@ void BodySpace<dim>::form_cells(const Domain& domain, std::size_t first, std::si
       for (std::size_t q = 0; q < num_points; ++q) {
         const PointGeometry& geometry = geometries[i * num_points + q];
         const double weight = geometry.weight;
-        for (std::size_t f = 0; f < count; ++f)
-          gradients[f] = (geometry.dxi_dX.transpose() * slopes[q * count + f]).template head<dim>();
+        for (std::size_t f = 0; f < num_functions; ++f)
+          gradients[f] = (geometry.dxi_dX.transpose() * slopes[q * num_functions + f]).template head<dim>();
         for (std::size_t a = 0; a < n; ++a)
           gradients[count + a] =
               Eigen::Map<const Eigen::Matrix<double, dim, 1>>(geometry.gradients.data() + a * dim);
         const std::size_t state = i * num_points + q;
         const Eigen::Map<const Eigen::Matrix<double, dim, dim, Eigen::RowMajor>> stress(P.data() +
                                                                                         state * square);
-        for (std::size_t f = 0; f < count; ++f)
+        for (std::size_t f = 0; f < num_functions; ++f)
           for (int k = 0; k < dim; ++k)
             cell_residuals[cell * rows_ + f * dim + static_cast<std::size_t>(k)] +=
-                weight * (values[q * count + f] * density[k] - stress.row(k).dot(gradients[f]));
+                weight * (values[q * num_functions + f] * density[k] - stress.row(k).dot(gradients[f]));
         // K_ai,bk = G_aj A_ij,kl G_bl: A G of all functions b first, [j, (b, k)] for each i
         const Eigen::Map<const Eigen::Matrix<double, square, square, Eigen::RowMajor>> tangent(
             A.data() + state * square * square);
@@ -456,9 +526,10 @@ void BodySpace<dim>::form_cells(const Domain& domain, std::size_t first, std::si
           for (int k = 0; k < dim; ++k) {
             const Square block = weight * tangent.template block<dim, dim>(row * dim, k * dim);
             for (std::size_t b = 0; b < count + n; ++b)
-              products.col(static_cast<Eigen::Index>(b) * dim + k) = block * gradients[b];
+              if (b < num_functions || b >= count)
+                products.col(static_cast<Eigen::Index>(b) * dim + k) = block * gradients[b];
           }
-          for (std::size_t f = 0; f < count; ++f) {
+          for (std::size_t f = 0; f < num_functions; ++f) {
             Eigen::Map<Eigen::RowVectorXd> out(
                 K + (f * dim + static_cast<std::size_t>(row)) * (rows_ + columns_),
                 static_cast<Eigen::Index>(rows_ + columns_));
@@ -472,6 +543,104 @@ void BodySpace<dim>::form_cells(const Domain& domain, std::size_t first, std::si
       }
     }
   });
+  for (std::size_t i = 0; i < last - first; ++i) {
+    const auto cell = static_cast<std::size_t>(domain.number_of(static_cast<Index>(first + i)));
+    add_diagonal(cell);
+    if (is_mixed())
+      add_pressures(cell, std::span(geometries).subspan(i * num_points, num_points), slopes,
+                    H.data() + i * num_points * square, stiffnesses[i], cell_residuals.data() + cell * rows_);
+  }
+}
+
+/// With phi_k a linear coordinate of the reference cell less its mean, theta the mean of J, and b and G_k the
+/// gradients of its integrals by the degrees of freedom:
+///
+///   K += d2U/dJ2 / V b b^T,    K_pk,. = G_k,    K_pk,pl = - int phi_k phi_l dV / d2U/dJ2,
+///   r_pk = - int phi_k J dV
+template <int dim>
+void BodySpace<dim>::add_pressures(std::size_t cell, std::span<const PointGeometry> geometries,
+                                   std::span<const Vector3> slopes, const double* H, double stiffness,
+                                   double* residuals) {
+  using Point = Eigen::Matrix<double, dim, 1>;
+  is_convex_ = is_convex_ && stiffness > 0;
+  const std::vector<QuadraturePoint>& points = space_.rule().points;
+  const std::size_t num_functions = space_.functions().size(), count = rows_ / dim, n = columns_ / dim;
+  const auto size = static_cast<Eigen::Index>(rows_ + columns_),
+             pressure = static_cast<Eigen::Index>(num_functions) * dim;
+  double volume = 0;
+  Point mean = Point::Zero();
+  for (std::size_t q = 0; q < points.size(); ++q) {
+    volume += geometries[q].weight;
+    mean += geometries[q].weight * points[q].xi.head<dim>();
+  }
+  mean /= volume;
+  VectorX b = VectorX::Zero(size), slope(size);
+  Eigen::Matrix<double, dim, Eigen::Dynamic> G = Eigen::Matrix<double, dim, Eigen::Dynamic>::Zero(dim, size);
+  Square compliance = Square::Zero();
+  slope.setZero();
+  for (std::size_t q = 0; q < points.size(); ++q) {
+    const PointGeometry& geometry = geometries[q];
+    const Square gradient = Eigen::Map<const Eigen::Matrix<double, dim, dim, Eigen::RowMajor>>(
+        H + q * static_cast<std::size_t>(dim * dim));
+    const Square cof = cofactor<dim>(Square::Identity() + gradient);
+    for (std::size_t f = 0; f < num_functions; ++f)
+      slope.segment<dim>(static_cast<Eigen::Index>(f) * dim) =
+          cof * (geometry.dxi_dX.transpose() * slopes[q * num_functions + f]).template head<dim>();
+    for (std::size_t a = 0; a < n; ++a)
+      slope.segment<dim>(static_cast<Eigen::Index>(count + a) * dim) =
+          cof * Eigen::Map<const Point>(geometry.gradients.data() + a * dim);
+    const Point phi = points[q].xi.head<dim>() - mean;
+    b += geometry.weight * slope;
+    G += geometry.weight * phi * slope.transpose();
+    compliance += geometry.weight / stiffness * phi * phi.transpose();
+    Eigen::Map<Point>(residuals + pressure) -= geometry.weight * volume_change<dim>(gradient) * phi;
+  }
+  Eigen::Map<RowMajor> K(matrices_.data() + cell * rows_ * (rows_ + columns_),
+                         static_cast<Eigen::Index>(rows_), size);
+  K.topRows(pressure) += stiffness / volume * b.head(pressure) * b.transpose();
+  K.template middleRows<dim>(pressure) = G;
+  K.block(0, pressure, pressure, dim) = G.leftCols(pressure).transpose();
+  K.template block<dim, dim>(pressure, pressure) = -compliance;
+}
+
+using Apply = std::function<bool(const VectorX& v, VectorX& image)>;
+using Precondition = std::function<void(const VectorX& r, VectorX& z)>;
+
+/// Conjugate gradients, until an iteration adds little to the energy.
+/// @return  zero: d . r is the energy that was found
+std::optional<VectorX> solve_definite(const Apply& apply, const Precondition& precondition,
+                                      const VectorX& right_side, VectorX& d) {
+  VectorX residual = right_side, z, image;
+  d.setZero(right_side.size());
+  precondition(residual, z);
+  VectorX direction = z;
+  double product = residual.dot(z), energy = 0;
+  for (int iteration = 0; iteration < most_iterations && product > 0; ++iteration) {
+    if (!apply(direction, image)) return std::nullopt;
+    const double curvature = direction.dot(image);
+    if (!(curvature > 0)) break;
+    const double step = product / curvature, gain = step * product;
+    d += step * direction;
+    residual -= step * image;
+    energy += gain;
+    if (gain < least_gain * energy) break;
+    precondition(residual, z);
+    const double next = residual.dot(z);
+    direction = z + next / product * direction;
+    product = next;
+  }
+  return VectorX(VectorX::Zero(right_side.size()));
+}
+
+/// The minimum residual method where pressures make a saddle point of it.
+/// @return  the residual: d . (r + residual) is the stationary value up to its square
+std::optional<VectorX> solve_saddle(const Apply& apply, const Precondition& precondition,
+                                    const VectorX& right_side, VectorX& d) {
+  const bool is_solved = minres(apply, precondition, right_side,
+                                {.max_iterations = most_saddle_iterations, .tolerance = saddle_tolerance}, d);
+  VectorX image;
+  if (!is_solved || !apply(d, image)) return std::nullopt;
+  return VectorX(right_side - image);
 }
 
 template <int dim>
@@ -490,14 +659,14 @@ std::optional<SpaceError> space_error_in(Simulation& simulation) {
   if (has_free_unknowns) simulation.newton().form_matrix(potential, world.is_fixed, x);
 
   SpaceError error;
-  error.squared_norms.resize(world.bodies.size());
+  error.changes.resize(world.bodies.size());
   std::vector<BodySpace<dim>> spaces;
   std::vector<std::size_t> numbers;
   Eigen::Index num_unknowns = 0;
   double bytes = 0;
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     const Body& body = world.bodies[b];
-    if (body.num_cells() == 0 || body.domains.element().has_mean_volume) continue;
+    if (body.num_cells() == 0) continue;
     BodySpace<dim> space(world, body);
     if (bytes + space.bytes() > most_bytes) continue;
     bytes += space.bytes();
@@ -516,6 +685,7 @@ std::optional<SpaceError> space_error_in(Simulation& simulation) {
       begin += space.num_unknowns();
     }
   };
+  const bool is_mixed = std::ranges::any_of(spaces, [](const auto& space) { return space.is_mixed(); });
   // S v = K_bb v - K_bh K_hh^-1 K_hb v. False where K_hh cannot be solved with.
   const auto schur = [&](const VectorX& v, VectorX& image) {
     VectorX forces = VectorX::Zero(x.size());
@@ -524,48 +694,34 @@ std::optional<SpaceError> space_error_in(Simulation& simulation) {
       space.apply(v.segment(begin, space.num_unknowns()), image.segment(begin, space.num_unknowns()), forces);
     });
     if (!has_free_unknowns) return true;
-    const std::optional<VectorX> z =
-        simulation.newton().response(std::move(forces), world.is_fixed, solve_tolerance);
+    const std::optional<VectorX> z = simulation.newton().response(
+        std::move(forces), world.is_fixed, is_mixed ? mixed_solve_tolerance : solve_tolerance);
     if (!z) return false;
     for_spaces([&](const BodySpace<dim>& space, Eigen::Index begin) {
       space.subtract_coupling(*z, image.segment(begin, space.num_unknowns()));
     });
     return true;
   };
-
-  VectorX residual(num_unknowns), d = VectorX::Zero(num_unknowns), z(num_unknowns), image;
-  for_spaces([&](const BodySpace<dim>& space, Eigen::Index begin) {
-    residual.segment(begin, space.num_unknowns()) = space.residual();
-  });
-  const auto precondition = [&] {
+  const auto precondition = [&](const VectorX& r, VectorX& z) {
+    z.resize(num_unknowns);
     for_spaces([&](const BodySpace<dim>& space, Eigen::Index begin) {
-      space.precondition(residual.segment(begin, space.num_unknowns()),
-                         z.segment(begin, space.num_unknowns()));
+      space.precondition(r.segment(begin, space.num_unknowns()), z.segment(begin, space.num_unknowns()));
     });
   };
-  precondition();
-  VectorX direction = z;
-  double product = residual.dot(z), energy = 0;
-  const VectorX right_side = residual;
-  for (int iteration = 0; iteration < most_iterations && product > 0; ++iteration) {
-    if (!schur(direction, image)) return std::nullopt;
-    const double curvature = direction.dot(image);
-    if (!(curvature > 0)) break;
-    const double step = product / curvature, gain = step * product;
-    d += step * direction;
-    residual -= step * image;
-    energy += gain;
-    if (gain < least_gain * energy) break;
-    precondition();
-    const double next = residual.dot(z);
-    direction = z + next / product * direction;
-    product = next;
-  }
+  VectorX right_side(num_unknowns), d;
+  for_spaces([&](const BodySpace<dim>& space, Eigen::Index begin) {
+    right_side.segment(begin, space.num_unknowns()) = space.residual();
+  });
+  const std::optional<VectorX> left = is_mixed ? solve_saddle(schur, precondition, right_side, d)
+                                               : solve_definite(schur, precondition, right_side, d);
+  if (!left) return std::nullopt;
   Eigen::Index begin = 0;
   for (std::size_t i = 0; i < spaces.size(); ++i) {
     const Eigen::Index size = spaces[i].num_unknowns();
-    error.squared_norms[numbers[i]] =
-        std::max(0.0, d.segment(begin, size).dot(right_side.segment(begin, size)));
+    SpaceError::Change change = spaces[i].change(
+        d.segment(begin, size).cwiseProduct(right_side.segment(begin, size) + left->segment(begin, size)));
+    if (!spaces[i].is_mixed()) change.by_displacements = std::max(0.0, change.by_displacements);
+    error.changes[numbers[i]] = change;
     begin += size;
   }
 
@@ -581,6 +737,12 @@ std::optional<SpaceError> space_error_in(Simulation& simulation) {
 }
 
 }  // namespace
+
+double SpaceError::Change::total() const {
+  const double sum = by_displacements + by_pressures;
+  const double least = least_share_left * (std::abs(by_displacements) + std::abs(by_pressures));
+  return std::abs(sum) < least ? std::copysign(least, sum) : sum;
+}
 
 std::optional<SpaceError> space_error(Simulation& simulation) {
   const World& world = simulation.world();
