@@ -15,7 +15,7 @@ namespace resilin {
 namespace {
 
 constexpr double reach = 2e-3;   // activation distance [m]
-constexpr double radius = 0.03;  // of the ball [m]
+constexpr double radius = 0.03;  // radius of the ball [m]
 constexpr double kappa = 1e5;    // Pa
 
 VectorX ball_test_ways(Eigen::Index size, unsigned seed) {
@@ -30,7 +30,7 @@ VectorX ball_test_ways(Eigen::Index size, unsigned seed) {
 struct BallCase {
   std::string name;
   Mesh mesh;
-  Vector3 center;  // of the ball, its gap half the activation distance [m]
+  Vector3 center;  // centre of the ball, its gap half the activation distance [m]
 };
 
 std::vector<BallCase> ball_cases() {

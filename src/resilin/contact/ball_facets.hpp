@@ -55,7 +55,7 @@ class BallFacets {
 
   struct Nearest {
     double distance = std::numeric_limits<double>::infinity();  ///< from the ball [m]; negative: it dips in
-    std::array<Index, 3> vertices{-1, -1, -1};                  ///< of the facet, in 2D two
+    std::array<Index, 3> vertices{-1, -1, -1};                  ///< vertices of the facet, in 2D two
   };
   Nearest nearest(const VectorX& x, const Ball& ball) const;
 

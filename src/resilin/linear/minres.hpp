@@ -9,7 +9,7 @@ namespace resilin {
 struct MinresSettings {
   int max_iterations = 100;
   double tolerance =
-      1e-6;  ///< of the residual, in the norm of the preconditioner, relative to the right side
+      1e-6;  ///< largest residual, in the norm of the preconditioner, relative to the right side
 };
 
 /// Solves A x = b by the minimum residual method, for a symmetric A that may be indefinite: a saddle point.

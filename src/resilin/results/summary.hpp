@@ -24,8 +24,8 @@ std::string_view name(RunStatus status);
 struct RunOutcome {
   RunStatus status = RunStatus::done;
   std::string reason;
-  std::vector<std::string> warnings{};           ///< what is odd about it, one line each
-  DiscretisationErrors discretisation_errors{};  ///< of the bodies, in their most strained state
+  std::vector<std::string> warnings{};           ///< warnings about the run, one line each
+  DiscretisationErrors discretisation_errors{};  ///< estimates for the bodies, in their most strained state
   double estimate_seconds = 0;                   ///< the time that these took
 };
 

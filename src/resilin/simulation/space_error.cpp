@@ -24,13 +24,13 @@ namespace {
 
 constexpr std::size_t cells_per_chunk = 64, cells_per_batch = 2048;
 constexpr double most_bytes = 512e6;      ///< for the element matrices of all bodies
-constexpr int most_iterations = 30;       ///< of conjugate gradients
-constexpr double least_gain = 0.03;       ///< of the energy, by which an iteration has to add to it
-constexpr double solve_tolerance = 1e-2;  ///< of the element's own unknowns
+constexpr int most_iterations = 30;       ///< iterations of conjugate gradients
+constexpr double least_gain = 0.03;       ///< least relative gain of energy by an iteration
+constexpr double solve_tolerance = 1e-2;  ///< tolerance for the element's own unknowns
 /// Where they hold pressures, which a nearly incompressible solid makes large.
 constexpr double mixed_solve_tolerance = 1e-6;
-constexpr int most_saddle_iterations = 100;  ///< of the minimum residual method
-constexpr double saddle_tolerance = 0.1;     ///< what is told is off by its square
+constexpr int most_saddle_iterations = 100;  ///< iterations of the minimum residual method
+constexpr double saddle_tolerance = 0.1;     ///< the estimate is off by its square
 /// The least share of the sizes of both changes that is told where they cancel (measured on random bars and
 /// blocks).
 constexpr double least_share_left = 0.25;
@@ -429,7 +429,7 @@ void BodySpace<dim>::form_cells(const Domain& domain, std::size_t first, std::si
   const std::vector<Index>& nodes = body_.cells;
   const std::size_t n = columns_ / dim, count = rows_ / dim, num_points = points.size();
   const std::size_t num_functions = space_.functions().size();
-  std::vector<double> values;   // of the functions on the reference cell, [point][function]
+  std::vector<double> values;   // values of the functions on the reference cell, [point][function]
   std::vector<Vector3> slopes;  // likewise
   for (const QuadraturePoint& point : points)
     for (std::size_t f = 0; f < num_functions; ++f) {

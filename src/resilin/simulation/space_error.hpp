@@ -12,7 +12,7 @@ struct SpaceError {
   /// Twice the energy that further functions take from a body [J].
   struct Change {
     double by_displacements = 0;  ///< |u+ - u|^2 in the norm of the tangent stiffness
-    double by_pressures = 0;      ///< of mixed elements: negative, they make the body stiffer
+    double by_pressures = 0;      ///< change of mixed elements: negative, they make the body stiffer
 
     /// The sum. Where the two nearly cancel it depends on what the richer space misses, too, and a part of
     /// their sizes stands in for it.

@@ -27,8 +27,9 @@ bool any_collider_moves(const World& world);
 
 /// Colliders as they are at one time, for files and pictures.
 struct ColliderFacets {
-  Mesh mesh;                    ///< triangles, lines and points, in the scene's coordinates [m]
-  std::vector<double> numbers;  ///< of each cell's collider in the order of the scene, block after block
+  Mesh mesh;  ///< triangles, lines and points, in the scene's coordinates [m]
+  std::vector<double>
+      numbers;  ///< number of each cell's collider in the order of the scene, block after block
 };
 /// Facets of all colliders, moved to the time of `c`.
 ColliderFacets collider_facets(const World& world, const Conditions& c);
