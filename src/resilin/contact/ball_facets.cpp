@@ -1,7 +1,9 @@
 #include "resilin/contact/ball_facets.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "resilin/collision/pair_distance.hpp"
 #include "resilin/mesh/facet.hpp"
@@ -22,19 +24,27 @@ double dip(double radius, double longest_side, int dim) {
   return radius - std::sqrt((radius - to_corner) * (radius + to_corner));
 }
 
-struct Box {
-  Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-
-  void add(const Vector3& x) {
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
+/// Calls `visit(facet)` for the facets whose box is no farther from the centre than `reach` along each axis.
+/// `bounds(vertex, axis)` is the least and the greatest coordinate of a vertex.
+template <int dim, class Bounds, class Visit>
+void for_near(std::span<const Index> facets, const std::vector<Index>& corners,
+              const std::array<double, dim>& center, double reach, const Bounds& bounds, const Visit& visit) {
+  for (const Index facet : facets) {
+    const Index* const v = &corners[static_cast<std::size_t>(facet) * dim];
+    bool is_near = true;
+    for (int axis = 0; axis < dim && is_near; ++axis) {
+      auto [low, high] = bounds(v[0], axis);
+      for (int i = 1; i < dim; ++i) {
+        const auto [least, greatest] = bounds(v[i], axis);
+        low = std::min(low, least);
+        high = std::max(high, greatest);
+      }
+      const double middle = center[static_cast<std::size_t>(axis)];
+      is_near = low <= middle + reach && middle <= high + reach;
+    }
+    if (is_near) visit(facet);
   }
-  /// Whether they are no farther apart than a distance along each axis.
-  bool is_near(const Box& other, double distance) const {
-    return (low.array() <= other.high.array() + distance).all() &&
-           (other.low.array() <= high.array() + distance).all();
-  }
-};
+}
 
 template <int dim>
 double distance_to(std::span<const Index> corners, Index center, const VectorX& places) {
@@ -97,7 +107,7 @@ BallFacets::BallFacets(ContactSurface surface, const VectorX& rest_positions, do
     : surface_(std::move(surface)), activation_distance_(activation_distance) {
   const CollisionSurface& parts = surface_.parts;
   const auto dim = static_cast<std::size_t>(parts.dim);
-  const std::vector<Index>& all = parts.dim == 3 ? parts.triangles : parts.edges;
+  const std::vector<Index>& all = all_corners();
   const VectorX rest = surface_.displacements(rest_positions);
   const auto body_of = [&](Index facet) {
     return static_cast<std::size_t>(parts.bodies[static_cast<std::size_t>(corners(facet)[0])]);
@@ -118,15 +128,19 @@ BallFacets::BallFacets(ContactSurface surface, const VectorX& rest_positions, do
       facets_.push_back(facet);
 }
 
+const std::vector<Index>& BallFacets::all_corners() const {
+  return surface_.parts.dim == 3 ? surface_.parts.triangles : surface_.parts.edges;
+}
+
 std::span<const Index> BallFacets::corners(Index facet) const {
-  const CollisionSurface& parts = surface_.parts;
-  const auto dim = static_cast<std::size_t>(parts.dim);
-  return std::span(parts.dim == 3 ? parts.triangles : parts.edges)
-      .subspan(dim * static_cast<std::size_t>(facet), dim);
+  const auto dim = static_cast<std::size_t>(surface_.parts.dim);
+  return std::span(all_corners()).subspan(dim * static_cast<std::size_t>(facet), dim);
 }
 
 VectorX BallFacets::places(const VectorX& x, const Ball& ball) const {
-  return surface_.displacements(x) + only_center(ball.center);
+  VectorX all = surface_.displacements(x);
+  all.tail(surface_.parts.dim) = ball.center.head(surface_.parts.dim);
+  return all;
 }
 
 Vector3 BallFacets::at_center(const VectorX& of_vertices) const {
@@ -145,15 +159,22 @@ double BallFacets::distance_of(Index facet, const VectorX& places) const {
                                  : distance_to<2>(corners(facet), center(), places);
 }
 
-void BallFacets::add_near(const VectorX& places, double reach, std::vector<Candidate>& near) const {
+template <int dim>
+void BallFacets::add_near_in(const VectorX& places, double reach, std::vector<Candidate>& near) const {
   const auto number = static_cast<Index>(surface_.parts.points.size()) - 1;
-  Box around;
-  around.add(at_center(places));
-  for (const Index facet : facets_) {
-    Box box;
-    for (const Index corner : corners(facet)) box.add(node_position(surface_.parts.dim, corner, places));
-    if (box.is_near(around, reach) && distance_of(facet, places) < reach) near.push_back({number, facet});
-  }
+  std::array<double, dim> middle;
+  for (int axis = 0; axis < dim; ++axis) middle[static_cast<std::size_t>(axis)] = at_center(places)[axis];
+  const auto bounds = [&](Index vertex, int axis) {
+    const double place = places[Eigen::Index{vertex} * dim + axis];
+    return std::pair(place, place);
+  };
+  for_near<dim>(facets_, all_corners(), middle, reach, bounds, [&](Index facet) {
+    if (distance_of(facet, places) < reach) near.push_back({number, facet});
+  });
+}
+
+void BallFacets::add_near(const VectorX& places, double reach, std::vector<Candidate>& near) const {
+  surface_.parts.dim == 3 ? add_near_in<3>(places, reach, near) : add_near_in<2>(places, reach, near);
 }
 
 ContactTerms BallFacets::terms(std::vector<Candidate> near, double radius) const {
@@ -194,30 +215,34 @@ double BallFacets::difference(const VectorX& from, const VectorX& to, const Ball
   return sum_of_differences({surface_, terms(std::move(near), ball.radius).terms}, start, end);
 }
 
+template <int dim>
+double BallFacets::free_share_in(const VectorX& x, const VectorX& p, const Ball& ball,
+                                 const Vector3& way_of_ball,
+                                 const std::function<double(double)>& left) const {
+  const VectorX start = places(x, ball), ways = surface_.displacements(p);
+  const auto bounds = [&](Index vertex, int axis) {
+    const Eigen::Index at = Eigen::Index{vertex} * dim + axis;
+    const double from = start[at] - ball.center[axis], to = from + (ways[at] - way_of_ball[axis]);
+    return std::pair(std::min(from, to), std::max(from, to));
+  };
+  double share = 1;
+  const double reach = ball.radius + activation_distance_;
+  for_near<dim>(facets_, all_corners(), {}, reach, bounds, [&](Index number) {
+    MovingFacet facet;
+    for (const Index corner : corners(number)) {
+      facet.corners[facet.count] = node_position(dim, corner, start) - ball.center;
+      facet.ways[facet.count++] = node_position(dim, corner, ways) - way_of_ball;
+    }
+    const double gap = distance_of(number, start) - ball.radius;
+    share = std::min(share, time_to<dim>(facet, ball.radius, gap, left(gap)));
+  });
+  return share;
+}
+
 double BallFacets::free_share(const VectorX& x, const VectorX& p, const Ball& ball,
                               const Vector3& way_of_ball, const std::function<double(double)>& left) const {
-  const int dim = surface_.parts.dim;
-  const VectorX start = places(x, ball), ways = surface_.displacements(p);
-  Box around;
-  around.add(Vector3::Zero());
-  double share = 1;
-  for (const Index number : facets_) {
-    MovingFacet facet;
-    Box box;
-    for (const Index corner : corners(number)) {
-      const Vector3 place = node_position(dim, corner, start) - ball.center;
-      const Vector3 way = node_position(dim, corner, ways) - way_of_ball;
-      box.add(place);
-      box.add(place + way);
-      facet.corners[facet.count] = place;
-      facet.ways[facet.count++] = way;
-    }
-    if (!box.is_near(around, ball.radius + activation_distance_)) continue;
-    const double gap = distance_of(number, start) - ball.radius, end = left(gap);
-    share = std::min(share, dim == 3 ? time_to<3>(facet, ball.radius, gap, end)
-                                     : time_to<2>(facet, ball.radius, gap, end));
-  }
-  return share;
+  return surface_.parts.dim == 3 ? free_share_in<3>(x, p, ball, way_of_ball, left)
+                                 : free_share_in<2>(x, p, ball, way_of_ball, left);
 }
 
 BallFacets::Nearest BallFacets::nearest(const VectorX& x, const Ball& ball) const {

@@ -66,10 +66,16 @@ class BallFacets {
 
  private:
   VectorX places(const VectorX& x, const Ball& ball) const;
+  const std::vector<Index>& all_corners() const;  ///< corners of the surface's triangles, in 2D edges
   std::span<const Index> corners(Index facet) const;
   double distance_of(Index facet, const VectorX& places) const;
   /// Candidates of the centre within its reach.
   void add_near(const VectorX& places, double reach, std::vector<Candidate>& near) const;
+  template <int dim>
+  void add_near_in(const VectorX& places, double reach, std::vector<Candidate>& near) const;
+  template <int dim>
+  double free_share_in(const VectorX& x, const VectorX& p, const Ball& ball, const Vector3& way_of_ball,
+                       const std::function<double(double)>& left) const;
   ContactTerms terms(std::vector<Candidate> near, double radius) const;
 
   ContactSurface surface_;
