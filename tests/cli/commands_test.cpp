@@ -93,8 +93,8 @@ TEST_F(Commands, CheckTellsWhatLoadsAmountTo) {
                                "[[load]]\nname = \"push\"\nkind = \"force\"\nwhere = { group = \"x_max\" }\n"
                                "value = [0, 0, -50]\n");
   EXPECT_THAT(run({"check", "box.toml"}).out,
-              ContainsRegex("load push: force on [0-9]+ facets \\([0-9]+ nodes, 4 m\\^2\\) about \\(4, 1, "
-                            "1\\) m: force \\(0, 0, -50\\) N"));
+              ContainsRegex("load push: force on [0-9]+ facets \\([0-9]+ nodes, 1 m\\^2\\) about \\(2, 0.5, "
+                            "0.5\\) m: force \\(0, 0, -50\\) N"));
 }
 
 TEST_F(Commands, CheckAsksForTheUnitOfALongMesh) {
