@@ -153,6 +153,8 @@ def fits(value, kind):
     origin, arguments = typing.get_origin(kind), typing.get_args(kind)
     if origin is typing.Literal:
         assert value in arguments
+    elif type(None) in arguments:
+        return value is None or all(fits(value, argument) for argument in arguments if argument is not type(None))
     elif origin is list:
         assert type(value) is list
         return all(fits(entry, arguments[0]) for entry in value)
