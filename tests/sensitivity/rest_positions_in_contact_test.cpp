@@ -61,8 +61,8 @@ TEST(RestShapeInContact, DeformsIntoWhatWasDrawn) {
     ball.name = "ball";
     ball.kind = "sphere";
     ball.shape.radius = 0.5;
-    ball.shape.center = Vector3(0.62, dimension == 3 ? 0.12 : 0, 0) - 0.5045 * Vector3::Unit(up);
-    if (dimension == 2) ball.shape.center = Vector3(0.62, -0.5045, 0);
+    ball.shape.center = Vector3(0.62, dimension == 3 ? 0.12 : 0, 0) - 0.5047 * Vector3::Unit(up);
+    if (dimension == 2) ball.shape.center = Vector3(0.62, -0.5047, 0);
     scene.colliders.push_back(ball);
     scene.bodies[0].material.constants["youngs_modulus"] = 5e6;
     const RestShape found = find_rest_shape(scene);
