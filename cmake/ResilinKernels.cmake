@@ -3,10 +3,9 @@ include_guard(GLOBAL)
 # Kernels: sources that are compiled once for each instruction set. core/simd.hpp says what such a source has to keep to;
 # core/cpu.hpp chooses at run time.
 #
-# resilin_kernels(MODULE SOURCES a.cpp ... [OPTIONS ...] [OPTIONS_avx512 ...] [PRECOMPILE a.hpp ...] [DISPATCH b.cpp]):
-# compiles the sources for each instruction set, with these further options, and puts them into the library of the module.
-# The headers to PRECOMPILE are parsed once for each set. DISPATCH, compiled once, sees which sets there are
-# (core/kernel_dispatch.hpp).
+# resilin_kernels(MODULE SOURCES a.cpp ... [OPTIONS ...] [OPTIONS_avx512 ...] [DISPATCH b.cpp]): compiles
+# the sources for each instruction set, with these further options, and puts them into the library of the module. DISPATCH,
+# compiled once, sees which sets there are (core/kernel_dispatch.hpp).
 
 set(RESILIN_INSTRUCTION_SETS all CACHE STRING
   "Instruction sets of the kernels: all, native (the best one of this machine alone) or a list such as baseline,avx2")
@@ -66,7 +65,7 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
 endif()
 
 function(resilin_kernels module)
-  cmake_parse_arguments(ARG "" "DISPATCH" "SOURCES;OPTIONS;OPTIONS_avx512;PRECOMPILE" ${ARGN})
+  cmake_parse_arguments(ARG "" "DISPATCH" "SOURCES;OPTIONS;OPTIONS_avx512" ${ARGN})
   foreach(set IN LISTS RESILIN_COMPILED_SETS)
     set(objects resilin_${module}_${set})
     add_library(${objects} OBJECT ${ARG_SOURCES})
@@ -76,11 +75,6 @@ function(resilin_kernels module)
       RESILIN_SIMD_NAMESPACE=${set} RESILIN_SIMD_WIDTH=${RESILIN_WIDTH_${set}})
     target_compile_options(${objects} PRIVATE ${RESILIN_KERNEL_FLAGS} ${RESILIN_FLAGS_${set}}
       ${ARG_OPTIONS} ${ARG_OPTIONS_${set}})
-    if(ARG_PRECOMPILE)
-      list(TRANSFORM ARG_PRECOMPILE REPLACE "(.+)" "<\\1>" OUTPUT_VARIABLE headers)
-      target_precompile_headers(${objects} PRIVATE ${headers})
-      target_compile_options(${objects} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
-    endif()
     target_sources(resilin_${module} PRIVATE $<TARGET_OBJECTS:${objects}>)
   endforeach()
   if(ARG_DISPATCH)

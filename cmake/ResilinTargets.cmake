@@ -54,6 +54,8 @@ endif()
 
 # resilin_precompile(TARGET GROUP <header> ...): parses these headers once for all targets of a group, in the first of
 # them. The targets of a group have the same compile flags; kernels, whose flags differ, go without.
+# Headers of this project stay out: ccache does not see a change of their comments, and an old precompiled header then clashes
+# with the new file.
 # -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON does without.
 function(resilin_precompile target group)
   get_property(first GLOBAL PROPERTY RESILIN_PRECOMPILED_${group})
