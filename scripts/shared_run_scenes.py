@@ -49,9 +49,10 @@ TURN = (
     "rotate = { axis = [1, 0, 0], center = [0, 0.5, 0.5], degrees = 60 }\n"
 )
 GROUND = (
-    '[[collider]]\nname = "ground"\nkind = "half_space"\npoint = [0, 0, -0.02]\nnormal = [0, 0, 1]\n'
-    '[[collider]]\nname = "ball"\nkind = "sphere"\ncenter = [1, 0.5, 1.32]\nradius = 0.3\n'
-    "velocity = [0, 0, -2]\nuntil = 0.03\n"
+    '[[collider]]\nname = "ground"\nkind = "half_space"\npoint = [0, 0, -0.05]\nnormal = [0, 0, 1]\n'
+    "activation_distance = 0.05\n"
+    '[[collider]]\nname = "ball"\nkind = "sphere"\ncenter = [1, 0.5, 21.06]\nradius = 20\n'
+    "activation_distance = 0.05\nvelocity = [0, 0, -2]\nuntil = 0.03\n"
 )
 FREE = "velocity = [1, 0, 3]\nvelocity_gradient = [[0, 0, 2], [0, 0, 0], [-2, 0, 0]]\n"
 FLAT = HEAD + (
@@ -129,5 +130,21 @@ REFUSALS = {
         ["arc_length", "run it on one process"],
     ),
     "another solver": (SMALL + '[solver]\nkind = "cg_amg"\n', 2, ["petsc_gamg", "cg_amg"]),
+    "a ball that is small beside the facets": (
+        moving("backward_euler")
+        + box("P1")
+        + GROUND.replace("center = [1, 0.5, 21.06]\nradius = 20", "center = [1, 0.5, 1.36]\nradius = 0.3"),
+        2,
+        ["sphere", "run it on one process"],
+    ),
+    "a viscoelastic material": (
+        (STATIC + box("P1", "neo_hookean") + CLAMP + BENT).replace(
+            'law = "neo_hookean", youngs_modulus = 1e6, poissons_ratio = 0.3',
+            'law = "neo_hookean_isochoric", shear_modulus = 4e5, bulk_modulus = 1e6, '
+            "viscoelastic = { g = [0.3], tau = [1] }",
+        ),
+        2,
+        ["viscoelastic", "run it on one process"],
+    ),
     "a scene that is wrong": (SMALL + "[nonsense]\n", 2, ["nonsense"]),
 }
