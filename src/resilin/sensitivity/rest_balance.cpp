@@ -110,8 +110,11 @@ void RestBalance::add_area_forces(const VectorX& change, VectorX& forces) {
       const std::vector<double> found = contact_points(other_areas_, description.stiffness).stiffness;
       return VectorX(Eigen::Map<const VectorX>(found.data(), static_cast<Eigen::Index>(found.size())));
     };
-    const VectorX by = (stiffness_at(step) - stiffness_at(-step)) / (2 * step);
-    world_.colliders[k++]->add_parameter_forces("barrier_stiffness", x_, by, conditions_, forces);
+    const ColliderBarrier& collider = *world_.colliders[k++];
+    VectorX by = VectorX::Zero(collider.num_stiffnesses());  // those of facets do not follow the shape
+    const VectorX of_points = (stiffness_at(step) - stiffness_at(-step)) / (2 * step);
+    by.head(of_points.size()) = of_points;
+    collider.add_parameter_forces("barrier_stiffness", x_, by, conditions_, forces);
   }
 }
 
