@@ -31,22 +31,46 @@ SceneValue::Array& list_of(SceneValue& scene, const std::string& key) {
 
 std::string body_key(std::size_t body) { return "body." + std::to_string(body); }
 
+/// Names "prefix1", "prefix2", ... that no entry of a list has yet.
+class FreeNames {
+ public:
+  FreeNames(std::string prefix, const auto& entries) : prefix_(std::move(prefix)) {
+    for (const auto& entry : entries) taken_.insert(entry.name);
+  }
+  std::string next() {
+    std::string name;
+    do name = prefix_ + std::to_string(++number_);
+    while (taken_.contains(name));
+    return name;
+  }
+
+ private:
+  std::string prefix_;
+  std::set<std::string> taken_;
+  int number_ = 0;
+};
+
+/// A table with a name and, where there are several, a body.
+SceneValue::Table table_on(const Description& before, const std::string& name, const std::string& body) {
+  SceneValue::Table table = {{"name", value_of(name)}};
+  if (before.bodies.size() > 1) table.push_back({"body", value_of(body)});
+  return table;
+}
+
+SceneMember where_of(const std::vector<Index>& vertices) {
+  SceneValue::Array numbers;
+  for (const Index v : vertices) numbers.push_back(value_of(std::int64_t{v}));
+  return {"where", value_of(SceneValue::Table{{"vertices", value_of(std::move(numbers))}})};
+}
+
 void hold(SceneValue& scene, const SceneChanges& changes) {
   if (changes.held.empty()) return;
+  const Description& before = *changes.before;
   SceneValue::Array& fixes = list_of(scene, "fix");
-  std::set<std::string> names;
-  for (const FixDescription& fix : changes.before->fixes) names.insert(fix.name);
-  int number = 0;
+  FreeNames names("held_", before.fixes);
   for (const HeldFace& face : changes.held) {
-    std::string name;
-    do name = "held_" + std::to_string(++number);
-    while (names.contains(name));
-    SceneValue::Array vertices;
-    for (const Index v : face.vertices) vertices.push_back(value_of(std::int64_t{v}));
-    SceneValue::Table fix = {{"name", value_of(name)}};
-    if (changes.before->bodies.size() > 1)
-      fix.push_back({"body", value_of(changes.before->bodies[face.body].name)});
-    fix.push_back({"where", value_of(SceneValue::Table{{"vertices", value_of(std::move(vertices))}})});
+    SceneValue::Table fix = table_on(before, names.next(), before.bodies[face.body].name);
+    fix.push_back(where_of(face.vertices));
     fixes.push_back(value_of(std::move(fix)));
   }
 }
@@ -73,23 +97,16 @@ void place_ground(SceneValue& scene, const SceneChanges& changes) {
 /// Faces with loads, by vertices of their meshes.
 void put_loads(SceneValue& scene, const SceneChanges& changes) {
   if (changes.loads.empty()) return;
+  const Description& before = *changes.before;
   SceneValue::Array& loads = list_of(scene, "load");
-  std::set<std::string> names;
-  for (const LoadDescription& load : changes.before->loads) names.insert(load.name);
-  int number = 0;
+  FreeNames names("load_", before.loads);
   for (const FaceLoad& face : changes.loads) {
-    std::string name;
-    do name = "load_" + std::to_string(++number);
-    while (names.contains(name));
-    SceneValue::Array vertices;
-    for (const Index v : face.description.where.vertices) vertices.push_back(value_of(std::int64_t{v}));
-    SceneValue::Table load = {{"name", value_of(name)}};
-    if (changes.before->bodies.size() > 1) load.push_back({"body", value_of(face.description.body)});
+    SceneValue::Table load = table_on(before, names.next(), face.description.body);
     load.push_back({"kind", value_of(face.description.kind)});
-    load.push_back({"where", value_of(SceneValue::Table{{"vertices", value_of(std::move(vertices))}})});
+    load.push_back(where_of(face.description.where.vertices));
     load.push_back({"value", face.description.kind == "pressure"
                                  ? value_of(face.description.pressure)
-                                 : vector_value(face.description.value, changes.before->dimension)});
+                                 : vector_value(face.description.value, before.dimension)});
     loads.push_back(value_of(std::move(load)));
   }
 }

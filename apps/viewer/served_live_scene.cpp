@@ -29,6 +29,17 @@ bool is_same_face(const FacePatch& there, const FacePatch& touched) {
   return there.part == touched.part && std::ranges::binary_search(there.facets, touched.touched);
 }
 
+/// Takes the last entry with this face from a list and returns its number; none without such an entry.
+template <class Face>
+std::optional<int> take_touched(std::vector<Face>& faces, const FacePatch& patch) {
+  const auto is_touched = [&patch](const Face& face) { return is_same_face(face.patch, patch); };
+  const auto last = std::find_if(faces.rbegin(), faces.rend(), is_touched);
+  if (last == faces.rend()) return std::nullopt;
+  const int number = last->number;
+  faces.erase(std::next(last).base());
+  return number;
+}
+
 }  // namespace
 
 ServedLiveScene::Loaded::Loaded(Scene scene, const std::optional<State>& start)
@@ -205,13 +216,7 @@ std::optional<std::uint32_t> ServedLiveScene::shown_vertex(Index node) const {
 void ServedLiveScene::hold(const HoldFace& hold) {
   Loaded& loaded = *loaded_;
   FacePatch patch = patch_at(hold, "hold");
-  const auto is_touched = [&patch](const ShownFace& face) { return is_same_face(face.patch, patch); };
-  const auto last = std::find_if(loaded.faces.rbegin(), loaded.faces.rend(), is_touched);
-  if (last != loaded.faces.rend()) {
-    loaded.live->let_go(last->number);
-    loaded.faces.erase(std::next(last).base());
-    return;
-  }
+  if (const std::optional<int> held = take_touched(loaded.faces, patch)) return loaded.live->let_go(*held);
   const int number = loaded.live->hold(body_of(patch), mesh_vertices(patch));
   loaded.faces.push_back({number, std::move(patch)});
 }
@@ -237,13 +242,7 @@ std::vector<Index> ServedLiveScene::mesh_vertices(const FacePatch& patch) const 
 void ServedLiveScene::load(const LoadFace& load) {
   Loaded& loaded = *loaded_;
   FacePatch patch = patch_at(load.face, "load");
-  const auto is_touched = [&patch](const LoadedFace& face) { return is_same_face(face.patch, patch); };
-  const auto last = std::find_if(loaded.loads.rbegin(), loaded.loads.rend(), is_touched);
-  if (last != loaded.loads.rend()) {
-    loaded.live->remove_load(last->number);
-    loaded.loads.erase(std::next(last).base());
-    return;
-  }
+  if (const std::optional<int> put = take_touched(loaded.loads, patch)) return loaded.live->remove_load(*put);
   LoadedFace made{loaded.live->put_load(body_of(patch), mesh_vertices(patch), load.choice), std::move(patch)};
   VectorX gradient = VectorX::Zero(world().rest_positions.size());
   loaded.live->face_loads().back().term->add_gradient(world().rest_positions, world().at_load(1), gradient);

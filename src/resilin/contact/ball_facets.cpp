@@ -17,7 +17,7 @@ constexpr double harmless_dip = 0.05;
 constexpr double advancement_tolerance = 0.05;
 constexpr int most_advances = 100;
 
-/// How far a ball dips into a facet whose corners it touches [m].
+/// Depth of a ball in a facet, the corners of which it touches [m].
 double dip(double radius, double longest_side, int dim) {
   const double to_corner = longest_side / (dim == 3 ? std::sqrt(3.0) : 2.0);
   if (!(to_corner < radius)) return std::numeric_limits<double>::infinity();

@@ -29,7 +29,7 @@ class BallFacets {
   BallFacets(ContactSurface surface, const VectorX& rest_positions, double radius,
              double activation_distance);
 
-  /// Whether no body has facets that are large beside the ball.
+  /// True where no body has facets that are large beside the ball.
   bool empty() const { return facets_.empty(); }
   const ContactSurface& surface() const { return surface_; }
   Index center() const { return static_cast<Index>(surface_.parts.num_vertices()) - 1; }

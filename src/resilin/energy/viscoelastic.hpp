@@ -15,7 +15,7 @@ struct PronyBranch {
   double time;   ///< tau_i [s]
 };
 
-/// Whether a law is Psi = Psi_iso(J^(-1/3) F) + U(J) with a bulk modulus of its own in U.
+/// True for a law Psi = Psi_iso(J^(-1/3) F) + U(J) with a bulk modulus of its own in U.
 bool has_isochoric_split(const LawInfo& law);
 
 /// Factors of a law's constants that scale Psi_iso and leave U alone.

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "resilin/core/dense.hpp"
+#include "resilin/core/determinant.hpp"
 #include "resilin/core/parallel.hpp"
 #include "resilin/core/simd.hpp"
 #include "resilin/element/catalog.hpp"
@@ -22,33 +23,6 @@ struct PointList {
     return *this;
   }
 };
-
-/// dJ/dF.
-Matrix<2> cofactor(const Matrix<2>& F) {
-  return (Matrix<2>() << F(1, 1), -F(1, 0), -F(0, 1), F(0, 0)).finished();
-}
-Matrix<3> cofactor(const Matrix<3>& F) {
-  Matrix<3> c;
-  for (int k = 0; k < 3; ++k) c.col(k) = F.col((k + 1) % 3).cross(F.col((k + 2) % 3));
-  return c;
-}
-
-/// d2J/dF2, vec(F) by columns: J is linear in each column, so that the column k of dJ/dF changes by what
-/// takes its place in another one.
-template <int dim>
-Eigen::Matrix<double, dim * dim, dim * dim> curvature_of_volume(const Matrix<dim>& F) {
-  Eigen::Matrix<double, dim * dim, dim * dim> D;
-  for (int k = 0; k < dim; ++k)
-    for (int i = 0; i < dim; ++i) {
-      Matrix<dim> changed = F;
-      changed.col(k) = Vector<dim>::Unit(i);
-      const Matrix<dim> c = cofactor(changed);
-      for (int l = 0; l < dim; ++l)
-        D.template block<dim, 1>(dim * l, i + dim * k) =
-            l == k ? Vector<dim>(Vector<dim>::Zero()) : Vector<dim>(c.col(l));
-    }
-  return D;
-}
 
 dense::Matrix projected_square(const dense::Matrix& matrix, Projection projection) {
   if (projection == Projection::none) return matrix;
@@ -231,7 +205,7 @@ void FoldBarrier::add_point_hessians(const VectorX& x, Projection projection, Bl
     const double J = shape.F.determinant();
     const Matrix<dim> C = cofactor(shape.F);
     const Eigen::Map<const Eigen::Matrix<double, dim * dim, 1>> c(C.data());
-    Tangent A = projected_square(barrier_.slope(J) * curvature_of_volume<dim>(shape.F), projection);
+    Tangent A = projected_square(barrier_.slope(J) * determinant_hessian<dim>(shape.F), projection);
     A += barrier_.curvature(J) * c * c.transpose();
     A *= stiffness_of(point);
     for (std::size_t a = 0; a < shape.num_nodes; ++a)

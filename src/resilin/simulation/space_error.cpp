@@ -9,6 +9,7 @@
 #include <span>
 #include <utility>
 
+#include "resilin/core/determinant.hpp"
 #include "resilin/core/parallel.hpp"
 #include "resilin/linear/minres.hpp"
 #include "resilin/material/batch.hpp"
@@ -50,45 +51,12 @@ Key key_of(std::span<const Index> corners) {
   return key;
 }
 
-/// dJ/dF.
-template <int dim>
-Eigen::Matrix<double, dim, dim> cofactor(const Eigen::Matrix<double, dim, dim>& F) {
-  Eigen::Matrix<double, dim, dim> cof;
-  if constexpr (dim == 2)
-    cof << F(1, 1), -F(1, 0), -F(0, 1), F(0, 0);
-  else
-    for (int i = 0; i < 3; ++i) cof.row(i) = F.row((i + 1) % 3).cross(F.row((i + 2) % 3));
-  return cof;
-}
-
 /// J - 1 of F = 1 + H, without cancellation.
 template <int dim>
 double volume_change(const Eigen::Matrix<double, dim, dim>& H) {
   double change = H.trace() + H.determinant();
   if constexpr (dim == 3) change += cofactor<3>(H).trace();
   return change;
-}
-
-/// Adds factor d2J/dF_ij dF_kl at [i * dim + j, k * dim + l].
-template <int dim>
-void add_second_derivative(const Eigen::Matrix<double, dim, dim>& F, double factor, double* A) {
-  constexpr int square = dim * dim;
-  const auto add = [&](int i, int j, int k, int l, double value) {
-    A[(i * dim + j) * square + k * dim + l] += factor * value;
-  };
-  if constexpr (dim == 2) {
-    for (const int i : {0, 1})
-      for (const int j : {0, 1}) add(i, j, 1 - i, 1 - j, i == j ? 1 : -1);
-  } else {
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) {  // cof_ij = F_kl F_mn - F_kn F_ml
-        const int k = (i + 1) % 3, m = (i + 2) % 3, l = (j + 1) % 3, n = (j + 2) % 3;
-        add(i, j, k, l, F(m, n));
-        add(i, j, m, n, F(k, l));
-        add(i, j, k, n, -F(m, l));
-        add(i, j, m, l, -F(k, n));
-      }
-  }
 }
 
 /// The richer space on a body of one domain: which functions there are, their residual, and the stiffness
@@ -407,13 +375,16 @@ std::vector<double> BodySpace<dim>::replace_pressures(const Domain& domain, std:
     const Eigen::Matrix<double, dim, dim> F =
         Eigen::Matrix<double, dim, dim>::Identity() + Gradient(states.deformation_gradients + i * square);
     const Eigen::Matrix<double, dim, dim, Eigen::RowMajor> cof = cofactor<dim>(F);
+    const auto D = determinant_hessian<dim>(F.transpose());  // vec(F) by rows
     const double added = of_means[i / per_cell].pressure - at_points[i].pressure;
     for (std::size_t a = 0; a < square; ++a) {
       P[i * square + a] += added * cof.data()[a];
-      for (std::size_t b = 0; b < square; ++b)
-        A[(i * square + a) * square + b] -= at_points[i].stiffness * cof.data()[a] * cof.data()[b];
+      for (std::size_t b = 0; b < square; ++b) {
+        double& entry = A[(i * square + a) * square + b];
+        entry -= at_points[i].stiffness * cof.data()[a] * cof.data()[b];
+        entry += added * D.data()[b * square + a];
+      }
     }
-    add_second_derivative<dim>(F, added, &A[i * square * square]);
   }
   return stiffnesses;
 }
