@@ -147,7 +147,7 @@ std::string scene_text(const NewOptions& options, const std::string& mesh, bool 
   text += "poissons_ratio = 0.4     # rubber: up to 0.499\n";
   text += "density = " + number(density) + "           # [kg/m^3]\n";
   text +=
-      "\n[[fix]]\nname = \"support\"         # all vertices in a box that reaches beyond the body, except "
+      "\n[[fix]]\nname = \"clamp\"           # all vertices in a box that reaches beyond the body, except "
       "its top\n";
   text += "where = { box = [" + vector_text(low, m.dim) + ", " + vector_text(high, m.dim) + "] }\n";
   text += "\n[output]\nfields = [\"displacement\", \"von_mises\"]\n";

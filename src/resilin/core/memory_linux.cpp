@@ -73,7 +73,7 @@ void look_at_group(const GroupFiles& files, const std::string& path, MemoryRoom&
       const std::optional<double> limit = number_of_file(folder / name);
       if (!limit) continue;
       const double cache = sum_in_file(folder / "memory.stat", files.inactive_cache, files.active_cache);
-      take_less(room, *limit - *usage + cache, "of what the control group of the process allows (cgroup)");
+      take_less(room, *limit - *usage + cache, "within the limit of its control group (cgroup)");
     }
     if (group.empty()) return;
   }

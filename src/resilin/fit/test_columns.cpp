@@ -184,7 +184,7 @@ std::vector<double> loads_of(const RawTest& raw, const ColumnFinder::Found& colu
           place + ", row " + std::to_string(i + 1), "a stretch above 0", format_number(loads[i]),
           column.role == ColumnRole::stretch
               ? "the stretch at rest is 1; if the column holds engineering strains, name it strain"
-              : "no specimen is pushed to nothing");
+              : "a specimen keeps some of its length");
   return loads;
 }
 

@@ -220,7 +220,7 @@ class GltfReader {
     constexpr std::size_t triangles = 4, strip = 5, fan = 6;
     const std::size_t mode = gltf_number(primitive, "mode", place, triangles);
     if (mode < triangles || mode > fan) {
-      if (!std::exchange(has_passed_over_, true)) mesh_.warn("points and lines are passed over");
+      if (!std::exchange(has_passed_over_, true)) mesh_.warn("points and lines are skipped");
       return;
     }
     const auto attributes = primitive.find("attributes");

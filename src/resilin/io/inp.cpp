@@ -217,7 +217,7 @@ class InpReader {
   }
 
   void end(Scope scope, const std::string& keyword) {
-    if (scope_ != scope) lines_.at().fail("what it ends before it", "*" + keyword);
+    if (scope_ != scope) lines_.at().fail("*" + keyword.substr(4) + " before its end", "*" + keyword);
     scope_ = Scope::model;
     part_ = 0;
   }
@@ -383,7 +383,7 @@ MeshFile read_inp(const MeshSource& source) {
   MeshBuilder mesh(source.name, "Abaqus");
   build_inp_mesh(model, mesh);
   for (const auto& [type, count] : model.passed_over)
-    mesh.warn(std::to_string(count) + " lines of elements " + printable(type) + " are passed over");
+    mesh.warn(std::to_string(count) + " lines of elements " + printable(type) + " are skipped");
   return mesh.finish();
 }
 

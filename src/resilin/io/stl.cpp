@@ -118,7 +118,7 @@ class StlReader {
       }
     if (bytes.size() > binary_size(count))
       mesh_.warn(std::to_string(bytes.size() - binary_size(count)) +
-                 " bytes behind the last triangle are passed over");
+                 " bytes behind the last triangle are skipped");
   }
 
   Vector3 binary_place(std::string_view bytes, std::size_t triangle) const {

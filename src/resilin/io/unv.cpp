@@ -55,7 +55,7 @@ class UnvReader {
     for (const Group& group : groups_) add(group);
     if (num_passed_over_ > 0)
       mesh_.warn(std::to_string(num_passed_over_) + " elements of other kinds, such as descriptor " +
-                 std::to_string(passed_over_) + ", are passed over");
+                 std::to_string(passed_over_) + ", are skipped");
     return mesh_.finish();
   }
 

@@ -103,7 +103,7 @@ class VtuReader {
     for (const char* name : {"Points", "Cells", "PointData", "CellData"})
       if (times[name] > 1)
         throw InputError(file_, "one <" + std::string(name) + ">", std::to_string(times[name]),
-                         "which of them is meant cannot be told");
+                         "remove the others: it is not clear which one holds");
   }
 
   /// The bytes of appended data are no XML: where they end, the last end tag says.

@@ -39,7 +39,7 @@ bool Claims::lock(short kind, std::int64_t place, bool waits) {
     has_locks_ = false;
     log_warning(
         "this file system has no locks (" + reason_of_failed_write(errno) +
-        "): two processes may run the same scene, whose row is then there twice; give each its --shard");
+        "): two processes may run the same scene and write its row twice; give each its --shard");
     return true;
   }
   return true;
