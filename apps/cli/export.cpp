@@ -106,7 +106,7 @@ void export_results(const ExportOptions& options, const std::string& engine) {
   const LiveScene live(*world->made_from, state_to_take_up(folder, *world, 0));
   const std::vector<std::string> notes = played_otherwise(*world->made_from);
   const std::string page = recorded_page_to_take_up(engine, folder, *world, notes);
-  for (const std::string& note : notes) print_line("taken up by hand: " + note);
+  for (const std::string& note : notes) print_line("interactive continuation: " + note);
   write_page(options, page, "a recording, and " + cells_of(*world) + " from each of its frames");
 }
 
@@ -146,9 +146,9 @@ void add_export(CommandLine& line, Action& action) {
   command.footer(
       "Examples:\n  resilin export examples/spot.toml spot.html\n  resilin export out/spot spot.html\n\n"
       "The page holds the scene, its meshes and the solver, compiled to WebAssembly: it opens from disk in\n"
-      "a browser of today, on a phone, too. That of a run plays its frames, as result.html does, and goes "
-      "on\n"
-      "by hand from any of them. scripts/build_wasm.sh builds the module once.");
+      "a current browser, also on a phone. The page of a run plays its frames, like result.html, and "
+      "continues\n"
+      "interactively from any of them. scripts/build_wasm.sh builds the module once.");
   command.on_chosen([options, &action] { action = [options] { return export_page(*options); }; });
 }
 

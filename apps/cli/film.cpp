@@ -173,7 +173,7 @@ void add_film(CommandLine& line, Action& action) {
       .required()
       .type_name("FILE")
       .is_file(film_extensions());
-  command.option("--field", picture.field, "As of resilin picture")
+  command.option("--field", picture.field, "As for resilin picture")
       .type_name("NAME[.COMPONENT]")
       .offers(field_names)
       .group("Display");

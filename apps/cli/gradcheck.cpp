@@ -117,7 +117,7 @@ void add_gradcheck(CommandLine& line, Action& action) {
       "Example:\n  resilin gradcheck beam.toml --wrt body.beam.material.youngs_modulus\n\n"
       "Exit codes: 0 they agree, as far as differences can tell; 1 the input is wrong; 2 they disagree, "
       "or "
-      "differences lead nowhere.");
+      "differences do not converge.");
   command.on_chosen([options, &action] { action = [options] { return gradcheck(*options); }; });
 }
 

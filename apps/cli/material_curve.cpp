@@ -27,7 +27,7 @@ std::string description(LoadCase load_case) {
     case LoadCase::planar:
       return "a sheet stretched along x, constrained along z, traction-free along y";
     case LoadCase::shear:
-      return "simple shear along x, nothing free";
+      return "simple shear along x, all other components of F fixed";
     case LoadCase::volumetric:
       return "every edge stretched equally";
   }

@@ -89,7 +89,7 @@ void print_law(const LawInfo& law, const MaterialsOptions& options) {
   }
   print_text(format_table(rows));
   print_line("\nNominal stress [Pa]: uniaxial tension, and simple shear by (stretch - 1)");
-  rows = {{"  stretch", "pulled", "sheared"}};
+  rows = {{"  stretch", "uniaxial", "shear"}};
   const Sample sample(material);
   for (std::size_t i = 0; i < sample.stretch.size(); ++i) {
     rows.push_back({"  " + format_short(sample.stretch[i]), stress_text(sample.uniaxial[i]),

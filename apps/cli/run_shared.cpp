@@ -63,8 +63,8 @@ void log_traffic(const SharedScene& scene, int iterations) {
   const double per = std::max(1, iterations);
   if (share.is_first())
     log_info("beside PETSc's own, each process sent " + format_short(messages / per) + " messages with " +
-             format_short(bytes / per) + " bytes and took part in " +
-             format_short(static_cast<double>(traffic.sums) / per) + " sums, for each of " +
+             format_short(bytes / per) + " bytes and joined " +
+             format_short(static_cast<double>(traffic.sums) / per) + " global sums for each of " +
              std::to_string(iterations) + " Newton iterations; the largest holds " +
              format_short(memory / (1 << 20)) + " MiB");
 }
@@ -121,7 +121,7 @@ int run_part(const RunOptions& options, const Speaker& speaker) {
   if (options.resumes())
     for (const std::string& warning : resume(options, results, simulation)) warnings.push_back(warning);
   for (const std::string& note : scene.whole.notes) log_info(note);
-  log_info("several processes write frames for ParaView, no result.html and no result.usda");
+  log_info("a run on several MPI processes writes frames for ParaView, no result.html and no result.usda");
   speaker.warnings(warnings);
   print_start(speaker, options, scene, simulation);
 

@@ -61,7 +61,7 @@ class RunningSimulation {
   std::shared_ptr<PlayedScene> play() {
     const Turns::Turn turn(turns_, Turns::Kind::change);
     if (simulation_->world().modes)
-      throw InputError("view", "bodies in motion or at rest", "modes of vibration",
+      throw InputError("view", "a static or dynamic scene", "modal analysis",
                        "resilin.LiveScene(scene).view() plays with their scene");
     if (!played_.scene) {
       played_.scene = std::make_shared<PlayedScene>(*simulation_->world().made_from, warnings_);

@@ -61,7 +61,7 @@ TEST_F(Export, OfARunWritesItsRecordingWithTheStateOfEachFrame) {
     const ProgramResult made = run({"export", "out", "play.html", "--engine", "module.wasm"});
     ASSERT_EQ(made.exit_code, 0) << made.err;
     EXPECT_THAT(made.out, HasSubstr("a recording, and "));
-    EXPECT_EQ(made.out.find("taken up by hand: ") != std::string::npos, kind == "static");
+    EXPECT_EQ(made.out.find("interactive continuation: ") != std::string::npos, kind == "static");
     const std::string page = read_file(folder / "play.html"),
                       result = read_file(folder / "out" / "result.html");
     for (const char* part : {R"({"kind": "embedded"})", R"(<script id="engine" type="text/plain">eJ)",

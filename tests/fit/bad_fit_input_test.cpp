@@ -94,7 +94,7 @@ TEST_F(BadFitInput, IsFoundInNumbers) {
               AllOf(HasSubstr("a.csv:2"), HasSubstr("leave rows without")));
   EXPECT_THAT(error_of_csv("stretch,stress\n1.1,inf\n"), HasSubstr("a.csv:2"));
   EXPECT_THAT(error_of_csv("stretch,stress\n1.1,\n"), HasSubstr("leave rows without"));
-  EXPECT_THAT(error_of_csv("stretch,stress\n1,1\n"), HasSubstr("points away from rest"));
+  EXPECT_THAT(error_of_csv("stretch,stress\n1,1\n"), HasSubstr("points at nonzero strain"));
   EXPECT_THAT(error_of_csv(""), HasSubstr("rows of numbers"));
   EXPECT_THAT(error_of_csv("stretch,stress\n"), HasSubstr("rows of numbers"));
   EXPECT_THAT(error_of_csv("stretch,stress\n1.1,0\n1.2,0\n"), HasSubstr("stresses other than 0"));

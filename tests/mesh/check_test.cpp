@@ -205,9 +205,9 @@ TEST(CheckMesh, NamesABowTie) {
   Mesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, 0, 1}, {0, -1, 1}, {0, 0, 2}};
   mesh.blocks = {{CellKind::tetrahedron, {0, 1, 2, 3, 3, 4, 5, 6}}};
-  EXPECT_EQ(
-      only_warning(check_mesh(mesh, 3)),
-      "mesh: vertex 3: a bow tie: tetrahedra hang together only through it; such a joint holds no moment");
+  EXPECT_EQ(only_warning(check_mesh(mesh, 3)),
+            "mesh: vertex 3: a bow tie: tetrahedra are connected only through it; such a joint transmits no "
+            "moment");
   Numbering numbering;
   numbering.first_vertex = 1;
   EXPECT_THAT(check_mesh(mesh, 3, numbering).warnings[0].text(), HasSubstr("vertex 4: a bow tie"));
@@ -218,7 +218,7 @@ TEST(CheckMesh, NamesAHinge) {
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, -1, 0}, {0, 0, -1}};
   mesh.blocks = {{CellKind::tetrahedron, {0, 1, 2, 3, 0, 1, 4, 5}}};
   EXPECT_THAT(check_mesh(mesh, 3).warnings[0].text(),
-              HasSubstr("edge 0-1: tetrahedra hang together only along it"));
+              HasSubstr("edge 0-1: tetrahedra are connected only along it"));
 }
 
 TEST(CheckSurface, NamesABowTie) {
@@ -226,7 +226,7 @@ TEST(CheckSurface, NamesABowTie) {
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, 0, 0}, {0, -1, 0}, {0, 0, -1}};
   mesh.blocks = {{CellKind::triangle, {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3,
                                        0, 5, 4, 0, 4, 6, 0, 6, 5, 4, 5, 6}}};  // two tetrahedra
-  EXPECT_THAT(only_warning(check_surface(mesh)), HasSubstr("vertex 0: a bow tie: triangles hang together"));
+  EXPECT_THAT(only_warning(check_surface(mesh)), HasSubstr("vertex 0: a bow tie: triangles are connected"));
 }
 
 }  // namespace

@@ -165,7 +165,7 @@ TEST(RegionsOfABody, AreRefusedInOneLine) {
         body.regions.back().place = "bar.toml: body[0].region[1]";
       }),
       "bar.toml: body[0].region[1].where: expected a region with at least one cell of its own, got cells "
-      "that regions before it have, such as \"stiff\"; a cell belongs to the first region that means it: "
+      "that regions before it have, such as \"stiff\"; a cell belongs to the first region that contains it: "
       "put this one first");
   EXPECT_THAT(refusal([](BodyDescription& body) {
                 body.regions.push_back(region("stiff", box({0, 0, 0}, {0.4, 1, 1}), body.material));

@@ -105,8 +105,7 @@ void OutputFile::close() {
   buffer_->close();
   if (buffer_->error() != 0)
     throw FileError(named_.string(), "cannot be written: " + reason_of_failed_write(buffer_->error()));
-  if (!*stream_)
-    throw FileError(named_.string(), "cannot be written: what was to go into it is not complete");
+  if (!*stream_) throw FileError(named_.string(), "cannot be written: its contents are incomplete");
 }
 
 }  // namespace resilin

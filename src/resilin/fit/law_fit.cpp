@@ -29,7 +29,7 @@ void require_enough_points(const LawChoice& choice, const FitData& data, const F
                      "leave one without a value");
   if (there < needed)
     throw InputError(description.place,
-                     "at least " + std::to_string(needed) + " points away from rest for the " +
+                     "at least " + std::to_string(needed) + " points at nonzero strain for the " +
                          std::to_string(needed) + " constants of " + choice.name,
                      std::to_string(there), "add tests, give constants a value, or take a law with fewer");
 }

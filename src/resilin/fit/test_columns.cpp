@@ -161,7 +161,7 @@ class ColumnFinder {
 double required_size(double size, const char* key, ColumnRole role, const std::string& place) {
   if (size > 0) return size;
   throw InputError(place,
-                   std::string("the key \"") + key + "\" of the specimen at rest beside " + spelling(role),
+                   std::string("the key \"") + key + "\" of the undeformed specimen beside " + spelling(role),
                    "nothing", std::string("add ") + key + " = ...");
 }
 
@@ -180,11 +180,11 @@ std::vector<double> loads_of(const RawTest& raw, const ColumnFinder::Found& colu
   }
   for (std::size_t i = 0; i < loads.size() && !is_shear; ++i)
     if (!(loads[i] > 0))
-      throw InputError(
-          place + ", row " + std::to_string(i + 1), "a stretch above 0", format_number(loads[i]),
-          column.role == ColumnRole::stretch
-              ? "the stretch at rest is 1; if the column holds engineering strains, name it strain"
-              : "a specimen keeps some of its length");
+      throw InputError(place + ", row " + std::to_string(i + 1), "a stretch above 0", format_number(loads[i]),
+                       column.role == ColumnRole::stretch
+                           ? "an undeformed specimen has the stretch 1; if the column holds engineering "
+                             "strains, name it strain"
+                           : "a specimen keeps some of its length");
   return loads;
 }
 
@@ -294,7 +294,7 @@ MaterialTest test_of(const RawTest& raw, const std::string& place, std::vector<s
   read_sigmas(raw, finder, factor, is_pressure, test);
   leave_rest_out(test, warnings);
   if (test.num_points() == 0)
-    throw InputError(place, "points away from rest",
+    throw InputError(place, "points at nonzero strain",
                      raw.file.empty() ? "none" : "none in " + printable(raw.file));
   warn_of_signs(test, warnings);
   return test;

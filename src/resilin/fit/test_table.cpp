@@ -97,7 +97,7 @@ Keys<RawTest> material_test_keys() {
               "Reference area of the loaded section, with force."},
              [](const SceneNode& node, T& test) { test.area = read_number(node, positive); }),
       unit_key("length_unit", &T::length_unit, length_units(), "Unit of displacement, length and area."),
-      unit_key("force_unit", &T::force_unit, force_units(), "Of force."),
+      unit_key("force_unit", &T::force_unit, force_units(), "Unit of force."),
   };
 }
 

@@ -56,7 +56,7 @@ std::unique_ptr<LinearSolver> make_distributed(const LinearOptions& options) {
     if (options.kind == "auto" || options.kind == kind.name) return kind.make(options);
     names.push_back('"' + kind.name + '"');
   }
-  throw InputError("solver.kind", join(names, " or ") + " for a scene on several processes",
+  throw InputError("solver.kind", join(names, " or ") + " for a scene on several MPI processes",
                    '"' + options.kind + '"', "let it be \"auto\", or run it on one process");
 }
 

@@ -81,14 +81,14 @@ void LiveScene::settle() {
   const auto rubs = [](const auto& term) { return term->properties().category == EnergyCategory::friction; };
   if (std::ranges::any_of(c.terms, rubs))
     throw InputError("equilibrium", "a scene without friction",
-                     "one with friction, where the equilibrium depends on the way there",
+                     "one with friction, where the equilibrium depends on the load history",
                      "set the coefficients of friction to 0, or wait until the scene is at rest");
   if (!std::isfinite(c.end_of_changes))
-    throw InputError("equilibrium", "loads and supports that come to an end", "some that go on for ever");
+    throw InputError("equilibrium", "loads and boundary conditions that end", "some that never end");
   if (c.state.time < c.end_of_changes)
     throw InputError("equilibrium",
                      "a time from " + format_short(c.end_of_changes) +
-                         " s on, when loads, supports and colliders have come to their end",
+                         " s on, when loads, boundary conditions and colliders have ended",
                      format_short(c.state.time) + " s");
   c.wake();
   c.state.velocities.setZero();

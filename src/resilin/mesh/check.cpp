@@ -177,12 +177,12 @@ class Examiner {
       const bool is_one = pinches.vertices.size() == 1;
       warning(numbering_.vertex_list(pinches.vertices),
               std::string(is_one ? "a bow tie: " : "bow ties: ") + std::string(name(block.kind)) +
-                  " hang together only through " + (is_one ? "it" : "each of them") +
-                  "; such a joint holds no moment");
+                  " are connected only through " + (is_one ? "it" : "each of them") +
+                  "; such a joint transmits no moment");
     }
     for (std::size_t i = 0; i < std::min(pinches.edges.size(), most_issues_of_a_kind); ++i) {
       warning("edge " + edge_text(pinches.edges[i][0], pinches.edges[i][1]),
-              std::string(name(block.kind)) + " hang together only along it" + more(pinches.edges.size(), i) +
+              std::string(name(block.kind)) + " are connected only along it" + more(pinches.edges.size(), i) +
                   "; such a hinge may swing freely");
     }
   }

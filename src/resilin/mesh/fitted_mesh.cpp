@@ -212,9 +212,9 @@ class FittedMaker {
     };
     const Index num_shells = count_parts(surface_.mesh), num_parts = count_parts(fitted.mesh);
     if (num_parts > num_shells)
-      fitted.remarks.push_back(name_ + ": its cells are " + std::to_string(num_parts) +
-                               " parts that do not hang together, while it has " +
-                               std::to_string(num_shells) + "; more cells resolve its thinnest walls");
+      fitted.remarks.push_back(name_ + ": its cells form " + std::to_string(num_parts) +
+                               " disconnected parts, the surface has " + std::to_string(num_shells) +
+                               "; more cells resolve its thinnest walls");
     return fitted;
   }
 

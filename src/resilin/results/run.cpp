@@ -183,7 +183,7 @@ std::string jumps_on_the_way(const State& state) {
          (state.jumps == 1 ? std::string() : " " + std::to_string(state.jumps) + " times, most") +
          " before load factor " + format_short(state.largest_jump_load) + ", and lost " +
          format_short(state.largest_jump) +
-         " J of strain energy that no load took up: the end may not be the one that was meant; "
+         " J of strain energy that no load took up: the final state may not be the intended one; "
          "simulation.on_jump = \"stop\" ends before it";
 }
 

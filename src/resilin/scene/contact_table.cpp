@@ -161,8 +161,9 @@ Keys<ColliderDescription> collider_keys() {
       key<C>({"end", "vector", "m", "required for a capsule and a cylinder", "End point of its axis."},
              [](const SceneNode& node, C& c) { c.shape.end = read_vector(node); }),
       key<C>({"mesh", "text", "", "required for a mesh",
-              "A [file](mesh_formats.md) of triangles, lines or points (in 2D lines or points); of cells the "
-              "surface is taken."},
+              "A [file](mesh_formats.md) of triangles, lines or points (in 2D lines or points); a solid mesh "
+              "counts "
+              "by its surface."},
              read_collider_mesh),
       key<C>({"scale", "number > 0", "", default_text(C{}.shape.scale),
               "Scale factor of the mesh, about the origin."},

@@ -31,8 +31,8 @@ Keys<ViscoelasticDescription> viscoelastic_keys() {
       key<V>({"tau", "list of numbers > 0", "s", "required", "Relaxation time of each branch."},
              [](const SceneNode& node, V& v) { v.tau = read_numbers(node); }),
       choice_key("moduli", &V::moduli,
-                 "Which moduli the constants of the law are: those of a sudden load, or those after a long "
-                 "time; g are shares of the same."),
+                 "The moduli that the constants of the law describe: under a sudden load, or after a long "
+                 "time; g are fractions of these moduli."),
   };
 }
 
@@ -192,8 +192,8 @@ TableDoc material_doc() {
   add("youngs_modulus", "number > 0", "Pa", "Young's modulus at small strain.");
   add("poissons_ratio", "number > -1 and < 0.5", "", "Poisson's ratio at small strain.");
   doc.keys.push_back({"fibres", "list of directions", "", "",
-                      "Of " + names_of_laws_with_fibres() +
-                          ": for each fibre family a reference direction, or `{ file = \"fibres.csv\" }` or "
+                      "For " + names_of_laws_with_fibres() +
+                          ": a reference direction for each fibre family, or `{ file = \"fibres.csv\" }` or "
                           "a list with one for each cell; they rotate with the body's rotate."});
   for (const LawInfo* law : laws()) {
     for (const ConstantText& constant : law->constants) {

@@ -218,8 +218,9 @@ Keys<MeshTable> mesh_keys() {
               "In place of cells: the length of their edges, in the lengths of the file, before scale."},
              [](const SceneNode& node, M& m) { m.cells.size = read_number(node, positive); }),
       key<M>({"mesher", one_of(surface_meshers()), "", default_text(M{}.cells.mesher),
-              "How tetrahedra fill a surface: `fitted` ones end at it and keep its sharp edges; those of a "
-              "`lattice` are congruent and stand out of it. `auto`: `fitted`, a lattice in `resilin view`."},
+              "How tetrahedra fill a surface. A `fitted` mesh ends at it and keeps its sharp edges; a "
+              "`lattice` has "
+              "congruent cells and extends beyond it. `auto`: `fitted`, a lattice in `resilin view`."},
              [](const SceneNode& node, M& m) { m.cells.mesher = read_choice(node, surface_meshers()); }),
   };
   for (std::size_t i = 0; i < spellings(RoundKind{}).size(); ++i) {

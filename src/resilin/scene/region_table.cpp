@@ -18,7 +18,7 @@ Keys<RegionOfMesh> region_keys() {
              [](const SceneNode& node, R& r) { r.region.name = read_text(node); }),
       key<R>({"where", "[where](#where)", "", "required",
               "Cells whose centroid it holds; a `group` means its cells, `vertices` the cells that have no "
-              "others. A cell belongs to the first region that means it."},
+              "others. A cell belongs to the first region that contains it."},
              [](const SceneNode& node, R& r) { read_where(node, r.region.where); }),
       key<R>({"material", "[material](#material)", "", "required",
               "What these cells are made of; lists by cell have an entry for each cell of the body."},

@@ -40,7 +40,7 @@ std::vector<Marker> markers_at(const World& world, const Body& body, const std::
       outside.count > 0 && outside.distance > tolerance) {
     const auto worst = static_cast<std::size_t>(outside.point);
     throw InputError(
-        places[worst], "a point inside " + body.name + " at rest",
+        places[worst], "a point inside " + body.name + " in the reference configuration",
         format_point(points[worst], world.dimension) + ", " + format_short(outside.distance) + " m outside",
         "give markers by their reference positions");
   }

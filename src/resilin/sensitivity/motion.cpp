@@ -49,8 +49,8 @@ std::vector<VectorX> MotionDerivatives::take_step() {
     throw InputError(place, "a step of " + std::string(scheme_->name()) + " alone", got, cure);
   };
   if (state.guarded_steps > guarded)
-    refuse(report.by_backward_euler ? "one that backward_euler took, or part of it"
-                                    : "one that would have added energy and was damped",
+    refuse(report.by_backward_euler ? "a step that backward_euler repeated, or part of one"
+                                    : "one that was damped, because it would have added energy",
            "take shorter steps, or integrator = \"backward_euler\"");
   if (state.divided_steps > divided || state.previous_time_step != world().time_step)
     refuse("one with a time-step cutback", "take shorter steps");

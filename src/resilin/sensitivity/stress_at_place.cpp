@@ -75,7 +75,7 @@ StressAtPlace::StressAtPlace(const World& world, const Body& body, const Vector3
   if (dim == 2) points[0][2] = 0;
   const Embedding embedding(element, body.cells, world.rest_positions, points);
   if (const Embedding::Outside& outside = embedding.outside(); outside.count > 0)
-    throw InputError(place, "a point inside " + body.name + " at rest",
+    throw InputError(place, "a point inside " + body.name + " in the reference configuration",
                      format_point(at, dim) + ", " + format_short(outside.distance) + " m outside",
                      "give the points by their reference positions");
   cell_ = embedding.cell(0);

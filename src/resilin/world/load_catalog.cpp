@@ -47,8 +47,8 @@ std::shared_ptr<Energy> make_traction(const LoadDescription& load, const LoadSit
 /// Each process knows its own facets alone, not the whole area.
 std::shared_ptr<Energy> spread(SpreadForce::Kind kind, const LoadDescription& load, const LoadSite& site) {
   if (site.part != nullptr)
-    throw InputError(load.place, "a scene in one process for a load of kind \"" + load.kind + "\"", "several",
-                     "give a traction: the force over the area");
+    throw InputError(load.place, "a scene on one MPI process for a load of kind \"" + load.kind + "\"",
+                     "several", "give a traction: the force over the area");
   const bool is_number = kind == SpreadForce::Kind::moment && site.world.dimension == 2;
   return std::make_shared<DeadLoad>(
       site.name, site.world.dimension,

@@ -129,7 +129,7 @@ std::vector<std::vector<Index>> cells_of_domains(const BodyDescription& body, in
     throw InputError(region.place + ".where", "a region with at least one cell of its own",
                      "cells that regions before it have, such as \"" +
                          body.regions[static_cast<std::size_t>(first)].name + "\"",
-                     "a cell belongs to the first region that means it: put this one first");
+                     "a cell belongs to the first region that contains it: put this one first");
   }
   std::vector<std::vector<Index>> numbers(body.regions.size() + 1);
   for (std::size_t cell = 0; cell < region_of.size(); ++cell)

@@ -86,7 +86,7 @@ void check_viscoelasticity(const Description& description) {
     if (body != description.bodies.end() && is_viscoelastic(*body))
       throw InputError(section.place, "a section of an elastic body",
                        "one of \"" + body->name + "\", which is viscoelastic",
-                       "take the reaction of a support ([[fix]])");
+                       "take the reaction of a boundary condition ([[fix]])");
   }
 }
 
