@@ -11,6 +11,7 @@
 
 namespace resilin {
 
+/// Place and size of a rigid ball.
 struct Ball {
   Vector3 center;
   double radius;  ///< [m]

@@ -26,6 +26,7 @@ struct ShapeDescription {
   Vector3 translate = Vector3::Zero();  ///< translation of the mesh, after scale [m]
 };
 
+/// A kind of collider: its keys in a scene and how its shape is made.
 struct ShapeKind {
   std::string_view name;
   std::vector<std::string> keys;  ///< keys of the scene file that this kind must have

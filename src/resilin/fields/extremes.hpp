@@ -15,6 +15,7 @@ struct Extreme {
       Vector3::Zero();  ///< position of the vertex, or of the mean of the cell's nodes, deformed [m]
 };
 
+/// Smallest and largest value of a field, and where they are.
 struct Extremes {
   Extreme min, max;
 };

@@ -63,6 +63,7 @@ struct NodeQuantity {
 };
 std::span<const NodeQuantity> node_quantities();
 
+/// Prefixes of a cell field that is averaged at, or projected onto, the vertices.
 inline constexpr std::string_view averaged_prefix = "averaged_", nodal_prefix = "nodal_";
 
 }  // namespace resilin

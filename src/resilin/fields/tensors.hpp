@@ -14,6 +14,7 @@ Matrix<3> green_strain(const Matrix<3>& H);
 /// ln V = ln(F F^T) / 2, in the axes of the deformed shape; without loss of digits at small strain.
 Matrix<3> logarithmic_strain(const Matrix<3>& H);
 
+/// Eigenvalues and eigenvectors of a symmetric tensor.
 struct Principal {
   std::array<double, 3> values;  ///< from the largest to the smallest
   Matrix<3> directions;          ///< columns of length 1, the component of largest size positive

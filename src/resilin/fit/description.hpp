@@ -29,6 +29,7 @@ enum class StabilityRule {
 };
 constexpr std::array<std::string_view, 3> spellings(StabilityRule) { return {"required", "report", "off"}; }
 
+/// How a fit treats the volume of specimens.
 enum class VolumeRule {
   automatic,       ///< compressible when a test changes the volume
   incompressible,  ///< the limit in which the volume stays

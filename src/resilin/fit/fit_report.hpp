@@ -91,6 +91,7 @@ struct LawFit : Estimates {
   std::vector<std::string> remarks;           ///< one line each
 };
 
+/// A constitutive model that could not be fitted, and why.
 struct LawNotFitted {
   std::string name, reason;
 };

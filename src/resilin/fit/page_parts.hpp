@@ -6,6 +6,7 @@
 /// A report as one page that needs no network, whatever was fitted.
 namespace resilin {
 
+/// Contents of a page of results.
 struct ReportPage {
   std::string title, objective;       ///< texts
   std::vector<std::string> warnings;  ///< texts

@@ -56,6 +56,7 @@ struct MeasuredRow {
   std::optional<double> moment;  ///< load factor at rest, time in motion [s]; none: the end of the run
 };
 
+/// Measurements of one kind in one experiment.
 struct MeasuredTable {
   MeasuredKind kind = MeasuredKind::markers;
   std::string place;
@@ -99,6 +100,7 @@ enum class StrengthRule {
 };
 constexpr std::array<std::string_view, 2> spellings(StrengthRule) { return {"l_curve", "discrepancy"}; }
 
+/// Penalty on fields of material constants.
 struct Regularisation {
   std::string place = "fit.regularise";
   PriorKind kind = PriorKind::smooth;

@@ -108,6 +108,7 @@ struct SceneFitReport {
   std::vector<Description> scenes;  ///< with the parameters found
 };
 
+/// Callbacks of a fit of scenes.
 struct SceneFitOptions {
   std::function<void(const SceneFitStep&)> on_solve{};
   std::function<bool()> goes_on{};  ///< false: Interrupted is thrown

@@ -8,6 +8,7 @@
 /// Common parts of the texts and the page of a fit of scenes.
 namespace resilin {
 
+/// "1.2" and "Pa" as "1.2 Pa"; the text alone without a unit.
 std::string with_unit(const std::string& text, const std::string& unit);
 
 /// "residuals over sigma, (model - measured) / sigma" ...

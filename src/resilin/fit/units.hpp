@@ -12,6 +12,7 @@ struct Unit {
   double in_si;
 };
 
+/// The units that tables of tests may have, with their factors to SI units.
 std::span<const Unit> stress_units();  ///< in Pa
 std::span<const Unit> length_units();  ///< in m
 std::span<const Unit> force_units();   ///< in N

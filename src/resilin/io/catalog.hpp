@@ -37,6 +37,7 @@ struct MeshFormat {
 /// All formats. A new one is one file and one line here.
 std::span<const MeshFormat> mesh_formats();
 
+/// Readers, one for each format. They throw InputError with the line or byte of a mistake.
 MeshFile read_3mf(const MeshSource& source);
 MeshFile read_bdf(const MeshSource& source);
 MeshFile read_feb(const MeshSource& source);
@@ -55,6 +56,7 @@ MeshFile read_vtk(const MeshSource& source);
 MeshFile read_vtp(const MeshSource& source);
 MeshFile read_vtu_mesh(const MeshSource& source);
 
+/// Writers, one for each format.
 void write_medit(std::ostream& stream, const Mesh& mesh);
 void write_msh(std::ostream& stream, const Mesh& mesh);
 void write_obj(std::ostream& stream, const Mesh& mesh);

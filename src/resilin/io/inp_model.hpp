@@ -47,6 +47,7 @@ class InpSets {
   std::map<std::string, std::size_t, std::less<>> numbers_;
 };
 
+/// One element of an Abaqus input file.
 struct InpElement {
   std::int64_t number;
   CellKind kind;

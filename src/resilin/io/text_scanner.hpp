@@ -75,6 +75,7 @@ struct NumberFault {
 /// Reads a finite number in C notation.
 NumberFault read_real(std::string_view text, std::string_view what, double& value);
 
+/// Helpers for lines of text.
 std::string_view trimmed(std::string_view text);  ///< without blanks at its ends
 std::string lower_case(std::string_view text);    ///< lower case of ASCII letters
 /// The pieces between separators, without blanks at their ends.

@@ -12,6 +12,7 @@
 /// that set a control, the checks of values and the tests walk this table.
 namespace resilin {
 
+/// Closed interval of allowed or shown values.
 struct Interval {
   double least = 0, greatest = 0;
 };
@@ -43,12 +44,14 @@ struct WholeSlider {
   std::string_view zero = "";  ///< meaning of 0, in words; 0 is a number like others when empty
 };
 
+/// A control that is on or off.
 struct Switch {
   using Value = bool;
   bool LiveControls::* value;
   std::string_view hotkey = "";  ///< letter that turns it; none when empty
 };
 
+/// One value of a choice.
 struct Option {
   std::string_view name;
   std::string_view label;  ///< as it is printed
@@ -69,6 +72,7 @@ struct Arrow {
   double longest_allowed, longest_shown, step;
 };
 
+/// A control of the live page: its key, its label and its form.
 struct LiveControl {
   std::string_view key;     ///< key of messages
   std::string_view folder;  ///< folder of the panel
@@ -89,6 +93,7 @@ const LiveControl* find_live_control(std::string_view key);
 /// Value of a control; which kind follows from its form.
 using ControlValue = std::variant<double, bool, std::string, Vector3>;
 
+/// The present value of a control.
 ControlValue value_of(const LiveControl& control, const LiveControls& controls);
 
 /// @throws InputError  for a value that cannot be; the controls are then as before

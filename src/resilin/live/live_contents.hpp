@@ -16,6 +16,7 @@
 /// Contents of a live scene. For the sources of this module alone.
 namespace resilin {
 
+/// A material point that the mouse drags, and its target [m].
 struct Held {
   MaterialPoint place;
   Vector3 target;

@@ -8,6 +8,7 @@
 
 namespace resilin {
 
+/// Contact of bodies with an obstacle that is added while the scene runs.
 struct ObstacleOptions {
   double friction = 0;
   std::optional<double> activation_distance{};  ///< [m]; default: see default_activation_distance

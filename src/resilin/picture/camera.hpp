@@ -16,6 +16,7 @@ struct Camera {
   Vector3 turned(const Vector3& v) const { return {right.dot(v), up.dot(v), toward.dot(v)}; }
 };
 
+/// Names of views, such as "front".
 std::vector<std::string> view_names();  ///< without "auto", which is `telling_direction`
 
 /// Direction of "x", "y" or "z"; any other word is refused. @throws InputError

@@ -10,6 +10,7 @@
 
 namespace resilin {
 
+/// A colour of 8 bits per channel.
 struct Color {
   std::uint8_t red = 0, green = 0, blue = 0;
   friend bool operator==(const Color&, const Color&) = default;

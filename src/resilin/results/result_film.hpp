@@ -20,6 +20,7 @@ struct FilmOptions {
   double turn = 0;                          ///< how far the camera goes around the scene meanwhile [degrees]
 };
 
+/// Frames of a film, and their rate.
 struct FilmPlan {
   struct Shot {
     int frame;                ///< frame of the run

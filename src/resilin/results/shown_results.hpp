@@ -80,6 +80,7 @@ std::string fields_beside_recording(const std::filesystem::path& folder, const W
 /// JSON in a script of a page: no "<" can end the script or begin a comment.
 std::string escaped_for_page(std::string_view json);
 
+/// The bytes in base64 (RFC 4648), without line ends.
 std::string base64(std::string_view bytes);
 
 }  // namespace resilin

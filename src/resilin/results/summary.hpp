@@ -40,6 +40,7 @@ struct RunSummary {
   double output_seconds = 0;
 };
 
+/// Collects the entries of a report that concern the whole run.
 inline RunSummary summary_of(const Simulation& simulation, const RunOutcome& outcome, double total_seconds,
                              double output_seconds) {
   return {.outcome = outcome,

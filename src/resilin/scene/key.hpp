@@ -68,6 +68,7 @@ void read_table(const SceneNode& table, const Keys<T>& keys, T& target,
   }
 }
 
+/// The documentation of a table, from its rows of keys.
 template <class T>
 TableDoc document(std::string title, std::string text, const Keys<T>& keys) {
   TableDoc section{std::move(title), std::move(text), {}};
@@ -75,6 +76,7 @@ TableDoc document(std::string title, std::string text, const Keys<T>& keys) {
   return section;
 }
 
+/// A default value as the scene reference prints it.
 std::string default_text(double value);
 std::string default_text(int value);
 std::string default_text(bool value);
@@ -94,6 +96,7 @@ std::vector<std::string> read_choices(const SceneNode& node, const std::vector<s
 
 // ---- rows for members of the usual types: the default comes from the struct itself
 
+/// A row for a number.
 template <class T>
 Key<T> number_key(const char* name, double T::* member, const char* unit, const Range& range,
                   const char* text) {
@@ -102,30 +105,35 @@ Key<T> number_key(const char* name, double T::* member, const char* unit, const 
           [=](const SceneNode& node, T& target) { target.*member = read_number(node, range); }};
 }
 
+/// A row for a whole number.
 template <class T>
 Key<T> integer_key(const char* name, int T::* member, const Range& range, const char* text) {
   return {{name, "whole number " + range.text(), "", default_text(T{}.*member), text},
           [=](const SceneNode& node, T& target) { target.*member = read_integer(node, range); }};
 }
 
+/// A row for a text.
 template <class T>
 Key<T> text_key(const char* name, std::string T::* member, const char* default_name, const char* text) {
   return {{name, "text", "", default_name, text},
           [=](const SceneNode& node, T& target) { target.*member = read_text(node); }};
 }
 
+/// A row for a vector, one number for each coordinate.
 template <class T>
 Key<T> vector_key(const char* name, Vector3 T::* member, const char* unit, const char* text) {
   return {{name, "vector", unit, default_text(T{}.*member), text},
           [=](const SceneNode& node, T& target) { target.*member = read_vector(node); }};
 }
 
+/// A row for a matrix, by rows.
 template <class T>
 Key<T> matrix_key(const char* name, Eigen::Matrix3d T::* member, const char* unit, const char* text) {
   return {{name, "matrix", unit, default_text(T{}.*member), text},
           [=](const SceneNode& node, T& target) { target.*member = read_matrix(node); }};
 }
 
+/// A row for one of several names; those of `later` are not available yet.
 template <class T>
 Key<T> choice_key(const char* name, std::string T::* member, const std::vector<std::string>& there_is,
                   const std::vector<std::string>& later, const char* text) {
@@ -140,12 +148,14 @@ Choice read_choice(const SceneNode& node) {
   return find_spelled<Choice>(read_choice(node, all_spellings<Choice>())).value_or(Choice{});
 }
 
+/// A row for a value of an enum, by its spelling.
 template <class T, Spelled Choice>
 Key<T> choice_key(const char* name, Choice T::* member, const char* text) {
   return {{name, one_of(all_spellings<Choice>()), "", default_text(spelling(T{}.*member)), text},
           [=](const SceneNode& node, T& target) { target.*member = read_choice<Choice>(node); }};
 }
 
+/// A row for a list of values of an enum.
 template <class T, Spelled Choice>
 Key<T> choices_key(const char* name, std::vector<Choice> T::* member, const char* text) {
   std::vector<std::string> defaults;

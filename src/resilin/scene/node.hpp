@@ -64,6 +64,7 @@ inline constexpr Range positive{0, false};
 inline constexpr Range not_negative{0, true};
 inline constexpr Range at_least_one{1, true};
 
+/// Values of a node. They throw InputError with file, line and key, what was expected and what came.
 double read_number(const SceneNode& node, const Range& range = any_number);
 int read_integer(const SceneNode& node, const Range& range = any_number);
 bool read_flag(const SceneNode& node);

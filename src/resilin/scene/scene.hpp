@@ -13,6 +13,7 @@ namespace resilin {
 
 class MeshCache;
 
+/// How a scene is read.
 struct SceneOptions {
   std::vector<std::string> overrides;      ///< "KEY=VALUE" each, as after --set
   std::int64_t max_box_cells = 100000000;  ///< a box of more cells than this is taken for a slip

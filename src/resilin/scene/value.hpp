@@ -40,6 +40,7 @@ struct SceneValue {
   SceneValue* find(std::string_view key);
 };
 
+/// One key of a table with its value.
 struct SceneMember {
   std::string key;
   SceneValue value;

@@ -18,6 +18,7 @@ struct FrameChange {
   std::vector<Vector3> reactions{};  ///< reactions of the supports, in their order [N]
 };
 
+/// Memory and tolerances of an adjoint pass.
 struct DerivativeOptions {
   /// Motion: whole states are kept at so many places of the run, and steps between them are made again when
   /// they are wanted, to the same bits; 0: the places of all steps are kept.

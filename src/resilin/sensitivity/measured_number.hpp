@@ -42,6 +42,7 @@ std::vector<MeasuredNumber> section_moment_at(Derivatives& run, const std::strin
 /// The volume of a body as it is deformed [m^3], in 2D [m^2].
 MeasuredNumber volume_at(Derivatives& run, const Body& body, int frame);
 
+/// The names of all colliders of a scene.
 std::vector<std::string> collider_names(const World& world);
 /// The force of a collider on the bodies [N]: three numbers.
 /// @throws InputError  for an unknown one, and for one with friction

@@ -9,6 +9,7 @@
 /// Steps of a run, made again from the places where they ended: everything else follows from these.
 namespace resilin {
 
+/// A stage of a time step as it was solved.
 struct StageReplay {
   Stage stage;
   Conditions conditions;
@@ -18,6 +19,7 @@ struct StageReplay {
   VectorX by_impulses{};
 };
 
+/// A step of a run as it was taken.
 struct StepReplay {
   double time = 0;  ///< at its start [s]
   double time_step = 0;

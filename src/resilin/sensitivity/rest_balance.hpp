@@ -20,6 +20,7 @@ struct RestAndDeformed {
 /// Whether no support and no spring holds a body along an axis: what it lies on alone bears it.
 bool is_free_along(const World& world, const Body& body, int axis);
 
+/// The positions [m] after a translation by a vector [m].
 VectorX places_moved(VectorX places, const Vector3& by, int dim);
 
 /// g(x, X) = 0 at the free unknowns, x = support(X) at the fixed ones, and its derivative by

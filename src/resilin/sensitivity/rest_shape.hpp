@@ -18,6 +18,7 @@ struct RestShapeProgress {
   std::string text() const;  ///< "a shape for 50 % of the loads, towards 75 %, iteration 34"
 };
 
+/// Tolerances and limits of the search for a stress-free shape.
 struct RestShapeOptions {
   double meets = 1e-8;  ///< relative to the size: how near to the target a run from the shape found must end
   double step = 1e-10;  ///< relative to the size: Newton's method ends with a step below

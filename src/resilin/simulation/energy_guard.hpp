@@ -6,6 +6,7 @@
 /// No step may add energy: what the guard asks and what it does (docs/theory/integrators.md, I.7).
 namespace resilin {
 
+/// Energies before and after a step [J].
 struct EnergyChange {
   double kinetic_before = 0, kinetic_after = 0;  ///< kinetic energy before and after, of the free DOFs [J]
   double added = 0;        ///< beyond the work done on the bodies [J]; infinite outside the energies' domain

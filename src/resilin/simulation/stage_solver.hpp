@@ -27,6 +27,7 @@ struct Flight {
 Flight flight(const World& world, std::span<const std::uint8_t> is_fixed, const Potential& potential,
               const Stage& stage, const Vector3& gravity, const VectorX& x);
 
+/// Result of one stage of a step.
 struct StageReport {
   NewtonReport newton;  ///< counts of all searches
   bool flew = false;    ///< the search began at the flight

@@ -83,6 +83,7 @@ class SweepFolder {
 /// Folder of the kept results of a scene.
 std::filesystem::path kept_path(const std::filesystem::path& folder, const SceneHash& hash);
 
+/// Name of the table in the folder of a sweep.
 inline constexpr const char* table_name = "results.csv";
 
 }  // namespace resilin

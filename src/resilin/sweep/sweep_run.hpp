@@ -49,6 +49,7 @@ class SceneQueue {
   bool is_empty_ = false;
 };
 
+/// Which scenes of a sweep run here, and on how many threads.
 struct SweepRunOptions {
   SceneQueue::Options queue{};
   int jobs = 0;              ///< scenes at once; 0: see jobs_for

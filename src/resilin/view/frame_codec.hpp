@@ -25,6 +25,7 @@ FieldRange finite_range(std::span<const float> field);
 void encode_field(std::span<const float> field, FieldRange range, std::uint16_t* out);
 float decode_field(std::uint16_t step, FieldRange range);  ///< nan for 0
 
+/// A frame of a live scene, as it is sent to pages.
 struct LiveFrame {
   std::uint32_t number = 0;
   double time = 0;                     ///< [s]
@@ -44,6 +45,7 @@ std::vector<float> collider_places(std::span<const ShownCollider> colliders, con
 /// lower corner of the box, a field's at 0.
 void encode_frame(const LiveFrame& frame, std::string& bytes);
 
+/// Triangles and edges of a shown surface and its colliders, in bytes.
 std::string encode_topology(const ShownSurface& surface, std::span<const ShownCollider> colliders = {});
 
 /// A frame as it comes out.

@@ -30,6 +30,7 @@ double largest_poissons_ratio(const std::vector<DomainMaterial>& materials);
 /// where there is such, else the first.
 const LawInfo& limiting_law(const std::vector<DomainMaterial>& materials);
 
+/// The material of a region of a body; -1 is the body's own.
 const MaterialDescription& material_of(const BodyDescription& description, int region);
 
 /// Makes the strain energies of `body`, whose cells are placed in `world`, and notes the materials in it.

@@ -96,6 +96,7 @@ struct ViscoelasticDescription {
   Moduli moduli = Moduli::instantaneous;
 };
 
+/// Constitutive model and constants of a body or region.
 struct MaterialDescription {
   std::string place = "material";
   std::string law = "stable_neo_hookean";  ///< a name of material/catalog.hpp
@@ -110,6 +111,7 @@ struct MaterialDescription {
   std::optional<ViscoelasticDescription> viscoelastic{};
 };
 
+/// A prescribed rotation about an axis.
 struct Rotation {
   Vector3 axis = Vector3::UnitZ();
   Vector3 center = Vector3::Zero();  ///< [m]
@@ -144,6 +146,7 @@ struct RegionDescription {
   MaterialDescription material;
 };
 
+/// A deformable body of a scene.
 struct BodyDescription {
   std::string place = "body";
   std::string name = "body";
@@ -188,6 +191,7 @@ struct FixDescription {
   TimeFunction time_function;  ///< on displacement, gradient and rotate, in place of the load factor
 };
 
+/// A load of a scene: Neumann condition, body force or spring.
 struct LoadDescription {
   std::string place = "load";
   std::string name;
@@ -247,6 +251,7 @@ struct ContactDescription {
   std::vector<ContactPairDescription> pairs;
 };
 
+/// A point whose displacement is reported.
 struct ProbeDescription {
   std::string place = "probe";
   std::string name;
@@ -263,6 +268,7 @@ struct SectionDescription {
   double at = 0;  ///< coordinate in the reference configuration [m]
 };
 
+/// Tolerances and limits of the nonlinear solver.
 struct NewtonOptions {
   double tolerance = 1e-8;   ///< force residual relative to the load (docs/theory/stopping.md)
   int max_iterations = 100;  ///< per load or time step; a smaller number truncates a step, safely
@@ -271,11 +277,13 @@ struct NewtonOptions {
   InversionBound inversion_bound = InversionBound::points;
 };
 
+/// Choice and limits of the linear solver.
 struct SolverOptions {
   std::string kind = "auto";  ///< a name of linear/catalog.cpp
   int max_iterations = 2000;  ///< maximum iterations of an iterative solver, per solve
 };
 
+/// Frames, fields and formats of the results.
 struct OutputOptions {
   int every = 1;  ///< frames are written for each n-th step
   std::vector<std::string> fields = {"displacement"};

@@ -20,6 +20,7 @@ struct ContactPart {
   std::vector<double> stiffness;  ///< times area [N/m]
 };
 
+/// The cells of a body on one MPI process.
 struct BodyPart {
   std::vector<Index> cells;   ///< their numbers in the whole body
   double mass = 0;            ///< mass of the whole body [kg]
